@@ -1,0 +1,26 @@
+//! A finished picture with everything measured per pixel. CPU only.
+
+/// What a render leaves for every pixel of its window, row by row from the top left.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Width of the rendered window in pixels.
+    pub width: u32,
+    /// Height of the rendered window in pixels.
+    pub height: u32,
+    /// The window's offset within the whole film.
+    pub offset: [u32; 2],
+    /// Size of the whole film.
+    pub full_size: [u32; 2],
+    /// Mean radiance, linear sRGB.
+    pub radiance: Vec<[f32; 3]>,
+    /// Variance of that mean; 0 where fewer than two samples were taken.
+    pub variance: Vec<[f32; 3]>,
+    /// Samples taken.
+    pub sample_count: Vec<u32>,
+    /// Mean albedo of the first hit (0 where it misses).
+    pub albedo: Vec<[f32; 3]>,
+    /// Mean shading normal of the first hit, world space, not normalised.
+    pub normal: Vec<[f32; 3]>,
+    /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none does.
+    pub depth: Vec<f32>,
+}

@@ -1,0 +1,58 @@
+//! The primitives every shape is flattened to.
+
+use glam::{Vec2, Vec3};
+
+/// One primitive of the scene, in world space.
+///
+/// A point on the three flat shapes is `origin + u * edge_u + v * edge_v`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Primitive {
+    /// What `(u, v)` range over, or that it is a sphere.
+    pub shape: PrimitiveShape,
+    /// A triangle's first vertex; the centre of anything else.
+    pub origin: Vec3,
+    /// A triangle's second vertex minus its first; half a parallelogram's side; a disk's first semi-axis;
+    /// a sphere's x-axis, as long as its radius.
+    pub edge_u: Vec3,
+    /// Likewise to the third vertex; the other half side; the other semi-axis; a sphere's z-axis, as long as its radius.
+    pub edge_v: Vec3,
+    /// Unit shading normals at a triangle's vertices; `None` shades with the geometric normal.
+    pub normals: Option<[Vec3; 3]>,
+    /// Texture coordinates at a triangle's vertices (unused by the other shapes, whose `(u, v)` give them).
+    pub uvs: [Vec2; 3],
+    /// The geometric normal is `-normalize(cross(edge_u, edge_v))`, or points into the sphere.
+    pub flip_normal: bool,
+    /// Index into `Scene::materials`.
+    pub material: u32,
+    /// Index into `Scene::emitters`.
+    pub emitter: Option<u32>,
+}
+
+/// The kinds of primitive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PrimitiveShape {
+    /// `u >= 0`, `v >= 0`, `u + v <= 1`.
+    Triangle,
+    /// `u` and `v` in [-1, 1].
+    Parallelogram,
+    /// `u^2 + v^2 <= 1`.
+    Disk,
+    /// All points at the distance `length(edge_u)` from `origin`.
+    Sphere,
+}
+
+impl Primitive {
+    /// The smallest axis-aligned box that holds the primitive, as (minimum, maximum).
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let half = match self.shape {
+            PrimitiveShape::Triangle => {
+                let (b, c) = (self.origin + self.edge_u, self.origin + self.edge_v);
+                return (self.origin.min(b).min(c), self.origin.max(b).max(c));
+            }
+            PrimitiveShape::Parallelogram => self.edge_u.abs() + self.edge_v.abs(),
+            PrimitiveShape::Disk => (self.edge_u * self.edge_u + self.edge_v * self.edge_v).map(f32::sqrt),
+            PrimitiveShape::Sphere => Vec3::splat(self.edge_u.length()),
+        };
+        (self.origin - half, self.origin + half)
+    }
+}

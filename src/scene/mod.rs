@@ -1,0 +1,168 @@
+//! A Mitsuba scene, read and flattened to what a path tracer needs. CPU only: no Vulkan, no `unsafe`.
+//!
+//! Conventions are Mitsuba's: right-handed world, `v` of a texture coordinate up, camera looking along its `+z` with `+x` to
+//! the *left* of the picture, depth counted in path edges (1 is emission seen directly).
+
+pub mod geometry;
+pub mod load;
+
+use glam::{Mat4, Vec2, Vec3};
+
+pub use geometry::{Primitive, PrimitiveShape};
+pub use load::{LoadOptions, load};
+
+/// A whole scene in world space.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The scene's name: its file's stem, or its folder's name where the stem is `scene`.
+    pub name: String,
+    /// The one sensor.
+    pub camera: Camera,
+    /// The sensor's film.
+    pub film: FilmDescription,
+    /// What the scene file says of the integrator.
+    pub integrator: IntegratorDescription,
+    /// `sample_count` of the sensor's sampler.
+    pub sample_count: Option<u32>,
+    /// Every shape, flattened to world-space primitives, in file order.
+    pub primitives: Vec<Primitive>,
+    /// What primitives index as `material`.
+    pub materials: Vec<Material>,
+    /// What primitives index as `emitter`: area emitters.
+    pub emitters: Vec<AreaEmitter>,
+    /// Radiance of a `constant` environment in linear sRGB, W/(m^2 sr); zero where the scene has none.
+    pub environment: Vec3,
+    /// What was read but is not honoured exactly, one sentence each, with file and line.
+    pub warnings: Vec<String>,
+}
+
+/// A `perspective` sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// Camera space (x left, y up, z forward) to world.
+    pub world_from_camera: Mat4,
+    /// Field of view in degrees, in (0, 180), along `fov_axis`.
+    pub fov: f32,
+    /// The axis that `fov` spans.
+    pub fov_axis: FovAxis,
+    /// Offset of the principal point, in picture widths and heights.
+    pub principal_point: Vec2,
+    /// Distance of the near plane, > 0.
+    pub near_clip: f32,
+    /// Distance of the far plane, > near.
+    pub far_clip: f32,
+}
+
+/// Mitsuba's `fov_axis`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FovAxis {
+    /// Horizontal (Mitsuba's default).
+    X,
+    /// Vertical.
+    Y,
+    /// The picture's diagonal.
+    Diagonal,
+    /// The shorter side.
+    Smaller,
+    /// The longer side.
+    Larger,
+}
+
+impl Camera {
+    /// Tangent of half the *horizontal* field of view for a picture of `width` x `height` pixels.
+    pub fn tan_half_fov_x(&self, width: u32, height: u32) -> f32 {
+        let (width, height) = (width as f32, height as f32);
+        let tan_half = (0.5 * self.fov.to_radians()).tan();
+        let vertical = tan_half * width / height;
+        match self.fov_axis {
+            FovAxis::X => tan_half,
+            FovAxis::Y => vertical,
+            FovAxis::Diagonal => tan_half * width / width.hypot(height),
+            FovAxis::Smaller => if width < height { tan_half } else { vertical },
+            FovAxis::Larger => if width > height { tan_half } else { vertical },
+        }
+    }
+}
+
+/// Size, crop and reconstruction filter of a film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmDescription {
+    /// Width in pixels, > 0.
+    pub width: u32,
+    /// Height in pixels, > 0.
+    pub height: u32,
+    /// The window of it that is rendered, where the file names one.
+    pub crop: Option<Crop>,
+    /// The reconstruction filter.
+    pub filter: ReconstructionFilter,
+}
+
+/// A window of the film, in pixels from its top left corner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct Crop {
+    /// Left edge.
+    pub x: u32,
+    /// Upper edge.
+    pub y: u32,
+    /// Width, > 0.
+    pub width: u32,
+    /// Height, > 0.
+    pub height: u32,
+}
+
+/// A reconstruction filter, applied by filter importance sampling. Radii are in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ReconstructionFilter {
+    /// Every sample weighs the same within its own pixel.
+    Box,
+    /// A tent of the given radius (Mitsuba's default: 1).
+    Tent {
+        /// Where the tent reaches zero.
+        radius: f32,
+    },
+    /// A Gaussian of the given standard deviation (Mitsuba's default: 0.5), cut off at four of them, as Mitsuba does.
+    Gaussian {
+        /// Standard deviation.
+        stddev: f32,
+    },
+}
+
+/// What the scene file's `integrator` says; what it leaves open is `None`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct IntegratorDescription {
+    /// Longest path in edges; `Some(-1)` is Mitsuba's "unlimited".
+    pub max_depth: Option<i32>,
+    /// Depth from which Russian roulette is played.
+    pub rr_depth: Option<i32>,
+    /// Whether directly seen emitters are black (and transparent to the background).
+    pub hide_emitters: bool,
+}
+
+/// How a surface scatters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// The `id`, or the shape's, for messages.
+    pub name: String,
+    /// The scattering function.
+    pub bsdf: Bsdf,
+    /// Inside `twosided`: the back scatters like the front. Otherwise the back is black.
+    pub two_sided: bool,
+}
+
+/// A scattering function with its parameters in linear sRGB.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Bsdf {
+    /// Ideal diffuse reflection.
+    Diffuse {
+        /// Albedo, each channel in [0, 1].
+        reflectance: Vec3,
+    },
+}
+
+/// An `area` emitter: it emits from the side its normal points to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AreaEmitter {
+    /// Emitted radiance in linear sRGB, each channel >= 0.
+    pub radiance: Vec3,
+}
