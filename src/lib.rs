@@ -3,6 +3,9 @@
 
 pub mod error;
 pub mod film;
+pub mod gpu;
+pub mod kernels;
+pub mod layout;
 pub mod scene;
 
 pub use error::{Error, Result};

@@ -5,6 +5,8 @@
 pub enum BindingKind {
     /// A storage buffer.
     StorageBuffer,
+    /// A small buffer that is the same for every invocation.
+    UniformBuffer,
     /// A read-only texel buffer of four 32-bit floats (`samplerBuffer`).
     TexelBufferFloat,
     /// A read-only texel buffer of four 32-bit unsigned integers (`usamplerBuffer`).

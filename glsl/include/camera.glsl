@@ -1,0 +1,40 @@
+// The perspective camera and the reconstruction filter's importance sampling (Ernst et al. 2006).
+#ifndef CAMERA_GLSL
+#define CAMERA_GLSL
+#include "frame.glsl"
+#include "intersect.glsl"
+
+// Inverse of the cumulative tent on [-1, 1].
+float sample_tent(float u) {
+    return u < 0.5 ? sqrt(2.0 * u) - 1.0 : 1.0 - sqrt(2.0 - 2.0 * u);
+}
+
+// A Gaussian of unit deviation, cut off at a distance of four.
+vec2 sample_gaussian(vec2 u) {
+    const float inside = 1.0 - exp(-8.0);
+    float radius = sqrt(-2.0 * log(1.0 - inside * u.x));
+    float angle = 2.0 * PI * u.y;
+    return radius * vec2(cos(angle), sin(angle));
+}
+
+// Where in a pixel's surroundings a sample falls, relative to the pixel's corner.
+vec2 sample_filter(vec2 u) {
+    if (FILTER == FILTER_TENT) return 0.5 + FILTER_WIDTH * vec2(sample_tent(u.x), sample_tent(u.y));
+    if (FILTER == FILTER_GAUSSIAN) return 0.5 + FILTER_WIDTH * sample_gaussian(u);
+    return u;
+}
+
+// The ray through `position`, in film pixels from the top left. Camera space has x to the left of the picture.
+Ray camera_ray(vec2 position) {
+    vec2 screen = 1.0 - 2.0 * (position / scene().film_size + scene().principal_point);
+    vec3 local = vec3(screen * scene().raster_scale, 1.0);
+    float per_depth = length(local);
+    local /= per_depth;
+    vec4 rows[3] = scene().world_from_camera;
+    vec3 direction = normalize(vec3(dot(rows[0].xyz, local), dot(rows[1].xyz, local), dot(rows[2].xyz, local)));
+    vec3 eye = vec3(rows[0].w, rows[1].w, rows[2].w);
+    float near = scene().near_clip * per_depth;
+    return Ray(eye + near * direction, direction, scene().far_clip * per_depth - near);
+}
+
+#endif

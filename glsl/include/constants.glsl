@@ -1,0 +1,31 @@
+#ifndef CONSTANTS_GLSL
+#define CONSTANTS_GLSL
+
+const float PI = 3.14159265358979;
+const float INV_PI = 0.318309886183791;
+const float INV_TWO_PI = 0.159154943091895;
+// Longer than any ray, and finite, so that no comparison depends on how infinities are treated.
+const float MAX_DISTANCE = 3.0e38;
+
+float mean_rgb(vec3 c) {
+    return (c.r + c.g + c.b) * (1.0 / 3.0);
+}
+
+float max_component(vec3 v) {
+    return max(v.x, max(v.y, v.z));
+}
+
+float max_abs(vec3 v) {
+    return max_component(abs(v));
+}
+
+// False for NaN and for either infinity, whatever the compiler assumes of them.
+bool is_finite(float x) {
+    return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+bool is_finite(vec3 v) {
+    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
+
+#endif

@@ -1,0 +1,54 @@
+// Set 3, NormalizationGrid: memoised normalizers N(cell, normal bin). The only file that indexes it.
+#ifndef NORMALIZATION_GRID_GLSL
+#define NORMALIZATION_GRID_GLSL
+#include "variant.glsl"
+
+// How to sample and to weigh L(cell, w) max(0, cos(nb, w)) for the bin's representative normal nb.
+struct NormalizationEntry {
+    float guide_scale;       // times L cos(nb, w): density of a guided direction, per steradian
+    float uniform_density;   // density of the uniform share and of the fallback, per steradian; 0 marks an unfilled entry
+    float acceptance_scale;  // times L cos(nb, w): probability that a proposal is accepted, at most 1
+    float uniform_share;     // probability of the uniform component
+};
+
+// Of one (direction bin, normal bin): what the clamped cosine amounts to over the direction bin.
+struct CosineIntegral {
+    float integral;  // exact integral over the bin, sr
+    float maximum;   // upper bound over the bin
+};
+
+layout(scalar, set = 3, binding = 0) restrict buffer NormalizationTable { NormalizationEntry normalization_table[]; };
+layout(scalar, set = 3, binding = 1) restrict buffer NormalizationMarks { uint normalization_marks[]; };
+layout(scalar, set = 3, binding = 2) restrict readonly buffer CosineIntegrals { CosineIntegral cosine_integrals[]; };
+
+uint normal_bin_count() {
+    return NORMAL_RESOLUTION * NORMAL_RESOLUTION;
+}
+
+uint normalization_index(uint cell, uint normal_bin) {
+    return cell * normal_bin_count() + normal_bin;
+}
+
+NormalizationEntry normalization_entry(uint index) {
+    return normalization_table[index];
+}
+
+void store_normalization_entry(uint index, NormalizationEntry entry) {
+    normalization_table[index] = entry;
+}
+
+bool is_marked(uint index) {
+    return (normalization_marks[index >> 5u] & (1u << (index & 31u))) != 0u;
+}
+
+// Asks for the entry to be filled from the next update on.
+void mark_entry(uint index) {
+    if (!is_marked(index)) atomicOr(normalization_marks[index >> 5u], 1u << (index & 31u));
+}
+
+// Neighboring normal bins lie side by side, so that the lanes of an update read one line.
+CosineIntegral cosine_integral(uint bin, uint normal_bin) {
+    return cosine_integrals[bin * normal_bin_count() + normal_bin];
+}
+
+#endif

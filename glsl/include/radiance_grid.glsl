@@ -1,0 +1,73 @@
+// Set 2, RadianceGrid: what has been learned, L(cell, direction bin). The only file that indexes it.
+#ifndef RADIANCE_GRID_GLSL
+#define RADIANCE_GRID_GLSL
+#include "variant.glsl"
+
+// What one step adds to a bin: a sum of fixed-point targets in two words, exact in any order, and their number.
+struct RadianceSum {
+    uint low;
+    uint high;
+    uint target_count;
+    uint reserved;
+};
+
+// The estimate itself, before any floor: mean radiance and the (decayed) number of targets behind it.
+struct LearnedRadiance {
+    float mean;
+    float weight;
+};
+
+layout(scalar, set = 2, binding = 0) restrict buffer RadianceTable { float radiance_table[]; };
+layout(scalar, set = 2, binding = 1) restrict buffer LearnedTable { LearnedRadiance learned_table[]; };
+layout(scalar, set = 2, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
+
+// Fixed-point targets: a target of `target_limit` is this many units.
+const float FIXED_POINT_UNITS = 1073741824.0;
+
+uint direction_bin_count() {
+    return DIRECTION_RESOLUTION * DIRECTION_RESOLUTION;
+}
+
+uint radiance_index(uint cell, uint bin) {
+    return cell * direction_bin_count() + bin;
+}
+
+// Mean radiance (of RGB) that arrives in the cell from the bin's directions; positive.
+float radiance(uint index) {
+    return radiance_table[index];
+}
+
+void store_radiance(uint index, float value) {
+    radiance_table[index] = value;
+}
+
+LearnedRadiance learned_radiance(uint index) {
+    return learned_table[index];
+}
+
+void store_learned_radiance(uint index, LearnedRadiance learned) {
+    learned_table[index] = learned;
+}
+
+// Units of a target: saturated, then rounded up or down with `u` so that the mean is right.
+uint fixed_point(float target, float target_limit, float u) {
+    float units = clamp(target / target_limit, 0.0, 1.0) * FIXED_POINT_UNITS;
+    float whole = floor(units);
+    return uint(whole) + (u < units - whole ? 1u : 0u);
+}
+
+void add_target(uint index, uint units) {
+    uint old = atomicAdd(radiance_sums[index].low, units);
+    if (old + units < old) atomicAdd(radiance_sums[index].high, 1u);
+    atomicAdd(radiance_sums[index].target_count, 1u);
+}
+
+// The sum of a bin's targets and their number since the last call.
+void take_targets(uint index, float target_limit, out float sum, out float target_count) {
+    RadianceSum s = radiance_sums[index];
+    radiance_sums[index] = RadianceSum(0u, 0u, 0u, 0u);
+    sum = (float(s.high) * 4294967296.0 + float(s.low)) * (target_limit / FIXED_POINT_UNITS);
+    target_count = float(s.target_count);
+}
+
+#endif

@@ -1,0 +1,147 @@
+// One step of rendering and learning: traces `sample_count` paths for every pixel of a slice, adds them to the film, and
+// records what they meet in the radiance grid. A lane starts its next path as soon as the last one has ended.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "camera.glsl"
+#include "guiding.glsl"
+#include "learning.glsl"
+#include "surface.glsl"
+#include "tally.glsl"
+#include "traverse.glsl"
+
+struct PathTracePush {
+    uint first_workgroup;    // of the slice, within the film page
+    uint workgroup_count;
+    uint workgroup_stride;   // coprime to the count: spreads neighbors over a device that deals out contiguous halves
+    uint page_first_pixel;   // pixels (in tile order) before this film page
+    uint first_sample;
+    uint sample_count;
+};
+layout(push_constant, scalar) uniform Push { PathTracePush push; };
+
+struct Path {
+    RandomKey key;
+    Ray ray;
+    vec3 throughput;
+    vec3 radiance;
+    uint depth;       // edges so far, the ray's own included; 0: no path is under way
+    Segment segment;  // that the ray travels
+};
+
+// Tiles of 8 x 8 pixels, row by row, and pixels within a tile likewise.
+uvec2 tile_order_pixel(uint index) {
+    uint tiles_per_row = (scene().window_size.x + 7u) / 8u;
+    uint tile = index / 64u;
+    uint within = index % 64u;
+    return uvec2(tile % tiles_per_row, tile / tiles_per_row) * 8u + uvec2(within % 8u, within / 8u);
+}
+
+Path start_path(uvec2 film_pixel, uint sample_index) {
+    Path path;
+    path.key = RandomKey(film_pixel.y * uint(scene().film_size.x) + film_pixel.x, sample_index, scene().seed);
+    path.ray = camera_ray(vec2(film_pixel) + sample_filter(random4(path.key, 0u, RANDOM_SCATTER).xy));
+    path.throughput = vec3(1.0);
+    path.radiance = vec3(0.0);
+    path.depth = 1u;
+    path.segment = NO_SEGMENT;
+    return path;
+}
+
+vec3 visible_emission(Path path, vec3 emission) {
+    return HIDE_EMITTERS && path.depth == 1u ? vec3(0.0) : emission;
+}
+
+// Emission of a surface towards the ray's origin: from the side its normal points to.
+vec3 surface_emission(Surface s, vec3 wo) {
+    if (s.emitter == NONE || dot(s.shading_normal, wo) <= 0.0) return vec3(0.0);
+    return emitter_radiance(s.emitter);
+}
+
+// Russian roulette by throughput; survivors are weighed up.
+bool survives_roulette(inout Path path, float u) {
+    if (path.depth < RR_DEPTH) return true;
+    float survival = min(max_component(path.throughput), 0.95);
+    path.throughput /= max(survival, 1.0e-30);
+    return u < survival;
+}
+
+void end_path(inout Path path) {
+    path.depth = 0u;
+}
+
+void escape(inout Path path, inout Tally tally) {
+    vec3 emission = scene().environment;
+    path.radiance += path.throughput * visible_emission(path, emission);
+    count_light_hit(tally, path.depth, emission);
+    if (is_learning() && path.depth < MAX_DEPTH) record(path.segment, path.key, path.depth, mean_rgb(emission));
+    end_path(path);
+}
+
+// Adds what the surface emits, draws where the path goes on, and records the segment that ended here.
+void scatter(inout Path path, Surface s, Material m, inout Tally tally) {
+    vec3 wo = -path.ray.direction;
+    vec3 emission = surface_emission(s, wo);
+    path.radiance += path.throughput * visible_emission(path, emission);
+    count_light_hit(tally, path.depth, emission);
+    if (path.depth == MAX_DEPTH) {
+        end_path(path);
+        return;
+    }
+    bool front = dot(s.shading_normal, wo) > 0.0;
+    vec3 n = front ? s.shading_normal : -s.shading_normal;
+    uint cell = is_learning() ? grid_cell(s.position) : 0u;
+    vec4 u = random4(path.key, path.depth, RANDOM_SCATTER);
+    DirectionSample next = sample_direction(path.key, path.depth, u, m, basis_from_normal(n), cell);
+    if (!front && !is_two_sided(m)) next.weight = vec3(0.0);
+    count_sample(tally, next.tries, next.weight == vec3(0.0), next.overrun);
+    if (is_learning()) {
+        record(path.segment, path.key, path.depth, target_sarsa(emission, next));
+        path.segment = segment_from(cell, next.wi);
+    }
+    path.throughput *= next.weight;
+    if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
+        path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
+        ++path.depth;
+    } else {
+        end_path(path);
+    }
+}
+
+void main() {
+    uint workgroup = push.first_workgroup + (gl_WorkGroupID.x * push.workgroup_stride) % push.workgroup_count;
+    uint index = workgroup * WORKGROUP_SIZE + gl_LocalInvocationIndex;
+    uvec2 pixel = tile_order_pixel(push.page_first_pixel + index);
+    bool inside = all(lessThan(pixel, scene().window_size));
+    uvec2 film_pixel = scene().window_offset + pixel;
+
+    PixelSamples samples = no_samples();
+    Tally tally = no_tally();
+    Path path;
+    end_path(path);
+    uint next_sample = inside ? 0u : push.sample_count;
+    bool more = next_sample < push.sample_count;
+    uint edges_left = push.sample_count * MAX_DEPTH;
+    while (more && edges_left > 0u) {
+        --edges_left;
+        if (path.depth == 0u) path = start_path(film_pixel, push.first_sample + next_sample++);
+
+        Hit hit = traverse(path.ray, false, tally.overrun);
+        count_ray(tally, path.depth);
+        if (hit.primitive == NONE) {
+            escape(path, tally);
+        } else {
+            Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
+            Material m = material(s.material);
+            if (path.depth == 1u) add_first_hit(samples, bsdf_albedo(m), s.shading_normal, hit.t);
+            scatter(path, s, m, tally);
+        }
+
+        if (path.depth == 0u) add_sample(samples, path.radiance, tally);
+        more = path.depth != 0u || next_sample < push.sample_count;
+    }
+    tally.overrun = tally.overrun || more;
+
+    if (inside) merge_into_film(index, samples);
+    publish_tally(tally);
+}

@@ -1,0 +1,200 @@
+//! Every struct that crosses to GLSL, nothing else. `build.rs` holds size and offsets against the reflected shaders; the
+//! meaning of each field stands beside it in `glsl/include`.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `glsl/include/frame.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct FilmRadiance {
+    /// Mean of the pixel's samples, linear sRGB.
+    pub mean: [f32; 3],
+    /// Their number.
+    pub sample_count: u32,
+    /// Sum of squared deviations from the mean.
+    pub squared_deviation: [f32; 3],
+    /// Samples whose camera ray hit something.
+    pub hit_count: u32,
+}
+
+/// `glsl/include/frame.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct FilmFeatures {
+    /// Mean albedo of the first hit.
+    pub albedo: [f32; 3],
+    /// Mean depth of the first hit over the samples that hit.
+    pub depth: f32,
+    /// Mean shading normal of the first hit.
+    pub normal: [f32; 3],
+    /// Unused.
+    pub reserved: f32,
+}
+
+/// `glsl/include/frame.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SceneConstants {
+    /// Rows of the affine matrix.
+    pub world_from_camera: [[f32; 4]; 3],
+    /// Whole film in pixels.
+    pub film_size: [f32; 2],
+    /// Tangents of the half fields of view.
+    pub raster_scale: [f32; 2],
+    /// In picture widths and heights.
+    pub principal_point: [f32; 2],
+    /// Distance of the near plane.
+    pub near_clip: f32,
+    /// Distance of the far plane.
+    pub far_clip: f32,
+    /// Lower corner of the scene.
+    pub bounds_min: [f32; 3],
+    /// How far a scattered ray's origin leaves its surface, scene units.
+    pub ray_epsilon: f32,
+    /// Grid resolution / extent.
+    pub cells_per_unit: [f32; 3],
+    /// Learning targets saturate here, W/(m^2 sr).
+    pub target_limit: f32,
+    /// Radiance of the constant environment.
+    pub environment: [f32; 3],
+    /// The render's seed.
+    pub seed: u32,
+    /// Offset of the rendered window within the film.
+    pub window_offset: [u32; 2],
+    /// Its size in pixels.
+    pub window_size: [u32; 2],
+    /// Unused.
+    pub reserved: [u32; 2],
+}
+
+/// `glsl/include/frame.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    /// Linear sRGB in [0, 1].
+    pub reflectance: [f32; 3],
+    /// `BSDF_*`, and bit 8 for two sides.
+    pub kind_and_sides: u32,
+}
+
+/// `glsl/include/frame.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Emitter {
+    /// Linear sRGB, W/(m^2 sr).
+    pub radiance: [f32; 3],
+    /// Unused.
+    pub reserved: f32,
+}
+
+/// `glsl/layout_probe.comp`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct PrimitiveRecord {
+    /// First vertex or center.
+    pub origin: [f32; 3],
+    /// `SHAPE_*` and `PRIMITIVE_*`.
+    pub flags: u32,
+    /// See [`crate::scene::Primitive::edge_u`].
+    pub edge_u: [f32; 3],
+    /// Length of the longest edge, or the sphere's radius.
+    pub edge_tolerance: f32,
+    /// See [`crate::scene::Primitive::edge_v`].
+    pub edge_v: [f32; 3],
+    /// Unused.
+    pub reserved: f32,
+}
+
+/// `glsl/layout_probe.comp`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct AttributeRecord {
+    /// Vertex normals, octahedral, 16 bits a coordinate.
+    pub normals: [u32; 3],
+    /// Index of the material.
+    pub material: u32,
+    /// Texture coordinates of the first vertex.
+    pub uv0: [f32; 2],
+    /// Of the second.
+    pub uv1: [f32; 2],
+    /// Of the third.
+    pub uv2: [f32; 2],
+    /// Index of the emitter, or `NONE`.
+    pub emitter: u32,
+    /// Unused.
+    pub reserved: u32,
+}
+
+/// `glsl/include/radiance_grid.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RadianceSum {
+    /// Lower word of the fixed-point sum.
+    pub low: u32,
+    /// Upper word.
+    pub high: u32,
+    /// Number of targets.
+    pub target_count: u32,
+    /// Unused.
+    pub reserved: u32,
+}
+
+/// `glsl/include/radiance_grid.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LearnedRadiance {
+    /// Mean radiance, before any floor.
+    pub mean: f32,
+    /// Decayed number of targets behind it.
+    pub weight: f32,
+}
+
+/// `glsl/include/normalization_grid.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct NormalizationEntry {
+    /// Times L cos: density of a guided direction.
+    pub guide_scale: f32,
+    /// Density of the uniform share and the fallback; 0 marks an unfilled entry.
+    pub uniform_density: f32,
+    /// Times L cos: probability that a proposal is accepted.
+    pub acceptance_scale: f32,
+    /// Probability of the uniform component.
+    pub uniform_share: f32,
+}
+
+/// `glsl/include/normalization_grid.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct CosineIntegral {
+    /// Integral of the clamped cosine over the direction bin, sr.
+    pub integral: f32,
+    /// Upper bound of the cosine over the bin, at least 0.
+    pub maximum: f32,
+}
+
+/// Pushed to `glsl/path_trace.comp`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct PathTracePush {
+    /// First workgroup of the slice within the film page.
+    pub first_workgroup: u32,
+    /// Workgroups of the slice.
+    pub workgroup_count: u32,
+    /// Coprime to the count.
+    pub workgroup_stride: u32,
+    /// Pixels, in tile order, before this film page.
+    pub page_first_pixel: u32,
+    /// Index of the first sample.
+    pub first_sample: u32,
+    /// Samples to take.
+    pub sample_count: u32,
+}
+
+/// Pushed to `glsl/update_radiance.comp` and `glsl/update_normalization.comp`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct UpdatePush {
+    /// Cell of the first workgroup.
+    pub first_cell: u32,
+}
