@@ -3,6 +3,7 @@
 
 pub mod error;
 pub mod film;
+pub mod gpu;
 pub mod scene;
 
 pub use error::{Error, Result};
