@@ -246,9 +246,18 @@ fn binding_kind(kind: &DescriptorType, ty: &Type) -> Option<&'static str> {
         DescriptorType::StorageBuffer(_) => Some("StorageBuffer"),
         DescriptorType::UniformBuffer() => Some("UniformBuffer"),
         DescriptorType::UniformTexelBuffer() => match ty {
-            Type::SampledImage(image) if matches!(image.scalar_ty, ScalarType::Integer { .. }) => Some("TexelBufferUint"),
-            _ => Some("TexelBufferFloat"),
+            Type::CombinedImageSampler(image) => texel_kind(&image.sampled_image_ty.scalar_ty),
+            Type::SampledImage(image) => texel_kind(&image.scalar_ty),
+            _ => None,
         },
+        _ => None,
+    }
+}
+
+fn texel_kind(scalar: &ScalarType) -> Option<&'static str> {
+    match scalar {
+        ScalarType::Integer { is_signed: false, .. } => Some("TexelBufferUint"),
+        ScalarType::Float { .. } => Some("TexelBufferFloat"),
         _ => None,
     }
 }

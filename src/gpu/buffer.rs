@@ -1,0 +1,267 @@
+//! Buffers that kernels read and write.
+
+use std::sync::Arc;
+
+use ash::vk;
+use bytemuck::Pod;
+use gpu_allocator::MemoryLocation;
+
+use super::backing::{Backing, check_range};
+use super::context::Context;
+use super::fault::failed;
+use super::interface::BindingKind;
+use crate::{Error, Result};
+
+/// A texel is four numbers of 32 bits.
+const TEXEL_BYTES: u64 = 16;
+
+/// Every Vulkan device allows uniform buffers of this size.
+const MAX_UNIFORM_BYTES: u64 = 16384;
+
+/// Where the host cannot reach a buffer, data travels through a staging area of at most this many bytes.
+const STAGING_BYTES: usize = 16 << 20;
+
+/// How kernels see a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BufferKind {
+    /// Read and written as storage.
+    Storage,
+    /// Small, and the same for every invocation.
+    Uniform,
+    /// Read as texels of four floats.
+    TexelFloat,
+    /// Read as texels of four unsigned integers.
+    TexelUint,
+}
+
+impl BufferKind {
+    /// The kind of binding that it fits.
+    pub fn binding(self) -> BindingKind {
+        match self {
+            Self::Storage => BindingKind::StorageBuffer,
+            Self::Uniform => BindingKind::UniformBuffer,
+            Self::TexelFloat => BindingKind::TexelBufferFloat,
+            Self::TexelUint => BindingKind::TexelBufferUint,
+        }
+    }
+
+    fn usage(self) -> vk::BufferUsageFlags {
+        let own = match self {
+            Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
+            Self::Uniform => vk::BufferUsageFlags::UNIFORM_BUFFER,
+            Self::TexelFloat | Self::TexelUint => vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
+        };
+        own | vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST
+    }
+
+    fn texel_format(self) -> Option<vk::Format> {
+        match self {
+            Self::Storage | Self::Uniform => None,
+            Self::TexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
+            Self::TexelUint => Some(vk::Format::R32G32B32A32_UINT),
+        }
+    }
+}
+
+/// A buffer near the device.
+pub struct Buffer {
+    /// Null for storage.
+    view: vk::BufferView,
+    kind: BufferKind,
+    name: String,
+    // Dropped after the view is destroyed.
+    backing: Backing,
+}
+
+impl Buffer {
+    /// A buffer of zeros. Its size is rounded up to a multiple of 16 bytes, and is at least that: an empty scene has buffers
+    /// too.
+    ///
+    /// # Errors
+    /// Where the device does not allow such a size or is out of memory.
+    pub fn new(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
+        let bytes = bytes.max(1).checked_next_multiple_of(TEXEL_BYTES).unwrap_or(u64::MAX);
+        check_size(context, name, bytes, kind)?;
+        let backing = Backing::new(context, name, bytes, kind.usage(), MemoryLocation::GpuOnly)?;
+        let mut buffer = Self { view: vk::BufferView::null(), kind, name: name.into(), backing };
+        if let Some(format) = kind.texel_format() {
+            buffer.create_view(format)?;
+        }
+        context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
+        Ok(Arc::new(buffer))
+    }
+
+    fn create_view(&mut self, format: vk::Format) -> Result<()> {
+        let context = self.context();
+        check_format(context, format, &self.name)?;
+        let info =
+            vk::BufferViewCreateInfo::default().buffer(self.backing.raw()).format(format).range(self.backing.bytes());
+        // SAFETY: invariant 1: device and buffer are alive, and `info` is a local.
+        let view = unsafe { context.raw().create_buffer_view(&info, None) }
+            .map_err(failed(format!("creating a view of the buffer `{}`", self.name)))?;
+        context.logical().name(view, &self.name);
+        self.view = view;
+        Ok(())
+    }
+
+    /// Its size, as rounded.
+    pub fn len_bytes(&self) -> u64 {
+        self.backing.bytes()
+    }
+
+    /// How kernels see it.
+    pub fn kind(&self) -> BufferKind {
+        self.kind
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Copies values into the buffer. Waits for work under way.
+    ///
+    /// # Errors
+    /// Where the device is lost or out of memory.
+    ///
+    /// # Panics
+    /// Where they do not fit.
+    pub fn upload<T: Pod>(&self, offset_bytes: u64, values: &[T]) -> Result<()> {
+        let bytes: &[u8] = bytemuck::cast_slice(values);
+        check_range(self.len_bytes(), offset_bytes, bytes.len() as u64);
+        if let Some(mapped) = self.backing.mapped() {
+            return mapped.write(offset_bytes, bytes);
+        }
+        self.upload_staged(offset_bytes, bytes)
+    }
+
+    /// Copies `count` values out of the buffer. Waits for work under way.
+    ///
+    /// # Errors
+    /// Where the device is lost or out of memory.
+    ///
+    /// # Panics
+    /// Where the buffer does not hold that many.
+    pub fn read<T: Pod>(&self, offset_bytes: u64, count: usize) -> Result<Vec<T>> {
+        let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
+        check_range(self.len_bytes(), offset_bytes, bytes);
+        let mut values = vec![T::zeroed(); count];
+        let bytes = bytemuck::cast_slice_mut(&mut values);
+        match self.backing.mapped().filter(|_| self.backing.is_host_cached()) {
+            Some(mapped) => mapped.read(offset_bytes, bytes)?,
+            None => self.read_staged(offset_bytes, bytes)?,
+        }
+        Ok(values)
+    }
+
+    fn upload_staged(&self, mut offset: u64, bytes: &[u8]) -> Result<()> {
+        let staging = self.staging(bytes.len(), MemoryLocation::CpuToGpu)?;
+        for chunk in bytes.chunks(STAGING_BYTES) {
+            staging.mapped().ok_or_else(unmapped)?.write(0, chunk)?;
+            self.context().submit(&format!("uploading `{}`", self.name), |recorder| {
+                recorder.copy_backing(&staging, 0, &self.backing, offset, chunk.len() as u64);
+            })?;
+            offset += chunk.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn read_staged(&self, mut offset: u64, bytes: &mut [u8]) -> Result<()> {
+        let staging = self.staging(bytes.len(), MemoryLocation::GpuToCpu)?;
+        for chunk in bytes.chunks_mut(STAGING_BYTES) {
+            self.context().submit(&format!("reading `{}`", self.name), |recorder| {
+                recorder.copy_backing(&self.backing, offset, &staging, 0, chunk.len() as u64);
+            })?;
+            staging.mapped().ok_or_else(unmapped)?.read(0, chunk)?;
+            offset += chunk.len() as u64;
+        }
+        Ok(())
+    }
+
+    fn staging(&self, bytes: usize, place: MemoryLocation) -> Result<Backing> {
+        let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
+        let bytes = bytes.clamp(1, STAGING_BYTES) as u64;
+        Backing::new(self.context(), &format!("staging of {}", self.name), bytes, usage, place)
+    }
+
+    pub(super) fn backing(&self) -> &Backing {
+        &self.backing
+    }
+
+    pub(super) fn context(&self) -> &Arc<Context> {
+        self.backing.context()
+    }
+
+    /// The view of its texels, for a call during which the caller borrows this value; null for storage.
+    pub(super) fn view(&self) -> vk::BufferView {
+        self.view
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: invariants 1 and 3: ours alone (null is allowed), and no submission that used it is under way.
+        unsafe { self.context().raw().destroy_buffer_view(self.view, None) }
+    }
+}
+
+fn check_size(context: &Context, name: &str, bytes: u64, kind: BufferKind) -> Result<()> {
+    let limits = &context.device().limits;
+    let most = match kind {
+        BufferKind::Storage => limits.max_storage_buffer_bytes,
+        BufferKind::Uniform => MAX_UNIFORM_BYTES,
+        BufferKind::TexelFloat | BufferKind::TexelUint => limits.max_texel_elements.saturating_mul(TEXEL_BYTES),
+    };
+    if bytes <= most {
+        return Ok(());
+    }
+    let what = match kind {
+        BufferKind::Storage => "storage",
+        BufferKind::Uniform => "uniform",
+        BufferKind::TexelFloat | BufferKind::TexelUint => "texel",
+    };
+    let device = &context.device().name;
+    Err(Error::Device(format!(
+        "the buffer `{name}` needs {bytes} bytes, but {device} allows {most} in a {what} buffer"
+    )))
+}
+
+fn check_format(context: &Context, format: vk::Format, name: &str) -> Result<()> {
+    let device = context.logical();
+    // SAFETY: invariant 1: the physical device comes from the living instance.
+    let offered = unsafe { device.instance().raw().get_physical_device_format_properties(device.physical(), format) };
+    if offered.buffer_features.contains(vk::FormatFeatureFlags::UNIFORM_TEXEL_BUFFER) {
+        return Ok(());
+    }
+    let device = &context.device().name;
+    Err(Error::Device(format!("the buffer `{name}` needs texels of format {format:?}, which {device} does not offer")))
+}
+
+fn unmapped() -> Error {
+    Error::Vulkan { call: "mapping a staging buffer".into(), reason: "the driver mapped no memory".into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::ContextOptions;
+
+    /// lavapipe's memory is the host's, so elsewhere the staged paths would go untested.
+    #[test]
+    fn staged_transfers_cross_chunks_at_odd_offsets() {
+        let options = ContextOptions { device: None, validate: true };
+        let context = Context::new(&options).expect("a device");
+        let sent: Vec<u8> = (0..STAGING_BYTES + 12_345).map(|i| (i * 31 % 251) as u8).collect();
+        let buffer = Buffer::new(&context, "staged", sent.len() as u64 + 64, BufferKind::Storage).expect("a buffer");
+        buffer.upload_staged(7, &sent).expect("an upload");
+        let mut back = vec![0; sent.len()];
+        buffer.read_staged(7, &mut back).expect("a read");
+        assert!(sent == back, "what was sent comes back");
+        assert_eq!(buffer.read::<u8>(0, 7).expect("a read"), [0; 7]);
+        assert_eq!(buffer.read::<u8>(7, 100).expect("a read"), sent[..100]);
+        let (log, allocated) = (context.validation_log(), context.allocated_bytes());
+        assert_eq!(allocated, buffer.len_bytes().next_multiple_of(64), "the staging areas are gone");
+        drop((buffer, context));
+        assert_eq!(log.messages(), [""; 0]);
+    }
+}

@@ -1,0 +1,217 @@
+//! Recording: what a submission will do.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::backing::{Backing, check_range};
+use super::buffer::Buffer;
+use super::context::Context;
+use super::debug::c_name;
+use super::fault::failed;
+use super::kernel::Kernel;
+use super::layout::shapes_match;
+use super::sets::DescriptorSet;
+use super::timing::Clock;
+use crate::Result;
+
+/// Records work, in order. Dispatches, fills and copies may overlap unless a [`barrier`](Self::barrier) stands between.
+///
+/// What is recorded is borrowed for `'a`, which the caller of [`Context::submit`] chooses and which therefore lasts longer
+/// than that call.
+pub struct Recorder<'a> {
+    // Owned, not borrowed: two recorders that a caller swaps each keep a living command buffer.
+    clock: Option<Clock>,
+    pool: CommandPool,
+    commands: vk::CommandBuffer,
+    // Invariant in 'a: no reborrowing of the recorder may shorten it.
+    borrows: PhantomData<fn(&'a ()) -> &'a ()>,
+}
+
+const KERNEL_AND_COPY: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw(
+    vk::PipelineStageFlags::COMPUTE_SHADER.as_raw() | vk::PipelineStageFlags::TRANSFER.as_raw(),
+);
+
+impl<'a> Recorder<'a> {
+    pub(super) fn begin(context: &Arc<Context>, label: &str) -> Result<Self> {
+        let clock = Clock::new(context)?;
+        let pool = CommandPool::new(context)?;
+        let commands = pool.allocate()?;
+        context.logical().name(commands, label);
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: invariant 1: the command buffer is new and ours.
+        unsafe { context.raw().begin_command_buffer(commands, &info) }.map_err(failed("vkBeginCommandBuffer"))?;
+        let recorder = Self { clock, pool, commands, borrows: PhantomData };
+        if let Some(clock) = &recorder.clock {
+            clock.start(commands);
+        }
+        Ok(recorder)
+    }
+
+    /// Makes all writes visible to the host and to later submissions, and closes the record. The clock is the caller's until
+    /// the submission is done.
+    pub(super) fn end(&mut self) -> Result<vk::CommandBuffer> {
+        self.memory_barrier(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ | vk::AccessFlags::HOST_WRITE);
+        if let Some(clock) = &self.clock {
+            clock.stop(self.commands);
+        }
+        // SAFETY: invariant 1: the command buffer is ours and being recorded.
+        unsafe { self.device().end_command_buffer(self.commands) }.map_err(failed("vkEndCommandBuffer"))?;
+        Ok(self.commands)
+    }
+
+    pub(super) fn clock(&self) -> Option<&Clock> {
+        self.clock.as_ref()
+    }
+
+    /// Runs a kernel over `groups` workgroups. `sets` are the kernel's sets 0, 1, ...; one whose shape is empty may be any
+    /// set, and at the end absent. `push` is the push-constant block (`bytemuck::bytes_of`), empty where there is none.
+    ///
+    /// # Panics
+    /// Where sets or push constants are not the kernel's, there are more groups than the device allows, or something belongs
+    /// to another context.
+    pub fn dispatch(&mut self, kernel: &'a Kernel, sets: &[&'a DescriptorSet], push: &[u8], groups: [u32; 3]) {
+        self.check_dispatch(kernel, sets, push, groups);
+        self.begin_label(kernel.name());
+        let (device, layout) = (self.device(), kernel.layout().raw());
+        // SAFETY: invariants 1 and 3: all handles are alive until the submission is done; sets, push constants and groups
+        // were checked against the pipeline's layout and the device's limits.
+        unsafe {
+            device.cmd_bind_pipeline(self.commands, vk::PipelineBindPoint::COMPUTE, kernel.raw());
+            for (place, set) in (0..).zip(sets).filter(|(_, set)| !set.shape().bindings.is_empty()) {
+                let sets = [set.raw()];
+                if kernel.source().sets.get(place as usize).is_some_and(|shape| !shape.bindings.is_empty()) {
+                    let point = vk::PipelineBindPoint::COMPUTE;
+                    device.cmd_bind_descriptor_sets(self.commands, point, layout, place, &sets, &[]);
+                }
+            }
+            if !push.is_empty() {
+                device.cmd_push_constants(self.commands, layout, vk::ShaderStageFlags::COMPUTE, 0, push);
+            }
+            device.cmd_dispatch(self.commands, groups[0], groups[1], groups[2]);
+        }
+        self.end_label();
+    }
+
+    /// What follows sees what kernels and copies have written so far.
+    pub fn barrier(&mut self) {
+        use vk::AccessFlags as Access;
+        let kernels = Access::SHADER_READ | Access::SHADER_WRITE;
+        self.memory_barrier(KERNEL_AND_COPY, kernels | Access::TRANSFER_READ | Access::TRANSFER_WRITE);
+    }
+
+    /// Fills a buffer with zeros.
+    ///
+    /// # Panics
+    /// Where it belongs to another context.
+    pub fn fill_zero(&mut self, buffer: &'a Buffer) {
+        self.check_context(buffer.context(), buffer.name());
+        // SAFETY: invariants 1 and 3: the buffer is alive until the submission is done; its size is a multiple of 4.
+        unsafe { self.device().cmd_fill_buffer(self.commands, buffer.backing().raw(), 0, buffer.len_bytes(), 0) }
+    }
+
+    /// Copies bytes from one buffer to another.
+    ///
+    /// # Panics
+    /// Where a range is outside its buffer, the two are the same buffer, or one belongs to another context.
+    pub fn copy(&mut self, from: &'a Buffer, from_offset: u64, to: &'a Buffer, to_offset: u64, bytes: u64) {
+        self.check_context(from.context(), from.name());
+        self.check_context(to.context(), to.name());
+        self.copy_backing(from.backing(), from_offset, to.backing(), to_offset, bytes);
+    }
+
+    pub(super) fn copy_backing(&mut self, from: &'a Backing, at: u64, to: &'a Backing, to_offset: u64, bytes: u64) {
+        check_range(from.bytes(), at, bytes);
+        check_range(to.bytes(), to_offset, bytes);
+        assert!(from.raw() != to.raw(), "a buffer cannot be copied to itself");
+        if bytes == 0 {
+            return;
+        }
+        let region = [vk::BufferCopy { src_offset: at, dst_offset: to_offset, size: bytes }];
+        // SAFETY: invariants 1 and 3: both buffers are alive until the submission is done; the ranges are inside them.
+        unsafe { self.device().cmd_copy_buffer(self.commands, from.raw(), to.raw(), &region) }
+    }
+
+    fn memory_barrier(&mut self, stages: vk::PipelineStageFlags, accesses: vk::AccessFlags) {
+        let barrier = [vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::SHADER_WRITE | vk::AccessFlags::TRANSFER_WRITE)
+            .dst_access_mask(accesses)];
+        let none = vk::DependencyFlags::empty();
+        // SAFETY: invariant 1: the command buffer is ours and being recorded.
+        unsafe { self.device().cmd_pipeline_barrier(self.commands, KERNEL_AND_COPY, stages, none, &barrier, &[], &[]) }
+    }
+
+    fn check_dispatch(&self, kernel: &Kernel, sets: &[&DescriptorSet], push: &[u8], groups: [u32; 3]) {
+        let (name, source) = (kernel.name(), kernel.source());
+        self.check_context(kernel.context(), name);
+        for (place, shape) in source.sets.iter().enumerate().filter(|(_, shape)| !shape.bindings.is_empty()) {
+            let set = sets.get(place);
+            assert!(set.is_some(), "the kernel `{name}` needs set {place}, but {} were given", sets.len());
+            let fits = set.is_some_and(|set| shapes_match(set.shape().bindings, shape.bindings));
+            assert!(fits, "set {place} does not fit the kernel `{name}`");
+        }
+        sets.iter().for_each(|set| self.check_context(set.context(), name));
+        let (expected, given) = (source.push_constant_bytes as usize, push.len());
+        assert!(expected == given, "`{name}` takes {expected} bytes of push constants, not {given}");
+        let most = self.pool.context.device().limits.max_workgroup_count;
+        let allowed = groups.iter().zip(most).all(|(&groups, most)| groups <= most);
+        assert!(allowed, "{groups:?} workgroups of `{name}` are more than the device's {most:?}");
+    }
+
+    fn check_context(&self, context: &Arc<Context>, name: &str) {
+        assert!(Arc::ptr_eq(context, &self.pool.context), "`{name}` belongs to another context than this submission");
+    }
+
+    fn begin_label(&self, name: &str) {
+        let Some(debug) = self.pool.context.logical().debug() else { return };
+        let name = c_name(name);
+        let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
+        // SAFETY: invariant 1: the command buffer is ours and being recorded, and `label` is a local.
+        unsafe { debug.cmd_begin_debug_utils_label(self.commands, &label) }
+    }
+
+    fn end_label(&self) {
+        let Some(debug) = self.pool.context.logical().debug() else { return };
+        // SAFETY: invariant 1: the command buffer is ours and being recorded, with a label open.
+        unsafe { debug.cmd_end_debug_utils_label(self.commands) }
+    }
+
+    fn device(&self) -> &ash::Device {
+        self.pool.context.raw()
+    }
+}
+
+/// A pool for one command buffer.
+struct CommandPool {
+    raw: vk::CommandPool,
+    context: Arc<Context>,
+}
+
+impl CommandPool {
+    fn new(context: &Arc<Context>) -> Result<Self> {
+        let info = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(context.logical().queue_family());
+        // SAFETY: invariant 1: the device is alive, and `info` is a local.
+        let raw = unsafe { context.raw().create_command_pool(&info, None) }.map_err(failed("vkCreateCommandPool"))?;
+        Ok(Self { raw, context: Arc::clone(context) })
+    }
+
+    fn allocate(&self) -> Result<vk::CommandBuffer> {
+        let info = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.raw)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: invariant 1: the pool is alive and ours alone.
+        let buffers = unsafe { self.context.raw().allocate_command_buffers(&info) };
+        Ok(buffers.map_err(failed("vkAllocateCommandBuffers"))?[0])
+    }
+}
+
+impl Drop for CommandPool {
+    fn drop(&mut self) {
+        // SAFETY: invariants 1 and 3: pool and command buffer are ours alone; the submission is done or never began.
+        unsafe { self.context.raw().destroy_command_pool(self.raw, None) }
+    }
+}

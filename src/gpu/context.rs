@@ -1,0 +1,116 @@
+//! A device, ready for work.
+
+use std::sync::Arc;
+
+use super::debug::ValidationLog;
+use super::device::LogicalDevice;
+use super::device_info::DeviceInfo;
+use super::instance::Instance;
+use super::memory::Memory;
+use super::pipeline_cache::PipelineCache;
+use super::selection;
+use crate::Result;
+
+/// How to open a device.
+#[derive(Debug, Clone, Default)]
+pub struct ContextOptions {
+    /// Its index, or a part of its name in any case; without it, the best one: discrete, integrated, virtual, CPU, other.
+    pub device: Option<String>,
+    /// Whether the validation layer watches.
+    pub validate: bool,
+}
+
+/// A Vulkan device, its memory and its pipelines. All that is made from it holds it.
+pub struct Context {
+    // Both hold the device too; it goes last.
+    pipeline_cache: PipelineCache,
+    memory: Memory,
+    device: Arc<LogicalDevice>,
+}
+
+/// All Vulkan devices, usable or not.
+///
+/// # Errors
+/// Where no loader or no driver is installed.
+pub fn list_devices() -> Result<Vec<DeviceInfo>> {
+    describe(&Instance::new(false)?)
+}
+
+fn describe(instance: &Instance) -> Result<Vec<DeviceInfo>> {
+    let devices = instance.physical_devices()?;
+    Ok(devices
+        .into_iter()
+        .enumerate()
+        .map(|(index, device)| DeviceInfo::query(instance.raw(), device, index))
+        .collect())
+}
+
+impl Context {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// Where no loader, driver or validation layer is installed, the wanted device is unknown, or none can be used.
+    pub fn new(options: &ContextOptions) -> Result<Arc<Self>> {
+        let instance = Instance::new(options.validate)?;
+        let physical = instance.physical_devices()?;
+        let described = physical.iter().enumerate();
+        let devices: Vec<_> =
+            described.map(|(index, &device)| DeviceInfo::query(instance.raw(), device, index)).collect();
+        let chosen = selection::choose(&devices, options.device.as_deref())?;
+        tracing::debug!(device = chosen.name, driver = chosen.driver_info, "opening a Vulkan device");
+        let device = Arc::new(LogicalDevice::new(instance, physical[chosen.index], chosen.clone())?);
+        let pipeline_cache = PipelineCache::new(Arc::clone(&device))?;
+        let memory = Memory::new(Arc::clone(&device))?;
+        Ok(Arc::new(Self { pipeline_cache, memory, device }))
+    }
+
+    /// What the device is and allows.
+    pub fn device(&self) -> &DeviceInfo {
+        self.device.info()
+    }
+
+    /// The validation layer's warnings and errors so far.
+    pub fn validation_messages(&self) -> Vec<String> {
+        self.validation_log().messages()
+    }
+
+    /// A handle to those messages that outlives the context.
+    pub fn validation_log(&self) -> ValidationLog {
+        self.device.instance().log().clone()
+    }
+
+    /// Bytes that buffers hold now.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.memory.allocated_bytes()
+    }
+
+    /// The most bytes that buffers ever held at once.
+    pub fn peak_allocated_bytes(&self) -> u64 {
+        self.memory.peak_bytes()
+    }
+
+    /// Writes the compiled pipelines to the user's cache folder, for a faster start next time. Also done, silently, when the
+    /// context is dropped.
+    ///
+    /// # Errors
+    /// Where the file cannot be written.
+    pub fn save_pipeline_cache(&self) -> Result<()> {
+        self.pipeline_cache.save()
+    }
+
+    pub(super) fn logical(&self) -> &LogicalDevice {
+        &self.device
+    }
+
+    pub(super) fn raw(&self) -> &ash::Device {
+        self.device.raw()
+    }
+
+    pub(super) fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
+    pub(super) fn pipeline_cache(&self) -> &PipelineCache {
+        &self.pipeline_cache
+    }
+}

@@ -1,0 +1,112 @@
+//! The opened device and its queue.
+
+use std::ffi::{CStr, c_char};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use ash::{ext, khr, vk};
+
+use super::debug::c_name;
+use super::device_info::{DeviceInfo, compute_queue};
+use super::fault::failed;
+use super::instance::Instance;
+use crate::{Error, Result};
+
+/// A device opened for compute.
+pub(super) struct LogicalDevice {
+    raw: ash::Device,
+    debug: Option<ext::debug_utils::Device>,
+    physical: vk::PhysicalDevice,
+    queue: Mutex<vk::Queue>,
+    queue_family: u32,
+    timestamp_bits: u32,
+    info: DeviceInfo,
+    // Dropped after the device is destroyed.
+    instance: Instance,
+}
+
+impl LogicalDevice {
+    pub(super) fn new(instance: Instance, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Self> {
+        let (queue_family, timestamp_bits) = compute_queue(instance.raw(), physical)
+            .ok_or_else(|| Error::Device(format!("the Vulkan device {} has no compute queue", info.name)))?;
+        let raw = open(&instance, physical, queue_family)?;
+        let debug = instance.has_debug_utils().then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
+        // SAFETY: invariant 1: the device was just created with one queue of this family.
+        let queue = unsafe { raw.get_device_queue(queue_family, 0) };
+        Ok(Self { raw, debug, physical, queue: Mutex::new(queue), queue_family, timestamp_bits, info, instance })
+    }
+
+    pub(super) fn raw(&self) -> &ash::Device {
+        &self.raw
+    }
+
+    pub(super) fn physical(&self) -> vk::PhysicalDevice {
+        self.physical
+    }
+
+    pub(super) fn instance(&self) -> &Instance {
+        &self.instance
+    }
+
+    pub(super) fn info(&self) -> &DeviceInfo {
+        &self.info
+    }
+
+    pub(super) fn queue_family(&self) -> u32 {
+        self.queue_family
+    }
+
+    /// How many bits of a timestamp count; 0 where the queue takes none.
+    pub(super) fn timestamp_bits(&self) -> u32 {
+        self.timestamp_bits
+    }
+
+    /// The queue, idle: whoever holds this guard is alone with the device's memory (invariant 3).
+    pub(super) fn idle_queue(&self) -> MutexGuard<'_, vk::Queue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// VK_EXT_debug_utils, where it is enabled.
+    pub(super) fn debug(&self) -> Option<&ext::debug_utils::Device> {
+        self.debug.as_ref()
+    }
+
+    /// Names an object of this device for messages and debuggers.
+    pub(super) fn name(&self, handle: impl vk::Handle, name: &str) {
+        let Some(debug) = &self.debug else { return };
+        let name = c_name(name);
+        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        // A missing name harms nobody.
+        // SAFETY: invariant 1: the caller passes a living handle of this device that no other thread has yet seen.
+        let _ = unsafe { debug.set_debug_utils_object_name(&info) };
+    }
+}
+
+impl Drop for LogicalDevice {
+    fn drop(&mut self) {
+        // SAFETY: invariants 1 and 2: ours alone, all its children held it and are gone; invariant 3: nothing runs.
+        unsafe { self.raw.destroy_device(None) }
+    }
+}
+
+fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) -> Result<ash::Device> {
+    // SAFETY: invariant 1: `physical` comes from the living instance.
+    let offered = unsafe { instance.raw().enumerate_device_extension_properties(physical) }
+        .map_err(failed("vkEnumerateDeviceExtensionProperties"))?;
+    // A device that implements Vulkan on top of another interface demands that this be enabled.
+    let subset = khr::portability_subset::NAME;
+    let is_offered = |name: &CStr| offered.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name));
+    let extensions: Vec<*const c_char> = is_offered(subset).then_some(subset.as_ptr()).into_iter().collect();
+    // SAFETY: invariant 1: `physical` comes from the living instance.
+    let supported = unsafe { instance.raw().get_physical_device_features(physical) };
+    let features =
+        vk::PhysicalDeviceFeatures::default().robust_buffer_access(supported.robust_buffer_access == vk::TRUE);
+    let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
+    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_extension_names(&extensions)
+        .enabled_features(&features)
+        .push_next(&mut vulkan12);
+    // SAFETY: invariant 1: `physical` comes from the living instance, and all that `info` points to are locals.
+    unsafe { instance.raw().create_device(physical, &info, None) }.map_err(failed("vkCreateDevice"))
+}

@@ -1,0 +1,214 @@
+//! What a device is and what it allows, as plain data.
+
+use std::ffi::CStr;
+
+use ash::vk;
+use serde::Serialize;
+
+use super::needs::{self, Capabilities};
+
+/// What a device is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DeviceKind {
+    /// A GPU with memory of its own.
+    Discrete,
+    /// A GPU that shares the host's memory.
+    Integrated,
+    /// A GPU passed to a virtual machine.
+    Virtual,
+    /// The CPU, through a software driver.
+    Cpu,
+    /// None of these.
+    Other,
+}
+
+/// A device, whether it can be used, and if not why.
+#[derive(Debug, Clone, Serialize)]
+pub struct DeviceInfo {
+    /// Its place in the list of devices.
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// What it is made of.
+    pub kind: DeviceKind,
+    /// The Vulkan version that it offers, such as `1.3.230`.
+    pub api_version: String,
+    /// The driver's name.
+    pub driver_name: String,
+    /// The driver's description of itself, with its version in words.
+    pub driver_info: String,
+    /// The vendor's PCI id, or Khronos' number for a vendor without one.
+    pub vendor_id: u32,
+    /// The vendor's number of this device.
+    pub device_id: u32,
+    /// The driver's version, encoded as its vendor likes.
+    pub driver_version: u32,
+    /// Identifies the pipelines that this driver can read back; hexadecimal.
+    pub pipeline_cache_uuid: String,
+    /// What it allows.
+    pub limits: Limits,
+    /// Why it cannot be used: the needs that it lacks. Nothing where it can.
+    pub refused: Option<String>,
+}
+
+/// How much a device allows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Limits {
+    /// The largest storage buffer, in bytes.
+    pub max_storage_buffer_bytes: u64,
+    /// The largest texel buffer, in texels of 16 bytes.
+    pub max_texel_elements: u64,
+    /// The largest single piece of memory, in bytes.
+    pub max_allocation_bytes: u64,
+    /// Invocations in a workgroup.
+    pub max_workgroup_invocations: u32,
+    /// Workgroups of a dispatch, along each axis.
+    pub max_workgroup_count: [u32; 3],
+    /// Bytes of shared memory in a workgroup.
+    pub max_shared_bytes: u32,
+    /// Storage buffers that a kernel may bind.
+    pub max_storage_buffers: u32,
+    /// Texel buffers that a kernel may bind.
+    pub max_texel_buffers: u32,
+    /// Descriptor sets that a kernel may bind.
+    pub max_bound_sets: u32,
+    /// Bytes of push constants.
+    pub max_push_constant_bytes: u32,
+    /// Invocations that run in lockstep.
+    pub subgroup_size: u32,
+    /// Bytes of memory near the device. Drivers on the CPU may report less than there is.
+    pub device_local_bytes: u64,
+    /// Host reads and writes of memory that is not coherent are rounded to this many bytes.
+    pub non_coherent_atom_bytes: u64,
+    /// Nanoseconds per tick of the device's clock.
+    pub timestamp_nanoseconds: f32,
+}
+
+impl DeviceInfo {
+    /// Asks the driver.
+    pub(super) fn query(instance: &ash::Instance, device: vk::PhysicalDevice, index: usize) -> Self {
+        // SAFETY: invariant 1: `device` comes from the living `instance`.
+        let properties = unsafe { instance.get_physical_device_properties(device) };
+        let mut info = Self::from_core(&properties, index);
+        let mut capabilities = Capabilities {
+            api_version: properties.api_version,
+            has_compute_queue: compute_queue(instance, device).is_some(),
+            has_scalar_block_layout: false,
+        };
+        info.limits.device_local_bytes = device_local_bytes(instance, device);
+        // The structures below are Vulkan 1.2's; an older device is refused anyway.
+        if properties.api_version >= vk::API_VERSION_1_2 {
+            info.add_details(instance, device);
+            capabilities.has_scalar_block_layout = has_scalar_block_layout(instance, device);
+        }
+        info.refused = needs::lacking(&capabilities, &info.limits);
+        info
+    }
+
+    fn from_core(properties: &vk::PhysicalDeviceProperties, index: usize) -> Self {
+        let version = properties.api_version;
+        Self {
+            index,
+            name: string(properties.device_name_as_c_str().ok()),
+            kind: kind(properties.device_type),
+            api_version: version_text(version),
+            driver_name: String::new(),
+            driver_info: String::new(),
+            vendor_id: properties.vendor_id,
+            device_id: properties.device_id,
+            driver_version: properties.driver_version,
+            pipeline_cache_uuid: hex(&properties.pipeline_cache_uuid),
+            limits: limits(&properties.limits),
+            refused: None,
+        }
+    }
+
+    /// Driver, subgroups and the largest allocation: what only Vulkan 1.2 tells.
+    fn add_details(&mut self, instance: &ash::Instance, device: vk::PhysicalDevice) {
+        let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
+        let mut maintenance = vk::PhysicalDeviceMaintenance3Properties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default()
+            .push_next(&mut driver)
+            .push_next(&mut subgroup)
+            .push_next(&mut maintenance);
+        // SAFETY: invariant 1: `device` comes from the living `instance`, and is of version 1.2 or later.
+        unsafe { instance.get_physical_device_properties2(device, &mut properties) };
+        self.limits.subgroup_size = subgroup.subgroup_size;
+        self.limits.max_allocation_bytes = maintenance.max_memory_allocation_size;
+        self.driver_name = string(driver.driver_name_as_c_str().ok());
+        self.driver_info = string(driver.driver_info_as_c_str().ok());
+    }
+}
+
+/// The queue family for compute, and how many bits of its timestamps are valid. The first one, unless it cannot tell the
+/// time and another can.
+pub(super) fn compute_queue(instance: &ash::Instance, device: vk::PhysicalDevice) -> Option<(u32, u32)> {
+    // SAFETY: invariant 1: `device` comes from the living `instance`.
+    let families = unsafe { instance.get_physical_device_queue_family_properties(device) };
+    let able =
+        || (0..).zip(&families).filter(|(_, f)| f.queue_count > 0 && f.queue_flags.contains(vk::QueueFlags::COMPUTE));
+    let family = able().find(|(_, f)| f.timestamp_valid_bits > 0).or_else(|| able().next());
+    family.map(|(index, f)| (index, f.timestamp_valid_bits))
+}
+
+fn has_scalar_block_layout(instance: &ash::Instance, device: vk::PhysicalDevice) -> bool {
+    let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut vulkan12);
+    // SAFETY: invariant 1: `device` comes from the living `instance`, and is of version 1.2 or later.
+    unsafe { instance.get_physical_device_features2(device, &mut features) };
+    vulkan12.scalar_block_layout == vk::TRUE
+}
+
+fn device_local_bytes(instance: &ash::Instance, device: vk::PhysicalDevice) -> u64 {
+    // SAFETY: invariant 1: `device` comes from the living `instance`.
+    let memory = unsafe { instance.get_physical_device_memory_properties(device) };
+    let heaps = memory.memory_heaps_as_slice().iter();
+    heaps.filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL)).map(|heap| heap.size).sum()
+}
+
+fn limits(limits: &vk::PhysicalDeviceLimits) -> Limits {
+    Limits {
+        max_storage_buffer_bytes: limits.max_storage_buffer_range.into(),
+        max_texel_elements: limits.max_texel_buffer_elements.into(),
+        // What Vulkan guarantees; replaced by the driver's answer where there is one.
+        max_allocation_bytes: 1 << 30,
+        max_workgroup_invocations: limits.max_compute_work_group_invocations,
+        max_workgroup_count: limits.max_compute_work_group_count,
+        max_shared_bytes: limits.max_compute_shared_memory_size,
+        max_storage_buffers: limits.max_per_stage_descriptor_storage_buffers,
+        max_texel_buffers: limits.max_per_stage_descriptor_sampled_images,
+        max_bound_sets: limits.max_bound_descriptor_sets,
+        max_push_constant_bytes: limits.max_push_constants_size,
+        subgroup_size: 0,
+        device_local_bytes: 0,
+        non_coherent_atom_bytes: limits.non_coherent_atom_size,
+        timestamp_nanoseconds: limits.timestamp_period,
+    }
+}
+
+fn kind(kind: vk::PhysicalDeviceType) -> DeviceKind {
+    match kind {
+        vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
+        vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceKind::Integrated,
+        vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceKind::Virtual,
+        vk::PhysicalDeviceType::CPU => DeviceKind::Cpu,
+        _ => DeviceKind::Other,
+    }
+}
+
+/// A Vulkan version as people write it.
+pub(super) fn version_text(version: u32) -> String {
+    let [major, minor, patch] =
+        [vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version)];
+    format!("{major}.{minor}.{patch}")
+}
+
+fn string(chars: Option<&CStr>) -> String {
+    chars.map(|chars| chars.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,22 @@
+//! A driver's answers in words.
+
+use ash::vk;
+
+use crate::Error;
+
+/// Turns a failed call's code into an [`Error::Vulkan`] that names the call; for `map_err`.
+pub(super) fn failed(call: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
+    move |code| Error::Vulkan { call: call.into(), reason: reason(code) }
+}
+
+fn reason(code: vk::Result) -> String {
+    match code {
+        vk::Result::ERROR_OUT_OF_HOST_MEMORY => "out of host memory".into(),
+        vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => "out of device memory".into(),
+        vk::Result::ERROR_DEVICE_LOST => {
+            "the device was lost (a fault in the driver, or a watchdog ended work that took too long)".into()
+        }
+        vk::Result::ERROR_INITIALIZATION_FAILED => "the driver could not be initialized".into(),
+        other => format!("the driver answered {other:?}"),
+    }
+}

@@ -1,0 +1,153 @@
+//! The Vulkan library and its instance, with the validation layer where asked for.
+
+use std::ffi::{CStr, c_char};
+
+use ash::{ext, khr, vk};
+
+use super::debug::{Messenger, ValidationLog, c_name};
+use super::fault::failed;
+use crate::{Error, Result};
+
+const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+const NO_LOADER: &str = "no Vulkan loader found: install it (`apt-get install libvulkan1`, or run setup.sh)";
+const NO_DRIVER: &str = "no Vulkan driver found: install your GPU's, or `apt-get install mesa-vulkan-drivers` to render on \
+                         the CPU (setup.sh does), and see that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or right";
+const NO_LAYER: &str = "the validation layer VK_LAYER_KHRONOS_validation is not installed: \
+                        `apt-get install vulkan-validationlayers` (setup.sh does), or go without --validate";
+
+/// An instance, and the library that it came from.
+pub(super) struct Instance {
+    messenger: Option<Messenger>,
+    raw: ash::Instance,
+    /// Whether VK_EXT_debug_utils is enabled.
+    has_debug_utils: bool,
+    // These two are dropped after the instance is destroyed: it calls into the one and writes to the other.
+    log: ValidationLog,
+    _entry: ash::Entry,
+}
+
+impl Instance {
+    pub(super) fn new(validate: bool) -> Result<Self> {
+        // SAFETY: the system's Vulkan loader is trusted to be one; nothing else is called before it is loaded.
+        let entry = unsafe { ash::Entry::load() }.map_err(|_| Error::Device(NO_LOADER.into()))?;
+        let offers = Offers::query(&entry, validate)?;
+        let log = ValidationLog::default();
+        let raw = create(&entry, &offers, validate.then_some(&log))?;
+        let mut instance =
+            Self { messenger: None, raw, has_debug_utils: offers.has(ext::debug_utils::NAME), log, _entry: entry };
+        if validate && instance.has_debug_utils {
+            let messenger = Messenger::new(&instance._entry, &instance.raw, &instance.log);
+            instance.messenger = Some(messenger.map_err(failed("vkCreateDebugUtilsMessengerEXT"))?);
+        }
+        Ok(instance)
+    }
+
+    pub(super) fn raw(&self) -> &ash::Instance {
+        &self.raw
+    }
+
+    pub(super) fn has_debug_utils(&self) -> bool {
+        self.has_debug_utils
+    }
+
+    pub(super) fn log(&self) -> &ValidationLog {
+        &self.log
+    }
+
+    /// All devices, in the loader's order: a device's place here is its index.
+    pub(super) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>> {
+        // SAFETY: invariant 1: the instance is alive.
+        let devices =
+            unsafe { self.raw.enumerate_physical_devices() }.map_err(no_driver_or("vkEnumeratePhysicalDevices"))?;
+        if devices.is_empty() { Err(Error::Device(NO_DRIVER.into())) } else { Ok(devices) }
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        self.messenger = None;
+        // SAFETY: invariants 1 and 2: ours alone, and all its children held it and are gone.
+        unsafe { self.raw.destroy_instance(None) }
+    }
+}
+
+/// What loader, drivers and the layer offer together.
+struct Offers {
+    extensions: Vec<vk::ExtensionProperties>,
+}
+
+impl Offers {
+    fn query(entry: &ash::Entry, validate: bool) -> Result<Self> {
+        require_version(entry)?;
+        let mut extensions = extensions_of(entry, None)?;
+        if validate {
+            // SAFETY: the library is loaded.
+            let layers = unsafe { entry.enumerate_instance_layer_properties() }
+                .map_err(failed("vkEnumerateInstanceLayerProperties"))?;
+            if !layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
+                return Err(Error::Device(NO_LAYER.into()));
+            }
+            extensions.extend(extensions_of(entry, Some(VALIDATION_LAYER))?);
+        }
+        Ok(Self { extensions })
+    }
+
+    fn has(&self, name: &CStr) -> bool {
+        self.extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name))
+    }
+}
+
+fn extensions_of(entry: &ash::Entry, layer: Option<&CStr>) -> Result<Vec<vk::ExtensionProperties>> {
+    // SAFETY: the library is loaded, and the name ends in a zero.
+    unsafe { entry.enumerate_instance_extension_properties(layer) }
+        .map_err(no_driver_or("vkEnumerateInstanceExtensionProperties"))
+}
+
+fn require_version(entry: &ash::Entry) -> Result<()> {
+    // SAFETY: the library is loaded.
+    let version = unsafe { entry.try_enumerate_instance_version() }.map_err(failed("vkEnumerateInstanceVersion"))?;
+    match version {
+        Some(version) if version >= vk::API_VERSION_1_2 => Ok(()),
+        _ => Err(Error::Device("the Vulkan loader is older than 1.2: install a newer libvulkan1".into())),
+    }
+}
+
+/// Loaders answer ERROR_INCOMPATIBLE_DRIVER (some ERROR_INITIALIZATION_FAILED) where no driver is installed.
+fn no_driver_or(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
+    move |code| match code {
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
+            Error::Device(NO_DRIVER.into())
+        }
+        other => failed(call)(other),
+    }
+}
+
+/// Creates the instance; with a log, under the validation layer.
+fn create(entry: &ash::Entry, offers: &Offers, log: Option<&ValidationLog>) -> Result<ash::Instance> {
+    let name = c_name(env!("CARGO_PKG_NAME"));
+    let application = vk::ApplicationInfo::default().application_name(&name).api_version(vk::API_VERSION_1_2);
+    let wanted = [ext::debug_utils::NAME, khr::portability_enumeration::NAME, ext::validation_features::NAME];
+    let extensions: Vec<*const c_char> = wanted.into_iter().filter(|name| offers.has(name)).map(CStr::as_ptr).collect();
+    let layers = [VALIDATION_LAYER.as_ptr()];
+    let mut info =
+        vk::InstanceCreateInfo::default().application_info(&application).enabled_extension_names(&extensions);
+    if offers.has(khr::portability_enumeration::NAME) {
+        info = info.flags(vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR);
+    }
+    // Reports a barrier that is missing between two dispatches.
+    let checks = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+    let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
+    let mut messenger = log.map(ValidationLog::messenger_info);
+    if log.is_some() {
+        info = info.enabled_layer_names(&layers);
+        if offers.has(ext::validation_features::NAME) {
+            info = info.push_next(&mut features);
+        }
+    }
+    if let Some(messenger) = messenger.as_mut().filter(|_| offers.has(ext::debug_utils::NAME)) {
+        info = info.push_next(messenger);
+    }
+    // SAFETY: invariant 1: all that `info` points to are locals; the log outlives the instance.
+    unsafe { entry.create_instance(&info, None) }.map_err(no_driver_or("vkCreateInstance"))
+}

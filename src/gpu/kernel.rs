@@ -1,0 +1,125 @@
+//! Kernels: compute shaders ready to be dispatched.
+
+use std::io::Cursor;
+use std::sync::Arc;
+
+use ash::vk;
+
+use super::context::Context;
+use super::fault::failed;
+use super::interface::KernelSource;
+use super::layout::PipelineLayout;
+use crate::{Error, Result};
+
+/// A compute pipeline.
+pub struct Kernel {
+    raw: vk::Pipeline,
+    source: KernelSource,
+    // Dropped after the pipeline is destroyed.
+    layout: PipelineLayout,
+}
+
+impl Kernel {
+    /// Builds the pipeline with specialization constants by id. Ids that the kernel does not use are passed over; constants
+    /// that are not given keep the value in the GLSL.
+    ///
+    /// # Errors
+    /// Where the driver cannot compile the kernel or is out of memory.
+    pub fn new(context: &Arc<Context>, source: &KernelSource, constants: &[(u32, u32)]) -> Result<Self> {
+        let module = ShaderModule::new(context, source)?;
+        let layout = PipelineLayout::new(context, source)?;
+        let raw = create_pipeline(context, source, constants, &module, &layout)?;
+        context.logical().name(raw, source.name);
+        Ok(Self { raw, source: *source, layout })
+    }
+
+    /// Its name: the `.comp` file's stem.
+    pub fn name(&self) -> &'static str {
+        self.source.name
+    }
+
+    /// What it was built from.
+    pub fn source(&self) -> &KernelSource {
+        &self.source
+    }
+
+    /// The handle, for a call during which the caller borrows this value.
+    pub(super) fn raw(&self) -> vk::Pipeline {
+        self.raw
+    }
+
+    pub(super) fn layout(&self) -> &PipelineLayout {
+        &self.layout
+    }
+
+    pub(super) fn context(&self) -> &Arc<Context> {
+        self.layout.context()
+    }
+}
+
+impl Drop for Kernel {
+    fn drop(&mut self) {
+        // SAFETY: invariants 1 and 3: ours alone, and no submission that used it is under way.
+        unsafe { self.context().raw().destroy_pipeline(self.raw, None) }
+    }
+}
+
+fn create_pipeline(
+    context: &Context,
+    source: &KernelSource,
+    constants: &[(u32, u32)],
+    module: &ShaderModule,
+    layout: &PipelineLayout,
+) -> Result<vk::Pipeline> {
+    let (entries, values) = specialization(source, constants);
+    let specialization =
+        vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(values.as_slice()));
+    let stage = vk::PipelineShaderStageCreateInfo::default()
+        .stage(vk::ShaderStageFlags::COMPUTE)
+        .module(module.raw)
+        .name(c"main")
+        .specialization_info(&specialization);
+    let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw())];
+    let cache = context.pipeline_cache().raw();
+    // SAFETY: invariant 1: device, cache, module and layout are alive, and all that `info` points to are locals.
+    let pipelines = unsafe { context.raw().create_compute_pipelines(cache, &info, None) };
+    // One was asked for: where it failed there is none to destroy.
+    let pipelines = pipelines.map_err(|(_, code)| failed(format!("compiling the kernel `{}`", source.name))(code))?;
+    Ok(pipelines[0])
+}
+
+/// Entries for those constants that the kernel uses, and the values that they point into, 4 bytes each.
+fn specialization(source: &KernelSource, constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u32>) {
+    let used = constants.iter().filter(|(id, _)| source.specialization_ids.contains(id));
+    let entry = |(place, &(id, value)): (usize, &(u32, u32))| {
+        let entry = vk::SpecializationMapEntry::default().constant_id(id).offset(place as u32 * 4).size(4);
+        (entry, value)
+    };
+    used.enumerate().map(entry).unzip()
+}
+
+/// A shader module, needed only until the pipeline is built.
+struct ShaderModule {
+    raw: vk::ShaderModule,
+    context: Arc<Context>,
+}
+
+impl ShaderModule {
+    fn new(context: &Arc<Context>, source: &KernelSource) -> Result<Self> {
+        let call = format!("loading the kernel `{}`", source.name);
+        let words = ash::util::read_spv(&mut Cursor::new(source.spirv))
+            .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
+        let info = vk::ShaderModuleCreateInfo::default().code(&words);
+        // SAFETY: invariant 1: the device is alive and `words` a local; it is SPIR-V by the module's premise.
+        let raw = unsafe { context.raw().create_shader_module(&info, None) }.map_err(failed(call))?;
+        context.logical().name(raw, source.name);
+        Ok(Self { raw, context: Arc::clone(context) })
+    }
+}
+
+impl Drop for ShaderModule {
+    fn drop(&mut self) {
+        // SAFETY: invariant 1: ours alone; a pipeline does not refer to its module once built.
+        unsafe { self.context.raw().destroy_shader_module(self.raw, None) }
+    }
+}

@@ -1,0 +1,89 @@
+//! Device memory, and how much of it is in use.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use ash::vk;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
+use gpu_allocator::{AllocationError, AllocationSizes, AllocatorDebugSettings, MemoryLocation};
+
+use super::device::LogicalDevice;
+use crate::{Error, Result};
+
+/// Small buffers share blocks of this many bytes; larger ones have their own.
+const BLOCK_BYTES: u64 = 32 << 20;
+
+/// The allocator, with a count of what it gave out.
+pub(super) struct Memory {
+    // Dropped before the device: it frees its blocks.
+    allocator: Mutex<Allocator>,
+    allocated_bytes: AtomicU64,
+    peak_bytes: AtomicU64,
+    device: Arc<LogicalDevice>,
+}
+
+impl Memory {
+    pub(super) fn new(device: Arc<LogicalDevice>) -> Result<Self> {
+        let allocator = Allocator::new(&AllocatorCreateDesc {
+            instance: device.instance().raw().clone(),
+            device: device.raw().clone(),
+            physical_device: device.physical(),
+            debug_settings: AllocatorDebugSettings::default(),
+            buffer_device_address: false,
+            allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
+        })
+        .map_err(|error| Error::Vulkan { call: "creating the memory allocator".into(), reason: error.to_string() })?;
+        let (allocated_bytes, peak_bytes) = (AtomicU64::new(0), AtomicU64::new(0));
+        Ok(Self { allocator: Mutex::new(allocator), allocated_bytes, peak_bytes, device })
+    }
+
+    /// Memory for a buffer. Its size and place are rounded to whole atoms of memory that is not coherent, so that a flush
+    /// of one buffer need never reach outside it.
+    pub(super) fn allocate(
+        &self,
+        name: &str,
+        needs: vk::MemoryRequirements,
+        place: MemoryLocation,
+    ) -> Result<Allocation> {
+        let atom = self.device.info().limits.non_coherent_atom_bytes.max(1);
+        let requirements = needs.size(needs.size.next_multiple_of(atom)).alignment(needs.alignment.max(atom));
+        let description = AllocationCreateDesc {
+            name,
+            requirements,
+            location: place,
+            linear: true,
+            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+        };
+        let mut allocator = self.allocator.lock().unwrap_or_else(PoisonError::into_inner);
+        let allocation = allocator.allocate(&description).map_err(|error| self.refusal(name, needs.size, &error))?;
+        let in_use = self.allocated_bytes.fetch_add(allocation.size(), Ordering::Relaxed) + allocation.size();
+        self.peak_bytes.fetch_max(in_use, Ordering::Relaxed);
+        Ok(allocation)
+    }
+
+    pub(super) fn free(&self, allocation: Allocation) {
+        let bytes = allocation.size();
+        let mut allocator = self.allocator.lock().unwrap_or_else(PoisonError::into_inner);
+        match allocator.free(allocation) {
+            Ok(()) => _ = self.allocated_bytes.fetch_sub(bytes, Ordering::Relaxed),
+            Err(error) => tracing::warn!("device memory was not freed: {error}"),
+        }
+    }
+
+    pub(super) fn allocated_bytes(&self) -> u64 {
+        self.allocated_bytes.load(Ordering::Relaxed)
+    }
+
+    pub(super) fn peak_bytes(&self) -> u64 {
+        self.peak_bytes.load(Ordering::Relaxed)
+    }
+
+    fn refusal(&self, name: &str, bytes: u64, error: &AllocationError) -> Error {
+        let what = match error {
+            AllocationError::OutOfMemory => "out of device memory".into(),
+            other => other.to_string(),
+        };
+        let reason = format!("{what}; {} bytes were already in use", self.allocated_bytes());
+        Error::Vulkan { call: format!("allocating {bytes} bytes for the buffer `{name}`"), reason }
+    }
+}

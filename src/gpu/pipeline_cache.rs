@@ -1,0 +1,136 @@
+//! Compiled pipelines, kept on disk between runs.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::{env, fs, process};
+
+use ash::vk;
+
+use super::device::LogicalDevice;
+use super::device_info::DeviceInfo;
+use super::fault::failed;
+use crate::{Error, Result};
+
+/// Vulkan's header of a pipeline cache: length, version, vendor, device, uuid.
+const HEADER_BYTES: usize = 32;
+
+/// The pipeline cache of one device and driver.
+pub(super) struct PipelineCache {
+    raw: vk::PipelineCache,
+    file: Option<PathBuf>,
+    /// Checksum of what was read from the file; 0 where nothing was.
+    loaded: u64,
+    device: Arc<LogicalDevice>,
+}
+
+impl PipelineCache {
+    pub(super) fn new(device: Arc<LogicalDevice>) -> Result<Self> {
+        let file = folder().map(|folder| folder.join(file_name(device.info())));
+        let data = file.as_deref().and_then(|file| load(file, device.info())).unwrap_or_default();
+        let info = vk::PipelineCacheCreateInfo::default().initial_data(&data);
+        // SAFETY: invariant 1: the device is alive, and `data` is a local, unchanged since this driver wrote it.
+        let raw =
+            unsafe { device.raw().create_pipeline_cache(&info, None) }.map_err(failed("vkCreatePipelineCache"))?;
+        let loaded = if data.is_empty() { 0 } else { checksum(&data) };
+        Ok(Self { raw, file, loaded, device })
+    }
+
+    /// The handle, for a call during which the caller borrows this value.
+    pub(super) fn raw(&self) -> vk::PipelineCache {
+        self.raw
+    }
+
+    /// Writes the file, unless there is nothing new. Does nothing where the system has no folder for it.
+    pub(super) fn save(&self) -> Result<()> {
+        let Some(file) = &self.file else { return Ok(()) };
+        // SAFETY: invariant 1: device and cache are alive.
+        let data = unsafe { self.device.raw().get_pipeline_cache_data(self.raw) };
+        let data = data.map_err(failed("vkGetPipelineCacheData"))?;
+        if data.len() <= HEADER_BYTES || checksum(&data) == self.loaded {
+            return Ok(());
+        }
+        write_whole(file, &sealed(data)).map_err(Error::write(file))
+    }
+}
+
+impl Drop for PipelineCache {
+    fn drop(&mut self) {
+        if let Err(error) = self.save() {
+            tracing::warn!("the pipeline cache is not kept: {error}");
+        }
+        // SAFETY: invariants 1 and 2: ours alone, and the kernels made with it are gone.
+        unsafe { self.device.raw().destroy_pipeline_cache(self.raw, None) }
+    }
+}
+
+/// The file's content, where it is whole and this driver's.
+fn load(file: &Path, info: &DeviceInfo) -> Option<Vec<u8>> {
+    let data = unsealed(fs::read(file).ok()?)?;
+    has_header_of(&data, info).then_some(data)
+}
+
+fn has_header_of(data: &[u8], info: &DeviceInfo) -> bool {
+    let word =
+        |place: usize| data.get(place..place + 4).and_then(|bytes| bytes.try_into().ok()).map(u32::from_ne_bytes);
+    let uuid = data.get(16..HEADER_BYTES).unwrap_or_default();
+    let uuid: String = uuid.iter().map(|byte| format!("{byte:02x}")).collect();
+    word(0) == Some(HEADER_BYTES as u32)
+        && word(4) == Some(vk::PipelineCacheHeaderVersion::ONE.as_raw() as u32)
+        && word(8) == Some(info.vendor_id)
+        && word(12) == Some(info.device_id)
+        && uuid == info.pipeline_cache_uuid
+}
+
+/// Appends the checksum: drivers check the header at best, and a broken body has crashed some.
+fn sealed(mut data: Vec<u8>) -> Vec<u8> {
+    let seal = checksum(&data).to_le_bytes();
+    data.extend(seal);
+    data
+}
+
+fn unsealed(mut data: Vec<u8>) -> Option<Vec<u8>> {
+    let (body, seal) = data.split_last_chunk::<8>()?;
+    let (len, is_whole) = (body.len(), u64::from_le_bytes(*seal) == checksum(body));
+    data.truncate(len);
+    is_whole.then_some(data)
+}
+
+/// FNV-1a of 64 bits.
+fn checksum(data: &[u8]) -> u64 {
+    data.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Under a temporary name of this process's own first: a reader never sees half a file.
+fn write_whole(file: &Path, data: &[u8]) -> std::io::Result<()> {
+    if let Some(folder) = file.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    // The address tells apart contexts of one process that are dropped at once.
+    let temporary = file.with_extension(format!("{}-{:x}", process::id(), data.as_ptr() as usize));
+    let written = fs::write(&temporary, data).and_then(|()| fs::rename(&temporary, file));
+    if written.is_err() {
+        // Whatever stands in the way of removing it is reported by the first error.
+        let _ = fs::remove_file(&temporary);
+    }
+    written
+}
+
+fn file_name(info: &DeviceInfo) -> String {
+    let DeviceInfo { vendor_id, device_id, driver_version, pipeline_cache_uuid, .. } = info;
+    format!("pipelines-{vendor_id:x}-{device_id:x}-{driver_version:x}-{pipeline_cache_uuid}.bin")
+}
+
+/// The user's folder for what can be made again.
+fn folder() -> Option<PathBuf> {
+    let variable = |name| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let caches = if cfg!(windows) {
+        variable("LOCALAPPDATA")
+    } else if cfg!(target_os = "macos") {
+        variable("HOME").map(|home| home.join("Library/Caches"))
+    } else {
+        variable("XDG_CACHE_HOME")
+            .filter(|folder| folder.is_absolute())
+            .or_else(|| variable("HOME").map(|home| home.join(".cache")))
+    };
+    caches.map(|caches| caches.join("lodestar"))
+}

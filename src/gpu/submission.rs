@@ -1,0 +1,90 @@
+//! Submitting recorded work and waiting for it.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use ash::vk;
+
+use super::commands::Recorder;
+use super::context::Context;
+use super::fault::failed;
+use crate::Result;
+
+/// How long a submission took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Submission {
+    /// From handing it over to knowing it done, by the host's clock.
+    pub wall: Duration,
+    /// From its start to its end, by the device's clock where it has one.
+    pub device: Option<Duration>,
+}
+
+impl Context {
+    /// Records work, submits it and waits until it is done. Everything that the work uses outlives this call, for it is
+    /// borrowed for `'a`; what it wrote can then be read by the host and by later submissions. The label names the work in
+    /// errors and in debuggers.
+    ///
+    /// # Errors
+    /// Where the device is lost or out of memory.
+    pub fn submit<'a>(self: &Arc<Self>, label: &str, record: impl FnOnce(&mut Recorder<'a>)) -> Result<Submission> {
+        let mut recorder = Recorder::begin(self, label)?;
+        record(&mut recorder);
+        let commands = recorder.end()?;
+        let wall = self.run(label, commands)?;
+        Ok(Submission { wall, device: recorder.clock().and_then(super::timing::Clock::elapsed) })
+    }
+
+    /// Runs a closed command buffer that the caller owns.
+    fn run(self: &Arc<Self>, label: &str, commands: vk::CommandBuffer) -> Result<Duration> {
+        let fence = Fence::new(self)?;
+        let commands = [commands];
+        let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
+        let queue = self.logical().idle_queue();
+        let start = Instant::now();
+        // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by nobody else; the queue is held.
+        unsafe { self.raw().queue_submit(*queue, &submits, fence.raw) }.map_err(failed(label))?;
+        fence.wait(label)?;
+        Ok(start.elapsed())
+    }
+}
+
+/// Signalled when a submission is done.
+struct Fence {
+    raw: vk::Fence,
+    context: Arc<Context>,
+}
+
+impl Fence {
+    fn new(context: &Arc<Context>) -> Result<Self> {
+        // SAFETY: invariant 1: the device is alive.
+        let raw = unsafe { context.raw().create_fence(&vk::FenceCreateInfo::default(), None) }
+            .map_err(failed("vkCreateFence"))?;
+        Ok(Self { raw, context: Arc::clone(context) })
+    }
+
+    /// Returns only when the device no longer works on the submission: it is done, or the device is lost.
+    fn wait(&self, label: &str) -> Result<()> {
+        // A driver that is out of memory may have some again; one that keeps failing leaves no sound way to go on.
+        for _ in 0..1000 {
+            // SAFETY: invariant 1: device and fence are alive and ours.
+            match unsafe { self.context.raw().wait_for_fences(&[self.raw], true, u64::MAX) } {
+                Ok(()) => return Ok(()),
+                Err(vk::Result::ERROR_DEVICE_LOST) => return Err(failed(label)(vk::Result::ERROR_DEVICE_LOST)),
+                Err(vk::Result::TIMEOUT) => {}
+                Err(code) => {
+                    tracing::warn!("waiting for {label}: {code:?}");
+                    std::thread::sleep(Duration::from_millis(10));
+                }
+            }
+        }
+        tracing::error!("{label} is under way and cannot be waited for");
+        std::process::abort()
+    }
+}
+
+impl Drop for Fence {
+    fn drop(&mut self) {
+        // SAFETY: invariants 1 and 3: ours alone, and the submission is done or never began.
+        unsafe { self.context.raw().destroy_fence(self.raw, None) }
+    }
+}
