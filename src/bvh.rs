@@ -1,0 +1,185 @@
+//! Builds the bounding volume hierarchy and lays geometry out as the kernels read it. The only file that names `obvhs`.
+
+use glam::{Vec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::CwBvh;
+use obvhs::{BvhBuildParams, cwbvh};
+use rayon::prelude::*;
+
+use crate::kernels;
+use crate::layout::{AttributeRecord, PrimitiveRecord};
+use crate::scene::{Primitive, PrimitiveShape};
+
+/// Words of one compressed wide node (Ylitie et al. 2017).
+pub const NODE_WORDS: usize = 20;
+
+/// Boxes grow by this share of the scene's largest coordinate: as far as the primitives' edge tests reach beyond an edge.
+const BOX_MARGIN: f32 = 1.0e-6;
+
+/// A hierarchy over primitives, with what is needed to shade them.
+pub struct Bvh {
+    /// Compressed wide nodes; at least one.
+    pub nodes: Vec<[u32; NODE_WORDS]>,
+    /// Primitives in the order of the leaves.
+    pub primitives: Vec<PrimitiveRecord>,
+    /// Shading attributes in the same order.
+    pub attributes: Vec<AttributeRecord>,
+    /// Longest way from the root to a leaf, in nodes: the entries that a traversal stack needs.
+    pub depth: u32,
+    /// Lower and upper corner of all primitives; a unit box at the origin where there are none.
+    pub bounds: (Vec3, Vec3),
+}
+
+impl Bvh {
+    /// Builds the hierarchy. Any number of primitives will do, of any shape and size, as long as all numbers are finite.
+    pub fn build(primitives: &[Primitive]) -> Self {
+        let bounds = scene_bounds(primitives);
+        let margin = BOX_MARGIN * largest_coordinate(bounds);
+        let boxes: Vec<Aabb> = primitives.par_iter().map(|p| padded_box(p, margin)).collect();
+        let wide = if boxes.is_empty() { None } else { Some(build_wide(&boxes)) };
+        let (nodes, order) = wide.map_or((vec![[0; NODE_WORDS]], Vec::new()), |wide| {
+            (wide.nodes.iter().map(|node| bytemuck::cast(*node)).collect(), wide.primitive_indices)
+        });
+        let ordered = || order.par_iter().map(|&index| &primitives[index as usize]);
+        let depth = depth(&nodes);
+        Self {
+            primitives: ordered().map(primitive_record).collect(),
+            attributes: ordered().map(attribute_record).collect(),
+            nodes,
+            depth,
+            bounds,
+        }
+    }
+
+    /// Whether any primitive is a sphere.
+    pub fn has_spheres(&self) -> bool {
+        self.primitives.iter().any(|p| p.flags & kernels::PRIMITIVE_SHAPE_MASK == kernels::SHAPE_SPHERE)
+    }
+
+    /// Whether any primitive has normals at its vertices.
+    pub fn has_vertex_normals(&self) -> bool {
+        self.primitives.iter().any(|p| p.flags & kernels::PRIMITIVE_VERTEX_NORMALS != 0)
+    }
+
+    /// The largest absolute coordinate of the scene: what rounding errors of positions scale with.
+    pub fn largest_coordinate(&self) -> f32 {
+        largest_coordinate(self.bounds)
+    }
+}
+
+fn build_wide(boxes: &[Aabb]) -> CwBvh {
+    let parameters = BvhBuildParams { max_prims_per_leaf: 3, ..BvhBuildParams::medium_build() };
+    cwbvh::builder::build_cwbvh(boxes, parameters, &mut std::time::Duration::default())
+}
+
+fn scene_bounds(primitives: &[Primitive]) -> (Vec3, Vec3) {
+    let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    primitives.par_iter().map(Primitive::bounds).reduce_with(union).unwrap_or((Vec3::ZERO, Vec3::ONE))
+}
+
+fn largest_coordinate(bounds: (Vec3, Vec3)) -> f32 {
+    bounds.0.abs().max(bounds.1.abs()).max_element()
+}
+
+fn padded_box(primitive: &Primitive, margin: f32) -> Aabb {
+    let (min, max) = primitive.bounds();
+    Aabb::new(Vec3A::from(min - margin), Vec3A::from(max + margin))
+}
+
+/// Nodes on the longest way down, by the children's indices that every node holds.
+fn depth(nodes: &[[u32; NODE_WORDS]]) -> u32 {
+    let mut deepest = 1;
+    let mut pending = vec![(0_u32, 1_u32)];
+    while let Some((index, depth)) = pending.pop() {
+        deepest = deepest.max(depth);
+        let node = &nodes[index as usize];
+        let inner_count = (node[3] >> 24).count_ones();
+        pending.extend((0..inner_count).map(|child| (node[4] + child, depth + 1)));
+    }
+    deepest
+}
+
+fn primitive_record(p: &Primitive) -> PrimitiveRecord {
+    let shape = match p.shape {
+        PrimitiveShape::Triangle => kernels::SHAPE_TRIANGLE,
+        PrimitiveShape::Parallelogram => kernels::SHAPE_PARALLELOGRAM,
+        PrimitiveShape::Disk => kernels::SHAPE_DISK,
+        PrimitiveShape::Sphere => kernels::SHAPE_SPHERE,
+    };
+    let flip = if p.flip_normal { kernels::PRIMITIVE_FLIP_NORMAL } else { 0 };
+    let normals = if p.normals.is_some() { kernels::PRIMITIVE_VERTEX_NORMALS } else { 0 };
+    let longest = match p.shape {
+        PrimitiveShape::Sphere => p.edge_u.length(),
+        _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),
+    };
+    PrimitiveRecord {
+        origin: p.origin.into(),
+        flags: shape | flip | normals,
+        edge_u: p.edge_u.into(),
+        edge_tolerance: longest,
+        edge_v: p.edge_v.into(),
+        reserved: 0.0,
+    }
+}
+
+fn attribute_record(p: &Primitive) -> AttributeRecord {
+    AttributeRecord {
+        normals: p.normals.map_or([0; 3], |normals| normals.map(octahedral_encode)),
+        material: p.material,
+        uv0: p.uvs[0].into(),
+        uv1: p.uvs[1].into(),
+        uv2: p.uvs[2].into(),
+        emitter: p.emitter.unwrap_or(kernels::NONE),
+        reserved: 0,
+    }
+}
+
+/// A unit vector in two signed 16-bit numbers (Cigolle et al. 2014), as `unpackSnorm2x16` reads them.
+fn octahedral_encode(n: Vec3) -> u32 {
+    let p = n / (n.x.abs() + n.y.abs() + n.z.abs());
+    let (x, y) = if p.z >= 0.0 {
+        (p.x, p.y)
+    } else {
+        ((1.0 - p.y.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.y))
+    };
+    let snorm = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    snorm(x) | snorm(y) << 16
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+
+    fn triangle(at: Vec3, size: f32) -> Primitive {
+        Primitive {
+            shape: PrimitiveShape::Triangle,
+            origin: at,
+            edge_u: vec3(size, 0.0, 0.0),
+            edge_v: vec3(0.0, size, 0.0),
+            normals: None,
+            uvs: Default::default(),
+            flip_normal: false,
+            material: 0,
+            emitter: None,
+        }
+    }
+
+    #[test]
+    fn no_one_and_degenerate_primitives_do_no_harm() {
+        assert_eq!(Bvh::build(&[]).nodes.len(), 1);
+        assert_eq!(Bvh::build(&[triangle(Vec3::ZERO, 1.0)]).primitives.len(), 1);
+        assert_eq!(Bvh::build(&[triangle(Vec3::ONE, 0.0); 100]).primitives.len(), 100);
+    }
+
+    #[test]
+    fn every_primitive_lies_in_some_leaf() {
+        let primitives: Vec<_> = (0..1000).map(|i| triangle(vec3(i as f32, (i * 7 % 13) as f32, 0.0), 0.5)).collect();
+        let bvh = Bvh::build(&primitives);
+        let mut origins: Vec<_> = bvh.primitives.iter().map(|p| p.origin[0] as usize).collect();
+        origins.sort_unstable();
+        assert_eq!(origins, (0..1000).collect::<Vec<_>>());
+        assert!(bvh.depth >= 3 && bvh.depth < 16, "depth {}", bvh.depth);
+    }
+}

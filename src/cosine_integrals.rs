@@ -1,0 +1,111 @@
+//! What the clamped cosine of every representative normal amounts to over every direction bin: the table from which the
+//! normalization grid is filled.
+
+use glam::{DVec2, DVec3, dvec2};
+use rayon::prelude::*;
+
+use crate::layout::CosineIntegral;
+use crate::reference::equal_area::{bin_center, bin_point};
+
+/// Points along each side of a bin, for the integral of directions and the bound of the cosine.
+const SAMPLES: u32 = 16;
+/// Points along each side of a bin that the horizon cuts, where the integrand has a kink.
+const HORIZON_SAMPLES: u32 = 64;
+
+/// One direction bin, independent of any normal.
+struct Bin {
+    /// Integral of the direction over the bin, sr.
+    vector: DVec3,
+    /// Points of a grid over the bin, its border included.
+    grid: Vec<DVec3>,
+    /// No direction of the bin is farther than this from some point of the grid, as a chord.
+    reach: f64,
+}
+
+/// Entries `[direction bin][normal bin]` for maps of the given resolutions.
+pub fn cosine_integrals(directions: u32, normals: u32) -> Vec<CosineIntegral> {
+    let representative: Vec<DVec3> = (0..normals * normals).map(|bin| bin_center(bin, normals)).collect();
+    (0..directions * directions)
+        .into_par_iter()
+        .flat_map_iter(|index| {
+            let bin = Bin::new(index, directions);
+            representative.iter().map(move |&n| bin.cosine_integral(index, directions, n)).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+impl Bin {
+    fn new(index: u32, directions: u32) -> Self {
+        let vector = points(SAMPLES).map(|p| bin_point(index, directions, p)).sum::<DVec3>() * solid_angle(directions, SAMPLES);
+        let grid: Vec<DVec3> = border_grid().map(|p| bin_point(index, directions, p)).collect();
+        let row = SAMPLES as usize + 1;
+        // Half the longest diagonal of the grid's meshes, twice over for their curvature.
+        let diagonal = |i: usize| (grid[i] - grid[i + row + 1]).length().max((grid[i + 1] - grid[i + row]).length());
+        let meshes = (0..row - 1).flat_map(|y| (0..row - 1).map(move |x| y * row + x));
+        let reach = meshes.map(diagonal).fold(0.0, f64::max);
+        Self { vector, grid, reach }
+    }
+
+    fn cosine_integral(&self, index: u32, directions: u32, n: DVec3) -> CosineIntegral {
+        let cosines = self.grid.iter().map(|w| w.dot(n));
+        let (least, most) = cosines.fold((1.0, -1.0), |(least, most): (f64, f64), c| (least.min(c), most.max(c)));
+        let integral = if least >= self.reach {
+            n.dot(self.vector)
+        } else if most <= -self.reach {
+            0.0
+        } else {
+            let above = points(HORIZON_SAMPLES).map(|p| bin_point(index, directions, p).dot(n).max(0.0)).sum::<f64>();
+            above * solid_angle(directions, HORIZON_SAMPLES)
+        };
+        // A cosine cannot rise by more than the chord to the nearest point of the grid.
+        CosineIntegral { integral: integral as f32, maximum: (most + self.reach).clamp(0.0, 1.0) as f32 }
+    }
+}
+
+/// Solid angle of one of `side * side` equal parts of a bin.
+fn solid_angle(directions: u32, side: u32) -> f64 {
+    4.0 * std::f64::consts::PI / f64::from(directions * side).powi(2)
+}
+
+/// The centers of `side * side` equal squares in [0, 1]^2.
+fn points(side: u32) -> impl Iterator<Item = DVec2> {
+    let step = 1.0 / f64::from(side);
+    (0..side * side).map(move |i| dvec2((f64::from(i % side) + 0.5) * step, (f64::from(i / side) + 0.5) * step))
+}
+
+/// A grid over [0, 1]^2 that includes its border.
+fn border_grid() -> impl Iterator<Item = DVec2> {
+    let step = 1.0 / f64::from(SAMPLES);
+    (0..=SAMPLES).flat_map(move |y| (0..=SAMPLES).map(move |x| dvec2(f64::from(x) * step, f64::from(y) * step)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_normal_sees_pi_in_all() {
+        let normals = 16;
+        let table = cosine_integrals(16, normals);
+        let count = (normals * normals) as usize;
+        for normal in 0..count {
+            let sum: f64 = table.iter().skip(normal).step_by(count).map(|c| f64::from(c.integral)).sum();
+            assert!((sum - std::f64::consts::PI).abs() < 2e-5, "normal bin {normal}: {sum}");
+        }
+    }
+
+    #[test]
+    fn bounds_hold_and_are_tight() {
+        let (directions, normals) = (16, 8);
+        let table = cosine_integrals(directions, normals);
+        for bin in 0..directions * directions {
+            for normal in 0..normals * normals {
+                let n = bin_center(normal, normals);
+                let truth = points(41).map(|p| bin_point(bin, directions, p).dot(n)).fold(-1.0, f64::max);
+                let bound = f64::from(table[(bin * normals * normals + normal) as usize].maximum);
+                assert!(bound >= truth - 1e-7, "{bound} < {truth}");
+                assert!(bound <= truth.max(0.0) + 0.03, "{bound} is far above {truth}");
+            }
+        }
+    }
+}

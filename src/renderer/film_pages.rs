@@ -1,0 +1,159 @@
+//! The film on the device, in pages that one binding can hold. Pixels lie in tile order: 8 x 8 tiles row by row, pixels of a
+//! tile likewise, so that a workgroup's writes are contiguous.
+
+use std::sync::Arc;
+
+use crate::Result;
+use crate::film::Picture;
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
+use crate::layout::{FilmFeatures, FilmRadiance};
+use crate::scene::Crop;
+use crate::settings::Settings;
+
+const TILE_SIDE: u32 = 8;
+/// Pixels of a tile.
+pub(super) const TILE_PIXELS: u32 = TILE_SIDE * TILE_SIDE;
+
+/// Some tiles of the film, with the descriptor set through which kernels see them.
+pub(super) struct FilmPage {
+    first_pixel: u32,
+    pixel_count: u32,
+    radiance: Arc<Buffer>,
+    features: Arc<Buffer>,
+    set: DescriptorSet,
+}
+
+/// The two buffers of a page, before its set is made.
+pub(super) struct PageBuffers {
+    first_pixel: u32,
+    pixel_count: u32,
+    pub radiance: Arc<Buffer>,
+    pub features: Arc<Buffer>,
+}
+
+impl PageBuffers {
+    /// Buffers for all pages of the window.
+    pub fn allocate(context: &Arc<Context>, settings: &Settings) -> Result<Vec<Self>> {
+        let window = settings.window();
+        let pixels = u64::from(window.width.div_ceil(TILE_SIDE)) * u64::from(window.height.div_ceil(TILE_SIDE)) * u64::from(TILE_PIXELS);
+        let pixels = u32::try_from(pixels).map_err(|_| too_large(&window))?;
+        let bindable = context.device().limits.max_storage_buffer_bytes / size_of::<FilmRadiance>() as u64;
+        let most = bindable.min(u64::from(settings.film_page_pixels.unwrap_or(u32::MAX))).min(1 << 24) as u32;
+        let page_pixels = (most / TILE_PIXELS).max(1) * TILE_PIXELS;
+        (0..pixels)
+            .step_by(page_pixels as usize)
+            .map(|first| Self::new(context, first, page_pixels.min(pixels - first)))
+            .collect()
+    }
+
+    fn new(context: &Arc<Context>, first_pixel: u32, pixel_count: u32) -> Result<Self> {
+        let bytes = |size: usize| u64::from(pixel_count) * size as u64;
+        let buffer = |name: &str, size| Buffer::new(context, &format!("{name} from pixel {first_pixel}"), bytes(size), BufferKind::Storage);
+        Ok(Self {
+            first_pixel,
+            pixel_count,
+            radiance: buffer("film radiance", size_of::<FilmRadiance>())?,
+            features: buffer("film features", size_of::<FilmFeatures>())?,
+        })
+    }
+
+    /// The page, seen through `set`.
+    pub fn with_set(self, set: DescriptorSet) -> FilmPage {
+        let Self { first_pixel, pixel_count, radiance, features } = self;
+        FilmPage { first_pixel, pixel_count, radiance, features, set }
+    }
+}
+
+impl FilmPage {
+    /// Pixels, in tile order, before this page.
+    pub fn first_pixel(&self) -> u32 {
+        self.first_pixel
+    }
+
+    /// Pixels of this page, a multiple of a tile's.
+    pub fn pixel_count(&self) -> u32 {
+        self.pixel_count
+    }
+
+    pub fn set(&self) -> &DescriptorSet {
+        &self.set
+    }
+
+    /// Writes this page's pixels where they belong in the picture.
+    pub fn read_into(&self, picture: &mut Picture) -> Result<()> {
+        let count = self.pixel_count as usize;
+        let radiance: Vec<FilmRadiance> = self.radiance.read(0, count)?;
+        let features: Vec<FilmFeatures> = self.features.read(0, count)?;
+        for (index, (radiance, features)) in (self.first_pixel..).zip(radiance.iter().zip(&features)) {
+            let (x, y) = tile_order_pixel(index, picture.width);
+            if x < picture.width && y < picture.height {
+                store_pixel(picture, (y as usize) * picture.width as usize + x as usize, radiance, features);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Twin of the GLSL function of the same name.
+fn tile_order_pixel(index: u32, width: u32) -> (u32, u32) {
+    let tiles_per_row = width.div_ceil(TILE_SIDE);
+    let (tile, within) = (index / TILE_PIXELS, index % TILE_PIXELS);
+    let (x, y) = (tile % tiles_per_row, tile / tiles_per_row);
+    (x * TILE_SIDE + within % TILE_SIDE, y * TILE_SIDE + within / TILE_SIDE)
+}
+
+fn store_pixel(picture: &mut Picture, at: usize, radiance: &FilmRadiance, features: &FilmFeatures) {
+    let count = radiance.sample_count;
+    // Unbiased variance of the samples, over their number: the variance of the mean.
+    let scale = if count > 1 { 1.0 / (count as f32 * (count - 1) as f32) } else { 0.0 };
+    picture.radiance[at] = radiance.mean;
+    picture.variance[at] = radiance.squared_deviation.map(|squared| squared * scale);
+    picture.sample_count[at] = count;
+    picture.albedo[at] = features.albedo;
+    picture.normal[at] = features.normal;
+    picture.depth[at] = if radiance.hit_count > 0 { features.depth } else { f32::INFINITY };
+}
+
+/// A picture of nothing.
+pub(super) fn empty_picture(settings: &Settings) -> Picture {
+    let Crop { x, y, width, height } = settings.window();
+    let pixels = width as usize * height as usize;
+    Picture {
+        width,
+        height,
+        offset: [x, y],
+        full_size: [settings.width, settings.height],
+        radiance: vec![[0.0; 3]; pixels],
+        variance: vec![[0.0; 3]; pixels],
+        sample_count: vec![0; pixels],
+        albedo: vec![[0.0; 3]; pixels],
+        normal: vec![[0.0; 3]; pixels],
+        depth: vec![f32::INFINITY; pixels],
+    }
+}
+
+fn too_large(window: &Crop) -> crate::Error {
+    crate::Error::Settings(format!(
+        "a film of {} x {} pixels has more than 2^32 of them: render it in parts with --crop",
+        window.width, window.height
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tile_order_visits_every_pixel_once() {
+        let (width, height) = (19, 10);
+        let tiles = 3 * 2;
+        let mut seen = vec![0; width * height];
+        for index in 0..tiles * TILE_PIXELS {
+            let (x, y) = tile_order_pixel(index, width as u32);
+            if (x as usize) < width && (y as usize) < height {
+                seen[y as usize * width + x as usize] += 1;
+            }
+        }
+        assert!(seen.iter().all(|&times| times == 1));
+    }
+}

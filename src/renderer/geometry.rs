@@ -1,0 +1,57 @@
+//! Set 1, Bvh: nodes, primitives and their attributes, in texel buffers where the device allows their size.
+
+use std::sync::Arc;
+
+use super::set_shape;
+use crate::Result;
+use crate::bvh::Bvh;
+use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet};
+use crate::kernels::{self, Kernels};
+
+const TEXEL_BYTES: u64 = 16;
+
+/// The geometry of a scene on the device.
+pub(super) struct Geometry {
+    set: DescriptorSet,
+}
+
+impl Geometry {
+    /// The kernels that read geometry the way this device can.
+    pub fn kernels(context: &Context, bvh: &Bvh) -> &'static Kernels {
+        let largest = size_of_val(&bvh.nodes[..]).max(size_of_val(&bvh.primitives[..])).max(size_of_val(&bvh.attributes[..]));
+        match largest as u64 / TEXEL_BYTES <= context.device().limits.max_texel_elements {
+            true => &kernels::TEXEL_BUFFERS,
+            false => &kernels::STORAGE_BUFFERS,
+        }
+    }
+
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, bvh: &Bvh) -> Result<Self> {
+        let shape = set_shape(kernels, 1);
+        let contents: [(&str, &[u8]); 3] = [
+            ("BVH nodes", bytemuck::cast_slice(&bvh.nodes)),
+            ("primitives", bytemuck::cast_slice(&bvh.primitives)),
+            ("attributes", bytemuck::cast_slice(&bvh.attributes)),
+        ];
+        let buffers = contents.iter().zip(shape.bindings).map(|((name, bytes), binding)| {
+            let buffer = Buffer::new(context, name, bytes.len() as u64, buffer_kind(binding.kind))?;
+            buffer.upload(0, bytes)?;
+            Ok(buffer)
+        });
+        let buffers = buffers.collect::<Result<Vec<_>>>()?;
+        let set = DescriptorSet::new(context, "bvh", shape, &buffers.iter().collect::<Vec<_>>())?;
+        Ok(Self { set })
+    }
+
+    pub fn set(&self) -> &DescriptorSet {
+        &self.set
+    }
+}
+
+fn buffer_kind(binding: BindingKind) -> BufferKind {
+    match binding {
+        BindingKind::StorageBuffer => BufferKind::Storage,
+        BindingKind::UniformBuffer => BufferKind::Uniform,
+        BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
+        BindingKind::TexelBufferUint => BufferKind::TexelUint,
+    }
+}

@@ -1,0 +1,227 @@
+//! The renderer: the paper's algorithm in safe code, one file per descriptor set.
+//!
+//! Read [`Renderer::step`] and `glsl/path_trace.comp`, and the algorithm is understood.
+
+mod film_pages;
+mod frame;
+mod geometry;
+mod normalization_grid;
+mod radiance_grid;
+mod slices;
+mod statistics;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+pub use statistics::{Counts, StepReport};
+
+use crate::bvh::Bvh;
+use crate::film::Picture;
+use crate::gpu::{Context, Kernel};
+use crate::kernels::{self, Kernels, Variant};
+use crate::layout::{PathTracePush, UpdatePush};
+use crate::scene::{ReconstructionFilter, Scene};
+use crate::settings::{Sampler, Settings};
+use crate::{Error, Result};
+use film_pages::FilmPage;
+use frame::Frame;
+use geometry::Geometry;
+use normalization_grid::NormalizationGrid;
+use radiance_grid::RadianceGrid;
+use slices::{Slice, Slicer};
+
+/// Renders one scene on one device, step by step.
+pub struct Renderer {
+    context: Arc<Context>,
+    settings: Settings,
+    path_trace: Kernel,
+    update_radiance: Kernel,
+    update_normalization: Kernel,
+    frame: Frame,
+    geometry: Geometry,
+    radiance_grid: RadianceGrid,
+    normalization_grid: NormalizationGrid,
+    slicer: Slicer,
+    samples_done: u32,
+}
+
+impl Renderer {
+    /// Uploads the scene, builds the pipelines, and runs each once on nothing, so that a driver that compiles at the first
+    /// dispatch has done so.
+    ///
+    /// # Errors
+    /// Where a setting is out of range or the device cannot hold the scene.
+    pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
+        settings.validate()?;
+        let variant = variant(settings, bvh);
+        let kernels = Geometry::kernels(context, bvh);
+        let build = |source| Kernel::new(context, source, &variant.entries());
+        let renderer = Self {
+            path_trace: build(&kernels.path_trace)?,
+            update_radiance: build(&kernels.update_radiance)?,
+            update_normalization: build(&kernels.update_normalization)?,
+            frame: Frame::new(context, kernels, scene, bvh, settings)?,
+            geometry: Geometry::new(context, kernels, bvh)?,
+            radiance_grid: RadianceGrid::new(context, kernels, settings)?,
+            normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
+            slicer: Slicer::new(context.device(), settings, variant.workgroup_size),
+            context: Arc::clone(context),
+            settings: settings.clone(),
+            samples_done: 0,
+        };
+        renderer.warm_up()?;
+        Ok(renderer)
+    }
+
+    /// Takes `samples` more samples per pixel, then learns from them: one step of the paper's online pipeline. The first
+    /// step samples the BSDF only, for no entry of the normalization grid is filled yet.
+    ///
+    /// `stop` is asked between dispatches; where it answers true, the step ends early and [`StepReport::complete`] is false.
+    ///
+    /// # Errors
+    /// Where the device is lost, or a loop of a kernel was cut short and the picture would be wrong.
+    pub fn step(&mut self, samples: u32, stop: &dyn Fn() -> bool) -> Result<StepReport> {
+        let begin = Instant::now();
+        let mut counts = Counts::default();
+        let complete = self.path_trace(samples, &mut counts, stop)?;
+        if complete && self.settings.sampler != Sampler::Bsdf {
+            self.update_grids()?;
+        }
+        Ok(StepReport { samples, complete, seconds: begin.elapsed().as_secs_f64(), counts })
+    }
+
+    /// Samples per pixel that complete steps and dispatches have taken.
+    pub fn samples_done(&self) -> u32 {
+        self.samples_done
+    }
+
+    /// Reads the film back.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn picture(&self) -> Result<Picture> {
+        self.frame.picture(&self.settings)
+    }
+
+    /// What the radiance grid holds: `[cell][direction bin]`, radiance as the next step will sample it.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn radiance(&self) -> Result<Vec<f32>> {
+        self.radiance_grid.read()
+    }
+
+    /// Adds `samples` samples to every pixel, a bounded number per dispatch.
+    fn path_trace(&mut self, samples: u32, counts: &mut Counts, stop: &dyn Fn() -> bool) -> Result<bool> {
+        let mut left = samples;
+        while left > 0 {
+            let batch = left.min(self.settings.samples_per_dispatch);
+            for page in self.frame.pages() {
+                let mut next = 0;
+                while let Some(slice) = self.slicer.slice(page, next) {
+                    if stop() {
+                        return Ok(false);
+                    }
+                    let (elapsed, slice_counts) = self.dispatch_path_trace(page, slice, batch)?;
+                    self.slicer.measured(slice, elapsed);
+                    counts.add(&slice_counts);
+                    next = slice.end();
+                }
+            }
+            self.samples_done += batch;
+            left -= batch;
+        }
+        Ok(true)
+    }
+
+    fn dispatch_path_trace(&self, page: &FilmPage, slice: Slice, sample_count: u32) -> Result<(Duration, Counts)> {
+        let push = PathTracePush {
+            first_workgroup: slice.first,
+            workgroup_count: slice.count,
+            workgroup_stride: slice.stride,
+            page_first_pixel: page.first_pixel(),
+            first_sample: self.samples_done,
+            sample_count,
+        };
+        let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
+        let label = format!("path_trace, samples {} to {}", push.first_sample, push.first_sample + sample_count);
+        let submission = self.context.submit(&label, |recorder| {
+            recorder.fill_zero(self.frame.counters());
+            recorder.barrier();
+            recorder.dispatch(&self.path_trace, &sets, bytemuck::bytes_of(&push), [slice.count, 1, 1]);
+        })?;
+        let counts = self.frame.read_counts()?;
+        match counts.overruns {
+            0 => Ok((submission.wall, counts)),
+            _ => Err(self.overrun_error()),
+        }
+    }
+
+    fn overrun_error(&self) -> Error {
+        Error::Render(format!(
+            "the driver of {} ended a loop of path_trace before its end, so pixels would come out dark: render again with \
+             --samples-per-dispatch below {} or a smaller --max-depth",
+            self.context.device().name,
+            self.settings.samples_per_dispatch
+        ))
+    }
+
+    /// Moves the radiance grid towards what the step recorded (Eq. 7), then refills the marked normalizers.
+    fn update_grids(&self) -> Result<()> {
+        let page = self.frame.first_page();
+        let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
+        for cells in self.slicer.cell_ranges(self.settings.grid) {
+            let push = UpdatePush { first_cell: cells.start };
+            let push = bytemuck::bytes_of(&push);
+            let groups = [cells.end - cells.start, 1, 1];
+            self.context.submit("update_radiance and update_normalization", |recorder| {
+                recorder.dispatch(&self.update_radiance, &sets, push, groups);
+                recorder.barrier();
+                recorder.dispatch(&self.update_normalization, &sets, push, groups);
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Runs every kernel once. The path tracer takes no sample and the grids are still empty: an update of nothing, which
+    /// writes the floor that later updates start from.
+    fn warm_up(&self) -> Result<()> {
+        if let Some(slice) = self.frame.pages().next().and_then(|page| self.slicer.smallest_slice(page)) {
+            self.dispatch_path_trace(self.frame.first_page(), slice, 0)?;
+        }
+        self.update_grids()
+    }
+}
+
+fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
+    let (filter, filter_width) = match settings.filter {
+        ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
+        ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
+        ReconstructionFilter::Gaussian { stddev } => (kernels::FILTER_GAUSSIAN, stddev),
+    };
+    Variant {
+        sampler: settings.sampler as u32,
+        learner: settings.learner as u32,
+        max_depth: settings.max_depth,
+        rr_depth: settings.rr_depth,
+        hide_emitters: settings.hide_emitters,
+        grid_resolution: settings.grid,
+        direction_resolution: settings.directions,
+        normal_resolution: settings.normals,
+        max_tries: settings.max_tries,
+        min_uniform_share: settings.min_uniform,
+        decay: settings.decay,
+        filter,
+        filter_width,
+        stack_size: bvh.depth,
+        has_spheres: bvh.has_spheres(),
+        has_vertex_normals: bvh.has_vertex_normals(),
+        pdf_tamper: settings.pdf_tamper,
+        ..Variant::default()
+    }
+}
+
+/// The shape of set `set`, the same for all kernels of a registry.
+fn set_shape(kernels: &Kernels, set: usize) -> &'static crate::gpu::SetShape {
+    &kernels.path_trace.sets[set]
+}

@@ -1,0 +1,85 @@
+//! What a step counted.
+
+use crate::kernels;
+
+/// Numbers that kernels count. The rates derived from them are those of the paper's tables and figures.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Rays traced.
+    pub rays: u64,
+    /// Rays that left a surface.
+    pub scattered_rays: u64,
+    /// Scattered rays that met light.
+    pub light_hits: u64,
+    /// Directions drawn by a guided sampler.
+    pub guided_samples: u64,
+    /// Proposals it took to draw them.
+    pub tries: u64,
+    /// Guided directions below the surface.
+    pub invalid_samples: u64,
+    /// Samples dropped because they were NaN or infinite.
+    pub nonfinite: u64,
+    /// Invocations in which a loop was cut short.
+    pub overruns: u64,
+}
+
+impl Counts {
+    /// From a kernel's counters.
+    pub(super) fn from_counters(counters: &[u32]) -> Self {
+        let at = |index: u32| u64::from(counters[index as usize]);
+        Self {
+            rays: at(kernels::COUNTER_RAYS),
+            scattered_rays: at(kernels::COUNTER_SCATTERED_RAYS),
+            light_hits: at(kernels::COUNTER_LIGHT_HITS),
+            guided_samples: at(kernels::COUNTER_GUIDED_SAMPLES),
+            tries: at(kernels::COUNTER_TRIES),
+            invalid_samples: at(kernels::COUNTER_INVALID_SAMPLES),
+            nonfinite: at(kernels::COUNTER_NONFINITE),
+            overruns: at(kernels::COUNTER_OVERRUNS),
+        }
+    }
+
+    /// Adds another's numbers.
+    pub fn add(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.scattered_rays += other.scattered_rays;
+        self.light_hits += other.light_hits;
+        self.guided_samples += other.guided_samples;
+        self.tries += other.tries;
+        self.invalid_samples += other.invalid_samples;
+        self.nonfinite += other.nonfinite;
+        self.overruns += other.overruns;
+    }
+
+    /// Share of the scattered rays that met light (the paper's Fig. 7a).
+    pub fn light_hit_rate(&self) -> f64 {
+        ratio(self.light_hits, self.scattered_rays)
+    }
+
+    /// Share of the guided directions that pointed below the surface (Table 1).
+    pub fn invalid_rate(&self) -> f64 {
+        ratio(self.invalid_samples, self.guided_samples)
+    }
+
+    /// Proposals per guided direction.
+    pub fn tries_per_sample(&self) -> f64 {
+        ratio(self.tries, self.guided_samples)
+    }
+}
+
+fn ratio(a: u64, b: u64) -> f64 {
+    if b == 0 { 0.0 } else { a as f64 / b as f64 }
+}
+
+/// What one step did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepReport {
+    /// Samples per pixel that were asked for.
+    pub samples: u32,
+    /// Whether all of them were taken; else the step was stopped.
+    pub complete: bool,
+    /// Wall time, updates of the grids included.
+    pub seconds: f64,
+    /// What was counted.
+    pub counts: Counts,
+}

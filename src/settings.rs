@@ -1,0 +1,162 @@
+//! Everything a user may choose about a render, validated in one place.
+
+use serde::Serialize;
+
+use crate::kernels;
+use crate::scene::{Crop, ReconstructionFilter, Scene};
+use crate::{Error, Result};
+
+/// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
+pub const MAX_DEPTH_LIMIT: u32 = 1024;
+/// Most pixels a film may have along a side.
+pub const MAX_FILM_SIDE: u32 = 65_536;
+
+/// Where scattered directions come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum Sampler {
+    /// The scattering function times the cosine: an ordinary path tracer.
+    Bsdf = kernels::SAMPLER_BSDF,
+    /// The paper's "Rej+": rejection sampling of learned radiance times cosine, with the optimal uniform share (Eq. 8).
+    RejectionMix = kernels::SAMPLER_REJECTION_MIX,
+}
+
+/// How the radiance grid learns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum Learner {
+    /// Eq. 6: bootstraps from the one direction that was sampled next.
+    Sarsa = kernels::LEARNER_SARSA,
+}
+
+/// How a film is rendered. [`Settings::for_scene`] gives the defaults.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Settings {
+    /// Whole film's width in pixels, in [1, 65536].
+    pub width: u32,
+    /// Whole film's height in pixels, in [1, 65536].
+    pub height: u32,
+    /// The window of the film that is rendered; all of it where `None`.
+    pub crop: Option<Crop>,
+    /// The reconstruction filter.
+    pub filter: ReconstructionFilter,
+    /// Longest path in edges, in [1, 1024]; 1 is emission seen directly.
+    pub max_depth: u32,
+    /// Number of edges from which Russian roulette is played, at least 1.
+    pub rr_depth: u32,
+    /// Whether directly seen emitters are black.
+    pub hide_emitters: bool,
+    /// Seed of every random number.
+    pub seed: u32,
+    /// Where scattered directions come from.
+    pub sampler: Sampler,
+    /// How the radiance grid learns.
+    pub learner: Learner,
+    /// Cells along each axis of the grids, in [1, 32].
+    pub grid: u32,
+    /// Direction bins along each side of the equal-area square, in [4, 64].
+    pub directions: u32,
+    /// Normal bins along each side of the equal-area square, in [4, 32].
+    pub normals: u32,
+    /// Samples per pixel between two updates of the grids, at least 1.
+    pub spp_per_step: u32,
+    /// Most samples per pixel that one dispatch takes, in [1, 64]: a driver may bound the loop iterations of a dispatch.
+    pub samples_per_dispatch: u32,
+    /// Proposals before a guided sample falls back on the uniform share, in [1, 1024].
+    pub max_tries: u32,
+    /// Least share of uniformly drawn directions, in (0, 1].
+    pub min_uniform: f32,
+    /// What one step leaves of a bin's earlier count, in [0, 1]; 1 is the paper's running mean over all steps.
+    pub decay: f32,
+    /// How long one dispatch should take, in milliseconds; `None` chooses by the kind of device.
+    pub slice_milliseconds: Option<f64>,
+    /// Most pixels of one film page; `None` takes what the device can bind.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub film_page_pixels: Option<u32>,
+    /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub pdf_tamper: f32,
+}
+
+impl Settings {
+    /// The scene's own choices where it makes any; else max depth 16, roulette after depth 8, and the paper's grids.
+    pub fn for_scene(scene: &Scene) -> Self {
+        let integrator = scene.integrator;
+        Self {
+            width: scene.film.width,
+            height: scene.film.height,
+            crop: scene.film.crop,
+            filter: scene.film.filter,
+            max_depth: integrator.max_depth.map_or(16, depth_from_scene),
+            rr_depth: integrator.rr_depth.map_or(8, depth_from_scene),
+            hide_emitters: integrator.hide_emitters,
+            seed: 0,
+            sampler: Sampler::RejectionMix,
+            learner: Learner::Sarsa,
+            grid: 8,
+            directions: 16,
+            normals: 16,
+            spp_per_step: 8,
+            samples_per_dispatch: 8,
+            max_tries: 32,
+            min_uniform: 1.0 / 16.0,
+            decay: 0.95,
+            slice_milliseconds: None,
+            film_page_pixels: None,
+            pdf_tamper: 1.0,
+        }
+    }
+
+    /// The rendered window.
+    pub fn window(&self) -> Crop {
+        self.crop.unwrap_or(Crop { x: 0, y: 0, width: self.width, height: self.height })
+    }
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`Error::Settings`], naming the option and what it allows.
+    pub fn validate(&self) -> Result<()> {
+        in_range("width", self.width, 1, MAX_FILM_SIDE)?;
+        in_range("height", self.height, 1, MAX_FILM_SIDE)?;
+        in_range("max-depth", self.max_depth, 1, MAX_DEPTH_LIMIT)?;
+        in_range("rr-depth", self.rr_depth, 1, u32::MAX)?;
+        in_range("grid", self.grid, 1, 32)?;
+        in_range("directions", self.directions, 4, 64)?;
+        in_range("normals", self.normals, 4, 32)?;
+        in_range("spp-per-step", self.spp_per_step, 1, 65_536)?;
+        in_range("samples-per-dispatch", self.samples_per_dispatch, 1, 64)?;
+        in_range("max-tries", self.max_tries, 1, 1024)?;
+        in_range("min-uniform", self.min_uniform, 1.0e-4, 1.0)?;
+        in_range("decay", self.decay, 0.0, 1.0)?;
+        in_range("slice-ms", self.slice_milliseconds.unwrap_or(1.0), 0.001, 60_000.0)?;
+        self.validate_crop()
+    }
+
+    fn validate_crop(&self) -> Result<()> {
+        let Crop { x, y, width, height } = self.window();
+        let inside = |offset: u32, size: u32, whole: u32| size > 0 && u64::from(offset) + u64::from(size) <= whole.into();
+        if inside(x, width, self.width) && inside(y, height, self.height) {
+            return Ok(());
+        }
+        Err(Error::Settings(format!(
+            "the crop window {x},{y},{width},{height} is empty or leaves the film of {} x {} pixels",
+            self.width, self.height
+        )))
+    }
+}
+
+fn depth_from_scene(depth: i32) -> u32 {
+    u32::try_from(depth).map_or(MAX_DEPTH_LIMIT, |depth| depth.clamp(1, MAX_DEPTH_LIMIT))
+}
+
+fn in_range<T: PartialOrd + std::fmt::Display>(name: &str, value: T, least: T, most: T) -> Result<()> {
+    if value >= least && value <= most {
+        return Ok(());
+    }
+    Err(Error::Settings(format!("--{name} is {value}, but must lie between {least} and {most}")))
+}
