@@ -2,7 +2,9 @@
 #![deny(missing_docs)]
 
 pub mod error;
+pub mod files;
 pub mod film;
+pub mod image;
 pub mod scene;
 
 pub use error::{Error, Result};

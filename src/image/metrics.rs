@@ -87,10 +87,10 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
 }
 
 fn check_same_size(image: &Image, reference: &Image) -> Result<()> {
-    let sizes = [image, reference].map(|i| format!("{}x{}", i.width, i.height));
-    if sizes[0] != sizes[1] {
-        let message = "compare pictures of one size, or render the second one's window with --crop";
-        return Err(Error::Settings(format!("the pictures' sizes differ, {} and {}; {message}", sizes[0], sizes[1])));
+    let [first, second] = [image, reference].map(|image| format!("{}x{}", image.width, image.height));
+    if first != second {
+        let message = format!("the pictures' sizes differ, {first} and {second}; compare pictures of one size");
+        return Err(Error::Settings(message));
     }
     if image.pixels.is_empty() {
         return Err(Error::Settings("the pictures have no pixels; compare larger ones".into()));
@@ -107,4 +107,88 @@ fn check_finite(which: &str, image: &Image) -> Result<()> {
     Err(Error::Render(format!(
         "the {which} picture has {count} of {total} pixels that are infinite or not a number; render it again"
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: u32 = 64;
+    const HEIGHT: u32 = 32;
+
+    fn image(value: impl Fn(u32, u32, u32) -> f32) -> Image {
+        let pixel = |i: u32| std::array::from_fn(|c| value(i % WIDTH, i / WIDTH, c as u32));
+        Image { width: WIDTH, height: HEIGHT, pixels: (0..WIDTH * HEIGHT).map(pixel).collect() }
+    }
+
+    /// `((7 x + 13 y + 5 c) mod 32) / 16 - 1/8`, with a firefly and a negative value; all exact in binary.
+    fn first() -> Image {
+        let mut image = image(|x, y, c| ((x * 7 + y * 13 + c * 5) % 32) as f32 / 16.0 - 0.125);
+        image.pixels[(5 * WIDTH + 7) as usize] = [1000.0; 3];
+        image.pixels[(9 * WIDTH + 1) as usize][0] = -50.0;
+        image
+    }
+
+    /// `((11 x + 3 y + 9 c) mod 29) / 8`.
+    fn second() -> Image {
+        image(|x, y, c| ((x * 11 + y * 3 + c * 9) % 29) as f32 / 8.0)
+    }
+
+    fn assert_close(value: f64, expected: f64) {
+        assert!((value / expected - 1.0).abs() < 1e-9, "{value} is not {expected}");
+    }
+
+    /// The expected numbers were computed from the same formulas by an independent implementation in numpy.
+    #[test]
+    fn agrees_with_an_independent_implementation() {
+        let metrics = compare(&first(), &second()).unwrap();
+        assert_close(metrics.mae_ldr, 0.358_326_667_766_677_9);
+        assert_close(metrics.mae, 1.715_627_034_505_208_3);
+        assert_close(metrics.mse, 489.241_782_506_306_95);
+        assert_close(metrics.relmse, 483.958_270_971_162);
+        assert_close(metrics.relmse_trim, 5.477_645_549_117_699);
+        assert_close(metrics.mean_ratio, 0.756_124_928_779_897_9);
+    }
+
+    #[test]
+    fn one_pixel_by_hand() {
+        let gray = |value| Image { width: 1, height: 1, pixels: vec![[value; 3]] };
+        let metrics = compare(&gray(2.0), &gray(1.0)).unwrap();
+        // (2 / (1 + 2/1.5))^(1/2.2) - (1 / (1 + 1/1.5))^(1/2.2)
+        assert_close(metrics.mae_ldr, (6.0f64 / 7.0).powf(1.0 / 2.2) - 0.6f64.powf(1.0 / 2.2));
+        assert_close(metrics.mae, 1.0);
+        assert_close(metrics.mse, 1.0);
+        assert_close(metrics.relmse, 1.0 / 1.01);
+        assert_close(metrics.relmse_trim, 1.0 / 1.01);
+        assert_close(metrics.mean_ratio, 2.0);
+    }
+
+    #[test]
+    fn equal_pictures_have_no_error() {
+        let metrics = compare(&second(), &second()).unwrap();
+        let errors = [metrics.mae_ldr, metrics.mae, metrics.mse, metrics.relmse, metrics.relmse_trim];
+        assert_eq!(errors, [0.0; 5]);
+        assert_eq!(metrics.mean_ratio, 1.0);
+    }
+
+    #[test]
+    fn keys_are_those_scripts_rely_on() {
+        let metrics = serde_json::to_value(compare(&first(), &second()).unwrap()).unwrap();
+        let keys: Vec<_> = metrics.as_object().unwrap().keys().map(String::as_str).collect();
+        assert_eq!(keys, ["mae", "mae_ldr", "mean_ratio", "mse", "relmse", "relmse_trim"]);
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_compared() {
+        let narrow = second().crop([0, 0], 5, 4).unwrap();
+        let error = compare(&narrow, &second()).unwrap_err().to_string();
+        assert!(error.contains("5x4") && error.contains("64x32"), "{error}");
+        let mut broken = second();
+        broken.pixels[3][1] = f32::NAN;
+        broken.pixels[4] = [f32::INFINITY; 3];
+        let error = compare(&second(), &broken).unwrap_err().to_string();
+        assert!(error.contains("second picture has 2 of 2048 pixels"), "{error}");
+        let empty = Image { width: 0, height: 0, pixels: vec![] };
+        assert!(compare(&empty, &empty).is_err());
+    }
 }

@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_picture_leaves_no_file() {
+    fn a_missing_folder_is_an_error() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("missing/a.png");
         assert!(write(&path, &gray(&[1.0]), ToneCurve::Srgb, 0.0).is_err());
