@@ -1,1 +1,3 @@
-fn main() { let _ = shaderc::Compiler::new(); }
+fn main() {
+    let _ = shaderc::Compiler::new();
+}

@@ -24,8 +24,8 @@ use ::exr::prelude::{
 };
 
 use super::Image;
-use crate::film::Picture;
 use crate::files::write_whole;
+use crate::film::Picture;
 use crate::{Error, Result};
 
 /// What every attribute of ours starts with.
@@ -145,9 +145,10 @@ fn read_parts(path: &Path) -> Result<Vec<Part>> {
         .map(|image| image.layer_data.into_vec());
     parts.map_err(|error| match error {
         ::exr::error::Error::Io(error) => Error::read(path)(error),
-        ::exr::error::Error::NotSupported(what) => {
-            Error::image(path, format!("it is a kind of EXR image that is not supported ({what}); save it as a flat one"))
-        }
+        ::exr::error::Error::NotSupported(what) => Error::image(
+            path,
+            format!("it is a kind of EXR image that is not supported ({what}); save it as a flat one"),
+        ),
         other => Error::image(path, format!("it is not a whole EXR image ({other}); write it again")),
     })
 }
@@ -188,7 +189,8 @@ fn layer_channels<'a>(part: &'a Part, prefix: &str) -> Option<[&'a Channel; 3]> 
     let channels = by_name(part);
     let letters = [["R", "G", "B"], ["X", "Y", "Z"]];
     letters.into_iter().find_map(|names| three(&channels, names.map(|name| format!("{prefix}.{name}")))).or_else(|| {
-        let mut rest = channels.iter().filter(|(name, _)| name.strip_prefix(prefix).is_some_and(|n| n.starts_with('.')));
+        let mut rest =
+            channels.iter().filter(|(name, _)| name.strip_prefix(prefix).is_some_and(|n| n.starts_with('.')));
         let &(_, only) = rest.next()?;
         rest.next().is_none().then_some([only; 3])
     })
@@ -317,7 +319,8 @@ mod tests {
             let color = [float("R", red), float("G", green), float("B", blue)];
             write_channels(&path, compression, decoys.into_iter().chain(color).collect());
             assert_eq!(read_rgb(&path).unwrap().pixels, expected);
-            let color = vec![float("View.Combined.R", red), float("View.Combined.G", green), float("View.Combined.B", blue)];
+            let color =
+                vec![float("View.Combined.R", red), float("View.Combined.G", green), float("View.Combined.B", blue)];
             write_channels(&path, compression, color);
             assert_eq!(read_rgb(&path).unwrap().pixels, expected);
         }

@@ -7,7 +7,7 @@ pub enum ToneCurve {
     /// The sRGB transfer function; brighter than 1 is white.
     #[default]
     Srgb,
-    /// The paper's curve, which compresses highlights by luminance. See [`paper`].
+    /// The paper's curve, which compresses highlights by luminance.
     Paper,
 }
 

@@ -78,8 +78,20 @@ impl Camera {
             FovAxis::X => tan_half,
             FovAxis::Y => vertical,
             FovAxis::Diagonal => tan_half * width / width.hypot(height),
-            FovAxis::Smaller => if width < height { tan_half } else { vertical },
-            FovAxis::Larger => if width > height { tan_half } else { vertical },
+            FovAxis::Smaller => {
+                if width < height {
+                    tan_half
+                } else {
+                    vertical
+                }
+            }
+            FovAxis::Larger => {
+                if width > height {
+                    tan_half
+                } else {
+                    vertical
+                }
+            }
         }
     }
 }
