@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use lodestar::image::exr;
 use lodestar::image::metrics::{self, Metrics};
+use lodestar::{Error, Result};
 
 /// Measures the error of an EXR picture against a reference.
 #[derive(Debug, clap::Args)]
