@@ -26,6 +26,14 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::
     fill().map_err(Error::write(path))
 }
 
+/// Writes `value` as indented JSON, whole.
+pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<()> {
+    write_whole(path, |writer| {
+        serde_json::to_writer_pretty(&mut *writer, value)?;
+        writeln!(writer)
+    })
+}
+
 /// Fails as [`write_whole`] would, so that a long render is refused before it starts and not after it ends.
 pub fn check_writable(path: &Path) -> Result<()> {
     Temporary::create(path).map(drop).map_err(Error::write(path))
@@ -95,6 +103,14 @@ mod tests {
             assert_eq!(fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn json_is_indented_and_ends_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        write_json(&path, &std::collections::BTreeMap::from([("spp", 64)])).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "{\n  \"spp\": 64\n}\n");
     }
 
     #[test]

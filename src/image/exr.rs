@@ -14,10 +14,11 @@
 //! Data window: the rendered window; display window: the whole film. Compression loses nothing.
 
 use std::fs::File;
-use std::io::{self, BufReader};
+use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
-use ::exr::meta::header::{ImageAttributes, LayerAttributes};
+use ::exr::meta::MetaData;
+use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, IntegerBounds, Layer, ReadChannels, ReadLayers,
     Text, Vec2, WritableImage,
@@ -30,6 +31,8 @@ use crate::{Error, Result};
 
 /// What every attribute of ours starts with.
 const ATTRIBUTE_PREFIX: &str = "lodestar.";
+/// A damaged header may ask for any size; this is 16384 x 16384.
+const MAX_PIXEL_COUNT: usize = 1 << 28;
 
 type Channel = AnyChannel<FlatSamples>;
 type Part = Layer<AnyChannels<FlatSamples>>;
@@ -134,23 +137,38 @@ pub fn read_attributes(path: &Path) -> Result<Vec<(String, String)>> {
 }
 
 fn read_parts(path: &Path) -> Result<Vec<Part>> {
-    let file = File::open(path).map_err(Error::read(path))?;
+    let mut file = BufReader::new(File::open(path).map_err(Error::read(path))?);
+    check_size(path, &mut file).and_then(|()| file.rewind().map_err(Error::read(path)))?;
     let parts = ::exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
         .all_layers()
         .all_attributes()
-        .from_buffered(BufReader::new(file))
+        .from_buffered(file)
         .map(|image| image.layer_data.into_vec());
-    parts.map_err(|error| match error {
+    parts.map_err(|error| read_error(path, error))
+}
+
+/// Refuses a picture that is larger than any real one before room is made for its pixels.
+fn check_size(path: &Path, file: impl Read) -> Result<()> {
+    let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
+    let pixel_count = |header: &Header| header.layer_size.0.saturating_mul(header.layer_size.1);
+    if meta.headers.iter().any(|header| pixel_count(header) > MAX_PIXEL_COUNT) {
+        return Err(Error::image(path, "it is larger than 2^28 pixels; crop it"));
+    }
+    Ok(())
+}
+
+fn read_error(path: &Path, error: ::exr::error::Error) -> Error {
+    match error {
         ::exr::error::Error::Io(error) => Error::read(path)(error),
         ::exr::error::Error::NotSupported(what) => Error::image(
             path,
             format!("it is a kind of EXR image that is not supported ({what}); save it as a flat one"),
         ),
         other => Error::image(path, format!("it is not a whole EXR image ({other}); write it again")),
-    })
+    }
 }
 
 fn name_of(text: &Text) -> String {
@@ -299,7 +317,8 @@ mod tests {
     #[test]
     fn attributes_come_back_in_any_script() {
         let (_folder, path) = folder();
-        let pairs = [("device", "llvmpipe (LLVM 15)"), ("scene", "küche-台所.xml"), ("spp", "64")];
+        let long = "a_name_that_needs_the_long_names_of_version_2";
+        let pairs = [(long, ""), ("device", "llvmpipe (LLVM 15)"), ("scene", "küche-台所.xml"), ("spp", "64")];
         let attributes = pairs.map(|(name, value)| (name.to_owned(), value.to_owned()));
         write_picture(&path, &picture(), &attributes).unwrap();
         assert_eq!(read_attributes(&path).unwrap(), attributes);
@@ -358,10 +377,47 @@ mod tests {
         let whole = std::fs::read(&path).unwrap();
         for position in 0..whole.len() {
             let mut bytes = whole.clone();
-            bytes[position] ^= 0x41;
-            std::fs::write(&path, &bytes).unwrap();
-            // Either answer will do: a flipped bit in a name or an attribute harms no pixel.
-            let _ = read_rgb(&path);
+            for mask in [0x41, 0x80] {
+                bytes[position] = whole[position] ^ mask;
+                std::fs::write(&path, &bytes).unwrap();
+                // Either answer will do: a flipped bit in a name or an attribute harms no pixel.
+                let _ = read_rgb(&path);
+            }
         }
+    }
+
+    #[test]
+    fn a_header_that_asks_for_too_much_is_refused() {
+        let (_folder, path) = folder();
+        write_picture(&path, &picture(), &[]).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        // After the attribute's name come its type, its length and the window's four corners.
+        let window =
+            bytes.windows(10).position(|name| name == b"dataWindow").unwrap() + "dataWindow\0box2i\0".len() + 4;
+        for corner in [8, 12] {
+            bytes[window + corner..window + corner + 4].copy_from_slice(&1_000_000i32.to_le_bytes());
+        }
+        std::fs::write(&path, &bytes).unwrap();
+        let error = read_rgb(&path).unwrap_err().to_string();
+        assert!(error.contains("larger than 2^28 pixels"), "{error}");
+    }
+
+    #[test]
+    fn a_picture_without_pixels_is_an_error_and_no_file() {
+        let (_folder, path) = folder();
+        let empty = Picture {
+            width: 0,
+            height: 0,
+            offset: [0, 0],
+            full_size: [4, 4],
+            radiance: vec![],
+            variance: vec![],
+            sample_count: vec![],
+            albedo: vec![],
+            normal: vec![],
+            depth: vec![],
+        };
+        assert!(write_picture(&path, &empty, &[]).is_err());
+        assert!(!path.exists());
     }
 }
