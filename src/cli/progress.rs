@@ -35,7 +35,11 @@ pub struct Progress {
 enum Display {
     Nothing,
     Bar(ProgressBar),
-    Lines { last: Option<Instant> },
+    /// When the last line was printed, and what has not been since.
+    Lines {
+        last: Option<Instant>,
+        pending: Option<String>,
+    },
 }
 
 impl Progress {
@@ -44,7 +48,7 @@ impl Progress {
         let display = match (quiet, io::stderr().is_terminal()) {
             (true, _) => Display::Nothing,
             (false, true) => Display::Bar(new_bar()),
-            (false, false) => Display::Lines { last: None },
+            (false, false) => Display::Lines { last: None, pending: None },
         };
         Self { spp_target, time_limit, display }
     }
@@ -58,19 +62,23 @@ impl Progress {
                 bar.set_position((status.fraction.clamp(0.0, 1.0) * BAR_STEPS as f64) as u64);
                 bar.set_message(text);
             }
-            Display::Lines { last } => {
-                if last.is_none_or(|last| last.elapsed() >= LINE_INTERVAL) {
-                    *last = Some(Instant::now());
+            Display::Lines { last, pending } => {
+                if last.is_some_and(|last| last.elapsed() < LINE_INTERVAL) {
+                    *pending = Some(text);
+                } else {
+                    (*last, *pending) = (Some(Instant::now()), None);
                     print(&text);
                 }
             }
         }
     }
 
-    /// Leaves the terminal to what is printed next.
+    /// Shows the last status and leaves the terminal to what is printed next.
     pub fn finish(&mut self) {
-        if let Display::Bar(bar) = &self.display {
-            bar.abandon();
+        match std::mem::replace(&mut self.display, Display::Nothing) {
+            Display::Bar(bar) => bar.abandon(),
+            Display::Lines { pending: Some(text), .. } => print(&text),
+            Display::Lines { .. } | Display::Nothing => {}
         }
     }
 }
