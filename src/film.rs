@@ -1,5 +1,7 @@
 //! A finished picture with everything measured per pixel. CPU only.
 
+use crate::image::Image;
+
 /// What a render leaves for every pixel of its window, row by row from the top left.
 #[derive(Debug, Clone)]
 pub struct Picture {
@@ -23,4 +25,20 @@ pub struct Picture {
     pub normal: Vec<[f32; 3]>,
     /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none does.
     pub depth: Vec<f32>,
+}
+
+impl Picture {
+    /// The mean radiance alone.
+    pub fn image(&self) -> Image {
+        self.with_pixels(&self.radiance)
+    }
+
+    /// The variance of the mean, as a picture of the same size.
+    pub fn variance_image(&self) -> Image {
+        self.with_pixels(&self.variance)
+    }
+
+    fn with_pixels(&self, pixels: &[[f32; 3]]) -> Image {
+        Image { width: self.width, height: self.height, pixels: pixels.to_vec() }
+    }
 }

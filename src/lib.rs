@@ -4,8 +4,10 @@
 pub mod bvh;
 pub mod cosine_integrals;
 pub mod error;
+pub mod files;
 pub mod film;
 pub mod gpu;
+pub mod image;
 pub mod kernels;
 pub mod layout;
 pub mod reference;

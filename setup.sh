@@ -1,0 +1,199 @@
+#!/bin/sh
+# Installs what the system lacks to build and run Lodestar: the Vulkan loader, Mesa's Vulkan drivers (among them the one
+# that renders on the CPU), the validation layers that the tests turn on, and what shaderc's source build needs.
+# Safe to run again: what is there is not touched, and the package manager is called only for what is missing.
+#
+# usage: setup.sh            install what is missing
+#        setup.sh --check    only say what is missing; exit 1 if anything is
+set -eu
+
+MIN_RUST=1.88
+
+say() { echo "setup: $*"; }
+fail() { echo "setup: error: $*" >&2; exit 1; }
+
+# --- What is there -----------------------------------------------------------------------------------------------------
+
+has_command() { command -v "$1" >/dev/null 2>&1; }
+
+# A file that matches NAME in the folder SUB of one of the places where Vulkan's loader looks.
+has_vulkan_file() { # SUB NAME
+  for folder in /usr/share/vulkan /usr/local/share/vulkan /etc/vulkan /opt/homebrew/share/vulkan \
+    /opt/homebrew/etc/vulkan /usr/local/etc/vulkan; do
+    for file in "$folder/$1"/$2; do
+      if [ -e "$file" ]; then return 0; fi
+    done
+  done
+  return 1
+}
+
+has_loader() {
+  case "$system" in
+    macos) [ -e /opt/homebrew/lib/libvulkan.1.dylib ] || [ -e /usr/local/lib/libvulkan.1.dylib ] ;;
+    # ldconfig is often missing from an ordinary user's PATH.
+    *) PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null | grep -q 'libvulkan\.so\.1' ;;
+  esac
+}
+
+has_driver() {
+  case "$system" in
+    macos) has_vulkan_file icd.d 'MoltenVK_icd.json' ;;
+    *) has_vulkan_file icd.d 'lvp_icd*.json' ;;
+  esac
+}
+
+has_layers() { has_vulkan_file explicit_layer.d 'VkLayer_khronos_validation.json'; }
+has_compiler() { has_command c++ || has_command g++ || has_command clang++; }
+
+has_tool() { # TOOL
+  case "$1" in
+    loader) has_loader ;;
+    driver) has_driver ;;
+    layers) has_layers ;;
+    compiler) has_compiler ;;
+    *) has_command "$1" ;;
+  esac
+}
+
+# --- What it is called -------------------------------------------------------------------------------------------------
+
+TOOLS="loader driver layers compiler cmake ninja python3 git"
+
+describe() { # TOOL
+  case "$1" in
+    loader) echo "the Vulkan loader" ;;
+    driver) if [ "$system" = macos ]; then echo "MoltenVK"; else echo "Mesa's Vulkan drivers"; fi ;;
+    layers) echo "the Vulkan validation layers" ;;
+    compiler) echo "a C++ compiler" ;;
+    *) echo "$1" ;;
+  esac
+}
+
+package_of() { # TOOL
+  case "$system:$1" in
+    debian:loader) echo libvulkan1 ;;
+    debian:driver) echo mesa-vulkan-drivers ;;
+    debian:layers) echo vulkan-validationlayers ;;
+    debian:compiler) echo g++ ;;
+    debian:ninja) echo ninja-build ;;
+    fedora:loader) echo vulkan-loader ;;
+    fedora:driver) echo mesa-vulkan-drivers ;;
+    fedora:layers) echo vulkan-validation-layers ;;
+    fedora:compiler) echo gcc-c++ ;;
+    fedora:ninja) echo ninja-build ;;
+    arch:loader) echo vulkan-icd-loader ;;
+    arch:driver) echo vulkan-swrast ;;
+    arch:layers) echo vulkan-validation-layers ;;
+    arch:compiler) echo gcc ;;
+    arch:python3) echo python ;;
+    macos:loader) echo vulkan-loader ;;
+    macos:driver) echo molten-vk ;;
+    macos:layers) echo vulkan-validationlayers ;;
+    macos:compiler) echo xcode ;;
+    *) echo "$1" ;;
+  esac
+}
+
+detect_system() {
+  if [ "$(uname -s)" = Darwin ]; then echo macos
+  elif has_command apt-get; then echo debian
+  elif has_command dnf; then echo fedora
+  elif has_command pacman; then echo arch
+  else echo unknown
+  fi
+}
+
+# --- Installing --------------------------------------------------------------------------------------------------------
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then "$@"
+  elif has_command sudo; then sudo "$@"
+  else fail "installing packages needs root and there is no sudo; run as root: $*"
+  fi
+}
+
+install_packages() { # PACKAGE...
+  case "$system" in
+    debian)
+      as_root apt-get update
+      as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+      ;;
+    fedora) as_root dnf install -y "$@" ;;
+    arch) as_root pacman -S --needed --noconfirm "$@" ;;
+    macos)
+      has_command brew || fail "Homebrew is missing; install it from its home page, brew.sh, and run this again"
+      brew install "$@"
+      ;;
+    *) fail "this system's package manager is not known; install by hand: $missing_names" ;;
+  esac
+}
+
+check_rust() {
+  for tool in cargo rustc; do
+    if ! has_command "$tool"; then
+      say "missing: $tool $MIN_RUST or newer; install Rust with rustup, see rust-lang.org/tools/install"
+      return 1
+    fi
+  done
+  version=$(rustc --version | cut -d ' ' -f 2)
+  major=${version%%.*}
+  rest=${version#*.}
+  if [ "$major" -eq "${MIN_RUST%%.*}" ] && [ "${rest%%.*}" -lt "${MIN_RUST#*.}" ]; then
+    say "too old: rustc $version; $MIN_RUST or newer is needed: rustup update stable"
+    return 1
+  fi
+}
+
+find_missing() {
+  missing=""
+  missing_names=""
+  for tool in $TOOLS; do
+    if ! has_tool "$tool"; then
+      missing="$missing $tool"
+      missing_names="${missing_names:+$missing_names, }$(describe "$tool")"
+    fi
+  done
+}
+
+install_missing() {
+  packages=""
+  for tool in $missing; do
+    if [ "$system:$tool" = macos:compiler ]; then
+      fail "a C++ compiler is missing; run: xcode-select --install"
+    fi
+    packages="$packages $(package_of "$tool")"
+  done
+  say "installing:$packages"
+  # Word splitting is meant: one argument per package.
+  # shellcheck disable=SC2086
+  install_packages $packages
+  find_missing
+  if [ -n "$missing" ]; then fail "still missing after installing: $missing_names; install by hand"; fi
+}
+
+main() {
+  system=$(detect_system)
+  find_missing
+  case "${1:-}" in
+    --check)
+      status=0
+      check_rust || status=1
+      if [ -n "$missing" ]; then
+        say "missing: $missing_names"
+        status=1
+      fi
+      if [ "$status" -eq 0 ]; then say "everything is there"; fi
+      exit "$status"
+      ;;
+    "") ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check]" ;;
+  esac
+  if [ -n "$missing" ]; then
+    say "missing: $missing_names"
+    install_missing
+  fi
+  check_rust || exit 1
+  say "everything is there"
+}
+
+main "$@"

@@ -1,0 +1,163 @@
+//! How far a render is: a bar on a terminal, a line now and then elsewhere, both on standard error.
+
+use std::io::{self, IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// Least time between two plain lines.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// Resolution of the bar.
+const BAR_STEPS: u64 = 1000;
+
+/// Where a render stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Status {
+    /// Samples per pixel so far.
+    pub spp: u64,
+    /// Seconds of rendering so far.
+    pub seconds: f64,
+    /// Paths so far.
+    pub paths: u64,
+    /// Share of the paths that reached a light, in [0, 1]; of the last step, to show that the guide learns.
+    pub light_hit_rate: f64,
+    /// Share of the render that is done, in [0, 1]: of the samples or of the time, whichever is further.
+    pub fraction: f64,
+}
+
+/// Shows the progress of one render.
+pub struct Progress {
+    spp_target: Option<u64>,
+    time_limit: Option<f64>,
+    display: Display,
+}
+
+enum Display {
+    Nothing,
+    Bar(ProgressBar),
+    /// When the last line was printed, and what has not been since.
+    Lines {
+        last: Option<Instant>,
+        pending: Option<String>,
+    },
+}
+
+impl Progress {
+    /// Starts to show the progress towards `spp_target` samples per pixel or `time_limit` seconds.
+    pub fn new(quiet: bool, spp_target: Option<u64>, time_limit: Option<f64>) -> Self {
+        let display = match (quiet, io::stderr().is_terminal()) {
+            (true, _) => Display::Nothing,
+            (false, true) => Display::Bar(new_bar()),
+            (false, false) => Display::Lines { last: None, pending: None },
+        };
+        Self { spp_target, time_limit, display }
+    }
+
+    /// Shows where the render stands.
+    pub fn update(&mut self, status: &Status) {
+        let text = line(status, self.spp_target, self.time_limit);
+        match &mut self.display {
+            Display::Nothing => {}
+            Display::Bar(bar) => {
+                bar.set_position((status.fraction.clamp(0.0, 1.0) * BAR_STEPS as f64) as u64);
+                bar.set_message(text);
+            }
+            Display::Lines { last, pending } => {
+                if last.is_some_and(|last| last.elapsed() < LINE_INTERVAL) {
+                    *pending = Some(text);
+                } else {
+                    (*last, *pending) = (Some(Instant::now()), None);
+                    print(&text);
+                }
+            }
+        }
+    }
+
+    /// Shows the last status and leaves the terminal to what is printed next.
+    pub fn finish(&mut self) {
+        match std::mem::replace(&mut self.display, Display::Nothing) {
+            Display::Bar(bar) => bar.abandon(),
+            Display::Lines { pending: Some(text), .. } => print(&text),
+            Display::Lines { .. } | Display::Nothing => {}
+        }
+    }
+}
+
+impl Drop for Progress {
+    /// A render that fails must not leave its message behind half a bar.
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+fn new_bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
+    // The template is a constant; if it were wrong, the default one would still show the position.
+    if let Ok(style) = ProgressStyle::with_template("{bar:10} {wide_msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn print(text: &str) {
+    // Progress is a courtesy: a closed standard error must not end the render.
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// `128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %`.
+fn line(status: &Status, spp_target: Option<u64>, time_limit: Option<f64>) -> String {
+    let samples = match spp_target {
+        Some(target) => format!("{}/{target} spp", status.spp),
+        None => format!("{} spp", status.spp),
+    };
+    let time = match seconds_left(status, time_limit) {
+        Some(seconds) => format!("{} left", duration(seconds)),
+        None => format!("{} so far", duration(status.seconds)),
+    };
+    let rate = if status.seconds > 0.0 { status.paths as f64 / status.seconds / 1e6 } else { 0.0 };
+    format!("{samples}, {time}, {rate:.2} Mpaths/s, light hit rate {:.1} %", 100.0 * status.light_hit_rate)
+}
+
+fn seconds_left(status: &Status, time_limit: Option<f64>) -> Option<f64> {
+    let by_fraction = (status.fraction > 0.0).then(|| status.seconds * (1.0 / status.fraction - 1.0).max(0.0));
+    let by_limit = time_limit.map(|limit| (limit - status.seconds).max(0.0));
+    match (by_fraction, by_limit) {
+        (Some(a), Some(b)) => Some(a.min(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+/// `59 s`, `2 min 05 s`, `3 h 07 min`.
+fn duration(seconds: f64) -> String {
+    let seconds = seconds.round() as u64;
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, seconds) => format!("{seconds} s"),
+        (0, minutes, seconds) => format!("{minutes} min {seconds:02} s"),
+        (hours, minutes, _) => format!("{hours} h {minutes:02} min"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STATUS: Status = Status { spp: 128, seconds: 12.0, paths: 38_520_000, light_hit_rate: 0.415, fraction: 0.5 };
+
+    #[test]
+    fn a_line_says_it_all() {
+        let text = line(&STATUS, Some(256), None);
+        assert_eq!(text, "128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %");
+        assert!(line(&STATUS, None, Some(20.0)).starts_with("128 spp, 8 s left"));
+    }
+
+    #[test]
+    fn nothing_is_made_up_before_the_first_sample() {
+        let start = Status { spp: 0, seconds: 0.0, paths: 0, light_hit_rate: 0.0, fraction: 0.0 };
+        assert_eq!(line(&start, Some(8), None), "0/8 spp, 0 s so far, 0.00 Mpaths/s, light hit rate 0.0 %");
+    }
+
+    #[test]
+    fn durations_read_well() {
+        assert_eq!([59.2, 125.0, 11_220.0].map(duration), ["59 s", "2 min 05 s", "3 h 07 min"]);
+    }
+}

@@ -1,0 +1,154 @@
+//! Writing files whole: a reader sees the old file or the new one, never a part of it.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::{Error, Result};
+
+/// Keeps the temporary names of one process apart.
+static TEMPORARY_COUNT: AtomicU32 = AtomicU32::new(0);
+
+/// Writes `path` under a temporary name in the same folder and renames it once everything has reached the disk.
+///
+/// On failure the temporary file is removed and an older file of that name is left as it was.
+pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
+    let fill = || {
+        let (temporary, file) = Temporary::create(path)?;
+        let mut writer = BufWriter::new(file);
+        write(&mut writer)?;
+        writer.flush()?;
+        writer.get_ref().sync_all()?;
+        drop(writer);
+        temporary.rename()
+    };
+    fill().map_err(Error::write(path))
+}
+
+/// Writes `value` as indented JSON, whole.
+pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<()> {
+    write_whole(path, |writer| {
+        serde_json::to_writer_pretty(&mut *writer, value)?;
+        writeln!(writer)
+    })
+}
+
+/// Fails as [`write_whole`] would, so that a long render is refused before it starts and not after it ends.
+pub fn check_writable(path: &Path) -> Result<()> {
+    Temporary::create(path).map(drop).map_err(Error::write(path))
+}
+
+/// A file under a temporary name; removed when dropped unless it was renamed.
+struct Temporary {
+    path: PathBuf,
+    target: PathBuf,
+    renamed: bool,
+}
+
+impl Temporary {
+    fn create(path: &Path) -> io::Result<(Self, File)> {
+        let target = target_of(path)?;
+        let name = target.file_name().ok_or_else(|| io::Error::other("the path names no file; give a file name"))?;
+        let number = TEMPORARY_COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!(".{}.{}-{number}.part", name.to_string_lossy(), std::process::id());
+        let path = target.with_file_name(name);
+        let file = File::options().write(true).create_new(true).open(&path)?;
+        Ok((Self { path, target, renamed: false }, file))
+    }
+
+    fn rename(mut self) -> io::Result<()> {
+        fs::rename(&self.path, &self.target)?;
+        self.renamed = true;
+        Ok(())
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.renamed {
+            // Nothing is left to do about a failure here: the caller already reports the first one.
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Where a write to `path` ends up. Renaming would replace a symbolic link by a file, and so would it a device.
+fn target_of(path: &Path) -> io::Result<PathBuf> {
+    match fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => Err(io::Error::other("it is a folder; give a file name")),
+        Ok(metadata) if !metadata.is_file() => Err(io::Error::other("it is not a regular file; give another name")),
+        Ok(_) => path.canonicalize(),
+        Err(_) => Ok(path.to_path_buf()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn writes_and_replaces() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        for text in ["first", "second"] {
+            write_whole(&path, |writer| writer.write_all(text.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn json_is_indented_and_ends_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        write_json(&path, &std::collections::BTreeMap::from([("spp", 64)])).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "{\n  \"spp\": 64\n}\n");
+    }
+
+    #[test]
+    fn failure_leaves_the_old_file_and_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        fs::write(&path, "old").unwrap();
+        let error = write_whole(&path, |writer| {
+            writer.write_all(&[0; 1 << 16])?;
+            Err(io::Error::other("disk on fire"))
+        });
+        assert_eq!(error.unwrap_err().to_string(), format!("{}: cannot be written: disk on fire", path.display()));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_written() {
+        let folder = tempfile::tempdir().unwrap();
+        for path in [folder.path().to_path_buf(), folder.path().join("missing/a.txt"), PathBuf::from("")] {
+            assert!(check_writable(&path).is_err(), "{}", path.display());
+            assert!(write_whole(&path, |_| Ok(())).is_err(), "{}", path.display());
+        }
+        assert!(check_writable(&folder.path().join("a.txt")).is_ok());
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_links_survive() {
+        assert!(write_whole(Path::new("/dev/null"), |_| Ok(())).is_err());
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("link");
+        let target = folder.path().join("target");
+        fs::write(&target, "old").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        write_whole(&link, |writer| writer.write_all(b"new")).unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(fs::read_to_string(&target).unwrap(), "new");
+    }
+}

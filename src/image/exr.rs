@@ -1,0 +1,423 @@
+//! OpenEXR. The only file that names the `exr` crate.
+//!
+//! What [`write_picture`] leaves is one part with these channels, each row by row from the top left:
+//!
+//! | channels                    | type  | what                                                                     |
+//! |-----------------------------|-------|--------------------------------------------------------------------------|
+//! | `R`, `G`, `B`               | float | mean radiance, linear sRGB                                               |
+//! | `variance.R`, `.G`, `.B`    | float | variance of that mean                                                    |
+//! | `samples.N`                 | uint  | samples taken                                                            |
+//! | `albedo.R`, `.G`, `.B`      | float | mean albedo of the first hit                                             |
+//! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
+//! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where none does |
+//!
+//! Data window: the rendered window; display window: the whole film. Compression loses nothing.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek};
+use std::path::Path;
+
+use ::exr::meta::MetaData;
+use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, IntegerBounds, Layer, ReadChannels, ReadLayers,
+    Text, Vec2, WritableImage,
+};
+
+use super::Image;
+use crate::files::write_whole;
+use crate::film::Picture;
+use crate::{Error, Result};
+
+/// What every attribute of ours starts with.
+const ATTRIBUTE_PREFIX: &str = "lodestar.";
+/// A damaged header may ask for any size; this is 16384 x 16384.
+const MAX_PIXEL_COUNT: usize = 1 << 28;
+
+type Channel = AnyChannel<FlatSamples>;
+type Part = Layer<AnyChannels<FlatSamples>>;
+
+/// Writes every layer of `picture`, with `attributes` (name and value) as text attributes named `lodestar.<name>`.
+pub fn write_picture(path: &Path, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
+    let layer = Layer::new(
+        size(picture.width, picture.height),
+        layer_attributes(picture, attributes),
+        Encoding::SMALL_LOSSLESS,
+        AnyChannels::sort(channels(picture).into_iter().collect()),
+    );
+    let display_window = IntegerBounds::from_dimensions(size(picture.full_size[0], picture.full_size[1]));
+    let image = ::exr::image::Image::new(ImageAttributes::new(display_window), layer);
+    write_whole(path, |writer| image.write().to_buffered(writer).map_err(io_error))
+}
+
+fn channels(picture: &Picture) -> Vec<Channel> {
+    let layers = [
+        ("", ["R", "G", "B"], &picture.radiance),
+        ("variance.", ["R", "G", "B"], &picture.variance),
+        ("albedo.", ["R", "G", "B"], &picture.albedo),
+        ("normal.", ["X", "Y", "Z"], &picture.normal),
+    ];
+    let mut channels = Vec::new();
+    for (prefix, names, pixels) in layers {
+        for (component, name) in names.into_iter().enumerate() {
+            let samples = pixels.iter().map(|pixel| pixel[component]).collect();
+            channels.push(channel(&format!("{prefix}{name}"), FlatSamples::F32(samples)));
+        }
+    }
+    channels.push(channel("samples.N", FlatSamples::U32(picture.sample_count.clone())));
+    channels.push(channel("depth.Z", FlatSamples::F32(picture.depth.clone())));
+    channels
+}
+
+fn channel(name: &str, samples: FlatSamples) -> Channel {
+    AnyChannel::new(text(name), samples)
+}
+
+fn layer_attributes(picture: &Picture, attributes: &[(String, String)]) -> LayerAttributes {
+    let [x, y] = picture.offset.map(|offset| offset as i32);
+    let software = concat!("lodestar ", env!("CARGO_PKG_VERSION"));
+    let mut all = LayerAttributes { software_name: Some(text(software)), ..LayerAttributes::default() };
+    all.layer_position = Vec2(x, y);
+    for (name, value) in attributes {
+        all.other.insert(text(&format!("{ATTRIBUTE_PREFIX}{name}")), AttributeValue::Text(text(value)));
+    }
+    all
+}
+
+/// UTF-8 as it is: the checked constructor refuses what Latin-1 lacks, and scenes may be named in any script.
+fn text(string: &str) -> Text {
+    Text::from_slice_unchecked(string.as_bytes())
+}
+
+fn size(width: u32, height: u32) -> Vec2<usize> {
+    Vec2(width as usize, height as usize)
+}
+
+fn io_error(error: ::exr::error::Error) -> io::Error {
+    match error {
+        ::exr::error::Error::Io(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+/// Reads the color of any flat EXR image: `R`, `G`, `B` as they are or under the first prefix that has all three, else `Y`.
+///
+/// The image is the data window; its offset within the display window moves no pixel of it.
+pub fn read_rgb(path: &Path) -> Result<Image> {
+    let parts = read_parts(path)?;
+    let found = parts.iter().find_map(|part| Some((part, color_channels(part)?)));
+    let (part, channels) = found
+        .ok_or_else(|| Error::image(path, "it has neither channels R, G, B nor a channel Y; give a color picture"))?;
+    assemble(path, part, channels)
+}
+
+/// Reads the layer that is stored as channels `<prefix>.*`: three of them (`R`, `G`, `B` or `X`, `Y`, `Z`), or one, which
+/// is repeated.
+pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
+    let parts = read_parts(path)?;
+    let found = parts.iter().find_map(|part| Some((part, layer_channels(part, prefix)?)));
+    let (part, channels) = found.ok_or_else(|| {
+        Error::image(path, format!("it has no layer {prefix}; give a picture that lodestar has written"))
+    })?;
+    assemble(path, part, channels)
+}
+
+/// Reads the attributes that [`write_picture`] has written, sorted by name, without their common prefix.
+pub fn read_attributes(path: &Path) -> Result<Vec<(String, String)>> {
+    let mut attributes = Vec::new();
+    for part in read_parts(path)? {
+        for (name, value) in &part.attributes.other {
+            if let (Some(name), AttributeValue::Text(value)) = (name_of(name).strip_prefix(ATTRIBUTE_PREFIX), value) {
+                attributes.push((name.to_owned(), name_of(value)));
+            }
+        }
+    }
+    attributes.sort();
+    Ok(attributes)
+}
+
+fn read_parts(path: &Path) -> Result<Vec<Part>> {
+    let mut file = BufReader::new(File::open(path).map_err(Error::read(path))?);
+    check_size(path, &mut file).and_then(|()| file.rewind().map_err(Error::read(path)))?;
+    let parts = ::exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(file)
+        .map(|image| image.layer_data.into_vec());
+    parts.map_err(|error| read_error(path, error))
+}
+
+/// Refuses a picture that is larger than any real one before room is made for its pixels.
+fn check_size(path: &Path, file: impl Read) -> Result<()> {
+    let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
+    let pixel_count = |header: &Header| header.layer_size.0.saturating_mul(header.layer_size.1);
+    if meta.headers.iter().any(|header| pixel_count(header) > MAX_PIXEL_COUNT) {
+        return Err(Error::image(path, "it is larger than 2^28 pixels; crop it"));
+    }
+    Ok(())
+}
+
+fn read_error(path: &Path, error: ::exr::error::Error) -> Error {
+    match error {
+        ::exr::error::Error::Io(error) => Error::read(path)(error),
+        ::exr::error::Error::NotSupported(what) => Error::image(
+            path,
+            format!("it is a kind of EXR image that is not supported ({what}); save it as a flat one"),
+        ),
+        other => Error::image(path, format!("it is not a whole EXR image ({other}); write it again")),
+    }
+}
+
+fn name_of(text: &Text) -> String {
+    String::from_utf8_lossy(text.bytes()).into_owned()
+}
+
+/// The channels of a part by name, in the file's (alphabetic) order.
+fn by_name(part: &Part) -> Vec<(String, &Channel)> {
+    part.channel_data.list.iter().map(|channel| (name_of(&channel.name), channel)).collect()
+}
+
+fn three<'a>(channels: &[(String, &'a Channel)], names: [String; 3]) -> Option<[&'a Channel; 3]> {
+    let find = |wanted: &String| channels.iter().find(|(name, _)| name == wanted).map(|&(_, channel)| channel);
+    Some([find(&names[0])?, find(&names[1])?, find(&names[2])?])
+}
+
+fn color_channels(part: &Part) -> Option<[&Channel; 3]> {
+    let channels = by_name(part);
+    let prefixes = channels.iter().filter_map(|(name, _)| name.strip_suffix('R'));
+    let prefixes = prefixes.filter(|prefix| prefix.is_empty() || prefix.ends_with('.'));
+    // The empty prefix first: in the file's order, `R` comes after layers with capital letters.
+    let mut prefixes = std::iter::once("").chain(prefixes);
+    let color = prefixes.find_map(|prefix| three(&channels, ["R", "G", "B"].map(|name| format!("{prefix}{name}"))));
+    color.or_else(|| gray_channel(&channels).map(|channel| [channel; 3]))
+}
+
+/// `Y`, unless it is the luminance of a picture whose color is stored as differences to it.
+fn gray_channel<'a>(channels: &[(String, &'a Channel)]) -> Option<&'a Channel> {
+    if channels.iter().any(|(name, _)| name == "RY" || name == "BY") {
+        return None;
+    }
+    channels.iter().find(|(name, _)| name == "Y").map(|&(_, channel)| channel)
+}
+
+fn layer_channels<'a>(part: &'a Part, prefix: &str) -> Option<[&'a Channel; 3]> {
+    let channels = by_name(part);
+    let letters = [["R", "G", "B"], ["X", "Y", "Z"]];
+    letters.into_iter().find_map(|names| three(&channels, names.map(|name| format!("{prefix}.{name}")))).or_else(|| {
+        let mut rest =
+            channels.iter().filter(|(name, _)| name.strip_prefix(prefix).is_some_and(|n| n.starts_with('.')));
+        let &(_, only) = rest.next()?;
+        rest.next().is_none().then_some([only; 3])
+    })
+}
+
+fn assemble(path: &Path, part: &Part, channels: [&Channel; 3]) -> Result<Image> {
+    let Vec2(width, height) = part.size;
+    if channels.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+        return Err(Error::image(path, "its channels are stored at a lower resolution; save them at the full one"));
+    }
+    let [red, green, blue] = channels.map(|channel| channel.sample_data.values_as_f32());
+    let pixels: Vec<_> = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]).collect();
+    let too_large = |_| Error::image(path, "it is too large; crop it");
+    let (width, height) = (u32::try_from(width).map_err(too_large)?, u32::try_from(height).map_err(too_large)?);
+    Ok(Image { width, height, pixels })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use std::path::PathBuf;
+
+    use ::exr::prelude::{Blocks, Compression, f16};
+
+    const WIDTH: u32 = 7;
+    const HEIGHT: u32 = 5;
+
+    /// Different in every pixel and layer: `layer + pixel / 64 + channel / 1024`, exact in binary.
+    fn pixels(layer: f32) -> Vec<[f32; 3]> {
+        let pixel = |i: u32| std::array::from_fn(|c| layer + i as f32 / 64.0 + c as f32 / 1024.0);
+        (0..WIDTH * HEIGHT).map(pixel).collect()
+    }
+
+    fn picture() -> Picture {
+        let mut depth: Vec<_> = pixels(5.0).iter().map(|pixel| pixel[0]).collect();
+        depth[3] = f32::INFINITY;
+        Picture {
+            width: WIDTH,
+            height: HEIGHT,
+            offset: [3, 2],
+            full_size: [20, 10],
+            radiance: pixels(1.0),
+            variance: pixels(2.0),
+            sample_count: (0..WIDTH * HEIGHT).map(|i| i + 16_777_217).collect(),
+            albedo: pixels(3.0),
+            normal: pixels(-4.0),
+            depth,
+        }
+    }
+
+    fn folder() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        (folder, path)
+    }
+
+    fn write_channels(path: &Path, compression: Compression, channels: Vec<Channel>) {
+        let encoding = Encoding { compression, blocks: Blocks::ScanLines, ..Encoding::SMALL_LOSSLESS };
+        let channels = AnyChannels::sort(channels.into_iter().collect());
+        let layer = Layer::new(size(2, 1), LayerAttributes::default(), encoding, channels);
+        ::exr::image::Image::from_layer(layer).write().to_file(path).unwrap();
+    }
+
+    fn float(name: &str, samples: [f32; 2]) -> Channel {
+        channel(name, FlatSamples::F32(samples.to_vec()))
+    }
+
+    #[test]
+    fn every_layer_comes_back() {
+        let (_folder, path) = folder();
+        let picture = picture();
+        write_picture(&path, &picture, &[]).unwrap();
+        assert_eq!(read_rgb(&path).unwrap(), picture.image());
+        for (name, expected) in
+            [("variance", &picture.variance), ("albedo", &picture.albedo), ("normal", &picture.normal)]
+        {
+            assert_eq!(&read_layer(&path, name).unwrap().pixels, expected, "{name}");
+        }
+        let depth = read_layer(&path, "depth").unwrap().pixels;
+        assert_eq!(depth, picture.depth.iter().map(|&depth| [depth; 3]).collect::<Vec<_>>());
+        let error = read_layer(&path, "glow").unwrap_err().to_string();
+        assert!(error.contains("a.exr: it has no layer glow"), "{error}");
+    }
+
+    #[test]
+    fn sample_counts_are_exact_integers() {
+        let (_folder, path) = folder();
+        let picture = picture();
+        write_picture(&path, &picture, &[]).unwrap();
+        let parts = read_parts(&path).unwrap();
+        let samples = by_name(&parts[0]).into_iter().find(|(name, _)| name == "samples.N").unwrap().1;
+        assert_eq!(samples.sample_data, FlatSamples::U32(picture.sample_count));
+    }
+
+    #[test]
+    fn windows_are_those_of_the_crop() {
+        let (_folder, path) = folder();
+        write_picture(&path, &picture(), &[]).unwrap();
+        let meta = ::exr::meta::MetaData::read_from_file(&path, true).unwrap();
+        let header = &meta.headers[0];
+        assert_eq!(header.shared_attributes.display_window, IntegerBounds::new((0, 0), (20, 10)));
+        assert_eq!(header.data_window(), IntegerBounds::new((3, 2), (WIDTH as usize, HEIGHT as usize)));
+    }
+
+    #[test]
+    fn attributes_come_back_in_any_script() {
+        let (_folder, path) = folder();
+        let long = "a_name_that_needs_the_long_names_of_version_2";
+        let pairs = [(long, ""), ("device", "llvmpipe (LLVM 15)"), ("scene", "küche-台所.xml"), ("spp", "64")];
+        let attributes = pairs.map(|(name, value)| (name.to_owned(), value.to_owned()));
+        write_picture(&path, &picture(), &attributes).unwrap();
+        assert_eq!(read_attributes(&path).unwrap(), attributes);
+    }
+
+    #[test]
+    fn reads_what_others_write() {
+        let (_folder, path) = folder();
+        let half = |name: &str, samples: [f32; 2]| channel(name, FlatSamples::F16(samples.map(f16::from_f32).to_vec()));
+        let expected = [[0.5, 1.0, 2.0], [0.25, 3.0, 4.0]];
+        for compression in [Compression::Uncompressed, Compression::ZIP1, Compression::PIZ, Compression::RLE] {
+            let [red, green, blue] = [[0.5, 0.25], [1.0, 3.0], [2.0, 4.0]];
+            let alpha = half("A", [1.0, 1.0]);
+            write_channels(&path, compression, vec![half("R", red), half("G", green), half("B", blue), alpha]);
+            assert_eq!(read_rgb(&path).unwrap().pixels, expected);
+            let decoys = [float("Albedo.R", [9.0; 2]), float("Albedo.G", [9.0; 2]), float("Albedo.B", [9.0; 2])];
+            let color = [float("R", red), float("G", green), float("B", blue)];
+            write_channels(&path, compression, decoys.into_iter().chain(color).collect());
+            assert_eq!(read_rgb(&path).unwrap().pixels, expected);
+            let color =
+                vec![float("View.Combined.R", red), float("View.Combined.G", green), float("View.Combined.B", blue)];
+            write_channels(&path, compression, color);
+            assert_eq!(read_rgb(&path).unwrap().pixels, expected);
+        }
+    }
+
+    #[test]
+    fn gray_is_repeated_and_color_differences_are_refused() {
+        let (_folder, path) = folder();
+        write_channels(&path, Compression::ZIP16, vec![float("Y", [0.5, 2.0])]);
+        assert_eq!(read_rgb(&path).unwrap().pixels, [[0.5; 3], [2.0; 3]]);
+        write_channels(&path, Compression::ZIP16, ["BY", "RY", "Y"].map(|name| float(name, [0.5, 2.0])).to_vec());
+        assert!(read_rgb(&path).is_err());
+    }
+
+    #[test]
+    fn broken_files_are_one_sentence() {
+        let (_folder, path) = folder();
+        let missing = read_rgb(&path).unwrap_err();
+        assert!(matches!(missing, Error::Read { .. }), "{missing}");
+        write_picture(&path, &picture(), &[]).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        let cuts = (0..whole.len()).step_by(37).map(|length| whole[..length].to_vec());
+        for bytes in cuts.chain([b"<scene version=\"3.0.0\"/>".to_vec()]) {
+            std::fs::write(&path, &bytes).unwrap();
+            let error = read_rgb(&path).unwrap_err();
+            assert!(matches!(error, Error::Image { .. }), "{error}");
+            assert!(error.to_string().contains("a.exr: ") && !error.to_string().contains('\n'), "{error}");
+        }
+    }
+
+    #[test]
+    fn damaged_files_never_panic() {
+        let (_folder, path) = folder();
+        write_picture(&path, &picture(), &[]).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        for position in 0..whole.len() {
+            let mut bytes = whole.clone();
+            for mask in [0x41, 0x80] {
+                bytes[position] = whole[position] ^ mask;
+                std::fs::write(&path, &bytes).unwrap();
+                // Either answer will do: a flipped bit in a name or an attribute harms no pixel.
+                let _ = read_rgb(&path);
+            }
+        }
+    }
+
+    #[test]
+    fn a_header_that_asks_for_too_much_is_refused() {
+        let (_folder, path) = folder();
+        write_picture(&path, &picture(), &[]).unwrap();
+        let mut bytes = std::fs::read(&path).unwrap();
+        // After the attribute's name come its type, its length and the window's four corners.
+        let window =
+            bytes.windows(10).position(|name| name == b"dataWindow").unwrap() + "dataWindow\0box2i\0".len() + 4;
+        for corner in [8, 12] {
+            bytes[window + corner..window + corner + 4].copy_from_slice(&1_000_000i32.to_le_bytes());
+        }
+        std::fs::write(&path, &bytes).unwrap();
+        let error = read_rgb(&path).unwrap_err().to_string();
+        assert!(error.contains("larger than 2^28 pixels"), "{error}");
+    }
+
+    #[test]
+    fn a_picture_without_pixels_is_an_error_and_no_file() {
+        let (_folder, path) = folder();
+        let empty = Picture {
+            width: 0,
+            height: 0,
+            offset: [0, 0],
+            full_size: [4, 4],
+            radiance: vec![],
+            variance: vec![],
+            sample_count: vec![],
+            albedo: vec![],
+            normal: vec![],
+            depth: vec![],
+        };
+        assert!(write_picture(&path, &empty, &[]).is_err());
+        assert!(!path.exists());
+    }
+}

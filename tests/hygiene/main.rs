@@ -1,0 +1,30 @@
+//! The layering that the crate's documentation promises, checked on the sources themselves.
+
+mod glsl;
+mod rust;
+mod source;
+
+use std::path::Path;
+
+/// Fails with the list of `violations` unless it is empty.
+fn assert_none(violations: Vec<String>) {
+    assert!(violations.is_empty(), "\n{}", violations.join("\n"));
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn rust_layers_keep_to_themselves() {
+    let sources = source::read_all(root(), "src", "rs");
+    assert!(!sources.is_empty());
+    assert_none(rust::violations(&sources));
+}
+
+#[test]
+fn only_the_declaring_file_names_a_glsl_binding() {
+    let mut sources = source::read_all(root(), "glsl", "comp");
+    sources.extend(source::read_all(root(), "glsl", "glsl"));
+    assert_none(glsl::violations(&sources));
+}

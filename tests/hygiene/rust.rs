@@ -1,0 +1,159 @@
+//! Which module may name what.
+
+use crate::source::{Source, Word, words};
+
+/// A word and the modules in which it may, or may not, stand.
+struct Rule {
+    word: Name,
+    place: Place,
+    reason: &'static str,
+}
+
+enum Name {
+    /// The word wherever it stands.
+    Word(&'static str),
+    /// The word as the first part of a path, or in `use`: a crate, whatever modules may share its name.
+    Crate(&'static str),
+}
+
+enum Place {
+    /// Nowhere but in these modules.
+    OnlyIn(&'static [&'static str]),
+    /// Anywhere but in these modules.
+    NeverIn(&'static [&'static str]),
+}
+
+const RULES: &[Rule] = &[
+    Rule {
+        word: Name::Word("gpu"),
+        place: Place::NeverIn(&["scene", "bvh", "layout", "reference"]),
+        reason: "what runs on the CPU knows nothing of the device",
+    },
+    Rule { word: Name::Word("scene"), place: Place::NeverIn(&["gpu"]), reason: "gpu knows nothing of rendering" },
+    Rule { word: Name::Word("renderer"), place: Place::NeverIn(&["gpu"]), reason: "gpu knows nothing of rendering" },
+    Rule {
+        word: Name::Word("unsafe"),
+        place: Place::OnlyIn(&["gpu"]),
+        reason: "unsafe code is argued for in one place",
+    },
+    Rule { word: Name::Crate("ash"), place: Place::OnlyIn(&["gpu"]), reason: "Vulkan is called in one place" },
+    Rule {
+        word: Name::Crate("gpu_allocator"),
+        place: Place::OnlyIn(&["gpu"]),
+        reason: "Vulkan is called in one place",
+    },
+    Rule { word: Name::Crate("exr"), place: Place::OnlyIn(&["image"]), reason: "EXR files are read in one place" },
+    Rule { word: Name::Crate("obvhs"), place: Place::OnlyIn(&["bvh"]), reason: "the hierarchy is built in one place" },
+];
+
+/// What is wrong with `sources`, one line each.
+pub fn violations(sources: &[Source]) -> Vec<String> {
+    sources.iter().flat_map(|source| RULES.iter().flat_map(move |rule| rule.violations(source))).collect()
+}
+
+impl Rule {
+    fn violations(&self, source: &Source) -> Vec<String> {
+        let forbidden = match self.place {
+            Place::OnlyIn(modules) => !modules.iter().any(|module| is_in(source, module)),
+            Place::NeverIn(modules) => modules.iter().any(|module| is_in(source, module)),
+        };
+        if !forbidden {
+            return Vec::new();
+        }
+        let lines = self.word.lines(&source.code);
+        lines.map(|line| format!("{}:{line}: names {}, but {}", source.path, self.word.text(), self.reason)).collect()
+    }
+}
+
+impl Name {
+    fn text(&self) -> &'static str {
+        match self {
+            Self::Word(text) | Self::Crate(text) => text,
+        }
+    }
+
+    fn lines<'a>(&'a self, code: &'a str) -> impl Iterator<Item = usize> + 'a {
+        let found = words(code).filter(|word| word.text == self.text());
+        let is_local = imports_namesake(code, self.text());
+        let counts = move |word: &Word| match self {
+            Self::Word(_) => true,
+            Self::Crate(_) => is_crate(word, is_local),
+        };
+        found.filter(counts).map(|word| word.line)
+    }
+}
+
+/// Whether `code` brings in a module of its own that is called like the crate `name`, as `use crate::image::exr;` does.
+fn imports_namesake(code: &str, name: &str) -> bool {
+    code.split(';').filter_map(|statement| Some(statement.split_once("use ")?.1)).any(|path| {
+        let mut parts = words(path);
+        parts.next().is_some_and(|first| first.text != name) && parts.any(|part| part.text == name)
+    })
+}
+
+/// Whether `word` means the crate of that name; a bare `word::` does unless a module `is_local` under it.
+fn is_crate(word: &Word, is_local: bool) -> bool {
+    let statement = word.before.rsplit(';').next().unwrap_or_default();
+    if let Some(parent) = statement.strip_suffix("::") {
+        // `::word` starts at the crates, `parent::word` lies within something else.
+        return words(parent).last().is_none_or(|last| !parent.ends_with(last.text) || last.text == "use");
+    }
+    match words(statement).last() {
+        Some(last) if last.text == "use" || last.text == "crate" => statement.ends_with(last.text),
+        _ if words(statement).any(|earlier| earlier.text == "use") => false,
+        _ => word.after.trim_start().starts_with("::") && !is_local,
+    }
+}
+
+/// Whether the file is the module `module` of the library, or lies below it.
+fn is_in(source: &Source, module: &str) -> bool {
+    source.path == format!("src/{module}.rs") || source.path.starts_with(&format!("src/{module}/"))
+}
+
+#[cfg(test)]
+fn found(path: &str, text: &str) -> usize {
+    violations(&[Source::new(path, text)]).len()
+}
+
+#[test]
+fn bad_snippets_are_found() {
+    for (path, text) in [
+        ("src/scene/mod.rs", "use crate::gpu::Context;"),
+        ("src/bvh.rs", "fn f(b: &crate::gpu::Buffer) {}"),
+        ("src/layout.rs", "pub use super::gpu;"),
+        ("src/reference/grid.rs", "use crate::{gpu, Result};"),
+        ("src/gpu/mod.rs", "use crate::scene::Scene;"),
+        ("src/gpu/kernel.rs", "use crate::renderer;"),
+        ("src/renderer/mod.rs", "unsafe { f() }"),
+        ("src/layout.rs", "unsafe impl Pod for A {}"),
+        ("src/renderer/mod.rs", "use ash::vk;"),
+        ("src/renderer/mod.rs", "fn f(b: ::ash::vk::Buffer) {}"),
+        ("src/renderer/mod.rs", "use gpu_allocator as allocator;"),
+        ("src/film.rs", "use exr::prelude::*;"),
+        ("src/film.rs", "use ::exr::prelude::*;"),
+        ("src/film.rs", "let a = [::exr::prelude::read()];"),
+        ("src/film.rs", "extern crate exr;"),
+        ("src/film.rs", "fn f() { let a = exr::prelude::read(); }"),
+        ("src/film.rs", "use crate::image::exr; fn f() { let a = ::exr::prelude::read(); }"),
+        ("src/scene/mod.rs", "obvhs::Bvh2::default()"),
+    ] {
+        assert_eq!(found(path, text), 1, "{path}: {text}");
+    }
+}
+
+#[test]
+fn good_snippets_are_not() {
+    for (path, text) in [
+        ("src/scene/mod.rs", "/// Knows nothing of gpu.\nconst A: &str = \"gpu\"; let gpu_like = 1;"),
+        ("src/gpu/mod.rs", "use ash::vk; use gpu_allocator::MemoryLocation; unsafe { f() }"),
+        ("src/lib.rs", "#![deny(unsafe_op_in_unsafe_fn)] pub mod gpu; pub mod scene; pub mod bvh;"),
+        ("src/image/exr.rs", "use ::exr::prelude::*;"),
+        ("src/cli/render.rs", "use lodestar::image::{exr, png}; fn f() { exr::read_rgb(); }"),
+        ("src/cli/render.rs", "fn f(exr: bool) { let exr = 1; crate::image::exr::read_rgb(); }"),
+        ("src/cli/compare.rs", "use lodestar::image::exr; fn f() { exr::read_rgb(); image::exr::read_rgb(); }"),
+        ("src/bvh.rs", "use obvhs::cwbvh::CwBvh;"),
+        ("src/renderer/mod.rs", "let hash = 1; use crate::gpu::Context; use crate::scene::Scene;"),
+    ] {
+        assert_eq!(found(path, text), 0, "{path}: {text}");
+    }
+}
