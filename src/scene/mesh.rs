@@ -20,6 +20,12 @@ pub(super) struct Mesh {
     pub triangles: Vec<[Corner; 3]>,
 }
 
+impl Mesh {
+    fn is_finite(&self) -> bool {
+        self.positions.iter().chain(&self.normals).all(|v| v.is_finite()) && self.uvs.iter().all(|uv| uv.is_finite())
+    }
+}
+
 /// Indices of one triangle's corner; the last two mean nothing where the mesh has no such data.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Corner {
@@ -35,19 +41,14 @@ pub(super) fn read(path: &Path) -> Result<Mesh> {
         tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
     let mut reader = Cursor::new(without_grouping(&text));
     let loaded = tobj::load_obj_buf(&mut reader, &options, |_| Ok(Default::default()));
-    let models = match loaded {
-        Ok((models, _)) => models,
-        Err(error) => return Err(mesh_fault::explain(path, &text, &error.to_string())),
-    };
-    let Some(model) = models.into_iter().next() else {
-        return Err(Error::scene(path, None, "the mesh has no faces: is the file cut short?"));
-    };
-    let mesh = convert(&model.mesh);
-    let is_finite =
-        mesh.positions.iter().chain(&mesh.normals).all(|v| v.is_finite()) && mesh.uvs.iter().all(|uv| uv.is_finite());
+    let models = loaded.map_err(|error| mesh_fault::explain(path, &text, &error.to_string()))?.0;
+    let mesh = models.first().map(|model| convert(&model.mesh)).unwrap_or_default();
     // What tobj lets pass: numbers that are none, and faces cut short.
-    if !is_finite || mesh.triangles.is_empty() || mesh_fault::has_short_face(&text) {
+    if !mesh.is_finite() || mesh_fault::has_short_face(&text) {
         return Err(mesh_fault::explain(path, &text, "malformed mesh"));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(mesh_fault::explain(path, &text, "the mesh has no faces: is the file cut short?"));
     }
     Ok(mesh)
 }
