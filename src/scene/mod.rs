@@ -1,10 +1,22 @@
 //! A Mitsuba scene, read and flattened to what a path tracer needs. CPU only: no Vulkan, no `unsafe`.
 //!
-//! Conventions are Mitsuba's: right-handed world, `v` of a texture coordinate up, camera looking along its `+z` with `+x` to
-//! the *left* of the picture, depth counted in path edges (1 is emission seen directly).
+//! Conventions are Mitsuba's: right-handed world, `v` of a texture coordinate 0 at the image's *top* row, camera looking along its
+//! `+z` with `+x` to the *left* of the picture, depth counted in path edges (1 is emission seen directly).
 
+mod color;
+mod document;
+mod element;
+mod flatten;
 pub mod geometry;
 pub mod load;
+mod material;
+mod mesh;
+mod mesh_fault;
+mod numbers;
+mod properties;
+mod sensor;
+mod shape;
+mod transform;
 
 use glam::{Mat4, Vec2, Vec3};
 
@@ -34,6 +46,14 @@ pub struct Scene {
     pub environment: Vec3,
     /// What was read but is not honoured exactly, one sentence each, with file and line.
     pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// The smallest axis-aligned box that holds all primitives, as (minimum, maximum); `None` for an empty scene.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let boxes = self.primitives.iter().map(Primitive::bounds);
+        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
 }
 
 /// A `perspective` sensor.

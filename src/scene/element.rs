@@ -1,0 +1,135 @@
+//! The scene file as a tree that owns its text: defaults substituted, includes spliced in, every node knowing its line.
+
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::{Error, Result};
+
+/// Elements that make a plugin: they have a `type` and may have an `id`.
+pub(super) const OBJECT_TAGS: [&str; 12] = [
+    "bsdf",
+    "emitter",
+    "film",
+    "integrator",
+    "medium",
+    "phase",
+    "rfilter",
+    "sampler",
+    "sensor",
+    "shape",
+    "subsurface",
+    "texture",
+];
+
+/// Elements that give a plugin a parameter.
+pub(super) const PARAMETER_TAGS: [&str; 12] = [
+    "animation",
+    "blackbody",
+    "boolean",
+    "float",
+    "integer",
+    "point",
+    "rgb",
+    "spectrum",
+    "srgb",
+    "string",
+    "transform",
+    "vector",
+];
+
+/// A place in a scene file.
+#[derive(Debug, Clone)]
+pub(super) struct Location {
+    pub file: Arc<Path>,
+    pub line: u32,
+}
+
+impl Location {
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        Error::scene(&self.file, Some(self.line), message)
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.file.display(), self.line)
+    }
+}
+
+/// One XML element.
+#[derive(Debug)]
+pub(super) struct Element {
+    pub tag: String,
+    pub attributes: Vec<(String, String)>,
+    pub children: Vec<Element>,
+    pub location: Location,
+}
+
+impl Element {
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+    }
+
+    pub fn required(&self, name: &str) -> Result<&str> {
+        self.attribute(name).ok_or_else(|| self.error(format!("<{}> lacks its attribute `{name}`", self.tag)))
+    }
+
+    /// The parameter's name in snake_case, whichever spelling the file uses.
+    pub fn key(&self) -> Option<String> {
+        self.attribute("name").map(snake_case)
+    }
+
+    /// The plugin's name: the attribute `type`.
+    pub fn plugin(&self) -> Result<&str> {
+        self.required("type")
+    }
+
+    pub fn is_object(&self) -> bool {
+        OBJECT_TAGS.contains(&self.tag.as_str())
+    }
+
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        self.location.error(message)
+    }
+
+    /// The refusal of a plugin that this loader does not know.
+    pub fn unsupported(&self, supported: &[&str]) -> Error {
+        let plugin = self.attribute("type").unwrap_or_default();
+        let list = supported.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        self.error(format!("{} plugin `{plugin}` is not supported; use one of {list}", self.tag))
+    }
+}
+
+/// `toWorld` to `to_world`, `intIOR` to `int_ior`; snake_case stays as it is.
+fn snake_case(name: &str) -> String {
+    let mut result = String::with_capacity(name.len() + 4);
+    let mut after_lower = false;
+    for c in name.chars() {
+        if c.is_ascii_uppercase() && after_lower {
+            result.push('_');
+        }
+        after_lower = c.is_ascii_lowercase() || c.is_ascii_digit();
+        result.push(c.to_ascii_lowercase());
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::snake_case;
+
+    #[test]
+    fn both_spellings_give_one_key() {
+        for (old, new) in [
+            ("toWorld", "to_world"),
+            ("rrDepth", "rr_depth"),
+            ("intIOR", "int_ior"),
+            ("principalPointOffsetX", "principal_point_offset_x"),
+            ("fov", "fov"),
+            ("crop_offset_x", "crop_offset_x"),
+        ] {
+            assert_eq!(snake_case(old), new);
+        }
+    }
+}

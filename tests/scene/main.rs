@@ -1,0 +1,56 @@
+//! The scene loader from outside: what it accepts, what it refuses and in which words.
+
+mod accepts;
+mod fuzz;
+mod geometry;
+mod ours;
+mod refuses;
+
+use std::path::PathBuf;
+
+use lodestar::Result;
+use lodestar::scene::{LoadOptions, Scene, load};
+
+/// A folder of files that is gone when the test ends.
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// With the given files; the first one's path is what [`Folder::load`] reads.
+    fn new(files: &[(&str, &str)]) -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        for (name, text) in files {
+            folder.write(name, text.as_bytes());
+        }
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, content: &[u8]) {
+        std::fs::create_dir_all(self.path(name).parent().unwrap()).unwrap();
+        std::fs::write(self.path(name), content).unwrap();
+    }
+
+    fn load(&self, defines: &[(&str, &str)]) -> Result<Scene> {
+        let defines = defines.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
+        load(&self.path("scene.xml"), &LoadOptions { defines })
+    }
+}
+
+/// A scene with a sensor and what `body` adds, on line 2 and below.
+fn with_sensor(body: &str) -> String {
+    format!("<scene version=\"3.0.0\"><sensor type=\"perspective\"/>\n{body}\n</scene>")
+}
+
+/// Loads `body` next to a sensor.
+fn load_body(body: &str) -> Result<Scene> {
+    Folder::new(&[("scene.xml", &with_sensor(body))]).load(&[])
+}
+
+/// Loads a single shape next to a sensor, with an OBJ file `mesh.obj` beside it.
+fn load_mesh(obj: &str, parameters: &str) -> Result<Scene> {
+    let body = format!(r#"<shape type="obj"><string name="filename" value="mesh.obj"/>{parameters}</shape>"#);
+    Folder::new(&[("scene.xml", &with_sensor(&body)), ("mesh.obj", obj)]).load(&[])
+}
