@@ -1,5 +1,6 @@
 //! The `gpu` module on whatever device there is, always under the validation layer.
 
+use std::ffi::OsStr;
 use std::process::Command;
 use std::sync::Arc;
 use std::{env, thread};
@@ -62,10 +63,10 @@ fn an_unknown_device_is_a_sentence_that_lists_the_known() {
 }
 
 /// Runs a test of this file in a process of its own, for the environment belongs to the process.
-fn rerun(test: &str, variable: &str) -> String {
+fn rerun(test: &str, variable: &str, value: impl AsRef<OsStr>) -> String {
     let this = env::current_exe().expect("this program");
     let mut command = Command::new(this);
-    command.args(["--exact", test, "--nocapture", "--ignored"]).env(variable, "/nonexistent");
+    command.args(["--exact", test, "--nocapture", "--ignored"]).env(variable, value);
     let output = command.env_remove("VK_ICD_FILENAMES").output().expect("a run");
     assert!(output.status.success());
     String::from_utf8_lossy(&output.stdout).into_owned()
@@ -82,13 +83,22 @@ fn print_why_there_is_no_context() {
 
 #[test]
 fn a_missing_driver_is_a_sentence() {
-    let output = rerun("print_why_there_is_no_context", "VK_DRIVER_FILES");
+    let output = rerun("print_why_there_is_no_context", "VK_DRIVER_FILES", "/nonexistent");
     assert!(output.contains("no Vulkan driver found: install"), "{output}");
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_missing_loader_is_a_sentence() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("libvulkan.so.1"), "no library").expect("a file");
+    let output = rerun("print_why_there_is_no_context", "LD_LIBRARY_PATH", folder.path());
+    assert!(output.contains("no Vulkan loader found: install it"), "{output}");
+}
+
+#[test]
 fn a_missing_validation_layer_is_a_sentence() {
-    let output = rerun("print_why_there_is_no_context", "VK_LAYER_PATH");
+    let output = rerun("print_why_there_is_no_context", "VK_LAYER_PATH", "/nonexistent");
     assert!(output.contains("the validation layer VK_LAYER_KHRONOS_validation is not installed"), "{output}");
 }
 
