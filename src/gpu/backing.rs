@@ -141,17 +141,36 @@ impl Mapped<'_> {
             return None;
         }
         let atom = self.backing.context.device().limits.non_coherent_atom_bytes.max(1);
-        let begin = offset / atom * atom;
-        // `Memory::allocate` has rounded the allocation up to whole atoms.
-        let end = (offset + len as u64).next_multiple_of(atom).min(self.allocation.size());
+        let (begin, bytes) = whole_atoms(offset, len as u64, atom, self.allocation.size());
         // SAFETY: invariant 1: the handle is used by the caller alone, while the allocation is borrowed.
         let memory = unsafe { self.allocation.memory() };
-        Some(vk::MappedMemoryRange::default().memory(memory).offset(self.allocation.offset() + begin).size(end - begin))
+        Some(vk::MappedMemoryRange::default().memory(memory).offset(self.allocation.offset() + begin).size(bytes))
     }
+}
+
+/// The start and length of the atoms that a range touches. `Memory::allocate` has rounded the allocation up to whole atoms.
+fn whole_atoms(offset: u64, len: u64, atom: u64, allocated: u64) -> (u64, u64) {
+    let begin = offset / atom * atom;
+    let end = (offset + len).next_multiple_of(atom).min(allocated);
+    (begin, end - begin)
 }
 
 /// Panics where a range leaves a buffer: the caller's mistake.
 pub(super) fn check_range(bytes: u64, offset: u64, len: u64) {
     let end = offset.checked_add(len);
     assert!(end.is_some_and(|end| end <= bytes), "{len} bytes at {offset} are outside a buffer of {bytes}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::whole_atoms;
+
+    #[test]
+    fn flushed_ranges_are_whole_atoms() {
+        assert_eq!(whole_atoms(0, 1, 64, 256), (0, 64));
+        assert_eq!(whole_atoms(63, 2, 64, 256), (0, 128));
+        assert_eq!(whole_atoms(64, 64, 64, 256), (64, 64));
+        assert_eq!(whole_atoms(200, 56, 64, 256), (192, 64));
+        assert_eq!(whole_atoms(5, 7, 1, 12), (5, 7));
+    }
 }

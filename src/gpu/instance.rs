@@ -135,7 +135,7 @@ fn create(entry: &ash::Entry, offers: &Offers, log: Option<&ValidationLog>) -> R
     if offers.has(khr::portability_enumeration::NAME) {
         info = info.flags(vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR);
     }
-    // Reports a barrier that is missing between two dispatches.
+    // Reports barriers that are missing, except between two kernels that both write: they may write apart.
     let checks = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
     let mut messenger = log.map(ValidationLog::messenger_info);

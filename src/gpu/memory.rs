@@ -87,3 +87,27 @@ impl Memory {
         Error::Vulkan { call: format!("allocating {bytes} bytes for the buffer `{name}`"), reason }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::{Buffer, BufferKind, Context, ContextOptions};
+
+    /// More than a heap holds is refused by the allocator in the driver's stead.
+    #[test]
+    fn out_of_memory_is_a_sentence() {
+        let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a device");
+        let buffer = Buffer::new(&context, "small", 4096, BufferKind::Storage).expect("a buffer");
+        let needs = vk::MemoryRequirements { size: 1 << 60, alignment: 64, memory_type_bits: !0 };
+        let refused = context.memory().allocate("large", needs, MemoryLocation::GpuOnly);
+        let in_use = context.allocated_bytes();
+        assert!(in_use >= buffer.len_bytes());
+        assert_eq!(
+            refused.map(|_| ()).expect_err("a refusal").to_string(),
+            format!(
+                "allocating 1152921504606846976 bytes for the buffer `large` failed: \
+                 out of device memory; {in_use} bytes were already in use"
+            )
+        );
+    }
+}

@@ -134,3 +134,56 @@ fn folder() -> Option<PathBuf> {
     };
     caches.map(|caches| caches.join("lodestar"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::list_devices;
+
+    fn device() -> DeviceInfo {
+        list_devices().expect("devices").swap_remove(0)
+    }
+
+    fn cache_of(info: &DeviceInfo) -> Vec<u8> {
+        let words = [HEADER_BYTES as u32, 1, info.vendor_id, info.device_id];
+        let digits = info.pipeline_cache_uuid.as_bytes().chunks(2);
+        let uuid = digits.map(|digits| u8::from_str_radix(&String::from_utf8_lossy(digits), 16).expect("hexadecimal"));
+        words.into_iter().flat_map(u32::to_ne_bytes).chain(uuid).chain(0..200).collect()
+    }
+
+    #[test]
+    fn a_file_of_this_driver_is_read_back() {
+        let (info, folder) = (device(), tempfile::tempdir().expect("a folder"));
+        let file = folder.path().join("new/folder").join(file_name(&info));
+        let data = cache_of(&info);
+        write_whole(&file, &sealed(data.clone())).expect("a file");
+        assert_eq!(load(&file, &info), Some(data));
+        let left = fs::read_dir(file.parent().expect("a folder")).expect("a folder").count();
+        assert_eq!(left, 1, "the temporary file is gone");
+    }
+
+    #[test]
+    fn a_broken_or_foreign_file_is_ignored() {
+        let (info, folder) = (device(), tempfile::tempdir().expect("a folder"));
+        let file = folder.path().join("cache");
+        assert_eq!(load(&file, &info), None);
+        let whole = sealed(cache_of(&info));
+        let mut flipped = whole.clone();
+        flipped[100] ^= 1;
+        let mut foreign = cache_of(&info);
+        foreign[8] ^= 1;
+        for content in [&[][..], &whole[..7], &whole[..whole.len() - 1], &flipped, &sealed(foreign), &sealed(vec![])] {
+            fs::write(&file, content).expect("a file");
+            assert_eq!(load(&file, &info), None);
+        }
+    }
+
+    #[test]
+    fn an_unwritable_place_is_an_error_and_leaves_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("file");
+        fs::create_dir(&file).expect("a folder in its place");
+        assert!(write_whole(&file, &[1]).is_err());
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+    }
+}

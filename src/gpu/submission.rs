@@ -8,6 +8,7 @@ use ash::vk;
 use super::commands::Recorder;
 use super::context::Context;
 use super::fault::failed;
+use super::timing::Clock;
 use crate::Result;
 
 /// How long a submission took.
@@ -24,6 +25,23 @@ impl Context {
     /// borrowed for `'a`; what it wrote can then be read by the host and by later submissions. The label names the work in
     /// errors and in debuggers.
     ///
+    /// ```no_run
+    /// # use lodestar::gpu::{Buffer, BufferKind, Context, ContextOptions};
+    /// # let context = Context::new(&ContextOptions::default())?;
+    /// let buffer = Buffer::new(&context, "outlives the call", 16, BufferKind::Storage)?;
+    /// context.submit("fill", |recorder| recorder.fill_zero(&buffer))?;
+    /// # Ok::<(), lodestar::Error>(())
+    /// ```
+    /// ```compile_fail,E0597
+    /// # use lodestar::gpu::{Buffer, BufferKind, Context, ContextOptions};
+    /// # let context = Context::new(&ContextOptions::default())?;
+    /// context.submit("fill", |recorder| {
+    ///     let buffer = Buffer::new(&context, "dies first", 16, BufferKind::Storage).unwrap();
+    ///     recorder.fill_zero(&buffer);
+    /// })?;
+    /// # Ok::<(), lodestar::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Where the device is lost or out of memory.
     pub fn submit<'a>(self: &Arc<Self>, label: &str, record: impl FnOnce(&mut Recorder<'a>)) -> Result<Submission> {
@@ -31,7 +49,7 @@ impl Context {
         record(&mut recorder);
         let commands = recorder.end()?;
         let wall = self.run(label, commands)?;
-        Ok(Submission { wall, device: recorder.clock().and_then(super::timing::Clock::elapsed) })
+        Ok(Submission { wall, device: recorder.clock().and_then(Clock::elapsed) })
     }
 
     /// Runs a closed command buffer that the caller owns.
