@@ -352,7 +352,7 @@ fn write_registry(code: &mut String, compiled: &[Compiled], out: &Path) -> Resul
 }
 
 fn write_test_kernels(code: &mut String, compiled: &[Compiled], out: &Path) -> Result<(), String> {
-    code.push_str("\n/// Kernels that run one pure function each, for tests.\npub mod test {\n    use super::*;\n");
+    code.push_str("\n/// Kernels that run one pure function each, for tests.\npub mod test {\n    use crate::gpu::{BindingKind, BindingShape, KernelSource, SetShape};\n");
     for kernel in compiled.iter().filter(|k| k.is_test) {
         let back_end = if kernel.reads_geometry { BackEnd::Texel } else { BackEnd::Storage };
         let mut bindings = Bindings::new();

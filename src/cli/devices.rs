@@ -1,8 +1,12 @@
 //! `lodestar devices`.
 
+use std::fmt::Write as _;
 use std::process::ExitCode;
 
-use lodestar::{Error, Result};
+use lodestar::Result;
+use lodestar::gpu::{DeviceInfo, list_devices};
+
+use super::{print_json, print_line};
 
 /// Lists the Vulkan devices and, for those that cannot be used, the need that they lack.
 #[derive(Debug, clap::Args)]
@@ -14,6 +18,20 @@ pub struct DevicesArgs {
 
 /// Prints the devices.
 pub fn run(args: &DevicesArgs) -> Result<ExitCode> {
-    let _ = args.json;
-    Err(Error::Device("listing devices is not supported yet; use a later version".into()))
+    let devices = list_devices()?;
+    if args.json {
+        print_json(&devices)?;
+    } else {
+        print_line(devices.iter().map(describe).collect::<String>().trim_end())?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn describe(device: &DeviceInfo) -> String {
+    let DeviceInfo { index, name, kind, api_version, driver_name, driver_info, refused, .. } = device;
+    let mut text = format!("{index}: {name} ({kind:?}, Vulkan {api_version}, {driver_name} {driver_info})\n").to_string();
+    if let Some(need) = refused {
+        let _ = writeln!(text, "   cannot be used: {need}");
+    }
+    text
 }

@@ -2,9 +2,10 @@
 
 mod compare;
 mod devices;
-#[expect(dead_code, reason = "rendering is not wired up yet")]
 mod progress;
 mod render;
+mod render_args;
+mod stats;
 
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
@@ -23,7 +24,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(Box<render::RenderArgs>),
+    Render(Box<render_args::RenderArgs>),
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
 }

@@ -1,245 +1,299 @@
-//! `lodestar render`.
+//! `lodestar render`: loads, renders step by step, shows progress, and writes what was asked for.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use clap::ValueEnum;
-use lodestar::image::ToneCurve;
-use lodestar::scene::Crop;
+use lodestar::bvh::Bvh;
+use lodestar::files;
+use lodestar::film::Picture;
+use lodestar::gpu::{Context, ContextOptions};
+use lodestar::image::{Image, exr, metrics, png};
+use lodestar::renderer::{Counts, Renderer};
+use lodestar::scene::{self, LoadOptions, Scene};
+use lodestar::settings::Settings;
 use lodestar::{Error, Result};
 
-/// Renders a Mitsuba scene.
-///
-/// Whichever of --spp and --time is reached first ends the render. What the scene file leaves open and no option gives:
-/// 64 samples per pixel, depth 16, roulette after depth 8.
-#[derive(Debug, clap::Args)]
-pub struct RenderArgs {
-    /// The scene, in Mitsuba's XML of any version.
-    #[arg(value_name = "SCENE.xml")]
-    pub scene: PathBuf,
+use super::progress::{Progress, Status};
+use super::render_args::RenderArgs;
+use super::stats::{Stats, Step, Totals, Versions, peak_resident_bytes};
 
-    /// Where to write: .exr (every layer) or .png (as --tone and --exposure say); may be given several times
-    /// [default: the scene's name with .exr].
-    #[arg(short, long, value_name = "FILE", value_parser = output_path, help_heading = "Output")]
-    pub output: Vec<PathBuf>,
-    /// Tone curve of PNG files.
-    #[arg(long, value_enum, default_value_t, help_heading = "Output")]
-    pub tone: ToneCurve,
-    /// Exposure of PNG files: brighter by 2^STOPS.
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, help_heading = "Output")]
-    pub exposure: f32,
-    /// Write the picture so far every so many seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Output")]
-    pub write_every: Option<f64>,
-    /// Measure the error against this picture as the render goes; it lands in --stats.
-    #[arg(long, value_name = "REF.exr", help_heading = "Output")]
-    pub reference: Option<PathBuf>,
-    /// Write settings, timings and statistics of every step as JSON.
-    #[arg(long, value_name = "STATS.json", help_heading = "Output")]
-    pub stats: Option<PathBuf>,
-    /// Show no progress.
-    #[arg(short, long, help_heading = "Output")]
-    pub quiet: bool,
+/// Samples per pixel where neither the scene, --spp nor --time says.
+const DEFAULT_SPP: u32 = 64;
+/// What a shell expects of a program that was interrupted.
+const INTERRUPTED: u8 = 130;
 
-    /// Samples per pixel.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Length")]
-    pub spp: Option<u32>,
-    /// Stop after so many seconds of rendering; loading does not count.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Length")]
-    pub time: Option<f64>,
-
-    /// Width of the film in pixels.
-    #[arg(long, value_name = "W", requires = "height", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Scene")]
-    pub width: Option<u32>,
-    /// Height of the film in pixels.
-    #[arg(long, value_name = "H", requires = "width", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Scene")]
-    pub height: Option<u32>,
-    /// Size of the film, relative to what the scene says.
-    #[arg(long, value_name = "F", conflicts_with_all = ["width", "height"], value_parser = positive, help_heading = "Scene")]
-    pub scale: Option<f32>,
-    /// Render only this window of the film, in pixels from its top left corner.
-    #[arg(long, value_name = "X,Y,W,H", value_parser = crop, help_heading = "Scene")]
-    pub crop: Option<Crop>,
-    /// Replace the scene's <default> of that name; may be given several times.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, help_heading = "Scene")]
-    pub define: Vec<(String, String)>,
-    /// Reconstruction filter [default: the scene's].
-    #[arg(long, value_enum, value_name = "FILTER", help_heading = "Scene")]
-    pub rfilter: Option<Filter>,
-
-    /// Longest path in edges; 1 is emission seen directly.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Paths")]
-    pub max_depth: Option<u32>,
-    /// Depth after which Russian roulette is played.
-    #[arg(long, value_name = "N", help_heading = "Paths")]
-    pub rr_depth: Option<u32>,
-    /// Seed of the random numbers; the same one gives the same pixels.
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
-    pub seed: u32,
-
-    /// How directions are sampled.
-    #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
-    pub sampler: Sampler,
-    /// How the guide learns.
-    #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
-    pub learner: Learner,
-    /// What rejection-mix mixes with the uniform distribution.
-    #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
-    pub mix: Mix,
-    /// Cells of the guide along each axis [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub grid: Option<u32>,
-    /// Direction bins of a cell along each axis [default: 16].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub directions: Option<u32>,
-    /// Samples per pixel between two updates of the guide [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub spp_per_step: Option<u32>,
-    /// How much of what was learned a step keeps.
-    #[arg(long, value_name = "D", help_heading = "Guiding")]
-    pub decay: Option<f32>,
-    /// Tries of rejection sampling before it gives up.
-    #[arg(long, value_name = "K", help_heading = "Guiding")]
-    pub max_tries: Option<u32>,
-    /// Least share of the uniform distribution in the guide.
-    #[arg(long, value_name = "E", help_heading = "Guiding")]
-    pub min_uniform: Option<f32>,
-
-    /// Vulkan device, by index or by a part of its name, as `lodestar devices` lists them.
-    #[arg(long, value_name = "INDEX|NAME", env = "LODESTAR_DEVICE", help_heading = "Device")]
-    pub device: Option<String>,
-    /// Turn Vulkan's validation layer on.
-    #[arg(long, help_heading = "Device")]
-    pub validate: bool,
-}
-
-/// A reconstruction filter by name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Filter {
-    /// Every sample weighs the same within its own pixel.
-    Box,
-    /// A tent of radius 1.
-    Tent,
-    /// A Gaussian of standard deviation 0.5.
-    Gaussian,
-}
-
-/// How directions are sampled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Sampler {
-    /// By the BSDF alone, without guiding.
-    Bsdf,
-    /// By the product of the BSDF and the learned radiance, by rejection, mixed with a uniform share.
-    RejectionMix,
-}
-
-/// How the guide learns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Learner {
-    /// From the guide's own value at the next vertex.
-    Sarsa,
-}
-
-/// What `rejection-mix` mixes with the uniform distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Mix {
-    /// The density, Eq. 8 of the paper.
-    Density,
-}
-
-/// Renders as `args` say.
+/// Renders as `args` say. Bad input and unwritable outputs are found before any time is spent.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
-    let _ = args;
-    Err(Error::Render("not yet".into()))
+    let interrupted = on_interrupt()?;
+    let (scene, load_seconds) = timed(|| scene::load(&args.scene, &LoadOptions { defines: args.define.clone() }))?;
+    warn(&scene.warnings);
+    let settings = args.settings(&scene)?;
+    let reference = args.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
+    let outputs = Outputs::new(args, &scene)?;
+    let context = Context::new(&ContextOptions { device: args.device.clone(), validate: args.validate })?;
+    let (bvh, bvh_seconds) = timed(|| Ok(Bvh::build(&scene.primitives)))?;
+    let (renderer, pipeline_seconds) = timed(|| Renderer::new(&context, &scene, &bvh, &settings))?;
+
+    let mut job = Job::new(args, &scene, settings, renderer, reference, outputs, interrupted);
+    let rendered = job.render();
+    // Whatever happened, what was rendered is written.
+    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds };
+    let written = job.finish(&context, &scene, &times);
+    rendered.and(written)?;
+    report_validation(&context, args.validate)?;
+    Ok(if job.interrupted() { ExitCode::from(INTERRUPTED) } else { ExitCode::SUCCESS })
 }
 
-fn output_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("exr" | "png") => Ok(path),
-        _ => Err("the name must end in .exr or .png".into()),
-    }
+/// A render under way.
+struct Job<'a> {
+    args: &'a RenderArgs,
+    settings: Settings,
+    spp_target: Option<u32>,
+    renderer: Renderer,
+    reference: Option<Image>,
+    outputs: Outputs,
+    interrupted: Arc<AtomicBool>,
+    steps: Vec<Step>,
+    counts: Counts,
+    seconds: f64,
 }
 
-fn define(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
-        _ => Err("write it as NAME=VALUE".into()),
-    }
+struct SetupTimes {
+    load_seconds: f64,
+    bvh_seconds: f64,
+    pipeline_seconds: f64,
 }
 
-fn crop(text: &str) -> Result<Crop, String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
-        _ => Err("write it as X,Y,W,H: four whole numbers, W and H above 0".into()),
-    }
-}
-
-fn finite(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
-}
-
-fn positive(text: &str) -> Result<f32, String> {
-    finite(text).ok().filter(|&number| number > 0.0).ok_or_else(|| "give a number above 0".into())
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "give a number of seconds above 0".into())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::Parser;
-
-    #[derive(Debug, Parser)]
-    struct Alone {
-        #[command(flatten)]
-        args: RenderArgs,
-    }
-
-    fn parse(line: &str) -> Result<RenderArgs, String> {
-        let words = ["render", "a.xml"].into_iter().chain(line.split_whitespace());
-        Alone::try_parse_from(words).map(|alone| alone.args).map_err(|error| error.to_string())
-    }
-
-    #[test]
-    fn every_option_of_the_contract_is_taken() {
-        let args = parse(
-            "-o a.exr -o a.png --spp 32 --time 1.5 --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
-             --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --grid 8 --directions 16 \
-             --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
-             --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
-        )
-        .unwrap();
-        assert_eq!(args.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);
-        assert_eq!(args.crop, Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
-        assert_eq!(args.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
-        assert_eq!((args.exposure, args.tone, args.sampler), (-1.5, ToneCurve::Paper, Sampler::Bsdf));
-        assert_eq!((args.width, args.height, args.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
+impl<'a> Job<'a> {
+    fn new(
+        args: &'a RenderArgs,
+        scene: &Scene,
+        settings: Settings,
+        renderer: Renderer,
+        reference: Option<Image>,
+        outputs: Outputs,
+        interrupted: Arc<AtomicBool>,
+    ) -> Self {
+        // A time limit alone means: as many samples as it allows.
+        let spp_target = match args.time {
+            Some(_) => args.spp,
+            None => Some(args.spp.or(scene.sample_count).unwrap_or(DEFAULT_SPP)),
+        };
+        let (steps, counts) = (Vec::new(), Counts::default());
+        Self { args, settings, spp_target, renderer, reference, outputs, interrupted, steps, counts, seconds: 0.0 }
     }
 
-    #[test]
-    fn wrong_values_are_refused() {
-        for line in [
-            "-o a.jpg",
-            "--spp 0",
-            "--time -1",
-            "--time nan",
-            "--width 8",
-            "--scale 0",
-            "--scale 2 --width 4 --height 4",
-            "--crop 1,2,3",
-            "--crop 1,2,0,4",
-            "--crop 1,2,-3,4",
-            "-D a",
-            "-D =b",
-            "--exposure inf",
-            "--sampler magic",
-        ] {
-            assert!(parse(line).is_err(), "{line}");
+    /// Steps until the samples, the time or the user's patience are used up. The clock stands while pictures are written or
+    /// measured.
+    fn render(&mut self) -> Result<()> {
+        let mut progress = Progress::new(self.args.quiet, self.spp_target.map(u64::from), self.args.time);
+        let mut last_write = Instant::now();
+        while !self.is_done() {
+            let step = self.step()?;
+            progress.update(&self.status(&step));
+            self.steps.push(step);
+            if self.args.write_every.is_some_and(|every| last_write.elapsed().as_secs_f64() >= every) {
+                self.outputs.write(&self.renderer.picture()?, &self.attributes())?;
+                last_write = Instant::now();
+            }
+        }
+        Ok(())
+    }
+
+    fn step(&mut self) -> Result<Step> {
+        let left = self.spp_target.map_or(u32::MAX, |target| target - self.renderer.samples_done());
+        let samples = self.settings.spp_per_step.min(left);
+        let deadline = self.args.time.map(|limit| Instant::now() + Duration::from_secs_f64((limit - self.seconds).max(0.0)));
+        let interrupted = Arc::clone(&self.interrupted);
+        let stop = || interrupted.load(Ordering::Relaxed) || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let report = self.renderer.step(samples, &stop)?;
+        self.seconds += report.seconds;
+        self.counts.add(&report.counts);
+        let mut step = Step::new(&report, self.pixels());
+        if self.is_measured(self.steps.len() + 1) || self.is_done() {
+            step.errors = self.measure()?;
+        }
+        Ok(step)
+    }
+
+    fn is_done(&self) -> bool {
+        self.interrupted()
+            || self.spp_target.is_some_and(|target| self.renderer.samples_done() >= target)
+            || self.args.time.is_some_and(|limit| self.seconds >= limit)
+    }
+
+    fn interrupted(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+
+    fn pixels(&self) -> u64 {
+        let window = self.settings.window();
+        u64::from(window.width) * u64::from(window.height)
+    }
+
+    /// The error is measured at steps 1, 2, 4, 8, ... and at the end.
+    fn is_measured(&self, step: usize) -> bool {
+        step.is_power_of_two()
+    }
+
+    fn measure(&self) -> Result<Option<metrics::Metrics>> {
+        let Some(reference) = &self.reference else { return Ok(None) };
+        metrics::compare(&self.renderer.picture()?.image(), reference).map(Some)
+    }
+
+    fn status(&self, step: &Step) -> Status {
+        let spp = self.renderer.samples_done();
+        let by_samples = self.spp_target.map_or(0.0, |target| f64::from(spp) / f64::from(target));
+        let by_time = self.args.time.map_or(0.0, |limit| self.seconds / limit);
+        Status {
+            spp: spp.into(),
+            seconds: self.seconds,
+            paths: u64::from(spp) * self.pixels(),
+            light_hit_rate: step.light_hit_rate,
+            fraction: by_samples.max(by_time).min(1.0),
         }
     }
+
+    /// Every setting, for the picture's header.
+    fn attributes(&self) -> Vec<(String, String)> {
+        let settings = serde_json::to_value(&self.settings).unwrap_or_default();
+        let settings = settings.as_object().into_iter().flatten();
+        let mut attributes: Vec<_> = settings.map(|(name, value)| (name.clone(), plain(value))).collect();
+        attributes.extend([
+            ("version".into(), env!("CARGO_PKG_VERSION").into()),
+            ("spp".into(), self.renderer.samples_done().to_string()),
+            ("seconds".into(), format!("{:.3}", self.seconds)),
+            ("device".into(), self.outputs.device.clone()),
+            ("scene".into(), self.args.scene.display().to_string()),
+        ]);
+        attributes
+    }
+
+    /// Writes the picture and the statistics.
+    fn finish(&mut self, context: &Arc<Context>, scene: &Scene, times: &SetupTimes) -> Result<()> {
+        self.outputs.device = format!("{} ({})", context.device().name, context.device().driver_info);
+        let picture = self.renderer.picture()?;
+        let written = self.outputs.write(&picture, &self.attributes());
+        if let Some(path) = &self.args.stats {
+            files::write_json(path, &self.stats(context, scene, times))?;
+        }
+        written
+    }
+
+    fn stats(&self, context: &Context, scene: &Scene, times: &SetupTimes) -> Stats {
+        let device = context.device().clone();
+        let mut sums = Step::from_counts(self.renderer.samples_done().into(), self.seconds, &self.counts, self.pixels());
+        sums.errors = self.steps.last().and_then(|step| step.errors);
+        Stats {
+            scene: scene.name.clone(),
+            settings: self.settings.clone(),
+            versions: Versions {
+                lodestar: env!("CARGO_PKG_VERSION"),
+                vulkan: device.api_version.clone(),
+                driver: format!("{} {}", device.driver_name, device.driver_info),
+            },
+            device,
+            load_seconds: times.load_seconds,
+            bvh_seconds: times.bvh_seconds,
+            pipeline_seconds: times.pipeline_seconds,
+            totals: Totals {
+                sums,
+                primitives: scene.primitives.len(),
+                nonfinite_samples: self.counts.nonfinite,
+                peak_bytes: context.peak_allocated_bytes(),
+                peak_resident_bytes: peak_resident_bytes(),
+            },
+            steps: self.steps.clone(),
+        }
+    }
+}
+
+/// The files that the picture goes to.
+struct Outputs {
+    paths: Vec<PathBuf>,
+    tone: lodestar::image::ToneCurve,
+    exposure: f32,
+    device: String,
+}
+
+impl Outputs {
+    /// Every path is tried before rendering begins.
+    fn new(args: &RenderArgs, scene: &Scene) -> Result<Self> {
+        let mut paths = args.output.clone();
+        if paths.is_empty() {
+            paths.push(PathBuf::from(format!("{}.exr", scene.name)));
+        }
+        paths.iter().chain(&args.stats).try_for_each(|path| files::check_writable(path))?;
+        Ok(Self { paths, tone: args.tone, exposure: args.exposure, device: String::new() })
+    }
+
+    /// Writes all files; one that fails does not keep the others from being written.
+    fn write(&self, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
+        let write = |path: &PathBuf| match path.extension().is_some_and(|extension| extension == "png") {
+            true => png::write(path, &picture.image(), self.tone, self.exposure),
+            false => exr::write_picture(path, picture, attributes),
+        };
+        self.paths.iter().map(write).fold(Ok(()), Result::and)
+    }
+}
+
+/// A flag that the first Ctrl-C sets; the second ends the process at once.
+fn on_interrupt() -> Result<Arc<AtomicBool>> {
+    let flag = Arc::new(AtomicBool::new(false));
+    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
+        // In this order: a signal finds the flag set only if another came before.
+        signal_hook::flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&flag))
+            .and_then(|_| signal_hook::flag::register(signal, Arc::clone(&flag)))
+            .map_err(|error| Error::Render(format!("signals cannot be caught: {error}")))?;
+    }
+    Ok(flag)
+}
+
+fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
+    let begin = Instant::now();
+    Ok((work()?, begin.elapsed().as_secs_f64()))
+}
+
+fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("lodestar: warning: {warning}");
+    }
+}
+
+/// The reference, cut to the rendered window where it is as large as the whole film.
+fn read_reference(path: &Path, settings: &Settings) -> Result<Image> {
+    let image = exr::read_rgb(path)?;
+    let window = settings.window();
+    let size = (image.width, image.height);
+    if size == (window.width, window.height) {
+        return Ok(image);
+    }
+    let whole = size == (settings.width, settings.height);
+    let cut = whole.then(|| image.crop([window.x, window.y], window.width, window.height)).flatten();
+    cut.ok_or_else(|| {
+        Error::image(
+            path,
+            format!(
+                "the reference has {} x {} pixels, but {} x {} are rendered: choose that size with --width and --height",
+                size.0, size.1, window.width, window.height
+            ),
+        )
+    })
+}
+
+/// A setting as text, without the quotes of JSON.
+fn plain(value: &serde_json::Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+fn report_validation(context: &Context, validate: bool) -> Result<()> {
+    let messages = context.validation_messages();
+    if !validate || messages.is_empty() {
+        return Ok(());
+    }
+    messages.iter().for_each(|message| eprintln!("lodestar: validation: {message}"));
+    Err(Error::Render(format!("the validation layer had {} complaints", messages.len())))
 }

@@ -1,0 +1,89 @@
+//! What `--stats` writes.
+
+use lodestar::gpu::DeviceInfo;
+use lodestar::image::metrics::Metrics;
+use lodestar::renderer::{Counts, StepReport};
+use lodestar::settings::Settings;
+use serde::Serialize;
+
+/// The whole file.
+#[derive(Debug, Serialize)]
+pub struct Stats {
+    pub scene: String,
+    pub settings: Settings,
+    pub device: DeviceInfo,
+    pub versions: Versions,
+    pub load_seconds: f64,
+    pub bvh_seconds: f64,
+    pub pipeline_seconds: f64,
+    pub totals: Totals,
+    pub steps: Vec<Step>,
+}
+
+/// What produced the numbers.
+#[derive(Debug, Serialize)]
+pub struct Versions {
+    pub lodestar: &'static str,
+    pub vulkan: String,
+    pub driver: String,
+}
+
+/// One step, or all of them.
+#[derive(Debug, Clone, Serialize)]
+pub struct Step {
+    /// Samples per pixel.
+    pub spp: u64,
+    pub seconds: f64,
+    pub paths: u64,
+    pub rays: u64,
+    /// Milliseconds per sample per pixel, for the whole picture.
+    pub ms_per_sample: f64,
+    pub invalid_rate: f64,
+    pub light_hit_rate: f64,
+    pub tries_per_sample: f64,
+    /// Of the picture after this step, where it was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub errors: Option<Metrics>,
+}
+
+/// The sum of the steps.
+#[derive(Debug, Serialize)]
+pub struct Totals {
+    #[serde(flatten)]
+    pub sums: Step,
+    pub primitives: usize,
+    pub nonfinite_samples: u64,
+    /// The most memory that the device's buffers ever held.
+    pub peak_bytes: u64,
+    /// The most memory of the process, where the system tells.
+    pub peak_resident_bytes: Option<u64>,
+}
+
+impl Step {
+    /// From what the renderer reports for a film window of `pixels` pixels.
+    pub fn new(report: &StepReport, pixels: u64) -> Self {
+        Self::from_counts(report.samples.into(), report.seconds, &report.counts, pixels)
+    }
+
+    /// From sums.
+    pub fn from_counts(spp: u64, seconds: f64, counts: &Counts, pixels: u64) -> Self {
+        Self {
+            spp,
+            seconds,
+            paths: spp * pixels,
+            rays: counts.rays,
+            ms_per_sample: if spp == 0 { 0.0 } else { seconds * 1000.0 / spp as f64 },
+            invalid_rate: counts.invalid_rate(),
+            light_hit_rate: counts.light_hit_rate(),
+            tries_per_sample: counts.tries_per_sample(),
+            errors: None,
+        }
+    }
+}
+
+/// Peak resident memory of this process, on systems that tell it through a file.
+pub fn peak_resident_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}
