@@ -124,14 +124,14 @@ impl Mapped<'_> {
             unsafe { self.backing.context.raw().invalidate_mapped_memory_ranges(&[range]) }
                 .map_err(failed("vkInvalidateMappedMemoryRanges"))?;
         }
-        // SAFETY: as in `write`, the other way round; every buffer is filled when made, so the memory is initialized.
+        // SAFETY: invariants 1 and 3, as in `write`; every buffer is filled before it is read, so the memory is initialized.
         unsafe { std::ptr::copy_nonoverlapping(start.cast_const(), bytes.as_mut_ptr(), bytes.len()) };
         Ok(())
     }
 
     fn place(&self, offset: u64, len: usize) -> *mut u8 {
         check_range(self.backing.bytes, offset, len as u64);
-        // SAFETY: the range is inside the buffer, which is mapped whole, so `offset` fits in a usize.
+        // SAFETY: invariant 1: the range is inside the buffer, which lives and is mapped whole, so `offset` fits in a usize.
         unsafe { self.start.as_ptr().add(offset as usize) }
     }
 

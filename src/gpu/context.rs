@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use ash::vk;
+
 use super::debug::ValidationLog;
 use super::device::LogicalDevice;
 use super::device_info::DeviceInfo;
@@ -33,16 +35,13 @@ pub struct Context {
 /// # Errors
 /// Where no loader or no driver is installed.
 pub fn list_devices() -> Result<Vec<DeviceInfo>> {
-    describe(&Instance::new(false)?)
+    let instance = Instance::new(false)?;
+    Ok(describe(&instance, &instance.physical_devices()?))
 }
 
-fn describe(instance: &Instance) -> Result<Vec<DeviceInfo>> {
-    let devices = instance.physical_devices()?;
-    Ok(devices
-        .into_iter()
-        .enumerate()
-        .map(|(index, device)| DeviceInfo::query(instance.raw(), device, index))
-        .collect())
+fn describe(instance: &Instance, devices: &[vk::PhysicalDevice]) -> Vec<DeviceInfo> {
+    let devices = devices.iter().enumerate();
+    devices.map(|(index, &device)| DeviceInfo::query(instance.raw(), device, index)).collect()
 }
 
 impl Context {
@@ -53,9 +52,7 @@ impl Context {
     pub fn new(options: &ContextOptions) -> Result<Arc<Self>> {
         let instance = Instance::new(options.validate)?;
         let physical = instance.physical_devices()?;
-        let described = physical.iter().enumerate();
-        let devices: Vec<_> =
-            described.map(|(index, &device)| DeviceInfo::query(instance.raw(), device, index)).collect();
+        let devices = describe(&instance, &physical);
         let chosen = selection::choose(&devices, options.device.as_deref())?;
         tracing::debug!(device = chosen.name, driver = chosen.driver_info, "opening a Vulkan device");
         let device = Arc::new(LogicalDevice::new(instance, physical[chosen.index], chosen.clone())?);

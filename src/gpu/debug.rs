@@ -41,7 +41,7 @@ unsafe extern "system" fn receive(
 ) -> vk::Bool32 {
     // SAFETY: invariant 1: `user_data` is the log's mutex, owned by the instance and freed after it.
     let log = unsafe { user_data.cast::<Mutex<Vec<String>>>().as_ref() };
-    // SAFETY: Vulkan passes a valid structure for the duration of the callback.
+    // SAFETY: invariant 1: a valid structure, for the duration of the callback.
     let data = unsafe { data.as_ref() };
     let (Some(log), Some(data)) = (log, data) else { return vk::FALSE };
     let message = describe(data);
@@ -62,7 +62,7 @@ fn describe(data: &vk::DebugUtilsMessengerCallbackDataEXT<'_>) -> String {
     if data.p_objects.is_null() {
         return message;
     }
-    // SAFETY: Vulkan passes `object_count` valid objects for the duration of the callback.
+    // SAFETY: invariant 1: `object_count` valid objects, for the duration of the callback.
     let objects = unsafe { std::slice::from_raw_parts(data.p_objects, data.object_count as usize) };
     for name in objects.iter().filter_map(|object| text(object.p_object_name)) {
         if !message.contains(&name) {
@@ -77,7 +77,7 @@ fn text(chars: *const std::ffi::c_char) -> Option<String> {
     if chars.is_null() {
         return None;
     }
-    // SAFETY: not null, so by Vulkan's rules a string that ends in a zero, valid for the duration of the callback.
+    // SAFETY: invariant 1: a string that ends in a zero, valid for the duration of the callback.
     Some(unsafe { CStr::from_ptr(chars) }.to_string_lossy().into_owned())
 }
 

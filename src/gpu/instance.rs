@@ -29,7 +29,7 @@ pub(super) struct Instance {
 
 impl Instance {
     pub(super) fn new(validate: bool) -> Result<Self> {
-        // SAFETY: the system's Vulkan loader is trusted to be one; nothing else is called before it is loaded.
+        // SAFETY: invariant 2's premise: what the system calls the Vulkan loader is one.
         let entry = unsafe { ash::Entry::load() }.map_err(|_| Error::Device(NO_LOADER.into()))?;
         let offers = Offers::query(&entry, validate)?;
         let log = ValidationLog::default();
@@ -82,7 +82,7 @@ impl Offers {
         require_version(entry)?;
         let mut extensions = extensions_of(entry, None)?;
         if validate {
-            // SAFETY: the library is loaded.
+            // SAFETY: invariant 2: the library is loaded and held.
             let layers = unsafe { entry.enumerate_instance_layer_properties() }
                 .map_err(failed("vkEnumerateInstanceLayerProperties"))?;
             if !layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
@@ -99,13 +99,13 @@ impl Offers {
 }
 
 fn extensions_of(entry: &ash::Entry, layer: Option<&CStr>) -> Result<Vec<vk::ExtensionProperties>> {
-    // SAFETY: the library is loaded, and the name ends in a zero.
+    // SAFETY: invariant 2: the library is loaded and held; the name ends in a zero.
     unsafe { entry.enumerate_instance_extension_properties(layer) }
         .map_err(no_driver_or("vkEnumerateInstanceExtensionProperties"))
 }
 
 fn require_version(entry: &ash::Entry) -> Result<()> {
-    // SAFETY: the library is loaded.
+    // SAFETY: invariant 2: the library is loaded and held.
     let version = unsafe { entry.try_enumerate_instance_version() }.map_err(failed("vkEnumerateInstanceVersion"))?;
     match version {
         Some(version) if version >= vk::API_VERSION_1_2 => Ok(()),

@@ -8,11 +8,12 @@
 //!    is alive, was made by the device that the value holds, and is destroyed once. Handles that are passed to a call for
 //!    its duration (a shader module, a staging buffer) are owned by a local of the caller. Pointers handed to Vulkan point
 //!    into locals that outlive the call; Vulkan keeps none of them (the message log, which it does keep, is owned by the
-//!    instance and freed after it).
-//! 2. **Children hold their parents.** Every value with a handle holds an `Arc` of the context (or of the logical device,
-//!    which holds the instance, which holds the loaded library) that made it; Rust drops a value's fields after its `Drop`
-//!    has run and in order of declaration, so children are always destroyed first. A descriptor set holds its buffers.
-//!    Values of two contexts are never mixed: each meeting point asserts that both have the same.
+//!    instance and freed after it). Likewise what Vulkan hands to that log is valid for that call, and only then is it read.
+//! 2. **Children hold their parents.** Every value with a handle holds an `Arc` of the context that made it (or of the
+//!    logical device, which holds the instance, which holds the loaded library: the system's Vulkan loader, which we trust
+//!    to be one). Rust drops a value's fields after its `Drop` has run and in order of declaration, so children are always
+//!    destroyed first. A descriptor set holds its buffers. Values of two contexts are never mixed: each meeting point
+//!    asserts that both have the same.
 //! 3. **`submit` waits.** A command buffer is recorded, submitted and waited for inside one call of
 //!    [`Context::submit`]. What it uses is borrowed for a lifetime that the caller chose, hence for longer than that call,
 //!    so nothing in use can drop or move. The queue's lock is held from submission to completion, and by every access of
