@@ -103,7 +103,7 @@ fn compile_one(file: &str, back_end: BackEnd, reads_geometry: &Cell<bool>) -> Re
     options.set_generate_debug_info();
     options.set_warnings_as_errors();
     if back_end == BackEnd::Texel {
-        options.add_macro_definition("GEOMETRY_TEXELS", Some("1"));
+        options.add_macro_definition("TEXEL_READS", Some("1"));
     }
     options.set_include_callback(|name, _, _, _| {
         let included = resolve_include(name)?;

@@ -10,7 +10,7 @@ const uint PRIMITIVE_TEXELS = 3u;
 // Three texels: vertex normals, texture coordinates, material and emitter.
 const uint ATTRIBUTE_TEXELS = 3u;
 
-#ifdef GEOMETRY_TEXELS
+#ifdef TEXEL_READS
 layout(set = 1, binding = 0) uniform usamplerBuffer bvh_nodes;
 layout(set = 1, binding = 1) uniform samplerBuffer bvh_primitives;
 layout(set = 1, binding = 2) uniform usamplerBuffer bvh_attributes;

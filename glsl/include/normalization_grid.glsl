@@ -1,4 +1,5 @@
 // Set 3, NormalizationGrid: memoised normalizers N(cell, normal bin). The only file that indexes it.
+// Kernels that only read the table do so through texels where the device has enough of them: a view of the same buffer.
 #ifndef NORMALIZATION_GRID_GLSL
 #define NORMALIZATION_GRID_GLSL
 #include "variant.glsl"
@@ -29,9 +30,18 @@ uint normalization_index(uint cell, uint normal_bin) {
     return cell * normal_bin_count() + normal_bin;
 }
 
+#ifdef TEXEL_READS
+layout(set = 3, binding = 3) uniform samplerBuffer normalization_texels;
+
+NormalizationEntry normalization_entry(uint index) {
+    vec4 t = texelFetch(normalization_texels, int(index));
+    return NormalizationEntry(t.x, t.y, t.z, t.w);
+}
+#else
 NormalizationEntry normalization_entry(uint index) {
     return normalization_table[index];
 }
+#endif
 
 void store_normalization_entry(uint index, NormalizationEntry entry) {
     normalization_table[index] = entry;

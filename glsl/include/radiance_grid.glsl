@@ -1,4 +1,5 @@
-// Set 2, RadianceGrid: what has been learned, L(cell, direction bin). The only file that indexes it.
+// Set 2, RadianceGrid: what has been learned, L(cell, direction bin). The only file that indexes it. Kernels that only read
+// the table do so through texels where the device has enough of them: a view of the same buffer.
 #ifndef RADIANCE_GRID_GLSL
 #define RADIANCE_GRID_GLSL
 #include "variant.glsl"
@@ -33,9 +34,17 @@ uint radiance_index(uint cell, uint bin) {
 }
 
 // Mean radiance (of RGB) that arrives in the cell from the bin's directions; positive.
+#ifdef TEXEL_READS
+layout(set = 2, binding = 3) uniform samplerBuffer radiance_texels;
+
+float radiance(uint index) {
+    return texelFetch(radiance_texels, int(index)).x;
+}
+#else
 float radiance(uint index) {
     return radiance_table[index];
 }
+#endif
 
 void store_radiance(uint index, float value) {
     radiance_table[index] = value;

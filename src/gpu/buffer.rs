@@ -32,17 +32,27 @@ pub enum BufferKind {
     TexelFloat,
     /// Read as texels of four unsigned integers.
     TexelUint,
+    /// Written as storage, and read as storage or as texels of one float.
+    StorageTexelFloat1,
+    /// Written as storage, and read as storage or as texels of four floats.
+    StorageTexelFloat,
 }
 
 impl BufferKind {
-    /// The kind of binding that it fits.
-    pub fn binding(self) -> BindingKind {
-        match self {
-            Self::Storage => BindingKind::StorageBuffer,
-            Self::Uniform => BindingKind::UniformBuffer,
-            Self::TexelFloat => BindingKind::TexelBufferFloat,
-            Self::TexelUint => BindingKind::TexelBufferUint,
+    /// Whether a buffer of this kind can stand at such a binding.
+    pub fn fits(self, binding: BindingKind) -> bool {
+        match binding {
+            BindingKind::StorageBuffer => self.is_storage(),
+            BindingKind::UniformBuffer => self == Self::Uniform,
+            BindingKind::TexelBufferFloat => {
+                matches!(self, Self::TexelFloat | Self::StorageTexelFloat1 | Self::StorageTexelFloat)
+            }
+            BindingKind::TexelBufferUint => self == Self::TexelUint,
         }
+    }
+
+    fn is_storage(self) -> bool {
+        matches!(self, Self::Storage | Self::StorageTexelFloat1 | Self::StorageTexelFloat)
     }
 
     fn usage(self) -> vk::BufferUsageFlags {
@@ -50,6 +60,9 @@ impl BufferKind {
             Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
             Self::Uniform => vk::BufferUsageFlags::UNIFORM_BUFFER,
             Self::TexelFloat | Self::TexelUint => vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
+            Self::StorageTexelFloat1 | Self::StorageTexelFloat => {
+                vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
+            }
         };
         own | vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST
     }
@@ -57,7 +70,8 @@ impl BufferKind {
     fn texel_format(self) -> Option<vk::Format> {
         match self {
             Self::Storage | Self::Uniform => None,
-            Self::TexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
+            Self::TexelFloat | Self::StorageTexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
+            Self::StorageTexelFloat1 => Some(vk::Format::R32_SFLOAT),
             Self::TexelUint => Some(vk::Format::R32G32B32A32_UINT),
         }
     }
@@ -207,23 +221,22 @@ impl Drop for Buffer {
 
 fn check_size(context: &Context, name: &str, bytes: u64, kind: BufferKind) -> Result<()> {
     let limits = &context.device().limits;
-    let most = match kind {
-        BufferKind::Storage => limits.max_storage_buffer_bytes,
-        BufferKind::Uniform => MAX_UNIFORM_BYTES,
-        BufferKind::TexelFloat | BufferKind::TexelUint => limits.max_texel_elements.saturating_mul(TEXEL_BYTES),
-    };
-    if bytes <= most {
-        return Ok(());
-    }
-    let what = match kind {
-        BufferKind::Storage => "storage",
-        BufferKind::Uniform => "uniform",
-        BufferKind::TexelFloat | BufferKind::TexelUint => "texel",
+    let texels = |texel_bytes| ("texel", limits.max_texel_elements.saturating_mul(texel_bytes));
+    let storage = ("storage", limits.max_storage_buffer_bytes);
+    let bounds = match kind {
+        BufferKind::Storage => vec![storage],
+        BufferKind::Uniform => vec![("uniform", MAX_UNIFORM_BYTES)],
+        BufferKind::TexelFloat | BufferKind::TexelUint => vec![texels(TEXEL_BYTES)],
+        BufferKind::StorageTexelFloat => vec![storage, texels(TEXEL_BYTES)],
+        BufferKind::StorageTexelFloat1 => vec![storage, texels(TEXEL_BYTES / 4)],
     };
     let device = &context.device().name;
-    Err(Error::Device(format!(
-        "the buffer `{name}` needs {bytes} bytes, but {device} allows {most} in a {what} buffer"
-    )))
+    match bounds.into_iter().find(|&(_, most)| bytes > most) {
+        None => Ok(()),
+        Some((what, most)) => Err(Error::Device(format!(
+            "the buffer `{name}` needs {bytes} bytes, but {device} allows {most} in a {what} buffer"
+        ))),
+    }
 }
 
 fn check_format(context: &Context, format: vk::Format, name: &str) -> Result<()> {

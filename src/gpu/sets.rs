@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::buffer::{Buffer, BufferKind};
+use super::buffer::Buffer;
 use super::context::Context;
 use super::fault::failed;
 use super::interface::{BindingKind, SetShape};
@@ -81,9 +81,9 @@ fn check_buffers(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: 
     let (expected, given) = (shape.bindings.len(), buffers.len());
     assert!(expected == given, "the set `{name}` has {expected} bindings, but {given} buffers were given");
     for (binding, buffer) in shape.bindings.iter().zip(buffers) {
-        let (expected, given): (_, BufferKind) = (binding.kind, buffer.kind());
+        let (expected, given) = (binding.kind, buffer.kind());
         let place = binding.name;
-        assert!(expected == given.binding(), "`{name}.{place}` is {expected:?}, but `{}` is {given:?}", buffer.name());
+        assert!(given.fits(expected), "`{name}.{place}` is {expected:?}, but `{}` is {given:?}", buffer.name());
         assert!(Arc::ptr_eq(context, buffer.context()), "`{}` belongs to another context than `{name}`", buffer.name());
     }
 }
