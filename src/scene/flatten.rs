@@ -60,7 +60,8 @@ fn oriented(
     has_area(edge_u, edge_v).then(|| primitive(shape, common, origin, edge_u, edge_v, flip_normal))
 }
 
-/// The sphere that the unit sphere becomes; `to_world` is a similarity.
+/// The sphere that the unit sphere becomes; `to_world` is a similarity. The two axes fix a frame that is right-handed, so
+/// a mirrored sphere shows a texture unmirrored.
 pub(super) fn sphere(common: &Common) -> Primitive {
     let [x, _, z] = axes(&common.to_world);
     let flip_normal = common.flip_normals ^ is_mirrored(&common.to_world);
@@ -89,8 +90,7 @@ pub(super) fn mesh(mesh: &Mesh, options: &MeshOptions, common: &Common) -> Vec<P
     for (i, corners) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = corners.map(|corner| positions[corner.position as usize]);
         let (edge_u, edge_v) = (b - a, c - a);
-        // Written so that what is not a number stays, and is reported.
-        if edge_u.is_finite() && edge_v.is_finite() && !has_area(edge_u, edge_v) {
+        if !has_area(edge_u, edge_v) {
             continue;
         }
         let mut triangle = primitive(PrimitiveShape::Triangle, common, a, edge_u, edge_v, common.flip_normals);
@@ -164,7 +164,9 @@ fn weighted_normals(corners: [DVec3; 3]) -> [DVec3; 3] {
     [(a, b, c), (b, c, a), (c, a, b)].map(|(at, left, right)| normal * (left - at).angle_between(right - at))
 }
 
-/// Whether the cross product can be normalized in f32, which is what the device will do.
+/// Whether the cross product is long enough to be normalized in f32, which is what the device will do. What is not a
+/// number passes here, so that it is reported rather than dropped.
 fn has_area(edge_u: Vec3, edge_v: Vec3) -> bool {
-    edge_u.cross(edge_v).length_squared() >= f32::MIN_POSITIVE
+    let length_squared = edge_u.cross(edge_v).length_squared();
+    length_squared >= f32::MIN_POSITIVE || length_squared.is_nan()
 }

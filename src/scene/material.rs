@@ -55,7 +55,7 @@ fn reflectance(properties: &mut Properties, warnings: &mut Vec<String>) -> Resul
     if let Some(texture) = properties.objects("texture").first() {
         return Err(texture.error("textures are not supported yet; give the `reflectance` as <rgb>"));
     }
-    let location = &properties.element().location;
+    let location = properties.location("reflectance");
     let reflectance = properties.color("reflectance")?.unwrap_or(Vec3::splat(DEFAULT_REFLECTANCE));
     if reflectance.max_element() > 1.0 {
         warnings.push(format!("{location}: a `reflectance` above 1 would create light; clamped to 1"));

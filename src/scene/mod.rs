@@ -65,7 +65,8 @@ pub struct Camera {
     pub fov: f32,
     /// The axis that `fov` spans.
     pub fov_axis: FovAxis,
-    /// Offset of the principal point, in picture widths and heights.
+    /// Offset of the principal point, in picture widths and heights: the pixel at `(x, y)`, from the top left corner in
+    /// the same units, looks along `((1 - 2 (x + offset.x)) tan_x, (1 - 2 (y + offset.y)) tan_y, 1)` in camera space.
     pub principal_point: Vec2,
     /// Distance of the near plane, > 0.
     pub near_clip: f32,

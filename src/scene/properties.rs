@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use glam::{DMat4, DVec3, Vec3};
 
-use super::element::{Element, PARAMETER_TAGS};
+use super::element::{Element, Location, PARAMETER_TAGS};
 use super::{color, numbers, transform};
 use crate::Result;
 
@@ -69,6 +69,12 @@ impl<'a> Properties<'a> {
     /// The plugin's name.
     pub fn plugin(&self) -> &'a str {
         self.plugin
+    }
+
+    /// Where a parameter stands, or else the plugin.
+    pub fn location(&self, name: &str) -> &'a Location {
+        let element = self.parameters.get(name).copied().unwrap_or(self.element);
+        &element.location
     }
 
     /// The element of a parameter, to point at it or to read it in a special way; it counts as known from here on.

@@ -102,7 +102,7 @@ pub(super) fn flatten(shape: &Shape, meshes: &HashMap<PathBuf, Mesh>) -> Result<
         Geometry::Cube => flatten::cube(common),
         Geometry::Sphere => vec![flatten::sphere(common)],
     };
-    let is_finite = |p: &Primitive| p.origin.is_finite() && p.edge_u.is_finite() && p.edge_v.is_finite();
+    let is_finite = |p: &Primitive| p.origin.is_finite() && p.edge_u.cross(p.edge_v).length_squared().is_finite();
     if primitives.iter().all(is_finite) {
         return Ok(primitives);
     }

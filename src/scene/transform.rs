@@ -30,6 +30,7 @@ fn parse_scale(element: &Element) -> Result<DMat4> {
     Ok(DMat4::from_scale(factors.into()))
 }
 
+/// The axis may have any length, as in Mitsuba 0.6; Mitsuba 3 distorts the shape unless it is 1.
 fn parse_rotate(element: &Element) -> Result<DMat4> {
     let axis = DVec3::from(numbers::xyz(element, 0.0)?);
     let angle = numbers::one(element, element.required("angle")?)?;

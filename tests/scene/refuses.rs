@@ -137,6 +137,7 @@ fn names_and_transforms() {
     refuse(&disk(r#"<rotate angle="1"/>"#), &["axis"]);
     refuse(&disk(r#"<lookat origin="0,0,0" target="0,1,0" up="0,1,0"/>"#), &["`up`"]);
     refuse(&disk(r#"<translate x="1e30"/><scale value="1e30"/>"#), &["range"]);
+    refuse(&disk(r#"<scale value="1e30"/><scale value="1e30"/>"#), &["range"]);
     let uneven = r#"<shape type="sphere"><transform name="to_world"><scale x="2"/></transform></shape>"#;
     refuse(uneven, &["sphere"]);
 }
