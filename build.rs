@@ -132,7 +132,8 @@ fn diagnostics(message: &str) -> String {
     let mut text = String::new();
     for line in message.lines() {
         let mut parts = line.splitn(3, ':');
-        let (file, number, rest) = (parts.next(), parts.next().and_then(|n| n.trim().parse::<usize>().ok()), parts.next());
+        let (file, number, rest) =
+            (parts.next(), parts.next().and_then(|n| n.trim().parse::<usize>().ok()), parts.next());
         let (Some(file), Some(number), Some(rest)) = (file, number, rest) else {
             let _ = writeln!(text, "{line}");
             continue;
@@ -140,7 +141,11 @@ fn diagnostics(message: &str) -> String {
         let source = fs::read_to_string(file).unwrap_or_default();
         let source_line = source.lines().nth(number.saturating_sub(1)).unwrap_or_default();
         let margin = " ".repeat(number.to_string().len());
-        let _ = writeln!(text, "{}\n{margin}--> {file}:{number}\n{margin} |\n{number} | {source_line}\n{margin} |", rest.trim());
+        let _ = writeln!(
+            text,
+            "{}\n{margin}--> {file}:{number}\n{margin} |\n{number} | {source_line}\n{margin} |",
+            rest.trim()
+        );
     }
     text
 }
@@ -155,8 +160,10 @@ fn write_constants(code: &mut String) -> Result<(), String> {
         if let Some(text) = line.strip_prefix("//") {
             comment = text.trim().replace('`', "");
         } else if !line.is_empty() {
-            let parsed = line.strip_prefix("const uint ").and_then(|l| l.strip_suffix("u;")).and_then(|l| l.split_once(" = "));
-            let (name, value) = parsed.ok_or_else(|| format!("{file}:{}: not of the form 'const uint NAME = 1u;'", number + 1))?;
+            let parsed =
+                line.strip_prefix("const uint ").and_then(|l| l.strip_suffix("u;")).and_then(|l| l.split_once(" = "));
+            let (name, value) =
+                parsed.ok_or_else(|| format!("{file}:{}: not of the form 'const uint NAME = 1u;'", number + 1))?;
             let _ = writeln!(code, "/// {comment}\npub const {name}: u32 = {value};");
         }
     }
@@ -181,8 +188,9 @@ fn parse_variant() -> Result<Vec<Constant>, String> {
             continue;
         }
         if let Some(rest) = line.strip_prefix("layout(constant_id = ") {
-            let constant = parse_constant(rest, &comment)
-                .ok_or_else(|| format!("{file}:{}: not of the form 'layout(constant_id = N) const TYPE NAME = DEFAULT;'", number + 1))?;
+            let constant = parse_constant(rest, &comment).ok_or_else(|| {
+                format!("{file}:{}: not of the form 'layout(constant_id = N) const TYPE NAME = DEFAULT;'", number + 1)
+            })?;
             constants.push(constant);
         }
         comment.clear();
@@ -265,12 +273,18 @@ fn texel_kind(scalar: &ScalarType) -> Option<&'static str> {
 fn collect_bindings(kernel: &Compiled, back_end: BackEnd, bindings: &mut Bindings) -> Result<(), String> {
     for var in reflect(kernel, back_end)? {
         let Variable::Descriptor { name, desc_bind, desc_ty, ty, .. } = &var else { continue };
-        let kind = binding_kind(desc_ty, ty).ok_or_else(|| format!("{}: {name:?} is of an unsupported kind {desc_ty:?}", kernel.name))?;
+        let kind = binding_kind(desc_ty, ty)
+            .ok_or_else(|| format!("{}: {name:?} is of an unsupported kind {desc_ty:?}", kernel.name))?;
         let name = name.clone().filter(|n| !n.is_empty()).unwrap_or_else(|| struct_name(ty));
         let shape = (kind, name);
         if let Some(other) = bindings.insert(desc_bind.into_inner(), shape.clone()) {
             if other != shape {
-                return Err(format!("{}: set {}, binding {} is {shape:?} here and {other:?} elsewhere", kernel.name, desc_bind.set(), desc_bind.bind()));
+                return Err(format!(
+                    "{}: set {}, binding {} is {shape:?} here and {other:?} elsewhere",
+                    kernel.name,
+                    desc_bind.set(),
+                    desc_bind.bind()
+                ));
             }
         }
     }
@@ -290,7 +304,10 @@ fn sets_code(bindings: &Bindings) -> String {
     for set in 0..set_count {
         let _ = writeln!(code, "        SetShape {{ set: {set}, bindings: &[");
         for ((_, binding), (kind, name)) in bindings.range((set, 0)..(set + 1, 0)) {
-            let _ = writeln!(code, "            BindingShape {{ binding: {binding}, kind: BindingKind::{kind}, name: {name:?} }},");
+            let _ = writeln!(
+                code,
+                "            BindingShape {{ binding: {binding}, kind: BindingKind::{kind}, name: {name:?} }},"
+            );
         }
         let _ = writeln!(code, "        ] }},");
     }
@@ -298,12 +315,18 @@ fn sets_code(bindings: &Bindings) -> String {
 }
 
 fn push_constant_bytes(vars: &[Variable]) -> usize {
-    vars.iter().filter_map(|v| if let Variable::PushConstant { ty, .. } = v { ty.nbyte() } else { None }).max().unwrap_or(0)
+    vars.iter()
+        .filter_map(|v| if let Variable::PushConstant { ty, .. } = v { ty.nbyte() } else { None })
+        .max()
+        .unwrap_or(0)
 }
 
 fn specialization_ids(vars: &[Variable]) -> Vec<u32> {
     // Id 0 is the workgroup size, which every kernel has.
-    let mut ids: Vec<u32> = vars.iter().filter_map(|v| if let Variable::SpecConstant { spec_id, .. } = v { Some(*spec_id) } else { None }).collect();
+    let mut ids: Vec<u32> = vars
+        .iter()
+        .filter_map(|v| if let Variable::SpecConstant { spec_id, .. } = v { Some(*spec_id) } else { None })
+        .collect();
     ids.push(0);
     ids.sort_unstable();
     ids.dedup();
@@ -344,7 +367,12 @@ fn write_registry(code: &mut String, compiled: &[Compiled], out: &Path) -> Resul
         let _ = writeln!(code, "\nconst {name}_SETS: &[SetShape] = {};", sets_code(&bindings));
         let _ = writeln!(code, "/// {doc}\npub static {name}: Kernels = Kernels {{");
         for kernel in &kernels {
-            let _ = writeln!(code, "    {}: {},", kernel.name, kernel_code(kernel, back_end, &format!("{name}_SETS"), out)?);
+            let _ = writeln!(
+                code,
+                "    {}: {},",
+                kernel.name,
+                kernel_code(kernel, back_end, &format!("{name}_SETS"), out)?
+            );
         }
         code.push_str("};\n");
     }
@@ -358,7 +386,12 @@ fn write_test_kernels(code: &mut String, compiled: &[Compiled], out: &Path) -> R
         let mut bindings = Bindings::new();
         collect_bindings(kernel, back_end, &mut bindings)?;
         let source = kernel_code(kernel, back_end, &sets_code(&bindings), out)?;
-        let _ = writeln!(code, "    /// `glsl/test/{}.comp`\n    pub static {}: KernelSource = {source};", kernel.name, kernel.name.to_uppercase());
+        let _ = writeln!(
+            code,
+            "    /// `glsl/test/{}.comp`\n    pub static {}: KernelSource = {source};",
+            kernel.name,
+            kernel.name.to_uppercase()
+        );
     }
     code.push_str("}\n");
     Ok(())
@@ -397,9 +430,15 @@ fn write_layout_checks(code: &mut String, compiled: &[Compiled]) -> Result<(), S
     }
     code.push_str("\n// Every struct of layout.rs against the reflected GLSL struct of the same name.\n");
     for (name, (size, members)) in structs {
-        let _ = writeln!(code, "const _: () = {{\n    use crate::layout::{name} as S;\n    assert!(size_of::<S>() == {size}, \"size of {name} differs from the GLSL\");");
+        let _ = writeln!(
+            code,
+            "const _: () = {{\n    use crate::layout::{name} as S;\n    assert!(size_of::<S>() == {size}, \"size of {name} differs from the GLSL\");"
+        );
         for (member, offset) in members {
-            let _ = writeln!(code, "    assert!(std::mem::offset_of!(S, {member}) == {offset}, \"{name}::{member} lies elsewhere in the GLSL\");");
+            let _ = writeln!(
+                code,
+                "    assert!(std::mem::offset_of!(S, {member}) == {offset}, \"{name}::{member} lies elsewhere in the GLSL\");"
+            );
         }
         code.push_str("};\n");
     }

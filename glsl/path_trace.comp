@@ -40,7 +40,7 @@ uvec2 tile_order_pixel(uint index) {
 Path start_path(uvec2 film_pixel, uint sample_index) {
     Path path;
     path.key = RandomKey(film_pixel.y * uint(scene().film_size.x) + film_pixel.x, sample_index, scene().seed);
-    path.ray = camera_ray(vec2(film_pixel) + sample_filter(random4(path.key, 0u, RANDOM_SCATTER).xy));
+    path.ray = camera_ray(vec2(film_pixel) + sample_filter(unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER)).xy));
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
     path.depth = 1u;
@@ -74,7 +74,7 @@ void escape(inout Path path, inout Tally tally) {
     vec3 emission = scene().environment;
     path.radiance += path.throughput * visible_emission(path, emission);
     count_light_hit(tally, path.depth, emission);
-    if (is_learning() && path.depth < MAX_DEPTH) record(path.segment, path.key, path.depth, mean_rgb(emission));
+    if (is_learning() && path.depth < MAX_DEPTH) record(path.segment, mean_rgb(emission), 0.5);
     end_path(path);
 }
 
@@ -91,13 +91,15 @@ void scatter(inout Path path, Surface s, Material m, inout Tally tally) {
     bool front = dot(s.shading_normal, wo) > 0.0;
     vec3 n = front ? s.shading_normal : -s.shading_normal;
     uint cell = is_learning() ? grid_cell(s.position) : 0u;
-    vec4 u = random4(path.key, path.depth, RANDOM_SCATTER);
+    uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
+    vec4 u = unit_floats(bits);
     DirectionSample next = sample_direction(path.key, path.depth, u, m, basis_from_normal(n), cell);
     if (!front && !is_two_sided(m)) next.weight = vec3(0.0);
     count_sample(tally, next.tries, next.weight == vec3(0.0), next.overrun);
     if (is_learning()) {
-        record(path.segment, path.key, path.depth, target_sarsa(emission, next));
-        path.segment = segment_from(cell, next.wi);
+        Segment next_segment = segment_from(cell, next);
+        record(path.segment, target_sarsa(emission, next, next_segment), leftover_float(bits));
+        path.segment = next_segment;
     }
     path.throughput *= next.weight;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {

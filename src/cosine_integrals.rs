@@ -36,7 +36,8 @@ pub fn cosine_integrals(directions: u32, normals: u32) -> Vec<CosineIntegral> {
 
 impl Bin {
     fn new(index: u32, directions: u32) -> Self {
-        let vector = points(SAMPLES).map(|p| bin_point(index, directions, p)).sum::<DVec3>() * solid_angle(directions, SAMPLES);
+        let vector =
+            points(SAMPLES).map(|p| bin_point(index, directions, p)).sum::<DVec3>() * solid_angle(directions, SAMPLES);
         let grid: Vec<DVec3> = border_grid().map(|p| bin_point(index, directions, p)).collect();
         let row = SAMPLES as usize + 1;
         // Half the longest diagonal of the grid's meshes, twice over for their curvature.

@@ -76,6 +76,10 @@ pub struct Settings {
     #[serde(skip)]
     #[doc(hidden)]
     pub film_page_pixels: Option<u32>,
+    /// Reads geometry and tables from storage buffers although texel buffers would do.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub storage_reads: bool,
     /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
     #[serde(skip)]
     #[doc(hidden)]
@@ -107,6 +111,7 @@ impl Settings {
             decay: 0.95,
             slice_milliseconds: None,
             film_page_pixels: None,
+            storage_reads: false,
             pdf_tamper: 1.0,
         }
     }
@@ -139,7 +144,8 @@ impl Settings {
 
     fn validate_crop(&self) -> Result<()> {
         let Crop { x, y, width, height } = self.window();
-        let inside = |offset: u32, size: u32, whole: u32| size > 0 && u64::from(offset) + u64::from(size) <= whole.into();
+        let inside =
+            |offset: u32, size: u32, whole: u32| size > 0 && u64::from(offset) + u64::from(size) <= whole.into();
         if inside(x, width, self.width) && inside(y, height, self.height) {
             return Ok(());
         }

@@ -15,20 +15,20 @@ bool is_learning() {
     return SAMPLER != SAMPLER_BSDF;
 }
 
-Segment segment_from(uint cell, vec3 wi) {
-    return Segment(radiance_index(cell, direction_bin(wi, DIRECTION_RESOLUTION)));
+Segment segment_from(uint cell, DirectionSample s) {
+    return Segment(radiance_index(cell, s.bin));
 }
 
-void record(Segment segment, RandomKey key, uint vertex, float target) {
+// Adds a target to the segment's bin; `u` in [0, 1) rounds it.
+void record(Segment segment, float target, float u) {
     if (segment.index == NONE || !is_finite(target)) return;
-    float u = random4(key, vertex, RANDOM_RECORD).x;
     add_target(segment.index, fixed_point(target, scene().target_limit, u));
 }
 
 // SARSA (Eq. 6): emission towards x plus what y scatters of the radiance that the table expects from the direction that
 // was sampled there. Roulette has no part in it: it is played afterwards.
-float target_sarsa(vec3 emission, DirectionSample next) {
-    return mean_rgb(emission) + mean_rgb(next.weight) * next.radiance;
+float target_sarsa(vec3 emission, DirectionSample next, Segment next_segment) {
+    return mean_rgb(emission) + mean_rgb(next.weight) * radiance(next_segment.index);
 }
 
 #endif

@@ -9,10 +9,9 @@ struct RandomKey {
     uint seed;
 };
 
-// Blocks of four numbers that a vertex may draw; tries of a rejection loop use RANDOM_TRIES, RANDOM_TRIES + 1, ...
+// Blocks of random numbers that a vertex may draw.
 const uint RANDOM_SCATTER = 0u;
-const uint RANDOM_RECORD = 1u;
-const uint RANDOM_TRIES = 2u;
+const uint RANDOM_TRIES = 1u;
 
 // Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
 uvec4 pcg4d(uvec4 v) {
@@ -30,13 +29,39 @@ uvec4 pcg4d(uvec4 v) {
 }
 
 // The upper 24 bits as a float in [0, 1).
+float unit_float(uint bits) {
+    return float(bits >> 8u) * (1.0 / 16777216.0);
+}
+
 vec4 unit_floats(uvec4 bits) {
     return vec4(bits >> 8u) * (1.0 / 16777216.0);
 }
 
-// Four numbers in [0, 1) for `block` of vertex `vertex` (0 is the camera).
-vec4 random4(RandomKey key, uint vertex, uint block) {
-    return unit_floats(pcg4d(uvec4(key.pixel, key.sample_index, (vertex << 16u) | block, key.seed)));
+// One more number in [0, 1), from the bits that unit_floats leaves unused.
+float leftover_float(uvec4 bits) {
+    return unit_float((bits.x << 24u) | ((bits.y & 0xffu) << 16u) | ((bits.z & 0xffu) << 8u));
+}
+
+// Four words for `block` of vertex `vertex` (0 is the camera).
+uvec4 random_bits(RandomKey key, uint vertex, uint block) {
+    return pcg4d(uvec4(key.pixel, key.sample_index, (vertex << 16u) | block, key.seed));
+}
+
+// As many numbers as a loop asks for: xorshift (Marsaglia 2003), started by the hash.
+struct RandomStream {
+    uvec4 state;
+};
+
+RandomStream random_stream(RandomKey key, uint vertex, uint block) {
+    // The state must not be all zeros.
+    return RandomStream(random_bits(key, vertex, block) | uvec4(0u, 0u, 0u, 1u));
+}
+
+float next_random(inout RandomStream stream) {
+    uvec4 s = stream.state;
+    uint t = s.x ^ (s.x << 11u);
+    stream.state = uvec4(s.yzw, (s.w ^ (s.w >> 19u)) ^ (t ^ (t >> 8u)));
+    return unit_float(stream.state.w);
 }
 
 #endif

@@ -15,9 +15,17 @@
 struct GuidedSample {
     vec3 wi;
     float pdf;      // per steradian
-    float radiance; // L of the bin that `wi` lies in
+    uint bin;       // direction bin that `wi` lies in
     uint tries;
     bool overrun;   // the driver ended the loop before it came to its end
+};
+
+// A direction on some hemisphere, and whether the sampler takes it.
+struct Proposal {
+    vec3 wi;
+    uint bin;
+    float guide;    // L cos(nb, wi)
+    bool accepted;
 };
 
 bool is_filled(NormalizationEntry entry) {
@@ -25,40 +33,56 @@ bool is_filled(NormalizationEntry entry) {
 }
 
 // Share of the density that the guide contributes at a direction with this radiance and cosine.
-float guide_density(NormalizationEntry entry, float bin_radiance, float cos_nb) {
-    return entry.guide_scale * bin_radiance * max(cos_nb, 0.0);
+float guide_density(NormalizationEntry entry, float guide) {
+    return entry.guide_scale * max(guide, 0.0);
+}
+
+// Uniform on a hemisphere: that of n and taken as it is, or that of nb and tested against the guide.
+Proposal propose(inout RandomStream random, uint cell, bool take_any, vec3 nb, vec3 n, NormalizationEntry entry) {
+    vec2 p = 2.0 * vec2(next_random(random), next_random(random)) - 1.0;
+    Proposal s;
+    s.wi = square_to_sphere(p);
+    if (dot(s.wi, take_any ? n : nb) < 0.0) {
+        p = antipode(p);
+        s.wi = -s.wi;
+    }
+    s.bin = square_bin(p, DIRECTION_RESOLUTION);
+    s.guide = radiance(radiance_index(cell, s.bin)) * dot(s.wi, nb);
+    // One comparison instead of a branch.
+    float threshold = take_any ? -MAX_DISTANCE : next_random(random);
+    s.accepted = threshold < s.guide * entry.acceptance_scale;
+    return s;
+}
+
+// Of several proposals the first that is accepted counts; `tries` grows by those up to it.
+void take_first(inout Proposal taken, Proposal next, inout uint tries) {
+    if (!taken.accepted) {
+        taken = next;
+        ++tries;
+    }
 }
 
 GuidedSample sample_rejection_mix(RandomKey key, uint vertex, float choice, uint cell, vec3 nb, vec3 n,
                                   NormalizationEntry entry) {
-    GuidedSample s;
-    s.tries = 0u;
+    RandomStream random = random_stream(key, vertex, RANDOM_TRIES);
     bool uniform_share = choice < entry.uniform_share;
-    bool accepted;
-    float cos_nb;
+    // Carried by the loop, not merely set in it: lavapipe 22.3 keeps per lane only what the next iteration reads.
+    Proposal taken = Proposal(n, 0u, 0.0, false);
+    uint tries = 0u;
     do {
-        vec4 u = random4(key, vertex, RANDOM_TRIES + s.tries);
-        bool take_any = uniform_share || s.tries == MAX_TRIES;
-        vec2 p = 2.0 * u.xy - 1.0;
-        s.wi = square_to_sphere(p);
-        if (dot(s.wi, take_any ? n : nb) < 0.0) {
-            p = antipode(p);
-            s.wi = -s.wi;
-        }
-        s.radiance = radiance(radiance_index(cell, square_bin(p, DIRECTION_RESOLUTION)));
-        cos_nb = dot(s.wi, nb);
-        accepted = take_any || u.z < s.radiance * cos_nb * entry.acceptance_scale;
-        ++s.tries;
-    } while (!accepted && s.tries <= MAX_TRIES);
-    s.overrun = !accepted;
-    s.pdf = guide_density(entry, s.radiance, cos_nb) + entry.uniform_density;
-    return s;
+        // In pairs, for one proposal alone waits on its memory access.
+        Proposal first = propose(random, cell, uniform_share || tries == MAX_TRIES, nb, n, entry);
+        Proposal second = propose(random, cell, uniform_share || tries + 1u == MAX_TRIES, nb, n, entry);
+        take_first(taken, first, tries);
+        take_first(taken, second, tries);
+    } while (!taken.accepted && tries <= MAX_TRIES);
+    return GuidedSample(taken.wi, guide_density(entry, taken.guide) + entry.uniform_density, taken.bin, tries, !taken.accepted);
 }
 
 // Density of `wi`, above the true horizon, under sample_rejection_mix.
 float pdf_rejection_mix(uint cell, vec3 nb, vec3 n, vec3 wi, NormalizationEntry entry) {
     float bin_radiance = radiance(radiance_index(cell, direction_bin(wi, DIRECTION_RESOLUTION)));
-    return guide_density(entry, bin_radiance, dot(wi, nb)) + (dot(wi, n) > 0.0 ? entry.uniform_density : 0.0);
+    return guide_density(entry, bin_radiance * dot(wi, nb)) + (dot(wi, n) > 0.0 ? entry.uniform_density : 0.0);
 }
 
 #endif

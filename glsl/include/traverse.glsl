@@ -108,6 +108,10 @@ bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
     return closer;
 }
 
+bool has_nodes(uint group_mask) {
+    return group_mask > 0x00ffffffu;
+}
+
 // The nearest hit of `ray`, or with `any_hit` some hit. `overrun` is set where a driver ended the loop before its end.
 Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     Hit hit = Hit(ray.t_max, vec2(0.0), NONE);
@@ -118,12 +122,11 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     uint stack_count = 0u;
     uint group_base = 0u;
     uint group_mask = 0x80000000u;
-    bool more = true;
     do {
         uint slot = uint(findMSB(group_mask));
         uint child = group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
         group_mask &= ~(1u << slot);
-        if (group_mask > 0x00ffffffu) {
+        if (has_nodes(group_mask)) {
             stack_base[stack_count] = group_base;
             stack_mask[stack_count] = group_mask;
             ++stack_count;
@@ -140,14 +143,13 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             } while (primitives != 0u);
         }
         overrun = overrun || primitives != 0u;
-        if (group_mask <= 0x00ffffffu && stack_count > 0u) {
+        if (!has_nodes(group_mask) && stack_count > 0u) {
             --stack_count;
             group_base = stack_base[stack_count];
             group_mask = stack_mask[stack_count];
         }
-        more = group_mask > 0x00ffffffu && !(any_hit && hit.primitive != NONE);
-    } while (more);
-    overrun = overrun || more;
+    } while (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));
+    overrun = overrun || (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));
     return hit;
 }
 

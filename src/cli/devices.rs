@@ -29,7 +29,8 @@ pub fn run(args: &DevicesArgs) -> Result<ExitCode> {
 
 fn describe(device: &DeviceInfo) -> String {
     let DeviceInfo { index, name, kind, api_version, driver_name, driver_info, refused, .. } = device;
-    let mut text = format!("{index}: {name} ({kind:?}, Vulkan {api_version}, {driver_name} {driver_info})\n").to_string();
+    let mut text =
+        format!("{index}: {name} ({kind:?}, Vulkan {api_version}, {driver_name} {driver_info})\n").to_string();
     if let Some(need) = refused {
         let _ = writeln!(text, "   cannot be used: {need}");
     }

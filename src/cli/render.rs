@@ -106,9 +106,11 @@ impl<'a> Job<'a> {
     fn step(&mut self) -> Result<Step> {
         let left = self.spp_target.map_or(u32::MAX, |target| target - self.renderer.samples_done());
         let samples = self.settings.spp_per_step.min(left);
-        let deadline = self.args.time.map(|limit| Instant::now() + Duration::from_secs_f64((limit - self.seconds).max(0.0)));
+        let deadline =
+            self.args.time.map(|limit| Instant::now() + Duration::from_secs_f64((limit - self.seconds).max(0.0)));
         let interrupted = Arc::clone(&self.interrupted);
-        let stop = || interrupted.load(Ordering::Relaxed) || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let stop =
+            || interrupted.load(Ordering::Relaxed) || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         let report = self.renderer.step(samples, &stop)?;
         self.seconds += report.seconds;
         self.counts.add(&report.counts);
@@ -185,7 +187,8 @@ impl<'a> Job<'a> {
 
     fn stats(&self, context: &Context, scene: &Scene, times: &SetupTimes) -> Stats {
         let device = context.device().clone();
-        let mut sums = Step::from_counts(self.renderer.samples_done().into(), self.seconds, &self.counts, self.pixels());
+        let mut sums =
+            Step::from_counts(self.renderer.samples_done().into(), self.seconds, &self.counts, self.pixels());
         sums.errors = self.steps.last().and_then(|step| step.errors);
         Stats {
             scene: scene.name.clone(),

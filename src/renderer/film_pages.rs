@@ -35,7 +35,9 @@ impl PageBuffers {
     /// Buffers for all pages of the window.
     pub fn allocate(context: &Arc<Context>, settings: &Settings) -> Result<Vec<Self>> {
         let window = settings.window();
-        let pixels = u64::from(window.width.div_ceil(TILE_SIDE)) * u64::from(window.height.div_ceil(TILE_SIDE)) * u64::from(TILE_PIXELS);
+        let pixels = u64::from(window.width.div_ceil(TILE_SIDE))
+            * u64::from(window.height.div_ceil(TILE_SIDE))
+            * u64::from(TILE_PIXELS);
         let pixels = u32::try_from(pixels).map_err(|_| too_large(&window))?;
         let bindable = context.device().limits.max_storage_buffer_bytes / size_of::<FilmRadiance>() as u64;
         let most = bindable.min(u64::from(settings.film_page_pixels.unwrap_or(u32::MAX))).min(1 << 24) as u32;
@@ -48,7 +50,9 @@ impl PageBuffers {
 
     fn new(context: &Arc<Context>, first_pixel: u32, pixel_count: u32) -> Result<Self> {
         let bytes = |size: usize| u64::from(pixel_count) * size as u64;
-        let buffer = |name: &str, size| Buffer::new(context, &format!("{name} from pixel {first_pixel}"), bytes(size), BufferKind::Storage);
+        let buffer = |name: &str, size| {
+            Buffer::new(context, &format!("{name} from pixel {first_pixel}"), bytes(size), BufferKind::Storage)
+        };
         Ok(Self {
             first_pixel,
             pixel_count,

@@ -30,7 +30,13 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    pub fn new(context: &Arc<Context>, kernels: &Kernels, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
+    pub fn new(
+        context: &Arc<Context>,
+        kernels: &Kernels,
+        scene: &Scene,
+        bvh: &Bvh,
+        settings: &Settings,
+    ) -> Result<Self> {
         let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
             let buffer = Buffer::new(context, name, bytes.len() as u64, kind)?;
             buffer.upload(0, bytes)?;

@@ -6,7 +6,7 @@ use super::set_shape;
 use crate::Result;
 use crate::bvh::Bvh;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet};
-use crate::kernels::{self, Kernels};
+use crate::kernels::Kernels;
 
 const TEXEL_BYTES: u64 = 16;
 
@@ -16,13 +16,11 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    /// The kernels that read geometry the way this device can.
-    pub fn kernels(context: &Context, bvh: &Bvh) -> &'static Kernels {
-        let largest = size_of_val(&bvh.nodes[..]).max(size_of_val(&bvh.primitives[..])).max(size_of_val(&bvh.attributes[..]));
-        match largest as u64 / TEXEL_BYTES <= context.device().limits.max_texel_elements {
-            true => &kernels::TEXEL_BUFFERS,
-            false => &kernels::STORAGE_BUFFERS,
-        }
+    /// Texels of the largest of the three buffers.
+    pub fn texels(bvh: &Bvh) -> u64 {
+        let bytes =
+            size_of_val(&bvh.nodes[..]).max(size_of_val(&bvh.primitives[..])).max(size_of_val(&bvh.attributes[..]));
+        bytes as u64 / TEXEL_BYTES
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, bvh: &Bvh) -> Result<Self> {

@@ -17,7 +17,7 @@ pub use statistics::{Counts, StepReport};
 
 use crate::bvh::Bvh;
 use crate::film::Picture;
-use crate::gpu::{Context, Kernel};
+use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::kernels::{self, Kernels, Variant};
 use crate::layout::{PathTracePush, UpdatePush};
 use crate::scene::{ReconstructionFilter, Scene};
@@ -54,7 +54,7 @@ impl Renderer {
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
         settings.validate()?;
         let variant = variant(settings, bvh);
-        let kernels = Geometry::kernels(context, bvh);
+        let kernels = kernels_for(context, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
@@ -193,6 +193,15 @@ impl Renderer {
     }
 }
 
+/// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
+fn kernels_for(context: &Context, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
+    let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
+    match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
+        true => &kernels::TEXEL_BUFFERS,
+        false => &kernels::STORAGE_BUFFERS,
+    }
+}
+
 fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
@@ -222,6 +231,19 @@ fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
 }
 
 /// The shape of set `set`, the same for all kernels of a registry.
-fn set_shape(kernels: &Kernels, set: usize) -> &'static crate::gpu::SetShape {
+fn set_shape(kernels: &Kernels, set: usize) -> &'static SetShape {
     &kernels.path_trace.sets[set]
+}
+
+/// A set over storage buffers of which the first, a table, is also seen as texels at the last binding, if there is one.
+fn table_set(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: &[&Arc<Buffer>]) -> Result<DescriptorSet> {
+    let texels = (shape.bindings.len() > buffers.len()).then_some(buffers[0]);
+    let buffers: Vec<_> = buffers.iter().copied().chain(texels).collect();
+    DescriptorSet::new(context, name, shape, &buffers)
+}
+
+/// The kind of such a table: `texel` where the set sees it as texels.
+fn table_kind(shape: &SetShape, texel: BufferKind) -> BufferKind {
+    let has_texels = shape.bindings.iter().any(|binding| binding.kind == BindingKind::TexelBufferFloat);
+    if has_texels { texel } else { BufferKind::Storage }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::set_shape;
+use super::{set_shape, table_kind, table_set};
 use crate::Result;
 use crate::cosine_integrals::cosine_integrals;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
@@ -17,20 +17,28 @@ pub(super) struct NormalizationGrid {
 }
 
 impl NormalizationGrid {
+    /// Texels of the table, one an entry.
+    pub fn texels(settings: &Settings) -> u64 {
+        match settings.sampler {
+            Sampler::Bsdf => 0,
+            Sampler::RejectionMix => u64::from(settings.grid.pow(3)) * u64::from(settings.normals.pow(2)),
+        }
+    }
+
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
-        let (entries, cosines) = match settings.sampler {
-            Sampler::Bsdf => (0, Vec::new()),
-            Sampler::RejectionMix => (
-                settings.grid.pow(3) as usize * settings.normals.pow(2) as usize,
-                cosine_integrals(settings.directions, settings.normals),
-            ),
+        let shape = set_shape(kernels, 3);
+        let entries = Self::texels(settings);
+        let cosines = match settings.sampler {
+            Sampler::Bsdf => Vec::new(),
+            Sampler::RejectionMix => cosine_integrals(settings.directions, settings.normals),
         };
-        let buffer = |name: &str, bytes: usize| Buffer::new(context, name, bytes as u64, BufferKind::Storage);
-        let table = buffer("normalizers", entries * size_of::<NormalizationEntry>())?;
-        let marks = buffer("marked normalizers", entries.div_ceil(32) * size_of::<u32>())?;
-        let integrals = buffer("cosine integrals", size_of_val(&cosines[..]))?;
+        let buffer = |name: &str, bytes: u64, kind| Buffer::new(context, name, bytes, kind);
+        let table_bytes = entries * size_of::<NormalizationEntry>() as u64;
+        let table = buffer("normalizers", table_bytes, table_kind(shape, BufferKind::StorageTexelFloat))?;
+        let marks = buffer("marked normalizers", entries.div_ceil(32) * size_of::<u32>() as u64, BufferKind::Storage)?;
+        let integrals = buffer("cosine integrals", size_of_val(&cosines[..]) as u64, BufferKind::Storage)?;
         integrals.upload(0, &cosines)?;
-        let set = DescriptorSet::new(context, "normalization grid", set_shape(kernels, 3), &[&table, &marks, &integrals])?;
+        let set = table_set(context, "normalization grid", shape, &[&table, &marks, &integrals])?;
         Ok(Self { set })
     }
 

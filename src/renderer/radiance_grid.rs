@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::set_shape;
+use super::{set_shape, table_kind, table_set};
 use crate::Result;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::kernels::Kernels;
@@ -17,17 +17,23 @@ pub(super) struct RadianceGrid {
 }
 
 impl RadianceGrid {
-    pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
-        let bin_count = match settings.sampler {
+    /// Texels of the table, one a bin.
+    pub fn texels(settings: &Settings) -> u64 {
+        match settings.sampler {
             Sampler::Bsdf => 0,
-            Sampler::RejectionMix => settings.grid.pow(3) as usize * settings.directions.pow(2) as usize,
-        };
-        let buffer = |name: &str, size: usize| Buffer::new(context, name, (bin_count * size) as u64, BufferKind::Storage);
-        let radiance = buffer("radiance", size_of::<f32>())?;
-        let learned = buffer("learned radiance", size_of::<LearnedRadiance>())?;
-        let sums = buffer("radiance sums", size_of::<RadianceSum>())?;
-        let set = DescriptorSet::new(context, "radiance grid", set_shape(kernels, 2), &[&radiance, &learned, &sums])?;
-        Ok(Self { set, radiance, bin_count })
+            Sampler::RejectionMix => u64::from(settings.grid.pow(3)) * u64::from(settings.directions.pow(2)),
+        }
+    }
+
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
+        let shape = set_shape(kernels, 2);
+        let bins = Self::texels(settings);
+        let buffer = |name: &str, size: usize, kind| Buffer::new(context, name, bins * size as u64, kind);
+        let radiance = buffer("radiance", size_of::<f32>(), table_kind(shape, BufferKind::StorageTexelFloat1))?;
+        let learned = buffer("learned radiance", size_of::<LearnedRadiance>(), BufferKind::Storage)?;
+        let sums = buffer("radiance sums", size_of::<RadianceSum>(), BufferKind::Storage)?;
+        let set = table_set(context, "radiance grid", shape, &[&radiance, &learned, &sums])?;
+        Ok(Self { set, radiance, bin_count: bins as usize })
     }
 
     pub fn set(&self) -> &DescriptorSet {
