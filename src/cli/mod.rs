@@ -1,7 +1,10 @@
-//! The command line: one file per subcommand. Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.
+//! The command line: one file per subcommand. Exit codes: 0 done, 1 failed, 2 wrong usage; where a signal ended a
+//! render, 128 and its number: 130 for Ctrl-C.
 
 mod compare;
 mod devices;
+mod interrupt;
+mod outputs;
 mod progress;
 mod render;
 mod render_args;
@@ -11,6 +14,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::error::ErrorKind as UsageError;
 use clap::{Parser, Subcommand};
 use lodestar::{Error, Result};
 
@@ -22,6 +26,9 @@ struct Cli {
     command: Command,
 }
 
+/// What a shell expects of a program that was called wrongly.
+const WRONG_USAGE: u8 = 2;
+
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<render_args::RenderArgs>),
@@ -31,16 +38,43 @@ enum Command {
 
 /// Parses the arguments, runs the subcommand and reports its failure as one sentence.
 pub fn run() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => return answer(&error),
+    };
+    let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
     };
     outcome.unwrap_or_else(|error| {
-        // Nothing is left to report to where standard error is closed, too.
-        let _ = writeln!(io::stderr(), "lodestar: error: {error}");
+        report("error", &error.to_string());
         ExitCode::FAILURE
     })
+}
+
+/// Prints the help or the version where these were asked for, else what is wrong with the arguments.
+fn answer(error: &clap::Error) -> ExitCode {
+    let is_help = error.kind() == UsageError::DisplayHelpOnMissingArgumentOrSubcommand || !error.use_stderr();
+    match is_help {
+        // To a reader that has left, or a full disk: nothing can be done about either.
+        true => drop(error.print()),
+        false => report("error", &usage_sentence(&error.to_string())),
+    }
+    if error.use_stderr() { ExitCode::from(WRONG_USAGE) } else { ExitCode::SUCCESS }
+}
+
+/// The first paragraph of clap's message on one line.
+fn usage_sentence(message: &str) -> String {
+    let paragraph = message.split("\n\n").next().unwrap_or_default();
+    let lines: Vec<_> = paragraph.lines().map(str::trim).collect();
+    let sentence = lines.join(" ");
+    format!("{}; --help lists what there is", sentence.strip_prefix("error: ").unwrap_or(&sentence))
+}
+
+/// Prints a line to standard error. Where that is closed, nothing is left to report to.
+fn report(kind: &str, text: &str) {
+    let _ = writeln!(io::stderr(), "lodestar: {kind}: {text}");
 }
 
 /// Prints `text` and a line break. A reader that has left (`lodestar ... | head -1`) is no error: it has what it wanted.

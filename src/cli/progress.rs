@@ -73,6 +73,14 @@ impl Progress {
         }
     }
 
+    /// Lets `print` write to standard error without the bar in its way.
+    pub fn interleave(&self, print: impl FnOnce()) {
+        match &self.display {
+            Display::Bar(bar) => bar.suspend(print),
+            Display::Lines { .. } | Display::Nothing => print(),
+        }
+    }
+
     /// Shows the last status and leaves the terminal to what is printed next.
     pub fn finish(&mut self) {
         match std::mem::replace(&mut self.display, Display::Nothing) {

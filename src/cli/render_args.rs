@@ -141,6 +141,11 @@ pub enum Mix {
 }
 
 impl RenderArgs {
+    /// The wanted device. An empty LODESTAR_DEVICE is as good as none.
+    pub fn device(&self) -> Option<String> {
+        self.device.clone().filter(|device| !device.trim().is_empty())
+    }
+
     /// The settings: the scene's own where no option is given.
     ///
     /// # Errors

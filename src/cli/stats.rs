@@ -2,7 +2,7 @@
 
 use lodestar::gpu::DeviceInfo;
 use lodestar::image::metrics::Metrics;
-use lodestar::renderer::{Counts, StepReport};
+use lodestar::renderer::Counts;
 use lodestar::settings::Settings;
 use serde::Serialize;
 
@@ -13,11 +13,18 @@ pub struct Stats {
     pub settings: Settings,
     pub device: DeviceInfo,
     pub versions: Versions,
+    #[serde(flatten)]
+    pub times: SetupTimes,
+    pub totals: Totals,
+    pub steps: Vec<Step>,
+}
+
+/// How long it took to come to the first sample.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct SetupTimes {
     pub load_seconds: f64,
     pub bvh_seconds: f64,
     pub pipeline_seconds: f64,
-    pub totals: Totals,
-    pub steps: Vec<Step>,
 }
 
 /// What produced the numbers.
@@ -28,10 +35,21 @@ pub struct Versions {
     pub driver: String,
 }
 
+impl Versions {
+    /// With the driver of `device`.
+    pub fn of(device: &DeviceInfo) -> Self {
+        Self {
+            lodestar: env!("CARGO_PKG_VERSION"),
+            vulkan: device.api_version.clone(),
+            driver: format!("{} {}", device.driver_name, device.driver_info),
+        }
+    }
+}
+
 /// One step, or all of them.
 #[derive(Debug, Clone, Serialize)]
 pub struct Step {
-    /// Samples per pixel.
+    /// Samples that every pixel has taken.
     pub spp: u64,
     pub seconds: f64,
     pub paths: u64,
@@ -60,19 +78,15 @@ pub struct Totals {
 }
 
 impl Step {
-    /// From what the renderer reports for a film window of `pixels` pixels.
-    pub fn new(report: &StepReport, pixels: u64) -> Self {
-        Self::from_counts(report.samples.into(), report.seconds, &report.counts, pixels)
-    }
-
-    /// From sums.
-    pub fn from_counts(spp: u64, seconds: f64, counts: &Counts, pixels: u64) -> Self {
+    /// Of `paths` paths, `spp` for every pixel of the window and, where the step was cut short, some more for a few.
+    pub fn new(spp: u64, paths: u64, pixels: u64, seconds: f64, counts: &Counts) -> Self {
+        let mean_spp = paths as f64 / pixels as f64;
         Self {
             spp,
             seconds,
-            paths: spp * pixels,
+            paths,
             rays: counts.rays,
-            ms_per_sample: if spp == 0 { 0.0 } else { seconds * 1000.0 / spp as f64 },
+            ms_per_sample: if paths == 0 { 0.0 } else { seconds * 1000.0 / mean_spp },
             invalid_rate: counts.invalid_rate(),
             light_hit_rate: counts.light_hit_rate(),
             tries_per_sample: counts.tries_per_sample(),

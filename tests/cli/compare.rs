@@ -1,10 +1,12 @@
-//! The command line as scripts see it: exit codes, standard output and standard error.
+//! `lodestar compare`.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 use lodestar::film::Picture;
 use lodestar::image::exr::write_picture;
+
+use crate::support::assert_sentence;
 
 fn lodestar(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
@@ -13,6 +15,13 @@ fn lodestar(arguments: &[&str]) -> Command {
 }
 
 fn write(folder: &Path, name: &str, width: u32, value: f32) -> String {
+    let path = folder.join(name);
+    write_row(&path, width, value);
+    path.into_os_string().into_string().unwrap()
+}
+
+/// Writes a picture of one row with the same value everywhere.
+pub fn write_row(path: &Path, width: u32, value: f32) {
     let count = width as usize;
     let picture = Picture {
         width,
@@ -26,20 +35,7 @@ fn write(folder: &Path, name: &str, width: u32, value: f32) -> String {
         normal: vec![[0.0; 3]; count],
         depth: vec![1.0; count],
     };
-    let path = folder.join(name);
-    write_picture(&path, &picture, &[]).unwrap();
-    path.into_os_string().into_string().unwrap()
-}
-
-/// Fails unless the command ended with `code` and one sentence on standard error that contains `words`.
-fn assert_sentence(output: &Output, code: i32, words: &[&str]) {
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{error}");
-    assert!(output.stdout.is_empty());
-    assert!(error.starts_with("lodestar: error: ") && error.lines().count() == 1, "{error}");
-    for word in words {
-        assert!(error.contains(word), "{error} lacks {word}");
-    }
+    write_picture(path, &picture, &[]).unwrap();
 }
 
 #[test]
@@ -72,16 +68,6 @@ fn compare_refuses_in_one_sentence() {
         1,
         &["text.exr: it is not a whole EXR image"],
     );
-}
-
-#[test]
-fn wrong_usage_exits_with_2() {
-    let wrong: [&[&str]; 5] =
-        [&[], &["fly"], &["compare", "a.exr"], &["render"], &["render", "scene.xml", "-o", "picture.jpg"]];
-    for arguments in wrong {
-        let output = lodestar(arguments).output().unwrap();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-    }
 }
 
 #[test]

@@ -1,0 +1,64 @@
+//! The files of a render: the pictures it writes and the reference it is measured against.
+
+use std::path::{Path, PathBuf};
+
+use lodestar::film::Picture;
+use lodestar::image::{Image, ToneCurve, exr, metrics, png};
+use lodestar::scene::Scene;
+use lodestar::settings::Settings;
+use lodestar::{Error, Result, files};
+
+use super::render_args::RenderArgs;
+
+/// The files that the picture goes to.
+pub struct Outputs {
+    paths: Vec<PathBuf>,
+    tone: ToneCurve,
+    exposure: f32,
+}
+
+impl Outputs {
+    /// Tries every path, that of the statistics included, so that what cannot be written is known before rendering begins.
+    pub fn new(args: &RenderArgs, scene: &Scene) -> Result<Self> {
+        let mut paths = args.output.clone();
+        if paths.is_empty() {
+            paths.push(PathBuf::from(format!("{}.exr", scene.name)));
+        }
+        paths.iter().chain(&args.stats).try_for_each(|path| files::check_writable(path))?;
+        Ok(Self { paths, tone: args.tone, exposure: args.exposure })
+    }
+
+    /// Writes all files; one that fails does not keep the others from being written.
+    pub fn write(&self, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
+        let write = |path: &PathBuf| match path.extension().is_some_and(|extension| extension == "png") {
+            true => png::write(path, &picture.image(), self.tone, self.exposure),
+            false => exr::write_picture(path, picture, attributes),
+        };
+        self.paths.iter().map(write).fold(Ok(()), Result::and)
+    }
+}
+
+/// The reference, cut to the rendered window where it is as large as the whole film.
+pub fn read_reference(path: &Path, settings: &Settings) -> Result<Image> {
+    let image = exr::read_rgb(path)?;
+    // Against itself, to hear now and not after the first step of what cannot be measured.
+    metrics::compare(&image, &image).map_err(|_| {
+        Error::image(path, "the reference has pixels that are infinite or not a number; render it again")
+    })?;
+    let window = settings.window();
+    let size = (image.width, image.height);
+    if size == (window.width, window.height) {
+        return Ok(image);
+    }
+    let whole = size == (settings.width, settings.height);
+    let cut = whole.then(|| image.crop([window.x, window.y], window.width, window.height)).flatten();
+    cut.ok_or_else(|| Error::image(path, wrong_size(size, settings)))
+}
+
+fn wrong_size((width, height): (u32, u32), settings: &Settings) -> String {
+    let window = settings.window();
+    format!(
+        "the reference has {width} x {height} pixels, but {} x {} are rendered: choose that size with --width and --height",
+        window.width, window.height
+    )
+}

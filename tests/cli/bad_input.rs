@@ -1,0 +1,163 @@
+//! Whatever is wrong with the input: one sentence, exit code 1 (2 for usage), and no file.
+
+use std::fs;
+use std::process::Output;
+
+use crate::support::{Folder, SCENE, assert_sentence};
+
+/// Runs the program where nothing can be rendered, so that only what is found before the device is opened is reported.
+fn run_without_driver(folder: &Folder, arguments: &[&str]) -> Output {
+    let mut command = folder.command(arguments);
+    command.env("VK_DRIVER_FILES", "/nonexistent").env_remove("VK_ICD_FILENAMES").output().unwrap()
+}
+
+/// Fails unless `render scene.xml` with `arguments` is refused with `code` and `words`, and leaves no file.
+#[track_caller]
+fn refuse(folder: &Folder, arguments: &[&str], code: i32, words: &[&str]) {
+    let before = folder.names();
+    let output = run_without_driver(folder, &[&["render", "scene.xml", "--stats", "s.json"], arguments].concat());
+    assert_sentence(&output, code, words);
+    assert_eq!(folder.names(), before);
+}
+
+/// Fails unless the scene with `old` replaced by `new` is refused with `words`.
+#[track_caller]
+fn refuse_scene(old: &str, new: &str, words: &[&str]) {
+    assert!(SCENE.contains(old));
+    let folder = Folder::new();
+    folder.write("scene.xml", &SCENE.replace(old, new));
+    refuse(&folder, &[], 1, words);
+}
+
+#[test]
+fn a_scene_that_is_no_whole_scene() {
+    let folder = Folder::new();
+    for length in (0..SCENE.trim_end().len()).step_by(17) {
+        folder.write("scene.xml", &SCENE[..length]);
+        refuse(&folder, &[], 1, &["scene.xml"]);
+    }
+    let output = run_without_driver(&folder, &["render", "missing.xml"]);
+    assert_sentence(&output, 1, &["missing.xml: cannot be read"]);
+    let output = run_without_driver(&folder, &["render", "."]);
+    assert_sentence(&output, 1, &["cannot be read"]);
+    fs::write(folder.path("scene.xml"), [0xff, 0xfe, 0, 0x80]).unwrap();
+    refuse(&folder, &[], 1, &["scene.xml"]);
+}
+
+#[test]
+fn a_scene_that_asks_for_what_there_is_not() {
+    refuse_scene(r#"type="diffuse""#, r#"type="velvet""#, &["scene.xml:14: ", "bsdf plugin `velvet`"]);
+    refuse_scene(r#"type="cube""#, r#"type="teapot""#, &["scene.xml:12: ", "shape plugin `teapot`"]);
+    refuse_scene(r#"type="path""#, r#"type="bdpt""#, &["scene.xml:3: ", "integrator plugin `bdpt`"]);
+    refuse_scene(r#"name="width" value="16""#, r#"name="width" value="0""#, &["scene.xml:", "`width`", "not 0"]);
+    refuse_scene(r#"name="width" value="16""#, r#"name="width" value="99999999""#, &["width", "99999999"]);
+    refuse_scene("$gray", "$grey", &["scene.xml:14: ", "$grey", "-D grey=VALUE"]);
+    let folder = Folder::new();
+    folder.write("scene.xml", "<scene version=\"3.0.0\"/>");
+    refuse(&folder, &[], 1, &["scene.xml", "no <sensor>"]);
+}
+
+#[test]
+fn a_mesh_that_is_none() {
+    let folder = Folder::new();
+    let file = r#"type="obj"><string name="filename" value="mesh.obj"/>"#;
+    folder.write("scene.xml", &SCENE.replace(r#"type="cube">"#, file));
+    refuse(&folder, &[], 1, &["scene.xml:12: ", "mesh.obj"]);
+    folder.write("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+    refuse(&folder, &[], 1, &["mesh.obj:4: ", "index 4"]);
+    folder.write("mesh.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+    refuse(&folder, &[], 1, &["mesh.obj:2: ", "nan"]);
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_known_before_the_device_is_opened() {
+    let folder = Folder::new();
+    folder.write("file", "");
+    fs::create_dir(folder.path("folder.exr")).unwrap();
+    for output in ["missing/a.exr", "missing/a.png", "file/a.exr", "folder.exr"] {
+        refuse(&folder, &["-o", "good.exr", "-o", output], 1, &[&format!("{output}: cannot be written: ")]);
+    }
+    for stats in ["missing/s.json", "folder.exr"] {
+        let output = run_without_driver(&folder, &["render", "scene.xml", "--stats", stats]);
+        assert_sentence(&output, 1, &[&format!("{stats}: cannot be written: ")]);
+    }
+    assert_eq!(folder.names(), ["file", "scene.xml"]);
+}
+
+#[test]
+fn a_reference_that_is_none() {
+    let folder = Folder::new();
+    refuse(&folder, &["--reference", "missing.exr"], 1, &["missing.exr: cannot be read"]);
+    folder.write("text.exr", "no picture");
+    refuse(&folder, &["--reference", "text.exr"], 1, &["text.exr: it is not a whole EXR image"]);
+    crate::compare::write_row(&folder.path("row.exr"), 16, 1.0);
+    refuse(&folder, &["--reference", "row.exr"], 1, &["row.exr", "16 x 1", "16 x 12"]);
+    crate::compare::write_row(&folder.path("nan.exr"), 16, f32::NAN);
+    refuse(&folder, &["--reference", "nan.exr"], 1, &["nan.exr", "not a number"]);
+}
+
+#[test]
+fn settings_out_of_their_ranges() {
+    let folder = Folder::new();
+    for (option, value) in [
+        ("--grid", "0"),
+        ("--grid", "33"),
+        ("--directions", "3"),
+        ("--normals", "3"),
+        ("--decay", "2"),
+        ("--decay", "NaN"),
+        ("--min-uniform", "0"),
+        ("--max-tries", "0"),
+        ("--spp-per-step", "0"),
+        ("--samples-per-dispatch", "65"),
+        ("--rr-depth", "0"),
+        ("--max-depth", "1025"),
+        ("--slice-ms", "1e300"),
+    ] {
+        refuse(&folder, &[option, value], 1, &[option, "must lie between"]);
+    }
+    for crop in ["16,0,1,1", "0,0,17,1", "0,0,1,13", "4294967295,0,1,1"] {
+        refuse(&folder, &["--crop", crop], 1, &["crop", crop, "16 x 12"]);
+    }
+    refuse(&folder, &["-D", "grey=1"], 1, &["scene.xml", "-D grey"]);
+}
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    let folder = Folder::new();
+    for (arguments, word) in [
+        (&["--width", "0", "--height", "4"][..], "--width"),
+        (&["--width", "4"], "--height"),
+        (&["--scale", "2", "--width", "4", "--height", "4"], "--scale"),
+        (&["--spp", "0"], "--spp"),
+        (&["--spp", "many"], "--spp"),
+        (&["--time", "-1"], "--time"),
+        (&["--crop", "1,2,3"], "--crop"),
+        (&["-D", "gray"], "-D"),
+        (&["-o", "picture.jpg"], ".exr or .png"),
+        (&["--sampler", "magic"], "bsdf, rejection-mix"),
+        (&["--fast"], "--fast"),
+        (&["--seed"], "--seed"),
+        (&["another.xml"], "another.xml"),
+    ] {
+        refuse(&folder, arguments, 2, &[word]);
+    }
+    for (arguments, word) in
+        [(&["render"][..], "SCENE.xml"), (&["fly"], "fly"), (&["compare", "a.exr"], "B.exr"), (&["devices", "x"], "x")]
+    {
+        assert_sentence(&folder.run(arguments), 2, &[word, "--help"]);
+    }
+    let output = folder.run(&[]);
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("Usage: lodestar <COMMAND>"));
+}
+
+#[test]
+fn no_vulkan_driver() {
+    let folder = Folder::new();
+    let words = ["no Vulkan driver", "VK_DRIVER_FILES"];
+    refuse(&folder, &[], 1, &words);
+    refuse(&folder, &["--device", "0"], 1, &words);
+    assert_sentence(&run_without_driver(&folder, &["devices"]), 1, &words);
+    assert_sentence(&run_without_driver(&folder, &["devices", "--json"]), 1, &words);
+}

@@ -1,0 +1,73 @@
+//! `lodestar devices`, and how a device is chosen.
+
+use serde_json::Value;
+
+use crate::support::{Folder, assert_quiet_success, assert_sentence};
+
+const TINY: [&str; 9] = ["render", "scene.xml", "--quiet", "--spp", "1", "--width", "8", "--height", "8"];
+
+fn list(folder: &Folder) -> Vec<Value> {
+    let output = folder.run(&["devices", "--json"]);
+    assert!(output.status.success() && output.stderr.is_empty());
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The index and the name of a device that can be used.
+fn usable(folder: &Folder) -> (String, String) {
+    let devices = list(folder);
+    let device = devices.iter().find(|device| device["refused"].is_null()).expect("a device that can be used");
+    (device["index"].to_string(), device["name"].as_str().unwrap().to_owned())
+}
+
+#[test]
+fn the_list_names_every_device() {
+    let folder = Folder::new();
+    let devices = list(&folder);
+    let output = folder.run(&["devices"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success() && output.stderr.is_empty());
+    for (index, device) in devices.iter().enumerate() {
+        assert_eq!(device["index"], index);
+        assert!(["discrete", "integrated", "virtual", "cpu", "other"].contains(&device["kind"].as_str().unwrap()));
+        let line = text.lines().find(|line| line.starts_with(&format!("{index}: "))).unwrap();
+        for key in ["name", "api_version", "driver_name", "driver_info"] {
+            assert!(line.contains(device[key].as_str().unwrap()), "{line} lacks {key}");
+        }
+        if let Some(lack) = device["refused"].as_str() {
+            assert!(text.contains(&format!("cannot be used: {lack}")), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_device_is_chosen_by_index_or_name() {
+    let folder = Folder::new();
+    let (index, name) = usable(&folder);
+    assert_eq!(folder.render(&["--spp", "1", "--device", &index])["device"]["name"], name.as_str());
+    // The first word, in any case, as a person would type it; the environment gives way to the option.
+    let word = name.split_whitespace().next().unwrap().to_uppercase();
+    if list(&folder).iter().filter(|device| device["name"].to_string().to_uppercase().contains(&word)).count() == 1 {
+        let mut command = folder.command(&TINY);
+        assert_quiet_success(&command.args(["--device", &word]).env("LODESTAR_DEVICE", "voodoo").output().unwrap());
+    }
+}
+
+#[test]
+fn the_environment_chooses_where_no_option_does() {
+    let folder = Folder::new();
+    let with = |value: &str| folder.command(&TINY).env("LODESTAR_DEVICE", value).output().unwrap();
+    assert_sentence(&with("voodoo"), 1, &["`voodoo`", "there ", &usable(&folder).1]);
+    assert_quiet_success(&with(&usable(&folder).0));
+    assert_quiet_success(&with(""));
+}
+
+#[test]
+fn an_unknown_device_is_refused_and_the_known_ones_are_named() {
+    let folder = Folder::new();
+    let (before, name) = (folder.names(), usable(&folder).1);
+    for device in ["99", "-1", "voodoo", "1.5"] {
+        let wanted = format!("--device={device}");
+        assert_sentence(&folder.run(&["render", "scene.xml", &wanted]), 1, &[&format!("`{device}`"), &name]);
+    }
+    assert_eq!(folder.names(), before);
+}

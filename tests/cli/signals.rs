@@ -1,0 +1,95 @@
+//! Ctrl-C and its like: the picture so far is written, and the exit code is 128 and the signal's number.
+
+use std::fs;
+use std::io::Write;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use lodestar::image::exr::{read_layer, read_rgb};
+
+use crate::support::{Folder, Running, SCENE, wait_until};
+
+const OUTPUTS: [&str; 8] = ["render", "scene.xml", "-o", "a.exr", "-o", "b.png", "--stats", "s.json"];
+
+fn is_answered(signal: &str, code: i32) {
+    let folder = Folder::new();
+    let size = ["--spp", "1000000", "--width", "64", "--height", "64"];
+    let mut running = folder.start(&[&OUTPUTS[..], &size].concat());
+    running.wait_for_line("/1000000 spp");
+    let begin = Instant::now();
+    running.signal(signal);
+    let (ended_with, said) = running.wait();
+    assert_eq!(ended_with, Some(code), "{said}");
+    assert!(begin.elapsed() < Duration::from_secs(5), "{:?}", begin.elapsed());
+    assert!(!said.contains("lodestar:"), "{said}");
+
+    assert_eq!(folder.names(), ["a.exr", "b.png", "s.json", "scene.xml"]);
+    let picture = folder.path("a.exr");
+    assert!(read_rgb(&picture).unwrap().pixels.iter().flatten().all(|value| value.is_finite()));
+    let samples = read_layer(&picture, "samples").unwrap().pixels;
+    assert!(samples.iter().all(|pixel| pixel[0] >= 1.0));
+    let totals = &folder.read_json("s.json")["totals"];
+    assert_eq!(totals["paths"].as_f64().unwrap(), samples.iter().map(|pixel| f64::from(pixel[0])).sum::<f64>());
+}
+
+#[test]
+fn an_interrupt_is_answered_with_the_picture_so_far() {
+    is_answered("INT", 130);
+}
+
+#[test]
+fn a_termination_is_answered_with_the_picture_so_far() {
+    is_answered("TERM", 143);
+}
+
+/// Starts the program on a scene that comes through a pipe, which holds it up before the first sample.
+fn start_on_a_pipe(folder: &Folder) -> (Running, fs::File) {
+    let pipe = folder.path("pipe.xml");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let running = folder.start(&["render", "pipe.xml", "-o", "a.exr", "--stats", "s.json"]);
+    // Returns when the program opens the other end.
+    let writer = fs::File::options().write(true).open(pipe).unwrap();
+    (running, writer)
+}
+
+#[test]
+fn a_second_signal_ends_the_process_at_once() {
+    for (second, code) in [("INT", 130), ("TERM", 143)] {
+        let folder = Folder::new();
+        let (mut running, _writer) = start_on_a_pipe(&folder);
+        running.signal("INT");
+        std::thread::sleep(Duration::from_millis(200));
+        assert!(running.is_running(), "the first one waits for the render");
+        running.signal(second);
+        assert_eq!(running.wait(), (Some(code), String::new()));
+        assert_eq!(folder.names(), ["pipe.xml", "scene.xml"]);
+    }
+}
+
+/// A black picture would be written over a good one.
+#[test]
+fn an_interrupt_before_the_first_sample_leaves_earlier_pictures_alone() {
+    let folder = Folder::new();
+    folder.write("a.exr", "earlier");
+    let (running, mut writer) = start_on_a_pipe(&folder);
+    running.signal("INT");
+    std::thread::sleep(Duration::from_millis(100));
+    writer.write_all(SCENE.as_bytes()).unwrap();
+    drop(writer);
+    let (code, said) = running.wait();
+    assert_eq!(code, Some(130), "{said}");
+    assert!(said.starts_with("lodestar: warning: ") && said.contains("no picture"), "{said}");
+    assert_eq!(fs::read_to_string(folder.path("a.exr")).unwrap(), "earlier");
+    assert_eq!(folder.read_json("s.json")["totals"]["paths"], 0);
+}
+
+/// Scripts that start it in the background see the same.
+#[test]
+fn a_quiet_render_is_interrupted_just_so() {
+    let folder = Folder::new();
+    let arguments = [&OUTPUTS[..], &["--spp", "4000000000", "--quiet", "--write-every", "0.1"]].concat();
+    let running = folder.start(&arguments);
+    wait_until(|| folder.path("a.exr").exists().then_some(()));
+    running.signal("INT");
+    assert_eq!(running.wait(), (Some(130), String::new()));
+}

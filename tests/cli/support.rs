@@ -1,0 +1,190 @@
+//! A folder to run the program in, and what is asked of its answers.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr, Command, ExitStatus, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// A lit wall before the camera. Its sampler says 12 samples per pixel.
+pub const SCENE: &str = r#"<scene version="3.0.0">
+	<default name="gray" value="0.5"/>
+	<integrator type="path"/>
+	<sensor type="perspective">
+		<sampler type="independent"><integer name="sample_count" value="12"/></sampler>
+		<film type="hdrfilm">
+			<integer name="width" value="16"/><integer name="height" value="12"/>
+			<rfilter type="box"/>
+		</film>
+	</sensor>
+	<emitter type="constant"/>
+	<shape type="cube">
+		<transform name="to_world"><translate z="5"/></transform>
+		<bsdf type="diffuse"><rgb name="reflectance" value="$gray"/></bsdf>
+	</shape>
+</scene>
+"#;
+
+/// Longest that anything may take which should take a moment: other tests keep the cores busy.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A temporary folder, the program's working directory.
+pub struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// With `scene.xml` in it.
+    pub fn new() -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        folder.write("scene.xml", SCENE);
+        folder
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    pub fn read_json(&self, name: &str) -> Value {
+        serde_json::from_str(&fs::read_to_string(self.path(name)).unwrap()).unwrap()
+    }
+
+    /// Every file below the folder, but not the program's cache.
+    pub fn names(&self) -> Vec<String> {
+        let mut names = Vec::new();
+        collect_names(self.0.path(), "", &mut names);
+        names.retain(|name| !name.starts_with("cache/"));
+        names.sort();
+        names
+    }
+
+    /// The program, in this folder and with a cache of its own.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
+        command.args(arguments).current_dir(self.0.path());
+        command.env("XDG_CACHE_HOME", self.path("cache")).env_remove("LODESTAR_DEVICE");
+        command
+    }
+
+    /// Runs the program to its end.
+    pub fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// Renders `scene.xml` with further arguments and returns the statistics.
+    pub fn render(&self, arguments: &[&str]) -> Value {
+        let all = [&["render", "scene.xml", "--quiet", "--stats", "stats.json"], arguments].concat();
+        assert_quiet_success(&self.run(&all));
+        self.read_json("stats.json")
+    }
+
+    /// Starts the program.
+    pub fn start(&self, arguments: &[&str]) -> Running {
+        let mut child = self.command(arguments).stderr(Stdio::piped()).spawn().unwrap();
+        let stderr = BufReader::new(child.stderr.take().unwrap());
+        Running { child, stderr }
+    }
+}
+
+fn collect_names(folder: &Path, prefix: &str, names: &mut Vec<String>) {
+    for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
+        let name = format!("{prefix}{}", entry.file_name().to_str().unwrap());
+        match entry.file_type().unwrap().is_dir() {
+            true => collect_names(&entry.path(), &format!("{name}/"), names),
+            false => names.push(name),
+        }
+    }
+}
+
+/// The program at work. Killed when dropped, so that a failing test leaves nothing behind.
+pub struct Running {
+    child: Child,
+    stderr: BufReader<ChildStderr>,
+}
+
+impl Running {
+    /// Waits for a line on standard error that contains `word` and returns it.
+    pub fn wait_for_line(&mut self, word: &str) -> String {
+        let mut line = String::new();
+        while !line.contains(word) {
+            line.clear();
+            assert_ne!(self.stderr.read_line(&mut line).unwrap(), 0, "the program ended before it said {word}");
+        }
+        line
+    }
+
+    /// Sends the signal of that name.
+    pub fn signal(&self, name: &str) {
+        let pid = self.child.id().to_string();
+        assert!(Command::new("kill").args([&format!("-{name}"), &pid]).status().unwrap().success());
+    }
+
+    pub fn is_running(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Waits for the end; returns the exit code and what was left on standard error.
+    pub fn wait(mut self) -> (Option<i32>, String) {
+        let status: ExitStatus = wait_until(|| self.child.try_wait().unwrap());
+        let mut rest = String::new();
+        self.stderr.read_to_string(&mut rest).unwrap();
+        (status.code(), rest)
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // Most have ended by themselves.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// Asks until there is an answer.
+pub fn wait_until<T>(mut ask: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(answer) = ask() {
+            return answer;
+        }
+        assert!(begin.elapsed() < PATIENCE, "nothing happened for {PATIENCE:?}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Fails unless the program ended with `code` and one sentence on standard error that contains `words`.
+#[track_caller]
+pub fn assert_sentence(output: &Output, code: i32, words: &[&str]) {
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{error}");
+    assert!(output.stdout.is_empty(), "{}", String::from_utf8_lossy(&output.stdout));
+    assert!(error.starts_with("lodestar: error: ") && error.ends_with('\n') && error.lines().count() == 1, "{error}");
+    for word in words {
+        assert!(error.contains(word), "{error} lacks {word}");
+    }
+}
+
+/// Fails unless the program succeeded and said nothing.
+#[track_caller]
+pub fn assert_quiet_success(output: &Output) {
+    let said = [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said).into_owned());
+    assert_eq!((output.status.code(), said), (Some(0), [String::new(), String::new()]));
+}
+
+/// The names of an object's members, sorted.
+pub fn keys(value: &Value) -> Vec<&str> {
+    let mut keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
+    keys.sort_unstable();
+    keys
+}
+
+/// The text of an attribute of an EXR picture.
+pub fn attribute(path: &Path, name: &str) -> String {
+    let attributes = lodestar::image::exr::read_attributes(path).unwrap();
+    let found = attributes.into_iter().find(|(found, _)| found == name);
+    found.unwrap_or_else(|| panic!("{} has no attribute {name}", path.display())).1
+}
