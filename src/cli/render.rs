@@ -183,7 +183,9 @@ impl<'a> Job<'a> {
 
     /// Every setting, for the picture's header.
     fn attributes(&self) -> Vec<(String, String)> {
-        let settings = serde_json::to_value(&self.settings).unwrap_or_default();
+        // By way of text, where 0.95 stays 0.95; as a value it would be widened to 0.949999988079071.
+        let settings = serde_json::to_string(&self.settings).and_then(|text| serde_json::from_str(&text));
+        let settings: serde_json::Value = settings.unwrap_or_default();
         let settings = settings.as_object().into_iter().flatten();
         let mut attributes: Vec<_> = settings.map(|(name, value)| (name.clone(), plain(value))).collect();
         let device = self.context.device();
@@ -237,6 +239,10 @@ impl<'a> Job<'a> {
         let device = self.context.device().clone();
         let spp = self.film.renderer.samples_done().into();
         let sums = Step::new(spp, self.paths, self.pixels(), self.seconds, &self.counts);
+        let mut steps = self.steps.clone();
+        if let Some(last) = steps.last_mut() {
+            last.errors = errors;
+        }
         Stats {
             scene: self.scene.name.clone(),
             settings: self.settings.clone(),
@@ -250,7 +256,7 @@ impl<'a> Job<'a> {
                 peak_bytes: self.context.peak_allocated_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),
             },
-            steps: self.steps.clone(),
+            steps,
         }
     }
 }

@@ -13,6 +13,7 @@ use lodestar::settings::{Learner, Sampler, Settings};
 /// Whichever of --spp and --time is reached first ends the render. What the scene file leaves open and no option gives:
 /// 64 samples per pixel, depth 16, roulette after depth 8.
 #[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
     /// The scene, in Mitsuba's XML of any version.
     #[arg(value_name = "SCENE.xml")]
@@ -26,7 +27,7 @@ pub struct RenderArgs {
     #[arg(long, value_enum, default_value_t, help_heading = "Output")]
     pub tone: ToneCurve,
     /// Exposure of PNG files: brighter by 2^STOPS.
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, help_heading = "Output")]
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = finite, help_heading = "Output")]
     pub exposure: f32,
     /// Write the picture so far every so many seconds.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Output")]

@@ -39,7 +39,12 @@ fn time_ends_a_render() {
 #[test]
 fn a_step_that_is_cut_short_counts_what_it_did() {
     let folder = Folder::new();
-    let stats = folder.render(&["--time", "0.2", "--width", "2048", "--height", "2048", "-o", "a.exr"]);
+    let size = ["--width", "2048", "--height", "2048", "--sampler", "bsdf"];
+    let arguments = ["render", "scene.xml", "--time", "0.2", "-o", "a.exr", "--stats", "s.json", "--quiet"];
+    let output = folder.run(&[&arguments[..], &size].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.lines().all(|line| line.contains("pixels had a sample")), "{said}");
+    let stats = folder.read_json("s.json");
     let samples = read_layer(&folder.path("a.exr"), "samples").unwrap().pixels;
     let paths: f64 = samples.iter().map(|pixel| f64::from(pixel[0])).sum();
     assert_eq!(stats["totals"]["paths"].as_f64().unwrap(), paths);

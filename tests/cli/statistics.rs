@@ -37,17 +37,11 @@ fn check_rates(step: &Value) {
     assert!((number(step, "ms_per_sample") / ms_per_sample - 1.0).abs() < 1e-9, "{step}");
 }
 
-fn render_cornell_box(folder: &Folder, arguments: &[&str]) -> Value {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
-    std::fs::remove_file(folder.path("scene.xml")).unwrap();
-    std::os::unix::fs::symlink(scene, folder.path("scene.xml")).unwrap();
-    folder.render(&[&["--width", "32", "--height", "32"], arguments].concat())
-}
-
 #[test]
 fn steps_add_up_to_the_totals() {
     let folder = Folder::new();
-    let stats = render_cornell_box(&folder, &["--spp", "20", "-o", "a.exr"]);
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
+    let stats = folder.render_scene(scene.to_str().unwrap(), &["--width", "32", "--height", "32", "--spp", "20"]);
     assert_eq!(keys(&stats), FILE);
     assert_eq!(keys(&stats["totals"]), sorted(STEP.into_iter().chain(TOTALS)));
     let (totals, steps) = (&stats["totals"], stats["steps"].as_array().unwrap());

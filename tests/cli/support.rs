@@ -77,7 +77,12 @@ impl Folder {
 
     /// Renders `scene.xml` with further arguments and returns the statistics.
     pub fn render(&self, arguments: &[&str]) -> Value {
-        let all = [&["render", "scene.xml", "--quiet", "--stats", "stats.json"], arguments].concat();
+        self.render_scene("scene.xml", arguments)
+    }
+
+    /// The same for another scene.
+    pub fn render_scene(&self, scene: &str, arguments: &[&str]) -> Value {
+        let all = [&["render", scene, "--quiet", "--stats", "stats.json"], arguments].concat();
         assert_quiet_success(&self.run(&all));
         self.read_json("stats.json")
     }
