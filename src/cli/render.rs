@@ -222,7 +222,11 @@ impl<'a> Job<'a> {
         let empty = picture.sample_count.iter().filter(|&&count| count == 0).count();
         if empty < picture.sample_count.len() {
             if empty > 0 {
-                report("warning", &format!("the render ended before {empty} of {} pixels had a sample", self.pixels()));
+                let all = self.pixels();
+                report(
+                    "warning",
+                    &format!("{empty} of {all} pixels are black: the render ended before their first sample"),
+                );
             }
             return self.film.outputs.write(picture, &self.attributes());
         }

@@ -10,8 +10,8 @@ use lodestar::settings::{Learner, Sampler, Settings};
 
 /// Renders a Mitsuba scene.
 ///
-/// Whichever of --spp and --time is reached first ends the render. What the scene file leaves open and no option gives:
-/// 64 samples per pixel, depth 16, roulette after depth 8.
+/// Whichever of --spp and --time is reached first ends the render, and so does Ctrl-C: the picture so far is written. What
+/// the scene file leaves open and no option gives: 64 samples per pixel, depth 16, roulette after depth 8.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
@@ -59,7 +59,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "F", conflicts_with_all = ["width", "height"], value_parser = positive, help_heading = "Scene")]
     pub scale: Option<f32>,
     /// Render only this window of the film, in pixels from its top left corner.
-    #[arg(long, value_name = "X,Y,W,H", value_parser = crop, help_heading = "Scene")]
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = crop, help_heading = "Scene")]
     pub crop: Option<Crop>,
     /// Replace the scene's <default> of that name; may be given several times.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, help_heading = "Scene")]

@@ -11,13 +11,14 @@ use crate::support::{Folder, Running, SCENE, wait_until};
 
 const OUTPUTS: [&str; 8] = ["render", "scene.xml", "-o", "a.exr", "-o", "b.png", "--stats", "s.json"];
 
-fn is_answered(signal: &str, code: i32) {
+/// Fails unless a render that gets `signal`, `count` times, writes its files and ends with `code`.
+fn is_answered(signal: &str, count: u32, code: i32) {
     let folder = Folder::new();
     let size = ["--spp", "1000000", "--width", "64", "--height", "64"];
     let mut running = folder.start(&[&OUTPUTS[..], &size].concat());
     running.wait_for_line("/1000000 spp");
     let begin = Instant::now();
-    running.signal(signal);
+    (0..count).for_each(|_| running.signal(signal));
     let (ended_with, said) = running.wait();
     assert_eq!(ended_with, Some(code), "{said}");
     assert!(begin.elapsed() < Duration::from_secs(5), "{:?}", begin.elapsed());
@@ -34,12 +35,18 @@ fn is_answered(signal: &str, code: i32) {
 
 #[test]
 fn an_interrupt_is_answered_with_the_picture_so_far() {
-    is_answered("INT", 130);
+    is_answered("INT", 1, 130);
 }
 
 #[test]
 fn a_termination_is_answered_with_the_picture_so_far() {
-    is_answered("TERM", 143);
+    is_answered("TERM", 1, 143);
+}
+
+/// As `timeout` does it: to the process, then to its group.
+#[test]
+fn a_signal_sent_twice_is_one() {
+    is_answered("TERM", 2, 143);
 }
 
 /// Starts the program on a scene that comes through a pipe, which holds it up before the first sample.
@@ -53,14 +60,17 @@ fn start_on_a_pipe(folder: &Folder) -> (Running, fs::File) {
 }
 
 #[test]
-fn a_second_signal_ends_the_process_at_once() {
+fn a_later_signal_ends_the_process_at_once() {
     for (second, code) in [("INT", 130), ("TERM", 143)] {
         let folder = Folder::new();
         let (mut running, _writer) = start_on_a_pipe(&folder);
         running.signal("INT");
         std::thread::sleep(Duration::from_millis(200));
         assert!(running.is_running(), "the first one waits for the render");
-        running.signal(second);
+        wait_until(|| {
+            running.signal(second);
+            (!running.is_running()).then_some(())
+        });
         assert_eq!(running.wait(), (Some(code), String::new()));
         assert_eq!(folder.names(), ["pipe.xml", "scene.xml"]);
     }
