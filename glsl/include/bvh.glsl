@@ -12,15 +12,16 @@ const uint ATTRIBUTE_TEXELS = 3u;
 
 #ifdef TEXEL_READS
 layout(set = 1, binding = 0) uniform usamplerBuffer bvh_nodes;
-layout(set = 1, binding = 1) uniform samplerBuffer bvh_primitives;
+layout(set = 1, binding = 1) uniform usamplerBuffer bvh_primitives;
 layout(set = 1, binding = 2) uniform usamplerBuffer bvh_attributes;
 
 uvec4 fetch_node(uint node, uint texel) {
     return texelFetch(bvh_nodes, int(node * NODE_TEXELS + texel));
 }
 
+// Fetched as integers, for a texture unit may flush the flags, small as floats, to zero.
 vec4 fetch_primitive(uint primitive, uint texel) {
-    return texelFetch(bvh_primitives, int(primitive * PRIMITIVE_TEXELS + texel));
+    return uintBitsToFloat(texelFetch(bvh_primitives, int(primitive * PRIMITIVE_TEXELS + texel)));
 }
 
 uvec4 fetch_attributes(uint primitive, uint texel) {

@@ -52,14 +52,29 @@ struct Emitter {
 layout(scalar, set = 0, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
 layout(scalar, set = 0, binding = 1) restrict buffer FilmFeaturesPage { FilmFeatures film_features[]; };
 layout(scalar, set = 0, binding = 2) uniform Scene { SceneConstants scene_constants; };
+#ifdef TEXEL_READS
+layout(set = 0, binding = 3) uniform usamplerBuffer materials;
+layout(set = 0, binding = 4) uniform usamplerBuffer emitters;
+#else
 layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { Material materials[]; };
 layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { Emitter emitters[]; };
+#endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
 
 SceneConstants scene() {
     return scene_constants;
 }
 
+#ifdef TEXEL_READS
+Material material(uint index) {
+    uvec4 t = texelFetch(materials, int(index));
+    return Material(uintBitsToFloat(t.xyz), t.w);
+}
+
+vec3 emitter_radiance(uint index) {
+    return uintBitsToFloat(texelFetch(emitters, int(index)).xyz);
+}
+#else
 Material material(uint index) {
     return materials[index];
 }
@@ -67,6 +82,7 @@ Material material(uint index) {
 vec3 emitter_radiance(uint index) {
     return emitters[index].radiance;
 }
+#endif
 
 void count(uint counter, uint amount) {
     if (amount != 0u) atomicAdd(counters[counter], amount);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
-use super::set_shape;
+use super::{buffer_kind, set_shape};
 use super::statistics::Counts;
 use crate::Result;
 use crate::bvh::Bvh;
@@ -45,12 +45,12 @@ impl Frame {
         let constants = scene_constants(scene, bvh, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
         let materials: Vec<_> = scene.materials.iter().map(material).collect();
-        let materials = uploaded("materials", bytemuck::cast_slice(&materials), BufferKind::Storage)?;
+        let shape = set_shape(kernels, 0);
+        let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters: Vec<_> =
             scene.emitters.iter().map(|e| layout::Emitter { radiance: e.radiance.into(), reserved: 0.0 }).collect();
-        let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), BufferKind::Storage)?;
+        let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
-        let shape = set_shape(kernels, 0);
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
             let all = [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters];
             let set = DescriptorSet::new(context, "frame", shape, &all)?;

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::set_shape;
+use super::{buffer_kind, set_shape};
 use crate::Result;
 use crate::bvh::Bvh;
-use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet};
+use crate::gpu::{Buffer, Context, DescriptorSet};
 use crate::kernels::Kernels;
 
 const TEXEL_BYTES: u64 = 16;
@@ -42,14 +42,5 @@ impl Geometry {
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
-    }
-}
-
-fn buffer_kind(binding: BindingKind) -> BufferKind {
-    match binding {
-        BindingKind::StorageBuffer => BufferKind::Storage,
-        BindingKind::UniformBuffer => BufferKind::Uniform,
-        BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
-        BindingKind::TexelBufferUint => BufferKind::TexelUint,
     }
 }

@@ -54,7 +54,7 @@ impl Renderer {
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
         settings.validate()?;
         let variant = variant(settings, bvh);
-        let kernels = kernels_for(context, bvh, settings);
+        let kernels = kernels_for(context, scene, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
@@ -194,8 +194,9 @@ impl Renderer {
 }
 
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
+fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
+    let texels = texels.max(scene.materials.len() as u64).max(scene.emitters.len() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
@@ -233,6 +234,16 @@ fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
 /// The shape of set `set`, the same for all kernels of a registry.
 fn set_shape(kernels: &Kernels, set: usize) -> &'static SetShape {
     &kernels.path_trace.sets[set]
+}
+
+/// The kind of buffer that a read-only binding takes.
+fn buffer_kind(binding: BindingKind) -> BufferKind {
+    match binding {
+        BindingKind::StorageBuffer => BufferKind::Storage,
+        BindingKind::UniformBuffer => BufferKind::Uniform,
+        BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
+        BindingKind::TexelBufferUint => BufferKind::TexelUint,
+    }
 }
 
 /// A set over storage buffers of which the first, a table, is also seen as texels at the last binding, if there is one.
