@@ -18,6 +18,10 @@ struct Bin {
     vector: DVec3,
     /// Points of a grid over the bin, its border included.
     grid: Vec<DVec3>,
+    /// The centers of many equal parts of the bin, for the bins that a horizon cuts.
+    parts: Vec<DVec3>,
+    /// Solid angle of one such part.
+    part_solid_angle: f64,
     /// No direction of the bin is farther than this from some point of the grid, as a chord.
     reach: f64,
 }
@@ -29,7 +33,7 @@ pub fn cosine_integrals(directions: u32, normals: u32) -> Vec<CosineIntegral> {
         .into_par_iter()
         .flat_map_iter(|index| {
             let bin = Bin::new(index, directions);
-            representative.iter().map(move |&n| bin.cosine_integral(index, directions, n)).collect::<Vec<_>>()
+            representative.iter().map(move |&n| bin.cosine_integral(n)).collect::<Vec<_>>()
         })
         .collect()
 }
@@ -38,16 +42,17 @@ impl Bin {
     fn new(index: u32, directions: u32) -> Self {
         let vector =
             points(SAMPLES).map(|p| bin_point(index, directions, p)).sum::<DVec3>() * solid_angle(directions, SAMPLES);
+        let parts = points(HORIZON_SAMPLES).map(|p| bin_point(index, directions, p)).collect();
         let grid: Vec<DVec3> = border_grid().map(|p| bin_point(index, directions, p)).collect();
         let row = SAMPLES as usize + 1;
         // Half the longest diagonal of the grid's meshes, twice over for their curvature.
         let diagonal = |i: usize| (grid[i] - grid[i + row + 1]).length().max((grid[i + 1] - grid[i + row]).length());
         let meshes = (0..row - 1).flat_map(|y| (0..row - 1).map(move |x| y * row + x));
         let reach = meshes.map(diagonal).fold(0.0, f64::max);
-        Self { vector, grid, reach }
+        Self { vector, grid, parts, part_solid_angle: solid_angle(directions, HORIZON_SAMPLES), reach }
     }
 
-    fn cosine_integral(&self, index: u32, directions: u32, n: DVec3) -> CosineIntegral {
+    fn cosine_integral(&self, n: DVec3) -> CosineIntegral {
         let cosines = self.grid.iter().map(|w| w.dot(n));
         let (least, most) = cosines.fold((1.0, -1.0), |(least, most): (f64, f64), c| (least.min(c), most.max(c)));
         let integral = if least >= self.reach {
@@ -55,8 +60,7 @@ impl Bin {
         } else if most <= -self.reach {
             0.0
         } else {
-            let above = points(HORIZON_SAMPLES).map(|p| bin_point(index, directions, p).dot(n).max(0.0)).sum::<f64>();
-            above * solid_angle(directions, HORIZON_SAMPLES)
+            self.part_solid_angle * self.parts.iter().map(|w| w.dot(n).max(0.0)).sum::<f64>()
         };
         // A cosine cannot rise by more than the chord to the nearest point of the grid.
         CosineIntegral { integral: integral as f32, maximum: (most + self.reach).clamp(0.0, 1.0) as f32 }
