@@ -70,37 +70,33 @@ void end_path(inout Path path) {
     path.depth = 0u;
 }
 
-void escape(inout Path path, inout Tally tally) {
+// Adds the environment's radiance. Returns the target of the segment that led there.
+float escape(inout Path path, inout Tally tally) {
     vec3 emission = scene().environment;
     path.radiance += path.throughput * visible_emission(path, emission);
     count_light_hit(tally, path.depth, emission);
-    if (is_learning() && path.depth < MAX_DEPTH) record(path.segment, mean_rgb(emission), 0.5);
+    float target = path.depth < MAX_DEPTH ? mean_rgb(emission) : NO_TARGET;
     end_path(path);
+    return target;
 }
 
-// Adds what the surface emits, draws where the path goes on, and records the segment that ended here.
-void scatter(inout Path path, Surface s, Material m, inout Tally tally) {
+// Adds what the surface emits and draws where the path goes on. Returns the target of the segment that ends here.
+float scatter(inout Path path, Surface s, Material m, vec4 u, inout Tally tally) {
     vec3 wo = -path.ray.direction;
     vec3 emission = surface_emission(s, wo);
     path.radiance += path.throughput * visible_emission(path, emission);
     count_light_hit(tally, path.depth, emission);
     if (path.depth == MAX_DEPTH) {
         end_path(path);
-        return;
+        return NO_TARGET;
     }
     bool front = dot(s.shading_normal, wo) > 0.0;
     vec3 n = front ? s.shading_normal : -s.shading_normal;
     uint cell = is_learning() ? grid_cell(s.position) : 0u;
-    uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
-    vec4 u = unit_floats(bits);
     DirectionSample next = sample_direction(path.key, path.depth, u, m, basis_from_normal(n), cell);
     if (!front && !is_two_sided(m)) next.weight = vec3(0.0);
     count_sample(tally, next.tries, next.weight == vec3(0.0), next.overrun);
-    if (is_learning()) {
-        Segment next_segment = segment_from(cell, next);
-        record(path.segment, target_sarsa(emission, next, next_segment), leftover_float(bits));
-        path.segment = next_segment;
-    }
+    path.segment = segment_from(cell, next);
     path.throughput *= next.weight;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
         path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
@@ -108,6 +104,7 @@ void scatter(inout Path path, Surface s, Material m, inout Tally tally) {
     } else {
         end_path(path);
     }
+    return target_sarsa(emission, next);
 }
 
 void main() {
@@ -130,14 +127,18 @@ void main() {
 
         Hit hit = traverse(path.ray, false, tally.overrun);
         count_ray(tally, path.depth);
+        Segment travelled = path.segment;
+        uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
+        float target;
         if (hit.primitive == NONE) {
-            escape(path, tally);
+            target = escape(path, tally);
         } else {
             Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
             Material m = material(s.material);
             if (path.depth == 1u) add_first_hit(samples, bsdf_albedo(m), s.shading_normal, hit.t);
-            scatter(path, s, m, tally);
+            target = scatter(path, s, m, unit_floats(bits), tally);
         }
+        if (is_learning()) record(travelled, target, leftover_float(bits));
 
         if (path.depth == 0u) add_sample(samples, path.radiance, tally);
         more = path.depth != 0u || next_sample < push.sample_count;

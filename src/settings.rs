@@ -106,7 +106,7 @@ impl Settings {
             normals: 16,
             spp_per_step: 8,
             samples_per_dispatch: 8,
-            max_tries: 32,
+            max_tries: 8,
             min_uniform: 1.0 / 16.0,
             decay: 0.95,
             slice_milliseconds: None,

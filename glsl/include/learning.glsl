@@ -10,6 +10,8 @@ struct Segment {
 };
 
 const Segment NO_SEGMENT = Segment(NONE);
+// Where a segment ends at the maximum depth nothing is learned: its end was not followed further.
+const float NO_TARGET = -1.0;
 
 bool is_learning() {
     return SAMPLER != SAMPLER_BSDF;
@@ -19,16 +21,16 @@ Segment segment_from(uint cell, DirectionSample s) {
     return Segment(radiance_index(cell, s.bin));
 }
 
-// Adds a target to the segment's bin; `u` in [0, 1) rounds it.
+// Adds a target, if there is one, to the segment's bin; `u` in [0, 1) rounds it.
 void record(Segment segment, float target, float u) {
-    if (segment.index == NONE || !is_finite(target)) return;
+    if (segment.index == NONE || target == NO_TARGET || !is_finite(target)) return;
     add_target(segment.index, fixed_point(target, scene().target_limit, u));
 }
 
 // SARSA (Eq. 6): emission towards x plus what y scatters of the radiance that the table expects from the direction that
 // was sampled there. Roulette has no part in it: it is played afterwards.
-float target_sarsa(vec3 emission, DirectionSample next, Segment next_segment) {
-    return mean_rgb(emission) + mean_rgb(next.weight) * radiance(next_segment.index);
+float target_sarsa(vec3 emission, DirectionSample next) {
+    return mean_rgb(emission) + mean_rgb(next.weight) * next.radiance;
 }
 
 #endif

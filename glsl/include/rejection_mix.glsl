@@ -16,6 +16,7 @@ struct GuidedSample {
     vec3 wi;
     float pdf;      // per steradian
     uint bin;       // direction bin that `wi` lies in
+    float radiance; // L of that bin
     uint tries;
     bool overrun;   // the driver ended the loop before it came to its end
 };
@@ -24,7 +25,7 @@ struct GuidedSample {
 struct Proposal {
     vec3 wi;
     uint bin;
-    float guide;    // L cos(nb, wi)
+    float radiance;
     bool accepted;
 };
 
@@ -47,10 +48,10 @@ Proposal propose(inout RandomStream random, uint cell, bool take_any, vec3 nb, v
         s.wi = -s.wi;
     }
     s.bin = square_bin(p, DIRECTION_RESOLUTION);
-    s.guide = radiance(radiance_index(cell, s.bin)) * dot(s.wi, nb);
+    s.radiance = radiance(radiance_index(cell, s.bin));
     // One comparison instead of a branch.
     float threshold = take_any ? -MAX_DISTANCE : next_random(random);
-    s.accepted = threshold < s.guide * entry.acceptance_scale;
+    s.accepted = threshold < s.radiance * dot(s.wi, nb) * entry.acceptance_scale;
     return s;
 }
 
@@ -76,7 +77,8 @@ GuidedSample sample_rejection_mix(RandomKey key, uint vertex, float choice, uint
         take_first(taken, first, tries);
         take_first(taken, second, tries);
     } while (!taken.accepted && tries <= MAX_TRIES);
-    return GuidedSample(taken.wi, guide_density(entry, taken.guide) + entry.uniform_density, taken.bin, tries, !taken.accepted);
+    float pdf = guide_density(entry, taken.radiance * dot(taken.wi, nb)) + entry.uniform_density;
+    return GuidedSample(taken.wi, pdf, taken.bin, taken.radiance, tries, !taken.accepted);
 }
 
 // Density of `wi`, above the true horizon, under sample_rejection_mix.

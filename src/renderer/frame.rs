@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
-use super::{buffer_kind, set_shape};
 use super::statistics::Counts;
+use super::{buffer_kind, set_shape};
 use crate::Result;
 use crate::bvh::Bvh;
 use crate::film::Picture;
