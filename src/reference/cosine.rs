@@ -36,8 +36,12 @@ impl SphereGrid {
         self.integrals(coarse, |w| w.dot(n).max(0.0))
     }
 
-    /// Solid angles above the horizon of `n`.
+    /// Solid angles above the horizon of `n`. Points on the horizon count half, for a row of the map may lie along it.
     pub fn visible(&self, coarse: u32, n: DVec3) -> Vec<f64> {
-        self.integrals(coarse, |w| if w.dot(n) > 0.0 { 1.0 } else { 0.0 })
+        self.integrals(coarse, |w| match w.dot(n) {
+            cosine if cosine.abs() < 1.0e-9 => 0.5,
+            cosine if cosine > 0.0 => 1.0,
+            _ => 0.0,
+        })
     }
 }

@@ -63,10 +63,10 @@ fn sphere_crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {
     let offset = ray.origin - p.origin.as_dvec3();
     let middle = -offset.dot(ray.direction);
     let inside = 1.0 - (offset + middle * ray.direction).length_squared() / radius.powi(2);
-    if radius == 0.0 || inside < 0.0 {
+    if radius == 0.0 {
         return Vec::new();
     }
-    let half = radius * inside.sqrt();
+    let half = radius * inside.max(0.0).sqrt();
     [middle - half, middle + half].map(|t| Crossing { t, inside, steepness: inside }).to_vec()
 }
 

@@ -1,6 +1,7 @@
 //! The pure functions of the kernels on the device: samplers against their own densities, all against their twins on the
 //! host. Every statistical test has a fixed seed, so it passes always or never, and a tampered twin that it must reject.
 
+mod camera;
 mod device;
 mod directions;
 mod equal_area;
@@ -12,3 +13,4 @@ mod random;
 mod rejection_cases;
 mod rejection_mix;
 mod statistics;
+mod surfaces;

@@ -41,6 +41,13 @@ impl Drawn {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Density {
+    pub wi: [f32; 3],
+    pub pdf: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct PushedNormal {
     normal: [f32; 3],
     normal_bin: u32,
@@ -52,17 +59,18 @@ pub fn tables(nb: DVec3) -> Vec<(&'static str, Vec<f32>)> {
     let bins = DIRECTIONS * DIRECTIONS;
     let height = |bin: &u32| bin_center(*bin, DIRECTIONS).dot(nb).abs();
     let at_horizon = (0..bins).min_by(|a, b| height(a).total_cmp(&height(b))).expect("a bin");
-    let above = direction_bin((nb + 0.5 * nb.any_orthonormal_vector()).normalize(), DIRECTIONS);
+    let axis = (nb + 0.5 * nb.any_orthonormal_vector()).normalize();
+    let lobe = |bin: u32| if bin_center(bin, DIRECTIONS).dot(axis) > 0.93 { 50.0 } else { 0.1 };
     let hot = |at: u32, base: f32, peak: f32| (0..bins).map(|bin| if bin == at { peak } else { base }).collect();
     let mut numbers = Numbers::new(31);
     let noisy = (0..bins).map(|_| 10_f64.powf(numbers.between(-3.0, 3.0)) as f32).collect();
     vec![
         ("flat", vec![1.0; bins as usize]),
-        ("peaked", hot(above, 0.1, 50.0)),
+        ("peaked", (0..bins).map(lobe).collect()),
         ("hot bin at the horizon", hot(at_horizon, 0.1, 1000.0)),
         ("noisy", noisy),
         ("all floor", vec![1.0e-30; bins as usize]),
-        ("huge", hot(above, 1.0e28, 1.0e30)),
+        ("huge", hot(direction_bin(axis, DIRECTIONS), 1.0e28, 1.0e30)),
     ]
 }
 
@@ -92,7 +100,7 @@ pub fn settings() -> &'static [Setting] {
 }
 
 impl Setting {
-    fn new(name: &'static str, n: DVec3) -> Self {
+    pub fn new(name: &'static str, n: DVec3) -> Self {
         // As the device gets it.
         let n = n.normalize().as_vec3().as_dvec3();
         let normal_bin = direction_bin(n, NORMALS);
@@ -169,7 +177,7 @@ impl Rejection {
             draw: device.kernel(&test::REJECTION_MIX, &variant),
             density: device.kernel(&test::REJECTION_MIX_PDF, &variant),
             drawn: device.storage("drawn", MOST_SAMPLES * size_of::<Drawn>()),
-            densities: device.storage("densities", (FINE * FINE) as usize * size_of::<f32>()),
+            densities: device.storage("densities", (FINE * FINE) as usize * size_of::<Density>()),
             device,
             limits: Limits { max_tries, min_uniform_share: f64::from(min_uniform_share) },
         }
@@ -184,8 +192,8 @@ impl Rejection {
         self.drawn.read(0, count).expect("read")
     }
 
-    /// The density at the center of every bin of a fine map.
-    pub fn densities(&self, setting: &Setting) -> Vec<f32> {
+    /// The density somewhere in every bin of a fine map.
+    pub fn densities(&self, setting: &Setting) -> Vec<Density> {
         let count = (FINE * FINE) as usize;
         self.run(&self.density, &self.densities, setting, FINE, count);
         self.densities.read(0, count).expect("read")

@@ -88,10 +88,10 @@ impl Numbers {
     }
 }
 
-/// The sphere in a million points.
+/// The sphere in a million points, none of them among those that the renderer integrates over.
 pub fn sphere() -> &'static SphereGrid {
     static SPHERE: OnceLock<SphereGrid> = OnceLock::new();
-    SPHERE.get_or_init(|| SphereGrid::new(1024))
+    SPHERE.get_or_init(|| SphereGrid::new(1056))
 }
 
 #[test]
