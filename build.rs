@@ -277,15 +277,15 @@ fn collect_bindings(kernel: &Compiled, back_end: BackEnd, bindings: &mut Binding
             .ok_or_else(|| format!("{}: {name:?} is of an unsupported kind {desc_ty:?}", kernel.name))?;
         let name = name.clone().filter(|n| !n.is_empty()).unwrap_or_else(|| struct_name(ty));
         let shape = (kind, name);
-        if let Some(other) = bindings.insert(desc_bind.into_inner(), shape.clone()) {
-            if other != shape {
-                return Err(format!(
-                    "{}: set {}, binding {} is {shape:?} here and {other:?} elsewhere",
-                    kernel.name,
-                    desc_bind.set(),
-                    desc_bind.bind()
-                ));
-            }
+        if let Some(other) = bindings.insert(desc_bind.into_inner(), shape.clone())
+            && other != shape
+        {
+            return Err(format!(
+                "{}: set {}, binding {} is {shape:?} here and {other:?} elsewhere",
+                kernel.name,
+                desc_bind.set(),
+                desc_bind.bind()
+            ));
         }
     }
     Ok(())
