@@ -37,8 +37,8 @@ const LAST: f32 = 1.0 - 1.0 / 16_777_216.0;
 fn inputs() -> Vec<DirectionInput> {
     let mut numbers = Numbers::new(11);
     let mut normals = Vec::new();
-    for z in [1.0, -1.0, 0.0, -0.0, 1.0e-30, -1.0e-30, 1.0e-7, -1.0e-7] {
-        let r = (1.0 - z * z as f32).max(0.0).sqrt();
+    for z in [1.0_f32, -1.0, 0.0, -0.0, 1.0e-30, -1.0e-30, 1.0e-7, -1.0e-7] {
+        let r = (1.0 - z * z).max(0.0).sqrt();
         normals.extend([vec3(r, 0.0, z), vec3(0.0, -r, z), vec3(-0.6 * r, 0.8 * r, z)]);
     }
     // Nearly -z, where Frisvad's basis, of which this is the repair, breaks down.

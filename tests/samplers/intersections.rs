@@ -81,7 +81,7 @@ pub fn rays(count: usize, any_hit: bool) -> Vec<TraceInput> {
     let mut ray = |index: usize| {
         let origin = numbers.unit_vector() * numbers.between(0.0, 4.0);
         let towards = (numbers.unit_vector() * numbers.between(0.0, 1.5) - origin).normalize_or(DVec3::Z);
-        let axis = DVec3::AXES[index % 3] * if index % 2 == 0 { 1.0 } else { -1.0 };
+        let axis = DVec3::AXES[index % 3] * if index.is_multiple_of(2) { 1.0 } else { -1.0 };
         let direction = if index.is_multiple_of(8) { axis } else { towards };
         let t_max = if index.is_multiple_of(5) { numbers.between(0.1, 3.0) as f32 } else { 3.0e38 };
         let [origin, direction] = [origin, direction].map(|v| v.as_vec3().into());
