@@ -37,9 +37,11 @@ vec4 unit_floats(uvec4 bits) {
     return vec4(bits >> 8u) * (1.0 / 16777216.0);
 }
 
-// One more number in [0, 1), from the bits that unit_floats leaves unused.
+// One more number in [0, 1), from the bits that unit_floats leaves unused. They are the hash's weakest: over small boxes of
+// keys a single word's are measurably uneven, so a multiplication (by the golden ratio) spreads all words' over the result.
 float leftover_float(uvec4 bits) {
-    return unit_float((bits.x << 24u) | ((bits.y & 0xffu) << 16u) | ((bits.z & 0xffu) << 8u));
+    uvec4 low = bits & 0xffu;
+    return unit_float((low.x | (low.y << 8u) | (low.z << 16u) | (low.w << 24u)) * 0x9e3779b9u);
 }
 
 // Four words for `block` of vertex `vertex` (0 is the camera).

@@ -16,6 +16,7 @@ struct Drawn {
 
 struct TestPush {
     vec3 normal;
+    uint normal_bin;
     uint seed;
 };
 layout(push_constant, scalar) uniform Push { TestPush push; };
@@ -23,9 +24,8 @@ layout(scalar, set = 0, binding = 0) writeonly buffer DrawnSamples { Drawn drawn
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    uint normal_bin = direction_bin(push.normal, NORMAL_RESOLUTION);
-    vec3 nb = bin_center(normal_bin, NORMAL_RESOLUTION);
-    NormalizationEntry entry = normalization_entry(normalization_index(0u, normal_bin));
+    vec3 nb = bin_center(push.normal_bin, NORMAL_RESOLUTION);
+    NormalizationEntry entry = normalization_entry(normalization_index(0u, push.normal_bin));
     RandomKey key = RandomKey(index, 0u, push.seed);
     float choice = unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).z;
     GuidedSample s = sample_rejection_mix(key, 1u, choice, 0u, nb, push.normal, entry);

@@ -27,10 +27,20 @@ pub fn sphere_to_square(w: DVec3) -> DVec2 {
     dvec2(p.x.copysign(w.x), p.y.copysign(w.y))
 }
 
+/// The point whose direction is opposite to that of `p`.
+pub fn antipode(p: DVec2) -> DVec2 {
+    sphere_to_square(-square_to_sphere(p))
+}
+
 /// Bin of a point of the square at `resolution` bins a side, row by row.
 pub fn square_bin(p: DVec2, resolution: u32) -> u32 {
     let cell = |x: f64| ((0.5 * x + 0.5) * f64::from(resolution)).clamp(0.0, f64::from(resolution) - 0.5) as u32;
     cell(p.y) * resolution + cell(p.x)
+}
+
+/// Bin of a unit direction.
+pub fn direction_bin(w: DVec3, resolution: u32) -> u32 {
+    square_bin(sphere_to_square(w), resolution)
 }
 
 /// Direction of a bin's center.

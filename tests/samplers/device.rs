@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
+use bytemuck::Pod;
 use lodestar::cosine_integrals::cosine_integrals;
-use lodestar::gpu::{Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource};
+use lodestar::gpu::{
+    BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape,
+};
 use lodestar::kernels::{Variant, test};
 use lodestar::layout::NormalizationEntry;
 
-pub const DIRECTIONS: u32 = 16;
-pub const NORMALS: u32 = 16;
+/// Invocations of a workgroup unless a test says otherwise.
+pub const GROUP: u32 = 64;
 
 /// A context whose validation messages fail the test when it is dropped.
 pub struct Device {
@@ -21,27 +24,92 @@ impl Device {
         Self { context }
     }
 
-    pub fn storage(&self, name: &str, bytes: usize) -> Arc<Buffer> {
-        Buffer::new(&self.context, name, bytes as u64, BufferKind::Storage).expect("a buffer")
+    pub fn buffer(&self, name: &str, bytes: usize, kind: BufferKind) -> Arc<Buffer> {
+        Buffer::new(&self.context, name, bytes as u64, kind).expect("a buffer")
     }
 
-    /// Runs a test kernel over `groups` workgroups; `buffers` are its buffers in order of set and binding.
-    pub fn run(&self, source: &KernelSource, variant: &Variant, buffers: &[&Arc<Buffer>], push: &[u8], groups: u32) {
-        let kernel = Kernel::new(&self.context, source, &variant.entries()).expect("a pipeline");
+    pub fn storage(&self, name: &str, bytes: usize) -> Arc<Buffer> {
+        self.buffer(name, bytes, BufferKind::Storage)
+    }
+
+    pub fn uploaded<T: Pod>(&self, name: &str, values: &[T]) -> Arc<Buffer> {
+        let buffer = self.storage(name, size_of_val(values));
+        buffer.upload(0, values).expect("uploaded");
+        buffer
+    }
+
+    pub fn kernel(&self, source: &KernelSource, variant: &Variant) -> Kernel {
+        Kernel::new(&self.context, source, &variant.entries()).expect("a pipeline")
+    }
+
+    /// Dispatches a kernel; `buffers` are its buffers in order of set and binding.
+    pub fn dispatch(&self, kernel: &Kernel, buffers: &[&Arc<Buffer>], push: &[u8], groups: u32) {
         let mut rest = buffers;
-        let sets: Vec<DescriptorSet> = source
-            .sets
-            .iter()
-            .map(|shape| {
-                let (own, others) = rest.split_at(shape.bindings.len());
-                rest = others;
-                DescriptorSet::new(&self.context, "test", shape, own).expect("a set")
-            })
-            .collect();
+        let sets = kernel.source().sets.iter().map(|shape| {
+            let (own, others) = rest.split_at(shape.bindings.len());
+            rest = others;
+            DescriptorSet::new(&self.context, "test", shape, own).expect("a set")
+        });
+        let sets: Vec<DescriptorSet> = sets.collect();
         let sets: Vec<_> = sets.iter().collect();
+        let name = kernel.name();
+        self.context.submit(name, |recorder| recorder.dispatch(kernel, &sets, push, [groups, 1, 1])).expect("done");
+    }
+
+    /// Builds a kernel of the renderer and dispatches it with the buffers that are named in it; it reaches no others.
+    pub fn dispatch_renderers(
+        &self,
+        source: &KernelSource,
+        variant: &Variant,
+        named: &[(&str, &Arc<Buffer>)],
+        push: &[u8],
+        groups: u32,
+    ) {
+        let set = |shape: &'static SetShape| {
+            let buffers = shape.bindings.iter().map(|binding| {
+                let own = named.iter().find(|(name, _)| *name == binding.name);
+                own.map_or_else(|| self.buffer("unused", 256, kind(binding.kind)), |(_, buffer)| Arc::clone(buffer))
+            });
+            let buffers: Vec<_> = buffers.collect();
+            DescriptorSet::new(&self.context, "test", shape, &buffers.iter().collect::<Vec<_>>()).expect("a set")
+        };
+        let sets: Vec<_> = source.sets.iter().map(set).collect();
+        let (sets, kernel): (Vec<_>, _) = (sets.iter().collect(), self.kernel(source, variant));
         self.context
             .submit(source.name, |recorder| recorder.dispatch(&kernel, &sets, push, [groups, 1, 1]))
             .expect("done");
+    }
+
+    /// What a kernel of one input and one output buffer makes of each input.
+    pub fn map<I: Pod, O: Pod>(&self, source: &KernelSource, variant: &Variant, inputs: &[I]) -> Vec<O> {
+        self.map_with(source, variant, inputs, &[])
+    }
+
+    /// The same for a kernel that reads more buffers besides.
+    pub fn map_with<I: Pod, O: Pod>(
+        &self,
+        source: &KernelSource,
+        variant: &Variant,
+        inputs: &[I],
+        more: &[&Arc<Buffer>],
+    ) -> Vec<O> {
+        let groups = inputs.len().div_ceil(GROUP as usize);
+        let padded = groups * GROUP as usize;
+        let input = self.storage("inputs", padded * size_of::<I>());
+        input.upload(0, inputs).expect("uploaded");
+        let output = self.storage("outputs", padded * size_of::<O>());
+        let buffers: Vec<_> = [&input, &output].into_iter().chain(more.iter().copied()).collect();
+        self.dispatch(&self.kernel(source, variant), &buffers, &[], groups as u32);
+        output.read(0, inputs.len()).expect("read")
+    }
+}
+
+fn kind(binding: BindingKind) -> BufferKind {
+    match binding {
+        BindingKind::StorageBuffer => BufferKind::Storage,
+        BindingKind::UniformBuffer => BufferKind::Uniform,
+        BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
+        BindingKind::TexelBufferUint => BufferKind::TexelUint,
     }
 }
 
@@ -54,25 +122,41 @@ impl Drop for Device {
     }
 }
 
-/// The grids of a single cell that holds the given radiance, all normalizers filled by the device.
+/// The grids of a single cell.
 pub struct Cell {
     pub radiance: Arc<Buffer>,
     pub entries: Arc<Buffer>,
+    integrals: Arc<Buffer>,
+    normalize: Kernel,
+    normals: u32,
 }
 
 impl Cell {
-    pub fn new(device: &Device, variant: &Variant, radiance: &[f32]) -> Self {
-        let cosines = cosine_integrals(DIRECTIONS, NORMALS);
-        let table = device.storage("radiance", size_of_val(radiance));
-        table.upload(0, radiance).expect("uploaded");
-        let entries = device.storage("entries", (NORMALS * NORMALS) as usize * size_of::<NormalizationEntry>());
-        let integrals = device.storage("integrals", size_of_val(&cosines[..]));
-        integrals.upload(0, &cosines).expect("uploaded");
-        device.run(&test::NORMALIZE_CELL, variant, &[&table, &entries, &integrals], &[], 4);
-        Self { radiance: table, entries }
+    /// A cell without content.
+    pub fn new(device: &Device, variant: &Variant) -> Self {
+        let (directions, normals) = (variant.direction_resolution, variant.normal_resolution);
+        let entries = (normals * normals) as usize * size_of::<NormalizationEntry>();
+        Self {
+            radiance: device.storage("radiance", (directions * directions) as usize * size_of::<f32>()),
+            entries: device.storage("entries", entries),
+            integrals: device.uploaded("integrals", &cosine_integrals(directions, normals)),
+            normalize: device.kernel(&test::NORMALIZE_CELL, variant),
+            normals,
+        }
     }
 
-    pub fn entry(&self, normal_bin: u32) -> NormalizationEntry {
-        self.entries.read(u64::from(normal_bin) * size_of::<NormalizationEntry>() as u64, 1).expect("read")[0]
+    /// Sets its radiance and has the device fill all normalizers.
+    pub fn fill(&self, device: &Device, radiance: &[f32]) {
+        self.radiance.upload(0, radiance).expect("uploaded");
+        device.dispatch(&self.normalize, &[&self.radiance, &self.entries, &self.integrals], &[], 4);
+    }
+
+    pub fn entries(&self) -> Vec<NormalizationEntry> {
+        self.entries.read(0, (self.normals * self.normals) as usize).expect("read")
+    }
+
+    pub fn set_entry(&self, normal_bin: u32, entry: NormalizationEntry) {
+        let offset = u64::from(normal_bin) * size_of::<NormalizationEntry>() as u64;
+        self.entries.upload(offset, &[entry]).expect("uploaded");
     }
 }

@@ -1,4 +1,16 @@
-//! Samplers on the device against their own densities and against their twins on the host.
+//! The pure functions of the kernels on the device: samplers against their own densities, all against their twins on the
+//! host. Every statistical test has a fixed seed, so it passes always or never, and a tampered twin that it must reject.
 
+mod camera;
 mod device;
+mod directions;
+mod equal_area;
+mod fixed_point;
+mod intersections;
+mod learning;
+mod normalization;
+mod random;
+mod rejection_cases;
 mod rejection_mix;
+mod statistics;
+mod surfaces;

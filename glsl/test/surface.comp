@@ -1,0 +1,38 @@
+// What one ray per invocation finds, and a ray that leaves there in the direction it came from.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "surface.glsl"
+#include "traverse.glsl"
+
+struct SurfaceInput {
+    Ray ray;
+    uint any_hit;
+};
+
+struct SurfaceOutput {
+    Surface surface;
+    Ray leaving;
+    Hit hit;
+};
+
+struct TestPush {
+    float epsilon;
+};
+layout(push_constant, scalar) uniform Push { TestPush push; };
+layout(scalar, set = 0, binding = 0) readonly buffer SurfaceInputs { SurfaceInput surface_inputs[]; };
+layout(scalar, set = 0, binding = 1) writeonly buffer SurfaceOutputs { SurfaceOutput surface_outputs[]; };
+
+void main() {
+    Ray ray = surface_inputs[gl_GlobalInvocationID.x].ray;
+    bool overrun = false;
+    SurfaceOutput o;
+    o.hit = traverse(ray, false, overrun);
+    o.surface = Surface(vec3(0.0), vec3(0.0), vec3(0.0), NONE, NONE);
+    o.leaving = ray;
+    if (o.hit.primitive != NONE) {
+        o.surface = surface_at(ray, o.hit, push.epsilon);
+        o.leaving = leave_surface(o.surface, -ray.direction, push.epsilon);
+    }
+    surface_outputs[gl_GlobalInvocationID.x] = o;
+}

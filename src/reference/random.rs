@@ -1,0 +1,83 @@
+//! Twin of `glsl/include/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
+
+/// `RandomKey` in GLSL: what does not change along a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RandomKey {
+    /// Index within the whole film.
+    pub pixel: u32,
+    /// Index of the pixel's sample.
+    pub sample_index: u32,
+    /// The render's seed.
+    pub seed: u32,
+}
+
+/// Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
+pub fn pcg4d(v: [u32; 4]) -> [u32; 4] {
+    let v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let v = mix_words(v).map(|x| x ^ (x >> 16));
+    mix_words(v)
+}
+
+fn mix_words([mut x, mut y, mut z, mut w]: [u32; 4]) -> [u32; 4] {
+    x = x.wrapping_add(y.wrapping_mul(w));
+    y = y.wrapping_add(z.wrapping_mul(x));
+    z = z.wrapping_add(x.wrapping_mul(y));
+    w = w.wrapping_add(y.wrapping_mul(z));
+    [x, y, z, w]
+}
+
+/// The upper 24 bits as a number in [0, 1).
+pub fn unit_float(bits: u32) -> f64 {
+    f64::from(bits >> 8) / f64::from(1 << 24)
+}
+
+/// One more number, from the lowest bytes of all words.
+pub fn leftover_float(bits: [u32; 4]) -> f64 {
+    let low = u32::from_le_bytes(bits.map(|word| word as u8));
+    unit_float(low.wrapping_mul(0x9e37_79b9))
+}
+
+/// Four words for a block of a vertex.
+pub fn random_bits(key: RandomKey, vertex: u32, block: u32) -> [u32; 4] {
+    pcg4d([key.pixel, key.sample_index, vertex << 16 | block, key.seed])
+}
+
+/// Marsaglia's xorshift of four words (2003).
+#[derive(Debug, Clone, Copy)]
+pub struct RandomStream {
+    state: [u32; 4],
+}
+
+/// A stream that the hash has started.
+pub fn random_stream(key: RandomKey, vertex: u32, block: u32) -> RandomStream {
+    let [x, y, z, w] = random_bits(key, vertex, block);
+    RandomStream { state: [x, y, z, w | 1] }
+}
+
+/// The stream's next number in [0, 1).
+pub fn next_random(stream: &mut RandomStream) -> f64 {
+    let [x, y, z, w] = stream.state;
+    let t = x ^ (x << 11);
+    let next = w ^ (w >> 19) ^ t ^ (t >> 8);
+    stream.state = [y, z, w, next];
+    unit_float(next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn xorshift_is_marsaglias() {
+        let mut stream = RandomStream { state: [123_456_789, 362_436_069, 521_288_629, 88_675_123] };
+        next_random(&mut stream);
+        assert_eq!(stream.state[3], 3_701_687_786);
+    }
+
+    #[test]
+    fn no_bit_of_a_word_is_used_twice() {
+        assert!(leftover_float([0xff, 0, 0, 0]) > 0.0);
+        assert_eq!(leftover_float([!0xff; 4]), 0.0);
+        assert_eq!(unit_float(0xff), 0.0);
+    }
+}

@@ -1,0 +1,148 @@
+//! `glsl/include/equal_area.glsl`
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec2, DVec3, Vec2, Vec3, dvec2, vec2, vec3};
+use lodestar::kernels::{Variant, test};
+use lodestar::reference::equal_area as twin;
+
+use crate::device::Device;
+use crate::statistics::Numbers;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct MapInput {
+    p: [f32; 2],
+    w: [f32; 3],
+    bin: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct MapOutput {
+    w_of_p: [f32; 3],
+    p_of_w: [f32; 2],
+    antipode_of_p: [f32; 2],
+    w_of_antipode: [f32; 3],
+    p_of_w_of_p: [f32; 2],
+    center: [f32; 3],
+    bin_of_p: u32,
+    bin_of_w: u32,
+    bin_of_center: u32,
+}
+
+fn d3(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
+}
+
+fn d2(v: [f32; 2]) -> DVec2 {
+    Vec2::from(v).as_dvec2()
+}
+
+const SIDE: u32 = 256;
+
+/// Points of a grid over the whole square, its border, corners, diagonals and center included.
+fn points() -> Vec<Vec2> {
+    let at = |i: u32| 2.0 * i as f32 / SIDE as f32 - 1.0;
+    (0..=SIDE).flat_map(|y| (0..=SIDE).map(move |x| vec2(at(x), at(y)))).collect()
+}
+
+/// Random directions, with all that is special: poles, axes, zeros of either sign and next to poles and planes.
+fn directions(count: usize) -> Vec<Vec3> {
+    let special = [-1.0, -1.0e-4, -1.0e-30, -0.0, 0.0, 1.0e-30, 1.0e-7, 1.0e-4, 0.5, 1.0];
+    let triples = special.iter().flat_map(|&x| special.iter().flat_map(move |&y| special.map(|z| vec3(x, y, z))));
+    let mut all: Vec<Vec3> = triples.filter(|v| v.length() > 1.0e-5).map(Vec3::normalize).collect();
+    let mut numbers = Numbers::new(3);
+    all.resize_with(count, || numbers.unit_vector().as_vec3());
+    all
+}
+
+fn inputs(resolution: u32) -> Vec<MapInput> {
+    let points = points();
+    let directions = directions(points.len());
+    let bins = (0..resolution * resolution).cycle();
+    let all = points.iter().zip(directions).zip(bins);
+    all.map(|((&p, w), bin)| MapInput { p: p.into(), w: w.into(), bin }).collect()
+}
+
+/// Distance in the square from the next border between bins.
+fn from_border(p: DVec2, resolution: u32) -> f64 {
+    let cells = (0.5 * p + 0.5) * f64::from(resolution);
+    (cells - cells.round()).abs().min_element() * 2.0 / f64::from(resolution)
+}
+
+#[test]
+fn the_map_is_its_twin_both_ways() {
+    let device = Device::new();
+    let inputs = inputs(16);
+    let outputs: Vec<MapOutput> = device.map(&test::EQUAL_AREA, &Variant::default(), &inputs);
+    let mut worst = [0.0_f64; 7];
+    for (i, o) in inputs.iter().zip(&outputs) {
+        let (p, w) = (d2(i.p), d3(i.w));
+        let errors = [
+            (d3(o.w_of_p) - twin::square_to_sphere(p)).length(),
+            (d3(o.w_of_p).length() - 1.0).abs(),
+            (d3(o.w_of_antipode) + d3(o.w_of_p)).length(),
+            // Points of the border and corners of the square stand for one direction together: compare those.
+            (twin::square_to_sphere(d2(o.p_of_w)) - w.normalize()).length(),
+            (twin::square_to_sphere(d2(o.p_of_w_of_p)) - twin::square_to_sphere(p)).length(),
+            (twin::square_to_sphere(d2(o.antipode_of_p)) + twin::square_to_sphere(p)).length(),
+            (d3(o.center) - twin::bin_center(i.bin, 16)).length(),
+        ];
+        assert!(d2(o.p_of_w).abs().max_element() <= 1.0 && d2(o.antipode_of_p).abs().max_element() <= 1.0, "{o:?}");
+        worst = std::array::from_fn(|k| worst[k].max(errors[k]));
+    }
+    assert!(worst.iter().all(|&e| e < 1.0e-6), "errors {worst:?}");
+}
+
+#[test]
+fn points_away_from_borders_are_unique() {
+    // Off the square's border (the south pole's seam) the point itself must come back, not merely its direction.
+    let device = Device::new();
+    let inputs = inputs(16);
+    let outputs: Vec<MapOutput> = device.map(&test::EQUAL_AREA, &Variant::default(), &inputs);
+    let mut compared = 0;
+    for (i, o) in inputs.iter().zip(&outputs) {
+        let (p, q) = (d2(i.p), twin::sphere_to_square(d3(i.w).normalize()));
+        if p.abs().max_element() < 1.0 {
+            assert!((d2(o.p_of_w_of_p) - p).length() < 2.0e-6, "{p} became {:?}", o.p_of_w_of_p);
+            assert!((d2(o.antipode_of_p) - twin::antipode(p)).length() < 1.0e-6, "antipode of {p}");
+        }
+        if q.abs().max_element() < 0.999 && d3(i.w).abs().min_element() > 1.0e-6 {
+            assert!((d2(o.p_of_w) - q).length() < 2.0e-6, "{:?} became {:?}, not {q}", i.w, o.p_of_w);
+            compared += 1;
+        }
+    }
+    assert!(compared > 60_000);
+}
+
+#[test]
+fn bins_are_their_twins() {
+    let device = Device::new();
+    for resolution in [8, 16, 32] {
+        let inputs = inputs(resolution);
+        let variant = Variant { direction_resolution: resolution, ..Variant::default() };
+        let outputs: Vec<MapOutput> = device.map(&test::EQUAL_AREA, &variant, &inputs);
+        let mut near_borders = 0;
+        for (i, o) in inputs.iter().zip(&outputs) {
+            // Exact, for these points and their bins' borders are.
+            assert_eq!(o.bin_of_p, twin::square_bin(d2(i.p), resolution), "{:?}", i.p);
+            assert_eq!(o.bin_of_center, i.bin);
+            let q = twin::sphere_to_square(d3(i.w).normalize());
+            if from_border(q, resolution) < 2.0e-6 {
+                near_borders += 1;
+            } else {
+                assert_eq!(o.bin_of_w, twin::square_bin(q, resolution), "{:?}", i.w);
+            }
+            assert!(o.bin_of_w < resolution * resolution);
+        }
+        assert!(near_borders < 1000, "{near_borders}");
+    }
+}
+
+#[test]
+fn a_map_that_is_slightly_off_is_noticed() {
+    // What the tolerance above can tell: an azimuth that is off by 2e-6 of a quadrant.
+    let p = dvec2(0.3, 0.4);
+    let wrong = twin::square_to_sphere(p + dvec2(-2.0e-6, 2.0e-6));
+    assert!((wrong - twin::square_to_sphere(p)).length() > 1.0e-6);
+}

@@ -1,0 +1,233 @@
+//! `glsl/include/traverse.glsl` and `glsl/include/intersect.glsl`, against trying every primitive.
+
+use std::collections::HashMap;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3, vec3};
+use lodestar::bvh::Bvh;
+use lodestar::gpu::BufferKind;
+use lodestar::kernels::{NONE, Variant, test};
+use lodestar::reference::intersect::{Ray, crossings, traverse};
+use lodestar::scene::{Primitive, PrimitiveShape};
+
+use crate::device::Device;
+use crate::statistics::Numbers;
+
+/// So far from an outline, as a share of the primitive, or from grazing it, rounding cannot decide.
+const CLEAR: f64 = 1.0e-3;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct TraceInput {
+    pub origin: [f32; 3],
+    pub direction: [f32; 3],
+    t_max: f32,
+    any_hit: u32,
+}
+
+impl TraceInput {
+    fn ray(&self) -> Ray {
+        let [origin, direction] = [self.origin, self.direction].map(|v| Vec3::from(v).as_dvec3());
+        Ray { origin, direction, t_max: f64::from(self.t_max) }
+    }
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct TraceOutput {
+    t: f32,
+    uv: [f32; 2],
+    primitive: u32,
+    overrun: u32,
+}
+
+fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> Primitive {
+    Primitive {
+        shape,
+        origin,
+        edge_u,
+        edge_v,
+        normals: None,
+        uvs: Default::default(),
+        flip_normal: false,
+        material: 0,
+        emitter: None,
+    }
+}
+
+pub const SHAPES: [PrimitiveShape; 4] =
+    [PrimitiveShape::Triangle, PrimitiveShape::Parallelogram, PrimitiveShape::Disk, PrimitiveShape::Sphere];
+
+/// Primitives of the given shapes and very different sizes around the origin.
+pub fn primitives(shapes: &[PrimitiveShape], count: usize, seed: u32) -> Vec<Primitive> {
+    let mut numbers = Numbers::new(seed);
+    let mut one = |index: usize| {
+        let shape = shapes[index % shapes.len()];
+        let size = 10_f64.powf(numbers.between(-2.0, -0.3));
+        let [origin, edge_u, other] = [(); 3].map(|()| numbers.unit_vector());
+        let origin = origin * numbers.between(0.0, 2.0);
+        let edge_v = match shape {
+            PrimitiveShape::Disk | PrimitiveShape::Sphere => edge_u.cross(other).normalize(),
+            _ => other * numbers.between(0.3, 1.5),
+        };
+        primitive(shape, origin.as_vec3(), (size * edge_u).as_vec3(), (size * edge_v).as_vec3())
+    };
+    (0..count).map(&mut one).collect()
+}
+
+/// Rays from everywhere, most towards the middle, some along the axes, some short.
+pub fn rays(count: usize, any_hit: bool) -> Vec<TraceInput> {
+    let mut numbers = Numbers::new(55);
+    let mut ray = |index: usize| {
+        let origin = numbers.unit_vector() * numbers.between(0.0, 4.0);
+        let towards = (numbers.unit_vector() * numbers.between(0.0, 1.5) - origin).normalize_or(DVec3::Z);
+        let axis = DVec3::AXES[index % 3] * if index.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let direction = if index.is_multiple_of(8) { axis } else { towards };
+        let t_max = if index.is_multiple_of(5) { numbers.between(0.1, 3.0) as f32 } else { 3.0e38 };
+        let [origin, direction] = [origin, direction].map(|v| v.as_vec3().into());
+        TraceInput { origin, direction, t_max, any_hit: u32::from(any_hit) }
+    };
+    (0..count).map(&mut ray).collect()
+}
+
+/// What the device finds, its primitives numbered as in `primitives`.
+fn trace(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
+    let device = Device::new();
+    let bvh = Bvh::build(primitives);
+    let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
+    nodes.upload(0, &bvh.nodes).expect("uploaded");
+    let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelFloat);
+    records.upload(0, &bvh.primitives).expect("uploaded");
+    let variant = Variant { has_spheres: bvh.has_spheres(), stack_size: bvh.depth, ..Variant::default() };
+    let mut found: Vec<TraceOutput> = device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records]);
+    // Leaves have an order of their own.
+    let bits = |vectors: [[f32; 3]; 3]| vectors.map(|v| v.map(f32::to_bits));
+    let numbered = primitives.iter().enumerate();
+    let index_of: HashMap<_, _> =
+        numbered.map(|(i, p)| (bits([p.origin.into(), p.edge_u.into(), p.edge_v.into()]), i as u32)).collect();
+    for output in found.iter_mut().filter(|output| output.primitive != NONE) {
+        let record = bvh.primitives[output.primitive as usize];
+        output.primitive = index_of[&bits([record.origin, record.edge_u, record.edge_v])];
+    }
+    found
+}
+
+/// What is wrong with an answer of the device, where rounding cannot excuse it.
+fn fault(primitives: &[Primitive], input: &TraceInput, output: &TraceOutput) -> Option<String> {
+    let ray = input.ray();
+    let tolerance = 1.0e-5 * (1.0 + ray.origin.length());
+    // A hit that no rounding can take away.
+    let clear = |c: &lodestar::reference::intersect::Crossing| {
+        c.inside > CLEAR && c.steepness > CLEAR && c.t > tolerance && c.t < ray.t_max - tolerance
+    };
+    let clear_hits = primitives.iter().flat_map(|p| crossings(&ray, p)).filter(clear);
+    let nearest = clear_hits.map(|c| c.t).fold(f64::INFINITY, f64::min);
+    if output.overrun != 0 {
+        return Some("overrun".into());
+    }
+    if output.primitive == NONE {
+        return nearest.is_finite().then(|| format!("missed a hit at {nearest}"));
+    }
+    let t = f64::from(output.t);
+    let own = crossings(&ray, &primitives[output.primitive as usize]);
+    let is_real = own.iter().any(|c| c.inside > -CLEAR && (c.t - t).abs() < tolerance / c.steepness.clamp(CLEAR, 1.0));
+    if !is_real {
+        return Some(format!("no hit of primitive {} at {t}: {own:?}", output.primitive));
+    }
+    (input.any_hit == 0 && t > nearest + tolerance / CLEAR).then(|| format!("{t} lies behind the hit at {nearest}"))
+}
+
+fn assert_all_right(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
+    let outputs = trace(primitives, rays);
+    for (input, output) in rays.iter().zip(&outputs) {
+        if let Some(fault) = fault(primitives, input, output) {
+            panic!("{fault}: {input:?} {output:?}");
+        }
+    }
+    outputs
+}
+
+/// Share of rays of which the device and the twin say exactly the same.
+fn agreement(primitives: &[Primitive], rays: &[TraceInput], outputs: &[TraceOutput]) -> f64 {
+    let agree = rays.iter().zip(outputs).filter(|(input, output)| match traverse(&input.ray(), primitives) {
+        None => output.primitive == NONE,
+        Some((t, index)) => output.primitive == index as u32 && (f64::from(output.t) - t).abs() < 1.0e-4 * t.max(0.1),
+    });
+    agree.count() as f64 / rays.len() as f64
+}
+
+#[test]
+fn nearest_hits_are_those_of_the_twin() {
+    let mixed: &[PrimitiveShape] = &SHAPES;
+    for (shapes, seed) in SHAPES.iter().map(std::slice::from_ref).chain([mixed]).zip(61..) {
+        let (primitives, rays) = (primitives(shapes, 400, seed), rays(4096, false));
+        let outputs = assert_all_right(&primitives, &rays);
+        let share = agreement(&primitives, &rays, &outputs);
+        assert!(share > 0.999, "{shapes:?}: {share}");
+        let hits = outputs.iter().filter(|o| o.primitive != NONE).count();
+        assert!(hits > 300 && hits < rays.len() - 100, "{shapes:?}: {hits} hits");
+    }
+}
+
+#[test]
+fn any_hit_is_some_hit() {
+    let (primitives, rays) = (primitives(&SHAPES, 400, 70), rays(4096, true));
+    assert_all_right(&primitives, &rays);
+}
+
+#[test]
+fn wrong_answers_are_noticed() {
+    let (primitives, rays) = (primitives(&SHAPES, 400, 71), rays(4096, false));
+    let outputs = trace(&primitives, &rays);
+    let hits: Vec<_> = rays.iter().zip(&outputs).filter(|(_, o)| o.primitive != NONE).collect();
+    let noticed = |tamper: &dyn Fn(TraceOutput) -> TraceOutput| {
+        let faults = hits.iter().filter(|(input, output)| fault(&primitives, input, &tamper(**output)).is_some());
+        faults.count() as f64 / hits.len() as f64
+    };
+    assert_eq!(noticed(&|o| o), 0.0);
+    for (what, share) in [
+        ("a distance 1 % off", noticed(&|o| TraceOutput { t: 1.01 * o.t, ..o })),
+        ("another primitive", noticed(&|o| TraceOutput { primitive: (o.primitive + 1) % 400, ..o })),
+        ("a hit dropped", noticed(&|o| TraceOutput { primitive: NONE, ..o })),
+        ("an overrun", noticed(&|o| TraceOutput { overrun: 1, ..o })),
+    ] {
+        assert!(share > 0.95, "{what}: noticed in {share}");
+    }
+}
+
+#[test]
+fn an_empty_scene_is_missed_and_one_primitive_is_enough() {
+    for any_hit in [false, true] {
+        let rays = rays(512, any_hit);
+        assert!(trace(&[], &rays).iter().all(|o| o.primitive == NONE && o.overrun == 0));
+        for shape in SHAPES {
+            let one = [primitive(shape, vec3(0.1, 0.2, 0.3), Vec3::X, Vec3::Y)];
+            let outputs = assert_all_right(&one, &rays);
+            assert!(
+                outputs.iter().any(|o| o.primitive == 0) && outputs.iter().any(|o| o.primitive == NONE),
+                "{shape:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn degenerate_primitives_are_never_hit_and_hide_nothing() {
+    let mut primitives = primitives(&SHAPES, 100, 80);
+    for index in 0..60 {
+        let p = primitives[index];
+        let (edge_u, edge_v) = match index % 3 {
+            0 => (Vec3::ZERO, Vec3::ZERO),
+            1 => (p.edge_u, Vec3::ZERO),
+            _ => (p.edge_u, 2.0 * p.edge_u),
+        };
+        let shape = SHAPES[index / 3 % 3];
+        primitives.push(primitive(shape, p.origin, edge_u, edge_v));
+    }
+    primitives.push(primitive(PrimitiveShape::Sphere, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO));
+    let outputs = assert_all_right(&primitives, &rays(4096, false));
+    assert!(outputs.iter().all(|o| o.primitive == NONE || o.primitive < 100));
+    // And where there is nothing else.
+    let only = &primitives[100..];
+    assert!(trace(only, &rays(512, false)).iter().all(|o| o.primitive == NONE));
+}

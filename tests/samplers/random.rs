@@ -1,0 +1,156 @@
+//! `glsl/include/random.glsl`
+
+use bytemuck::{Pod, Zeroable};
+use lodestar::kernels::{Variant, test};
+use lodestar::reference::random as twin;
+use lodestar::reference::random::RandomKey;
+
+use crate::device::Device;
+use crate::statistics::{pair_uniformity, sidak, uniformity};
+
+/// With this probability any of all the chi-squares of one test would fail by chance.
+const SIGNIFICANCE: f64 = 0.01;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct DrawInput {
+    pixel: u32,
+    sample_index: u32,
+    seed: u32,
+    vertex: u32,
+    block: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct DrawOutput {
+    bits: [u32; 4],
+    floats: [f32; 4],
+    leftover: f32,
+    stream: [f32; 4],
+}
+
+impl DrawOutput {
+    /// All numbers that a key yields.
+    fn numbers(&self) -> [f64; 9] {
+        let [a, b, c, d] = self.floats;
+        let [e, f, g, h] = self.stream;
+        [a, b, c, d, self.leftover, e, f, g, h].map(f64::from)
+    }
+}
+
+/// Extents of a box of keys: pixel, sample, seed, vertex, block.
+const BOX: [u32; 5] = [64, 16, 4, 8, 2];
+
+/// All keys of the box, the last of its extents changing fastest.
+fn keys(first: [u32; 5]) -> Vec<DrawInput> {
+    let count: u32 = BOX.iter().product();
+    let key = |mut index: u32| {
+        let mut key = [0; 5];
+        for axis in (0..5).rev() {
+            key[axis] = first[axis] + index % BOX[axis];
+            index /= BOX[axis];
+        }
+        let [pixel, sample_index, seed, vertex, block] = key;
+        DrawInput { pixel, sample_index, seed, vertex, block }
+    };
+    (0..count).map(key).collect()
+}
+
+fn draw(inputs: &[DrawInput]) -> Vec<DrawOutput> {
+    Device::new().map(&test::RANDOM, &Variant::default(), inputs)
+}
+
+fn of_twin(i: &DrawInput) -> DrawOutput {
+    let key = RandomKey { pixel: i.pixel, sample_index: i.sample_index, seed: i.seed };
+    let bits = twin::random_bits(key, i.vertex, i.block);
+    let mut stream = twin::random_stream(key, i.vertex, i.block);
+    DrawOutput {
+        bits,
+        floats: bits.map(|b| twin::unit_float(b) as f32),
+        leftover: twin::leftover_float(bits) as f32,
+        stream: [(); 4].map(|()| twin::next_random(&mut stream) as f32),
+    }
+}
+
+#[test]
+fn every_bit_is_the_twins() {
+    let mut inputs = keys([0; 5]);
+    // Far along every axis, where products wrap around.
+    inputs.extend(keys([u32::MAX - 63, 1 << 20, 0xdead_beef, 1000, 1]));
+    for (i, o) in inputs.iter().zip(draw(&inputs)) {
+        assert_eq!(o, of_twin(i), "{i:?}");
+        assert!(o.numbers().iter().all(|x| (0.0..1.0).contains(x)), "{o:?}");
+    }
+}
+
+#[test]
+fn numbers_are_uniform() {
+    let outputs = draw(&keys([0; 5]));
+    let level = sidak(SIGNIFICANCE, 9);
+    for k in 0..9 {
+        let p = uniformity(outputs.iter().map(|o| o.numbers()[k]), 256);
+        assert!(p > level, "number {k}: {p}");
+        let tampered = uniformity(outputs.iter().map(|o| o.numbers()[k].powf(1.05)), 256);
+        assert!(tampered < level, "number {k} of the twin: {tampered}");
+    }
+}
+
+/// Pairs of number `a` at a key and number `b` at the next key along `axis`.
+fn neighbors(numbers: &[[f64; 9]], axis: usize, a: usize, b: usize) -> Vec<(f64, f64)> {
+    let stride: usize = BOX[axis + 1..].iter().map(|&extent| extent as usize).product();
+    let has_next = |index: usize| index / stride % (BOX[axis] as usize) + 1 < BOX[axis] as usize;
+    let indices = (0..numbers.len()).filter(|&index| has_next(index));
+    indices.map(|index| (numbers[index][a], numbers[index + stride][b])).collect()
+}
+
+#[test]
+fn neighboring_keys_are_independent() {
+    let inputs = keys([100, 0, 0, 0, 0]);
+    let numbers: Vec<_> = draw(&inputs).iter().map(DrawOutput::numbers).collect();
+    // The cheapest hash that passes the test of uniformity: its neighbors are not independent.
+    let weak = inputs.iter().map(|i| {
+        let mixed =
+            i.pixel.wrapping_mul(0x9e37_79b9) ^ (i.sample_index + 16 * (i.vertex + 8 * i.seed) + 512 * i.block) << 22;
+        [twin::unit_float(mixed); 9]
+    });
+    let weak: Vec<_> = weak.collect();
+    let level = sidak(SIGNIFICANCE, 5 * 9 * 2);
+    for axis in 0..5 {
+        for a in 0..9 {
+            for b in [a, (a + 1) % 9] {
+                let p = pair_uniformity(neighbors(&numbers, axis, a, b), 16);
+                assert!(p > level, "axis {axis}, numbers {a} and {b}: {p}");
+            }
+        }
+        assert!(pair_uniformity(neighbors(&weak, axis, 0, 0), 16) < level, "axis {axis} of the twin");
+    }
+}
+
+#[test]
+fn numbers_of_one_key_are_independent() {
+    let numbers: Vec<_> = draw(&keys([7, 0, 0, 0, 0])).iter().map(DrawOutput::numbers).collect();
+    let level = sidak(SIGNIFICANCE, 36);
+    for a in 0..9 {
+        for b in a + 1..9 {
+            let p = pair_uniformity(numbers.iter().map(|n| (n[a], n[b])), 16);
+            assert!(p > level, "numbers {a} and {b}: {p}");
+        }
+    }
+    // A twin whose second number leans on the first: both are uniform, but not together.
+    let leaning = |n: &[f64; 9]| (n[5], if n[6] < 0.05 { n[5] } else { n[6] });
+    assert!(pair_uniformity(numbers.iter().map(leaning), 16) < level);
+}
+
+#[test]
+fn a_long_stream_is_uniform_in_pairs_and_along_itself() {
+    // One stream as the rejection loop reads it: threes of numbers.
+    let mut stream = twin::random_stream(RandomKey { pixel: 3, sample_index: 5, seed: 1 }, 2, 1);
+    let values: Vec<f64> = (0..3 << 17).map(|_| twin::next_random(&mut stream)).collect();
+    let level = sidak(SIGNIFICANCE, 5);
+    assert!(uniformity(values.iter().copied(), 256) > level);
+    for lag in 1..=4 {
+        let p = pair_uniformity(values.iter().copied().zip(values[lag..].iter().copied()).step_by(2), 32);
+        assert!(p > level, "lag {lag}: {p}");
+    }
+}

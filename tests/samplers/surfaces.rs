@@ -1,0 +1,117 @@
+//! `glsl/include/surface.glsl` and `glsl/include/octahedral.glsl`
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+use lodestar::bvh::Bvh;
+use lodestar::gpu::BufferKind;
+use lodestar::kernels::{NONE, Variant, test};
+use lodestar::reference::intersect::{Ray, crossings};
+use lodestar::scene::{Primitive, PrimitiveShape};
+
+use crate::device::{Device, GROUP};
+use crate::intersections::{SHAPES, TraceInput, primitives, rays};
+use crate::statistics::Numbers;
+
+const EPSILON: f32 = 1.0e-4;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct SurfaceOutput {
+    position: [f32; 3],
+    geometric_normal: [f32; 3],
+    shading_normal: [f32; 3],
+    material: u32,
+    emitter: u32,
+    leaving_origin: [f32; 3],
+    leaving_direction: [f32; 3],
+    leaving_t_max: f32,
+    t: f32,
+    uv: [f32; 2],
+    primitive: u32,
+}
+
+fn d3(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
+}
+
+/// Primitives of all shapes that bear their index as their material; some are flipped, emit or have normals of their own.
+fn numbered_primitives() -> Vec<Primitive> {
+    let mut numbers = Numbers::new(91);
+    let mut all = primitives(&SHAPES, 400, 90);
+    for (index, p) in all.iter_mut().enumerate() {
+        p.material = index as u32;
+        p.emitter = index.is_multiple_of(3).then_some(1000 + index as u32);
+        p.flip_normal = index.is_multiple_of(5);
+        if p.shape == PrimitiveShape::Triangle && index.is_multiple_of(8) {
+            let geometric = p.edge_u.cross(p.edge_v).normalize();
+            p.normals = Some([(); 3].map(|()| (geometric + 0.7 * numbers.unit_vector().as_vec3()).normalize()));
+        }
+    }
+    all
+}
+
+fn find(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<SurfaceOutput> {
+    let device = Device::new();
+    let bvh = Bvh::build(primitives);
+    let buffer = |name: &str, bytes: &[u8], kind| {
+        let buffer = device.buffer(name, bytes.len(), kind);
+        buffer.upload(0, bytes).expect("uploaded");
+        buffer
+    };
+    let nodes = buffer("nodes", bytemuck::cast_slice(&bvh.nodes), BufferKind::TexelUint);
+    let records = buffer("primitives", bytemuck::cast_slice(&bvh.primitives), BufferKind::TexelFloat);
+    let attributes = buffer("attributes", bytemuck::cast_slice(&bvh.attributes), BufferKind::TexelUint);
+    let input = device.uploaded("rays", rays);
+    let output = device.storage("surfaces", size_of::<SurfaceOutput>() * rays.len());
+    let variant = Variant { has_spheres: true, stack_size: bvh.depth, ..Variant::default() };
+    let buffers = [&input, &output, &nodes, &records, &attributes];
+    let kernel = device.kernel(&test::SURFACE, &variant);
+    device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&EPSILON), rays.len() as u32 / GROUP);
+    output.read(0, rays.len()).expect("read")
+}
+
+/// Normals by the scene's own definition.
+fn normals(p: &Primitive, position: DVec3, uv: [f32; 2]) -> (DVec3, DVec3) {
+    let outward = match p.shape {
+        PrimitiveShape::Sphere => (position - p.origin.as_dvec3()).normalize(),
+        _ => p.edge_u.as_dvec3().cross(p.edge_v.as_dvec3()).normalize(),
+    };
+    let geometric = if p.flip_normal { -outward } else { outward };
+    let [u, v] = uv.map(f64::from);
+    let shading = p.normals.map_or(geometric, |[a, b, c]| {
+        ((1.0 - u - v) * a.as_dvec3() + u * b.as_dvec3() + v * c.as_dvec3()).normalize()
+    });
+    (geometric, shading)
+}
+
+#[test]
+fn surfaces_are_what_the_scene_says() {
+    let (primitives, rays) = (numbered_primitives(), rays(4096, false));
+    let mut interpolated = 0;
+    for (input, o) in rays.iter().zip(find(&primitives, &rays)).filter(|(_, o)| o.primitive != NONE) {
+        let p = &primitives[o.material as usize];
+        assert_eq!(o.emitter, p.emitter.unwrap_or(NONE));
+        let (position, t) = (d3(o.position), f64::from(o.t));
+        let (geometric, shading) = normals(p, position, o.uv);
+        assert!((d3(o.geometric_normal) - geometric).length() < 1.0e-4, "{o:?}, not {geometric}");
+        // Octahedral normals have 16 bits a coordinate; flattened ones amplify their error.
+        assert!((d3(o.shading_normal) - shading).length() < 5.0e-4, "{o:?}, not {shading}");
+        assert!((d3(o.shading_normal).length() - 1.0).abs() < 1.0e-5, "{o:?}");
+        interpolated += u32::from(p.normals.is_some());
+        // At most drawn in from the edges, by some epsilons where these meet at a sharp angle.
+        let direction = d3(input.direction);
+        let moved = (position - (d3(input.origin) + t * direction)).length();
+        let smallest = f64::from(p.edge_u.length().min(p.edge_v.length()));
+        assert!(moved < 10.0 * f64::from(EPSILON), "moved by {moved}, of {smallest}: {o:?}");
+        // A line through it along the normal crosses the primitive there, well inside.
+        let through = Ray { origin: position - geometric, direction: geometric, t_max: 2.0 };
+        let crossed = crossings(&through, p).iter().any(|c| c.inside > 0.0 && (c.t - 1.0).abs() < 1.0e-6);
+        assert!(crossed, "{:?}: {o:?}", crossings(&through, p));
+        // Leaves on the side of its direction.
+        let side = geometric.dot(-direction);
+        let off = (d3(o.leaving_origin) - position).dot(geometric) * side.signum();
+        assert!(side.abs() < 1.0e-5 || (off - f64::from(EPSILON)).abs() < 1.0e-6, "left by {off}: {o:?}");
+        assert_eq!(d3(o.leaving_direction), -direction);
+    }
+    assert!(interpolated > 30, "{interpolated}");
+}
