@@ -96,7 +96,7 @@ fn trace(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
     let bvh = Bvh::build(primitives);
     let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
     nodes.upload(0, &bvh.nodes).expect("uploaded");
-    let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelFloat);
+    let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelUint);
     records.upload(0, &bvh.primitives).expect("uploaded");
     let variant = Variant { has_spheres: bvh.has_spheres(), stack_size: bvh.depth, ..Variant::default() };
     let mut found: Vec<TraceOutput> = device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records]);

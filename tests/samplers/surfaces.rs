@@ -59,7 +59,7 @@ fn find(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<SurfaceOutput> {
         buffer
     };
     let nodes = buffer("nodes", bytemuck::cast_slice(&bvh.nodes), BufferKind::TexelUint);
-    let records = buffer("primitives", bytemuck::cast_slice(&bvh.primitives), BufferKind::TexelFloat);
+    let records = buffer("primitives", bytemuck::cast_slice(&bvh.primitives), BufferKind::TexelUint);
     let attributes = buffer("attributes", bytemuck::cast_slice(&bvh.attributes), BufferKind::TexelUint);
     let input = device.uploaded("rays", rays);
     let output = device.storage("surfaces", size_of::<SurfaceOutput>() * rays.len());
