@@ -1,4 +1,66 @@
-//! Lodestar: a path-guided renderer of Mitsuba scenes for any Vulkan device.
+//! Lodestar renders Mitsuba scenes with path guiding on any Vulkan device: raw compute, no ray-tracing extension. It
+//! implements "Fast and Lightweight Path Guiding Algorithm on GPU" (Kim and Kim, Pacific Graphics 2021), made exact.
+//!
+//! ```text
+//!  scene.xml ─ scene/ ─▶ Scene ─ bvh ─▶ Bvh          CPU, no Vulkan, no unsafe
+//!                          │             │
+//!                          └── upload ───┤            renderer/: safe code over gpu/
+//!    ┌── Renderer ──────────────────────────────────────────────────────────────────┐
+//!    │ set 0  Frame              film pages, camera, materials, emitters, counters  │
+//!    │ set 1  Bvh                wide BVH nodes, primitives, attributes             │
+//!    │ set 2  RadianceGrid       what has been learned         L(cell, direction)   │
+//!    │ set 3  NormalizationGrid  its memoised normalizers      N(cell, normal)      │
+//!    │                                                                              │
+//!    │ step(): path_trace (8 spp) ─▶ update_radiance ─▶ update_normalization        │
+//!    └──────────────────────────────────────────────────────────────────────────────┘
+//!          │ read-back
+//!        Picture ─▶ out.exr (layers) / out.png
+//! ```
+//!
+//! To understand the algorithm read [`renderer::Renderer::step`] and `glsl/path_trace.comp`.
+//!
+//! # Code map
+//! | module | what it is |
+//! |---|---|
+//! | [`scene`] | Mitsuba XML and OBJ to world-space primitives, materials and emitters |
+//! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
+//! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
+//! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
+//! | [`renderer`] | the paper in safe code, one file per descriptor set |
+//! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
+//! | [`settings`] | everything a user may choose |
+//! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
+//! | [`cosine_integrals`] | the table that normalizers are computed from |
+//!
+//! # Paper map
+//! | in the paper | GLSL | held by |
+//! |---|---|---|
+//! | radiance grid `L(x, w)`, Sec. 3 | `radiance_grid.glsl`, `grid_cell` in `guiding.glsl` | `tests/samplers/fixed_point.rs` |
+//! | equal-area directions | `square_to_sphere`, `sphere_to_square` in `equal_area.glsl` | `tests/samplers/equal_area.rs` |
+//! | SARSA target, Eq. 6 | `target_sarsa` in `learning.glsl` | `tests/render/analytic.rs` (the learned field of a furnace) |
+//! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/samplers/learning.rs` |
+//! | normal-aware rejection | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/samplers/rejection_mix.rs` (chi-square), `tests/render/ztest.rs` |
+//! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
+//! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs` |
+//! | light-hit rate, Fig. 7a | `tally.glsl` | `tests/render/learning.rs` |
+//! | displayed error (MAE), Table 1 | [`image::metrics`] | unit tests against independent numbers |
+//!
+//! # Invariants
+//! 1. **The density divided by is the density sampled**, and it is positive wherever the surface can reflect. So a picture's
+//!    expectation does not depend on what the guide holds.
+//! 2. **The same seed gives the same bits** on a device, however the work is cut into dispatches or spread over threads:
+//!    random numbers are a hash of (pixel, sample, vertex, block, seed), a pixel's samples of a dispatch belong to one
+//!    invocation, and learned sums are fixed-point integers.
+//! 3. **Every loop is bounded**, what happens at the bound is part of the density, and a loop that the driver cuts short is
+//!    an error, never a dark pixel.
+//! 4. **GLSL is the single source** of structs, constants and enum values; Rust is checked against it when it compiles.
+//! 5. A value that leaves a GLSL loop is carried by the loop (set before it, read in it): Mesa 22.3's lavapipe keeps no
+//!    other value per lane.
+//! 6. `scene`, `bvh`, `layout` and `reference` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
+//!    (`tests/hygiene`).
+//!
+//! Deliberately absent: a render graph, bindless resources, traits with one implementation, options as strings past
+//! [`settings`].
 #![deny(missing_docs)]
 
 pub mod bvh;
