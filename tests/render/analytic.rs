@@ -61,14 +61,11 @@ fn a_wrong_density_or_albedo_is_found_in_the_furnace() {
 #[test]
 fn depth_counts_edges() {
     let device = Device::new();
-    for (max_depth, hide_emitters) in [(1, false), (2, false), (3, false), (16, false), (1, true), (2, true), (3, true)] {
+    for (max_depth, hide_emitters) in [(1, false), (2, false), (3, false), (16, false), (1, true), (2, true), (3, true)]
+    {
         let scene = ours("furnace/mesh.xml", &[]);
-        let settings = Settings {
-            max_depth,
-            hide_emitters,
-            rr_depth: 1000,
-            ..settings(&scene, [16, 8], Sampler::Bsdf, 1)
-        };
+        let settings =
+            Settings { max_depth, hide_emitters, rr_depth: 1000, ..settings(&scene, [16, 8], Sampler::Bsdf, 1) };
         let picture = device.render(&scene, &settings, 8);
         let expected = answer(max_depth) - if hide_emitters { 0.5 } else { 0.0 };
         let worst = picture.radiance.iter().flatten().map(|&l| (f64::from(l) - expected).abs()).fold(0.0, f64::max);
