@@ -8,6 +8,10 @@ use crate::significance::{ALPHA, sidak, two_sided};
 /// The side of a block that holds the whole picture.
 pub const WHOLE: usize = usize::MAX;
 
+/// Where few paths find light, noise is far from normal and its variance unknown: a pixel that no path has lit claims none.
+/// Errors of this share of the mean take a hundred such paths or more.
+const MAX_RELATIVE_ERROR: f64 = 0.1;
+
 /// Per pixel and channel: an estimate and the variance of its error.
 pub struct Estimate {
     width: usize,
@@ -55,16 +59,17 @@ impl Estimate {
         (mean(whole.mean[0]), mean(whole.variance[0].map(f64::sqrt)))
     }
 
-    /// Deviation from `other` in combined standard deviations, of every pixel and channel.
+    /// Deviation from `other` in combined standard deviations, of every pixel and channel that is known well enough.
     pub fn z(&self, other: &Self) -> Vec<f64> {
         assert_eq!((self.width, self.mean.len()), (other.width, other.mean.len()));
         let pixel = |at: usize| {
-            [0, 1, 2].map(|channel| {
+            [0, 1, 2].into_iter().filter_map(move |channel| {
                 let (a, b) = (self.mean[at][channel], other.mean[at][channel]);
                 // Values without noise still differ by rounding.
                 let rounding = 1.0e-5 * a.abs().max(b.abs());
                 let variance = self.variance[at][channel] + other.variance[at][channel] + rounding * rounding;
-                if a == b { 0.0 } else { (a - b) / variance.sqrt() }
+                let is_known = variance.sqrt() <= MAX_RELATIVE_ERROR * 0.5 * (a + b).abs();
+                is_known.then(|| (a - b) / variance.sqrt())
             })
         };
         (0..self.mean.len()).flat_map(pixel).collect()
@@ -78,6 +83,8 @@ pub struct Comparison {
     pub p: f64,
     /// The largest deviation at each scale, in standard deviations.
     pub largest: Vec<f64>,
+    /// Values compared at each scale.
+    pub counts: Vec<usize>,
     /// Deviation of the whole picture's mean, for the channel that deviates most.
     pub whole: f64,
 }
@@ -91,6 +98,7 @@ impl Comparison {
         let smallest = scales.iter().map(|z| sidak(two_sided(largest(z)), z.len())).fold(1.0, f64::min);
         Self {
             p: sidak(smallest, scales.len()),
+            counts: scales.iter().map(Vec::len).collect(),
             largest: scales.iter().map(|z| largest(z)).collect(),
             whole: largest(&at_scale(WHOLE)),
         }

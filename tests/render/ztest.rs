@@ -14,6 +14,8 @@ struct Case {
     /// For `bsdf` and, with less noise each, for `rejection-mix`.
     spp: [u32; 2],
     sides: &'static [usize],
+    /// The sampler that meets the wrong albedo: the one that has less noise to hide it in.
+    faulty: Sampler,
     /// The walls' albedo times 0.97.
     wrong_white: &'static str,
 }
@@ -21,17 +23,18 @@ struct Case {
 const CORNELL_BOX: Case = Case {
     file: "cornell-box/scene.xml",
     size: [32, 32],
-    spp: [4096, 2048],
+    spp: [8192, 4096],
     sides: &[1, 8, WHOLE],
+    faulty: Sampler::Bsdf,
     wrong_white: "0.70325, 0.6887, 0.6596",
 };
 
-/// Single pixels see too little of the lamp for their variance to be known.
 const DOOR_AJAR: Case = Case {
     file: "door-ajar/scene.xml",
     size: [96, 54],
     spp: [1024, 256],
     sides: &[18, WHOLE],
+    faulty: Sampler::RejectionMix,
     wrong_white: "0.7275, 0.7081, 0.679",
 };
 
@@ -55,9 +58,10 @@ impl Case {
         let mix = self.render(&device, &[], |s| (s.sampler, s.seed) = (Sampler::RejectionMix, 2));
         assert!(compare("equal", &bsdf, &mix).agrees());
 
-        let guided = |s: &mut Settings| (s.sampler, s.seed) = (Sampler::RejectionMix, 3);
-        let wrong_albedo = self.render(&device, &[("white", self.wrong_white)], guided);
-        assert!(!compare("albedo 3 % wrong", &bsdf, &wrong_albedo).agrees());
+        let faulty = |s: &mut Settings| (s.sampler, s.seed) = (self.faulty, 3);
+        let wrong_albedo = self.render(&device, &[("white", self.wrong_white)], faulty);
+        let right = if self.faulty == Sampler::Bsdf { &mix } else { &bsdf };
+        assert!(!compare("albedo 3 % wrong", &wrong_albedo, right).agrees());
         let wrong_pdf = |s: &mut Settings| (s.sampler, s.seed, s.pdf_tamper) = (Sampler::RejectionMix, 4, 1.05);
         assert!(!compare("density 5 % wrong", &bsdf, &self.render(&device, &[], wrong_pdf)).agrees());
     }
@@ -75,9 +79,9 @@ fn samplers_agree_on_the_door_ajar() {
 
 /// A picture of 16 x 16 pixels of which some deviate by `z` standard deviations.
 fn deviating(z: f32, which: impl Fn(usize) -> bool) -> Estimate {
-    let value = |at| 1.0 + if which(at) { 0.1 * z } else { 0.0 };
+    let value = |at| 10.0 + if which(at) { 0.1 * z } else { 0.0 };
     let image = |pixels| Image { width: 16, height: 16, pixels };
-    let mean = image((0..256).map(|at| [value(at), 1.0, 1.0]).collect());
+    let mean = image((0..256).map(|at| [value(at), 10.0, 10.0]).collect());
     Estimate::new(&mean, &image(vec![[0.005; 3]; 256]))
 }
 
