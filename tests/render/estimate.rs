@@ -1,5 +1,7 @@
 //! Pictures with their variances, and the z-test of one against another.
 
+use std::fmt;
+
 use lodestar::film::Picture;
 use lodestar::image::Image;
 
@@ -77,14 +79,11 @@ impl Estimate {
 }
 
 /// What the z-tests of two pictures say, at every scale together.
-#[derive(Debug)]
 pub struct Comparison {
     /// P-value of the largest deviation, Sidak-corrected over the blocks and channels of all scales.
     pub p: f64,
-    /// The largest deviation at each scale, in standard deviations.
-    pub largest: Vec<f64>,
-    /// Values compared at each scale.
-    pub counts: Vec<usize>,
+    /// The largest deviation at each scale, in standard deviations, and the number of values it was taken from.
+    pub largest: Vec<(f64, usize)>,
     /// Deviation of the whole picture's mean, for the channel that deviates most.
     pub whole: f64,
 }
@@ -98,13 +97,19 @@ impl Comparison {
         let smallest = scales.iter().map(|z| sidak(two_sided(largest(z)), z.len())).fold(1.0, f64::min);
         Self {
             p: sidak(smallest, scales.len()),
-            counts: scales.iter().map(Vec::len).collect(),
-            largest: scales.iter().map(|z| largest(z)).collect(),
+            largest: scales.iter().map(|z| (largest(z), z.len())).collect(),
             whole: largest(&at_scale(WHOLE)),
         }
     }
 
     pub fn agrees(&self) -> bool {
         self.p > ALPHA
+    }
+}
+
+impl fmt::Debug for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "p = {:.2e}, whole |z| = {:.2}, largest |z| (of)", self.p, self.whole)?;
+        self.largest.iter().try_for_each(|(z, count)| write!(f, " {z:.2} ({count})"))
     }
 }

@@ -51,7 +51,7 @@ impl Case {
         let device = Device::new();
         let compare = |name: &str, a: &Estimate, b: &Estimate| {
             let comparison = Comparison::new(a, b, self.sides);
-            println!("{} {name}: {comparison:.3?}", self.file);
+            println!("{} {name}: {comparison:?}", self.file);
             comparison
         };
         let bsdf = self.render(&device, &[], |s| s.seed = 1);
