@@ -135,7 +135,9 @@ void main() {
         } else {
             Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
             Material m = material(s.material);
-            if (path.depth == 1u) add_first_hit(samples, bsdf_albedo(m), s.shading_normal, hit.t);
+            if (path.depth == 1u) {
+                add_first_hit(samples, bsdf_albedo(m), s.shading_normal, distance(s.position, camera_position()));
+            }
             target = scatter(path, s, m, unit_floats(bits), tally);
         }
         if (is_learning()) record(travelled, target, leftover_float(bits));

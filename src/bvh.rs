@@ -43,8 +43,8 @@ impl Bvh {
         let ordered = || order.par_iter().map(|&index| &primitives[index as usize]);
         let depth = depth(&nodes);
         Self {
-            primitives: ordered().map(primitive_record).collect(),
-            attributes: ordered().map(attribute_record).collect(),
+            primitives: ordered().map(|p| primitive_record(&widest_corner_first(p))).collect(),
+            attributes: ordered().map(|p| attribute_record(&widest_corner_first(p))).collect(),
             nodes,
             depth,
             bounds,
@@ -97,6 +97,29 @@ fn depth(nodes: &[[u32; NODE_WORDS]]) -> u32 {
         pending.extend((0..inner_count).map(|child| (node[4] + child, depth + 1)));
     }
     deepest
+}
+
+/// A triangle that begins at the vertex opposite its longest edge. Cross products of the two edges from there lose the
+/// fewest digits: from another corner of a slender triangle, rays miss it by more than they start off a surface.
+fn widest_corner_first(p: &Primitive) -> Primitive {
+    if p.shape != PrimitiveShape::Triangle {
+        return *p;
+    }
+    let (b, c, opposite) = (p.edge_u, p.edge_v, p.edge_v - p.edge_u);
+    let [from_a, from_b, from_c] = [opposite, c, b].map(Vec3::length_squared);
+    let turn = |by: usize, origin: Vec3, edge_u: Vec3, edge_v: Vec3| {
+        let mut turned = Primitive { origin, edge_u, edge_v, ..*p };
+        turned.uvs.rotate_left(by);
+        turned.normals.iter_mut().for_each(|normals| normals.rotate_left(by));
+        turned
+    };
+    if from_b > from_a.max(from_c) {
+        turn(1, p.origin + b, opposite, -b)
+    } else if from_c > from_a {
+        turn(2, p.origin + c, -c, -opposite)
+    } else {
+        *p
+    }
 }
 
 fn primitive_record(p: &Primitive) -> PrimitiveRecord {
@@ -168,6 +191,23 @@ mod tests {
         assert_eq!(Bvh::build(&[]).nodes.len(), 1);
         assert_eq!(Bvh::build(&[triangle(Vec3::ZERO, 1.0)]).primitives.len(), 1);
         assert_eq!(Bvh::build(&[triangle(Vec3::ONE, 0.0); 100]).primitives.len(), 100);
+    }
+
+    #[test]
+    fn triangles_begin_at_their_widest_corner() {
+        let vertices = [vec3(1.0, 2.0, 0.0), vec3(5.0, 2.0, 0.0), vec3(5.0, 2.25, 0.0)];
+        for by in 0..3 {
+            let mut turned = vertices;
+            turned.rotate_left(by);
+            let [a, b, c] = turned;
+            let uvs = turned.map(|vertex| vertex.truncate());
+            let p = Primitive { origin: a, edge_u: b - a, edge_v: c - a, uvs, ..triangle(a, 1.0) };
+            let p = widest_corner_first(&Primitive { normals: Some(turned), ..p });
+            let expected = [vertices[1], vertices[2], vertices[0]];
+            assert_eq!([p.origin, p.origin + p.edge_u, p.origin + p.edge_v], expected);
+            assert_eq!(p.normals, Some(expected));
+            assert_eq!(p.uvs, expected.map(|vertex| vertex.truncate()));
+        }
     }
 
     #[test]

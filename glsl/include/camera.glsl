@@ -24,6 +24,11 @@ vec2 sample_filter(vec2 u) {
     return u;
 }
 
+vec3 camera_position() {
+    vec4 rows[3] = scene().world_from_camera;
+    return vec3(rows[0].w, rows[1].w, rows[2].w);
+}
+
 // The ray through `position`, in film pixels from the top left. Camera space has x to the left of the picture.
 Ray camera_ray(vec2 position) {
     vec2 screen = 1.0 - 2.0 * (position / scene().film_size + scene().principal_point);
@@ -32,9 +37,8 @@ Ray camera_ray(vec2 position) {
     local /= per_depth;
     vec4 rows[3] = scene().world_from_camera;
     vec3 direction = normalize(vec3(dot(rows[0].xyz, local), dot(rows[1].xyz, local), dot(rows[2].xyz, local)));
-    vec3 eye = vec3(rows[0].w, rows[1].w, rows[2].w);
     float near = scene().near_clip * per_depth;
-    return Ray(eye + near * direction, direction, scene().far_clip * per_depth - near);
+    return Ray(camera_position() + near * direction, direction, scene().far_clip * per_depth - near);
 }
 
 #endif

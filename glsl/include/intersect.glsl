@@ -17,8 +17,10 @@ struct Hit {
 };
 
 // The edge tests' slack, per unit of distance and of edge length. Moeller and Trumbore's numerators carry an error of
-// a few 2^-24 of |origin - vertex| |edge|; accepting that much outside an edge closes the gap between neighbors.
-const float EDGE_SLACK = 4.0e-7;
+// some 2^-24 of |origin - vertex| |edge|; accepting that much outside an edge closes the gap between neighbors. It must
+// not be more: a grazing ray that passes just beside a ridge would find the back of the triangle beyond it. Measured in
+// tests/render/closed.rs: no gap in 7 * 10^8 rays, such ridges hit by 4 of 10^7 (by 18 with a slack of 4e-7).
+const float EDGE_SLACK = 1.0e-7;
 
 // Moeller and Trumbore 1997, for the three flat shapes at once. Returns whether `hit` was improved.
 bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec3 edge_v, uint shape, inout float t, inout vec2 uv) {

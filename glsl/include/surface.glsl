@@ -16,12 +16,19 @@ struct Surface {
 // A hit is drawn this far (in scene units) inside its primitive's edges, so that no rounding puts it beyond a wall that
 // meets the primitive there.
 vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float epsilon) {
-    vec2 margin = min(epsilon * inversesqrt(vec2(dot(edge_u, edge_u), dot(edge_v, edge_v))), vec2(0.25));
     if (shape == SHAPE_TRIANGLE) {
-        uv = max(uv, margin);
-        float limit = 1.0 - max(margin.x, margin.y);
-        return uv * min(1.0, limit / (uv.x + uv.y));
+        // Barycentric coordinates at that distance from each edge; scaled down where the triangle is too slender for it.
+        vec3 edge_lengths = vec3(length(edge_v), length(edge_u), length(edge_u - edge_v));
+        vec3 margin = edge_lengths * (epsilon / max(length(cross(edge_u, edge_v)), 1.0e-30));
+        float room = 1.0 - (margin.x + margin.y + margin.z);
+        if (room < 0.25) {
+            margin = edge_lengths * (0.75 / max(edge_lengths.x + edge_lengths.y + edge_lengths.z, 1.0e-30));
+            room = 0.25;
+        }
+        vec2 beyond = max(uv - margin.xy, vec2(0.0));
+        return margin.xy + beyond * min(1.0, room / max(beyond.x + beyond.y, 1.0e-30));
     }
+    vec2 margin = min(epsilon * inversesqrt(vec2(dot(edge_u, edge_u), dot(edge_v, edge_v))), vec2(0.25));
     if (shape == SHAPE_PARALLELOGRAM) return clamp(uv, margin - 1.0, 1.0 - margin);
     return uv * min(1.0, (1.0 - max(margin.x, margin.y)) * inversesqrt(dot(uv, uv)));
 }

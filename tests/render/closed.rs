@@ -1,0 +1,163 @@
+//! Rays shot inside a closed mesh never leave it.
+//!
+//! All surfaces reflect everything on both sides and nothing but the environment emits, so whatever gets out brings light in.
+
+use std::env;
+
+use glam::{Mat4, Quat, Vec3, vec3};
+use lodestar::scene::{Primitive, PrimitiveShape, Scene};
+use lodestar::settings::{Sampler, Settings};
+
+use crate::device::{Device, steps};
+use crate::scenes::{ours, settings};
+
+/// Edges of every path.
+const DEPTH: u32 = 256;
+const SIDE: u32 = 64;
+/// Rays of each scene in the everyday test.
+const FEW: u64 = 2_000_000;
+/// Share of rays that may slip past the edges of triangles that stick out into a mesh: which of the two triangles at such
+/// an edge is nearer is lost in rounding, and behind the wrong one lies the outside.
+const MOST_PAST_RIDGES: f64 = 3.0e-6;
+const MANY: u64 = 100_000_000;
+
+/// The furnace's mesh, dark in itself but in a bright environment.
+fn icosphere() -> Scene {
+    let mut scene = ours("furnace/mesh.xml", &[("albedo", "1"), ("emission", "0")]);
+    scene.environment = Vec3::ONE;
+    for material in &mut scene.materials {
+        material.two_sided = true;
+    }
+    scene
+}
+
+/// A closed mesh of the given triangles, seen from `eye`.
+fn closed(triangles: impl IntoIterator<Item = [Vec3; 3]>, eye: Vec3) -> Scene {
+    let mut scene = icosphere();
+    let model = scene.primitives[0];
+    let primitive = |[a, b, c]: [Vec3; 3]| Primitive {
+        shape: PrimitiveShape::Triangle,
+        origin: a,
+        edge_u: b - a,
+        edge_v: c - a,
+        normals: None,
+        ..model
+    };
+    scene.primitives = triangles.into_iter().map(primitive).collect();
+    scene.camera.world_from_camera = Mat4::from_rotation_translation(Quat::from_rotation_y(0.4), eye);
+    scene.camera.near_clip = 1.0e-4;
+    scene
+}
+
+/// The surface of the cube [-1, 1]^3 in 6 x 2 n^2 triangles. Shared vertices are equal to the bit, for each is `place` of
+/// the same point.
+fn cube(n: u32, place: impl Fn(Vec3) -> Vec3) -> Vec<[Vec3; 3]> {
+    let at = |i: u32| 2.0 * i as f32 / n as f32 - 1.0;
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let point = |i, j| {
+                let mut point = Vec3::ZERO;
+                (point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3]) = (side, at(i), at(j));
+                place(point)
+            };
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
+                triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    triangles
+}
+
+/// Turned by an angle that no axis shares.
+fn turned(point: Vec3) -> Vec3 {
+    Quat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1) * point
+}
+
+/// Axis-aligned, turned, flat, far from the origin and finely tessellated: all closed, none with a ridge inside.
+fn convex() -> Vec<(&'static str, Scene)> {
+    let flat = vec3(1.0, 0.01, 2.0);
+    let far = vec3(300.0, -200.0, 100.0);
+    vec![
+        ("an icosphere", icosphere()),
+        ("a box", closed(cube(1, |p| p), vec3(0.1, 0.2, 0.3))),
+        ("a turned box", closed(cube(1, turned), vec3(0.1, 0.2, 0.3))),
+        ("a flat box", closed(cube(1, |p| turned(p * flat)), turned(vec3(0.1, 0.002, 0.3)))),
+        ("a box far from the origin", closed(cube(1, |p| turned(p) + far), far)),
+        ("a tessellated box", closed(cube(32, |p| p), vec3(0.1, 0.2, 0.3))),
+        ("a turned, tessellated box", closed(cube(64, turned), vec3(0.1, 0.2, 0.3))),
+    ]
+}
+
+/// Tessellated, with bumps of 5 %: half of its edges stick out into it.
+fn bumpy() -> Scene {
+    let bump = |p: Vec3| turned(p * (1.0 + 0.05 * (11.0 * p.x).sin() * (9.0 * p.y).cos() * (10.0 * p.z).sin()));
+    closed(cube(48, bump), vec3(0.1, 0.2, 0.3))
+}
+
+/// Shoots at least `rays` rays; returns how many it were and how many of them got out.
+fn shoot(device: &Device, scene: &Scene, rays: u64) -> (u64, u64) {
+    let settings = Settings {
+        max_depth: DEPTH,
+        rr_depth: u32::MAX,
+        samples_per_dispatch: 2,
+        ..settings(scene, [SIDE, SIDE], Sampler::Bsdf, 17)
+    };
+    let paths = rays.div_ceil(DEPTH.into());
+    let spp = paths.div_ceil((SIDE * SIDE).into()) as u32;
+    let mut renderer = device.renderer(scene, &settings);
+    let (mut shot, mut escaped) = (0, 0);
+    for counts in steps(&mut renderer, &settings, spp) {
+        shot += counts.rays;
+        escaped += counts.light_hits;
+    }
+    let picture = renderer.picture().expect("a picture");
+    // Rays of the camera are not counted as hits of light, but seen.
+    let lit = picture.radiance.iter().filter(|color| color[0] > 0.0).count() as u64;
+    // A path ends early only where a direction lies in the surface to the bit: one in some 10^7.
+    let expected = u64::from(spp * SIDE * SIDE * DEPTH);
+    assert!(escaped.max(lit) > 0 || shot as f64 >= expected as f64 * (1.0 - 2.0e-4), "{shot} of {expected} rays");
+    (shot, escaped.max(lit))
+}
+
+fn none_escapes(rays: u64) {
+    let device = Device::new();
+    let mut failures = Vec::new();
+    for (name, scene) in convex() {
+        let (shot, escaped) = shoot(&device, &scene, rays);
+        println!("{name}, {} triangles: {escaped} of {shot} rays escaped", scene.primitives.len());
+        if escaped > 0 {
+            failures.push(format!("{name}: {escaped} of {shot}"));
+        }
+    }
+    assert_eq!(failures, [""; 0]);
+    let (shot, escaped) = shoot(&device, &bumpy(), rays);
+    println!("a bumpy box: {escaped} of {shot} rays escaped");
+    assert!(escaped as f64 <= MOST_PAST_RIDGES * shot as f64, "a bumpy box: {escaped} of {shot}");
+}
+
+#[test]
+fn no_ray_leaves_a_closed_mesh() {
+    none_escapes(FEW);
+}
+
+/// Minutes; the number of rays that the renderer promises.
+#[test]
+fn none_of_a_hundred_million_rays_leaves_a_closed_mesh() {
+    match env::var_os("LODESTAR_FULL") {
+        Some(_) => none_escapes(MANY),
+        None => println!("skipped, for LODESTAR_FULL is not set"),
+    }
+}
+
+/// The twin: without one of 12288 triangles some do.
+#[test]
+fn a_hole_is_found() {
+    let device = Device::new();
+    let (name, mut scene) = convex().swap_remove(5);
+    scene.primitives.swap_remove(4321);
+    let (shot, escaped) = shoot(&device, &scene, FEW);
+    println!("{name} with a hole: {escaped} of {shot} rays escaped");
+    assert!(escaped > 10);
+}

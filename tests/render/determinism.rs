@@ -1,0 +1,136 @@
+//! The same seed gives the same bits, however the work is cut.
+
+use std::path::Path;
+use std::process::Command;
+
+use lodestar::film::Picture;
+use lodestar::image::exr::{read_layer, read_rgb};
+use lodestar::scene::{Crop, Scene};
+use lodestar::settings::{Sampler, Settings};
+
+use crate::device::Device;
+use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::scenes::{SAMPLERS, ours, settings};
+
+/// Every number of the picture as bits.
+fn bits(picture: &Picture) -> Vec<u32> {
+    let colors = [&picture.radiance, &picture.variance, &picture.albedo, &picture.normal];
+    let floats = colors.into_iter().flatten().flatten().chain(&picture.depth).map(|value| value.to_bits());
+    floats.chain(picture.sample_count.iter().copied()).collect()
+}
+
+/// Not a whole number of tiles, and of several steps.
+const SIZE: [u32; 2] = [100, 61];
+const SPP: u32 = 36;
+
+fn scene() -> Scene {
+    ours("cornell-box/scene.xml", &[])
+}
+
+fn changed(scene: &Scene, sampler: Sampler, change: impl FnOnce(&mut Settings)) -> Settings {
+    let mut settings = settings(scene, SIZE, sampler, 11);
+    change(&mut settings);
+    settings
+}
+
+#[test]
+fn no_way_of_cutting_the_work_changes_a_bit() {
+    let device = Device::new();
+    let scene = scene();
+    for sampler in SAMPLERS {
+        let render = |change: &dyn Fn(&mut Settings)| {
+            let settings = changed(&scene, sampler, change);
+            bits(&device.render(&scene, &settings, SPP))
+        };
+        let first = render(&|_| {});
+        assert!(first == render(&|_| {}), "{sampler:?}: a second time");
+        assert!(first == render(&|s| s.slice_milliseconds = Some(1.0)), "{sampler:?}: slices of 1 ms");
+        assert!(first == render(&|s| s.slice_milliseconds = Some(500.0)), "{sampler:?}: slices of 500 ms");
+        assert!(first == render(&|s| s.film_page_pixels = Some(256)), "{sampler:?}: film pages");
+        assert!(first != render(&|s| s.seed = 12), "{sampler:?}: another seed");
+    }
+}
+
+/// How many samples a dispatch takes changes how their moments are merged, so only their rounding.
+#[test]
+fn samples_per_dispatch_change_no_more_than_rounding() {
+    let device = Device::new();
+    let scene = scene();
+    for sampler in SAMPLERS {
+        let render = |samples_per_dispatch| {
+            let settings = changed(&scene, sampler, |s| s.samples_per_dispatch = samples_per_dispatch);
+            device.render(&scene, &settings, SPP)
+        };
+        let (a, b) = (render(8), render(3));
+        assert_eq!(a.sample_count, b.sample_count);
+        for (a, b) in a.radiance.iter().flatten().zip(b.radiance.iter().flatten()) {
+            assert!((a - b).abs() <= 1.0e-5 * a.abs().max(1.0e-3), "{sampler:?}: {a} {b}");
+        }
+    }
+}
+
+/// Texels and storage hold the same numbers.
+#[test]
+fn storage_reads_change_no_bit() {
+    let device = Device::new();
+    let scene = scene();
+    for sampler in SAMPLERS {
+        let render =
+            |storage_reads| device.render(&scene, &changed(&scene, sampler, |s| s.storage_reads = storage_reads), SPP);
+        let (texels, storage) = (render(false), render(true));
+        let differing = bits(&texels).iter().zip(bits(&storage)).filter(|(a, b)| **a != *b).count();
+        println!("{sampler:?}: {differing} of {} numbers differ", bits(&texels).len());
+        assert!(bits(&texels) == bits(&storage), "{sampler:?}");
+    }
+}
+
+#[test]
+fn a_crop_window_holds_the_whole_picture_s_pixels() {
+    let device = Device::new();
+    let scene = scene();
+    let whole = device.render(&scene, &changed(&scene, Sampler::Bsdf, |_| {}), SPP);
+    let window = Crop { x: 37, y: 5, width: 21, height: 50 };
+    let part = device.render(&scene, &changed(&scene, Sampler::Bsdf, |s| s.crop = Some(window)), SPP);
+    assert_eq!((part.width, part.height, part.offset, part.full_size), (21, 50, [37, 5], SIZE));
+    let whole_image = whole.image().crop([37, 5], 21, 50).expect("a window");
+    assert!(whole_image.pixels == part.radiance);
+    assert!(whole.variance_image().crop([37, 5], 21, 50).expect("a window").pixels == part.variance);
+}
+
+/// A guide that has learned from a window alone leaves the mean as it is.
+#[test]
+fn a_guided_crop_window_has_the_whole_picture_s_mean() {
+    let device = Device::new();
+    let scene = scene();
+    let window = Crop { x: 36, y: 4, width: 24, height: 48 };
+    let whole = device.render(&scene, &changed(&scene, Sampler::RejectionMix, |_| {}), 128);
+    let part = |s: &mut Settings| (s.crop, s.seed) = (Some(window), 12);
+    let part = device.render(&scene, &changed(&scene, Sampler::RejectionMix, part), 128);
+    let crop = |image: lodestar::image::Image| image.crop([36, 4], 24, 48).expect("a window");
+    let whole = Estimate::new(&crop(whole.image()), &crop(whole.variance_image()));
+    let comparison = Comparison::new(&whole, &Estimate::of(&part), &[24, WHOLE]);
+    assert!(comparison.agrees(), "{comparison:?}");
+}
+
+fn render_with_threads(threads: &str, sampler: &str, output: &Path) {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
+    command.arg("render").arg(scene).arg("-o").arg(output);
+    command.args(["--width", "100", "--height", "61", "--spp", "24", "--seed", "5", "--quiet", "--sampler", sampler]);
+    let status = command.env("LP_NUM_THREADS", threads).status().expect("a run");
+    assert!(status.success());
+}
+
+/// The driver reads the number when it starts, so each is a process of its own.
+#[test]
+fn one_thread_and_two_give_the_same_bits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for sampler in ["bsdf", "rejection-mix"] {
+        let pictures = ["1", "2"].map(|threads| {
+            let path = folder.path().join(format!("{sampler}-{threads}.exr"));
+            render_with_threads(threads, sampler, &path);
+            (read_rgb(&path).expect("a picture"), read_layer(&path, "variance").expect("a layer"))
+        });
+        assert!(pictures[0] == pictures[1], "{sampler}");
+    }
+}

@@ -1,0 +1,54 @@
+//! A device under the validation layer that renders whole pictures.
+
+use std::sync::Arc;
+
+use lodestar::bvh::Bvh;
+use lodestar::film::Picture;
+use lodestar::gpu::{Context, ContextOptions};
+use lodestar::renderer::{Counts, Renderer};
+use lodestar::scene::Scene;
+use lodestar::settings::Settings;
+
+/// A context whose validation messages fail the test when it is dropped.
+pub struct Device {
+    context: Arc<Context>,
+}
+
+impl Device {
+    pub fn new() -> Self {
+        let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device");
+        Self { context }
+    }
+
+    pub fn renderer(&self, scene: &Scene, settings: &Settings) -> Renderer {
+        Renderer::new(&self.context, scene, &Bvh::build(&scene.primitives), settings).expect("a renderer")
+    }
+
+    pub fn render(&self, scene: &Scene, settings: &Settings, spp: u32) -> Picture {
+        let mut renderer = self.renderer(scene, settings);
+        steps(&mut renderer, settings, spp);
+        renderer.picture().expect("a picture")
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        let messages = self.context.validation_messages();
+        if !std::thread::panicking() {
+            assert!(messages.is_empty(), "{messages:#?}");
+        }
+    }
+}
+
+/// Takes `spp` samples in the settings' steps, and returns what every step counted.
+pub fn steps(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Vec<Counts> {
+    let mut counts = Vec::new();
+    while renderer.samples_done() < spp {
+        let samples = settings.spp_per_step.min(spp - renderer.samples_done());
+        let report = renderer.step(samples, &|| false).expect("a step");
+        assert!(report.complete);
+        assert_eq!((report.counts.nonfinite, report.counts.overruns), (0, 0));
+        counts.push(report.counts);
+    }
+    counts
+}

@@ -1,0 +1,168 @@
+//! What the guide learns, and the edges of the estimator.
+
+use std::cell::Cell;
+
+use glam::{Vec3, vec3};
+use lodestar::Error;
+use lodestar::scene::ReconstructionFilter;
+use lodestar::settings::{Sampler, Settings};
+
+use crate::device::{Device, steps};
+use crate::estimate::Estimate;
+use crate::scenes::{SAMPLERS, ours, settings};
+use crate::significance::{ALPHA, sidak, two_sided};
+
+/// The paper's Fig. 7a.
+#[test]
+fn guided_rays_find_the_light_more_often_step_by_step() {
+    let device = Device::new();
+    let scene = ours("cornell-box-hard/scene.xml", &[]);
+    let rates = |sampler| {
+        let settings = settings(&scene, [128, 128], sampler, 1);
+        let rates = steps(&mut device.renderer(&scene, &settings), &settings, 48);
+        let rates: Vec<f64> = rates.iter().map(|counts| counts.light_hit_rate()).collect();
+        println!("{sampler:?}: {rates:.4?}");
+        rates
+    };
+    let guided = rates(Sampler::RejectionMix);
+    assert!(guided[4] > 3.0 * guided[0], "{guided:?}");
+    let unguided = rates(Sampler::Bsdf);
+    assert!((unguided[4] / unguided[0] - 1.0).abs() < 0.2, "{unguided:?}");
+    assert!((guided[0] / unguided[0] - 1.0).abs() < 1.0e-6, "the first step draws from the BSDF");
+}
+
+#[test]
+fn only_guided_samplers_count_guided_samples() {
+    let device = Device::new();
+    let scene = ours("cornell-box/scene.xml", &[]);
+    for sampler in SAMPLERS {
+        let settings = settings(&scene, [64, 64], sampler, 1);
+        let counts = steps(&mut device.renderer(&scene, &settings), &settings, 16);
+        assert_eq!(counts[0].guided_samples, 0);
+        assert_eq!(counts[1].guided_samples > 0, sampler != Sampler::Bsdf);
+        assert!(counts.iter().all(|c| c.rays == c.scattered_rays + 64 * 64 * 8), "{counts:?}");
+    }
+}
+
+/// Seen directly, the lamp fills some pixels and touches others; it covers the same area whatever the filter.
+#[test]
+fn filters_keep_the_sum_and_blur_the_edge() {
+    let device = Device::new();
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let filters = [
+        ReconstructionFilter::Box,
+        ReconstructionFilter::Tent { radius: 1.0 },
+        ReconstructionFilter::Gaussian { stddev: 0.5 },
+        ReconstructionFilter::Gaussian { stddev: 1.0 },
+    ];
+    let pictures: Vec<_> = filters
+        .iter()
+        .zip(40..)
+        .map(|(&filter, seed)| {
+            let settings = Settings { filter, max_depth: 1, ..settings(&scene, [64, 64], Sampler::Bsdf, seed) };
+            device.render(&scene, &settings, 64)
+        })
+        .collect();
+    let lit: Vec<usize> = pictures.iter().map(|p| p.radiance.iter().filter(|color| color[0] > 0.0).count()).collect();
+    println!("pixels that see the lamp: {lit:?}");
+    assert!(lit.is_sorted_by(|a, b| a < b), "{lit:?}");
+    let (expected, expected_error) = Estimate::of(&pictures[0]).gray();
+    assert!(expected > 0.05);
+    for (picture, filter) in pictures.iter().zip(filters).skip(1) {
+        let (mean, error) = Estimate::of(picture).gray();
+        let z = (mean - expected) / error.hypot(expected_error);
+        println!("{filter:?}: {mean:.5} +- {error:.5}, box {expected:.5} +- {expected_error:.5}, z = {z:.2}");
+        assert!(sidak(two_sided(z), 3) > ALPHA, "{filter:?}: z = {z}");
+        assert!(picture.radiance.iter().all(|color| color[0] <= 17.0001));
+    }
+    // Inside the furnace all pixels are alike.
+    let furnace = ours("furnace/mesh.xml", &[]);
+    for filter in filters {
+        let settings = Settings { filter, rr_depth: 1000, ..settings(&furnace, [16, 16], Sampler::Bsdf, 2) };
+        let picture = device.render(&furnace, &settings, 8);
+        assert!(picture.radiance.iter().flatten().all(|l| (l - 1.0).abs() < 2.0e-5), "{filter:?}");
+    }
+}
+
+#[test]
+fn hidden_emitters_still_light_the_scene() {
+    let device = Device::new();
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let render = |hide_emitters, max_depth| {
+        let settings = Settings { hide_emitters, max_depth, ..settings(&scene, [64, 64], Sampler::Bsdf, 4) };
+        device.render(&scene, &settings, 8).radiance
+    };
+    let (shown, hidden) = (render(false, 4), render(true, 4));
+    let differing: Vec<usize> = (0..shown.len()).filter(|&at| shown[at] != hidden[at]).collect();
+    let lamp = render(false, 1);
+    assert!(differing.iter().all(|&at| lamp[at][0] > 0.0) && differing.len() > 10, "{differing:?}");
+    assert!(hidden.iter().any(|color| color[0] > 0.0));
+    assert!(render(true, 1).iter().flatten().all(|&l| l == 0.0));
+}
+
+#[test]
+fn a_stopped_step_leaves_a_valid_picture() {
+    let device = Device::new();
+    let scene = ours("cornell-box/scene.xml", &[]);
+    for sampler in SAMPLERS {
+        let settings = Settings { slice_milliseconds: Some(1.0), ..settings(&scene, [128, 128], sampler, 4) };
+        let mut renderer = device.renderer(&scene, &settings);
+        steps(&mut renderer, &settings, 16);
+        let asked = Cell::new(0);
+        let stop = || asked.replace(asked.get() + 1) == 3;
+        let report = renderer.step(8, &stop).expect("a step");
+        assert!(!report.complete && report.counts.rays > 0);
+        assert_eq!((renderer.samples_done(), asked.get()), (16, 4));
+        let picture = renderer.picture().expect("a picture");
+        let with = |count| picture.sample_count.iter().filter(|&&samples| samples == count).count();
+        assert!(with(16) > 0 && with(24) > 0 && with(16) + with(24) == 128 * 128);
+        assert!(picture.radiance.iter().flatten().all(|l| l.is_finite() && *l >= 0.0));
+        // A picture is also what an immediate stop leaves.
+        assert!(!renderer.step(8, &|| true).expect("a step").complete);
+        assert!(renderer.picture().expect("a picture").radiance == picture.radiance);
+    }
+}
+
+#[test]
+fn an_empty_scene_shows_its_environment() {
+    let device = Device::new();
+    let mut scene = ours("furnace/scene.xml", &[]);
+    scene.primitives.clear();
+    scene.environment = vec3(0.25, 0.5, 0.75);
+    for sampler in SAMPLERS {
+        let picture = device.render(&scene, &settings(&scene, [17, 9], sampler, 4), 16);
+        assert!(picture.radiance.iter().all(|&color| color == [0.25, 0.5, 0.75]));
+        let hidden = Settings { hide_emitters: true, ..settings(&scene, [17, 9], sampler, 4) };
+        assert!(device.render(&scene, &hidden, 8).radiance.iter().all(|&color| color == [0.0; 3]));
+    }
+}
+
+/// 64 paths of 1024 edges are as many iterations as lavapipe 22.3 gives one invocation for everything.
+#[test]
+fn a_driver_s_loop_budget_is_an_error_and_no_dark_picture() {
+    let device = Device::new();
+    let mut scene = ours("furnace/mesh.xml", &[("albedo", "1"), ("emission", "0.0009765625")]);
+    scene.environment = Vec3::ZERO;
+    for sampler in SAMPLERS {
+        let settings = Settings {
+            max_depth: 1024,
+            rr_depth: u32::MAX,
+            samples_per_dispatch: 64,
+            ..settings(&scene, [8, 8], sampler, 4)
+        };
+        let mut renderer = device.renderer(&scene, &settings);
+        match renderer.step(64, &|| false) {
+            Err(Error::Render(sentence)) => {
+                println!("{sentence}");
+                assert!(sentence.contains("ended a loop of path_trace before its end"), "{sentence}");
+                assert!(sentence.contains("--samples-per-dispatch below 64"), "{sentence}");
+            }
+            Err(other) => panic!("{other}"),
+            Ok(report) => {
+                assert!(report.complete);
+                let picture = renderer.picture().expect("a picture");
+                assert!(picture.radiance.iter().flatten().all(|l| (l - 1.0).abs() < 1.0e-3), "{sampler:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! Whole pictures against closed forms, against each other, against another renderer, and against themselves.
+//!
+//! Every statistical test is made with fixed seeds, so that it comes out the same every time, and has a twin with a fault
+//! that it must find.
+
+mod analytic;
+mod closed;
+mod determinism;
+mod device;
+mod estimate;
+mod learning;
+mod references;
+mod scenes;
+mod significance;
+mod variance;
+mod ztest;

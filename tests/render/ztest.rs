@@ -1,0 +1,111 @@
+//! Guided against unguided pictures.
+
+use lodestar::image::Image;
+use lodestar::settings::{Sampler, Settings};
+
+use crate::device::Device;
+use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::scenes::{ours, settings};
+
+/// A scene, how it is sampled and at which scales it is compared.
+struct Case {
+    file: &'static str,
+    size: [u32; 2],
+    /// For `bsdf` and, with less noise each, for `rejection-mix`.
+    spp: [u32; 2],
+    sides: &'static [usize],
+    /// The sampler that meets the wrong albedo: the one that has less noise to hide it in.
+    faulty: Sampler,
+    /// The walls' albedo times 0.97.
+    wrong_white: &'static str,
+}
+
+const CORNELL_BOX: Case = Case {
+    file: "cornell-box/scene.xml",
+    size: [32, 32],
+    spp: [8192, 4096],
+    sides: &[1, 8, WHOLE],
+    faulty: Sampler::Bsdf,
+    wrong_white: "0.70325, 0.6887, 0.6596",
+};
+
+const DOOR_AJAR: Case = Case {
+    file: "door-ajar/scene.xml",
+    size: [96, 54],
+    spp: [1024, 256],
+    sides: &[18, WHOLE],
+    faulty: Sampler::RejectionMix,
+    wrong_white: "0.7275, 0.7081, 0.679",
+};
+
+impl Case {
+    fn render(&self, device: &Device, defines: &[(&str, &str)], change: impl FnOnce(&mut Settings)) -> Estimate {
+        let scene = ours(self.file, defines);
+        let mut settings = settings(&scene, self.size, Sampler::Bsdf, 0);
+        change(&mut settings);
+        Estimate::of(&device.render(&scene, &settings, self.spp[settings.sampler as usize]))
+    }
+
+    /// Seeds differ, for the first step of all samplers draws the same numbers.
+    fn check(&self) {
+        let device = Device::new();
+        let compare = |name: &str, a: &Estimate, b: &Estimate| {
+            let comparison = Comparison::new(a, b, self.sides);
+            println!("{} {name}: {comparison:?}", self.file);
+            comparison
+        };
+        let bsdf = self.render(&device, &[], |s| s.seed = 1);
+        let mix = self.render(&device, &[], |s| (s.sampler, s.seed) = (Sampler::RejectionMix, 2));
+        assert!(compare("equal", &bsdf, &mix).agrees());
+
+        let faulty = |s: &mut Settings| (s.sampler, s.seed) = (self.faulty, 3);
+        let wrong_albedo = self.render(&device, &[("white", self.wrong_white)], faulty);
+        let right = if self.faulty == Sampler::Bsdf { &mix } else { &bsdf };
+        assert!(!compare("albedo 3 % wrong", &wrong_albedo, right).agrees());
+        let wrong_pdf = |s: &mut Settings| (s.sampler, s.seed, s.pdf_tamper) = (Sampler::RejectionMix, 4, 1.05);
+        assert!(!compare("density 5 % wrong", &bsdf, &self.render(&device, &[], wrong_pdf)).agrees());
+    }
+}
+
+#[test]
+fn samplers_agree_on_the_cornell_box() {
+    CORNELL_BOX.check();
+}
+
+#[test]
+fn samplers_agree_on_the_door_ajar() {
+    DOOR_AJAR.check();
+}
+
+/// A picture of 16 x 16 pixels of which some deviate by `z` standard deviations.
+fn deviating(z: f32, which: impl Fn(usize) -> bool) -> Estimate {
+    let value = |at| 10.0 + if which(at) { 0.1 * z } else { 0.0 };
+    let image = |pixels| Image { width: 16, height: 16, pixels };
+    let mean = image((0..256).map(|at| [value(at), 10.0, 10.0]).collect());
+    Estimate::new(&mean, &image(vec![[0.005; 3]; 256]))
+}
+
+#[test]
+fn the_test_finds_what_each_scale_is_for() {
+    let found = |a: &Estimate, sides: &[usize]| !Comparison::new(a, &deviating(0.0, |_| false), sides).agrees();
+    let pixel = deviating(5.5, |at| at == 100);
+    assert!(found(&pixel, &[1]) && !found(&pixel, &[8]) && !found(&pixel, &[WHOLE]));
+    let block = deviating(0.7, |at| at % 16 < 8 && at < 128);
+    assert!(!found(&block, &[1]) && found(&block, &[8]) && !found(&block, &[WHOLE]));
+    let picture = deviating(0.3, |_| true);
+    assert!(!found(&picture, &[1]) && !found(&picture, &[8]) && found(&picture, &[WHOLE]));
+    assert!(!found(&deviating(0.0, |_| true), &[1, 8, WHOLE]));
+}
+
+#[test]
+fn blocks_average_and_their_variances_shrink() {
+    let image = |pixels| Image { width: 3, height: 2, pixels };
+    let mean = image((0..6).map(|i| [i as f32, 0.0, 1.0]).collect());
+    let estimate = Estimate::new(&mean, &image(vec![[1.0; 3]; 6]));
+    let other = Estimate::new(&image(vec![[0.0; 3]; 6]), &image(vec![[0.0; 3]; 6]));
+    // Blocks of 4 and of 2 pixels: means 2 and 3.5 with variances 1/4 and 1/2.
+    let z = estimate.blocks(2).z(&other.blocks(2));
+    for (z, expected) in z.iter().zip([4.0, 0.0, 2.0, 3.5 * 2.0_f64.sqrt(), 0.0, 2.0_f64.sqrt()]) {
+        assert!((z - expected).abs() < 1.0e-6, "{z} {expected}");
+    }
+}
