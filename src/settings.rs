@@ -64,7 +64,8 @@ pub struct Settings {
     pub spp_per_step: u32,
     /// Most samples per pixel that one dispatch takes, in [1, 64]: a driver may bound the loop iterations of a dispatch.
     pub samples_per_dispatch: u32,
-    /// Proposals before a guided sample falls back on the uniform share, in [1, 1024].
+    /// Proposals before a guided sample falls back on the uniform share, in [1, 1024]. They are drawn in pairs, so an odd
+    /// number, which the fallback completes, wastes none.
     pub max_tries: u32,
     /// Least share of uniformly drawn directions, in (0, 1].
     pub min_uniform: f32,
@@ -106,7 +107,7 @@ impl Settings {
             normals: 16,
             spp_per_step: 8,
             samples_per_dispatch: 8,
-            max_tries: 8,
+            max_tries: 31,
             min_uniform: 1.0 / 16.0,
             decay: 0.95,
             slice_milliseconds: None,
