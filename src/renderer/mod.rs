@@ -43,6 +43,7 @@ pub struct Renderer {
     normalization_grid: NormalizationGrid,
     slicer: Slicer,
     samples_done: u32,
+    stopped: bool,
 }
 
 impl Renderer {
@@ -68,6 +69,7 @@ impl Renderer {
             context: Arc::clone(context),
             settings: settings.clone(),
             samples_done: 0,
+            stopped: false,
         };
         renderer.warm_up()?;
         Ok(renderer)
@@ -79,11 +81,16 @@ impl Renderer {
     /// `stop` is asked between dispatches; where it answers true, the step ends early and [`StepReport::complete`] is false.
     ///
     /// # Errors
-    /// Where the device is lost, or a loop of a kernel was cut short and the picture would be wrong.
+    /// Where the device is lost, a loop of a kernel was cut short and the picture would be wrong, or an earlier step was
+    /// stopped: some pixels then lack its samples, so that none can follow.
     pub fn step(&mut self, samples: u32, stop: &dyn Fn() -> bool) -> Result<StepReport> {
+        if self.stopped {
+            return Err(Error::Render("a render cannot go on after a step that was stopped".into()));
+        }
         let begin = Instant::now();
         let mut counts = Counts::default();
         let complete = self.path_trace(samples, &mut counts, stop)?;
+        self.stopped = !complete;
         if complete && self.settings.sampler != Sampler::Bsdf {
             self.update_grids()?;
         }
