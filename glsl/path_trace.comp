@@ -95,7 +95,7 @@ float scatter(inout Path path, Surface s, Material m, vec4 u, inout Tally tally)
     uint cell = is_learning() ? grid_cell(s.position) : 0u;
     DirectionSample next = sample_direction(path.key, path.depth, u, m, basis_from_normal(n), cell);
     if (!front && !is_two_sided(m)) next.weight = vec3(0.0);
-    count_sample(tally, next.tries, next.weight == vec3(0.0), next.overrun);
+    count_sample(tally, next.tries, next.below, next.overrun);
     path.segment = segment_from(cell, next);
     path.throughput *= next.weight;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {

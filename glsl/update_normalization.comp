@@ -1,4 +1,5 @@
-// Fills the marked entries of the normalization grid from the radiance table: one workgroup per cell, a lane per normal bin.
+// Fills the marked entries of the normalization grid from the radiance table: a row of workgroups per cell, an invocation per
+// normal bin.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -11,8 +12,9 @@ layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
-    for (uint normal_bin = gl_LocalInvocationIndex; normal_bin < normal_bin_count(); normal_bin += WORKGROUP_SIZE) {
-        uint index = normalization_index(cell, normal_bin);
-        if (is_marked(index)) store_normalization_entry(index, normalize_cell(cell, normal_bin));
+    uint normal_bin = gl_WorkGroupID.y * WORKGROUP_SIZE + gl_LocalInvocationIndex;
+    uint index = normalization_index(cell, normal_bin);
+    if (normal_bin < normal_bin_count() && is_marked(index)) {
+        store_normalization_entry(index, normalize_cell(cell, normal_bin));
     }
 }

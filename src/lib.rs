@@ -48,7 +48,7 @@
 //! # Invariants
 //! 1. **The density divided by is the density sampled**, and it is positive wherever the surface can reflect. So a picture's
 //!    expectation does not depend on what the guide holds.
-//! 2. **The same seed gives the same bits** on a device, however the work is cut into dispatches or spread over threads:
+//! 2. **The same seed gives the same bits** on a device, however the picture is cut into dispatches or spread over threads:
 //!    random numbers are a hash of (pixel, sample, vertex, block, seed), a pixel's samples of a dispatch belong to one
 //!    invocation, and learned sums are fixed-point integers.
 //! 3. **Every loop is bounded**, what happens at the bound is part of the density, and a loop that the driver cuts short is

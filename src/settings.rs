@@ -107,7 +107,7 @@ impl Settings {
             normals: 16,
             spp_per_step: 8,
             samples_per_dispatch: 8,
-            max_tries: 31,
+            max_tries: 15,
             min_uniform: 1.0 / 16.0,
             decay: 0.95,
             slice_milliseconds: None,
@@ -155,6 +155,15 @@ impl Settings {
             self.width, self.height
         )))
     }
+}
+
+/// What is said where the scene asks for a depth that is rendered otherwise.
+pub fn depth_warning(scene: &Scene) -> Option<String> {
+    let named = [("max_depth", scene.integrator.max_depth), ("rr_depth", scene.integrator.rr_depth)];
+    let (name, depth) = named.into_iter().find_map(|(name, depth)| {
+        depth.filter(|&depth| depth != depth_from_scene(depth) as i32).map(|depth| (name, depth))
+    })?;
+    Some(format!("the scene's {name} of {depth} is rendered as {}", depth_from_scene(depth)))
 }
 
 fn depth_from_scene(depth: i32) -> u32 {

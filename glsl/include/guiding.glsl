@@ -11,7 +11,8 @@ struct DirectionSample {
     vec3 wi;         // world space
     vec3 weight;     // f cos / pdf; zero where the sample is invalid
     uint bin;        // direction bin of `wi`; 0 without a guide
-    float radiance;  // L of that bin; 0 where the guide does not know the surface yet
+    float radiance;  // L of that bin
+    bool below;      // a guided direction points below the surface
     uint tries;      // proposals of a guided sample; 0 where the BSDF was sampled
     bool overrun;
 };
@@ -27,7 +28,7 @@ DirectionSample sample_direction_bsdf(Material m, mat3 frame, vec2 u) {
     vec3 local = sample_bsdf(m, u);
     float pdf = pdf_bsdf(m, local) * PDF_TAMPER;
     vec3 weight = local.z > 0.0 ? eval_bsdf(m, local) / pdf : vec3(0.0);
-    return DirectionSample(frame * local, weight, 0u, 0.0, 0u, false);
+    return DirectionSample(frame * local, weight, 0u, 0.0, false, 0u, false);
 }
 
 DirectionSample sample_direction_guided(RandomKey key, uint vertex, vec4 u, Material m, mat3 frame, uint cell) {
@@ -40,11 +41,12 @@ DirectionSample sample_direction_guided(RandomKey key, uint vertex, vec4 u, Mate
         GuidedSample guided = sample_rejection_mix(key, vertex, u.z, cell, bin_center(normal_bin, NORMAL_RESOLUTION), n, entry);
         float cos_theta = dot(n, guided.wi);
         vec3 weight = cos_theta > 0.0 ? eval_bsdf(m, vec3(0.0, 0.0, cos_theta)) / (guided.pdf * PDF_TAMPER) : vec3(0.0);
-        s = DirectionSample(guided.wi, weight, guided.bin, guided.radiance, guided.tries, guided.overrun);
+        s = DirectionSample(guided.wi, weight, guided.bin, guided.radiance, cos_theta <= 0.0, guided.tries, guided.overrun);
     } else {
         mark_entry(index);
         s = sample_direction_bsdf(m, frame, u.xy);
         s.bin = direction_bin(s.wi, DIRECTION_RESOLUTION);
+        s.radiance = radiance(radiance_index(cell, s.bin));
     }
     return s;
 }

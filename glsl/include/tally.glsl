@@ -38,8 +38,10 @@ void count_sample(inout Tally tally, uint tries, bool invalid, bool overrun) {
 
 shared uint tally_lanes[COUNTER_COUNT * WORKGROUP_SIZE];
 
-// Adds the workgroup's tallies to the counters: a few lanes sum up all lanes' numbers, one counter each.
+// Adds the workgroup's tallies to the counters: a few lanes sum up all lanes' numbers, one counter each. Overruns go first and
+// alone: where a loop was cut short, the loops below may be too.
 void publish_tally(Tally tally) {
+    count(COUNTER_OVERRUNS, tally.overrun ? 1u : 0u);
     uint numbers[COUNTER_COUNT];
     numbers[COUNTER_RAYS] = tally.rays;
     numbers[COUNTER_SCATTERED_RAYS] = tally.scattered_rays;
@@ -48,7 +50,7 @@ void publish_tally(Tally tally) {
     numbers[COUNTER_TRIES] = tally.tries;
     numbers[COUNTER_INVALID_SAMPLES] = tally.invalid_samples;
     numbers[COUNTER_NONFINITE] = tally.nonfinite;
-    numbers[COUNTER_OVERRUNS] = tally.overrun ? 1u : 0u;
+    numbers[COUNTER_OVERRUNS] = 0u;
     for (uint counter = 0u; counter < COUNTER_COUNT; ++counter) {
         tally_lanes[counter * WORKGROUP_SIZE + gl_LocalInvocationIndex] = numbers[counter];
     }

@@ -22,7 +22,7 @@ layout(constant_id = 7) const uint DIRECTION_RESOLUTION = 16u;
 // Normal bins along each side of the equal-area square.
 layout(constant_id = 8) const uint NORMAL_RESOLUTION = 16u;
 // Proposals before a guided sample falls back on the uniform share.
-layout(constant_id = 9) const uint MAX_TRIES = 31u;
+layout(constant_id = 9) const uint MAX_TRIES = 15u;
 // Least share of uniformly drawn directions.
 layout(constant_id = 10) const float MIN_UNIFORM_SHARE = 0.0625;
 // What one step leaves of a bin's earlier count; 1 is the paper's running mean.

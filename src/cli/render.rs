@@ -11,7 +11,7 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{Image, metrics};
 use lodestar::renderer::{Counts, Renderer, StepReport};
 use lodestar::scene::{self, LoadOptions, Scene};
-use lodestar::settings::Settings;
+use lodestar::settings::{Settings, depth_warning};
 use lodestar::{Error, Result, files};
 
 use super::interrupt::Interrupt;
@@ -30,6 +30,9 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let (scene, load_seconds) = timed(|| scene::load(&args.scene, &LoadOptions { defines: args.define.clone() }))?;
     warn(&scene.warnings);
     let settings = args.settings(&scene)?;
+    if args.max_depth.is_none() && args.rr_depth.is_none() {
+        warn(depth_warning(&scene).as_slice());
+    }
     let outputs = Outputs::new(args, &scene)?;
     let reference = args.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
     let context = Context::new(&ContextOptions { device: args.device(), validate: args.validate })?;
@@ -41,6 +44,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let mut job = Job::new(args, &scene, &context, settings, film, &interrupt);
     let rendered = job.render();
     let finished = job.finish(rendered, times);
+    warn_of_nonfinite(job.counts.nonfinite);
     finished.and(report_validation(&context))?;
     Ok(interrupt.exit_code())
 }
@@ -282,6 +286,13 @@ fn plain(value: &serde_json::Value) -> String {
 }
 
 /// What the validation layer said, if it was on.
+/// Dropped samples make a picture too dark; they come from a scene with infinite or undefined values.
+fn warn_of_nonfinite(count: u64) {
+    if count > 0 {
+        report("warning", &format!("{count} samples were infinite or not a number and count as black"));
+    }
+}
+
 fn report_validation(context: &Context) -> Result<()> {
     let messages = context.validation_messages();
     messages.iter().for_each(|message| report("validation", message));

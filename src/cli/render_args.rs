@@ -102,7 +102,7 @@ pub struct RenderArgs {
     /// What one step leaves of a bin's earlier count; 1 is the paper's running mean [default: 0.95].
     #[arg(long, value_name = "D", help_heading = "Guiding")]
     pub decay: Option<f32>,
-    /// Tries of rejection sampling before it takes a uniform direction [default: 31].
+    /// Tries of rejection sampling before it takes a uniform direction [default: 15].
     #[arg(long, value_name = "K", help_heading = "Guiding")]
     pub max_tries: Option<u32>,
     /// Least share of uniform directions in the guide [default: 0.0625].

@@ -35,7 +35,7 @@ fn limits_needed(limits: &Limits) -> [(u64, u64, &'static str); 6] {
     [
         (limits.max_bound_sets.into(), 4, "bound descriptor sets"),
         (limits.max_storage_buffers.into(), 24, "storage buffers per kernel"),
-        (limits.max_texel_buffers.into(), 4, "texel buffers per kernel"),
+        (limits.max_texel_buffers.into(), 7, "texel buffers per kernel"),
         (limits.max_storage_buffer_bytes, 128 << 20, "bytes in a storage buffer"),
         (limits.max_workgroup_invocations.into(), 256, "invocations per workgroup"),
         (limits.max_push_constant_bytes.into(), 128, "bytes of push constants"),
@@ -52,7 +52,7 @@ mod tests {
         let limits = Limits {
             max_bound_sets: 4,
             max_storage_buffers: 24,
-            max_texel_buffers: 4,
+            max_texel_buffers: 7,
             max_storage_buffer_bytes: 128 << 20,
             max_workgroup_invocations: 256,
             max_push_constant_bytes: 128,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::film::Picture;
-use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceKind};
 use crate::layout::{FilmFeatures, FilmRadiance};
 use crate::scene::Crop;
 use crate::settings::Settings;
@@ -38,6 +38,7 @@ impl PageBuffers {
         let pixels = u64::from(window.width.div_ceil(TILE_SIDE))
             * u64::from(window.height.div_ceil(TILE_SIDE))
             * u64::from(TILE_PIXELS);
+        check_memory(context, pixels, &window)?;
         let pixels = u32::try_from(pixels).map_err(|_| too_large(&window))?;
         let bindable = context.device().limits.max_storage_buffer_bytes / size_of::<FilmRadiance>() as u64;
         let most = bindable.min(u64::from(settings.film_page_pixels.unwrap_or(u32::MAX))).min(1 << 24) as u32;
@@ -134,6 +135,32 @@ pub(super) fn empty_picture(settings: &Settings) -> Picture {
         normal: vec![[0.0; 3]; pixels],
         depth: vec![f32::INFINITY; pixels],
     }
+}
+
+/// Bytes that a pixel takes on the device and, read back, on the host.
+const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64 + 60;
+
+/// Refuses a film that memory cannot hold, before a system without that memory ends the process.
+fn check_memory(context: &Context, pixels: u64, window: &Crop) -> Result<()> {
+    let on_cpu = context.device().kind == DeviceKind::Cpu;
+    let available = if on_cpu { available_memory() } else { Some(context.device().limits.device_local_bytes) };
+    match available {
+        Some(available) if pixels.saturating_mul(PIXEL_BYTES) > available => Err(crate::Error::Settings(format!(
+            "a film of {} x {} pixels needs {} MiB, but {} MiB are free: render it in parts with --crop",
+            window.width,
+            window.height,
+            (pixels.saturating_mul(PIXEL_BYTES)) >> 20,
+            available >> 20
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Free memory of the system, where it tells through a file.
+fn available_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
 
 fn too_large(window: &Crop) -> crate::Error {

@@ -180,11 +180,12 @@ impl Renderer {
         for cells in self.slicer.cell_ranges(self.settings.grid) {
             let push = UpdatePush { first_cell: cells.start };
             let push = bytemuck::bytes_of(&push);
-            let groups = [cells.end - cells.start, 1, 1];
+            let cells = cells.end - cells.start;
+            let normal_blocks = self.settings.normals.pow(2).div_ceil(Variant::default().workgroup_size);
             self.context.submit("update_radiance and update_normalization", |recorder| {
-                recorder.dispatch(&self.update_radiance, &sets, push, groups);
+                recorder.dispatch(&self.update_radiance, &sets, push, [cells, 1, 1]);
                 recorder.barrier();
-                recorder.dispatch(&self.update_normalization, &sets, push, groups);
+                recorder.dispatch(&self.update_normalization, &sets, push, [cells, normal_blocks, 1]);
             })?;
         }
         Ok(())
@@ -196,7 +197,7 @@ impl Renderer {
         if let Some(slice) = self.frame.pages().next().and_then(|page| self.slicer.smallest_slice(page)) {
             self.dispatch_path_trace(self.frame.first_page(), slice, 0)?;
         }
-        self.update_grids()
+        if self.settings.sampler == Sampler::Bsdf { Ok(()) } else { self.update_grids() }
     }
 }
 

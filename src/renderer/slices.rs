@@ -48,7 +48,7 @@ impl Slicer {
         Self {
             target_seconds: settings.slice_milliseconds.map_or(default, |ms| ms / 1000.0),
             workgroup_size,
-            max_groups: device.limits.max_workgroup_count[0],
+            max_groups: max_groups(device, settings, workgroup_size),
             spreads: is_cpu,
             groups: Cell::new(FIRST_GROUPS),
         }
@@ -93,6 +93,13 @@ impl Slicer {
         let stride = if self.spreads { (golden..count).find(|&s| coprime(s, count)).unwrap_or(1) } else { 1 };
         Slice { first, count, stride: stride.max(1) }
     }
+}
+
+/// Most workgroups of a dispatch: no counter may pass 2^32, nor the product of a workgroup's index and the stride.
+fn max_groups(device: &DeviceInfo, settings: &Settings, workgroup_size: u32) -> u32 {
+    let vertices = u64::from(workgroup_size * settings.samples_per_dispatch) * u64::from(settings.max_depth);
+    let most_counted = u64::from(u32::MAX) / (vertices * u64::from(settings.max_tries + 1));
+    device.limits.max_workgroup_count[0].min(65_535).min(most_counted.max(1) as u32)
 }
 
 fn coprime(a: u32, b: u32) -> bool {

@@ -168,7 +168,7 @@ pub struct IntegratorDescription {
     pub max_depth: Option<i32>,
     /// Depth from which Russian roulette is played.
     pub rr_depth: Option<i32>,
-    /// Whether directly seen emitters are black (and transparent to the background).
+    /// Whether emission is left out where it is seen directly, the environment's too.
     pub hide_emitters: bool,
 }
 
