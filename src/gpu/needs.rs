@@ -76,7 +76,7 @@ mod tests {
             (|c, _| c.has_scalar_block_layout = false, "it lacks scalar block layout"),
             (|_, l| l.max_bound_sets = 3, "it lacks 4 bound descriptor sets (it offers 3)"),
             (|_, l| l.max_storage_buffers = 16, "it lacks 24 storage buffers per kernel (it offers 16)"),
-            (|_, l| l.max_texel_buffers = 0, "it lacks 4 texel buffers per kernel (it offers 0)"),
+            (|_, l| l.max_texel_buffers = 0, "it lacks 7 texel buffers per kernel (it offers 0)"),
             (
                 |_, l| l.max_storage_buffer_bytes = 65536,
                 "it lacks 134217728 bytes in a storage buffer (it offers 65536)",
