@@ -1,7 +1,5 @@
 //! `glsl/include/traverse.glsl` and `glsl/include/intersect.glsl`, against trying every primitive.
 
-use std::collections::HashMap;
-
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, vec3};
 use lodestar::bvh::Bvh;
@@ -93,21 +91,17 @@ pub fn rays(count: usize, any_hit: bool) -> Vec<TraceInput> {
 /// What the device finds, its primitives numbered as in `primitives`.
 fn trace(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
     let device = Device::new();
-    let bvh = Bvh::build(primitives);
+    let numbered: Vec<_> = (0..).zip(primitives).map(|(material, &p)| Primitive { material, ..p }).collect();
+    let bvh = Bvh::build(&numbered);
     let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
     nodes.upload(0, &bvh.nodes).expect("uploaded");
     let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelUint);
     records.upload(0, &bvh.primitives).expect("uploaded");
     let variant = Variant { has_spheres: bvh.has_spheres(), stack_size: bvh.depth, ..Variant::default() };
     let mut found: Vec<TraceOutput> = device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records]);
-    // Leaves have an order of their own.
-    let bits = |vectors: [[f32; 3]; 3]| vectors.map(|v| v.map(f32::to_bits));
-    let numbered = primitives.iter().enumerate();
-    let index_of: HashMap<_, _> =
-        numbered.map(|(i, p)| (bits([p.origin.into(), p.edge_u.into(), p.edge_v.into()]), i as u32)).collect();
+    // Leaves have an order of their own; the material remembers the other.
     for output in found.iter_mut().filter(|output| output.primitive != NONE) {
-        let record = bvh.primitives[output.primitive as usize];
-        output.primitive = index_of[&bits([record.origin, record.edge_u, record.edge_v])];
+        output.primitive = bvh.attributes[output.primitive as usize].material;
     }
     found
 }

@@ -70,14 +70,16 @@ fn find(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<SurfaceOutput> {
     output.read(0, rays.len()).expect("read")
 }
 
-/// Normals by the scene's own definition.
-fn normals(p: &Primitive, position: DVec3, uv: [f32; 2]) -> (DVec3, DVec3) {
+/// Normals by the scene's own definition, of the primitive as it was before its first vertex was chosen anew.
+fn normals(p: &Primitive, position: DVec3, hit: DVec3) -> (DVec3, DVec3) {
     let outward = match p.shape {
         PrimitiveShape::Sphere => (position - p.origin.as_dvec3()).normalize(),
         _ => p.edge_u.as_dvec3().cross(p.edge_v.as_dvec3()).normalize(),
     };
     let geometric = if p.flip_normal { -outward } else { outward };
-    let [u, v] = uv.map(f64::from);
+    let (edge_u, edge_v, at) = (p.edge_u.as_dvec3(), p.edge_v.as_dvec3(), hit - p.origin.as_dvec3());
+    let area = edge_u.cross(edge_v);
+    let [u, v] = [at.cross(edge_v), edge_u.cross(at)].map(|part| part.dot(area) / area.length_squared());
     let shading = p.normals.map_or(geometric, |[a, b, c]| {
         ((1.0 - u - v) * a.as_dvec3() + u * b.as_dvec3() + v * c.as_dvec3()).normalize()
     });
@@ -92,14 +94,14 @@ fn surfaces_are_what_the_scene_says() {
         let p = &primitives[o.material as usize];
         assert_eq!(o.emitter, p.emitter.unwrap_or(NONE));
         let (position, t) = (d3(o.position), f64::from(o.t));
-        let (geometric, shading) = normals(p, position, o.uv);
+        let direction = d3(input.direction);
+        let (geometric, shading) = normals(p, position, d3(input.origin) + t * direction);
         assert!((d3(o.geometric_normal) - geometric).length() < 1.0e-4, "{o:?}, not {geometric}");
         // Octahedral normals have 16 bits a coordinate; flattened ones amplify their error.
         assert!((d3(o.shading_normal) - shading).length() < 5.0e-4, "{o:?}, not {shading}");
         assert!((d3(o.shading_normal).length() - 1.0).abs() < 1.0e-5, "{o:?}");
         interpolated += u32::from(p.normals.is_some());
         // At most drawn in from the edges, by some epsilons where these meet at a sharp angle.
-        let direction = d3(input.direction);
         let moved = (position - (d3(input.origin) + t * direction)).length();
         let smallest = f64::from(p.edge_u.length().min(p.edge_v.length()));
         assert!(moved < 10.0 * f64::from(EPSILON), "moved by {moved}, of {smallest}: {o:?}");
