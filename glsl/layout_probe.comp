@@ -23,10 +23,24 @@ struct AttributeRecord {
     uint reserved;
 };
 
+struct MaterialRecord {
+    uint kind_and_flags;     // BSDF_* or MATERIAL_BLEND, MATERIAL_SIDES; flags MATERIAL_*
+    uint material0;          // of a blend or of two sides: the first material
+    uint material1_or_relief; // the second; otherwise the texture of a bump or normal map
+    float relief_scale;      // of a bump map
+    vec4 colors[3];          // see bsdf_parameters.glsl; the fourth component is unused
+    float scalars[12];
+    uvec4 links[2];          // parameters with textures
+    vec4 coating;            // optical thickness, eta
+    vec4 coating_specular;   // specular reflectance
+};
+
 layout(scalar, set = 0, binding = 0) restrict buffer Probe0 { PrimitiveRecord primitives[]; };
 layout(scalar, set = 0, binding = 1) restrict buffer Probe1 { AttributeRecord attributes[]; };
+layout(scalar, set = 0, binding = 2) restrict buffer Probe2 { MaterialRecord materials[]; };
 
 void main() {
     primitives[0].reserved = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
     attributes[0].reserved = attributes[1].normals.x + attributes[1].material + attributes[1].emitter;
+    materials[0].relief_scale = materials[1].colors[0].x + materials[1].scalars[0] + materials[1].coating.x;
 }

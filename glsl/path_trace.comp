@@ -6,6 +6,7 @@
 #include "camera.glsl"
 #include "guiding.glsl"
 #include "learning.glsl"
+#include "material.glsl"
 #include "surface.glsl"
 #include "tally.glsl"
 #include "traverse.glsl"
@@ -58,6 +59,20 @@ vec3 surface_emission(Surface s, vec3 wo) {
     return emitter_radiance(s.emitter);
 }
 
+// The material of a surface as it is met from direction `wo`.
+Scatterer scatterer_at(Surface s, vec3 wo) {
+    Scatterer x;
+    x.bsdf = untextured_bsdf(s.material);
+    x.frame = basis_from_normal(s.shading_normal);
+    x.wo = wo * x.frame;
+    if (x.wo.z < 0.0 && bsdf_flag(x.bsdf, MATERIAL_TWO_SIDED)) {
+        x.frame[2] = -x.frame[2];
+        x.wo.z = -x.wo.z;
+    }
+    x.cell = is_learning() ? grid_cell(s.position) : 0u;
+    return x;
+}
+
 // Russian roulette by throughput; survivors are weighed up.
 bool survives_roulette(inout Path path, float u) {
     if (path.depth < RR_DEPTH) return true;
@@ -81,7 +96,7 @@ float escape(inout Path path, inout Tally tally) {
 }
 
 // Adds what the surface emits and draws where the path goes on. Returns the target of the segment that ends here.
-float scatter(inout Path path, Surface s, Material m, vec4 u, inout Tally tally) {
+float scatter(inout Path path, Surface s, Scatterer x, vec4 u, inout Tally tally) {
     vec3 wo = -path.ray.direction;
     vec3 emission = surface_emission(s, wo);
     path.radiance += path.throughput * visible_emission(path, emission);
@@ -90,13 +105,9 @@ float scatter(inout Path path, Surface s, Material m, vec4 u, inout Tally tally)
         end_path(path);
         return NO_TARGET;
     }
-    bool front = dot(s.shading_normal, wo) > 0.0;
-    vec3 n = front ? s.shading_normal : -s.shading_normal;
-    uint cell = is_learning() ? grid_cell(s.position) : 0u;
-    DirectionSample next = sample_direction(path.key, path.depth, u, m, basis_from_normal(n), cell);
-    if (!front && !is_two_sided(m)) next.weight = vec3(0.0);
+    DirectionSample next = sample_direction(path.key, path.depth, u, x);
     count_sample(tally, next.tries, next.below, next.overrun);
-    path.segment = segment_from(cell, next);
+    path.segment = segment_from(x.cell, next);
     path.throughput *= next.weight;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
         path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
@@ -134,11 +145,11 @@ void main() {
             target = escape(path, tally);
         } else {
             Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
-            Material m = material(s.material);
+            Scatterer x = scatterer_at(s, -path.ray.direction);
             if (path.depth == 1u) {
-                add_first_hit(samples, bsdf_albedo(m), s.shading_normal, distance(s.position, camera_position()));
+                add_first_hit(samples, bsdf_albedo(x.bsdf), s.shading_normal, distance(s.position, camera_position()));
             }
-            target = scatter(path, s, m, unit_floats(bits), tally);
+            target = scatter(path, s, x, unit_floats(bits), tally);
         }
         if (is_learning()) record(travelled, target, leftover_float(bits));
 

@@ -67,14 +67,28 @@ pub struct SceneConstants {
     pub reserved: [u32; 2],
 }
 
-/// `glsl/include/frame.glsl`
+/// `glsl/layout_probe.comp`; what colors and scalars mean: `glsl/include/bsdf_parameters.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Material {
-    /// Linear sRGB in [0, 1].
-    pub reflectance: [f32; 3],
-    /// `BSDF_*`, and bit 8 for two sides.
-    pub kind_and_sides: u32,
+pub struct MaterialRecord {
+    /// `BSDF_*` or `MATERIAL_BLEND`, `MATERIAL_SIDES`, and `MATERIAL_*` flags.
+    pub kind_and_flags: u32,
+    /// Of a blend or of two sides: the first material.
+    pub material0: u32,
+    /// The second; otherwise the texture of a bump or normal map, or `NONE`.
+    pub material1_or_relief: u32,
+    /// Factor of a bump map's heights; weight of a blend.
+    pub relief_scale: f32,
+    /// Colors; the fourth component is unused.
+    pub colors: [[f32; 4]; 3],
+    /// Numbers.
+    pub scalars: [f32; 12],
+    /// Parameters with textures, `parameter << 24 | texture`, or `NONE`; colors are parameters 0 to 2, scalars follow.
+    pub links: [[u32; 4]; 2],
+    /// Of a coating: optical thickness, eta.
+    pub coating: [f32; 4],
+    /// Of a coating: specular reflectance.
+    pub coating_specular: [f32; 4],
 }
 
 /// `glsl/include/frame.glsl`

@@ -1,32 +1,36 @@
-// The switch over the kinds of material. Directions are in the local frame of `basis_from_normal` of the facing normal.
+// The switch over the kinds of scattering function. Directions are unit vectors in the local frame whose z-axis is the
+// shading normal, on the side of `wo` where a surface is two-sided. Of each kind there is a triple: sample_bsdf_x draws a
+// direction, pdf_bsdf_x is its density per steradian (without what is concentrated in single directions), eval_bsdf_x is
+// f times |cos| (likewise).
+//
+// A diffuse lobe may be sampled by a guide instead: then `diffuse_density`, the density of `wi` under that lobe's sampler, is the
+// guide's; otherwise it is pdf_cosine_hemisphere(wi.z).
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 #include "bsdf_diffuse.glsl"
-#include "frame.glsl"
-
-const uint MATERIAL_KIND_MASK = 0xffu;
-const uint MATERIAL_TWO_SIDED = 0x100u;
-
-bool is_two_sided(Material m) {
-    return (m.kind_and_sides & MATERIAL_TWO_SIDED) != 0u;
-}
 
 // Share of the light that is scattered, for the albedo layer.
-vec3 bsdf_albedo(Material m) {
-    return m.reflectance;
+vec3 bsdf_albedo(Bsdf b) {
+    return b.color0;
 }
 
-vec3 sample_bsdf(Material m, vec2 u) {
-    return sample_bsdf_diffuse(u);
+// u.xy draws the direction, u.z the lobe.
+BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
+    BsdfSample s = NO_BSDF_SAMPLE;
+    if (is_kind(b, BSDF_DIFFUSE)) s = sample_bsdf_diffuse(b, wo, u);
+    return s;
 }
 
-float pdf_bsdf(Material m, vec3 wi) {
-    return pdf_bsdf_diffuse(wi);
+float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+    float pdf = 0.0;
+    if (is_kind(b, BSDF_DIFFUSE)) pdf = pdf_bsdf_diffuse(b, wo, wi, diffuse_density);
+    return pdf;
 }
 
-// f times the cosine, both below and above the surface.
-vec3 eval_bsdf(Material m, vec3 wi) {
-    return eval_bsdf_diffuse(m.reflectance, wi);
+vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
+    vec3 f = vec3(0.0);
+    if (is_kind(b, BSDF_DIFFUSE)) f = eval_bsdf_diffuse(b, wo, wi);
+    return f;
 }
 
 #endif

@@ -1,19 +1,19 @@
-// Ideal diffuse reflection, in a frame whose z-axis is the normal on the side of `wo`.
+// Ideal diffuse reflection.
 #ifndef BSDF_DIFFUSE_GLSL
 #define BSDF_DIFFUSE_GLSL
+#include "bsdf_parameters.glsl"
 #include "direction.glsl"
 
-vec3 sample_bsdf_diffuse(vec2 u) {
-    return sample_cosine_hemisphere(u);
+BsdfSample sample_bsdf_diffuse(Bsdf b, vec3 wo, vec3 u) {
+    return BsdfSample(sample_cosine_hemisphere(u.xy), wo.z > 0.0 ? LOBE_DIFFUSE : LOBE_NONE, vec3(0.0), 1.0);
 }
 
-float pdf_bsdf_diffuse(vec3 wi) {
-    return pdf_cosine_hemisphere(wi.z);
+float pdf_bsdf_diffuse(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+    return wo.z > 0.0 ? diffuse_density : 0.0;
 }
 
-// f times the cosine.
-vec3 eval_bsdf_diffuse(vec3 reflectance, vec3 wi) {
-    return reflectance * pdf_cosine_hemisphere(wi.z);
+vec3 eval_bsdf_diffuse(Bsdf b, vec3 wo, vec3 wi) {
+    return wo.z > 0.0 ? b.color0 * (INV_PI * max(wi.z, 0.0)) : vec3(0.0);
 }
 
 #endif

@@ -23,8 +23,38 @@ const uint PRIMITIVE_SHAPE_MASK = 3u;
 const uint PRIMITIVE_FLIP_NORMAL = 4u;
 const uint PRIMITIVE_VERTEX_NORMALS = 8u;
 
-// Kind of a material.
+// Kind of a material: a scattering function, or a choice between two materials.
 const uint BSDF_DIFFUSE = 0u;
+const uint BSDF_ROUGH_DIFFUSE = 1u;
+const uint BSDF_DIELECTRIC = 2u;
+const uint BSDF_THIN_DIELECTRIC = 3u;
+const uint BSDF_ROUGH_DIELECTRIC = 4u;
+const uint BSDF_CONDUCTOR = 5u;
+const uint BSDF_ROUGH_CONDUCTOR = 6u;
+const uint BSDF_PLASTIC = 7u;
+const uint BSDF_ROUGH_PLASTIC = 8u;
+const uint BSDF_PRINCIPLED = 9u;
+const uint MATERIAL_BLEND = 10u;
+const uint MATERIAL_SIDES = 11u;
+
+// The first word of a material's record: its kind in the low byte, and flags.
+const uint MATERIAL_KIND_MASK = 255u;
+const uint MATERIAL_TWO_SIDED = 256u;
+const uint MATERIAL_GGX = 512u;
+const uint MATERIAL_NONLINEAR = 1024u;
+const uint MATERIAL_FAST_APPROXIMATION = 2048u;
+const uint MATERIAL_BUMP = 4096u;
+const uint MATERIAL_NORMAL_MAP = 8192u;
+const uint MATERIAL_COATED = 16384u;
+
+// What the scene's materials use besides their kinds: bits of SURFACE_FEATURES.
+const uint FEATURE_OPACITY = 1u;
+const uint FEATURE_BUMP = 2u;
+const uint FEATURE_NORMAL_MAP = 4u;
+const uint FEATURE_COATING = 8u;
+const uint FEATURE_TANGENTS = 16u;
+const uint FEATURE_TEXTURES = 32u;
+const uint FEATURE_TEXTURED_EMITTERS = 64u;
 
 // "No such thing" as an index.
 const uint NONE = 4294967295u;

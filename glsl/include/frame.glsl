@@ -39,10 +39,8 @@ struct SceneConstants {
     uvec2 reserved;
 };
 
-struct Material {
-    vec3 reflectance;
-    uint kind_and_sides;  // BSDF_*, bit 8: two-sided
-};
+// Texels of a material's record. See material.glsl.
+const uint MATERIAL_TEXELS = 11u;
 
 struct Emitter {
     vec3 radiance;
@@ -56,7 +54,7 @@ layout(scalar, set = 0, binding = 2) uniform Scene { SceneConstants scene_consta
 layout(set = 0, binding = 3) uniform usamplerBuffer materials;
 layout(set = 0, binding = 4) uniform usamplerBuffer emitters;
 #else
-layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { Material materials[]; };
+layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
 layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { Emitter emitters[]; };
 #endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
@@ -66,17 +64,16 @@ SceneConstants scene() {
 }
 
 #ifdef TEXEL_READS
-Material material(uint index) {
-    uvec4 t = texelFetch(materials, int(index));
-    return Material(uintBitsToFloat(t.xyz), t.w);
+uvec4 fetch_material(uint material, uint texel) {
+    return texelFetch(materials, int(material * MATERIAL_TEXELS + texel));
 }
 
 vec3 emitter_radiance(uint index) {
     return uintBitsToFloat(texelFetch(emitters, int(index)).xyz);
 }
 #else
-Material material(uint index) {
-    return materials[index];
+uvec4 fetch_material(uint material, uint texel) {
+    return materials[material * MATERIAL_TEXELS + texel];
 }
 
 vec3 emitter_radiance(uint index) {

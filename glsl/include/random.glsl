@@ -12,6 +12,8 @@ struct RandomKey {
 // Blocks of random numbers that a vertex may draw.
 const uint RANDOM_SCATTER = 0u;
 const uint RANDOM_TRIES = 1u;
+const uint RANDOM_MATERIAL = 2u;
+const uint RANDOM_EMITTER = 3u;
 
 // Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
 uvec4 pcg4d(uvec4 v) {

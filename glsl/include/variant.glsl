@@ -37,7 +37,20 @@ layout(constant_id = 14) const uint STACK_SIZE = 16u;
 layout(constant_id = 15) const bool HAS_SPHERES = false;
 layout(constant_id = 16) const bool HAS_VERTEX_NORMALS = true;
 
+// Bit 1 << kind for every kind of material in the scene.
+layout(constant_id = 18) const uint MATERIAL_KINDS = 1u;
+// FEATURE_* bits.
+layout(constant_id = 19) const uint SURFACE_FEATURES = 0u;
+
 // Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
 layout(constant_id = 17) const float PDF_TAMPER = 1.0;
+
+bool has_kind(uint kind) {
+    return (MATERIAL_KINDS & (1u << kind)) != 0u;
+}
+
+bool has_feature(uint feature) {
+    return (SURFACE_FEATURES & feature) != 0u;
+}
 
 #endif

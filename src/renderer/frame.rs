@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
+use super::materials;
 use super::statistics::Counts;
 use super::{buffer_kind, set_shape};
 use crate::Result;
@@ -13,15 +14,13 @@ use crate::film::Picture;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::kernels::{self, Kernels};
 use crate::layout;
-use crate::scene::{Bsdf, Material, Scene};
+use crate::scene::{Environment, Scene};
 use crate::settings::Settings;
 
 /// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
 const RAY_EPSILON: f32 = 1.0 / 131_072.0;
 /// Learning targets saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;
-/// Bit of [`layout::Material::kind_and_sides`].
-const TWO_SIDED: u32 = 0x100;
 
 /// The set, once for every film page; all else is shared between them.
 pub(super) struct Frame {
@@ -44,11 +43,14 @@ impl Frame {
         };
         let constants = scene_constants(scene, bvh, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let materials: Vec<_> = scene.materials.iter().map(material).collect();
+        let materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
         let shape = set_shape(kernels, 0);
         let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
-        let emitters: Vec<_> =
-            scene.emitters.iter().map(|e| layout::Emitter { radiance: e.radiance.into(), reserved: 0.0 }).collect();
+        let emitters: Vec<_> = scene
+            .emitters
+            .iter()
+            .map(|e| layout::Emitter { radiance: e.radiance.value.into(), reserved: 0.0 })
+            .collect();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
@@ -84,15 +86,6 @@ impl Frame {
     }
 }
 
-fn material(material: &Material) -> layout::Material {
-    let sides = if material.two_sided { TWO_SIDED } else { 0 };
-    match material.bsdf {
-        Bsdf::Diffuse { reflectance } => {
-            layout::Material { reflectance: reflectance.into(), kind_and_sides: kernels::BSDF_DIFFUSE | sides }
-        }
-    }
-}
-
 fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::SceneConstants {
     let camera = &scene.camera;
     let tan_x = camera.tan_half_fov_x(settings.width, settings.height);
@@ -112,7 +105,7 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::Sce
         ray_epsilon: RAY_EPSILON * bvh.largest_coordinate().max(eye.abs().max_element() * 1.0e-3),
         cells_per_unit: (settings.grid as f32 / extent).into(),
         target_limit: target_limit(scene),
-        environment: scene.environment.into(),
+        environment: environment(scene).into(),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
@@ -125,8 +118,16 @@ fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| matrix.row(i).into())
 }
 
+fn environment(scene: &Scene) -> Vec3 {
+    match scene.environment {
+        Some(Environment::Constant { radiance }) => radiance,
+        _ => Vec3::ZERO,
+    }
+}
+
 fn target_limit(scene: &Scene) -> f32 {
-    let brightest = scene.emitters.iter().map(|e| e.radiance).chain([scene.environment]).map(|c| c.element_sum() / 3.0);
+    let brightest =
+        scene.emitters.iter().map(|e| e.radiance.value).chain([environment(scene)]).map(|c| c.element_sum() / 3.0);
     match brightest.fold(0.0, f32::max) {
         0.0 => TARGET_LIMIT,
         most => TARGET_LIMIT * most,

@@ -5,6 +5,7 @@
 mod film_pages;
 mod frame;
 mod geometry;
+mod materials;
 mod normalization_grid;
 mod radiance_grid;
 mod slices;
@@ -54,7 +55,7 @@ impl Renderer {
     /// Where a setting is out of range or the device cannot hold the scene.
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
         settings.validate()?;
-        let variant = variant(settings, bvh);
+        let variant = variant(settings, scene, bvh);
         let kernels = kernels_for(context, scene, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
@@ -204,14 +205,14 @@ impl Renderer {
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
 fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
-    let texels = texels.max(scene.materials.len() as u64).max(scene.emitters.len() as u64);
+    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(scene.emitters.len() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
 }
 
-fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -235,6 +236,8 @@ fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
         has_spheres: bvh.has_spheres(),
         has_vertex_normals: bvh.has_vertex_normals(),
         pdf_tamper: settings.pdf_tamper,
+        material_kinds: materials::kinds(scene),
+        surface_features: materials::features(scene),
         ..Variant::default()
     }
 }

@@ -12,7 +12,7 @@ use super::flatten::Common;
 use super::mesh::{self, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
 use super::shape::{self, Geometry, Shape};
-use super::{AreaEmitter, IntegratorDescription, Material, Primitive, Scene};
+use super::{AreaEmitter, Environment, IntegratorDescription, Material, Primitive, Scene, Textured};
 use super::{document, material, sensor};
 use crate::{Error, Result};
 
@@ -122,7 +122,7 @@ impl<'a> Builder<'a> {
             }
             let radiance = self.radiance(emitter)?;
             common.emitter = Some(self.emitters.len() as u32);
-            self.emitters.push(AreaEmitter { radiance });
+            self.emitters.push(AreaEmitter { radiance: Textured::constant(radiance) });
         }
         properties.finish(&mut self.warnings)?;
         self.shapes.push(Shape { geometry, common, location: element.location.clone() });
@@ -197,7 +197,10 @@ impl<'a> Builder<'a> {
             primitives: flatten_all(&self.shapes, &meshes)?,
             materials: self.materials,
             emitters: self.emitters,
-            environment: self.environment.unwrap_or(Vec3::ZERO),
+            environment: self.environment.map(|radiance| Environment::Constant { radiance }),
+            delta_emitters: Vec::new(),
+            textures: Vec::new(),
+            images: Vec::new(),
             warnings: self.warnings,
         })
     }

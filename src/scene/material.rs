@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::element::Element;
 use super::properties::{Ids, Properties};
-use super::{Bsdf, Material};
+use super::{Bsdf, Material, MaterialKind, SurfaceMaterial, Textured};
 use crate::Result;
 
 const SUPPORTED: [&str; 2] = ["diffuse", "twosided"];
@@ -14,8 +14,13 @@ const DEFAULT_REFLECTANCE: f32 = 0.5;
 
 /// What a shape without a BSDF is made of.
 pub(super) fn default_material() -> Material {
-    let bsdf = Bsdf::Diffuse { reflectance: Vec3::splat(DEFAULT_REFLECTANCE) };
-    Material { name: "default".to_string(), bsdf, two_sided: false }
+    let bsdf = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::splat(DEFAULT_REFLECTANCE)) };
+    surface("default".to_string(), bsdf, false)
+}
+
+fn surface(name: String, bsdf: Bsdf, two_sided: bool) -> Material {
+    let surface = SurfaceMaterial { two_sided, ..SurfaceMaterial::plain(bsdf) };
+    Material { name, kind: MaterialKind::Surface(surface) }
 }
 
 /// Reads a `<bsdf>`, under the name it has in messages.
@@ -26,7 +31,7 @@ pub(super) fn parse<'a>(
     warnings: &mut Vec<String>,
 ) -> Result<Material> {
     if element.plugin()? != "twosided" {
-        return Ok(Material { name, bsdf: parse_bsdf(element, ids, warnings)?, two_sided: false });
+        return Ok(surface(name, parse_bsdf(element, ids, warnings)?, false));
     }
     let mut properties = Properties::new(element, ids)?;
     let nested = properties.objects("bsdf");
@@ -35,7 +40,7 @@ pub(super) fn parse<'a>(
         [inner] if inner.attribute("type") == Some("twosided") => {
             Err(inner.error("bsdf plugin `twosided` cannot stand inside another `twosided`"))
         }
-        [inner] => Ok(Material { name, bsdf: parse_bsdf(inner, ids, warnings)?, two_sided: true }),
+        [inner] => Ok(surface(name, parse_bsdf(inner, ids, warnings)?, true)),
         [] => Err(element.error("bsdf plugin `twosided` needs a nested <bsdf>")),
         [_, second, ..] => Err(second.error("bsdf plugin `twosided` with two different sides is not supported")),
     }
@@ -44,7 +49,7 @@ pub(super) fn parse<'a>(
 fn parse_bsdf<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<Bsdf> {
     let mut properties = Properties::new(element, ids)?;
     let bsdf = match properties.plugin() {
-        "diffuse" => Bsdf::Diffuse { reflectance: reflectance(&mut properties, warnings)? },
+        "diffuse" => Bsdf::Diffuse { reflectance: Textured::constant(reflectance(&mut properties, warnings)?) },
         _ => return Err(element.unsupported(&SUPPORTED)),
     };
     properties.finish(warnings)?;

@@ -3,9 +3,11 @@
 //! Conventions are Mitsuba's: right-handed world, `v` of a texture coordinate 0 at the image's *top* row, camera looking along its
 //! `+z` with `+x` to the *left* of the picture, depth counted in path edges (1 is emission seen directly).
 
+pub mod bsdf;
 mod color;
 mod document;
 mod element;
+pub mod emitter;
 mod flatten;
 pub mod geometry;
 pub mod load;
@@ -16,12 +18,16 @@ mod numbers;
 mod properties;
 mod sensor;
 mod shape;
+pub mod texture;
 mod transform;
 
 use glam::{Mat4, Vec2, Vec3};
 
+pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
+pub use emitter::{AreaEmitter, DeltaEmitter, Environment};
 pub use geometry::{Primitive, PrimitiveShape};
 pub use load::{LoadOptions, load};
+pub use texture::{Image, Texture, Textured};
 
 /// A whole scene in world space.
 #[derive(Debug, Clone)]
@@ -38,12 +44,18 @@ pub struct Scene {
     pub sample_count: Option<u32>,
     /// Every shape, flattened to world-space primitives, in file order.
     pub primitives: Vec<Primitive>,
-    /// What primitives index as `material`.
+    /// What primitives index as `material`, and materials that choose between others.
     pub materials: Vec<Material>,
     /// What primitives index as `emitter`: area emitters.
     pub emitters: Vec<AreaEmitter>,
-    /// Radiance of a `constant` environment in linear sRGB, W/(m^2 sr); zero where the scene has none.
-    pub environment: Vec3,
+    /// Light from infinitely far away.
+    pub environment: Option<Environment>,
+    /// Emitters that no ray can hit.
+    pub delta_emitters: Vec<DeltaEmitter>,
+    /// What materials and emitters index as textures.
+    pub textures: Vec<Texture>,
+    /// What textures and the environment index as images.
+    pub images: Vec<Image>,
     /// What was read but is not honoured exactly, one sentence each, with file and line.
     pub warnings: Vec<String>,
 }
@@ -170,32 +182,4 @@ pub struct IntegratorDescription {
     pub rr_depth: Option<i32>,
     /// Whether emission is left out where it is seen directly, the environment's too.
     pub hide_emitters: bool,
-}
-
-/// How a surface scatters.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Material {
-    /// The `id`, or the shape's, for messages.
-    pub name: String,
-    /// The scattering function.
-    pub bsdf: Bsdf,
-    /// Inside `twosided`: the back scatters like the front. Otherwise the back is black.
-    pub two_sided: bool,
-}
-
-/// A scattering function with its parameters in linear sRGB.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Bsdf {
-    /// Ideal diffuse reflection.
-    Diffuse {
-        /// Albedo, each channel in [0, 1].
-        reflectance: Vec3,
-    },
-}
-
-/// An `area` emitter: it emits from the side its normal points to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AreaEmitter {
-    /// Emitted radiance in linear sRGB, each channel >= 0.
-    pub radiance: Vec3,
 }

@@ -5,11 +5,11 @@
 use std::env;
 
 use glam::{Mat4, Quat, Vec3, vec3};
-use lodestar::scene::{Primitive, PrimitiveShape, Scene};
+use lodestar::scene::{Environment, Primitive, PrimitiveShape, Scene};
 use lodestar::settings::{Sampler, Settings};
 
 use crate::device::{Device, steps};
-use crate::scenes::{ours, settings};
+use crate::scenes::{ours, settings, surface_mut};
 
 /// Edges of every path.
 const DEPTH: u32 = 256;
@@ -24,9 +24,9 @@ const MANY: u64 = 100_000_000;
 /// The furnace's mesh, dark in itself but in a bright environment.
 fn icosphere() -> Scene {
     let mut scene = ours("furnace/mesh.xml", &[("albedo", "1"), ("emission", "0")]);
-    scene.environment = Vec3::ONE;
+    scene.environment = Some(Environment::Constant { radiance: Vec3::ONE });
     for material in &mut scene.materials {
-        material.two_sided = true;
+        surface_mut(material).two_sided = true;
     }
     scene
 }

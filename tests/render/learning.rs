@@ -2,9 +2,9 @@
 
 use std::cell::Cell;
 
-use glam::{Vec3, vec3};
+use glam::vec3;
 use lodestar::Error;
-use lodestar::scene::ReconstructionFilter;
+use lodestar::scene::{Environment, ReconstructionFilter};
 use lodestar::settings::{Sampler, Settings};
 
 use crate::device::{Device, steps};
@@ -128,7 +128,7 @@ fn an_empty_scene_shows_its_environment() {
     let device = Device::new();
     let mut scene = ours("furnace/scene.xml", &[]);
     scene.primitives.clear();
-    scene.environment = vec3(0.25, 0.5, 0.75);
+    scene.environment = Some(Environment::Constant { radiance: vec3(0.25, 0.5, 0.75) });
     for sampler in SAMPLERS {
         let picture = device.render(&scene, &settings(&scene, [17, 9], sampler, 4), 16);
         assert!(picture.radiance.iter().all(|&color| color == [0.25, 0.5, 0.75]));
@@ -142,7 +142,7 @@ fn an_empty_scene_shows_its_environment() {
 fn a_driver_s_loop_budget_is_an_error_and_no_dark_picture() {
     let device = Device::new();
     let mut scene = ours("furnace/mesh.xml", &[("albedo", "1"), ("emission", "0.0009765625")]);
-    scene.environment = Vec3::ZERO;
+    scene.environment = None;
     for sampler in SAMPLERS {
         let settings = Settings {
             max_depth: 1024,

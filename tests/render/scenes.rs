@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lodestar::scene::{Bsdf, LoadOptions, Scene, load};
+use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
 use lodestar::settings::{Sampler, Settings};
 
 /// Both samplers.
@@ -24,8 +24,17 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed
 pub fn with_albedo_scaled(scene: &Scene, factor: f32) -> Scene {
     let mut scene = scene.clone();
     for material in &mut scene.materials {
-        let Bsdf::Diffuse { reflectance } = &mut material.bsdf;
-        *reflectance *= factor;
+        if let Bsdf::Diffuse { reflectance } = &mut surface_mut(material).bsdf {
+            reflectance.value *= factor;
+        }
     }
     scene
+}
+
+/// The surface that a material of the project's scenes is.
+pub fn surface_mut(material: &mut Material) -> &mut SurfaceMaterial {
+    match &mut material.kind {
+        MaterialKind::Surface(surface) => surface,
+        _ => panic!("{} is no surface", material.name),
+    }
 }

@@ -1,7 +1,10 @@
 //! Spelling, defaults, includes, references, and what every parameter becomes.
 
 use glam::{Mat4, Vec3, Vec4};
-use lodestar::scene::{Bsdf, Crop, FovAxis, PrimitiveShape, ReconstructionFilter};
+use lodestar::scene::{
+    Bsdf, Crop, Environment, FovAxis, Material, MaterialKind, PrimitiveShape, ReconstructionFilter, SurfaceMaterial,
+    Textured,
+};
 
 use super::{Folder, load_body, with_sensor};
 
@@ -84,7 +87,7 @@ fn what_a_bare_sensor_leaves_open_is_mitsubas_default() {
     assert_eq!(scene.film.filter, ReconstructionFilter::Gaussian { stddev: 0.5 });
     assert_eq!((scene.camera.near_clip, scene.camera.far_clip), (1e-2, 1e4));
     assert_eq!((scene.integrator.max_depth, scene.sample_count), (None, None));
-    assert_eq!(scene.environment, Vec3::ZERO);
+    assert_eq!(scene.environment, None);
     assert_eq!(scene.bounds(), None);
 }
 
@@ -132,6 +135,15 @@ fn the_same_file_may_be_included_twice() {
     assert_eq!(folder.load(&[]).unwrap().primitives.len(), 2);
 }
 
+fn surface(material: &Material) -> &SurfaceMaterial {
+    let MaterialKind::Surface(surface) = &material.kind else { panic!("{} is no surface", material.name) };
+    surface
+}
+
+fn diffuse(reflectance: Vec3) -> Bsdf {
+    Bsdf::Diffuse { reflectance: Textured::constant(reflectance) }
+}
+
 #[test]
 fn references_reach_forward_and_share_materials() {
     let scene = load_body(
@@ -144,18 +156,18 @@ fn references_reach_forward_and_share_materials() {
     .unwrap();
     let [first, second, third] = [0, 1, 2].map(|i| &scene.materials[scene.primitives[i].material as usize]);
     assert_eq!(first, second);
-    assert!(first.two_sided && !third.two_sided);
+    assert!(surface(first).two_sided && !surface(third).two_sided);
     assert_eq!(first.name, "late");
-    assert_eq!(first.bsdf, Bsdf::Diffuse { reflectance: Vec3::new(0.1, 0.2, 0.3) });
-    assert_eq!(third.bsdf, Bsdf::Diffuse { reflectance: Vec3::splat(0.5) });
+    assert_eq!(surface(first).bsdf, diffuse(Vec3::new(0.1, 0.2, 0.3)));
+    assert_eq!(surface(third).bsdf, diffuse(Vec3::splat(0.5)));
 }
 
 #[test]
 fn colors() {
     let reflectance = |color: &str| {
         let scene = load_body(&format!(r#"<bsdf type="diffuse">{color}</bsdf>"#)).unwrap();
-        let Bsdf::Diffuse { reflectance } = scene.materials[0].bsdf;
-        reflectance
+        let Bsdf::Diffuse { reflectance } = surface(&scene.materials[0]).bsdf else { panic!("not diffuse") };
+        reflectance.value
     };
     assert_eq!(reflectance(r#"<rgb name="reflectance" value="0.25"/>"#), Vec3::splat(0.25));
     assert_eq!(reflectance(r#"<spectrum name="reflectance" value="0.25"/>"#), Vec3::splat(0.25));
@@ -175,9 +187,9 @@ fn emitters() {
            <shape type="disk"/>"#,
     )
     .unwrap();
-    assert_eq!(scene.environment, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(scene.environment, Some(Environment::Constant { radiance: Vec3::new(1.0, 2.0, 3.0) }));
     assert_eq!(scene.emitters.len(), 1);
-    assert_eq!(scene.emitters[0].radiance, Vec3::new(17.0, 12.0, 4.0));
+    assert_eq!(scene.emitters[0].radiance, Textured::constant(Vec3::new(17.0, 12.0, 4.0)));
     assert!(scene.primitives[..6].iter().all(|primitive| primitive.emitter == Some(0)));
     assert_eq!(scene.primitives[6].emitter, None);
 }
