@@ -20,6 +20,34 @@ pub enum Sampler {
     Bsdf = kernels::SAMPLER_BSDF,
     /// The paper's "Rej+": rejection sampling of learned radiance times cosine, with the optimal uniform share (Eq. 8).
     RejectionMix = kernels::SAMPLER_REJECTION_MIX,
+    /// The same with the least uniform share only.
+    Rejection = kernels::SAMPLER_REJECTION,
+    /// Inversion of learned radiance over the whole sphere, without regard to the normal.
+    SphereInversion = kernels::SAMPLER_SPHERE_INVERSION,
+    /// Inversion of learned radiance times the cosine's integral over each bin, summed for every sample.
+    HemisphereInversion = kernels::SAMPLER_HEMISPHERE_INVERSION,
+}
+
+/// What `rejection-mix` mixes with the uniform share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum Mix {
+    /// Densities (Eq. 8).
+    Density = kernels::MIX_DENSITY,
+    /// Probabilities of acceptance (Eq. 9).
+    Acceptance = kernels::MIX_ACCEPTANCE,
+}
+
+/// Map between directions and the squares of their bins; each keeps areas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum DirectionMap {
+    /// The hemispheres as the inside and the corners of a square (Shirley and Chiu 1997; Clarberg 2008).
+    EqualArea = kernels::MAP_EQUAL_AREA,
+    /// Azimuth and cosine about the z-axis (Lambert).
+    Cylindrical = kernels::MAP_CYLINDRICAL,
 }
 
 /// How the radiance grid learns.
@@ -54,9 +82,15 @@ pub struct Settings {
     pub sampler: Sampler,
     /// How the radiance grid learns.
     pub learner: Learner,
+    /// Map between directions and their bins.
+    pub map: DirectionMap,
+    /// What `rejection-mix` mixes with the uniform share.
+    pub mix: Mix,
+    /// The share e of `rejection-mix`, in [1e-4, 1]; the optimal one (Eq. 8) where `None`.
+    pub epsilon: Option<f32>,
     /// Cells along each axis of the grids, in [1, 32].
     pub grid: u32,
-    /// Direction bins along each side of the equal-area square, in [4, 64].
+    /// Direction bins along each side of the map, in [4, 64].
     pub directions: u32,
     /// Normal bins along each side of the equal-area square, in [4, 32].
     pub normals: u32,
@@ -102,6 +136,9 @@ impl Settings {
             seed: 0,
             sampler: Sampler::RejectionMix,
             learner: Learner::Sarsa,
+            map: DirectionMap::EqualArea,
+            mix: Mix::Density,
+            epsilon: None,
             grid: 8,
             directions: 16,
             normals: 16,
@@ -139,8 +176,24 @@ impl Settings {
         in_range("max-tries", self.max_tries, 1, 1024)?;
         in_range("min-uniform", self.min_uniform, 1.0e-4, 1.0)?;
         in_range("decay", self.decay, 0.0, 1.0)?;
+        in_range("epsilon", self.epsilon.unwrap_or(1.0), 1.0e-4, 1.0)?;
+        self.validate_mix()?;
         in_range("slice-ms", self.slice_milliseconds.unwrap_or(1.0), 0.001, 60_000.0)?;
         self.validate_crop()
+    }
+
+    fn validate_mix(&self) -> Result<()> {
+        let mixes = self.epsilon.is_some() || self.mix != Mix::Density;
+        match self.sampler {
+            Sampler::RejectionMix => Ok(()),
+            _ if !mixes => Ok(()),
+            _ => Err(Error::Settings("--epsilon and --mix are for --sampler rejection-mix only".into())),
+        }
+    }
+
+    /// Normal bins along each side of the equal-area square that the sampler tells apart.
+    pub(crate) fn normal_resolution(&self) -> u32 {
+        if self.sampler == Sampler::SphereInversion { 1 } else { self.normals }
     }
 
     fn validate_crop(&self) -> Result<()> {

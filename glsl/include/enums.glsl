@@ -3,6 +3,17 @@
 // Sampler of scattered directions.
 const uint SAMPLER_BSDF = 0u;
 const uint SAMPLER_REJECTION_MIX = 1u;
+const uint SAMPLER_REJECTION = 2u;
+const uint SAMPLER_SPHERE_INVERSION = 3u;
+const uint SAMPLER_HEMISPHERE_INVERSION = 4u;
+
+// What rejection-mix mixes with the uniform share: densities (Eq. 8) or acceptances (Eq. 9).
+const uint MIX_DENSITY = 0u;
+const uint MIX_ACCEPTANCE = 1u;
+
+// Map between directions and the squares of their bins.
+const uint MAP_EQUAL_AREA = 0u;
+const uint MAP_CYLINDRICAL = 1u;
 
 // Learner of the radiance grid.
 const uint LEARNER_SARSA = 0u;

@@ -1,4 +1,4 @@
-// The equal-area map between the square [-1, 1]^2 and the sphere (Shirley and Chiu 1997; Clarberg 2008), and its bins.
+// The equal-area map between the square [-1, 1]^2 and the sphere (Shirley and Chiu 1997; Clarberg 2008).
 // The diamond |x| + |y| <= 1 is the upper hemisphere; the four corners fold down to the lower one.
 #ifndef EQUAL_AREA_GLSL
 #define EQUAL_AREA_GLSL
@@ -35,6 +35,16 @@ float quadrant_fraction(float x) {
     return (2.0 / PI) * x * (1.0 + x2 * p);
 }
 
+// Angle of a point of the plane from the x-axis, in whole turns: in [-1/2, 1/2].
+float turns_of(vec2 p) {
+    vec2 a = abs(p);
+    float high = max(a.x, a.y);
+    float fraction = high == 0.0 ? 0.0 : quadrant_fraction(min(a.x, a.y) / high);
+    float quarters = a.y > a.x ? 1.0 - fraction : fraction;
+    if (p.x < 0.0) quarters = 2.0 - quarters;
+    return p.y < 0.0 ? -0.25 * quarters : 0.25 * quarters;
+}
+
 // Point of the square of a unit direction.
 vec2 sphere_to_square(vec3 w) {
     vec3 a = abs(w);
@@ -52,22 +62,6 @@ vec2 sphere_to_square(vec3 w) {
 vec2 antipode(vec2 p) {
     vec2 a = abs(p);
     return vec2(-sign_not_zero(p.x) * (1.0 - a.y), -sign_not_zero(p.y) * (1.0 - a.x));
-}
-
-// Bin of a point of the square at `resolution` bins a side, row by row.
-uint square_bin(vec2 p, uint resolution) {
-    uvec2 cell = uvec2(clamp((0.5 * p + 0.5) * float(resolution), vec2(0.0), vec2(float(resolution) - 0.5)));
-    return cell.y * resolution + cell.x;
-}
-
-// Direction of a bin's center.
-vec3 bin_center(uint bin, uint resolution) {
-    vec2 cell = vec2(float(bin % resolution), float(bin / resolution)) + 0.5;
-    return square_to_sphere(2.0 * cell / float(resolution) - 1.0);
-}
-
-uint direction_bin(vec3 w, uint resolution) {
-    return square_bin(sphere_to_square(w), resolution);
 }
 
 #endif

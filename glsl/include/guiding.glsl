@@ -2,9 +2,8 @@
 #ifndef GUIDING_GLSL
 #define GUIDING_GLSL
 #include "bsdf.glsl"
-#include "equal_area.glsl"
 #include "frame.glsl"
-#include "rejection_mix.glsl"
+#include "guided_direction.glsl"
 #include "surface.glsl"
 
 struct DirectionSample {
@@ -47,7 +46,7 @@ DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s) {
     vec3 weight = sample_weight(x, s, pdf_cosine_hemisphere(s.wi.z));
     DirectionSample result = DirectionSample(wi, weight, s.eta, 0u, 0.0, false, 0u, false);
     if (SAMPLER != SAMPLER_BSDF) {
-        result.bin = direction_bin(wi, DIRECTION_RESOLUTION);
+        result.bin = direction_bin(wi);
         result.radiance = radiance(radiance_index(x.cell, result.bin));
     }
     return result;
@@ -55,16 +54,12 @@ DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s) {
 
 // A guided direction in place of the diffuse lobe's; that lobe has been chosen, and other lobes are sampled as ever.
 DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice, Scatterer x, BsdfSample s) {
-    vec3 n = x.frame[2];
-    uint normal_bin = direction_bin(n, NORMAL_RESOLUTION);
-    vec3 nb = bin_center(normal_bin, NORMAL_RESOLUTION);
-    uint index = normalization_index(x.cell, normal_bin);
-    NormalizationEntry entry = normalization_entry(index);
-    if (!is_filled(entry)) {
-        mark_entry(index);
+    Guide guide = guide_at(x.cell, x.frame[2]);
+    if (!is_filled(guide.entry)) {
+        mark_guide(guide);
         return sample_direction_bsdf(x, s);
     }
-    GuidedSample guided = sample_rejection_mix(key, vertex, choice, x.cell, nb, n, entry);
+    GuidedSample guided = sample_guide(key, vertex, choice, guide);
     DirectionSample result;
     if (s.lobe == LOBE_DIFFUSE) {
         s.wi = guided.wi * x.frame;
@@ -72,8 +67,8 @@ DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice
         result = DirectionSample(guided.wi, weight, 1.0, guided.bin, guided.radiance, s.wi.z <= 0.0, guided.tries, guided.overrun);
     } else {
         vec3 wi = x.frame * s.wi;
-        vec3 weight = sample_weight(x, s, pdf_rejection_mix(x.cell, nb, n, wi, entry));
-        uint bin = direction_bin(wi, DIRECTION_RESOLUTION);
+        vec3 weight = sample_weight(x, s, pdf_guide(guide, wi));
+        uint bin = direction_bin(wi);
         result = DirectionSample(wi, weight, s.eta, bin, radiance(radiance_index(x.cell, bin)), false, 0u, false);
     }
     return result;

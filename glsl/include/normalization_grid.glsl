@@ -4,12 +4,13 @@
 #define NORMALIZATION_GRID_GLSL
 #include "variant.glsl"
 
-// How to sample and to weigh L(cell, w) max(0, cos(nb, w)) for the bin's representative normal nb.
+// How to sample and to weigh what a sampler follows: L(cell, w), or L(cell, w) max(0, cos(nb, w)) for the bin's
+// representative normal nb. Each sampler says what it multiplies.
 struct NormalizationEntry {
-    float guide_scale;       // times L cos(nb, w): density of a guided direction, per steradian
+    float guide_scale;       // times what the sampler follows: density of a guided direction, per steradian
     float uniform_density;   // density of the uniform share and of the fallback, per steradian; 0 marks an unfilled entry
-    float acceptance_scale;  // times L cos(nb, w): probability that a proposal is accepted, at most 1
-    float uniform_share;     // probability of the uniform component
+    float acceptance_scale;  // times what the sampler follows: a probability, at most 1
+    float uniform_share;     // the share e of Eq. 8 and 9
 };
 
 // Of one (direction bin, normal bin): what the clamped cosine amounts to over the direction bin.

@@ -2,6 +2,7 @@
 // the table do so through texels where the device has enough of them: a view of the same buffer.
 #ifndef RADIANCE_GRID_GLSL
 #define RADIANCE_GRID_GLSL
+#include "direction_map.glsl"
 #include "variant.glsl"
 
 // What one step adds to a bin: a sum of fixed-point targets in two words, exact in any order, and their number.
@@ -21,13 +22,10 @@ struct LearnedRadiance {
 layout(scalar, set = 2, binding = 0) restrict buffer RadianceTable { float radiance_table[]; };
 layout(scalar, set = 2, binding = 1) restrict buffer LearnedTable { LearnedRadiance learned_table[]; };
 layout(scalar, set = 2, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
+layout(scalar, set = 2, binding = 3) restrict buffer BinEnds { uint bin_ends[]; };
 
 // Fixed-point targets: a target of `target_limit` is this many units.
 const float FIXED_POINT_UNITS = 1073741824.0;
-
-uint direction_bin_count() {
-    return DIRECTION_RESOLUTION * DIRECTION_RESOLUTION;
-}
 
 uint radiance_index(uint cell, uint bin) {
     return cell * direction_bin_count() + bin;
@@ -35,7 +33,7 @@ uint radiance_index(uint cell, uint bin) {
 
 // Mean radiance (of RGB) that arrives in the cell from the bin's directions; positive.
 #ifdef TEXEL_READS
-layout(set = 2, binding = 3) uniform samplerBuffer radiance_texels;
+layout(set = 2, binding = 4) uniform samplerBuffer radiance_texels;
 
 float radiance(uint index) {
     return texelFetch(radiance_texels, int(index)).x;
@@ -48,6 +46,18 @@ float radiance(uint index) {
 
 void store_radiance(uint index, float value) {
     radiance_table[index] = value;
+}
+
+// Shares of a cell's radiance are counted in this many units, exactly: density and samples cannot differ.
+const uint SHARE_UNITS = 0x80000000u;
+
+// Units that the bins of the cell up to this one, itself included, hold together; SHARE_UNITS at the cell's last bin.
+uint bin_end(uint index) {
+    return bin_ends[index];
+}
+
+void store_bin_end(uint index, uint end) {
+    bin_ends[index] = end;
 }
 
 LearnedRadiance learned_radiance(uint index) {

@@ -17,7 +17,7 @@ layout(constant_id = 5) const bool HIDE_EMITTERS = false;
 
 // Cells along each axis of the grids.
 layout(constant_id = 6) const uint GRID_RESOLUTION = 8u;
-// Direction bins along each side of the equal-area square.
+// Direction bins along each side of the map.
 layout(constant_id = 7) const uint DIRECTION_RESOLUTION = 16u;
 // Normal bins along each side of the equal-area square.
 layout(constant_id = 8) const uint NORMAL_RESOLUTION = 16u;
@@ -42,8 +42,19 @@ layout(constant_id = 18) const uint MATERIAL_KINDS = 1u;
 // FEATURE_* bits.
 layout(constant_id = 19) const uint SURFACE_FEATURES = 0u;
 
+// Between directions and the squares of their bins.
+layout(constant_id = 30) const uint MAP = MAP_EQUAL_AREA;
+// What rejection-mix mixes with the uniform share; MIX_DENSITY for all others.
+layout(constant_id = 31) const uint MIX = MIX_DENSITY;
+// The share e of Eq. 8 and 9; 0 takes the optimal one.
+layout(constant_id = 32) const float EPSILON = 0.0;
+
 // Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
 layout(constant_id = 17) const float PDF_TAMPER = 1.0;
+
+bool mixes_acceptances() {
+    return MIX == MIX_ACCEPTANCE;
+}
 
 bool has_kind(uint kind) {
     return (MATERIAL_KINDS & (1u << kind)) != 0u;

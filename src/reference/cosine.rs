@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::equal_area::bin_center;
+use super::direction_map::bin_center;
+use crate::settings::DirectionMap;
 
 /// A fine map of the sphere: every point stands for the same solid angle.
 pub struct SphereGrid {
@@ -11,9 +12,9 @@ pub struct SphereGrid {
 }
 
 impl SphereGrid {
-    /// A map of `resolution` points a side.
-    pub fn new(resolution: u32) -> Self {
-        let directions = (0..resolution * resolution).map(|bin| bin_center(bin, resolution)).collect();
+    /// Such a map of `resolution` points a side.
+    pub fn new(map: DirectionMap, resolution: u32) -> Self {
+        let directions = (0..resolution * resolution).map(|bin| bin_center(map, bin, resolution)).collect();
         Self { resolution, directions }
     }
 
@@ -29,6 +30,11 @@ impl SphereGrid {
         }
         let solid_angle = 4.0 * std::f64::consts::PI / f64::from(self.resolution).powi(2);
         sums.iter().map(|sum| sum * solid_angle).collect()
+    }
+
+    /// The directions, row by row.
+    pub fn directions(&self) -> &[DVec3] {
+        &self.directions
     }
 
     /// Integrals of the clamped cosine about `n`.

@@ -3,8 +3,11 @@
 
 pub mod camera;
 pub mod cosine;
+pub mod cylindrical;
 pub mod direction;
+pub mod direction_map;
 pub mod equal_area;
+pub mod guide;
 pub mod intersect;
 pub mod normalization_entry;
 pub mod radiance_grid;

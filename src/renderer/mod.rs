@@ -182,7 +182,7 @@ impl Renderer {
             let push = UpdatePush { first_cell: cells.start };
             let push = bytemuck::bytes_of(&push);
             let cells = cells.end - cells.start;
-            let normal_blocks = self.settings.normals.pow(2).div_ceil(Variant::default().workgroup_size);
+            let normal_blocks = self.settings.normal_resolution().pow(2).div_ceil(Variant::default().workgroup_size);
             self.context.submit("update_radiance and update_normalization", |recorder| {
                 recorder.dispatch(&self.update_radiance, &sets, push, [cells, 1, 1]);
                 recorder.barrier();
@@ -226,10 +226,13 @@ fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
         hide_emitters: settings.hide_emitters,
         grid_resolution: settings.grid,
         direction_resolution: settings.directions,
-        normal_resolution: settings.normals,
+        normal_resolution: settings.normal_resolution(),
         max_tries: settings.max_tries,
         min_uniform_share: settings.min_uniform,
         decay: settings.decay,
+        map: settings.map as u32,
+        mix: settings.mix as u32,
+        epsilon: settings.epsilon.unwrap_or(0.0),
         filter,
         filter_width,
         stack_size: bvh.depth,

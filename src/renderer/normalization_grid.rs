@@ -21,7 +21,7 @@ impl NormalizationGrid {
     pub fn texels(settings: &Settings) -> u64 {
         match settings.sampler {
             Sampler::Bsdf => 0,
-            Sampler::RejectionMix => u64::from(settings.grid.pow(3)) * u64::from(settings.normals.pow(2)),
+            _ => u64::from(settings.grid.pow(3)) * u64::from(settings.normal_resolution().pow(2)),
         }
     }
 
@@ -29,8 +29,8 @@ impl NormalizationGrid {
         let shape = set_shape(kernels, 3);
         let entries = Self::texels(settings);
         let cosines = match settings.sampler {
-            Sampler::Bsdf => Vec::new(),
-            Sampler::RejectionMix => cosine_integrals(settings.directions, settings.normals),
+            Sampler::Bsdf | Sampler::SphereInversion => Vec::new(),
+            _ => cosine_integrals(settings.map, settings.directions, settings.normals),
         };
         let buffer = |name: &str, bytes: u64, kind| Buffer::new(context, name, bytes, kind);
         let table_bytes = entries * size_of::<NormalizationEntry>() as u64;

@@ -21,7 +21,7 @@ impl RadianceGrid {
     pub fn texels(settings: &Settings) -> u64 {
         match settings.sampler {
             Sampler::Bsdf => 0,
-            Sampler::RejectionMix => u64::from(settings.grid.pow(3)) * u64::from(settings.directions.pow(2)),
+            _ => u64::from(settings.grid.pow(3)) * u64::from(settings.directions.pow(2)),
         }
     }
 
@@ -32,7 +32,9 @@ impl RadianceGrid {
         let radiance = buffer("radiance", size_of::<f32>(), table_kind(shape, BufferKind::StorageTexelFloat1))?;
         let learned = buffer("learned radiance", size_of::<LearnedRadiance>(), BufferKind::Storage)?;
         let sums = buffer("radiance sums", size_of::<RadianceSum>(), BufferKind::Storage)?;
-        let set = table_set(context, "radiance grid", shape, &[&radiance, &learned, &sums])?;
+        let ends = if settings.sampler == Sampler::SphereInversion { bins } else { 0 };
+        let ends = Buffer::new(context, "bin ends", ends * size_of::<u32>() as u64, BufferKind::Storage)?;
+        let set = table_set(context, "radiance grid", shape, &[&radiance, &learned, &sums, &ends])?;
         Ok(Self { set, radiance, bin_count: bins as usize })
     }
 

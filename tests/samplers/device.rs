@@ -7,8 +7,9 @@ use lodestar::cosine_integrals::cosine_integrals;
 use lodestar::gpu::{
     BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape,
 };
-use lodestar::kernels::{Variant, test};
+use lodestar::kernels::{MAP_CYLINDRICAL, Variant, test};
 use lodestar::layout::NormalizationEntry;
+use lodestar::settings::DirectionMap;
 
 /// Invocations of a workgroup unless a test says otherwise.
 pub const GROUP: u32 = 64;
@@ -125,8 +126,9 @@ impl Drop for Device {
 /// The grids of a single cell.
 pub struct Cell {
     pub radiance: Arc<Buffer>,
+    pub bin_ends: Arc<Buffer>,
     pub entries: Arc<Buffer>,
-    integrals: Arc<Buffer>,
+    pub integrals: Arc<Buffer>,
     normalize: Kernel,
     normals: u32,
 }
@@ -134,12 +136,14 @@ pub struct Cell {
 impl Cell {
     /// A cell without content.
     pub fn new(device: &Device, variant: &Variant) -> Self {
+        let map = if variant.map == MAP_CYLINDRICAL { DirectionMap::Cylindrical } else { DirectionMap::EqualArea };
         let (directions, normals) = (variant.direction_resolution, variant.normal_resolution);
         let entries = (normals * normals) as usize * size_of::<NormalizationEntry>();
         Self {
             radiance: device.storage("radiance", (directions * directions) as usize * size_of::<f32>()),
+            bin_ends: device.storage("bin ends", (directions * directions) as usize * size_of::<u32>()),
             entries: device.storage("entries", entries),
-            integrals: device.uploaded("integrals", &cosine_integrals(directions, normals)),
+            integrals: device.uploaded("integrals", &cosine_integrals(map, directions, normals)),
             normalize: device.kernel(&test::NORMALIZE_CELL, variant),
             normals,
         }
@@ -148,7 +152,8 @@ impl Cell {
     /// Sets its radiance and has the device fill all normalizers.
     pub fn fill(&self, device: &Device, radiance: &[f32]) {
         self.radiance.upload(0, radiance).expect("uploaded");
-        device.dispatch(&self.normalize, &[&self.radiance, &self.entries, &self.integrals], &[], 4);
+        let buffers = [&self.radiance, &self.bin_ends, &self.entries, &self.integrals];
+        device.dispatch(&self.normalize, &buffers, &[], 4);
     }
 
     pub fn entries(&self) -> Vec<NormalizationEntry> {

@@ -3,14 +3,14 @@
 
 mod camera;
 mod device;
+mod direction_map;
 mod directions;
-mod equal_area;
 mod fixed_point;
+mod guide_cases;
+mod guides;
 mod intersections;
 mod learning;
 mod normalization;
 mod random;
-mod rejection_cases;
-mod rejection_mix;
 mod statistics;
 mod surfaces;

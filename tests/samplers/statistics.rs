@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use glam::{DVec3, dvec3};
 use lodestar::reference::cosine::SphereGrid;
 use lodestar::reference::random::{RandomKey, RandomStream, next_random, random_stream};
+use lodestar::settings::DirectionMap;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Cells expected to hold less are counted together (Cochran 1954).
@@ -88,10 +89,10 @@ impl Numbers {
     }
 }
 
-/// The sphere in a million points, none of them among those that the renderer integrates over.
-pub fn sphere() -> &'static SphereGrid {
-    static SPHERE: OnceLock<SphereGrid> = OnceLock::new();
-    SPHERE.get_or_init(|| SphereGrid::new(1056))
+/// The sphere in a million points of a map, none of them among those that the renderer integrates over.
+pub fn sphere(map: DirectionMap) -> &'static SphereGrid {
+    static SPHERES: [OnceLock<SphereGrid>; 2] = [OnceLock::new(), OnceLock::new()];
+    SPHERES[map as usize].get_or_init(|| SphereGrid::new(map, 1056))
 }
 
 #[test]

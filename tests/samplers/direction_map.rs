@@ -1,9 +1,11 @@
-//! `glsl/include/equal_area.glsl`
+//! `glsl/include/direction_map.glsl`, `equal_area.glsl`, `cylindrical.glsl`
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec2, Vec3, dvec2, vec2, vec3};
 use lodestar::kernels::{Variant, test};
-use lodestar::reference::equal_area as twin;
+use lodestar::reference::direction_map as twin;
+use lodestar::reference::equal_area::square_bin;
+use lodestar::settings::DirectionMap;
 
 use crate::device::Device;
 use crate::statistics::Numbers;
@@ -39,6 +41,11 @@ fn d2(v: [f32; 2]) -> DVec2 {
 }
 
 const SIDE: u32 = 256;
+const MAPS: [DirectionMap; 2] = [DirectionMap::EqualArea, DirectionMap::Cylindrical];
+
+fn variant(map: DirectionMap, resolution: u32) -> Variant {
+    Variant { map: map as u32, direction_resolution: resolution, ..Variant::default() }
+}
 
 /// Points of a grid over the whole square, its border, corners, diagonals and center included.
 fn points() -> Vec<Vec2> {
@@ -72,21 +79,27 @@ fn from_border(p: DVec2, resolution: u32) -> f64 {
 
 #[test]
 fn the_map_is_its_twin_both_ways() {
+    for map in MAPS {
+        check_both_ways(map);
+    }
+}
+
+fn check_both_ways(map: DirectionMap) {
     let device = Device::new();
     let inputs = inputs(16);
-    let outputs: Vec<MapOutput> = device.map(&test::EQUAL_AREA, &Variant::default(), &inputs);
+    let outputs: Vec<MapOutput> = device.map(&test::DIRECTION_MAP, &variant(map, 16), &inputs);
     let mut worst = [0.0_f64; 7];
     for (i, o) in inputs.iter().zip(&outputs) {
         let (p, w) = (d2(i.p), d3(i.w));
         let errors = [
-            (d3(o.w_of_p) - twin::square_to_sphere(p)).length(),
+            (d3(o.w_of_p) - twin::map_to_sphere(map, p)).length(),
             (d3(o.w_of_p).length() - 1.0).abs(),
             (d3(o.w_of_antipode) + d3(o.w_of_p)).length(),
             // Points of the border and corners of the square stand for one direction together: compare those.
-            (twin::square_to_sphere(d2(o.p_of_w)) - w.normalize()).length(),
-            (twin::square_to_sphere(d2(o.p_of_w_of_p)) - twin::square_to_sphere(p)).length(),
-            (twin::square_to_sphere(d2(o.antipode_of_p)) + twin::square_to_sphere(p)).length(),
-            (d3(o.center) - twin::bin_center(i.bin, 16)).length(),
+            direction_error(map, d2(o.p_of_w), w.normalize()),
+            (twin::map_to_sphere(map, d2(o.p_of_w_of_p)) - twin::map_to_sphere(map, p)).length(),
+            (twin::map_to_sphere(map, d2(o.antipode_of_p)) + twin::map_to_sphere(map, p)).length(),
+            (d3(o.center) - twin::bin_center(map, i.bin, 16)).length(),
         ];
         assert!(d2(o.p_of_w).abs().max_element() <= 1.0 && d2(o.antipode_of_p).abs().max_element() <= 1.0, "{o:?}");
         worst = std::array::from_fn(|k| worst[k].max(errors[k]));
@@ -94,18 +107,36 @@ fn the_map_is_its_twin_both_ways() {
     assert!(worst.iter().all(|&e| e < 1.0e-6), "errors {worst:?}");
 }
 
+/// How far the direction of a point of the map is from `w`. At the poles of the cylinder the height of single precision says
+/// little of the distance from them, so there the height itself is compared, and the azimuth about the axis.
+fn direction_error(map: DirectionMap, p: DVec2, w: DVec3) -> f64 {
+    match map {
+        DirectionMap::EqualArea => (twin::map_to_sphere(map, p) - w).length(),
+        DirectionMap::Cylindrical => {
+            let azimuth = DVec2::from_angle(std::f64::consts::PI * p.x) * w.truncate().length();
+            (azimuth - w.truncate()).length().max((p.y - w.z).abs())
+        }
+    }
+}
+
 #[test]
 fn points_away_from_borders_are_unique() {
-    // Off the square's border (the south pole's seam) the point itself must come back, not merely its direction.
+    for map in MAPS {
+        check_uniqueness(map);
+    }
+}
+
+/// Off the square's border (its seam) the point itself must come back, not merely its direction.
+fn check_uniqueness(map: DirectionMap) {
     let device = Device::new();
     let inputs = inputs(16);
-    let outputs: Vec<MapOutput> = device.map(&test::EQUAL_AREA, &Variant::default(), &inputs);
+    let outputs: Vec<MapOutput> = device.map(&test::DIRECTION_MAP, &variant(map, 16), &inputs);
     let mut compared = 0;
     for (i, o) in inputs.iter().zip(&outputs) {
-        let (p, q) = (d2(i.p), twin::sphere_to_square(d3(i.w).normalize()));
+        let (p, q) = (d2(i.p), twin::sphere_to_map(map, d3(i.w).normalize()));
         if p.abs().max_element() < 1.0 {
             assert!((d2(o.p_of_w_of_p) - p).length() < 2.0e-6, "{p} became {:?}", o.p_of_w_of_p);
-            assert!((d2(o.antipode_of_p) - twin::antipode(p)).length() < 1.0e-6, "antipode of {p}");
+            assert!((d2(o.antipode_of_p) - twin::map_antipode(map, p)).length() < 1.0e-6, "antipode of {p}");
         }
         if q.abs().max_element() < 0.999 && d3(i.w).abs().min_element() > 1.0e-6 {
             assert!((d2(o.p_of_w) - q).length() < 2.0e-6, "{:?} became {:?}, not {q}", i.w, o.p_of_w);
@@ -117,21 +148,20 @@ fn points_away_from_borders_are_unique() {
 
 #[test]
 fn bins_are_their_twins() {
-    let device = Device::new();
-    for resolution in [8, 16, 32] {
+    for (map, resolution) in MAPS.into_iter().flat_map(|map| [8, 16, 32].map(|resolution| (map, resolution))) {
+        let device = Device::new();
         let inputs = inputs(resolution);
-        let variant = Variant { direction_resolution: resolution, ..Variant::default() };
-        let outputs: Vec<MapOutput> = device.map(&test::EQUAL_AREA, &variant, &inputs);
+        let outputs: Vec<MapOutput> = device.map(&test::DIRECTION_MAP, &variant(map, resolution), &inputs);
         let mut near_borders = 0;
         for (i, o) in inputs.iter().zip(&outputs) {
             // Exact, for these points and their bins' borders are.
-            assert_eq!(o.bin_of_p, twin::square_bin(d2(i.p), resolution), "{:?}", i.p);
+            assert_eq!(o.bin_of_p, square_bin(d2(i.p), resolution), "{:?}", i.p);
             assert_eq!(o.bin_of_center, i.bin);
-            let q = twin::sphere_to_square(d3(i.w).normalize());
+            let q = twin::sphere_to_map(map, d3(i.w).normalize());
             if from_border(q, resolution) < 2.0e-6 {
                 near_borders += 1;
             } else {
-                assert_eq!(o.bin_of_w, twin::square_bin(q, resolution), "{:?}", i.w);
+                assert_eq!(o.bin_of_w, square_bin(q, resolution), "{:?}", i.w);
             }
             assert!(o.bin_of_w < resolution * resolution);
         }
@@ -142,7 +172,9 @@ fn bins_are_their_twins() {
 #[test]
 fn a_map_that_is_slightly_off_is_noticed() {
     // What the tolerance above can tell: an azimuth that is off by 2e-6 of a quadrant.
-    let p = dvec2(0.3, 0.4);
-    let wrong = twin::square_to_sphere(p + dvec2(-2.0e-6, 2.0e-6));
-    assert!((wrong - twin::square_to_sphere(p)).length() > 1.0e-6);
+    for map in MAPS {
+        let p = dvec2(0.3, 0.4);
+        let wrong = twin::map_to_sphere(map, p + dvec2(-2.0e-6, 2.0e-6));
+        assert!((wrong - twin::map_to_sphere(map, p)).length() > 1.0e-6);
+    }
 }

@@ -1,9 +1,8 @@
-// Both ways of the equal-area map and its bins, one point of the square and one direction per invocation.
+// Both ways of the map of directions and its bins, one point of the square and one direction per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "equal_area.glsl"
-#include "variant.glsl"
+#include "direction_map.glsl"
 
 struct MapInput {
     vec2 p;
@@ -29,14 +28,14 @@ layout(scalar, set = 0, binding = 1) writeonly buffer MapOutputs { MapOutput map
 void main() {
     MapInput i = map_inputs[gl_GlobalInvocationID.x];
     MapOutput o;
-    o.w_of_p = square_to_sphere(i.p);
-    o.p_of_w = sphere_to_square(i.w);
-    o.antipode_of_p = antipode(i.p);
-    o.w_of_antipode = square_to_sphere(o.antipode_of_p);
-    o.p_of_w_of_p = sphere_to_square(o.w_of_p);
-    o.center = bin_center(i.bin, DIRECTION_RESOLUTION);
+    o.w_of_p = map_to_sphere(i.p);
+    o.p_of_w = sphere_to_map(i.w);
+    o.antipode_of_p = map_antipode(i.p);
+    o.w_of_antipode = map_to_sphere(o.antipode_of_p);
+    o.p_of_w_of_p = sphere_to_map(o.w_of_p);
+    o.center = bin_center(i.bin);
     o.bin_of_p = square_bin(i.p, DIRECTION_RESOLUTION);
-    o.bin_of_w = direction_bin(i.w, DIRECTION_RESOLUTION);
-    o.bin_of_center = direction_bin(o.center, DIRECTION_RESOLUTION);
+    o.bin_of_w = direction_bin(i.w);
+    o.bin_of_center = direction_bin(o.center);
     map_outputs[gl_GlobalInvocationID.x] = o;
 }

@@ -1,0 +1,48 @@
+// What the grids know about the directions at a point, and what a sampler makes of it.
+#ifndef GUIDE_GLSL
+#define GUIDE_GLSL
+#include "direction_map.glsl"
+#include "normalization_grid.glsl"
+#include "radiance_grid.glsl"
+
+struct Guide {
+    uint cell;
+    uint normal_bin;
+    vec3 nb;  // representative normal of that bin
+    vec3 n;   // the true normal
+    NormalizationEntry entry;  // unfilled: there is no guide here yet
+};
+
+struct GuidedSample {
+    vec3 wi;
+    float pdf;      // per steradian; of no meaning where `wi` lies below the surface
+    uint bin;       // direction bin that `wi` lies in
+    float radiance; // L of that bin
+    uint tries;
+    bool overrun;   // the driver ended the loop before it came to its end
+};
+
+Guide guide_at(uint cell, vec3 n) {
+    uint bin = normal_bin(n);
+    return Guide(cell, bin, representative_normal(bin), n, normalization_entry(normalization_index(cell, bin)));
+}
+
+bool is_filled(NormalizationEntry entry) {
+    return entry.uniform_density > 0.0;
+}
+
+// Asks for a guide here from the next update on.
+void mark_guide(Guide guide) {
+    mark_entry(normalization_index(guide.cell, guide.normal_bin));
+}
+
+float bin_radiance(Guide guide, uint bin) {
+    return radiance(radiance_index(guide.cell, bin));
+}
+
+// Density of the uniform share: there is none below the surface.
+float uniform_density(Guide guide, vec3 wi) {
+    return dot(wi, guide.n) > 0.0 ? guide.entry.uniform_density : 0.0;
+}
+
+#endif
