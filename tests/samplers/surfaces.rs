@@ -22,11 +22,15 @@ struct SurfaceOutput {
     shading_normal: [f32; 3],
     material: u32,
     emitter: u32,
+    uv: [f32; 2],
+    dp_du: [f32; 3],
+    dp_dv: [f32; 3],
+    frame: [[f32; 3]; 3],
     leaving_origin: [f32; 3],
     leaving_direction: [f32; 3],
     leaving_t_max: f32,
     t: f32,
-    uv: [f32; 2],
+    hit_uv: [f32; 2],
     primitive: u32,
 }
 
