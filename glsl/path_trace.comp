@@ -6,7 +6,7 @@
 #include "camera.glsl"
 #include "guiding.glsl"
 #include "learning.glsl"
-#include "material.glsl"
+#include "scatterer.glsl"
 #include "surface.glsl"
 #include "tally.glsl"
 #include "traverse.glsl"
@@ -59,20 +59,6 @@ vec3 surface_emission(Surface s, vec3 wo) {
     return emitter_radiance(s.emitter);
 }
 
-// The material of a surface as it is met from direction `wo`.
-Scatterer scatterer_at(Surface s, vec3 wo) {
-    Scatterer x;
-    x.bsdf = untextured_bsdf(s.material);
-    x.frame = basis_from_normal(s.shading_normal);
-    x.wo = wo * x.frame;
-    if (x.wo.z < 0.0 && bsdf_flag(x.bsdf, MATERIAL_TWO_SIDED)) {
-        x.frame[2] = -x.frame[2];
-        x.wo.z = -x.wo.z;
-    }
-    x.cell = is_learning() ? grid_cell(s.position) : 0u;
-    return x;
-}
-
 // Russian roulette by throughput; survivors are weighed up.
 bool survives_roulette(inout Path path, float u) {
     if (path.depth < RR_DEPTH) return true;
@@ -107,7 +93,7 @@ float scatter(inout Path path, Surface s, Scatterer x, vec4 u, inout Tally tally
     }
     DirectionSample next = sample_direction(path.key, path.depth, u, x);
     count_sample(tally, next.tries, next.below, next.overrun);
-    path.segment = segment_from(x.cell, next);
+    if (!x.passes) path.segment = segment_from(x.cell, next);
     path.throughput *= next.weight;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
         path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
@@ -115,7 +101,7 @@ float scatter(inout Path path, Surface s, Scatterer x, vec4 u, inout Tally tally
     } else {
         end_path(path);
     }
-    return target_sarsa(emission, next);
+    return x.passes ? NO_TARGET : target_sarsa(emission, next);
 }
 
 void main() {
@@ -145,7 +131,7 @@ void main() {
             target = escape(path, tally);
         } else {
             Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
-            Scatterer x = scatterer_at(s, -path.ray.direction);
+            Scatterer x = scatterer_at(s, -path.ray.direction, path.key, path.depth);
             if (path.depth == 1u) {
                 add_first_hit(samples, bsdf_albedo(x.bsdf), s.shading_normal, distance(s.position, camera_position()));
             }

@@ -55,6 +55,7 @@ const uint FEATURE_COATING = 8u;
 const uint FEATURE_TANGENTS = 16u;
 const uint FEATURE_TEXTURES = 32u;
 const uint FEATURE_TEXTURED_EMITTERS = 64u;
+const uint FEATURE_BECKMANN = 128u;
 
 // "No such thing" as an index.
 const uint NONE = 4294967295u;

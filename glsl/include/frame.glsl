@@ -53,9 +53,11 @@ layout(scalar, set = 0, binding = 2) uniform Scene { SceneConstants scene_consta
 #ifdef TEXEL_READS
 layout(set = 0, binding = 3) uniform usamplerBuffer materials;
 layout(set = 0, binding = 4) uniform usamplerBuffer emitters;
+layout(set = 0, binding = 6) uniform usamplerBuffer texel_words;
 #else
 layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
 layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { Emitter emitters[]; };
+layout(scalar, set = 0, binding = 6) restrict readonly buffer TexelWords { uint texel_words[]; };
 #endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
 
@@ -71,6 +73,11 @@ uvec4 fetch_material(uint material, uint texel) {
 vec3 emitter_radiance(uint index) {
     return uintBitsToFloat(texelFetch(emitters, int(index)).xyz);
 }
+
+// A word of the materials' tables.
+uint texel_word(uint address) {
+    return texelFetch(texel_words, int(address)).x;
+}
 #else
 uvec4 fetch_material(uint material, uint texel) {
     return materials[material * MATERIAL_TEXELS + texel];
@@ -78,6 +85,10 @@ uvec4 fetch_material(uint material, uint texel) {
 
 vec3 emitter_radiance(uint index) {
     return emitters[index].radiance;
+}
+
+uint texel_word(uint address) {
+    return texel_words[address];
 }
 #endif
 

@@ -5,6 +5,7 @@
 #include "equal_area.glsl"
 #include "frame.glsl"
 #include "rejection_mix.glsl"
+#include "relief.glsl"
 #include "surface.glsl"
 
 struct DirectionSample {
@@ -30,15 +31,27 @@ struct Scatterer {
     Bsdf bsdf;
     mat3 frame;  // world from local; z along the shading normal, on the side of `wo` where the surface is two-sided
     vec3 wo;     // local
+    vec3 upright;  // local: the shading normal that a bump or normal map has tilted the frame against
+    bool passes;   // the path goes straight on through a hole
     uint cell;
 };
+
+bool has_relief() {
+    return has_feature(FEATURE_BUMP | FEATURE_NORMAL_MAP);
+}
+
+// f cos.
+vec3 eval_scatterer(Scatterer x, vec3 wi) {
+    vec3 f = eval_bsdf(x.bsdf, x.wo, wi);
+    return has_relief() ? f * relief_shadowing(x.upright, wi) : f;
+}
 
 // f cos / pdf of a direction that was drawn with density `diffuse_density` where its lobe is the diffuse one.
 vec3 sample_weight(Scatterer x, BsdfSample s, float diffuse_density) {
     if (s.lobe == LOBE_NONE) return vec3(0.0);
-    if (s.lobe == LOBE_DELTA) return s.weight;
+    if (s.lobe == LOBE_DELTA) return has_relief() ? s.weight * relief_shadowing(x.upright, s.wi) : s.weight;
     float pdf = pdf_bsdf(x.bsdf, x.wo, s.wi, diffuse_density) * PDF_TAMPER;
-    return pdf > 0.0 ? eval_bsdf(x.bsdf, x.wo, s.wi) / pdf : vec3(0.0);
+    return pdf > 0.0 ? eval_scatterer(x, s.wi) / pdf : vec3(0.0);
 }
 
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.
@@ -82,6 +95,7 @@ DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice
 // Draws the direction in which a path leaves a surface.
 DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x) {
     BsdfSample s = sample_bsdf(x.bsdf, x.wo, u.xyz);
+    if (x.passes) s = BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0);
     if (SAMPLER == SAMPLER_BSDF) return sample_direction_bsdf(x, s);
     return sample_direction_guided(key, vertex, u.x, x, s);
 }
