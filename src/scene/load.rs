@@ -4,16 +4,21 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use glam::{DMat4, Vec3};
+use glam::DMat4;
 use rayon::prelude::*;
 
 use super::element::Element;
+use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::mesh::{self, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
 use super::shape::{self, Geometry, Shape};
-use super::{AreaEmitter, Environment, IntegratorDescription, Material, Primitive, Scene, Textured};
+use super::texture::{Image, Texels};
+use super::{
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, IntegratorDescription, Material, Primitive, Scene,
+};
 use super::{document, material, sensor};
+use crate::image::exr::read_rgb;
 use crate::{Error, Result};
 
 /// What the caller overrides while a scene is read.
@@ -38,6 +43,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         materials: Vec::new(),
         emitters: Vec::new(),
         environment: None,
+        delta_emitters: Vec::new(),
+        images: Vec::new(),
         shapes: Vec::new(),
         sensors: Vec::new(),
         integrators: Vec::new(),
@@ -57,7 +64,9 @@ struct Builder<'a> {
     material_indices: HashMap<*const Element, u32>,
     materials: Vec<Material>,
     emitters: Vec<AreaEmitter>,
-    environment: Option<Vec3>,
+    environment: Option<Environment>,
+    delta_emitters: Vec<DeltaEmitter>,
+    images: Vec<Image>,
     shapes: Vec<Shape>,
     sensors: Vec<&'a Element>,
     integrators: Vec<&'a Element>,
@@ -70,7 +79,7 @@ impl<'a> Builder<'a> {
         match element.tag.as_str() {
             "integrator" => self.integrators.push(element),
             "sensor" => self.sensors.push(element),
-            "emitter" => self.add_environment(element)?,
+            "emitter" => self.add_emitter(element)?,
             "shape" => self.add_shape(element)?,
             // Also where no shape uses it: a plugin that is not supported should not pass unseen.
             "bsdf" => drop(self.material_index(element, None)?),
@@ -81,31 +90,36 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn add_environment(&mut self, element: &'a Element) -> Result<()> {
-        if element.plugin()? != "constant" {
-            let supported = ["constant", "area"];
-            return Err(match element.attribute("type") {
-                Some("area") => element.error("emitter plugin `area` belongs inside a <shape>"),
-                _ => element.unsupported(&supported),
-            });
-        }
-        let radiance = self.radiance(element)?;
-        match self.environment.replace(radiance) {
-            Some(_) => Err(element.error("a second `constant` emitter: a scene has one environment")),
+    fn add_emitter(&mut self, element: &'a Element) -> Result<()> {
+        let environment = match emitter_plugin::parse(element, &self.ids, &self.top_folder, &mut self.warnings)? {
+            SceneEmitter::Delta(emitter) => {
+                self.delta_emitters.push(emitter);
+                return Ok(());
+            }
+            SceneEmitter::Environment(environment) => environment,
+            SceneEmitter::Map(file) => self.read_environment_map(element, file)?,
+        };
+        match self.environment.replace(environment) {
+            Some(_) => {
+                let plugin = element.plugin()?;
+                Err(element.error(format!("emitter plugin `{plugin}`: a second environment; a scene has one")))
+            }
             None => Ok(()),
         }
     }
 
-    fn radiance(&mut self, element: &'a Element) -> Result<Vec3> {
-        let mut properties = Properties::new(element, &self.ids)?;
-        if let Some(texture) = properties.objects("texture").first() {
-            return Err(texture.error("textures are not supported yet; give the `radiance` as <rgb>"));
+    fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
+        let picture = read_rgb(&file.path)?;
+        if picture.width < 2 || picture.height < 3 {
+            return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
         }
-        let radiance = properties.color("radiance")?.unwrap_or(Vec3::ONE);
-        // Light samples are chosen by other means here.
-        properties.ignore(&["sampling_weight"]);
-        properties.finish(&mut self.warnings)?;
-        Ok(radiance)
+        let color = |pixel: &[f32; 3]| pixel.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
+        let texels = picture.pixels.iter().map(color).map(|[r, g, b]| [r, g, b, 1.0]).collect();
+        let (width, height) = (picture.width, picture.height);
+        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
+        let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
+        self.images.push(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) });
+        Ok(Environment { kind, sampling_weight })
     }
 
     fn add_shape(&mut self, element: &'a Element) -> Result<()> {
@@ -117,12 +131,8 @@ impl<'a> Builder<'a> {
             None => self.default_material_index(),
         };
         if let Some(emitter) = properties.object("emitter")? {
-            if emitter.plugin()? != "area" {
-                return Err(emitter.unsupported(&["area"]));
-            }
-            let radiance = self.radiance(emitter)?;
             common.emitter = Some(self.emitters.len() as u32);
-            self.emitters.push(AreaEmitter { radiance: Textured::constant(radiance) });
+            self.emitters.push(emitter_plugin::parse_area(emitter, &self.ids, &mut self.warnings)?);
         }
         properties.finish(&mut self.warnings)?;
         self.shapes.push(Shape { geometry, common, location: element.location.clone() });
@@ -197,10 +207,10 @@ impl<'a> Builder<'a> {
             primitives: flatten_all(&self.shapes, &meshes)?,
             materials: self.materials,
             emitters: self.emitters,
-            environment: self.environment.map(|radiance| Environment::Constant { radiance }),
-            delta_emitters: Vec::new(),
+            environment: self.environment,
+            delta_emitters: self.delta_emitters,
             textures: Vec::new(),
-            images: Vec::new(),
+            images: self.images,
             warnings: self.warnings,
         })
     }
