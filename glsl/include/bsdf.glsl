@@ -11,12 +11,15 @@
 #include "bsdf_dielectric.glsl"
 #include "bsdf_diffuse.glsl"
 #include "bsdf_plastic.glsl"
+#include "bsdf_principled.glsl"
 #include "bsdf_rough_conductor.glsl"
 #include "bsdf_rough_dielectric.glsl"
+#include "bsdf_rough_diffuse.glsl"
 #include "bsdf_rough_plastic.glsl"
 #include "bsdf_thin_dielectric.glsl"
 
-const uint KINDS_WITH_FACETS = (1u << BSDF_ROUGH_CONDUCTOR) | (1u << BSDF_ROUGH_DIELECTRIC) | (1u << BSDF_ROUGH_PLASTIC);
+const uint KINDS_WITH_FACETS =
+    (1u << BSDF_ROUGH_CONDUCTOR) | (1u << BSDF_ROUGH_DIELECTRIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PRINCIPLED);
 const Facet NO_FACET = Facet(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0);
 
 bool has_facets() {
@@ -24,12 +27,13 @@ bool has_facets() {
 }
 
 Microfacets bsdf_microfacets(Bsdf b) {
-    return microfacets(b.scalars0.xy, bsdf_flag(b, MATERIAL_GGX));
+    vec2 alpha = is_kind(b, BSDF_PRINCIPLED) ? principled_alpha(b) : b.scalars0.xy;
+    return microfacets(alpha, bsdf_flag(b, MATERIAL_GGX));
 }
 
 // One evaluation serves all kinds with facets: every lane runs through every kind.
 Facet bsdf_facet(Bsdf b, vec3 wo, vec3 wi) {
-    float eta = has_kind(BSDF_ROUGH_DIELECTRIC) ? b.scalars0.z : 1.0;
+    float eta = has_kind(BSDF_ROUGH_DIELECTRIC) || has_kind(BSDF_PRINCIPLED) ? b.scalars0.z : 1.0;
     return has_facets() ? facet_between(bsdf_microfacets(b), wo, wi, eta) : NO_FACET;
 }
 
@@ -47,6 +51,7 @@ BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = NO_BSDF_SAMPLE;
     vec3 m = sample_facet(b, wo, u.xy);
     if (is_kind(b, BSDF_DIFFUSE)) s = sample_bsdf_diffuse(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_DIFFUSE)) s = sample_bsdf_rough_diffuse(b, wo, u);
     if (is_kind(b, BSDF_DIELECTRIC)) s = sample_bsdf_dielectric(b, wo, u);
     if (is_kind(b, BSDF_THIN_DIELECTRIC)) s = sample_bsdf_thin_dielectric(b, wo, u);
     if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) s = sample_bsdf_rough_dielectric(b, wo, m, u);
@@ -54,6 +59,7 @@ BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
     if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) s = sample_bsdf_rough_conductor(b, wo, m);
     if (is_kind(b, BSDF_PLASTIC)) s = sample_bsdf_plastic(b, wo, u);
     if (is_kind(b, BSDF_ROUGH_PLASTIC)) s = sample_bsdf_rough_plastic(b, wo, m, u);
+    if (is_kind(b, BSDF_PRINCIPLED)) s = sample_bsdf_principled(b, wo, m, u);
     return s;
 }
 
@@ -61,6 +67,7 @@ float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     float pdf = 0.0;
     Facet f = bsdf_facet(b, wo, wi);
     if (is_kind(b, BSDF_DIFFUSE)) pdf = pdf_bsdf_diffuse(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_ROUGH_DIFFUSE)) pdf = pdf_bsdf_rough_diffuse(b, wo, wi, diffuse_density);
     if (is_kind(b, BSDF_DIELECTRIC)) pdf = pdf_bsdf_dielectric(b, wo, wi);
     if (is_kind(b, BSDF_THIN_DIELECTRIC)) pdf = pdf_bsdf_thin_dielectric(b, wo, wi);
     if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) pdf = pdf_bsdf_rough_dielectric(b, wo, wi, f);
@@ -68,6 +75,7 @@ float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) pdf = pdf_bsdf_rough_conductor(b, wo, wi, f);
     if (is_kind(b, BSDF_PLASTIC)) pdf = pdf_bsdf_plastic(b, wo, wi, diffuse_density);
     if (is_kind(b, BSDF_ROUGH_PLASTIC)) pdf = pdf_bsdf_rough_plastic(b, wo, wi, diffuse_density, f);
+    if (is_kind(b, BSDF_PRINCIPLED)) pdf = pdf_bsdf_principled(b, wo, wi, f);
     return pdf;
 }
 
@@ -75,6 +83,7 @@ vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
     vec3 value = vec3(0.0);
     Facet f = bsdf_facet(b, wo, wi);
     if (is_kind(b, BSDF_DIFFUSE)) value = eval_bsdf_diffuse(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_DIFFUSE)) value = eval_bsdf_rough_diffuse(b, wo, wi);
     if (is_kind(b, BSDF_DIELECTRIC)) value = eval_bsdf_dielectric(b, wo, wi);
     if (is_kind(b, BSDF_THIN_DIELECTRIC)) value = eval_bsdf_thin_dielectric(b, wo, wi);
     if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) value = eval_bsdf_rough_dielectric(b, wo, wi, f);
@@ -82,6 +91,7 @@ vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
     if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) value = eval_bsdf_rough_conductor(b, wo, wi, f);
     if (is_kind(b, BSDF_PLASTIC)) value = eval_bsdf_plastic(b, wo, wi);
     if (is_kind(b, BSDF_ROUGH_PLASTIC)) value = eval_bsdf_rough_plastic(b, wo, wi, f);
+    if (is_kind(b, BSDF_PRINCIPLED)) value = eval_bsdf_principled(b, wo, wi, f);
     return value;
 }
 
