@@ -17,6 +17,7 @@
 #include "bsdf_rough_diffuse.glsl"
 #include "bsdf_rough_plastic.glsl"
 #include "bsdf_thin_dielectric.glsl"
+#include "coating.glsl"
 
 const uint KINDS_WITH_FACETS =
     (1u << BSDF_ROUGH_CONDUCTOR) | (1u << BSDF_ROUGH_DIELECTRIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PRINCIPLED);
@@ -47,7 +48,7 @@ vec3 bsdf_albedo(Bsdf b) {
 }
 
 // u.xy draws the direction, u.z the lobe.
-BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
+BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = NO_BSDF_SAMPLE;
     vec3 m = sample_facet(b, wo, u.xy);
     if (is_kind(b, BSDF_DIFFUSE)) s = sample_bsdf_diffuse(b, wo, u);
@@ -63,7 +64,7 @@ BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
     return s;
 }
 
-float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+float pdf_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     float pdf = 0.0;
     Facet f = bsdf_facet(b, wo, wi);
     if (is_kind(b, BSDF_DIFFUSE)) pdf = pdf_bsdf_diffuse(b, wo, wi, diffuse_density);
@@ -79,7 +80,7 @@ float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     return pdf;
 }
 
-vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
+vec3 eval_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi) {
     vec3 value = vec3(0.0);
     Facet f = bsdf_facet(b, wo, wi);
     if (is_kind(b, BSDF_DIFFUSE)) value = eval_bsdf_diffuse(b, wo, wi);
@@ -92,6 +93,43 @@ vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
     if (is_kind(b, BSDF_PLASTIC)) value = eval_bsdf_plastic(b, wo, wi);
     if (is_kind(b, BSDF_ROUGH_PLASTIC)) value = eval_bsdf_rough_plastic(b, wo, wi, f);
     if (is_kind(b, BSDF_PRINCIPLED)) value = eval_bsdf_principled(b, wo, wi, f);
+    return value;
+}
+
+// Whether a layer lies over the surface; known to be false where the scene has none.
+bool is_coated(Bsdf b) {
+    return has_feature(FEATURE_COATING) && bsdf_flag(b, MATERIAL_COATED);
+}
+
+// A direction as the surface below a layer meets it.
+CoatedDirection enter_bsdf(Bsdf b, vec3 w) {
+    return is_coated(b) ? enter_coating(b.coating, w) : CoatedDirection(w, 0.0);
+}
+
+BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
+    CoatedDirection entered = enter_bsdf(b, wo);
+    float probability = is_coated(b) ? coating_probability(b.coating, entered) : 0.0;
+    bool specular = u.z < probability;
+    u.z = (u.z - (specular ? 0.0 : probability)) / (specular ? probability : 1.0 - probability);
+    BsdfSample s = sample_uncoated_bsdf(b, entered.inside, u);
+    if (is_coated(b)) s = sample_coating(b.coating, wo, entered, s, probability, specular);
+    return s;
+}
+
+float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+    CoatedDirection o = enter_bsdf(b, wo);
+    CoatedDirection i = enter_bsdf(b, wi);
+    if (is_coated(b)) diffuse_density = pdf_cosine_hemisphere(i.inside.z);
+    float pdf = pdf_uncoated_bsdf(b, o.inside, i.inside, diffuse_density);
+    if (is_coated(b)) pdf *= (1.0 - coating_probability(b.coating, o)) * coating_jacobian(b.coating, wi, i);
+    return pdf;
+}
+
+vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
+    CoatedDirection o = enter_bsdf(b, wo);
+    CoatedDirection i = enter_bsdf(b, wi);
+    vec3 value = eval_uncoated_bsdf(b, o.inside, i.inside);
+    if (is_coated(b)) value *= coating_transmittance(b.coating, o, i) * coating_jacobian(b.coating, wi, i);
     return value;
 }
 
