@@ -7,7 +7,7 @@
 #include "guiding.glsl"
 #include "learning.glsl"
 #include "light.glsl"
-#include "material.glsl"
+#include "scatterer.glsl"
 #include "surface.glsl"
 #include "tally.glsl"
 #include "traverse.glsl"
@@ -58,20 +58,6 @@ vec3 visible_emission(Path path, vec3 emission) {
     return HIDE_EMITTERS && path.depth == 1u ? vec3(0.0) : emission;
 }
 
-// The material of a surface as it is met from direction `wo`.
-Scatterer scatterer_at(Surface s, vec3 wo) {
-    Scatterer x;
-    x.bsdf = untextured_bsdf(s.material);
-    x.frame = basis_from_normal(s.shading_normal);
-    x.wo = wo * x.frame;
-    if (x.wo.z < 0.0 && bsdf_flag(x.bsdf, MATERIAL_TWO_SIDED)) {
-        x.frame[2] = -x.frame[2];
-        x.wo.z = -x.wo.z;
-    }
-    x.cell = is_learning() ? grid_cell(s.position) : 0u;
-    return x;
-}
-
 // Russian roulette by throughput; survivors are weighed up.
 bool survives_roulette(inout Path path, float u) {
     if (path.depth < RR_DEPTH) return true;
@@ -107,8 +93,8 @@ vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally ta
     float pdf = pdf_direction(x, guide, wi);
     if (MIS_FAULT == MIS_BLIND_TO_GUIDE) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));
     float weight = light.delta ? 1.0 : mis_weight(light.pdf, pdf);
-    vec3 scattered = eval_bsdf(x.bsdf, x.wo, wi) * light.radiance;
-    if (light.pdf <= 0.0 || max_component(scattered) <= 0.0) return vec3(0.0);
+    vec3 scattered = eval_scatterer(x, wi) * light.radiance;
+    if (x.passes || light.pdf <= 0.0 || max_component(scattered) <= 0.0) return vec3(0.0);
     ++tally.shadow_rays;
     Hit blocker = traverse(shadow_ray(s, light, scene().ray_epsilon), true, tally.overrun);
     return blocker.primitive == NONE ? scattered * (weight / light.pdf) : vec3(0.0);
@@ -133,7 +119,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     }
     DirectionSample next = sample_direction(path.key, path.depth, u, x, guide);
     count_sample(tally, next.tries, next.below, next.overrun);
-    path.segment = segment_from(x.cell, next);
+    if (!x.passes) path.segment = segment_from(x.cell, next);
     path.throughput *= next.weight;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
         path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
@@ -143,7 +129,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     } else {
         end_path(path);
     }
-    return target_sarsa(light, next);
+    return x.passes ? NO_TARGET : target_sarsa(light, next);
 }
 
 void main() {
@@ -173,7 +159,7 @@ void main() {
             target = escape(path, tally);
         } else {
             Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
-            Scatterer x = scatterer_at(s, -path.ray.direction);
+            Scatterer x = scatterer_at(s, -path.ray.direction, path.key, path.depth);
             if (path.depth == 1u) {
                 add_first_hit(samples, bsdf_albedo(x.bsdf), s.shading_normal, distance(s.position, camera_position()));
             }

@@ -55,6 +55,7 @@ const uint FEATURE_COATING = 8u;
 const uint FEATURE_TANGENTS = 16u;
 const uint FEATURE_TEXTURES = 32u;
 const uint FEATURE_TEXTURED_EMITTERS = 64u;
+const uint FEATURE_BECKMANN = 128u;
 
 // Kind of the environment.
 const uint ENVIRONMENT_NONE = 0u;

@@ -56,9 +56,11 @@ layout(scalar, set = 0, binding = 2) uniform Scene { SceneConstants scene_consta
 #ifdef TEXEL_READS
 layout(set = 0, binding = 3) uniform usamplerBuffer materials;
 layout(set = 0, binding = 4) uniform usamplerBuffer emitters;
+layout(set = 0, binding = 6) uniform usamplerBuffer texel_words;
 #else
 layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
 layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { uvec4 emitters[]; };
+layout(scalar, set = 0, binding = 6) restrict readonly buffer TexelWords { uint texel_words[]; };
 #endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
 
@@ -75,6 +77,11 @@ uvec4 fetch_material(uint material, uint texel) {
 uvec4 fetch_emitter_texel(uint texel) {
     return texelFetch(emitters, int(texel));
 }
+
+// A word of the materials' tables.
+uint texel_word(uint address) {
+    return texelFetch(texel_words, int(address)).x;
+}
 #else
 uvec4 fetch_material(uint material, uint texel) {
     return materials[material * MATERIAL_TEXELS + texel];
@@ -82,6 +89,10 @@ uvec4 fetch_material(uint material, uint texel) {
 
 uvec4 fetch_emitter_texel(uint texel) {
     return emitters[texel];
+}
+
+uint texel_word(uint address) {
+    return texel_words[address];
 }
 #endif
 

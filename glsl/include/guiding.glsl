@@ -5,6 +5,7 @@
 #include "equal_area.glsl"
 #include "frame.glsl"
 #include "rejection_mix.glsl"
+#include "relief.glsl"
 #include "surface.glsl"
 
 struct DirectionSample {
@@ -31,8 +32,20 @@ struct Scatterer {
     Bsdf bsdf;
     mat3 frame;  // world from local; z along the shading normal, on the side of `wo` where the surface is two-sided
     vec3 wo;     // local
+    vec3 upright;  // local: the shading normal that a bump or normal map has tilted the frame against
+    bool passes;   // the path goes straight on through a hole
     uint cell;
 };
+
+bool has_relief() {
+    return has_feature(FEATURE_BUMP | FEATURE_NORMAL_MAP);
+}
+
+// f cos.
+vec3 eval_scatterer(Scatterer x, vec3 wi) {
+    vec3 f = eval_bsdf(x.bsdf, x.wo, wi);
+    return has_relief() ? f * relief_shadowing(x.upright, wi) : f;
+}
 
 // What the grids know about the directions at a point.
 struct Guide {
@@ -75,8 +88,8 @@ float sample_pdf(Scatterer x, BsdfSample s, float diffuse_density) {
 
 // f cos / pdf of a sample.
 vec3 sample_weight(Scatterer x, BsdfSample s, float pdf) {
-    if (s.lobe == LOBE_DELTA) return s.weight;
-    return pdf > 0.0 ? eval_bsdf(x.bsdf, x.wo, s.wi) / (pdf * PDF_TAMPER) : vec3(0.0);
+    if (s.lobe == LOBE_DELTA) return has_relief() ? s.weight * relief_shadowing(x.upright, s.wi) : s.weight;
+    return pdf > 0.0 ? eval_scatterer(x, s.wi) / (pdf * PDF_TAMPER) : vec3(0.0);
 }
 
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.
@@ -105,6 +118,7 @@ DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice
 // Draws the direction in which a path leaves a surface.
 DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
     BsdfSample s = sample_bsdf(x.bsdf, x.wo, u.xyz);
+    if (x.passes) s = BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0);
     if (is_guided(guide)) return sample_direction_guided(key, vertex, u.x, x, guide, s);
     if (SAMPLER != SAMPLER_BSDF) mark_entry(guide.index);
     return sample_direction_bsdf(x, s, pdf_cosine_hemisphere(s.wi.z));

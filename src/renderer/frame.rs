@@ -7,11 +7,11 @@ use glam::{Mat4, Vec3};
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::materials;
 use super::statistics::Counts;
-use super::{buffer_kind, set_shape};
+use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::bvh::Bvh;
 use crate::film::Picture;
-use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, SetShape};
 use crate::kernels::{self, Kernels};
 use crate::layout;
 use crate::lights::Lights;
@@ -20,6 +20,8 @@ use crate::settings::Settings;
 
 /// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
 const RAY_EPSILON: f32 = 1.0 / 131_072.0;
+/// `texel_words` of `glsl/include/frame.glsl`.
+const TEXEL_WORDS_BINDING: u32 = 6;
 /// Learning targets saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;
 
@@ -51,9 +53,12 @@ impl Frame {
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
+        let texel_words = texel_words(context, shape)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
-            let all = [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters];
-            let set = DescriptorSet::new(context, "frame", shape, &all)?;
+            let all =
+                [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters, &texel_words];
+            let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
+            let set = DescriptorSet::new(context, "frame", shape, &used)?;
             Ok(buffers.with_set(set))
         };
         let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
@@ -82,6 +87,13 @@ impl Frame {
         self.pages.iter().try_for_each(|page| page.read_into(&mut picture))?;
         Ok(picture)
     }
+}
+
+/// Tables that materials refer to by the address of a word.
+fn texel_words(context: &Arc<Context>, shape: &SetShape) -> Result<Arc<Buffer>> {
+    let binding = shape.bindings.iter().find(|binding| binding.binding == TEXEL_WORDS_BINDING);
+    let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
+    Buffer::new(context, "texel words", 0, kind)
 }
 
 fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {

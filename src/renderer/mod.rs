@@ -264,6 +264,14 @@ fn buffer_kind(binding: BindingKind) -> BufferKind {
     }
 }
 
+/// The same for a buffer of single words.
+fn word_buffer_kind(binding: BindingKind) -> BufferKind {
+    match buffer_kind(binding) {
+        BufferKind::TexelUint => BufferKind::TexelUint1,
+        other => other,
+    }
+}
+
 /// A set over storage buffers of which the first, a table, is also seen as texels at the last binding, if there is one.
 fn table_set(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: &[&Arc<Buffer>]) -> Result<DescriptorSet> {
     let texels = (shape.bindings.len() > buffers.len()).then_some(buffers[0]);
