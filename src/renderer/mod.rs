@@ -208,7 +208,7 @@ impl Renderer {
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
 fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
-    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texels().len() as u64);
+    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texel_count() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,

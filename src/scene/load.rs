@@ -41,6 +41,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         top_folder: document::folder(path),
         material_indices: HashMap::new(),
         materials: Vec::new(),
+        default_materials: [None; 2],
         emitters: Vec::new(),
         environment: None,
         delta_emitters: Vec::new(),
@@ -63,6 +64,8 @@ struct Builder<'a> {
     /// Keyed by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
     material_indices: HashMap<*const Element, u32>,
     materials: Vec<Material>,
+    /// Of shapes without a BSDF: those that do not emit, and those that do.
+    default_materials: [Option<u32>; 2],
     emitters: Vec<AreaEmitter>,
     environment: Option<Environment>,
     delta_emitters: Vec<DeltaEmitter>,
@@ -126,11 +129,12 @@ impl<'a> Builder<'a> {
         let mut properties = Properties::new(element, &self.ids)?;
         let mut common = Common { to_world: DMat4::IDENTITY, flip_normals: false, material: 0, emitter: None };
         let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
+        let emitter = properties.object("emitter")?;
         common.material = match properties.object("bsdf")? {
             Some(bsdf) => self.material_index(bsdf, element.attribute("id"))?,
-            None => self.default_material_index(),
+            None => self.default_material_index(emitter.is_some()),
         };
-        if let Some(emitter) = properties.object("emitter")? {
+        if let Some(emitter) = emitter {
             common.emitter = Some(self.emitters.len() as u32);
             self.emitters.push(emitter_plugin::parse_area(emitter, &self.ids, &mut self.warnings)?);
         }
@@ -148,20 +152,20 @@ impl<'a> Builder<'a> {
             None => format!("{} at line {}", element.plugin()?, element.location.line),
         };
         let material = material::parse(element, name, &self.ids, &mut self.warnings)?;
-        Ok(self.push_material(element, material))
-    }
-
-    fn default_material_index(&mut self) -> u32 {
-        match self.material_indices.get(&std::ptr::null()) {
-            Some(&index) => index,
-            None => self.push_material(std::ptr::null(), material::default_material()),
-        }
-    }
-
-    fn push_material(&mut self, key: *const Element, material: Material) -> u32 {
         let index = self.materials.len() as u32;
         self.materials.push(material);
-        self.material_indices.insert(key, index);
+        self.material_indices.insert(element, index);
+        Ok(index)
+    }
+
+    /// What a shape without a BSDF is made of: as in Mitsuba, black where it emits.
+    fn default_material_index(&mut self, emits: bool) -> u32 {
+        if let Some(index) = self.default_materials[usize::from(emits)] {
+            return index;
+        }
+        let index = self.materials.len() as u32;
+        self.materials.push(if emits { material::emitter_material() } else { material::default_material() });
+        self.default_materials[usize::from(emits)] = Some(index);
         index
     }
 
