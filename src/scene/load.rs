@@ -9,11 +9,13 @@ use rayon::prelude::*;
 
 use super::element::Element;
 use super::flatten::Common;
+use super::materials::Materials;
 use super::mesh::{self, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
 use super::shape::{self, Geometry, Shape};
-use super::{AreaEmitter, Environment, IntegratorDescription, Material, Primitive, Scene, Textured};
-use super::{document, material, sensor};
+use super::textures::{Role, Textures};
+use super::{AreaEmitter, Environment, IntegratorDescription, Primitive, Scene, Textured};
+use super::{document, sensor, texture_images};
 use crate::{Error, Result};
 
 /// What the caller overrides while a scene is read.
@@ -31,11 +33,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let elements = document::read(path, &options.defines)?;
     let mut ids = HashMap::new();
     collect_ids(&elements, &mut ids)?;
+    let (ids, top_folder) = (Rc::new(ids), document::folder(path));
     let mut builder = Builder {
-        ids: Rc::new(ids),
-        top_folder: document::folder(path),
-        material_indices: HashMap::new(),
-        materials: Vec::new(),
+        materials: Materials::new(Rc::clone(&ids)),
+        textures: Textures::new(Rc::clone(&ids), top_folder.clone()),
+        ids,
+        top_folder,
         emitters: Vec::new(),
         environment: None,
         shapes: Vec::new(),
@@ -53,9 +56,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 struct Builder<'a> {
     ids: Ids<'a>,
     top_folder: PathBuf,
-    /// Keyed by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
-    material_indices: HashMap<*const Element, u32>,
-    materials: Vec<Material>,
+    materials: Materials<'a>,
+    textures: Textures<'a>,
     emitters: Vec<AreaEmitter>,
     environment: Option<Vec3>,
     shapes: Vec<Shape>,
@@ -73,7 +75,7 @@ impl<'a> Builder<'a> {
             "emitter" => self.add_environment(element)?,
             "shape" => self.add_shape(element)?,
             // Also where no shape uses it: a plugin that is not supported should not pass unseen.
-            "bsdf" => drop(self.material_index(element, None)?),
+            "bsdf" => self.materials.check(element, &mut self.textures, &mut self.warnings)?,
             // Does nothing by itself; what refers to it reports it.
             "texture" => {}
             tag => return Err(element.error(format!("<{tag}> is not supported in <scene>"))),
@@ -90,18 +92,24 @@ impl<'a> Builder<'a> {
             });
         }
         let radiance = self.radiance(element)?;
-        match self.environment.replace(radiance) {
+        if radiance.texture.is_some() {
+            return Err(element.error("the `radiance` of a `constant` emitter must be a color, not a texture"));
+        }
+        match self.environment.replace(radiance.value) {
             Some(_) => Err(element.error("a second `constant` emitter: a scene has one environment")),
             None => Ok(()),
         }
     }
 
-    fn radiance(&mut self, element: &'a Element) -> Result<Vec3> {
+    fn radiance(&mut self, element: &'a Element) -> Result<Textured<Vec3>> {
         let mut properties = Properties::new(element, &self.ids)?;
-        if let Some(texture) = properties.objects("texture").first() {
-            return Err(texture.error("textures are not supported yet; give the `radiance` as <rgb>"));
-        }
-        let radiance = properties.color("radiance")?.unwrap_or(Vec3::ONE);
+        let radiance = match properties.texture("radiance")? {
+            Some(texture) => {
+                let found = self.textures.read(texture, Role::Radiance, &mut self.warnings)?;
+                Textured { value: found.factor, texture: Some(self.textures.keep(found.texture)) }
+            }
+            None => Textured::constant(properties.emission("radiance")?.unwrap_or(Vec3::ONE)),
+        };
         // Light samples are chosen by other means here.
         properties.ignore(&["sampling_weight"]);
         properties.finish(&mut self.warnings)?;
@@ -113,8 +121,11 @@ impl<'a> Builder<'a> {
         let mut common = Common { to_world: DMat4::IDENTITY, flip_normals: false, material: 0, emitter: None };
         let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
         common.material = match properties.object("bsdf")? {
-            Some(bsdf) => self.material_index(bsdf, element.attribute("id"))?,
-            None => self.default_material_index(),
+            Some(bsdf) => {
+                let shape_id = element.attribute("id");
+                self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings)?
+            }
+            None => self.materials.keep_default(),
         };
         if let Some(emitter) = properties.object("emitter")? {
             if emitter.plugin()? != "area" {
@@ -122,37 +133,11 @@ impl<'a> Builder<'a> {
             }
             let radiance = self.radiance(emitter)?;
             common.emitter = Some(self.emitters.len() as u32);
-            self.emitters.push(AreaEmitter { radiance: Textured::constant(radiance) });
+            self.emitters.push(AreaEmitter { radiance });
         }
         properties.finish(&mut self.warnings)?;
         self.shapes.push(Shape { geometry, common, location: element.location.clone() });
         Ok(())
-    }
-
-    fn material_index(&mut self, element: &'a Element, shape_id: Option<&str>) -> Result<u32> {
-        if let Some(&index) = self.material_indices.get(&std::ptr::from_ref(element)) {
-            return Ok(index);
-        }
-        let name = match element.attribute("id").or(shape_id) {
-            Some(id) => id.to_string(),
-            None => format!("{} at line {}", element.plugin()?, element.location.line),
-        };
-        let material = material::parse(element, name, &self.ids, &mut self.warnings)?;
-        Ok(self.push_material(element, material))
-    }
-
-    fn default_material_index(&mut self) -> u32 {
-        match self.material_indices.get(&std::ptr::null()) {
-            Some(&index) => index,
-            None => self.push_material(std::ptr::null(), material::default_material()),
-        }
-    }
-
-    fn push_material(&mut self, key: *const Element, material: Material) -> u32 {
-        let index = self.materials.len() as u32;
-        self.materials.push(material);
-        self.material_indices.insert(key, index);
-        index
     }
 
     fn integrator(&mut self) -> Result<IntegratorDescription> {
@@ -187,6 +172,8 @@ impl<'a> Builder<'a> {
             .first("sensor", &self.sensors.clone())
             .ok_or_else(|| Error::scene(path, None, "the scene has no <sensor>; it needs a `perspective` one"))?;
         let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
+        let (textures, requests) = self.textures.finish();
+        let images = texture_images::decode(requests, &mut self.warnings)?;
         let meshes = read_meshes(&self.shapes)?;
         Ok(Scene {
             name: scene_name(path),
@@ -195,12 +182,12 @@ impl<'a> Builder<'a> {
             integrator,
             sample_count: sensor.sample_count,
             primitives: flatten_all(&self.shapes, &meshes)?,
-            materials: self.materials,
+            materials: self.materials.finish(),
             emitters: self.emitters,
             environment: self.environment.map(|radiance| Environment::Constant { radiance }),
             delta_emitters: Vec::new(),
-            textures: Vec::new(),
-            images: Vec::new(),
+            textures,
+            images,
             warnings: self.warnings,
         })
     }
