@@ -7,7 +7,35 @@
 // guide's; otherwise it is pdf_cosine_hemisphere(wi.z).
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
+#include "bsdf_conductor.glsl"
+#include "bsdf_dielectric.glsl"
 #include "bsdf_diffuse.glsl"
+#include "bsdf_plastic.glsl"
+#include "bsdf_rough_conductor.glsl"
+#include "bsdf_rough_dielectric.glsl"
+#include "bsdf_rough_plastic.glsl"
+#include "bsdf_thin_dielectric.glsl"
+
+const uint KINDS_WITH_FACETS = (1u << BSDF_ROUGH_CONDUCTOR) | (1u << BSDF_ROUGH_DIELECTRIC) | (1u << BSDF_ROUGH_PLASTIC);
+const Facet NO_FACET = Facet(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0);
+
+bool has_facets() {
+    return (MATERIAL_KINDS & KINDS_WITH_FACETS) != 0u;
+}
+
+Microfacets bsdf_microfacets(Bsdf b) {
+    return microfacets(b.scalars0.xy, bsdf_flag(b, MATERIAL_GGX));
+}
+
+// One evaluation serves all kinds with facets: every lane runs through every kind.
+Facet bsdf_facet(Bsdf b, vec3 wo, vec3 wi) {
+    float eta = has_kind(BSDF_ROUGH_DIELECTRIC) ? b.scalars0.z : 1.0;
+    return has_facets() ? facet_between(bsdf_microfacets(b), wo, wi, eta) : NO_FACET;
+}
+
+vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
+    return has_facets() ? sample_visible_normal(bsdf_microfacets(b), wo.z < 0.0 ? -wo : wo, u) : NO_FACET.m;
+}
 
 // Share of the light that is scattered, for the albedo layer.
 vec3 bsdf_albedo(Bsdf b) {
@@ -17,20 +45,44 @@ vec3 bsdf_albedo(Bsdf b) {
 // u.xy draws the direction, u.z the lobe.
 BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = NO_BSDF_SAMPLE;
+    vec3 m = sample_facet(b, wo, u.xy);
     if (is_kind(b, BSDF_DIFFUSE)) s = sample_bsdf_diffuse(b, wo, u);
+    if (is_kind(b, BSDF_DIELECTRIC)) s = sample_bsdf_dielectric(b, wo, u);
+    if (is_kind(b, BSDF_THIN_DIELECTRIC)) s = sample_bsdf_thin_dielectric(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) s = sample_bsdf_rough_dielectric(b, wo, m, u);
+    if (is_kind(b, BSDF_CONDUCTOR)) s = sample_bsdf_conductor(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) s = sample_bsdf_rough_conductor(b, wo, m);
+    if (is_kind(b, BSDF_PLASTIC)) s = sample_bsdf_plastic(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_PLASTIC)) s = sample_bsdf_rough_plastic(b, wo, m, u);
     return s;
 }
 
 float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     float pdf = 0.0;
+    Facet f = bsdf_facet(b, wo, wi);
     if (is_kind(b, BSDF_DIFFUSE)) pdf = pdf_bsdf_diffuse(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_DIELECTRIC)) pdf = pdf_bsdf_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_THIN_DIELECTRIC)) pdf = pdf_bsdf_thin_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) pdf = pdf_bsdf_rough_dielectric(b, wo, wi, f);
+    if (is_kind(b, BSDF_CONDUCTOR)) pdf = pdf_bsdf_conductor(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) pdf = pdf_bsdf_rough_conductor(b, wo, wi, f);
+    if (is_kind(b, BSDF_PLASTIC)) pdf = pdf_bsdf_plastic(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_ROUGH_PLASTIC)) pdf = pdf_bsdf_rough_plastic(b, wo, wi, diffuse_density, f);
     return pdf;
 }
 
 vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
-    vec3 f = vec3(0.0);
-    if (is_kind(b, BSDF_DIFFUSE)) f = eval_bsdf_diffuse(b, wo, wi);
-    return f;
+    vec3 value = vec3(0.0);
+    Facet f = bsdf_facet(b, wo, wi);
+    if (is_kind(b, BSDF_DIFFUSE)) value = eval_bsdf_diffuse(b, wo, wi);
+    if (is_kind(b, BSDF_DIELECTRIC)) value = eval_bsdf_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_THIN_DIELECTRIC)) value = eval_bsdf_thin_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) value = eval_bsdf_rough_dielectric(b, wo, wi, f);
+    if (is_kind(b, BSDF_CONDUCTOR)) value = eval_bsdf_conductor(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) value = eval_bsdf_rough_conductor(b, wo, wi, f);
+    if (is_kind(b, BSDF_PLASTIC)) value = eval_bsdf_plastic(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_PLASTIC)) value = eval_bsdf_rough_plastic(b, wo, wi, f);
+    return value;
 }
 
 #endif

@@ -60,13 +60,15 @@ fn oriented(
     has_area(edge_u, edge_v).then(|| primitive(shape, common, origin, edge_u, edge_v, flip_normal))
 }
 
-/// The sphere that the unit sphere becomes; `to_world` is a similarity. The two axes fix a frame that is right-handed, so
-/// a mirrored sphere shows a texture unmirrored.
+/// The sphere that the unit sphere becomes; `to_world` is a similarity.
 pub(super) fn sphere(common: &Common) -> Primitive {
     let [x, _, z] = axes(&common.to_world);
-    let flip_normal = common.flip_normals ^ is_mirrored(&common.to_world);
+    let mirrored = is_mirrored(&common.to_world);
+    let flip_normal = common.flip_normals ^ mirrored;
     let center = common.to_world.w_axis.truncate().as_vec3();
-    primitive(PrimitiveShape::Sphere, common, center, x.as_vec3(), z.as_vec3(), flip_normal)
+    let handedness = if mirrored { -1.0 } else { 1.0 };
+    let sphere = primitive(PrimitiveShape::Sphere, common, center, x.as_vec3(), z.as_vec3(), flip_normal);
+    Primitive { uvs: [Vec2::splat(handedness); 3], ..sphere }
 }
 
 fn primitive(

@@ -4,17 +4,18 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use glam::{DMat4, Vec3};
+use glam::DMat4;
 use rayon::prelude::*;
 
 use super::element::Element;
+use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::materials::Materials;
 use super::mesh::{self, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
 use super::shape::{self, Geometry, Shape};
-use super::textures::{Role, Textures};
-use super::{AreaEmitter, Environment, IntegratorDescription, Primitive, Scene, Textured};
+use super::textures::Textures;
+use super::{AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene};
 use super::{document, sensor, texture_images};
 use crate::{Error, Result};
 
@@ -41,6 +42,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         top_folder,
         emitters: Vec::new(),
         environment: None,
+        delta_emitters: Vec::new(),
+        images: Vec::new(),
         shapes: Vec::new(),
         sensors: Vec::new(),
         integrators: Vec::new(),
@@ -59,7 +62,9 @@ struct Builder<'a> {
     materials: Materials<'a>,
     textures: Textures<'a>,
     emitters: Vec<AreaEmitter>,
-    environment: Option<Vec3>,
+    environment: Option<Environment>,
+    delta_emitters: Vec<DeltaEmitter>,
+    images: Vec<Image>,
     shapes: Vec<Shape>,
     sensors: Vec<&'a Element>,
     integrators: Vec<&'a Element>,
@@ -72,7 +77,7 @@ impl<'a> Builder<'a> {
         match element.tag.as_str() {
             "integrator" => self.integrators.push(element),
             "sensor" => self.sensors.push(element),
-            "emitter" => self.add_environment(element)?,
+            "emitter" => self.add_emitter(element)?,
             "shape" => self.add_shape(element)?,
             // Also where no shape uses it: a plugin that is not supported should not pass unseen.
             "bsdf" => self.materials.check(element, &mut self.textures, &mut self.warnings)?,
@@ -83,37 +88,33 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn add_environment(&mut self, element: &'a Element) -> Result<()> {
-        if element.plugin()? != "constant" {
-            let supported = ["constant", "area"];
-            return Err(match element.attribute("type") {
-                Some("area") => element.error("emitter plugin `area` belongs inside a <shape>"),
-                _ => element.unsupported(&supported),
-            });
-        }
-        let radiance = self.radiance(element)?;
-        if radiance.texture.is_some() {
-            return Err(element.error("the `radiance` of a `constant` emitter must be a color, not a texture"));
-        }
-        match self.environment.replace(radiance.value) {
-            Some(_) => Err(element.error("a second `constant` emitter: a scene has one environment")),
+    fn add_emitter(&mut self, element: &'a Element) -> Result<()> {
+        let environment = match emitter_plugin::parse(element, &self.ids, &self.top_folder, &mut self.warnings)? {
+            SceneEmitter::Delta(emitter) => {
+                self.delta_emitters.push(emitter);
+                return Ok(());
+            }
+            SceneEmitter::Environment(environment) => environment,
+            SceneEmitter::Map(file) => self.read_environment_map(element, file)?,
+        };
+        match self.environment.replace(environment) {
+            Some(_) => {
+                let plugin = element.plugin()?;
+                Err(element.error(format!("emitter plugin `{plugin}`: a second environment; a scene has one")))
+            }
             None => Ok(()),
         }
     }
 
-    fn radiance(&mut self, element: &'a Element) -> Result<Textured<Vec3>> {
-        let mut properties = Properties::new(element, &self.ids)?;
-        let radiance = match properties.texture("radiance")? {
-            Some(texture) => {
-                let found = self.textures.read(texture, Role::Radiance, &mut self.warnings)?;
-                Textured { value: found.factor, texture: Some(self.textures.keep(found.texture)) }
-            }
-            None => Textured::constant(properties.emission("radiance")?.unwrap_or(Vec3::ONE)),
-        };
-        // Light samples are chosen by other means here.
-        properties.ignore(&["sampling_weight"]);
-        properties.finish(&mut self.warnings)?;
-        Ok(radiance)
+    fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
+        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
+        let image = texture_images::decode_environment(&path)?;
+        if image.width < 2 || image.height < 3 {
+            return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
+        }
+        let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
+        self.images.push(image);
+        Ok(Environment { kind, sampling_weight })
     }
 
     fn add_shape(&mut self, element: &'a Element) -> Result<()> {
@@ -128,12 +129,9 @@ impl<'a> Builder<'a> {
             None => self.materials.keep_default(),
         };
         if let Some(emitter) = properties.object("emitter")? {
-            if emitter.plugin()? != "area" {
-                return Err(emitter.unsupported(&["area"]));
-            }
-            let radiance = self.radiance(emitter)?;
             common.emitter = Some(self.emitters.len() as u32);
-            self.emitters.push(AreaEmitter { radiance });
+            let (ids, textures) = (&self.ids, &mut self.textures);
+            self.emitters.push(emitter_plugin::parse_area(emitter, ids, textures, &mut self.warnings)?);
         }
         properties.finish(&mut self.warnings)?;
         self.shapes.push(Shape { geometry, common, location: element.location.clone() });
@@ -172,8 +170,9 @@ impl<'a> Builder<'a> {
             .first("sensor", &self.sensors.clone())
             .ok_or_else(|| Error::scene(path, None, "the scene has no <sensor>; it needs a `perspective` one"))?;
         let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
-        let (textures, requests) = self.textures.finish();
-        let images = texture_images::decode(requests, &mut self.warnings)?;
+        let mut images = self.images;
+        let (textures, requests) = self.textures.finish(images.len() as u32);
+        images.extend(texture_images::decode(requests, &mut self.warnings)?);
         let meshes = read_meshes(&self.shapes)?;
         Ok(Scene {
             name: scene_name(path),
@@ -184,8 +183,8 @@ impl<'a> Builder<'a> {
             primitives: flatten_all(&self.shapes, &meshes)?,
             materials: self.materials.finish(),
             emitters: self.emitters,
-            environment: self.environment.map(|radiance| Environment::Constant { radiance }),
-            delta_emitters: Vec::new(),
+            environment: self.environment,
+            delta_emitters: self.delta_emitters,
             textures,
             images,
             warnings: self.warnings,

@@ -24,6 +24,19 @@ pub(super) fn decode(requests: Vec<ImageRequest>, warnings: &mut Vec<String>) ->
     Ok(images)
 }
 
+/// The image of an environment, linear; what is no light is black.
+pub(super) fn decode_environment(path: &Path) -> Result<Image> {
+    let TexelImage { width, height, texels } = texels::read(path)?;
+    let linear = match texels {
+        FileTexels::Bytes(data) => data.into_iter().map(|texel| decode_srgb(texel.map(|c| f32::from(c) / 255.0))).collect(),
+        FileTexels::Encoded(data) => data.into_iter().map(decode_srgb).collect(),
+        FileTexels::Linear(data) => data,
+    };
+    let light = |c: f32| if c.is_finite() { c.max(0.0) } else { 0.0 };
+    let texels = linear.into_iter().map(|[red, green, blue, _]| [light(red), light(green), light(blue), 1.0]).collect();
+    Ok(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) })
+}
+
 fn image(
     request: &ImageRequest,
     files: &HashMap<&Path, Result<TexelImage>>,

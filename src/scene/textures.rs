@@ -180,8 +180,8 @@ impl<'a> Textures<'a> {
         Ok(Pattern::Bitmap { image: self.read_image(filename, raw, role)?, filter, wrap })
     }
 
-    /// The image that the parameter `filename` names; the index returned is one that [`Textures::keep_image`] takes.
-    pub fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
+    /// The image that the parameter `filename` names.
+    fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
         let name = filename.required("value")?;
         let path = document::resolve(name, &filename.location.file, &self.top_folder)
             .and_then(|path| path.canonicalize().ok())
@@ -211,28 +211,24 @@ impl<'a> Textures<'a> {
     /// The index in `Scene::textures` of a texture that was read.
     pub fn keep(&mut self, texture: u32) -> u32 {
         if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern {
-            self.keep_image(image);
+            self.kept_images.index(image);
         }
         self.kept_textures.index(texture)
     }
 
-    /// The index in `Scene::images` of an image that was read.
-    pub fn keep_image(&mut self, image: u32) -> u32 {
-        self.kept_images.index(image)
-    }
-
-    /// What has been kept: `Scene::textures` and the images to decode for `Scene::images`.
-    pub fn finish(mut self) -> (Vec<Texture>, Vec<ImageRequest>) {
+    /// What has been kept: `Scene::textures`, and the images to decode for `Scene::images`, which come after
+    /// `first_image` others.
+    pub fn finish(mut self, first_image: u32) -> (Vec<Texture>, Vec<ImageRequest>) {
         let order = std::mem::take(&mut self.kept_textures.order);
-        let textures = order.iter().map(|&read| self.kept_texture(read)).collect();
+        let textures = order.iter().map(|&read| self.kept_texture(read, first_image)).collect();
         let images = self.kept_images.order.iter().map(|&read| self.requests[read as usize].clone()).collect();
         (textures, images)
     }
 
-    fn kept_texture(&mut self, read: u32) -> Texture {
+    fn kept_texture(&mut self, read: u32, first_image: u32) -> Texture {
         let mut texture = self.read[read as usize].clone();
         if let Pattern::Bitmap { image, .. } = &mut texture.pattern {
-            *image = self.kept_images.index(*image);
+            *image = first_image + self.kept_images.index(*image);
         }
         texture
     }

@@ -9,6 +9,7 @@ mod fixed_point;
 mod intersections;
 mod learning;
 mod normalization;
+mod parametrization;
 mod random;
 mod rejection_cases;
 mod rejection_mix;
