@@ -10,15 +10,13 @@ use rayon::prelude::*;
 use super::element::Element;
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
+use super::materials::Materials;
 use super::mesh::{self, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
 use super::shape::{self, Geometry, Shape};
-use super::texture::{Image, Texels};
-use super::{
-    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, IntegratorDescription, Material, Primitive, Scene,
-};
-use super::{document, material, sensor};
-use crate::image::exr::read_rgb;
+use super::textures::Textures;
+use super::{AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene};
+use super::{document, sensor, texture_images};
 use crate::{Error, Result};
 
 /// What the caller overrides while a scene is read.
@@ -36,12 +34,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let elements = document::read(path, &options.defines)?;
     let mut ids = HashMap::new();
     collect_ids(&elements, &mut ids)?;
+    let (ids, top_folder) = (Rc::new(ids), document::folder(path));
     let mut builder = Builder {
-        ids: Rc::new(ids),
-        top_folder: document::folder(path),
-        material_indices: HashMap::new(),
-        materials: Vec::new(),
-        default_materials: [None; 2],
+        materials: Materials::new(Rc::clone(&ids)),
+        textures: Textures::new(Rc::clone(&ids), top_folder.clone()),
+        ids,
+        top_folder,
         emitters: Vec::new(),
         environment: None,
         delta_emitters: Vec::new(),
@@ -61,11 +59,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 struct Builder<'a> {
     ids: Ids<'a>,
     top_folder: PathBuf,
-    /// Keyed by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
-    material_indices: HashMap<*const Element, u32>,
-    materials: Vec<Material>,
-    /// Of shapes without a BSDF: those that do not emit, and those that do.
-    default_materials: [Option<u32>; 2],
+    materials: Materials<'a>,
+    textures: Textures<'a>,
     emitters: Vec<AreaEmitter>,
     environment: Option<Environment>,
     delta_emitters: Vec<DeltaEmitter>,
@@ -85,7 +80,7 @@ impl<'a> Builder<'a> {
             "emitter" => self.add_emitter(element)?,
             "shape" => self.add_shape(element)?,
             // Also where no shape uses it: a plugin that is not supported should not pass unseen.
-            "bsdf" => drop(self.material_index(element, None)?),
+            "bsdf" => self.materials.check(element, &mut self.textures, &mut self.warnings)?,
             // Does nothing by itself; what refers to it reports it.
             "texture" => {}
             tag => return Err(element.error(format!("<{tag}> is not supported in <scene>"))),
@@ -112,16 +107,13 @@ impl<'a> Builder<'a> {
     }
 
     fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
-        let picture = read_rgb(&file.path)?;
-        if picture.width < 2 || picture.height < 3 {
+        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
+        let image = texture_images::decode_environment(&path)?;
+        if image.width < 2 || image.height < 3 {
             return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
         }
-        let color = |pixel: &[f32; 3]| pixel.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
-        let texels = picture.pixels.iter().map(color).map(|[r, g, b]| [r, g, b, 1.0]).collect();
-        let (width, height) = (picture.width, picture.height);
-        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
         let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
-        self.images.push(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) });
+        self.images.push(image);
         Ok(Environment { kind, sampling_weight })
     }
 
@@ -131,42 +123,20 @@ impl<'a> Builder<'a> {
         let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
         let emitter = properties.object("emitter")?;
         common.material = match properties.object("bsdf")? {
-            Some(bsdf) => self.material_index(bsdf, element.attribute("id"))?,
-            None => self.default_material_index(emitter.is_some()),
+            Some(bsdf) => {
+                let shape_id = element.attribute("id");
+                self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings)?
+            }
+            None => self.materials.keep_default(emitter.is_some()),
         };
         if let Some(emitter) = emitter {
             common.emitter = Some(self.emitters.len() as u32);
-            self.emitters.push(emitter_plugin::parse_area(emitter, &self.ids, &mut self.warnings)?);
+            let (ids, textures) = (&self.ids, &mut self.textures);
+            self.emitters.push(emitter_plugin::parse_area(emitter, ids, textures, &mut self.warnings)?);
         }
         properties.finish(&mut self.warnings)?;
         self.shapes.push(Shape { geometry, common, location: element.location.clone() });
         Ok(())
-    }
-
-    fn material_index(&mut self, element: &'a Element, shape_id: Option<&str>) -> Result<u32> {
-        if let Some(&index) = self.material_indices.get(&std::ptr::from_ref(element)) {
-            return Ok(index);
-        }
-        let name = match element.attribute("id").or(shape_id) {
-            Some(id) => id.to_string(),
-            None => format!("{} at line {}", element.plugin()?, element.location.line),
-        };
-        let material = material::parse(element, name, &self.ids, &mut self.warnings)?;
-        let index = self.materials.len() as u32;
-        self.materials.push(material);
-        self.material_indices.insert(element, index);
-        Ok(index)
-    }
-
-    /// What a shape without a BSDF is made of: as in Mitsuba, black where it emits.
-    fn default_material_index(&mut self, emits: bool) -> u32 {
-        if let Some(index) = self.default_materials[usize::from(emits)] {
-            return index;
-        }
-        let index = self.materials.len() as u32;
-        self.materials.push(if emits { material::emitter_material() } else { material::default_material() });
-        self.default_materials[usize::from(emits)] = Some(index);
-        index
     }
 
     fn integrator(&mut self) -> Result<IntegratorDescription> {
@@ -201,6 +171,9 @@ impl<'a> Builder<'a> {
             .first("sensor", &self.sensors.clone())
             .ok_or_else(|| Error::scene(path, None, "the scene has no <sensor>; it needs a `perspective` one"))?;
         let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
+        let mut images = self.images;
+        let (textures, requests) = self.textures.finish(images.len() as u32);
+        images.extend(texture_images::decode(requests, &mut self.warnings)?);
         let meshes = read_meshes(&self.shapes)?;
         Ok(Scene {
             name: scene_name(path),
@@ -209,12 +182,12 @@ impl<'a> Builder<'a> {
             integrator,
             sample_count: sensor.sample_count,
             primitives: flatten_all(&self.shapes, &meshes)?,
-            materials: self.materials,
+            materials: self.materials.finish(),
             emitters: self.emitters,
             environment: self.environment,
             delta_emitters: self.delta_emitters,
-            textures: Vec::new(),
-            images: self.images,
+            textures,
+            images,
             warnings: self.warnings,
         })
     }

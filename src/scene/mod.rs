@@ -5,6 +5,7 @@
 
 pub mod bsdf;
 mod color;
+mod color_matching;
 mod document;
 mod element;
 pub mod emitter;
@@ -12,14 +13,17 @@ mod emitter_plugin;
 mod flatten;
 pub mod geometry;
 pub mod load;
-mod material;
+mod materials;
 mod mesh;
 mod mesh_fault;
 mod numbers;
 mod properties;
 mod sensor;
 mod shape;
+mod spectrum;
 pub mod texture;
+mod texture_images;
+mod textures;
 mod transform;
 
 use glam::{Mat4, Vec2, Vec3};
