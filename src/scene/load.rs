@@ -1,8 +1,11 @@
 //! Reads a Mitsuba XML scene.
 
-use std::collections::HashMap;
+use std::cmp::Reverse;
+use std::collections::{HashMap, HashSet};
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DMat4, Vec3};
 use rayon::prelude::*;
@@ -11,7 +14,7 @@ use super::element::Element;
 use super::flatten::Common;
 use super::mesh::{self, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
-use super::shape::{self, Geometry, Shape};
+use super::shape::{self, Geometry, MeshFile, Shape};
 use super::{AreaEmitter, IntegratorDescription, Material, Primitive, Scene};
 use super::{document, material, sensor};
 use crate::{Error, Result};
@@ -23,11 +26,34 @@ pub struct LoadOptions {
     pub defines: Vec<(String, String)>,
 }
 
-/// Reads the scene at `path` with everything it includes.
+/// Is told how far the reading of a scene is.
+type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
+
+/// How far the reading of a scene is. Prints as `reading meshes 120/295`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LoadProgress {
+    /// Mesh files read so far.
+    pub meshes_read: usize,
+    /// Mesh files that the scene names.
+    pub mesh_count: usize,
+}
+
+impl fmt::Display for LoadProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "reading meshes {}/{}", self.meshes_read, self.mesh_count)
+    }
+}
+
+/// [`load_with_progress`] without anyone watching.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    load_with_progress(path, options, &|_| {})
+}
+
+/// Reads the scene at `path` with everything it includes. `progress` is called after every mesh, from several threads.
 ///
 /// Of the sampler only `sample_count` is read: plugins differ in their patterns alone. Parameters that cannot change
 /// the picture (a film's `file_format`, say) are skipped in silence; other unknown ones end up in [`Scene::warnings`].
-pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
     let elements = document::read(path, &options.defines)?;
     let mut ids = HashMap::new();
     collect_ids(&elements, &mut ids)?;
@@ -46,7 +72,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     for element in &elements {
         builder.add(element)?;
     }
-    builder.finish(path)
+    builder.finish(path, progress)
 }
 
 /// The scene as far as it has been read.
@@ -181,13 +207,13 @@ impl<'a> Builder<'a> {
         elements.first().copied()
     }
 
-    fn finish(mut self, path: &Path) -> Result<Scene> {
+    fn finish(mut self, path: &Path, progress: &Watch) -> Result<Scene> {
         let integrator = self.integrator()?;
         let sensor = self
             .first("sensor", &self.sensors.clone())
             .ok_or_else(|| Error::scene(path, None, "the scene has no <sensor>; it needs a `perspective` one"))?;
         let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
-        let meshes = read_meshes(&self.shapes)?;
+        let meshes = read_meshes(&self.shapes, progress)?;
         Ok(Scene {
             name: scene_name(path),
             camera: sensor.camera,
@@ -203,25 +229,43 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Reads every mesh file once, in parallel. Of several faulty files the first in the scene is reported.
-fn read_meshes(shapes: &[Shape]) -> Result<HashMap<PathBuf, Mesh>> {
-    let mut paths: Vec<&Path> = Vec::new();
-    let mut seen = std::collections::HashSet::new();
-    for shape in shapes {
-        if let Geometry::Mesh(path, _) = &shape.geometry
-            && seen.insert(path)
-        {
-            paths.push(path);
-        }
-    }
-    let results: Vec<_> = paths.par_iter().map(|path| Ok((path.to_path_buf(), mesh::read(path)?))).collect();
-    results.into_iter().collect()
+/// Reads every mesh once, in parallel. Of several faulty files the first in the scene is reported.
+fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, Mesh>> {
+    let files = shapes.iter().filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh(file, _) => Some(file),
+        _ => None,
+    });
+    let mut seen = HashSet::new();
+    let mut files: Vec<_> = files.filter(|file| seen.insert(*file)).enumerate().collect();
+    // The largest come first, lest one be left over when all else is done.
+    files.sort_by_cached_key(|(_, file)| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
+    let (mesh_count, read_count) = (files.len(), AtomicUsize::new(0));
+    let read = |(place, file): (usize, &MeshFile)| {
+        let mesh = mesh::read(&file.path, file.format);
+        progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
+        (place, mesh.map(|mesh| (file.clone(), mesh)))
+    };
+    // Handed out one by one, so that the order holds.
+    let mut results: Vec<_> = files.into_iter().par_bridge().map(read).collect();
+    results.sort_by_key(|(place, _)| *place);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
-fn flatten_all(shapes: &[Shape], meshes: &HashMap<PathBuf, Mesh>) -> Result<Vec<Primitive>> {
-    let results: Vec<_> = shapes.par_iter().map(|shape| shape::flatten(shape, meshes)).collect();
-    let primitives: Vec<_> = results.into_iter().collect::<Result<_>>()?;
-    Ok(primitives.concat())
+/// All primitives, in the order of the shapes.
+fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec<Primitive>> {
+    let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
+    let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
+    let mut ends = Vec::with_capacity(placed.len());
+    let mut count = 0;
+    for shape in &placed {
+        count += shape.len();
+        ends.push(count);
+    }
+    let primitive = |index: usize| {
+        let shape = ends.partition_point(|&end| end <= index);
+        placed[shape].primitive(index + placed[shape].len() - ends[shape])
+    };
+    Ok((0..count).into_par_iter().map(primitive).collect())
 }
 
 /// The file's stem, or its folder's name where that says more.

@@ -11,17 +11,18 @@ pub mod geometry;
 pub mod load;
 mod material;
 mod mesh;
-mod mesh_fault;
 mod numbers;
+mod obj;
 mod properties;
 mod sensor;
 mod shape;
 mod transform;
+mod words;
 
 use glam::{Mat4, Vec2, Vec3};
 
 pub use geometry::{Primitive, PrimitiveShape};
-pub use load::{LoadOptions, load};
+pub use load::{LoadOptions, LoadProgress, load, load_with_progress};
 
 /// A whole scene in world space.
 #[derive(Debug, Clone)]

@@ -7,8 +7,8 @@ use glam::{DMat4, DVec3};
 
 use super::document;
 use super::element::{Element, Location};
-use super::flatten::{self, Common, MeshOptions};
-use super::mesh::Mesh;
+use super::flatten::{self, Common, MeshOptions, PlacedMesh};
+use super::mesh::{Mesh, MeshFormat};
 use super::properties::Properties;
 use super::transform;
 use super::{Primitive, PrimitiveShape};
@@ -25,12 +25,18 @@ pub(super) struct Shape {
 
 /// The kinds of shape.
 pub(super) enum Geometry {
-    /// The canonical path of an OBJ file, and how to read it.
-    Mesh(PathBuf, MeshOptions),
+    Mesh(MeshFile, MeshOptions),
     Rectangle,
     Disk,
     Cube,
     Sphere,
+}
+
+/// Which mesh to read: the canonical path of its file, and what that holds.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct MeshFile {
+    pub path: PathBuf,
+    pub format: MeshFormat,
 }
 
 /// Reads what is special to a shape's plugin, and its transform into `common`.
@@ -63,7 +69,8 @@ fn parse_obj(properties: &mut Properties, top_folder: &Path) -> Result<Geometry>
     };
     let parameter = properties.take("filename");
     let parameter = parameter.ok_or_else(|| element.error("shape plugin `obj` needs its parameter `filename`"))?;
-    Ok(Geometry::Mesh(find_mesh(parameter, top_folder)?, options))
+    let file = MeshFile { path: find_mesh(parameter, top_folder)?, format: MeshFormat::Obj };
+    Ok(Geometry::Mesh(file, options))
 }
 
 fn find_mesh(parameter: &Element, top_folder: &Path) -> Result<PathBuf> {
@@ -89,22 +96,49 @@ fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
     Ok(result)
 }
 
-/// The shape's primitives; `meshes` holds every file that a shape names.
-pub(super) fn flatten(shape: &Shape, meshes: &HashMap<PathBuf, Mesh>) -> Result<Vec<Primitive>> {
+/// A shape whose primitives can be made one by one.
+pub(super) enum Placed<'a> {
+    Mesh(PlacedMesh<'a>),
+    Few(Vec<Primitive>),
+}
+
+/// Puts a shape in its place; `meshes` holds every mesh that a shape names.
+pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Mesh>) -> Result<Placed<'a>> {
     let common = &shape.common;
-    let primitives = match &shape.geometry {
-        Geometry::Mesh(path, options) => match meshes.get(path) {
-            Some(mesh) => flatten::mesh(mesh, options, common),
-            None => Vec::new(),
+    let placed = match &shape.geometry {
+        Geometry::Mesh(file, options) => match meshes.get(file) {
+            Some(mesh) => PlacedMesh::new(mesh, options, common).map(Placed::Mesh),
+            None => Some(Placed::Few(Vec::new())),
         },
-        Geometry::Rectangle => flatten::flat(PrimitiveShape::Parallelogram, common),
-        Geometry::Disk => flatten::flat(PrimitiveShape::Disk, common),
-        Geometry::Cube => flatten::cube(common),
-        Geometry::Sphere => vec![flatten::sphere(common)],
+        Geometry::Rectangle => few(flatten::flat(PrimitiveShape::Parallelogram, common)),
+        Geometry::Disk => few(flatten::flat(PrimitiveShape::Disk, common)),
+        Geometry::Cube => few(flatten::cube(common)),
+        Geometry::Sphere => few(vec![flatten::sphere(common)]),
     };
+    placed.ok_or_else(|| {
+        shape.location.error("the shape's `to_world` takes it out of the range of single-precision numbers")
+    })
+}
+
+fn few<'a>(primitives: Vec<Primitive>) -> Option<Placed<'a>> {
     let is_finite = |p: &Primitive| p.origin.is_finite() && p.edge_u.cross(p.edge_v).length_squared().is_finite();
-    if primitives.iter().all(is_finite) {
-        return Ok(primitives);
+    primitives.iter().all(is_finite).then_some(Placed::Few(primitives))
+}
+
+impl Placed<'_> {
+    /// How many primitives it has.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.len(),
+            Self::Few(primitives) => primitives.len(),
+        }
     }
-    Err(shape.location.error("the shape's `to_world` takes it out of the range of single-precision numbers"))
+
+    /// Its primitive of that index.
+    pub fn primitive(&self, index: usize) -> Primitive {
+        match self {
+            Self::Mesh(mesh) => mesh.triangle(index),
+            Self::Few(primitives) => primitives[index],
+        }
+    }
 }
