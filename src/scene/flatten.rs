@@ -7,9 +7,12 @@ use super::transform::{axes, is_mirrored, normal_matrix};
 use super::{Primitive, PrimitiveShape};
 
 /// What the primitives of one shape have in common.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Common {
+    /// To the world or, within a group, to the group.
     pub to_world: DMat4,
+    /// From the group to the world. Mitsuba takes normals along with it, and those of meshes are made before.
+    pub instance_to_world: DMat4,
     pub flip_normals: bool,
     pub material: u32,
     pub emitter: Option<u32>,
@@ -79,6 +82,17 @@ fn primitive(
     Primitive { shape, origin, edge_u, edge_v, normals: None, uvs: BARYCENTRIC_UVS, flip_normal, material, emitter }
 }
 
+/// The copy of a group's primitive, unless it has no area any more.
+pub(super) fn instantiated(p: Primitive, instance_to_world: &DMat4) -> Option<Primitive> {
+    let vector = |v: Vec3| instance_to_world.transform_vector3(v.as_dvec3()).as_vec3();
+    let origin = instance_to_world.transform_point3(p.origin.as_dvec3()).as_vec3();
+    let (edge_u, edge_v) = (vector(p.edge_u), vector(p.edge_v));
+    // A sphere's normal is told by its center alone.
+    let turns_over = p.shape != PrimitiveShape::Sphere && is_mirrored(instance_to_world);
+    let flip_normal = p.flip_normal ^ turns_over;
+    has_area(edge_u, edge_v).then_some(Primitive { origin, edge_u, edge_v, flip_normal, ..p })
+}
+
 /// A mesh in its place in the world, whose triangles can be made one by one; those without area are left out.
 pub(super) struct PlacedMesh<'a> {
     mesh: &'a Mesh,
@@ -95,10 +109,10 @@ pub(super) struct PlacedMesh<'a> {
 impl<'a> PlacedMesh<'a> {
     /// Puts the mesh in its place; `None` where that is out of the range of single precision.
     pub fn new(mesh: &'a Mesh, options: &MeshOptions, common: &Common) -> Option<Self> {
-        let to_world = |position: &Vec3| common.to_world.transform_point3(position.as_dvec3()).as_vec3();
+        let to_world = common.instance_to_world * common.to_world;
+        let to_world = |position: &Vec3| to_world.transform_point3(position.as_dvec3()).as_vec3();
         let positions: Vec<Vec3> = mesh.positions.iter().map(to_world).collect();
-        let is_flat = options.face_normals || mesh.face_normals;
-        let normals = if is_flat { Vec::new() } else { vertex_normals(mesh, &positions, common) };
+        let normals = if options.face_normals { Vec::new() } else { vertex_normals(mesh, common) };
         let mut placed = Self { mesh, flip_uvs: options.flip_uvs, common: *common, positions, normals, kept: None };
         let indices = 0..mesh.triangles.len();
         if !indices.clone().all(|index| placed.is_finite(index)) {
@@ -124,7 +138,8 @@ impl<'a> PlacedMesh<'a> {
         let index = self.kept.as_ref().map_or(index, |kept| kept[index] as usize);
         let vertices = self.mesh.triangles[index].map(|vertex| vertex as usize);
         let [edge_u, edge_v] = self.edges(index);
-        let (origin, flip) = (self.positions[vertices[0]], self.common.flip_normals);
+        let flip = self.common.flip_normals ^ is_mirrored(&self.common.instance_to_world);
+        let origin = self.positions[vertices[0]];
         let mut triangle = primitive(PrimitiveShape::Triangle, &self.common, origin, edge_u, edge_v, flip);
         if !self.normals.is_empty() {
             set_normals(&mut triangle, vertices.map(|vertex| self.normals[vertex]));
@@ -165,26 +180,28 @@ fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
 }
 
 /// World-space unit normals of the vertices; zero where there is none to be had.
-fn vertex_normals(mesh: &Mesh, positions: &[Vec3], common: &Common) -> Vec<Vec3> {
+fn vertex_normals(mesh: &Mesh, common: &Common) -> Vec<Vec3> {
     let sign = if common.flip_normals { -1.0 } else { 1.0 };
+    let (to_world, instance) = (normal_matrix(&common.to_world), normal_matrix(&common.instance_to_world));
     if mesh.normals.is_empty() {
-        return smooth_normals(mesh, positions, sign);
+        let place = |normal: DVec3| (sign * (instance * normal).normalize_or_zero()).as_vec3();
+        return smooth_normals(mesh, &common.to_world).into_iter().map(place).collect();
     }
-    let to_world = normal_matrix(&common.to_world);
-    let transform = |normal: &Vec3| (sign * (to_world * normal.as_dvec3()).normalize_or_zero()).as_vec3();
-    mesh.normals.iter().map(transform).collect()
+    let to_world = instance * to_world;
+    let place = |normal: &Vec3| (sign * (to_world * normal.as_dvec3()).normalize_or_zero()).as_vec3();
+    mesh.normals.iter().map(place).collect()
 }
 
-/// The mean of the adjacent faces' normals, weighted by the angle the face has at the vertex, as in Mitsuba.
-fn smooth_normals(mesh: &Mesh, positions: &[Vec3], sign: f64) -> Vec<Vec3> {
-    let mut sums = vec![DVec3::ZERO; positions.len()];
+/// The sum of the adjacent faces' normals, weighted by the angle the face has at the vertex, as in Mitsuba.
+fn smooth_normals(mesh: &Mesh, to_world: &DMat4) -> Vec<DVec3> {
+    let position = |vertex: u32| to_world.transform_point3(mesh.positions[vertex as usize].as_dvec3());
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for vertices in &mesh.triangles {
-        let corners = vertices.map(|vertex| positions[vertex as usize].as_dvec3());
-        for (vertex, weighted) in vertices.iter().zip(weighted_normals(corners)) {
+        for (vertex, weighted) in vertices.iter().zip(weighted_normals(vertices.map(position))) {
             sums[*vertex as usize] += weighted;
         }
     }
-    sums.into_iter().map(|sum| (sign * sum.normalize_or_zero()).as_vec3()).collect()
+    sums
 }
 
 /// The face's normal, scaled with the angle at each corner.

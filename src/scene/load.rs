@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{DMat4, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::element::Element;
 use super::flatten::Common;
-use super::mesh::{self, Mesh};
+use super::mesh::{self, MAX_TRIANGLES, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
 use super::shape::{self, Geometry, MeshFile, Shape};
 use super::{AreaEmitter, IntegratorDescription, Material, Primitive, Scene};
@@ -65,6 +65,7 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
         emitters: Vec::new(),
         environment: None,
         shapes: Vec::new(),
+        groups: HashMap::new(),
         sensors: Vec::new(),
         integrators: Vec::new(),
         warnings: Vec::new(),
@@ -74,6 +75,9 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
     }
     builder.finish(path, progress)
 }
+
+/// Shapes of a scene at most. Few instances of a large group can ask for more than any memory holds.
+const MAX_SHAPES: usize = 1 << 20;
 
 /// The scene as far as it has been read.
 struct Builder<'a> {
@@ -85,6 +89,8 @@ struct Builder<'a> {
     emitters: Vec<AreaEmitter>,
     environment: Option<Vec3>,
     shapes: Vec<Shape>,
+    /// Keyed by the address of the `shapegroup`.
+    groups: HashMap<*const Element, Rc<Vec<Shape>>>,
     sensors: Vec<&'a Element>,
     integrators: Vec<&'a Element>,
     warnings: Vec<String>,
@@ -135,8 +141,20 @@ impl<'a> Builder<'a> {
     }
 
     fn add_shape(&mut self, element: &'a Element) -> Result<()> {
+        match element.plugin()? {
+            "shapegroup" => self.group(element).map(drop),
+            "instance" => self.add_instance(element),
+            _ => {
+                let shape = self.parse_shape(element)?;
+                self.shapes.push(shape);
+                Ok(())
+            }
+        }
+    }
+
+    fn parse_shape(&mut self, element: &'a Element) -> Result<Shape> {
         let mut properties = Properties::new(element, &self.ids)?;
-        let mut common = Common { to_world: DMat4::IDENTITY, flip_normals: false, material: 0, emitter: None };
+        let mut common = Common { material: 0, ..Common::default() };
         let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
         common.material = match properties.object("bsdf")? {
             Some(bsdf) => self.material_index(bsdf, element.attribute("id"))?,
@@ -151,7 +169,45 @@ impl<'a> Builder<'a> {
             self.emitters.push(AreaEmitter { radiance });
         }
         properties.finish(&mut self.warnings)?;
-        self.shapes.push(Shape { geometry, common, location: element.location.clone() });
+        Ok(Shape { geometry, common, location: element.location.clone() })
+    }
+
+    /// What stands in a `shapegroup`; by itself it is nowhere in the scene.
+    fn group(&mut self, element: &'a Element) -> Result<Rc<Vec<Shape>>> {
+        if let Some(group) = self.groups.get(&std::ptr::from_ref(element)) {
+            return Ok(group.clone());
+        }
+        let mut properties = Properties::new(element, &self.ids)?;
+        let members = properties.objects("shape");
+        properties.finish(&mut self.warnings)?;
+        let group: Rc<Vec<_>> = Rc::new(members.into_iter().map(|member| self.member(member)).collect::<Result<_>>()?);
+        self.groups.insert(element, group.clone());
+        Ok(group)
+    }
+
+    fn member(&mut self, element: &'a Element) -> Result<Shape> {
+        if let plugin @ ("shapegroup" | "instance") = element.plugin()? {
+            return Err(element.error(format!("shape plugin `{plugin}` cannot stand inside a `shapegroup`")));
+        }
+        let shape = self.parse_shape(element)?;
+        match shape.common.emitter {
+            Some(_) => Err(element.error("a shape in a `shapegroup` cannot emit; put it into the <scene> itself")),
+            None => Ok(shape),
+        }
+    }
+
+    fn add_instance(&mut self, element: &'a Element) -> Result<()> {
+        let mut properties = Properties::new(element, &self.ids)?;
+        let to_world = properties.take_to_world()?;
+        let group = properties.object("shape")?.filter(|shape| shape.attribute("type") == Some("shapegroup"));
+        let group = group.ok_or_else(|| element.error("shape plugin `instance` needs a <ref> to a `shapegroup`"))?;
+        properties.finish(&mut self.warnings)?;
+        let group = self.group(group)?;
+        if self.shapes.len() + group.len() > MAX_SHAPES {
+            return Err(element.error(format!("more than {MAX_SHAPES} shapes, those of instances included")));
+        }
+        let copy = |shape: &Shape| shape.instantiated(to_world, element);
+        self.shapes.extend(group.iter().map(copy).collect::<Result<Vec<_>>>()?);
         Ok(())
     }
 
@@ -253,6 +309,7 @@ fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, M
 
 /// All primitives, in the order of the shapes.
 fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec<Primitive>> {
+    check_size(shapes, meshes)?;
     let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
     let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
     let mut ends = Vec::with_capacity(placed.len());
@@ -266,6 +323,22 @@ fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec
         placed[shape].primitive(index + placed[shape].len() - ends[shape])
     };
     Ok((0..count).into_par_iter().map(primitive).collect())
+}
+
+/// Refuses what no device could hold before any memory is taken for it.
+fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<()> {
+    let mut triangles = 0;
+    for shape in shapes {
+        if let Geometry::Mesh(file, _) = &shape.geometry {
+            triangles += meshes.get(file).map_or(0, |mesh| mesh.triangles.len());
+        }
+        if triangles > MAX_TRIANGLES {
+            let message =
+                format!("with this shape the scene has {triangles} triangles; no more than {MAX_TRIANGLES} fit");
+            return Err(shape.location.error(message));
+        }
+    }
+    Ok(())
 }
 
 /// The file's stem, or its folder's name where that says more.

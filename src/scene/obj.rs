@@ -6,7 +6,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::mesh::Mesh;
+use super::mesh::{Mesh, add_polygon};
 use super::words::Words;
 use crate::{Error, Result};
 
@@ -85,11 +85,7 @@ impl Obj {
                 word => polygon.push(self.corner(word)?),
             }
         }
-        if polygon.len() < 3 {
-            return Err("a face needs at least three vertices".to_string());
-        }
-        self.triangles.extend(polygon[1..].windows(2).map(|pair| [polygon[0], pair[0], pair[1]]));
-        Ok(())
+        add_polygon(&mut self.triangles, polygon)
     }
 
     /// `position`, `position/uv`, `position//normal` or `position/uv/normal`.
@@ -157,7 +153,6 @@ impl Obj {
             uvs: if has_uvs { corners.iter().map(uv).collect() } else { Vec::new() },
             normals: if has_normals { corners.iter().map(normal).collect() } else { Vec::new() },
             triangles,
-            face_normals: false,
         }
     }
 }

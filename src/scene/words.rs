@@ -40,6 +40,13 @@ impl<'a> Words<'a> {
         Ok(numbers)
     }
 
+    /// The next `count` bytes, whatever they are; `None` where there are fewer.
+    pub fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+        let bytes = self.text.get(self.at..self.at.checked_add(count)?)?;
+        self.at += count;
+        Some(bytes)
+    }
+
     /// Goes to the next line; false where there is none.
     pub fn next_line(&mut self) -> bool {
         let rest = &self.text[self.at..];

@@ -10,7 +10,7 @@ fn text(seed: &[u32], kinds: (bool, bool), grouped: bool) -> String {
     let mut words = seed.iter().copied().cycle();
     let mut next = |limit: u32| words.next().unwrap_or(0) % limit;
     let mut text = String::new();
-    let mut number = |next: &mut dyn FnMut(u32) -> u32| match next(4) {
+    let number = |next: &mut dyn FnMut(u32) -> u32| match next(4) {
         0 => format!("{}", next(2000) as f32 / 64.0 - 9.0),
         1 => format!("{:e}", f64::from(next(1 << 30)) / 3.0e8),
         2 => format!("-{}.{:06}", next(10), next(1_000_000)),
