@@ -105,7 +105,7 @@ fn a_missing_validation_layer_is_a_sentence() {
 #[test]
 fn buffers_begin_as_zeros_and_give_back_what_they_got() {
     validated(|context| {
-        for kind in [BufferKind::Storage, BufferKind::TexelFloat, BufferKind::TexelUint] {
+        for kind in [BufferKind::Storage, BufferKind::TexelFloat, BufferKind::TexelUint, BufferKind::TexelUint1] {
             for (asked, rounded) in [(0, 16), (1, 16), (16, 16), (17, 32), (1_000_003, 1_000_016)] {
                 let buffer = Buffer::new(context, "round trip", asked, kind).expect("a buffer");
                 assert_eq!((buffer.len_bytes(), buffer.kind()), (rounded, kind));
@@ -138,6 +138,7 @@ fn a_buffer_too_large_is_a_sentence() {
         let sizes = [
             (BufferKind::Storage, limits.max_storage_buffer_bytes + 1, "storage buffer"),
             (BufferKind::TexelUint, limits.max_texel_elements * 16 + 1, ""),
+            (BufferKind::TexelUint1, limits.max_texel_elements * 4 + 1, ""),
             (BufferKind::Storage, u64::MAX, "storage buffer"),
         ];
         for (kind, bytes, what) in sizes {

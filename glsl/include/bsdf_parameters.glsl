@@ -3,6 +3,15 @@
 #define BSDF_PARAMETERS_GLSL
 #include "variant.glsl"
 
+// A smooth layer over the surface.
+struct Coating {
+    vec3 optical_thickness;  // absorption times thickness
+    float eta;               // interior over exterior
+    vec3 specular_reflectance;
+};
+
+const Coating NO_COATING = Coating(vec3(0.0), 1.0, vec3(0.0));
+
 // What the numbers mean depends on the kind:
 //
 // |           | diffuse, rough_diffuse | dielectrics            | conductors           | plastics              | principled     |
@@ -10,7 +19,7 @@
 // | color1    |                        | specular_transmittance | eta                  | specular_reflectance  |                |
 // | color2    |                        |                        | k                    |                       |                |
 // | scalars0.x| alpha                  | alpha_u                | alpha_u              | alpha                 | roughness      |
-// | scalars0.y|                        | alpha_v                | alpha_v              |                       | anisotropic    |
+// | scalars0.y|                        | alpha_v                | alpha_v              | alpha                 | anisotropic    |
 // | scalars0.z|                        | eta                    |                      | eta                   | eta            |
 // | scalars0.w| opacity                | opacity                | opacity              | opacity               | opacity        |
 // | scalars1.x|                        |                        |                      | internal reflectance  | metallic       |
@@ -21,7 +30,7 @@
 //
 // eta is interior over exterior; a conductor with eta = k = 0 reflects everything. "Internal reflectance" is the diffuse
 // Fresnel reflectance from inside, "specular sampling" the share s / (s + d) of the mean albedos of the specular and the
-// diffuse lobe, "transmittance table" (rough_plastic) the bits of the address of its texels.
+// diffuse lobe, "transmittance table" (rough_plastic) the address of its words, a whole number.
 struct Bsdf {
     uint kind_and_flags;  // BSDF_* and MATERIAL_*
     vec3 color0;
@@ -30,6 +39,7 @@ struct Bsdf {
     vec4 scalars0;
     vec4 scalars1;
     vec4 scalars2;
+    Coating coating;      // of what is MATERIAL_COATED
 };
 
 uint bsdf_kind(Bsdf b) {

@@ -22,7 +22,9 @@ struct GuidedSample {
     bool overrun;   // the driver ended the loop before it came to its end
 };
 
-Guide guide_at(uint cell, vec3 n) {
+const Guide NO_GUIDE = Guide(0u, 0u, vec3(0.0), vec3(0.0), NormalizationEntry(0.0, 0.0, 0.0, 0.0));
+
+Guide guide_of(uint cell, vec3 n) {
     uint bin = normal_bin(n);
     return Guide(cell, bin, representative_normal(bin), n, normalization_entry(normalization_index(cell, bin)));
 }

@@ -1,14 +1,16 @@
-// The switch over the samplers: where a path goes from a surface.
+// Where a path goes from a surface: to where its BSDF or a guide sends it.
 #ifndef GUIDING_GLSL
 #define GUIDING_GLSL
 #include "bsdf.glsl"
 #include "frame.glsl"
 #include "guided_direction.glsl"
+#include "relief.glsl"
 #include "surface.glsl"
 
 struct DirectionSample {
     vec3 wi;         // world space
     vec3 weight;     // f cos / pdf; zero where the sample is invalid
+    float pdf;       // per steradian; 0 where no other sampler can draw the direction
     float eta;       // index of refraction behind `wi` over that in front, where light is transmitted; else 1
     uint bin;        // direction bin of `wi`; 0 without a guide
     float radiance;  // L of that bin
@@ -29,22 +31,58 @@ struct Scatterer {
     Bsdf bsdf;
     mat3 frame;  // world from local; z along the shading normal, on the side of `wo` where the surface is two-sided
     vec3 wo;     // local
+    vec3 upright;  // local: the shading normal that a bump or normal map has tilted the frame against
+    bool passes;   // the path goes straight on through a hole
     uint cell;
 };
 
-// f cos / pdf of a direction that was drawn with density `diffuse_density` where its lobe is the diffuse one.
-vec3 sample_weight(Scatterer x, BsdfSample s, float diffuse_density) {
-    if (s.lobe == LOBE_NONE) return vec3(0.0);
-    if (s.lobe == LOBE_DELTA) return s.weight;
-    float pdf = pdf_bsdf(x.bsdf, x.wo, s.wi, diffuse_density) * PDF_TAMPER;
-    return pdf > 0.0 ? eval_bsdf(x.bsdf, x.wo, s.wi) / pdf : vec3(0.0);
+bool has_relief() {
+    return has_feature(FEATURE_BUMP | FEATURE_NORMAL_MAP);
+}
+
+// f cos.
+vec3 eval_scatterer(Scatterer x, vec3 wi) {
+    vec3 f = eval_bsdf(x.bsdf, x.wo, wi);
+    return has_relief() ? f * relief_shadowing(x.upright, wi) : f;
+}
+
+Guide guide_at(Scatterer x) {
+    if (SAMPLER == SAMPLER_BSDF) return NO_GUIDE;
+    return guide_of(x.cell, x.frame[2]);
+}
+
+bool is_guided(Guide guide) {
+    return SAMPLER != SAMPLER_BSDF && is_filled(guide.entry);
+}
+
+// Density of the local direction `wi` where the diffuse lobe is sampled.
+float pdf_diffuse_lobe(Scatterer x, Guide guide, vec3 wi) {
+    if (!is_guided(guide)) return pdf_cosine_hemisphere(wi.z);
+    return pdf_guide(guide, x.frame * wi);
+}
+
+// Density with which sample_direction draws the local direction `wi`, other than by a lobe of single directions.
+float pdf_direction(Scatterer x, Guide guide, vec3 wi) {
+    return pdf_bsdf(x.bsdf, x.wo, wi, pdf_diffuse_lobe(x, guide, wi));
+}
+
+// Density of a sample whose direction the diffuse lobe's sampler has with density `diffuse_density`.
+float sample_pdf(Scatterer x, BsdfSample s, float diffuse_density) {
+    bool spread = s.lobe == LOBE_DIFFUSE || s.lobe == LOBE_GLOSSY;
+    return spread ? pdf_bsdf(x.bsdf, x.wo, s.wi, diffuse_density) : 0.0;
+}
+
+// f cos / pdf of a sample.
+vec3 sample_weight(Scatterer x, BsdfSample s, float pdf) {
+    if (s.lobe == LOBE_DELTA) return has_relief() ? s.weight * relief_shadowing(x.upright, s.wi) : s.weight;
+    return pdf > 0.0 ? eval_scatterer(x, s.wi) / (pdf * PDF_TAMPER) : vec3(0.0);
 }
 
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.
-DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s) {
+DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s, float diffuse_density) {
     vec3 wi = x.frame * s.wi;
-    vec3 weight = sample_weight(x, s, pdf_cosine_hemisphere(s.wi.z));
-    DirectionSample result = DirectionSample(wi, weight, s.eta, 0u, 0.0, false, 0u, false);
+    float pdf = sample_pdf(x, s, diffuse_density);
+    DirectionSample result = DirectionSample(wi, sample_weight(x, s, pdf), pdf, s.eta, 0u, 0.0, false, 0u, false);
     if (SAMPLER != SAMPLER_BSDF) {
         result.bin = direction_bin(wi);
         result.radiance = radiance(radiance_index(x.cell, result.bin));
@@ -53,32 +91,23 @@ DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s) {
 }
 
 // A guided direction in place of the diffuse lobe's; that lobe has been chosen, and other lobes are sampled as ever.
-DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice, Scatterer x, BsdfSample s) {
-    Guide guide = guide_at(x.cell, x.frame[2]);
-    if (!is_filled(guide.entry)) {
-        mark_guide(guide);
-        return sample_direction_bsdf(x, s);
-    }
+DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice, Scatterer x, Guide guide, BsdfSample s) {
+    if (s.lobe != LOBE_DIFFUSE) return sample_direction_bsdf(x, s, pdf_diffuse_lobe(x, guide, s.wi));
     GuidedSample guided = sample_guide(key, vertex, choice, guide);
-    DirectionSample result;
-    if (s.lobe == LOBE_DIFFUSE) {
-        s.wi = guided.wi * x.frame;
-        vec3 weight = s.wi.z > 0.0 ? sample_weight(x, s, guided.pdf) : vec3(0.0);
-        result = DirectionSample(guided.wi, weight, 1.0, guided.bin, guided.radiance, s.wi.z <= 0.0, guided.tries, guided.overrun);
-    } else {
-        vec3 wi = x.frame * s.wi;
-        vec3 weight = sample_weight(x, s, pdf_guide(guide, wi));
-        uint bin = direction_bin(wi);
-        result = DirectionSample(wi, weight, s.eta, bin, radiance(radiance_index(x.cell, bin)), false, 0u, false);
-    }
-    return result;
+    s.wi = guided.wi * x.frame;
+    bool below = s.wi.z <= 0.0;
+    float pdf = sample_pdf(x, s, guided.pdf);
+    vec3 weight = below ? vec3(0.0) : sample_weight(x, s, pdf);
+    return DirectionSample(guided.wi, weight, pdf, 1.0, guided.bin, guided.radiance, below, guided.tries, guided.overrun);
 }
 
 // Draws the direction in which a path leaves a surface.
-DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x) {
+DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
     BsdfSample s = sample_bsdf(x.bsdf, x.wo, u.xyz);
-    if (SAMPLER == SAMPLER_BSDF) return sample_direction_bsdf(x, s);
-    return sample_direction_guided(key, vertex, u.x, x, s);
+    if (x.passes) s = BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0);
+    if (is_guided(guide)) return sample_direction_guided(key, vertex, u.x, x, guide, s);
+    if (SAMPLER != SAMPLER_BSDF && s.lobe == LOBE_DIFFUSE) mark_guide(guide);
+    return sample_direction_bsdf(x, s, pdf_cosine_hemisphere(s.wi.z));
 }
 
 #endif

@@ -22,7 +22,7 @@ layout(scalar, set = 0, binding = 0) writeonly buffer DrawnSamples { Drawn drawn
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    Guide guide = guide_at(0u, push.normal);
+    Guide guide = guide_of(0u, push.normal);
     RandomKey key = RandomKey(index, 0u, push.seed);
     float choice = unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).z;
     GuidedSample s = sample_guide(key, 1u, choice, guide);

@@ -12,6 +12,7 @@ struct SurfaceInput {
 
 struct SurfaceOutput {
     Surface surface;
+    mat3 frame;
     Ray leaving;
     Hit hit;
 };
@@ -28,10 +29,12 @@ void main() {
     bool overrun = false;
     SurfaceOutput o;
     o.hit = traverse(ray, false, overrun);
-    o.surface = Surface(vec3(0.0), vec3(0.0), vec3(0.0), NONE, NONE);
+    o.surface = Surface(vec3(0.0), vec3(0.0), vec3(0.0), NONE, NONE, vec2(0.0), vec3(0.0), vec3(0.0));
+    o.frame = mat3(0.0);
     o.leaving = ray;
     if (o.hit.primitive != NONE) {
         o.surface = surface_at(ray, o.hit, push.epsilon);
+        o.frame = shading_frame(o.surface);
         o.leaving = leave_surface(o.surface, -ray.direction, push.epsilon);
     }
     surface_outputs[gl_GlobalInvocationID.x] = o;

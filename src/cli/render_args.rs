@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use lodestar::Result;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter, Scene};
-use lodestar::settings::{Learner, Sampler, Settings};
+use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
 
 /// Renders a Mitsuba scene.
 ///
@@ -74,6 +74,9 @@ pub struct RenderArgs {
     /// Depth after which Russian roulette is played.
     #[arg(long, value_name = "N", help_heading = "Paths")]
     pub rr_depth: Option<u32>,
+    /// Sample emitters at every vertex of a path (next event estimation).
+    #[arg(long, value_enum, default_value_t = Switch::Off, help_heading = "Paths")]
+    pub nee: Switch,
     /// Seed of the random numbers; the same one gives the same pixels.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
     pub seed: u32,
@@ -84,9 +87,15 @@ pub struct RenderArgs {
     /// How the guide learns.
     #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
     pub learner: Learner,
-    /// What rejection-mix mixes with the uniform distribution.
+    /// What rejection-mix mixes with the uniform share.
     #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
     pub mix: Mix,
+    /// Uniform share of rejection-mix [default: the optimal one, Eq. 8].
+    #[arg(long, value_name = "E", help_heading = "Guiding")]
+    pub epsilon: Option<f32>,
+    /// Map between directions and their bins.
+    #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
+    pub map: DirectionMap,
     /// Cells of the guide along each axis [default: 8].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub grid: Option<u32>,
@@ -123,6 +132,15 @@ pub struct RenderArgs {
     pub validate: bool,
 }
 
+/// On or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// Yes.
+    On,
+    /// No.
+    Off,
+}
+
 /// A reconstruction filter by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Filter {
@@ -132,13 +150,6 @@ pub enum Filter {
     Tent,
     /// A Gaussian of standard deviation 0.5.
     Gaussian,
-}
-
-/// What `rejection-mix` mixes with the uniform distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Mix {
-    /// The density, Eq. 8 of the paper.
-    Density,
 }
 
 impl RenderArgs {
@@ -167,9 +178,13 @@ impl RenderArgs {
         settings.filter = self.rfilter.map_or(settings.filter, Filter::with_default_width);
         settings.max_depth = self.max_depth.unwrap_or(settings.max_depth);
         settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
+        settings.nee = self.nee == Switch::On;
         settings.seed = self.seed;
         settings.sampler = self.sampler;
         settings.learner = self.learner;
+        settings.map = self.map;
+        settings.mix = self.mix;
+        settings.epsilon = self.epsilon;
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.normals = self.normals.unwrap_or(settings.normals);
@@ -180,6 +195,7 @@ impl RenderArgs {
         settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);
         settings.slice_milliseconds = self.slice_ms.or(settings.slice_milliseconds);
         settings.validate()?;
+        settings.check_lighting(scene)?;
         Ok(settings)
     }
 }
@@ -261,9 +277,9 @@ mod tests {
     fn every_option_of_the_contract_is_taken() {
         let args = parse(
             "-o a.exr -o a.png --spp 32 --time 1.5 --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
-             --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --grid 8 --directions 16 \
+             --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --map equal-area --grid 8 --directions 16 \
              --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
-             --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
+             --nee on --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
         )
         .unwrap();
         assert_eq!(args.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);
@@ -290,6 +306,8 @@ mod tests {
             "-D =b",
             "--exposure inf",
             "--sampler magic",
+            "--map flat",
+            "--mix paint",
         ] {
             assert!(parse(line).is_err(), "{line}");
         }

@@ -19,12 +19,14 @@ pub struct Stats {
     pub steps: Vec<Step>,
 }
 
-/// How long it took to come to the first sample.
+/// How long it took to come to the first sample, and with what.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct SetupTimes {
     pub load_seconds: f64,
     pub bvh_seconds: f64,
     pub pipeline_seconds: f64,
+    #[serde(skip)]
+    pub primitive_count: usize,
 }
 
 /// What produced the numbers.
@@ -54,6 +56,8 @@ pub struct Step {
     pub seconds: f64,
     pub paths: u64,
     pub rays: u64,
+    /// Rays towards sampled lights, which are not among `rays`.
+    pub shadow_rays: u64,
     /// Milliseconds per sample per pixel, for the whole picture.
     pub ms_per_sample: f64,
     pub invalid_rate: f64,
@@ -86,6 +90,7 @@ impl Step {
             seconds,
             paths,
             rays: counts.rays,
+            shadow_rays: counts.shadow_rays,
             ms_per_sample: if paths == 0 { 0.0 } else { seconds * 1000.0 / mean_spp },
             invalid_rate: counts.invalid_rate(),
             light_hit_rate: counts.light_hit_rate(),

@@ -12,7 +12,7 @@ use super::fault::failed;
 use super::interface::BindingKind;
 use crate::{Error, Result};
 
-/// A texel is four numbers of 32 bits.
+/// A texel is four numbers of 32 bits, where its kind does not say one.
 const TEXEL_BYTES: u64 = 16;
 
 /// Every Vulkan device allows uniform buffers of this size.
@@ -32,6 +32,8 @@ pub enum BufferKind {
     TexelFloat,
     /// Read as texels of four unsigned integers.
     TexelUint,
+    /// Read as texels of one unsigned integer.
+    TexelUint1,
     /// Written as storage, and read as storage or as texels of one float.
     StorageTexelFloat1,
     /// Written as storage, and read as storage or as texels of four floats.
@@ -47,7 +49,7 @@ impl BufferKind {
             BindingKind::TexelBufferFloat => {
                 matches!(self, Self::TexelFloat | Self::StorageTexelFloat1 | Self::StorageTexelFloat)
             }
-            BindingKind::TexelBufferUint => self == Self::TexelUint,
+            BindingKind::TexelBufferUint => matches!(self, Self::TexelUint | Self::TexelUint1),
         }
     }
 
@@ -59,7 +61,7 @@ impl BufferKind {
         let own = match self {
             Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
             Self::Uniform => vk::BufferUsageFlags::UNIFORM_BUFFER,
-            Self::TexelFloat | Self::TexelUint => vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
+            Self::TexelFloat | Self::TexelUint | Self::TexelUint1 => vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
             Self::StorageTexelFloat1 | Self::StorageTexelFloat => {
                 vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
             }
@@ -73,6 +75,7 @@ impl BufferKind {
             Self::TexelFloat | Self::StorageTexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
             Self::StorageTexelFloat1 => Some(vk::Format::R32_SFLOAT),
             Self::TexelUint => Some(vk::Format::R32G32B32A32_UINT),
+            Self::TexelUint1 => Some(vk::Format::R32_UINT),
         }
     }
 }
@@ -227,6 +230,7 @@ fn check_size(context: &Context, name: &str, bytes: u64, kind: BufferKind) -> Re
         BufferKind::Storage => vec![storage],
         BufferKind::Uniform => vec![("uniform", MAX_UNIFORM_BYTES)],
         BufferKind::TexelFloat | BufferKind::TexelUint => vec![texels(TEXEL_BYTES)],
+        BufferKind::TexelUint1 => vec![texels(TEXEL_BYTES / 4)],
         BufferKind::StorageTexelFloat => vec![storage, texels(TEXEL_BYTES)],
         BufferKind::StorageTexelFloat1 => vec![storage, texels(TEXEL_BYTES / 4)],
     };

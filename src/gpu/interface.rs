@@ -9,7 +9,7 @@ pub enum BindingKind {
     UniformBuffer,
     /// A read-only texel buffer of four 32-bit floats (`samplerBuffer`).
     TexelBufferFloat,
-    /// A read-only texel buffer of four 32-bit unsigned integers (`usamplerBuffer`).
+    /// A read-only texel buffer of 32-bit unsigned integers, four or one to a texel (`usamplerBuffer`).
     TexelBufferUint,
 }
 

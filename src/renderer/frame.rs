@@ -7,18 +7,21 @@ use glam::{Mat4, Vec3};
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::materials;
 use super::statistics::Counts;
-use super::{buffer_kind, set_shape};
+use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::bvh::Bvh;
 use crate::film::Picture;
-use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, SetShape};
 use crate::kernels::{self, Kernels};
 use crate::layout;
-use crate::scene::{Environment, Scene};
+use crate::lights::Lights;
+use crate::scene::Scene;
 use crate::settings::Settings;
 
 /// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
 const RAY_EPSILON: f32 = 1.0 / 131_072.0;
+/// `texel_words` of `glsl/include/frame.glsl`.
+const TEXEL_WORDS_BINDING: u32 = 6;
 /// Learning targets saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;
 
@@ -34,6 +37,7 @@ impl Frame {
         kernels: &Kernels,
         scene: &Scene,
         bvh: &Bvh,
+        lights: &Lights,
         settings: &Settings,
     ) -> Result<Self> {
         let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
@@ -41,21 +45,20 @@ impl Frame {
             buffer.upload(0, bytes)?;
             Ok(buffer)
         };
-        let constants = scene_constants(scene, bvh, settings);
+        let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
         let materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
         let shape = set_shape(kernels, 0);
         let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
-        let emitters: Vec<_> = scene
-            .emitters
-            .iter()
-            .map(|e| layout::Emitter { radiance: e.radiance.value.into(), reserved: 0.0 })
-            .collect();
+        let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
+        let texel_words = texel_words(context, shape)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
-            let all = [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters];
-            let set = DescriptorSet::new(context, "frame", shape, &all)?;
+            let all =
+                [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters, &texel_words];
+            let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
+            let set = DescriptorSet::new(context, "frame", shape, &used)?;
             Ok(buffers.with_set(set))
         };
         let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
@@ -86,7 +89,14 @@ impl Frame {
     }
 }
 
-fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::SceneConstants {
+/// Tables that materials refer to by the address of a word.
+fn texel_words(context: &Arc<Context>, shape: &SetShape) -> Result<Arc<Buffer>> {
+    let binding = shape.bindings.iter().find(|binding| binding.binding == TEXEL_WORDS_BINDING);
+    let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
+    Buffer::new(context, "texel words", 0, kind)
+}
+
+fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
     let camera = &scene.camera;
     let tan_x = camera.tan_half_fov_x(settings.width, settings.height);
     let aspect = settings.width as f32 / settings.height as f32;
@@ -94,7 +104,7 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::Sce
     let extent = (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * 1.0e-6));
     let rows = rows(&camera.world_from_camera);
     let eye = camera.world_from_camera.w_axis.truncate();
-    layout::SceneConstants {
+    let mut constants = layout::SceneConstants {
         world_from_camera: rows,
         film_size: [settings.width as f32, settings.height as f32],
         raster_scale: [tan_x, tan_x / aspect],
@@ -104,13 +114,14 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::Sce
         bounds_min: bvh.bounds.0.into(),
         ray_epsilon: RAY_EPSILON * bvh.largest_coordinate().max(eye.abs().max_element() * 1.0e-3),
         cells_per_unit: (settings.grid as f32 / extent).into(),
-        target_limit: target_limit(scene),
-        environment: environment(scene).into(),
+        target_limit: target_limit(lights),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
-        reserved: [0; 2],
-    }
+        ..bytemuck::Zeroable::zeroed()
+    };
+    lights.write_constants(&mut constants);
+    constants
 }
 
 /// The upper three rows, as the kernels read them.
@@ -118,17 +129,8 @@ fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| matrix.row(i).into())
 }
 
-fn environment(scene: &Scene) -> Vec3 {
-    match scene.environment {
-        Some(Environment::Constant { radiance }) => radiance,
-        _ => Vec3::ZERO,
-    }
-}
-
-fn target_limit(scene: &Scene) -> f32 {
-    let brightest =
-        scene.emitters.iter().map(|e| e.radiance.value).chain([environment(scene)]).map(|c| c.element_sum() / 3.0);
-    match brightest.fold(0.0, f32::max) {
+fn target_limit(lights: &Lights) -> f32 {
+    match lights.brightest() {
         0.0 => TARGET_LIMIT,
         most => TARGET_LIMIT * most,
     }

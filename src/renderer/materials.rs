@@ -197,6 +197,7 @@ fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
             write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
         }
         Bsdf::Principled(principled) => {
+            writer.flag(kernels::MATERIAL_GGX, true);
             writer.color(0, &principled.base_color);
             writer.scalar(0, &principled.roughness);
             writer.scalar(1, &principled.anisotropic);

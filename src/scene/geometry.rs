@@ -18,7 +18,8 @@ pub struct Primitive {
     pub edge_v: Vec3,
     /// Unit shading normals at a triangle's vertices; `None` shades with the geometric normal.
     pub normals: Option<[Vec3; 3]>,
-    /// Texture coordinates at a triangle's vertices (unused by the other shapes, whose `(u, v)` give them).
+    /// Texture coordinates at a triangle's vertices. Other shapes' follow from their axes; a sphere's frame is
+    /// right-handed, y = z x x, where these are 1 and left-handed where they are -1.
     pub uvs: [Vec2; 3],
     /// The geometric normal is `-normalize(cross(edge_u, edge_v))`, or points into the sphere.
     pub flip_normal: bool,

@@ -4,12 +4,12 @@
 //! that it must find.
 
 mod analytic;
+mod choices;
 mod closed;
 mod determinism;
 mod device;
 mod estimate;
 mod learning;
-mod references;
 mod scenes;
 mod significance;
 mod variance;

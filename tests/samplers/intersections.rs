@@ -24,6 +24,11 @@ pub struct TraceInput {
 }
 
 impl TraceInput {
+    /// An endless ray.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin: origin.into(), direction: direction.into(), t_max: 3.0e38, any_hit: 0 }
+    }
+
     fn ray(&self) -> Ray {
         let [origin, direction] = [self.origin, self.direction].map(|v| Vec3::from(v).as_dvec3());
         Ray { origin, direction, t_max: f64::from(self.t_max) }

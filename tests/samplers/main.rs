@@ -11,6 +11,7 @@ mod guides;
 mod intersections;
 mod learning;
 mod normalization;
+mod parametrization;
 mod random;
 mod statistics;
 mod surfaces;

@@ -111,7 +111,9 @@ fn check_entries(case: &Case) {
         }
     }
     // Where one bin outshines all others and the horizon leaves a sliver of it, neither quadrature is as good.
-    let tolerance = [2.0e-5, 2.0e-5, 2.0e-5, 5.0e-5, 5.0e-5];
+    // Rejection hardly feels it; inversion, whose factors it divides, feels all of it.
+    let hot = if rules.sampler == Sampler::HemisphereInversion { 2.0e-4 } else { 5.0e-5 };
+    let tolerance = [2.0e-5, 2.0e-5, 2.0e-5, hot, hot];
     let within = worst.iter().zip(tolerance).all(|(&error, tolerance)| error < tolerance);
     assert!(within, "{rules:?}, {map:?}, {directions} directions, {normals} normals: {worst:?}");
 }

@@ -16,18 +16,22 @@ const EPSILON: f32 = 1.0e-4;
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct SurfaceOutput {
-    position: [f32; 3],
+pub struct SurfaceOutput {
+    pub position: [f32; 3],
     geometric_normal: [f32; 3],
     shading_normal: [f32; 3],
     material: u32,
     emitter: u32,
+    pub uv: [f32; 2],
+    pub dp_du: [f32; 3],
+    pub dp_dv: [f32; 3],
+    pub frame: [[f32; 3]; 3],
     leaving_origin: [f32; 3],
     leaving_direction: [f32; 3],
     leaving_t_max: f32,
     t: f32,
-    uv: [f32; 2],
-    primitive: u32,
+    hit_uv: [f32; 2],
+    pub primitive: u32,
 }
 
 fn d3(v: [f32; 3]) -> DVec3 {
@@ -50,7 +54,8 @@ fn numbered_primitives() -> Vec<Primitive> {
     all
 }
 
-fn find(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<SurfaceOutput> {
+/// What rays find, and the ray that leaves there, on a device with the given `FEATURE_*` bits.
+pub fn find(primitives: &[Primitive], rays: &[TraceInput], features: u32) -> Vec<SurfaceOutput> {
     let device = Device::new();
     let bvh = Bvh::build(primitives);
     let buffer = |name: &str, bytes: &[u8], kind| {
@@ -61,12 +66,15 @@ fn find(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<SurfaceOutput> {
     let nodes = buffer("nodes", bytemuck::cast_slice(&bvh.nodes), BufferKind::TexelUint);
     let records = buffer("primitives", bytemuck::cast_slice(&bvh.primitives), BufferKind::TexelUint);
     let attributes = buffer("attributes", bytemuck::cast_slice(&bvh.attributes), BufferKind::TexelUint);
-    let input = device.uploaded("rays", rays);
-    let output = device.storage("surfaces", size_of::<SurfaceOutput>() * rays.len());
-    let variant = Variant { has_spheres: true, stack_size: bvh.depth, ..Variant::default() };
+    let padded = rays.len().next_multiple_of(GROUP as usize);
+    let input = device.storage("rays", size_of::<TraceInput>() * padded);
+    input.upload(0, rays).expect("uploaded");
+    let output = device.storage("surfaces", size_of::<SurfaceOutput>() * padded);
+    let variant =
+        Variant { has_spheres: true, stack_size: bvh.depth, surface_features: features, ..Variant::default() };
     let buffers = [&input, &output, &nodes, &records, &attributes];
     let kernel = device.kernel(&test::SURFACE, &variant);
-    device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&EPSILON), rays.len() as u32 / GROUP);
+    device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&EPSILON), padded as u32 / GROUP);
     output.read(0, rays.len()).expect("read")
 }
 
@@ -90,7 +98,7 @@ fn normals(p: &Primitive, position: DVec3, hit: DVec3) -> (DVec3, DVec3) {
 fn surfaces_are_what_the_scene_says() {
     let (primitives, rays) = (numbered_primitives(), rays(4096, false));
     let mut interpolated = 0;
-    for (input, o) in rays.iter().zip(find(&primitives, &rays)).filter(|(_, o)| o.primitive != NONE) {
+    for (input, o) in rays.iter().zip(find(&primitives, &rays, 0)).filter(|(_, o)| o.primitive != NONE) {
         let p = &primitives[o.material as usize];
         assert_eq!(o.emitter, p.emitter.unwrap_or(NONE));
         let (position, t) = (d3(o.position), f64::from(o.t));

@@ -1,0 +1,129 @@
+//! Blends, two-sided pairs and holes, in a furnace of which the answer is known.
+
+use glam::Vec3;
+use lodestar::scene::{
+    Bsdf, Environment, Material, MaterialKind, Scene, SurfaceMaterial, Textured, emitter::AreaEmitter,
+};
+use lodestar::settings::Sampler;
+
+use crate::device::Device;
+use crate::estimate::Estimate;
+use crate::scenes::{SAMPLERS, ours, settings};
+use crate::significance::{ALPHA, sidak, two_sided};
+
+const SIZE: [u32; 2] = [32, 32];
+const SPP: u32 = 128;
+const EDGES: u32 = 6;
+/// Tests here, times samplers.
+const CASES: usize = 10;
+const EMISSION: f64 = 0.5;
+/// Radiance of what is around the furnace.
+const OUTSIDE: f32 = 0.3;
+
+fn diffuse(albedo: f32) -> SurfaceMaterial {
+    SurfaceMaterial::plain(Bsdf::Diffuse { reflectance: Textured::constant(Vec3::splat(albedo)) })
+}
+
+fn material(kind: MaterialKind) -> Material {
+    Material { name: String::new(), kind }
+}
+
+fn surface(albedo: f32) -> Material {
+    material(MaterialKind::Surface(diffuse(albedo)))
+}
+
+fn blend(weight: f32, materials: [u32; 2]) -> Material {
+    material(MaterialKind::Blend { weight: Textured::constant(weight), materials })
+}
+
+fn sides(front: u32, back: u32) -> Material {
+    material(MaterialKind::Sides { front, back })
+}
+
+/// The closed sphere, lit from within and without, with its first material.
+fn furnace(materials: Vec<Material>) -> Scene {
+    let mut scene = ours("furnace/scene.xml", &[]);
+    scene.emitters =
+        vec![AreaEmitter { radiance: Textured::constant(Vec3::splat(EMISSION as f32)), sampling_weight: 1.0 }];
+    scene.environment = Some(Environment::constant(Vec3::splat(OUTSIDE)));
+    scene.materials = materials;
+    scene
+}
+
+/// What at most `edges` edges see where a share `albedo` of the light is reflected and a share `holes` comes from outside.
+fn answer(edges: u32, albedo: f64, holes: f64) -> f64 {
+    match edges {
+        1 => EMISSION,
+        _ => EMISSION + albedo * answer(edges - 1, albedo, holes) + holes * f64::from(OUTSIDE),
+    }
+}
+
+/// The probability that a correct renderer is as far from `expected`.
+fn surprise(device: &Device, scene: &Scene, sampler: Sampler, expected: f64) -> f64 {
+    let mut settings = settings(scene, SIZE, sampler, 9);
+    settings.max_depth = EDGES;
+    let (mean, error) = Estimate::of(&device.render(scene, &settings, SPP)).gray();
+    let z = (mean - expected) / error.hypot(1.0e-6);
+    println!("{sampler:?}: {mean:.5} +- {error:.5}, not {expected:.5}: z = {z:.2}");
+    two_sided(z)
+}
+
+/// The scene agrees with the answer, and would not with one that is 3 % brighter.
+fn check(name: &str, scene: &Scene, expected: f64) {
+    let device = Device::new();
+    for sampler in SAMPLERS {
+        println!("{name}");
+        let p = surprise(&device, scene, sampler, expected);
+        assert!(sidak(p, CASES) > ALPHA, "{name}, {sampler:?}: p = {p}");
+        let wrong = surprise(&device, scene, sampler, 1.03 * expected);
+        assert!(sidak(wrong, CASES) < ALPHA, "the twin, {name}, {sampler:?}: p = {wrong}");
+    }
+}
+
+#[test]
+fn a_blend_is_the_mean_of_its_parts() {
+    let scene = furnace(vec![blend(0.25, [1, 2]), surface(0.3), surface(0.8)]);
+    check("blend", &scene, answer(EDGES, 0.75 * 0.3 + 0.25 * 0.8, 0.0));
+}
+
+#[test]
+fn blends_of_blends_draw_anew() {
+    let scene = furnace(vec![
+        blend(0.6, [1, 2]),
+        blend(0.5, [3, 4]),
+        blend(0.9, [3, 5]),
+        surface(0.1),
+        surface(0.5),
+        surface(0.9),
+    ]);
+    let albedo = 0.4 * (0.5 * 0.1 + 0.5 * 0.5) + 0.6 * (0.1 * 0.1 + 0.9 * 0.9);
+    check("nested blend", &scene, answer(EDGES, albedo, 0.0));
+}
+
+#[test]
+fn the_front_has_the_first_material() {
+    let scene = furnace(vec![sides(1, 2), surface(0.6), surface(0.2)]);
+    check("front", &scene, answer(EDGES, 0.6, 0.0));
+}
+
+/// Half of the light that meets the back passes; there is no other.
+#[test]
+fn the_back_has_the_second_material() {
+    let back = SurfaceMaterial { two_sided: true, opacity: Textured::constant(0.5), ..diffuse(0.2) };
+    let mut scene = furnace(vec![sides(1, 2), surface(0.6), material(MaterialKind::Surface(back))]);
+    scene.emitters.clear();
+    for primitive in &mut scene.primitives {
+        primitive.flip_normal = !primitive.flip_normal;
+        primitive.emitter = None;
+    }
+    let reflected = |edges: u32| (0.5_f64 * 0.2).powi(edges as i32 - 2);
+    check("back", &scene, (2..=EDGES).map(|edges| 0.5 * f64::from(OUTSIDE) * reflected(edges)).sum());
+}
+
+#[test]
+fn light_goes_straight_through_holes() {
+    let mut masked = diffuse(0.7);
+    masked.opacity = Textured::constant(0.8);
+    let scene = furnace(vec![material(MaterialKind::Surface(masked))]);
+    check("mask", &scene, answer(EDGES, 0.8 * 0.7, 0.2));
+}
