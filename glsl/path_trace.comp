@@ -32,6 +32,7 @@ struct Path {
     Segment segment;  // that the ray travels
     vec3 from;        // the point of a surface that the ray left
     float pdf;        // density of its direction there; 0 where emitter sampling cannot have drawn it
+    PathVertex met;   // the vertex just met, for learners that keep them
 };
 
 // Tiles of 8 x 8 pixels, row by row, and pixels within a tile likewise.
@@ -53,6 +54,7 @@ Path start_path(uvec2 film_pixel, uint sample_index) {
     path.segment = NO_SEGMENT;
     path.from = vec3(0.0);
     path.pdf = 0.0;
+    path.met = NO_VERTEX;
     return path;
 }
 
@@ -65,11 +67,13 @@ bool survives_roulette(inout Path path, float u) {
     if (path.depth < RR_DEPTH) return true;
     float survival = min(max_component(path.throughput) * path.eta * path.eta, 0.95);
     path.throughput /= max(survival, 1.0e-30);
+    path.met.factor /= max(survival, 1.0e-30);
     return u < survival;
 }
 
 void end_path(inout Path path) {
     path.depth = 0u;
+    path.met.factor = vec3(0.0);
 }
 
 // Share of the emission that the path's ray met, where emitter sampling draws the ray's direction with this density.
@@ -83,7 +87,9 @@ float escape(inout Path path, inout Tally tally) {
     count_light_hit(tally, path.depth, emission);
     if (NEE) emission *= emission_weight(path, pdf_light_at_environment(path.ray.direction));
     path.radiance += path.throughput * visible_emission(path, emission);
-    float target = path.depth < MAX_DEPTH ? mean_rgb(emission) : NO_TARGET;
+    path.met.light = emission;
+    float target = path.depth < MAX_DEPTH && !keeps_vertices() ? mean_rgb(emission) : NO_TARGET;
+    if (path.depth == MAX_DEPTH) path.met.segment = NO_SEGMENT;
     end_path(path);
     return target;
 }
@@ -109,7 +115,9 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     count_light_hit(tally, path.depth, light);
     if (NEE) light *= emission_weight(path, pdf_light_at_surface(primitive, s, path.from));
     path.radiance += path.throughput * visible_emission(path, light);
+    path.met.light = light;
     if (path.depth == MAX_DEPTH) {
+        path.met.segment = NO_SEGMENT;
         end_path(path);
         return NO_TARGET;
     }
@@ -118,11 +126,16 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
         vec3 direct = direct_light(path, s, x, guide, tally);
         path.radiance += path.throughput * direct;
         light += direct;
+        path.met.light = light;
     }
     DirectionSample next = sample_direction(path.key, path.depth, u, x, guide);
     count_sample(tally, next.tries, next.below, next.overrun);
     if (!x.passes) path.segment = segment_from(x.cell, next);
+    // What lies behind a hole is collected by the segment that leads there.
+    if (x.passes && keeps_vertices()) path.segment = NO_SEGMENT;
+    float target = target_at(path.key, path.depth, light, x, next);
     path.throughput *= next.weight;
+    path.met.factor = next.weight;
     path.eta *= next.eta;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
         path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
@@ -132,7 +145,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     } else {
         end_path(path);
     }
-    return x.passes ? NO_TARGET : target_sarsa(light, next);
+    return target;
 }
 
 void main() {
@@ -146,6 +159,8 @@ void main() {
     Tally tally = no_tally();
     Path path;
     end_path(path);
+    KeptPath kept;
+    kept.vertex_count = 0u;
     uint next_sample = inside ? 0u : push.sample_count;
     bool more = next_sample < push.sample_count;
     uint edges_left = push.sample_count * MAX_DEPTH;
@@ -156,6 +171,7 @@ void main() {
         Hit hit = traverse(path.ray, false, tally.overrun);
         count_ray(tally, path.depth);
         Segment travelled = path.segment;
+        path.met.segment = travelled;
         uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
         float target;
         if (hit.primitive == NONE) {
@@ -168,7 +184,12 @@ void main() {
             }
             target = scatter(path, hit.primitive, s, x, unit_floats(bits), tally);
         }
-        if (is_learning()) record(travelled, target, leftover_float(bits));
+        if (keeps_vertices()) {
+            keep_vertex(kept, path.met);
+            if (path.depth == 0u) record_returns(kept, path.key);
+        } else if (is_learning()) {
+            record(travelled, target, leftover_float(bits));
+        }
 
         if (path.depth == 0u) add_sample(samples, path.radiance, tally);
         more = path.depth != 0u || next_sample < push.sample_count;

@@ -8,6 +8,8 @@ use crate::{Error, Result};
 
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
+/// Longest path of which a learner keeps all vertices.
+const MAX_KEPT_VERTICES: u32 = 128;
 /// Most pixels a film may have along a side.
 pub const MAX_FILM_SIDE: u32 = 65_536;
 
@@ -57,6 +59,10 @@ pub enum DirectionMap {
 pub enum Learner {
     /// Eq. 6: bootstraps from the one direction that was sampled next.
     Sarsa = kernels::LEARNER_SARSA,
+    /// Eq. 5: bootstraps from the mean over many directions.
+    ExpectedSarsa = kernels::LEARNER_EXPECTED_SARSA,
+    /// Learns the radiance that the rest of the path has collected.
+    MonteCarlo = kernels::LEARNER_MONTE_CARLO,
 }
 
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
@@ -91,6 +97,8 @@ pub struct Settings {
     pub mix: Mix,
     /// The share e of `rejection-mix`, in [1e-4, 1]; the optimal one (Eq. 8) where `None`.
     pub epsilon: Option<f32>,
+    /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
+    pub expected_directions: u32,
     /// Cells along each axis of the grids, in [1, 32].
     pub grid: u32,
     /// Direction bins along each side of the map, in [4, 64].
@@ -118,6 +126,10 @@ pub struct Settings {
     #[serde(skip)]
     #[doc(hidden)]
     pub storage_reads: bool,
+    /// Factor on what learning takes a surface to reflect: a fault that the tests must detect. 1 is right.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub attenuation_tamper: f32,
     /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
     #[serde(skip)]
     #[doc(hidden)]
@@ -147,6 +159,7 @@ impl Settings {
             map: DirectionMap::EqualArea,
             mix: Mix::Density,
             epsilon: None,
+            expected_directions: 128,
             grid: 8,
             directions: 16,
             normals: 16,
@@ -158,6 +171,7 @@ impl Settings {
             slice_milliseconds: None,
             film_page_pixels: None,
             storage_reads: false,
+            attenuation_tamper: 1.0,
             pdf_tamper: 1.0,
             mis_fault: kernels::MIS_EXACT,
         }
@@ -186,7 +200,9 @@ impl Settings {
         in_range("min-uniform", self.min_uniform, 1.0e-4, 1.0)?;
         in_range("decay", self.decay, 0.0, 1.0)?;
         in_range("epsilon", self.epsilon.unwrap_or(1.0), 1.0e-4, 1.0)?;
+        in_range("expected-directions", self.expected_directions, 1, 4096)?;
         self.validate_mix()?;
+        self.validate_learner()?;
         in_range("slice-ms", self.slice_milliseconds.unwrap_or(1.0), 0.001, 60_000.0)?;
         self.validate_crop()
     }
@@ -198,6 +214,27 @@ impl Settings {
             _ if !mixes => Ok(()),
             _ => Err(Error::Settings("--epsilon and --mix are for --sampler rejection-mix only".into())),
         }
+    }
+
+    fn validate_learner(&self) -> Result<()> {
+        if self.sampler == Sampler::Bsdf && self.learner != Learner::Sarsa {
+            return Err(Error::Settings(
+                "--sampler bsdf learns nothing, so --learner is for the other samplers".into(),
+            ));
+        }
+        if self.learner == Learner::MonteCarlo && self.max_depth > MAX_KEPT_VERTICES {
+            return Err(Error::Settings(format!(
+                "--learner monte-carlo keeps every vertex of a path, so --max-depth must be at most {MAX_KEPT_VERTICES}, \
+                 but it is {}",
+                self.max_depth
+            )));
+        }
+        Ok(())
+    }
+
+    /// Vertices that a kernel keeps of a path.
+    pub(crate) fn kept_vertices(&self) -> u32 {
+        if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
     }
 
     /// Normal bins along each side of the equal-area square that the sampler tells apart.

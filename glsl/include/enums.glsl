@@ -17,6 +17,8 @@ const uint MAP_CYLINDRICAL = 1u;
 
 // Learner of the radiance grid.
 const uint LEARNER_SARSA = 0u;
+const uint LEARNER_EXPECTED_SARSA = 1u;
+const uint LEARNER_MONTE_CARLO = 2u;
 
 // Reconstruction filter.
 const uint FILTER_BOX = 0u;

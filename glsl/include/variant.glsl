@@ -49,6 +49,13 @@ layout(constant_id = 31) const uint MIX = MIX_DENSITY;
 // The share e of Eq. 8 and 9; 0 takes the optimal one.
 layout(constant_id = 32) const float EPSILON = 0.0;
 
+// Directions over which expected-sarsa takes its mean.
+layout(constant_id = 33) const uint EXPECTED_DIRECTIONS = 128u;
+// Vertices that monte-carlo keeps of a path: all of them, or 1 for the other learners.
+layout(constant_id = 34) const uint KEPT_VERTICES = 1u;
+// Multiplies what learning takes a surface to reflect. Not 1 only in tests, which must notice.
+layout(constant_id = 35) const float ATTENUATION_TAMPER = 1.0;
+
 // Emitter sampling.
 layout(constant_id = 40) const bool NEE = false;
 // Bit 1 << kind for every kind of light in the scene.

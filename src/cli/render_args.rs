@@ -93,6 +93,9 @@ pub struct RenderArgs {
     /// Uniform share of rejection-mix [default: the optimal one, Eq. 8].
     #[arg(long, value_name = "E", help_heading = "Guiding")]
     pub epsilon: Option<f32>,
+    /// Directions over which the learner expected-sarsa takes its mean [default: 128].
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub expected_directions: Option<u32>,
     /// Map between directions and their bins.
     #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
     pub map: DirectionMap,
@@ -185,6 +188,7 @@ impl RenderArgs {
         settings.map = self.map;
         settings.mix = self.mix;
         settings.epsilon = self.epsilon;
+        settings.expected_directions = self.expected_directions.unwrap_or(settings.expected_directions);
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.normals = self.normals.unwrap_or(settings.normals);

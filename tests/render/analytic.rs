@@ -1,11 +1,11 @@
 //! The furnace, of which the answer is known.
 
 use lodestar::renderer::Renderer;
-use lodestar::settings::{Sampler, Settings};
+use lodestar::settings::{Learner, Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::Estimate;
-use crate::scenes::{SAMPLERS, ours, settings};
+use crate::scenes::{SAMPLERS, ours, settings, steady};
 use crate::significance::{ALPHA, sidak, two_sided};
 
 const SIZE: [u32; 2] = [32, 32];
@@ -20,6 +20,7 @@ fn deviation(device: &Device, file: &str, defines: &[(&str, &str)], change: impl
     let scene = ours(file, defines);
     let mut settings = settings(&scene, SIZE, Sampler::Bsdf, 5);
     change(&mut settings);
+    let settings = steady(settings);
     let depth = settings.max_depth;
     let (mean, error) = Estimate::of(&device.render(&scene, &settings, SPP)).gray();
     // Single precision sums up 64 samples.
@@ -29,7 +30,7 @@ fn deviation(device: &Device, file: &str, defines: &[(&str, &str)], change: impl
     z
 }
 
-/// Cases: the sphere and its mesh, both samplers, roulette late and early.
+/// Cases: the sphere and its mesh, all samplers, roulette late and early.
 #[test]
 fn every_sampler_is_within_its_confidence_interval() {
     let device = Device::new();
@@ -52,7 +53,7 @@ fn a_wrong_density_or_albedo_is_found_in_the_furnace() {
             ("0.5", deviation(&device, "furnace/scene.xml", &[], tampered)),
             ("0.515", deviation(&device, "furnace/scene.xml", &[("albedo", "0.515")], |s| s.sampler = sampler)),
         ] {
-            assert!(sidak(two_sided(z), 8) < ALPHA, "{sampler:?} with albedo {albedo}: z = {z}");
+            assert!(sidak(two_sided(z), 4 * SAMPLERS.len()) < ALPHA, "{sampler:?} with albedo {albedo}: z = {z}");
         }
     }
 }
@@ -84,26 +85,76 @@ fn mean_and_deviation(values: &[f64], expected: f64) -> (f64, f64) {
     (values.iter().sum::<f64>() / n, (squared / n).sqrt())
 }
 
-/// Every step's targets are 0.5 + 0.5 L of the step before (Eq. 6), which tends to the incident radiance, 1. With rates
-/// alpha_k = 1 / (1 + decay + ... + decay^(k-1)) the distance to it shrinks by 1 - alpha_k / 2 in step k.
+/// What is learned of the furnace in 24 steps: the mean over bins, and their deviation from `expected`.
+fn learned(device: &Device, expected: f64, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
+    let scene = ours("furnace/scene.xml", &[]);
+    let mut settings = Settings { grid: 4, directions: 8, ..settings(&scene, [64, 64], Sampler::RejectionMix, 9) };
+    change(&mut settings);
+    let mut renderer = device.renderer(&scene, &settings);
+    steps(&mut renderer, &settings, LEARNING_STEPS * 8);
+    let bins = learned_bins(&renderer);
+    let (mean, rms) = mean_and_deviation(&bins, expected);
+    let (learner, tamper) = (settings.learner, settings.attenuation_tamper);
+    println!("{learner:?} x {tamper}: {} bins, mean {mean:.4} (expected {expected:.4}), rms {rms:.4}", bins.len());
+    assert!(bins.len() > 1000, "{}", bins.len());
+    (mean, rms)
+}
+
+const LEARNING_STEPS: u32 = 24;
+
+fn is_learned((mean, rms): (f64, f64), expected: f64) -> bool {
+    (mean - expected).abs() < 0.01 && rms < 0.05
+}
+
+/// Every step's targets are 0.5 + 0.5 L of the step before (Eq. 5, Eq. 6), which tends to the incident radiance, 1. With
+/// rates alpha_k = 1 / (1 + decay + ... + decay^(k-1)) the distance to it shrinks by 1 - alpha_k / 2 in step k.
 #[test]
 fn the_radiance_table_tends_to_the_incident_radiance() {
     let device = Device::new();
-    let scene = ours("furnace/scene.xml", &[]);
-    for decay in [0.0, 0.95, 1.0] {
-        let settings =
-            Settings { decay, grid: 4, directions: 8, ..settings(&scene, [64, 64], Sampler::RejectionMix, 9) };
-        let mut renderer = device.renderer(&scene, &settings);
+    for (learner, decay) in [
+        (Learner::Sarsa, 0.0),
+        (Learner::Sarsa, 0.95),
+        (Learner::Sarsa, 1.0),
+        (Learner::ExpectedSarsa, 0.95),
+        (Learner::ExpectedSarsa, 1.0),
+    ] {
         let (mut distance, mut weight) = (1.0, 0.0);
-        for step in 1..=24 {
-            steps(&mut renderer, &settings, step * 8);
+        for _ in 0..LEARNING_STEPS {
             weight = weight * f64::from(decay) + 1.0;
             distance *= 1.0 - 0.5 / weight;
         }
-        let bins = learned_bins(&renderer);
-        let (mean, rms) = mean_and_deviation(&bins, 1.0 - distance);
-        println!("decay {decay}: {} bins, mean {mean:.4} (expected {:.4}), rms {rms:.4}", bins.len(), 1.0 - distance);
-        assert!(bins.len() > 1000, "{}", bins.len());
-        assert!((mean - (1.0 - distance)).abs() < 0.01 && rms < 0.05, "decay {decay}: {mean} {rms}");
+        let found = learned(&device, 1.0 - distance, |s| (s.learner, s.decay) = (learner, decay));
+        assert!(is_learned(found, 1.0 - distance), "{learner:?}, decay {decay}: {found:?}");
+    }
+}
+
+/// A segment that ends at edge e of 16 collects 1 - 2^-(17 - e); those of edges 2 to 15 are recorded.
+#[test]
+fn monte_carlo_learns_the_mean_return() {
+    let device = Device::new();
+    let expected = (2..=15).map(|edge| answer(17 - edge)).sum::<f64>() / 14.0;
+    for sampler in [Sampler::RejectionMix, Sampler::HemisphereInversion] {
+        let set = |s: &mut Settings| {
+            (s.sampler, s.learner, s.decay, s.rr_depth) = (sampler, Learner::MonteCarlo, 1.0, 1000);
+        };
+        let found = learned(&device, expected, set);
+        assert!(is_learned(found, expected), "{sampler:?}: {found:?}");
+    }
+    // Roulette is divided out; it leaves the mean as it is.
+    let found = learned(&device, expected, |s| {
+        (s.learner, s.decay, s.rr_depth) = (Learner::MonteCarlo, 1.0, 6);
+    });
+    assert!((found.0 - expected).abs() < 0.02, "with roulette: {found:?}");
+}
+
+/// Where the surface's attenuation is left out, there is no radiance to tend to.
+#[test]
+fn a_learner_without_attenuation_is_found() {
+    let device = Device::new();
+    for learner in [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo] {
+        let found = learned(&device, 1.0, |s| (s.learner, s.attenuation_tamper, s.decay) = (learner, 2.0, 0.5));
+        assert!(!is_learned(found, 1.0) && found.0 > 1.5, "{learner:?}: {found:?}");
+        let slightly = learned(&device, 1.0, |s| (s.learner, s.attenuation_tamper, s.decay) = (learner, 1.1, 0.5));
+        assert!(!is_learned(slightly, 1.0), "{learner:?}, 10 % off: {slightly:?}");
     }
 }

@@ -15,7 +15,7 @@ const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 128;
 const EDGES: u32 = 6;
 /// Tests here, times samplers.
-const CASES: usize = 10;
+const CASES: usize = 5 * SAMPLERS.len();
 const EMISSION: f64 = 0.5;
 /// Radiance of what is around the furnace.
 const OUTSIDE: f32 = 0.3;

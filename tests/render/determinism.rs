@@ -10,7 +10,7 @@ use lodestar::settings::{Sampler, Settings};
 
 use crate::device::Device;
 use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::scenes::{SAMPLERS, ours, settings};
+use crate::scenes::{GUIDED, SAMPLERS, ours, settings};
 
 /// Every number of the picture as bits.
 fn bits(picture: &Picture) -> Vec<u32> {
@@ -48,6 +48,23 @@ fn no_way_of_cutting_the_work_changes_a_bit() {
         assert!(first == render(&|s| s.slice_milliseconds = Some(500.0)), "{sampler:?}: slices of 500 ms");
         assert!(first == render(&|s| s.film_page_pixels = Some(256)), "{sampler:?}: film pages");
         assert!(first != render(&|s| s.seed = 12), "{sampler:?}: another seed");
+    }
+}
+
+/// Learned sums do not depend on the order of their targets, whichever learner has them.
+#[test]
+fn every_way_to_follow_a_guide_gives_the_same_bits() {
+    let device = Device::new();
+    let scene = scene();
+    for (name, set) in GUIDED {
+        let render = |milliseconds| {
+            let settings = changed(&scene, Sampler::RejectionMix, |s| {
+                set(s);
+                s.slice_milliseconds = milliseconds;
+            });
+            bits(&device.render(&scene, &settings, SPP))
+        };
+        assert!(render(None) == render(Some(1.0)), "{name}: slices of 1 ms");
     }
 }
 
@@ -125,7 +142,7 @@ fn render_with_threads(threads: &str, sampler: &str, output: &Path) {
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let folder = tempfile::tempdir().expect("a folder");
-    for sampler in ["bsdf", "rejection-mix"] {
+    for sampler in ["bsdf", "rejection-mix", "rejection", "sphere-inversion", "hemisphere-inversion"] {
         let pictures = ["1", "2"].map(|threads| {
             let path = folder.path().join(format!("{sampler}-{threads}.exr"));
             render_with_threads(threads, sampler, &path);

@@ -1,0 +1,22 @@
+// What a segment of a path learns, and where that goes.
+#ifndef SEGMENT_GLSL
+#define SEGMENT_GLSL
+#include "frame.glsl"
+#include "radiance_grid.glsl"
+
+// The segment from x towards the next vertex y: the bin L(x, w) that y's target will go to; NONE where x is the eye.
+struct Segment {
+    uint index;
+};
+
+const Segment NO_SEGMENT = Segment(NONE);
+// Where a segment ends at the maximum depth nothing is learned: its end was not followed further.
+const float NO_TARGET = -1.0;
+
+// Adds a target, if there is one, to the segment's bin; `u` in [0, 1) rounds it.
+void record(Segment segment, float target, float u) {
+    if (segment.index == NONE || target == NO_TARGET || !is_finite(target)) return;
+    add_target(segment.index, fixed_point(target, scene().target_limit, u));
+}
+
+#endif
