@@ -2,11 +2,17 @@
 //! against them.
 
 pub mod camera;
+pub mod coating;
 pub mod cosine;
 pub mod direction;
 pub mod equal_area;
+pub mod fresnel;
 pub mod intersect;
+pub mod microfacet;
 pub mod normalization_entry;
+pub mod principled;
 pub mod radiance_grid;
 pub mod random;
 pub mod rejection_mix;
+pub mod relief;
+pub mod rough_diffuse;
