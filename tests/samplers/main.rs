@@ -16,5 +16,7 @@ mod random;
 mod rejection_cases;
 mod rejection_mix;
 mod relief;
+mod scattering;
+mod scattering_cases;
 mod statistics;
 mod surfaces;
