@@ -20,7 +20,29 @@ struct AttributeRecord {
     vec2 uv1;
     vec2 uv2;
     uint emitter;
+    uint light;  // entry of the table that lights are chosen from, or NONE
+};
+
+// How a light is chosen, by an alias table (Walker 1974, Vose 1991).
+struct LightRecord {
+    uint threshold;       // of 32 random bits: those below take this light, the others its alias
+    uint alias;
+    uint kind_and_index;  // LIGHT_*; the primitive of an area light, the first texel of a delta light, else 0
+    float probability;    // of this light among all
+};
+
+struct EmitterRecord {
+    vec3 radiance;
     uint reserved;
+};
+
+struct DeltaLightRecord {
+    vec3 position;         // of a directional light: unused
+    float cos_cutoff;      // of a spot, as are the next two
+    vec3 direction;        // unit, in which the light travels; of a point light: unused
+    float cutoff_angle;    // radians
+    vec3 intensity;        // W/sr; of a directional light the irradiance, W/m^2
+    float falloff;         // one over the angle in which the intensity falls to 0
 };
 
 struct MaterialRecord {
@@ -38,9 +60,15 @@ struct MaterialRecord {
 layout(scalar, set = 0, binding = 0) restrict buffer Probe0 { PrimitiveRecord primitives[]; };
 layout(scalar, set = 0, binding = 1) restrict buffer Probe1 { AttributeRecord attributes[]; };
 layout(scalar, set = 0, binding = 2) restrict buffer Probe2 { MaterialRecord materials[]; };
+layout(scalar, set = 0, binding = 3) restrict buffer Probe3 { LightRecord lights[]; };
+layout(scalar, set = 0, binding = 4) restrict buffer Probe4 { EmitterRecord emitters[]; };
+layout(scalar, set = 0, binding = 5) restrict buffer Probe5 { DeltaLightRecord delta_lights[]; };
 
 void main() {
     primitives[0].reserved = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
-    attributes[0].reserved = attributes[1].normals.x + attributes[1].material + attributes[1].emitter;
+    lights[0].alias = lights[1].threshold;
+    emitters[0].reserved = uint(emitters[1].radiance.x);
+    delta_lights[0].cutoff_angle = delta_lights[1].position.x;
+    attributes[0].light = attributes[1].normals.x + attributes[1].material + attributes[1].emitter;
     materials[0].relief_scale = materials[1].colors[0].x + materials[1].scalars[0] + materials[1].coating.x;
 }

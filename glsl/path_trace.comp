@@ -6,6 +6,7 @@
 #include "camera.glsl"
 #include "guiding.glsl"
 #include "learning.glsl"
+#include "light.glsl"
 #include "scatterer.glsl"
 #include "surface.glsl"
 #include "tally.glsl"
@@ -26,8 +27,11 @@ struct Path {
     Ray ray;
     vec3 throughput;
     vec3 radiance;
+    float eta;        // index of refraction of the medium that the ray travels over the camera's
     uint depth;       // edges so far, the ray's own included; 0: no path is under way
     Segment segment;  // that the ray travels
+    vec3 from;        // the point of a surface that the ray left
+    float pdf;        // density of its direction there; 0 where emitter sampling cannot have drawn it
 };
 
 // Tiles of 8 x 8 pixels, row by row, and pixels within a tile likewise.
@@ -44,8 +48,11 @@ Path start_path(uvec2 film_pixel, uint sample_index) {
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER)).xy));
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
+    path.eta = 1.0;
     path.depth = 1u;
     path.segment = NO_SEGMENT;
+    path.from = vec3(0.0);
+    path.pdf = 0.0;
     return path;
 }
 
@@ -53,16 +60,10 @@ vec3 visible_emission(Path path, vec3 emission) {
     return HIDE_EMITTERS && path.depth == 1u ? vec3(0.0) : emission;
 }
 
-// Emission of a surface towards the ray's origin: from the side its normal points to.
-vec3 surface_emission(Surface s, vec3 wo) {
-    if (s.emitter == NONE || dot(s.shading_normal, wo) <= 0.0) return vec3(0.0);
-    return emitter_radiance(s.emitter);
-}
-
-// Russian roulette by throughput; survivors are weighed up.
+// Russian roulette by throughput; survivors are weighed up. That radiance is less concentrated outside a medium is undone first.
 bool survives_roulette(inout Path path, float u) {
     if (path.depth < RR_DEPTH) return true;
-    float survival = min(max_component(path.throughput), 0.95);
+    float survival = min(max_component(path.throughput) * path.eta * path.eta, 0.95);
     path.throughput /= max(survival, 1.0e-30);
     return u < survival;
 }
@@ -71,37 +72,67 @@ void end_path(inout Path path) {
     path.depth = 0u;
 }
 
+// Share of the emission that the path's ray met, where emitter sampling draws the ray's direction with this density.
+float emission_weight(Path path, float pdf_light) {
+    return path.pdf > 0.0 ? mis_weight(path.pdf, pdf_light) : 1.0;
+}
+
 // Adds the environment's radiance. Returns the target of the segment that led there.
 float escape(inout Path path, inout Tally tally) {
-    vec3 emission = scene().environment;
-    path.radiance += path.throughput * visible_emission(path, emission);
+    vec3 emission = environment_radiance(path.ray.direction);
     count_light_hit(tally, path.depth, emission);
+    if (NEE) emission *= emission_weight(path, pdf_light_at_environment(path.ray.direction));
+    path.radiance += path.throughput * visible_emission(path, emission);
     float target = path.depth < MAX_DEPTH ? mean_rgb(emission) : NO_TARGET;
     end_path(path);
     return target;
 }
 
-// Adds what the surface emits and draws where the path goes on. Returns the target of the segment that ends here.
-float scatter(inout Path path, Surface s, Scatterer x, vec4 u, inout Tally tally) {
-    vec3 wo = -path.ray.direction;
-    vec3 emission = surface_emission(s, wo);
-    path.radiance += path.throughput * visible_emission(path, emission);
-    count_light_hit(tally, path.depth, emission);
+// Emitter sampling: the light that a surface scatters straight from a sampled light, weighted.
+vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally tally) {
+    LightSample light = sample_light(path.key, path.depth, s.position);
+    vec3 wi = light.wi * x.frame;
+    float pdf = pdf_direction(x, guide, wi);
+    if (MIS_FAULT == MIS_BLIND_TO_GUIDE) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));
+    float weight = light.delta ? 1.0 : mis_weight(light.pdf, pdf);
+    vec3 scattered = eval_scatterer(x, wi) * light.radiance;
+    if (x.passes || light.pdf <= 0.0 || max_component(scattered) <= 0.0) return vec3(0.0);
+    ++tally.shadow_rays;
+    Hit blocker = traverse(shadow_ray(s, light, scene().ray_epsilon), true, tally.overrun);
+    return blocker.primitive == NONE ? scattered * (weight / light.pdf) : vec3(0.0);
+}
+
+// Adds what the surface emits and what it scatters of sampled lights, and draws where the path goes on. Returns the target
+// of the segment that ends here.
+float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, inout Tally tally) {
+    vec3 light = surface_emission(s, -path.ray.direction);
+    count_light_hit(tally, path.depth, light);
+    if (NEE) light *= emission_weight(path, pdf_light_at_surface(primitive, s, path.from));
+    path.radiance += path.throughput * visible_emission(path, light);
     if (path.depth == MAX_DEPTH) {
         end_path(path);
         return NO_TARGET;
     }
-    DirectionSample next = sample_direction(path.key, path.depth, u, x);
+    Guide guide = guide_at(x);
+    if (NEE) {
+        vec3 direct = direct_light(path, s, x, guide, tally);
+        path.radiance += path.throughput * direct;
+        light += direct;
+    }
+    DirectionSample next = sample_direction(path.key, path.depth, u, x, guide);
     count_sample(tally, next.tries, next.below, next.overrun);
     if (!x.passes) path.segment = segment_from(x.cell, next);
     path.throughput *= next.weight;
+    path.eta *= next.eta;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
         path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
+        path.from = s.position;
+        path.pdf = next.pdf;
         ++path.depth;
     } else {
         end_path(path);
     }
-    return x.passes ? NO_TARGET : target_sarsa(emission, next);
+    return x.passes ? NO_TARGET : target_sarsa(light, next);
 }
 
 void main() {
@@ -135,7 +166,7 @@ void main() {
             if (path.depth == 1u) {
                 add_first_hit(samples, bsdf_albedo(x.bsdf), s.shading_normal, distance(s.position, camera_position()));
             }
-            target = scatter(path, s, x, unit_floats(bits), tally);
+            target = scatter(path, hit.primitive, s, x, unit_floats(bits), tally);
         }
         if (is_learning()) record(travelled, target, leftover_float(bits));
 

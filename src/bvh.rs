@@ -42,9 +42,11 @@ impl Bvh {
         });
         let ordered = || order.par_iter().map(|&index| &primitives[index as usize]);
         let depth = depth(&nodes);
+        let mut attributes: Vec<_> = ordered().map(|p| attribute_record(&widest_corner_first(p))).collect();
+        number_lights(&mut attributes);
         Self {
             primitives: ordered().map(|p| primitive_record(&widest_corner_first(p))).collect(),
-            attributes: ordered().map(|p| attribute_record(&widest_corner_first(p))).collect(),
+            attributes,
             nodes,
             depth,
             bounds,
@@ -153,8 +155,14 @@ fn attribute_record(p: &Primitive) -> AttributeRecord {
         uv1: p.uvs[1].into(),
         uv2: p.uvs[2].into(),
         emitter: p.emitter.unwrap_or(kernels::NONE),
-        reserved: 0,
+        light: kernels::NONE,
     }
+}
+
+/// Every emitting primitive is a light of its own, numbered in the order of the leaves.
+fn number_lights(attributes: &mut [AttributeRecord]) {
+    let emitting = attributes.iter_mut().filter(|attributes| attributes.emitter != kernels::NONE);
+    emitting.zip(0..).for_each(|(attributes, light)| attributes.light = light);
 }
 
 /// A unit vector in two signed 16-bit numbers (Cigolle et al. 2014), as `unpackSnorm2x16` reads them.

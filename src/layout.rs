@@ -55,7 +55,7 @@ pub struct SceneConstants {
     pub cells_per_unit: [f32; 3],
     /// Learning targets saturate here, W/(m^2 sr).
     pub target_limit: f32,
-    /// Radiance of the constant environment.
+    /// Radiance of a constant environment, factor of a map's.
     pub environment: [f32; 3],
     /// The render's seed.
     pub seed: u32,
@@ -63,8 +63,24 @@ pub struct SceneConstants {
     pub window_offset: [u32; 2],
     /// Its size in pixels.
     pub window_size: [u32; 2],
+    /// Entries of the table that lights are chosen from.
+    pub light_count: u32,
+    /// Where it begins among the emitters' texels.
+    pub first_light: u32,
+    /// Rows; the fourth column is unused.
+    pub environment_from_world: [[f32; 4]; 3],
+    /// Texels of the environment's map.
+    pub environment_size: [u32; 2],
+    /// Columns and rows of the table that its directions are drawn from.
+    pub environment_blocks: [u32; 2],
+    /// Where the map begins among the emitters' texels.
+    pub first_environment_texel: u32,
+    /// Likewise the table.
+    pub first_environment_block: u32,
+    /// Entry of the environment among the lights, or `NONE`.
+    pub environment_light: u32,
     /// Unused.
-    pub reserved: [u32; 2],
+    pub reserved: u32,
 }
 
 /// `glsl/layout_probe.comp`; what colors and scalars mean: `glsl/include/bsdf_parameters.glsl`
@@ -91,14 +107,46 @@ pub struct MaterialRecord {
     pub coating_specular: [f32; 4],
 }
 
-/// `glsl/include/frame.glsl`
+/// `glsl/layout_probe.comp`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Emitter {
+pub struct EmitterRecord {
     /// Linear sRGB, W/(m^2 sr).
     pub radiance: [f32; 3],
     /// Unused.
-    pub reserved: f32,
+    pub reserved: u32,
+}
+
+/// `glsl/layout_probe.comp`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LightRecord {
+    /// Of 32 random bits: those below take this light, the others its alias.
+    pub threshold: u32,
+    /// Another light.
+    pub alias: u32,
+    /// `LIGHT_*`; the primitive of an area light, the first texel of a delta light, else 0.
+    pub kind_and_index: u32,
+    /// Of this light among all.
+    pub probability: f32,
+}
+
+/// `glsl/layout_probe.comp`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct DeltaLightRecord {
+    /// World space; unused where the light is directional.
+    pub position: [f32; 3],
+    /// Of a spot, as are the next two angles.
+    pub cos_cutoff: f32,
+    /// Unit, in which the light travels; unused where the light is a point.
+    pub direction: [f32; 3],
+    /// Radians.
+    pub cutoff_angle: f32,
+    /// W/sr; of a directional light the irradiance, W/m^2.
+    pub intensity: [f32; 3],
+    /// One over the angle in which the intensity falls to 0.
+    pub falloff: f32,
 }
 
 /// `glsl/layout_probe.comp`
@@ -135,8 +183,8 @@ pub struct AttributeRecord {
     pub uv2: [f32; 2],
     /// Index of the emitter, or `NONE`.
     pub emitter: u32,
-    /// Unused.
-    pub reserved: u32,
+    /// Entry of the table that lights are chosen from, or `NONE`.
+    pub light: u32,
 }
 
 /// `glsl/include/radiance_grid.glsl`

@@ -23,6 +23,7 @@
 //! | module | what it is |
 //! |---|---|
 //! | [`scene`] | Mitsuba XML and OBJ to world-space primitives, materials and emitters |
+//! | [`lights`] | every light with the probability that it is sampled with |
 //! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
@@ -31,6 +32,7 @@
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`] | the table that normalizers are computed from |
+//! | [`plastic_layer`] | what the layers of plastics let through and reflect inside |
 //!
 //! # Paper map
 //! | in the paper | GLSL | held by |
@@ -72,6 +74,8 @@ pub mod gpu;
 pub mod image;
 pub mod kernels;
 pub mod layout;
+pub mod lights;
+pub mod plastic_layer;
 pub mod reference;
 pub mod renderer;
 pub mod scene;

@@ -48,6 +48,9 @@ pub struct Settings {
     pub rr_depth: u32,
     /// Whether directly seen emitters are black.
     pub hide_emitters: bool,
+    /// Whether emitters are sampled at every vertex.
+    #[serde(serialize_with = "on_or_off")]
+    pub nee: bool,
     /// Seed of every random number.
     pub seed: u32,
     /// Where scattered directions come from.
@@ -85,6 +88,10 @@ pub struct Settings {
     #[serde(skip)]
     #[doc(hidden)]
     pub pdf_tamper: f32,
+    /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub mis_fault: u32,
 }
 
 impl Settings {
@@ -99,6 +106,7 @@ impl Settings {
             max_depth: integrator.max_depth.map_or(16, depth_from_scene),
             rr_depth: integrator.rr_depth.map_or(8, depth_from_scene),
             hide_emitters: integrator.hide_emitters,
+            nee: false,
             seed: 0,
             sampler: Sampler::RejectionMix,
             learner: Learner::Sarsa,
@@ -114,6 +122,7 @@ impl Settings {
             film_page_pixels: None,
             storage_reads: false,
             pdf_tamper: 1.0,
+            mis_fault: kernels::MIS_EXACT,
         }
     }
 
@@ -143,6 +152,20 @@ impl Settings {
         self.validate_crop()
     }
 
+    /// Checks that every emitter of the scene can be seen.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where emitters are not sampled and no ray can hit one of them.
+    pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
+        match scene.delta_emitters.first() {
+            Some(emitter) if !self.nee => Err(Error::Settings(format!(
+                "the scene has a `{}` emitter, which no ray can hit: its light needs --nee on",
+                emitter.kind.plugin()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     fn validate_crop(&self) -> Result<()> {
         let Crop { x, y, width, height } = self.window();
         let inside =
@@ -164,6 +187,11 @@ pub fn depth_warning(scene: &Scene) -> Option<String> {
         depth.filter(|&depth| depth != depth_from_scene(depth) as i32).map(|depth| (name, depth))
     })?;
     Some(format!("the scene's {name} of {depth} is rendered as {}", depth_from_scene(depth)))
+}
+
+/// As the option is spelled.
+fn on_or_off<S: serde::Serializer>(value: &bool, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_str(if *value { "on" } else { "off" })
 }
 
 fn depth_from_scene(depth: i32) -> u32 {

@@ -11,6 +11,15 @@ vec2 sin_cos_quarter(float x) {
     return vec2(s, c);
 }
 
+// Sine and cosine of a number of whole turns, at most some thousands.
+vec2 sin_cos_turn(float turns) {
+    float quarters = floor(4.0 * turns + 0.5);
+    vec2 sc = sin_cos_quarter((0.5 * PI) * (4.0 * turns - quarters));
+    int quadrant = int(quarters) & 3;
+    if ((quadrant & 1) != 0) sc = vec2(sc.y, -sc.x);
+    return quadrant >= 2 ? -sc : sc;
+}
+
 // World from a local frame whose z-axis is the unit vector `n` (Duff et al. 2017).
 mat3 basis_from_normal(vec3 n) {
     float s = n.z >= 0.0 ? 1.0 : -1.0;

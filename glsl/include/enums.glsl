@@ -57,6 +57,24 @@ const uint FEATURE_TEXTURES = 32u;
 const uint FEATURE_TEXTURED_EMITTERS = 64u;
 const uint FEATURE_BECKMANN = 128u;
 
+// Kind of the environment.
+const uint ENVIRONMENT_NONE = 0u;
+const uint ENVIRONMENT_CONSTANT = 1u;
+const uint ENVIRONMENT_MAP = 2u;
+
+// Kind of a light that is sampled; the upper bits of the word that bears it.
+const uint LIGHT_AREA = 0u;
+const uint LIGHT_ENVIRONMENT = 1u;
+const uint LIGHT_POINT = 2u;
+const uint LIGHT_SPOT = 3u;
+const uint LIGHT_DIRECTIONAL = 4u;
+const uint LIGHT_KIND_SHIFT = 29u;
+
+// Faults of multiple importance sampling, which tests must notice.
+const uint MIS_EXACT = 0u;
+const uint MIS_BLIND_TO_GUIDE = 1u;
+const uint MIS_COUNTS_TWICE = 2u;
+
 // "No such thing" as an index.
 const uint NONE = 4294967295u;
 
@@ -69,4 +87,5 @@ const uint COUNTER_TRIES = 4u;
 const uint COUNTER_INVALID_SAMPLES = 5u;
 const uint COUNTER_NONFINITE = 6u;
 const uint COUNTER_OVERRUNS = 7u;
-const uint COUNTER_COUNT = 8u;
+const uint COUNTER_SHADOW_RAYS = 8u;
+const uint COUNTER_COUNT = 9u;

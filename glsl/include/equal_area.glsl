@@ -35,6 +35,16 @@ float quadrant_fraction(float x) {
     return (2.0 / PI) * x * (1.0 + x2 * p);
 }
 
+// Angle of a point of the plane from the x-axis, in whole turns: in [-1/2, 1/2].
+float turns_of(vec2 p) {
+    vec2 a = abs(p);
+    float high = max(a.x, a.y);
+    float fraction = high == 0.0 ? 0.0 : quadrant_fraction(min(a.x, a.y) / high);
+    float quarters = a.y > a.x ? 1.0 - fraction : fraction;
+    if (p.x < 0.0) quarters = 2.0 - quarters;
+    return p.y < 0.0 ? -0.25 * quarters : 0.25 * quarters;
+}
+
 // Point of the square of a unit direction.
 vec2 sphere_to_square(vec3 w) {
     vec3 a = abs(w);

@@ -32,20 +32,23 @@ struct SceneConstants {
     float ray_epsilon;          // how far a scattered ray's origin leaves its surface, scene units
     vec3 cells_per_unit;        // grid resolution / extent
     float target_limit;         // learning targets saturate here, W/(m^2 sr)
-    vec3 environment;           // radiance of the constant environment
+    vec3 environment;           // radiance of a constant environment, factor of a map's
     uint seed;
     uvec2 window_offset;        // of the rendered window within the film
     uvec2 window_size;
-    uvec2 reserved;
+    uint light_count;           // entries of the table that lights are chosen from
+    uint first_light;           // where it begins among the emitters' texels
+    vec4 environment_from_world[3];  // rows; the fourth column is unused
+    uvec2 environment_size;     // texels of the map
+    uvec2 environment_blocks;   // columns and rows of the table that its directions are drawn from
+    uint first_environment_texel;    // where the map begins among the emitters' texels
+    uint first_environment_block;    // likewise the table
+    uint environment_light;     // entry of the environment among the lights, or NONE
+    uint reserved;
 };
 
 // Texels of a material's record. See material.glsl.
 const uint MATERIAL_TEXELS = 11u;
-
-struct Emitter {
-    vec3 radiance;
-    float reserved;
-};
 
 layout(scalar, set = 0, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
 layout(scalar, set = 0, binding = 1) restrict buffer FilmFeaturesPage { FilmFeatures film_features[]; };
@@ -56,7 +59,7 @@ layout(set = 0, binding = 4) uniform usamplerBuffer emitters;
 layout(set = 0, binding = 6) uniform usamplerBuffer texel_words;
 #else
 layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
-layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { Emitter emitters[]; };
+layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { uvec4 emitters[]; };
 layout(scalar, set = 0, binding = 6) restrict readonly buffer TexelWords { uint texel_words[]; };
 #endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
@@ -70,8 +73,9 @@ uvec4 fetch_material(uint material, uint texel) {
     return texelFetch(materials, int(material * MATERIAL_TEXELS + texel));
 }
 
-vec3 emitter_radiance(uint index) {
-    return uintBitsToFloat(texelFetch(emitters, int(index)).xyz);
+// Emitters, then lights, then what belongs to the environment.
+uvec4 fetch_emitter_texel(uint texel) {
+    return texelFetch(emitters, int(texel));
 }
 
 // A word of the materials' tables.
@@ -83,8 +87,8 @@ uvec4 fetch_material(uint material, uint texel) {
     return materials[material * MATERIAL_TEXELS + texel];
 }
 
-vec3 emitter_radiance(uint index) {
-    return emitters[index].radiance;
+uvec4 fetch_emitter_texel(uint texel) {
+    return emitters[texel];
 }
 
 uint texel_word(uint address) {

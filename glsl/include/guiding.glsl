@@ -11,6 +11,7 @@
 struct DirectionSample {
     vec3 wi;         // world space
     vec3 weight;     // f cos / pdf; zero where the sample is invalid
+    float pdf;       // per steradian; 0 where no other sampler can draw the direction
     float eta;       // index of refraction behind `wi` over that in front, where light is transmitted; else 1
     uint bin;        // direction bin of `wi`; 0 without a guide
     float radiance;  // L of that bin
@@ -46,19 +47,56 @@ vec3 eval_scatterer(Scatterer x, vec3 wi) {
     return has_relief() ? f * relief_shadowing(x.upright, wi) : f;
 }
 
-// f cos / pdf of a direction that was drawn with density `diffuse_density` where its lobe is the diffuse one.
-vec3 sample_weight(Scatterer x, BsdfSample s, float diffuse_density) {
-    if (s.lobe == LOBE_NONE) return vec3(0.0);
+// What the grids know about the directions at a point.
+struct Guide {
+    uint index;
+    vec3 nb;                   // representative normal of the bin that the normal lies in
+    NormalizationEntry entry;  // unfilled: there is no guide here yet
+};
+
+Guide guide_at(Scatterer x) {
+    Guide guide = Guide(0u, vec3(0.0), NormalizationEntry(0.0, 0.0, 0.0, 0.0));
+    if (SAMPLER != SAMPLER_BSDF) {
+        uint normal_bin = direction_bin(x.frame[2], NORMAL_RESOLUTION);
+        guide.index = normalization_index(x.cell, normal_bin);
+        guide.nb = bin_center(normal_bin, NORMAL_RESOLUTION);
+        guide.entry = normalization_entry(guide.index);
+    }
+    return guide;
+}
+
+bool is_guided(Guide guide) {
+    return SAMPLER != SAMPLER_BSDF && is_filled(guide.entry);
+}
+
+// Density of the local direction `wi` where the diffuse lobe is sampled.
+float pdf_diffuse_lobe(Scatterer x, Guide guide, vec3 wi) {
+    if (!is_guided(guide)) return pdf_cosine_hemisphere(wi.z);
+    return pdf_rejection_mix(x.cell, guide.nb, x.frame[2], x.frame * wi, guide.entry);
+}
+
+// Density with which sample_direction draws the local direction `wi`, other than by a lobe of single directions.
+float pdf_direction(Scatterer x, Guide guide, vec3 wi) {
+    return pdf_bsdf(x.bsdf, x.wo, wi, pdf_diffuse_lobe(x, guide, wi));
+}
+
+// Density of a sample whose direction the diffuse lobe's sampler has with density `diffuse_density`.
+float sample_pdf(Scatterer x, BsdfSample s, float diffuse_density) {
+    bool spread = s.lobe == LOBE_DIFFUSE || s.lobe == LOBE_GLOSSY;
+    return spread ? pdf_bsdf(x.bsdf, x.wo, s.wi, diffuse_density) : 0.0;
+}
+
+// f cos / pdf of a sample.
+vec3 sample_weight(Scatterer x, BsdfSample s, float pdf) {
     if (s.lobe == LOBE_DELTA) return has_relief() ? s.weight * relief_shadowing(x.upright, s.wi) : s.weight;
-    float pdf = pdf_bsdf(x.bsdf, x.wo, s.wi, diffuse_density) * PDF_TAMPER;
-    return pdf > 0.0 ? eval_scatterer(x, s.wi) / pdf : vec3(0.0);
+    return pdf > 0.0 ? eval_scatterer(x, s.wi) / (pdf * PDF_TAMPER) : vec3(0.0);
 }
 
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.
-DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s) {
+DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s, float diffuse_density) {
     vec3 wi = x.frame * s.wi;
-    vec3 weight = sample_weight(x, s, pdf_cosine_hemisphere(s.wi.z));
-    DirectionSample result = DirectionSample(wi, weight, s.eta, 0u, 0.0, false, 0u, false);
+    float pdf = sample_pdf(x, s, diffuse_density);
+    DirectionSample result = DirectionSample(wi, sample_weight(x, s, pdf), pdf, s.eta, 0u, 0.0, false, 0u, false);
     if (SAMPLER != SAMPLER_BSDF) {
         result.bin = direction_bin(wi, DIRECTION_RESOLUTION);
         result.radiance = radiance(radiance_index(x.cell, result.bin));
@@ -67,37 +105,23 @@ DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s) {
 }
 
 // A guided direction in place of the diffuse lobe's; that lobe has been chosen, and other lobes are sampled as ever.
-DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice, Scatterer x, BsdfSample s) {
-    vec3 n = x.frame[2];
-    uint normal_bin = direction_bin(n, NORMAL_RESOLUTION);
-    vec3 nb = bin_center(normal_bin, NORMAL_RESOLUTION);
-    uint index = normalization_index(x.cell, normal_bin);
-    NormalizationEntry entry = normalization_entry(index);
-    if (!is_filled(entry)) {
-        mark_entry(index);
-        return sample_direction_bsdf(x, s);
-    }
-    GuidedSample guided = sample_rejection_mix(key, vertex, choice, x.cell, nb, n, entry);
-    DirectionSample result;
-    if (s.lobe == LOBE_DIFFUSE) {
-        s.wi = guided.wi * x.frame;
-        vec3 weight = s.wi.z > 0.0 ? sample_weight(x, s, guided.pdf) : vec3(0.0);
-        result = DirectionSample(guided.wi, weight, 1.0, guided.bin, guided.radiance, s.wi.z <= 0.0, guided.tries, guided.overrun);
-    } else {
-        vec3 wi = x.frame * s.wi;
-        vec3 weight = sample_weight(x, s, pdf_rejection_mix(x.cell, nb, n, wi, entry));
-        uint bin = direction_bin(wi, DIRECTION_RESOLUTION);
-        result = DirectionSample(wi, weight, s.eta, bin, radiance(radiance_index(x.cell, bin)), false, 0u, false);
-    }
-    return result;
+DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice, Scatterer x, Guide guide, BsdfSample s) {
+    if (s.lobe != LOBE_DIFFUSE) return sample_direction_bsdf(x, s, pdf_diffuse_lobe(x, guide, s.wi));
+    GuidedSample guided = sample_rejection_mix(key, vertex, choice, x.cell, guide.nb, x.frame[2], guide.entry);
+    s.wi = guided.wi * x.frame;
+    bool below = s.wi.z <= 0.0;
+    float pdf = sample_pdf(x, s, guided.pdf);
+    vec3 weight = below ? vec3(0.0) : sample_weight(x, s, pdf);
+    return DirectionSample(guided.wi, weight, pdf, 1.0, guided.bin, guided.radiance, below, guided.tries, guided.overrun);
 }
 
 // Draws the direction in which a path leaves a surface.
-DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x) {
+DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
     BsdfSample s = sample_bsdf(x.bsdf, x.wo, u.xyz);
     if (x.passes) s = BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0);
-    if (SAMPLER == SAMPLER_BSDF) return sample_direction_bsdf(x, s);
-    return sample_direction_guided(key, vertex, u.x, x, s);
+    if (is_guided(guide)) return sample_direction_guided(key, vertex, u.x, x, guide, s);
+    if (SAMPLER != SAMPLER_BSDF && s.lobe == LOBE_DIFFUSE) mark_entry(guide.index);
+    return sample_direction_bsdf(x, s, pdf_cosine_hemisphere(s.wi.z));
 }
 
 #endif

@@ -28,9 +28,10 @@ void record(Segment segment, float target, float u) {
 }
 
 // SARSA (Eq. 6): emission towards x plus what y scatters of the radiance that the table expects from the direction that
-// was sampled there. Roulette has no part in it: it is played afterwards.
-float target_sarsa(vec3 emission, DirectionSample next) {
-    return mean_rgb(emission) + mean_rgb(next.weight) * next.radiance;
+// was sampled there. Roulette has no part in it: it is played afterwards. With emitter sampling, `light` is the weighted
+// emission and the light sampled at y: the guide leaves to emitter sampling what that finds better.
+float target_sarsa(vec3 light, DirectionSample next) {
+    return mean_rgb(light) + mean_rgb(next.weight) * next.radiance;
 }
 
 #endif

@@ -14,6 +14,7 @@ const uint RANDOM_SCATTER = 0u;
 const uint RANDOM_TRIES = 1u;
 const uint RANDOM_MATERIAL = 2u;
 const uint RANDOM_EMITTER = 3u;
+const uint RANDOM_ENVIRONMENT = 4u;
 
 // Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
 uvec4 pcg4d(uvec4 v) {

@@ -6,6 +6,7 @@
 struct Tally {
     uint rays;
     uint scattered_rays;
+    uint shadow_rays;      // towards sampled lights
     uint light_hits;       // scattered rays that met light
     uint guided_samples;
     uint tries;
@@ -15,7 +16,7 @@ struct Tally {
 };
 
 Tally no_tally() {
-    return Tally(0u, 0u, 0u, 0u, 0u, 0u, 0u, false);
+    return Tally(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, false);
 }
 
 void count_ray(inout Tally tally, uint depth) {
@@ -51,6 +52,7 @@ void publish_tally(Tally tally) {
     numbers[COUNTER_INVALID_SAMPLES] = tally.invalid_samples;
     numbers[COUNTER_NONFINITE] = tally.nonfinite;
     numbers[COUNTER_OVERRUNS] = 0u;
+    numbers[COUNTER_SHADOW_RAYS] = tally.shadow_rays;
     for (uint counter = 0u; counter < COUNTER_COUNT; ++counter) {
         tally_lanes[counter * WORKGROUP_SIZE + gl_LocalInvocationIndex] = numbers[counter];
     }

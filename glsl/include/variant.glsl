@@ -42,11 +42,23 @@ layout(constant_id = 18) const uint MATERIAL_KINDS = 1u;
 // FEATURE_* bits.
 layout(constant_id = 19) const uint SURFACE_FEATURES = 0u;
 
+// Emitter sampling.
+layout(constant_id = 40) const bool NEE = false;
+// Bit 1 << kind for every kind of light in the scene.
+layout(constant_id = 41) const uint LIGHT_KINDS = 0u;
+layout(constant_id = 42) const uint ENVIRONMENT = ENVIRONMENT_NONE;
+// Not MIS_EXACT only in tests, which must notice.
+layout(constant_id = 43) const uint MIS_FAULT = MIS_EXACT;
+
 // Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
 layout(constant_id = 17) const float PDF_TAMPER = 1.0;
 
 bool has_kind(uint kind) {
     return (MATERIAL_KINDS & (1u << kind)) != 0u;
+}
+
+bool has_light(uint kind) {
+    return (LIGHT_KINDS & (1u << kind)) != 0u;
 }
 
 bool has_feature(uint feature) {

@@ -74,6 +74,9 @@ pub struct RenderArgs {
     /// Depth after which Russian roulette is played.
     #[arg(long, value_name = "N", help_heading = "Paths")]
     pub rr_depth: Option<u32>,
+    /// Sample emitters at every vertex of a path (next event estimation).
+    #[arg(long, value_enum, default_value_t = Switch::Off, help_heading = "Paths")]
+    pub nee: Switch,
     /// Seed of the random numbers; the same one gives the same pixels.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
     pub seed: u32,
@@ -123,6 +126,15 @@ pub struct RenderArgs {
     pub validate: bool,
 }
 
+/// On or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Switch {
+    /// Yes.
+    On,
+    /// No.
+    Off,
+}
+
 /// A reconstruction filter by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Filter {
@@ -167,6 +179,7 @@ impl RenderArgs {
         settings.filter = self.rfilter.map_or(settings.filter, Filter::with_default_width);
         settings.max_depth = self.max_depth.unwrap_or(settings.max_depth);
         settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
+        settings.nee = self.nee == Switch::On;
         settings.seed = self.seed;
         settings.sampler = self.sampler;
         settings.learner = self.learner;
@@ -180,6 +193,7 @@ impl RenderArgs {
         settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);
         settings.slice_milliseconds = self.slice_ms.or(settings.slice_milliseconds);
         settings.validate()?;
+        settings.check_lighting(scene)?;
         Ok(settings)
     }
 }
@@ -263,7 +277,7 @@ mod tests {
             "-o a.exr -o a.png --spp 32 --time 1.5 --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
              --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --grid 8 --directions 16 \
              --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
-             --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
+             --nee on --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
         )
         .unwrap();
         assert_eq!(args.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);

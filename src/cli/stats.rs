@@ -54,6 +54,8 @@ pub struct Step {
     pub seconds: f64,
     pub paths: u64,
     pub rays: u64,
+    /// Rays towards sampled lights, which are not among `rays`.
+    pub shadow_rays: u64,
     /// Milliseconds per sample per pixel, for the whole picture.
     pub ms_per_sample: f64,
     pub invalid_rate: f64,
@@ -86,6 +88,7 @@ impl Step {
             seconds,
             paths,
             rays: counts.rays,
+            shadow_rays: counts.shadow_rays,
             ms_per_sample: if paths == 0 { 0.0 } else { seconds * 1000.0 / mean_spp },
             invalid_rate: counts.invalid_rate(),
             light_hit_rate: counts.light_hit_rate(),

@@ -6,6 +6,7 @@ use glam::{Mat4, Vec3};
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::materials;
+use super::plastics;
 use super::statistics::Counts;
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
@@ -14,7 +15,8 @@ use crate::film::Picture;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, SetShape};
 use crate::kernels::{self, Kernels};
 use crate::layout;
-use crate::scene::{Environment, Scene};
+use crate::lights::Lights;
+use crate::scene::Scene;
 use crate::settings::Settings;
 
 /// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
@@ -36,6 +38,7 @@ impl Frame {
         kernels: &Kernels,
         scene: &Scene,
         bvh: &Bvh,
+        lights: &Lights,
         settings: &Settings,
     ) -> Result<Self> {
         let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
@@ -43,19 +46,16 @@ impl Frame {
             buffer.upload(0, bytes)?;
             Ok(buffer)
         };
-        let constants = scene_constants(scene, bvh, settings);
+        let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let words = plastics::complete(scene, &mut materials);
         let shape = set_shape(kernels, 0);
         let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
-        let emitters: Vec<_> = scene
-            .emitters
-            .iter()
-            .map(|e| layout::Emitter { radiance: e.radiance.value.into(), reserved: 0.0 })
-            .collect();
+        let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
-        let texel_words = texel_words(context, shape)?;
+        let texel_words = texel_words(context, shape, &words)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
             let all =
                 [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters, &texel_words];
@@ -92,13 +92,15 @@ impl Frame {
 }
 
 /// Tables that materials refer to by the address of a word.
-fn texel_words(context: &Arc<Context>, shape: &SetShape) -> Result<Arc<Buffer>> {
+fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &[u32]) -> Result<Arc<Buffer>> {
     let binding = shape.bindings.iter().find(|binding| binding.binding == TEXEL_WORDS_BINDING);
     let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
-    Buffer::new(context, "texel words", 0, kind)
+    let buffer = Buffer::new(context, "texel words", size_of_val(words) as u64, kind)?;
+    buffer.upload(0, words)?;
+    Ok(buffer)
 }
 
-fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::SceneConstants {
+fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
     let camera = &scene.camera;
     let tan_x = camera.tan_half_fov_x(settings.width, settings.height);
     let aspect = settings.width as f32 / settings.height as f32;
@@ -106,7 +108,7 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::Sce
     let extent = (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * 1.0e-6));
     let rows = rows(&camera.world_from_camera);
     let eye = camera.world_from_camera.w_axis.truncate();
-    layout::SceneConstants {
+    let mut constants = layout::SceneConstants {
         world_from_camera: rows,
         film_size: [settings.width as f32, settings.height as f32],
         raster_scale: [tan_x, tan_x / aspect],
@@ -116,13 +118,14 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, settings: &Settings) -> layout::Sce
         bounds_min: bvh.bounds.0.into(),
         ray_epsilon: RAY_EPSILON * bvh.largest_coordinate().max(eye.abs().max_element() * 1.0e-3),
         cells_per_unit: (settings.grid as f32 / extent).into(),
-        target_limit: target_limit(scene),
-        environment: environment(scene).into(),
+        target_limit: target_limit(lights),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
-        reserved: [0; 2],
-    }
+        ..bytemuck::Zeroable::zeroed()
+    };
+    lights.write_constants(&mut constants);
+    constants
 }
 
 /// The upper three rows, as the kernels read them.
@@ -130,17 +133,8 @@ fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| matrix.row(i).into())
 }
 
-fn environment(scene: &Scene) -> Vec3 {
-    match scene.environment {
-        Some(Environment::Constant { radiance }) => radiance,
-        _ => Vec3::ZERO,
-    }
-}
-
-fn target_limit(scene: &Scene) -> f32 {
-    let brightest =
-        scene.emitters.iter().map(|e| e.radiance.value).chain([environment(scene)]).map(|c| c.element_sum() / 3.0);
-    match brightest.fold(0.0, f32::max) {
+fn target_limit(lights: &Lights) -> f32 {
+    match lights.brightest() {
         0.0 => TARGET_LIMIT,
         most => TARGET_LIMIT * most,
     }

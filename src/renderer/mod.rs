@@ -7,6 +7,7 @@ mod frame;
 mod geometry;
 mod materials;
 mod normalization_grid;
+mod plastics;
 mod radiance_grid;
 mod slices;
 mod statistics;
@@ -21,6 +22,7 @@ use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::kernels::{self, Kernels, Variant};
 use crate::layout::{PathTracePush, UpdatePush};
+use crate::lights::Lights;
 use crate::scene::{ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
 use crate::{Error, Result};
@@ -55,14 +57,16 @@ impl Renderer {
     /// Where a setting is out of range or the device cannot hold the scene.
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
         settings.validate()?;
-        let variant = variant(settings, scene, bvh);
-        let kernels = kernels_for(context, scene, bvh, settings);
+        settings.check_lighting(scene)?;
+        let lights = Lights::new(scene, bvh);
+        let variant = variant(settings, scene, bvh, &lights);
+        let kernels = kernels_for(context, scene, bvh, &lights, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
             update_radiance: build(&kernels.update_radiance)?,
             update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, bvh, settings)?,
+            frame: Frame::new(context, kernels, scene, bvh, &lights, settings)?,
             geometry: Geometry::new(context, kernels, bvh)?,
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
@@ -203,16 +207,16 @@ impl Renderer {
 }
 
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
+fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
-    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(scene.emitters.len() as u64);
+    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texel_count() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
 }
 
-fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh, lights: &Lights) -> Variant {
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -238,6 +242,10 @@ fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
+        nee: settings.nee && !lights.is_empty(),
+        light_kinds: lights.kinds(),
+        environment: lights.environment_kind(),
+        mis_fault: settings.mis_fault,
         ..Variant::default()
     }
 }

@@ -9,6 +9,8 @@ pub struct Counts {
     pub rays: u64,
     /// Rays that left a surface.
     pub scattered_rays: u64,
+    /// Rays towards sampled lights, which are not among `rays`.
+    pub shadow_rays: u64,
     /// Scattered rays that met light.
     pub light_hits: u64,
     /// Directions drawn by a guided sampler.
@@ -30,6 +32,7 @@ impl Counts {
         Self {
             rays: at(kernels::COUNTER_RAYS),
             scattered_rays: at(kernels::COUNTER_SCATTERED_RAYS),
+            shadow_rays: at(kernels::COUNTER_SHADOW_RAYS),
             light_hits: at(kernels::COUNTER_LIGHT_HITS),
             guided_samples: at(kernels::COUNTER_GUIDED_SAMPLES),
             tries: at(kernels::COUNTER_TRIES),
@@ -43,6 +46,7 @@ impl Counts {
     pub fn add(&mut self, other: &Self) {
         self.rays += other.rays;
         self.scattered_rays += other.scattered_rays;
+        self.shadow_rays += other.shadow_rays;
         self.light_hits += other.light_hits;
         self.guided_samples += other.guided_samples;
         self.tries += other.tries;

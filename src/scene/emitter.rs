@@ -1,6 +1,6 @@
 //! Where light comes from.
 
-use glam::{Mat4, Vec3};
+use glam::{Mat3, Vec3};
 
 use super::texture::Textured;
 
@@ -9,30 +9,57 @@ use super::texture::Textured;
 pub struct AreaEmitter {
     /// Emitted radiance in linear sRGB, W/(m^2 sr), each channel >= 0.
     pub radiance: Textured<Vec3>,
+    /// Factor of how often the emitter is sampled, >= 0; at 0 only rays that meet it by chance see it.
+    pub sampling_weight: f32,
 }
 
 /// Light from infinitely far away.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Environment {
+pub struct Environment {
+    /// How it is spread over the directions.
+    pub kind: EnvironmentKind,
+    /// Factor of how often it is sampled, >= 0.
+    pub sampling_weight: f32,
+}
+
+/// How an environment's light is spread over the directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EnvironmentKind {
     /// `constant`: the same radiance from everywhere.
     Constant {
-        /// In linear sRGB, W/(m^2 sr).
+        /// In linear sRGB, W/(m^2 sr), each channel >= 0.
         radiance: Vec3,
     },
     /// `envmap`: a latitude-longitude image.
     Map {
-        /// Index into `Scene::images`.
+        /// Index into `Scene::images`; at least 2 x 3 texels.
         image: u32,
-        /// Factor of its radiance.
+        /// Factor of its radiance, >= 0.
         scale: f32,
-        /// World from the map's space, in which the up axis is `+y`.
-        to_world: Mat4,
+        /// World from the map's space, in which the up axis is `+y` and the map's center `-z`: orthogonal.
+        to_world: Mat3,
     },
+}
+
+impl Environment {
+    /// The same radiance from everywhere.
+    pub fn constant(radiance: Vec3) -> Self {
+        Self { kind: EnvironmentKind::Constant { radiance }, sampling_weight: 1.0 }
+    }
 }
 
 /// An emitter that no ray can hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum DeltaEmitter {
+pub struct DeltaEmitter {
+    /// Where its light comes from.
+    pub kind: DeltaKind,
+    /// Factor of how often the emitter is sampled, >= 0; at 0 it is dark.
+    pub sampling_weight: f32,
+}
+
+/// Where the light of an emitter that no ray can hit comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DeltaKind {
     /// `point`
     Point {
         /// World space.
@@ -48,9 +75,9 @@ pub enum DeltaEmitter {
         direction: Vec3,
         /// Radiant intensity along the axis, W/sr.
         intensity: Vec3,
-        /// Half angle of the cone in radians.
+        /// Half angle of the cone in radians, in (0, pi].
         cutoff_angle: f32,
-        /// Half angle within which the intensity is that of the axis, radians.
+        /// Half angle within which the intensity is that of the axis, radians; beyond it falls linearly with the angle.
         beam_width: f32,
     },
     /// `directional`
@@ -60,4 +87,15 @@ pub enum DeltaEmitter {
         /// Irradiance on a surface that faces it, W/m^2.
         irradiance: Vec3,
     },
+}
+
+impl DeltaKind {
+    /// The plugin's name.
+    pub fn plugin(&self) -> &'static str {
+        match self {
+            Self::Point { .. } => "point",
+            Self::Spot { .. } => "spot",
+            Self::Directional { .. } => "directional",
+        }
+    }
 }

@@ -4,16 +4,21 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use glam::{DMat4, Vec3};
+use glam::DMat4;
 use rayon::prelude::*;
 
 use super::element::Element;
+use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::mesh::{self, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
 use super::shape::{self, Geometry, Shape};
-use super::{AreaEmitter, Environment, IntegratorDescription, Material, Primitive, Scene, Textured};
+use super::texture::{Image, Texels};
+use super::{
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, IntegratorDescription, Material, Primitive, Scene,
+};
 use super::{document, material, sensor};
+use crate::image::exr::read_rgb;
 use crate::{Error, Result};
 
 /// What the caller overrides while a scene is read.
@@ -36,8 +41,11 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         top_folder: document::folder(path),
         material_indices: HashMap::new(),
         materials: Vec::new(),
+        default_materials: [None; 2],
         emitters: Vec::new(),
         environment: None,
+        delta_emitters: Vec::new(),
+        images: Vec::new(),
         shapes: Vec::new(),
         sensors: Vec::new(),
         integrators: Vec::new(),
@@ -56,8 +64,12 @@ struct Builder<'a> {
     /// Keyed by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
     material_indices: HashMap<*const Element, u32>,
     materials: Vec<Material>,
+    /// Of shapes without a BSDF: those that do not emit, and those that do.
+    default_materials: [Option<u32>; 2],
     emitters: Vec<AreaEmitter>,
-    environment: Option<Vec3>,
+    environment: Option<Environment>,
+    delta_emitters: Vec<DeltaEmitter>,
+    images: Vec<Image>,
     shapes: Vec<Shape>,
     sensors: Vec<&'a Element>,
     integrators: Vec<&'a Element>,
@@ -70,7 +82,7 @@ impl<'a> Builder<'a> {
         match element.tag.as_str() {
             "integrator" => self.integrators.push(element),
             "sensor" => self.sensors.push(element),
-            "emitter" => self.add_environment(element)?,
+            "emitter" => self.add_emitter(element)?,
             "shape" => self.add_shape(element)?,
             // Also where no shape uses it: a plugin that is not supported should not pass unseen.
             "bsdf" => drop(self.material_index(element, None)?),
@@ -81,48 +93,50 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn add_environment(&mut self, element: &'a Element) -> Result<()> {
-        if element.plugin()? != "constant" {
-            let supported = ["constant", "area"];
-            return Err(match element.attribute("type") {
-                Some("area") => element.error("emitter plugin `area` belongs inside a <shape>"),
-                _ => element.unsupported(&supported),
-            });
-        }
-        let radiance = self.radiance(element)?;
-        match self.environment.replace(radiance) {
-            Some(_) => Err(element.error("a second `constant` emitter: a scene has one environment")),
+    fn add_emitter(&mut self, element: &'a Element) -> Result<()> {
+        let environment = match emitter_plugin::parse(element, &self.ids, &self.top_folder, &mut self.warnings)? {
+            SceneEmitter::Delta(emitter) => {
+                self.delta_emitters.push(emitter);
+                return Ok(());
+            }
+            SceneEmitter::Environment(environment) => environment,
+            SceneEmitter::Map(file) => self.read_environment_map(element, file)?,
+        };
+        match self.environment.replace(environment) {
+            Some(_) => {
+                let plugin = element.plugin()?;
+                Err(element.error(format!("emitter plugin `{plugin}`: a second environment; a scene has one")))
+            }
             None => Ok(()),
         }
     }
 
-    fn radiance(&mut self, element: &'a Element) -> Result<Vec3> {
-        let mut properties = Properties::new(element, &self.ids)?;
-        if let Some(texture) = properties.objects("texture").first() {
-            return Err(texture.error("textures are not supported yet; give the `radiance` as <rgb>"));
+    fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
+        let picture = read_rgb(&file.path)?;
+        if picture.width < 2 || picture.height < 3 {
+            return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
         }
-        let radiance = properties.color("radiance")?.unwrap_or(Vec3::ONE);
-        // Light samples are chosen by other means here.
-        properties.ignore(&["sampling_weight"]);
-        properties.finish(&mut self.warnings)?;
-        Ok(radiance)
+        let color = |pixel: &[f32; 3]| pixel.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
+        let texels = picture.pixels.iter().map(color).map(|[r, g, b]| [r, g, b, 1.0]).collect();
+        let (width, height) = (picture.width, picture.height);
+        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
+        let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
+        self.images.push(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) });
+        Ok(Environment { kind, sampling_weight })
     }
 
     fn add_shape(&mut self, element: &'a Element) -> Result<()> {
         let mut properties = Properties::new(element, &self.ids)?;
         let mut common = Common { to_world: DMat4::IDENTITY, flip_normals: false, material: 0, emitter: None };
         let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
+        let emitter = properties.object("emitter")?;
         common.material = match properties.object("bsdf")? {
             Some(bsdf) => self.material_index(bsdf, element.attribute("id"))?,
-            None => self.default_material_index(),
+            None => self.default_material_index(emitter.is_some()),
         };
-        if let Some(emitter) = properties.object("emitter")? {
-            if emitter.plugin()? != "area" {
-                return Err(emitter.unsupported(&["area"]));
-            }
-            let radiance = self.radiance(emitter)?;
+        if let Some(emitter) = emitter {
             common.emitter = Some(self.emitters.len() as u32);
-            self.emitters.push(AreaEmitter { radiance: Textured::constant(radiance) });
+            self.emitters.push(emitter_plugin::parse_area(emitter, &self.ids, &mut self.warnings)?);
         }
         properties.finish(&mut self.warnings)?;
         self.shapes.push(Shape { geometry, common, location: element.location.clone() });
@@ -138,20 +152,20 @@ impl<'a> Builder<'a> {
             None => format!("{} at line {}", element.plugin()?, element.location.line),
         };
         let material = material::parse(element, name, &self.ids, &mut self.warnings)?;
-        Ok(self.push_material(element, material))
-    }
-
-    fn default_material_index(&mut self) -> u32 {
-        match self.material_indices.get(&std::ptr::null()) {
-            Some(&index) => index,
-            None => self.push_material(std::ptr::null(), material::default_material()),
-        }
-    }
-
-    fn push_material(&mut self, key: *const Element, material: Material) -> u32 {
         let index = self.materials.len() as u32;
         self.materials.push(material);
-        self.material_indices.insert(key, index);
+        self.material_indices.insert(element, index);
+        Ok(index)
+    }
+
+    /// What a shape without a BSDF is made of: as in Mitsuba, black where it emits.
+    fn default_material_index(&mut self, emits: bool) -> u32 {
+        if let Some(index) = self.default_materials[usize::from(emits)] {
+            return index;
+        }
+        let index = self.materials.len() as u32;
+        self.materials.push(if emits { material::emitter_material() } else { material::default_material() });
+        self.default_materials[usize::from(emits)] = Some(index);
         index
     }
 
@@ -197,10 +211,10 @@ impl<'a> Builder<'a> {
             primitives: flatten_all(&self.shapes, &meshes)?,
             materials: self.materials,
             emitters: self.emitters,
-            environment: self.environment.map(|radiance| Environment::Constant { radiance }),
-            delta_emitters: Vec::new(),
+            environment: self.environment,
+            delta_emitters: self.delta_emitters,
             textures: Vec::new(),
-            images: Vec::new(),
+            images: self.images,
             warnings: self.warnings,
         })
     }

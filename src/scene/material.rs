@@ -18,6 +18,12 @@ pub(super) fn default_material() -> Material {
     surface("default".to_string(), bsdf, false)
 }
 
+/// What a shape without a BSDF is made of where it emits.
+pub(super) fn emitter_material() -> Material {
+    let bsdf = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
+    surface("default of emitters".to_string(), bsdf, false)
+}
+
 fn surface(name: String, bsdf: Bsdf, two_sided: bool) -> Material {
     let surface = SurfaceMaterial { two_sided, ..SurfaceMaterial::plain(bsdf) };
     Material { name, kind: MaterialKind::Surface(surface) }

@@ -8,6 +8,7 @@ mod color;
 mod document;
 mod element;
 pub mod emitter;
+mod emitter_plugin;
 mod flatten;
 pub mod geometry;
 pub mod load;
@@ -24,7 +25,7 @@ mod transform;
 use glam::{Mat4, Vec2, Vec3};
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
-pub use emitter::{AreaEmitter, DeltaEmitter, Environment};
+pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use geometry::{Primitive, PrimitiveShape};
 pub use load::{LoadOptions, load};
 pub use texture::{Image, Texture, Textured};

@@ -77,6 +77,11 @@ impl<'a> Properties<'a> {
         &element.location
     }
 
+    /// Whether a parameter is given.
+    pub fn has(&self, name: &str) -> bool {
+        self.parameters.contains_key(name)
+    }
+
     /// The element of a parameter, to point at it or to read it in a special way; it counts as known from here on.
     pub fn take(&mut self, name: &str) -> Option<&'a Element> {
         self.parameters.remove(name)

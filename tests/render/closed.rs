@@ -24,7 +24,7 @@ const MANY: u64 = 100_000_000;
 /// The furnace's mesh, dark in itself but in a bright environment.
 fn icosphere() -> Scene {
     let mut scene = ours("furnace/mesh.xml", &[("albedo", "1"), ("emission", "0")]);
-    scene.environment = Some(Environment::Constant { radiance: Vec3::ONE });
+    scene.environment = Some(Environment::constant(Vec3::ONE));
     for material in &mut scene.materials {
         surface_mut(material).two_sided = true;
     }

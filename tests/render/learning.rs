@@ -128,7 +128,7 @@ fn an_empty_scene_shows_its_environment() {
     let device = Device::new();
     let mut scene = ours("furnace/scene.xml", &[]);
     scene.primitives.clear();
-    scene.environment = Some(Environment::Constant { radiance: vec3(0.25, 0.5, 0.75) });
+    scene.environment = Some(Environment::constant(vec3(0.25, 0.5, 0.75)));
     for sampler in SAMPLERS {
         let picture = device.render(&scene, &settings(&scene, [17, 9], sampler, 4), 16);
         assert!(picture.radiance.iter().all(|&color| color == [0.25, 0.5, 0.75]));

@@ -10,7 +10,6 @@ mod determinism;
 mod device;
 mod estimate;
 mod learning;
-mod references;
 mod scenes;
 mod significance;
 mod variance;

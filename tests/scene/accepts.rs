@@ -187,7 +187,7 @@ fn emitters() {
            <shape type="disk"/>"#,
     )
     .unwrap();
-    assert_eq!(scene.environment, Some(Environment::Constant { radiance: Vec3::new(1.0, 2.0, 3.0) }));
+    assert_eq!(scene.environment, Some(Environment::constant(Vec3::new(1.0, 2.0, 3.0))));
     assert_eq!(scene.emitters.len(), 1);
     assert_eq!(scene.emitters[0].radiance, Textured::constant(Vec3::new(17.0, 12.0, 4.0)));
     assert!(scene.primitives[..6].iter().all(|primitive| primitive.emitter == Some(0)));

@@ -1,0 +1,169 @@
+//! How directions towards an environment map are drawn: the map cut into blocks, chosen by the light that comes from them.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::alias_table::{AliasEntry, alias_table};
+use crate::scene::Image;
+use crate::scene::texture::Texels;
+
+/// Most columns and rows of blocks.
+const MOST_BLOCKS: [usize; 2] = [512, 256];
+/// Blocks for every texel of a small map along each axis.
+const BLOCKS_PER_TEXEL: usize = 4;
+/// Points of a block along each axis at which the map is looked up.
+const LEAST_POINTS: usize = 2;
+const MOST_POINTS: usize = 16;
+/// Share of its brightest texel that every block counts besides its mean, so that it is drawn wherever it is not black.
+const BRIGHTEST_SHARE: f64 = 1.0 / 1024.0;
+
+/// A latitude-longitude image: texel centers are spread over the azimuth, the first and the last row are the poles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnvironmentMap {
+    /// Texels of a row, at least 2.
+    pub width: usize,
+    /// Rows, at least 3, from the up axis down.
+    pub height: usize,
+    /// Radiance, finite and >= 0.
+    pub texels: Vec<Vec3>,
+}
+
+impl EnvironmentMap {
+    /// Of an image, decoded.
+    pub fn new(image: &Image) -> Self {
+        let texels = match &image.texels {
+            Texels::Bytes { srgb, data } => {
+                let decode = if *srgb { linear_from_srgb } else { |byte| f32::from(byte) / 255.0 };
+                data.iter().map(|&[r, g, b, _]| Vec3::from([r, g, b].map(decode))).collect()
+            }
+            Texels::Floats(data) => data.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
+        };
+        Self { width: image.width as usize, height: image.height as usize, texels }
+    }
+
+    /// Mean of RGB of the brightest texel.
+    pub fn brightest_texel(&self) -> f64 {
+        f64::from(self.texels.iter().map(|texel| texel.element_sum()).fold(0.0, f32::max)) / 3.0
+    }
+
+    fn texel(&self, x: usize, y: usize) -> f64 {
+        f64::from(self.texels[y * self.width + x % self.width].element_sum()) / 3.0
+    }
+
+    /// Mean of the color channels at coordinates in [0, 1], interpolated between four texels.
+    pub fn mean_rgb(&self, u: f64, v: f64) -> f64 {
+        let x = (u * self.width as f64 - 0.5).rem_euclid(self.width as f64);
+        let y = v * (self.height - 1) as f64;
+        let (x0, y0) = (x as usize, (y as usize).min(self.height - 2));
+        let (across, down) = (x - x0 as f64, y - y0 as f64);
+        let row = |y| self.texel(x0, y) * (1.0 - across) + self.texel(x0 + 1, y) * across;
+        row(y0) * (1.0 - down) + row(y0 + 1) * down
+    }
+
+    /// The brightest of all texels that the interpolation reads between two coordinates each.
+    fn brightest(&self, u: [f64; 2], v: [f64; 2]) -> f64 {
+        let column = |u: f64| (u * self.width as f64 - 0.5 + self.width as f64).floor() as usize;
+        let row = |v: f64| (v * (self.height - 1) as f64) as usize;
+        let rows = row(v[0])..=(row(v[1]) + 1).min(self.height - 1);
+        let columns = column(u[0])..=column(u[1]) + 1;
+        rows.flat_map(|y| columns.clone().map(move |x| self.texel(x, y))).fold(0.0, f64::max)
+    }
+}
+
+fn linear_from_srgb(byte: u8) -> f32 {
+    let value = f32::from(byte) / 255.0;
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// The blocks of a map, row by row; each spans as much of both coordinates as any other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnvironmentTable {
+    /// Blocks of a row.
+    pub columns: usize,
+    /// Rows.
+    pub rows: usize,
+    /// One entry per block.
+    pub entries: Vec<AliasEntry>,
+    /// Integral of the map's mean radiance (of RGB) over all directions, W/m^2.
+    pub flux: f64,
+}
+
+impl EnvironmentTable {
+    /// Of a map with at least 2 x 3 texels.
+    pub fn new(map: &EnvironmentMap) -> Self {
+        let [columns, rows] =
+            [(map.width, MOST_BLOCKS[0]), (map.height, MOST_BLOCKS[1])].map(|(n, most)| most.min(BLOCKS_PER_TEXEL * n));
+        let blocks: Vec<Block> = (0..columns * rows)
+            .into_par_iter()
+            .map(|i| Block::new(map, [i % columns, i / columns], [columns, rows]))
+            .collect();
+        let weight = |block: &Block| (block.mean + BRIGHTEST_SHARE * block.brightest) * block.solid_angle;
+        let weights: Vec<f64> = blocks.iter().map(weight).collect();
+        let flux = blocks.iter().map(|block| block.mean * block.solid_angle).sum();
+        Self { columns, rows, entries: alias_table(&weights), flux }
+    }
+}
+
+struct Block {
+    mean: f64,
+    brightest: f64,
+    solid_angle: f64,
+}
+
+impl Block {
+    fn new(map: &EnvironmentMap, at: [usize; 2], count: [usize; 2]) -> Self {
+        let span = |axis: usize| [at[axis], at[axis] + 1].map(|edge| edge as f64 / count[axis] as f64);
+        let (u, v) = (span(0), span(1));
+        let points = |texels: usize, blocks: usize| (2 * texels).div_ceil(blocks).clamp(LEAST_POINTS, MOST_POINTS);
+        let (across, down) = (points(map.width, count[0]), points(map.height, count[1]));
+        let between = |ends: [f64; 2], i: usize, n: usize| ends[0] + (ends[1] - ends[0]) * (i as f64 + 0.5) / n as f64;
+        let sum: f64 = (0..across * down)
+            .map(|i| map.mean_rgb(between(u, i % across, across), between(v, i / across, down)))
+            .sum();
+        Self {
+            mean: sum / (across * down) as f64,
+            brightest: map.brightest(u, v),
+            solid_angle: TAU * (u[1] - u[0]) * ((PI * v[0]).cos() - (PI * v[1]).cos()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(width: usize, height: usize, texel: impl Fn(usize) -> f32) -> EnvironmentMap {
+        EnvironmentMap { width, height, texels: (0..width * height).map(|i| Vec3::splat(texel(i))).collect() }
+    }
+
+    #[test]
+    fn a_white_map_sends_four_pi() {
+        for (width, height) in [(2, 3), (7, 5), (600, 300), (1500, 701)] {
+            let table = EnvironmentTable::new(&map(width, height, |_| 1.0));
+            assert!((table.flux / (4.0 * PI) - 1.0).abs() < 1.0e-12, "{}", table.flux);
+            assert_eq!(table.entries.len(), table.columns * table.rows);
+        }
+    }
+
+    #[test]
+    fn blocks_are_drawn_wherever_the_map_is_not_black() {
+        for (width, height, lit) in [(8, 5, 17), (40, 20, 0), (2048, 64, 2047), (2048, 1024, 512 * 2048 + 511)] {
+            let map = map(width, height, |i| if i == lit { 1000.0 } else { 0.0 });
+            let table = EnvironmentTable::new(&map);
+            let mut drawn = 0;
+            for (i, entry) in table.entries.iter().enumerate() {
+                let (column, row) = (i % table.columns, i / table.columns);
+                let corner = |offset: f64, at: usize, count: usize| (at as f64 + offset) / count as f64;
+                let offsets = [1.0e-6, 0.5, 1.0 - 1.0e-6];
+                let mut points = offsets.iter().flat_map(|x| offsets.map(|y| (*x, y)));
+                let is_lit = points
+                    .any(|(x, y)| map.mean_rgb(corner(x, column, table.columns), corner(y, row, table.rows)) > 0.0);
+                assert!(!is_lit || entry.probability > 0.0, "{width} x {height}: block {column}, {row}");
+                drawn += usize::from(entry.probability > 0.0);
+            }
+            assert!(drawn > 0 && drawn <= 100, "{drawn} blocks for one texel");
+        }
+    }
+}
