@@ -2,6 +2,7 @@
 //! against them.
 
 pub mod camera;
+pub mod coating;
 pub mod conductor;
 pub mod cosine;
 pub mod delta;
@@ -13,6 +14,9 @@ pub mod intersect;
 pub mod microfacet;
 pub mod normalization_entry;
 pub mod plastic;
+pub mod principled;
 pub mod radiance_grid;
 pub mod random;
 pub mod rejection_mix;
+pub mod relief;
+pub mod rough_diffuse;
