@@ -5,11 +5,14 @@
 mod film_pages;
 mod frame;
 mod geometry;
+mod halves;
 mod materials;
 mod normalization_grid;
 mod radiance_grid;
 mod slices;
 mod statistics;
+mod texel_words;
+mod textures;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -31,6 +34,7 @@ use geometry::Geometry;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
 use slices::{Slice, Slicer};
+use texel_words::TexelWords;
 
 /// Renders one scene on one device, step by step.
 pub struct Renderer {
@@ -58,14 +62,15 @@ impl Renderer {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let lights = Lights::new(scene, bvh);
-        let variant = variant(settings, scene, bvh, &lights);
-        let kernels = kernels_for(context, scene, bvh, &lights, settings);
+        let words = TexelWords::new(Vec::new(), &scene.images, &textures::used_images(scene));
+        let variant = variant(settings, scene, &words, bvh, &lights);
+        let kernels = kernels_for(context, scene, &words, bvh, &lights, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
             update_radiance: build(&kernels.update_radiance)?,
             update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, bvh, &lights, settings)?,
+            frame: Frame::new(context, kernels, scene, &words, bvh, &lights, settings)?,
             geometry: Geometry::new(context, kernels, bvh)?,
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
@@ -206,16 +211,25 @@ impl Renderer {
 }
 
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> &'static Kernels {
+fn kernels_for(
+    context: &Context,
+    scene: &Scene,
+    words: &TexelWords,
+    bvh: &Bvh,
+    lights: &Lights,
+    settings: &Settings,
+) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
     let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texels().len() as u64);
+    let texels = texels.max(scene.textures.len() as u64 * textures::RECORD_TEXELS).max(words.longest_page() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
 }
 
-fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh, lights: &Lights) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, words: &TexelWords, bvh: &Bvh, lights: &Lights) -> Variant {
+    let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -241,6 +255,10 @@ fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh, lights: &Lights) -> Va
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
+        texture_kinds: textures::kinds(scene),
+        textured_parameters,
+        max_texture_links,
+        texel_pages: words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),

@@ -22,6 +22,7 @@ mod sensor;
 mod shape;
 mod spectrum;
 pub mod texture;
+pub mod texel_pages;
 mod texture_images;
 mod textures;
 mod transform;
