@@ -46,6 +46,15 @@ pub(super) fn features(scene: &Scene) -> u32 {
     features
 }
 
+/// Bit `1 << parameter` for every parameter that a texture multiplies, and the most textures of one material.
+pub(super) fn textured_parameters(scene: &Scene) -> (u32, u32) {
+    let links = scene.materials.iter().map(|material| record(material).links.concat());
+    links.fold((0, 0), |(bits, most), links| {
+        let links: Vec<u32> = links.into_iter().filter(|&link| link != kernels::NONE).collect();
+        (links.iter().fold(bits, |bits, link| bits | 1 << (link >> 24)), most.max(links.len() as u32))
+    })
+}
+
 fn surface_features(surface: &SurfaceMaterial) -> u32 {
     let opacity = surface.opacity != Textured::constant(1.0);
     let relief = match surface.relief {

@@ -5,12 +5,15 @@
 mod film_pages;
 mod frame;
 mod geometry;
+mod halves;
 mod materials;
 mod normalization_grid;
 mod plastics;
 mod radiance_grid;
 mod slices;
 mod statistics;
+mod texel_words;
+mod textures;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -21,7 +24,7 @@ use crate::bvh::Bvh;
 use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::kernels::{self, Kernels, Variant};
-use crate::layout::{PathTracePush, UpdatePush};
+use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
 use crate::scene::{ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
@@ -32,6 +35,7 @@ use geometry::Geometry;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
 use slices::{Slice, Slicer};
+use texel_words::TexelWords;
 
 /// Renders one scene on one device, step by step.
 pub struct Renderer {
@@ -49,6 +53,22 @@ pub struct Renderer {
     stopped: bool,
 }
 
+/// What surfaces are made of and lit by, as it is uploaded.
+struct Shading {
+    materials: Vec<MaterialRecord>,
+    words: TexelWords,
+    lights: Lights,
+}
+
+impl Shading {
+    fn new(scene: &Scene, bvh: &Bvh) -> Self {
+        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let tables = plastics::complete(scene, &mut materials);
+        let words = TexelWords::new(tables, &scene.images, &textures::used_images(scene));
+        Self { materials, words, lights: Lights::new(scene, bvh) }
+    }
+}
+
 impl Renderer {
     /// Uploads the scene, builds the pipelines, and runs each once on nothing, so that a driver that compiles at the first
     /// dispatch has done so.
@@ -58,15 +78,15 @@ impl Renderer {
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
         settings.validate()?;
         settings.check_lighting(scene)?;
-        let lights = Lights::new(scene, bvh);
-        let variant = variant(settings, scene, bvh, &lights);
-        let kernels = kernels_for(context, scene, bvh, &lights, settings);
+        let shading = Shading::new(scene, bvh);
+        let variant = variant(settings, scene, &shading, bvh);
+        let kernels = kernels_for(context, scene, &shading, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
             update_radiance: build(&kernels.update_radiance)?,
             update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, bvh, &lights, settings)?,
+            frame: Frame::new(context, kernels, scene, &shading, bvh, settings)?,
             geometry: Geometry::new(context, kernels, bvh)?,
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
@@ -207,16 +227,27 @@ impl Renderer {
 }
 
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> &'static Kernels {
+fn kernels_for(
+    context: &Context,
+    scene: &Scene,
+    shading: &Shading,
+    bvh: &Bvh,
+    settings: &Settings,
+) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
-    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texel_count() as u64);
+    let texels =
+        texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(shading.lights.texel_count() as u64);
+    let texels =
+        texels.max(scene.textures.len() as u64 * textures::RECORD_TEXELS).max(shading.words.longest_page() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
 }
 
-fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh, lights: &Lights) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> Variant {
+    let lights = &shading.lights;
+    let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -242,6 +273,10 @@ fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh, lights: &Lights) -> Va
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
+        texture_kinds: textures::kinds(scene),
+        textured_parameters,
+        max_texture_links,
+        texel_pages: shading.words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),
