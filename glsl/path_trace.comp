@@ -40,7 +40,8 @@ uvec2 tile_order_pixel(uint index) {
 Path start_path(uvec2 film_pixel, uint sample_index) {
     Path path;
     path.key = RandomKey(film_pixel.y * uint(scene().film_size.x) + film_pixel.x, sample_index, scene().seed);
-    path.ray = camera_ray(vec2(film_pixel) + sample_filter(unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER)).xy));
+    vec4 u = unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER));
+    path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
     path.depth = 1u;
@@ -99,7 +100,7 @@ float scatter(inout Path path, Surface s, Material m, vec4 u, inout Tally tally)
     path.segment = segment_from(cell, next);
     path.throughput *= next.weight;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
-        path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
+        path.ray = leave_surface(s, next.wi);
         ++path.depth;
     } else {
         end_path(path);
@@ -133,7 +134,7 @@ void main() {
         if (hit.primitive == NONE) {
             target = escape(path, tally);
         } else {
-            Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
+            Surface s = surface_at(path.ray, hit);
             Material m = material(s.material);
             if (path.depth == 1u) {
                 add_first_hit(samples, bsdf_albedo(m), s.shading_normal, distance(s.position, camera_position()));

@@ -24,19 +24,20 @@ struct FilmFeatures {
 struct SceneConstants {
     vec4 world_from_camera[3];  // rows of the affine matrix
     vec2 film_size;             // whole film in pixels
-    vec2 raster_scale;          // tangents of the half fields of view
+    vec2 raster_scale;          // tangents of the half fields of view; orthographic: half the view's sides, camera units
     vec2 principal_point;       // in picture widths and heights
     float near_clip;
     float far_clip;
     vec3 bounds_min;
-    float ray_epsilon;          // how far a scattered ray's origin leaves its surface, scene units
+    float aperture_radius;      // of a thin lens
     vec3 cells_per_unit;        // grid resolution / extent
     float target_limit;         // learning targets saturate here, W/(m^2 sr)
     vec3 environment;           // radiance of the constant environment
     uint seed;
     uvec2 window_offset;        // of the rendered window within the film
     uvec2 window_size;
-    uvec2 reserved;
+    float focus_distance;       // of a thin lens: depth at which it is sharp
+    uint reserved;
 };
 
 struct Material {

@@ -37,6 +37,8 @@ layout(constant_id = 14) const uint STACK_SIZE = 16u;
 layout(constant_id = 15) const bool HAS_SPHERES = false;
 layout(constant_id = 16) const bool HAS_VERTEX_NORMALS = true;
 
+layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;
+
 // Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
 layout(constant_id = 17) const float PDF_TAMPER = 1.0;
 

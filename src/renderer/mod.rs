@@ -20,7 +20,7 @@ use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::kernels::{self, Kernels, Variant};
 use crate::layout::{PathTracePush, UpdatePush};
-use crate::scene::{ReconstructionFilter, Scene};
+use crate::scene::{Projection, ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
 use crate::{Error, Result};
 use film_pages::FilmPage;
@@ -54,7 +54,7 @@ impl Renderer {
     /// Where a setting is out of range or the device cannot hold the scene.
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
         settings.validate()?;
-        let variant = variant(settings, bvh);
+        let variant = variant(settings, scene, bvh);
         let kernels = kernels_for(context, scene, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
@@ -211,7 +211,7 @@ fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, settings: &Settings)
     }
 }
 
-fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -234,6 +234,11 @@ fn variant(settings: &Settings, bvh: &Bvh) -> Variant {
         stack_size: bvh.depth,
         has_spheres: bvh.has_spheres(),
         has_vertex_normals: bvh.has_vertex_normals(),
+        camera: match scene.camera.projection {
+            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
+            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
+            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
+        },
         pdf_tamper: settings.pdf_tamper,
         ..Variant::default()
     }
