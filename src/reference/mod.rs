@@ -6,6 +6,7 @@ pub mod cosine;
 pub mod direction;
 pub mod equal_area;
 pub mod intersect;
+pub mod light;
 pub mod normalization_entry;
 pub mod radiance_grid;
 pub mod random;
