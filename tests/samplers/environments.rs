@@ -197,7 +197,7 @@ fn delta_lights_are_mitsubas() {
 fn lights_are_chosen_by_their_power() {
     let radius = (0.75_f64).sqrt();
     let mut scene = empty_scene();
-    scene.emitters.push(AreaEmitter { radiance: Textured::constant(Vec3::splat(2.0)), sampling_weight: 1.0 });
+    scene.emitters.push(AreaEmitter::new(Textured::constant(Vec3::splat(2.0))));
     let half = Primitive {
         shape: PrimitiveShape::Parallelogram,
         origin: vec3(0.5, 0.5, 0.0),

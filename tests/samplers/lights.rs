@@ -74,7 +74,7 @@ pub fn emitting(primitives: &[(Primitive, f32)]) -> Scene {
     for &(primitive, radiance) in primitives {
         let emitter = Some(scene.emitters.len() as u32);
         scene.primitives.push(Primitive { emitter, ..primitive });
-        scene.emitters.push(AreaEmitter { radiance: Textured::constant(Vec3::splat(radiance)), sampling_weight: 1.0 });
+        scene.emitters.push(AreaEmitter::new(Textured::constant(Vec3::splat(radiance))));
     }
     scene
 }
