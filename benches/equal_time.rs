@@ -33,13 +33,14 @@ fn main() {
             .collect();
         let ratio = median(rows.iter().map(|[bsdf, guided]| guided / bsdf).collect());
         println!("{name}: MAE(rejection-mix) / MAE(bsdf) = {ratio:.3} at {SECONDS} s, median of {ROUNDS}");
-        print_hit_rates(&context, name, reference.width);
+        print_hit_rates(&context, name, [reference.width, reference.height]);
     }
 }
 
 fn error(context: &Arc<Context>, name: &str, reference: &Image, sampler: Sampler, seed: u32) -> f64 {
     let scene = load(name);
-    let settings = lodestar::settings::Settings { seed, ..settings(&scene, reference.width, sampler) };
+    let settings =
+        lodestar::settings::Settings { seed, ..settings(&scene, [reference.width, reference.height], sampler) };
     let mut renderer = common::renderer(context, &scene, &settings, 0);
     let (spp, _, _) = run_for(&mut renderer, SECONDS, settings.spp_per_step);
     let picture = renderer.picture().expect("the picture").image();
@@ -48,7 +49,7 @@ fn error(context: &Arc<Context>, name: &str, reference: &Image, sampler: Sampler
     error
 }
 
-fn print_hit_rates(context: &Arc<Context>, name: &str, size: u32) {
+fn print_hit_rates(context: &Arc<Context>, name: &str, size: [u32; 2]) {
     for sampler in [Sampler::Bsdf, Sampler::RejectionMix] {
         let scene = load(name);
         let settings = settings(&scene, size, sampler);

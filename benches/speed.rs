@@ -1,39 +1,62 @@
-//! Paths per second on cornell-box: `bsdf` and `rejection-mix`, and Mitsuba 3 where Python has it, interleaved in one run.
+//! Paths per second of `bsdf` and `rejection-mix`, and of Mitsuba 3 where Python has it, interleaved in one run.
 //!
-//! `cargo bench --bench speed`; `LODESTAR_SCENES` chooses the shared scene, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
+//! `cargo bench --bench speed [-- SCENE...]`: cornell-box and staircase2 unless named; `LODESTAR_SCENES` chooses the shared
+//! scenes, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
 
 #[path = "common/mod.rs"]
 mod common;
 
+use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
 
 use common::{context, load, median, renderer, run_for, scene_path, settings};
+use lodestar::gpu::Context;
 use lodestar::settings::Sampler;
 
-const SIZE: u32 = 512;
+const WIDTH: u32 = 512;
 const ROUNDS: usize = 5;
 const SECONDS: f64 = 3.0;
 
 fn main() {
+    // Cargo itself adds `--bench`.
+    let mut names: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    if names.is_empty() {
+        names = ["cornell-box", "staircase2"].map(String::from).to_vec();
+    }
     let context = context();
-    let scene = load("cornell-box");
-    let pixels = f64::from(SIZE * SIZE);
+    for name in names {
+        match scene_path(&name).is_file() {
+            true => measure(&context, &name),
+            false => println!("{name}: skipped, LODESTAR_SCENES names no folder that holds it"),
+        }
+    }
+}
+
+fn measure(context: &Arc<Context>, name: &str) {
+    let scene = load(name);
+    let size = [WIDTH, WIDTH * scene.film.height / scene.film.width];
+    let pixels = f64::from(size[0] * size[1]);
     let samplers = [Sampler::Bsdf, Sampler::RejectionMix];
-    let mut renderers = samplers.map(|sampler| renderer(&context, &scene, &settings(&scene, SIZE, sampler), 4));
+    let mut renderers = samplers.map(|sampler| renderer(context, &scene, &settings(&scene, size, sampler), 4));
     let mut rates: Vec<[f64; 3]> = Vec::new();
     for round in 0..ROUNDS {
         let mut row = [f64::NAN; 3];
         for (rate, renderer) in row.iter_mut().zip(&mut renderers) {
             let (spp, seconds, counts) = run_for(renderer, SECONDS, 8);
             *rate = f64::from(spp) * pixels / seconds / 1.0e6;
-            println!("round {round}: {rate:.3} Mpaths/s, {:.2} Mrays/s", counts.rays as f64 / seconds / 1.0e6);
+            println!("{name}, round {round}: {rate:.3} Mpaths/s, {:.2} Mrays/s", counts.rays as f64 / seconds / 1.0e6);
         }
-        row[2] = mitsuba_rate().unwrap_or(f64::NAN);
+        row[2] = mitsuba_rate(&scene_path(name), size).unwrap_or(f64::NAN);
         rates.push(row);
     }
+    print_medians(name, size, &rates);
+}
+
+fn print_medians(name: &str, [width, height]: [u32; 2], rates: &[[f64; 3]]) {
     let column = |i: usize| median(rates.iter().map(|row| row[i]).collect());
     let ratio = |a: usize, b: usize| median(rates.iter().map(|row| row[a] / row[b]).collect());
-    println!("\nmedians over {ROUNDS} rounds, {SIZE} x {SIZE}, depth 16, roulette after 8, box filter:");
+    println!("\n{name}, medians over {ROUNDS} rounds, {width} x {height}, depth 16, roulette after 8, box filter:");
     println!("  bsdf           {:8.3} Mpaths/s", column(0));
     println!("  rejection-mix  {:8.3} Mpaths/s, {:.2} x the time per sample of bsdf", column(1), ratio(0, 1));
     match rates.iter().all(|row| row[2].is_finite()) {
@@ -43,10 +66,9 @@ fn main() {
 }
 
 /// Mitsuba's `path` integrator (llvm_ad_rgb, emitter sampling on) on the same scene at the same size.
-fn mitsuba_rate() -> Option<f64> {
+fn mitsuba_rate(scene: &Path, [width, height]: [u32; 2]) -> Option<f64> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_speed.py");
-    let scene = scene_path("cornell-box");
-    let output =
-        Command::new("python3").args([script.as_ref(), scene.as_os_str()]).arg(SIZE.to_string()).output().ok()?;
+    let size = [width.to_string(), height.to_string()];
+    let output = Command::new("python3").arg(script).arg(scene).args(size).output().ok()?;
     String::from_utf8(output.stdout).ok()?.trim().parse().ok()
 }

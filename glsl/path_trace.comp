@@ -27,6 +27,7 @@ struct Path {
     Ray ray;
     vec3 throughput;
     vec3 radiance;
+    float eta;        // index of refraction of the medium that the ray travels over the camera's
     uint depth;       // edges so far, the ray's own included; 0: no path is under way
     Segment segment;  // that the ray travels
     vec3 from;        // the point of a surface that the ray left
@@ -47,6 +48,7 @@ Path start_path(uvec2 film_pixel, uint sample_index) {
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER)).xy));
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
+    path.eta = 1.0;
     path.depth = 1u;
     path.segment = NO_SEGMENT;
     path.from = vec3(0.0);
@@ -58,10 +60,10 @@ vec3 visible_emission(Path path, vec3 emission) {
     return HIDE_EMITTERS && path.depth == 1u ? vec3(0.0) : emission;
 }
 
-// Russian roulette by throughput; survivors are weighed up.
+// Russian roulette by throughput; survivors are weighed up. That radiance is less concentrated outside a medium is undone first.
 bool survives_roulette(inout Path path, float u) {
     if (path.depth < RR_DEPTH) return true;
-    float survival = min(max_component(path.throughput), 0.95);
+    float survival = min(max_component(path.throughput) * path.eta * path.eta, 0.95);
     path.throughput /= max(survival, 1.0e-30);
     return u < survival;
 }
@@ -121,6 +123,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     count_sample(tally, next.tries, next.below, next.overrun);
     if (!x.passes) path.segment = segment_from(x.cell, next);
     path.throughput *= next.weight;
+    path.eta *= next.eta;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
         path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
         path.from = s.position;

@@ -28,12 +28,12 @@ pub fn context() -> Arc<Context> {
 }
 
 /// The settings of the references: box filter, depth 16, roulette after 8. `LODESTAR_MAX_TRIES` replaces the default tries.
-pub fn settings(scene: &Scene, size: u32, sampler: Sampler) -> Settings {
+pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler) -> Settings {
     let filter = scene::ReconstructionFilter::Box;
     let defaults = Settings::for_scene(scene);
     let max_tries =
         std::env::var("LODESTAR_MAX_TRIES").ok().and_then(|text| text.parse().ok()).unwrap_or(defaults.max_tries);
-    Settings { width: size, height: size, max_depth: 16, rr_depth: 8, filter, sampler, max_tries, ..defaults }
+    Settings { width, height, max_depth: 16, rr_depth: 8, filter, sampler, max_tries, ..defaults }
 }
 
 /// A renderer that has taken its first steps, so that the guide is at work.

@@ -120,7 +120,7 @@ DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x
     BsdfSample s = sample_bsdf(x.bsdf, x.wo, u.xyz);
     if (x.passes) s = BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0);
     if (is_guided(guide)) return sample_direction_guided(key, vertex, u.x, x, guide, s);
-    if (SAMPLER != SAMPLER_BSDF) mark_entry(guide.index);
+    if (SAMPLER != SAMPLER_BSDF && s.lobe == LOBE_DIFFUSE) mark_entry(guide.index);
     return sample_direction_bsdf(x, s, pdf_cosine_hemisphere(s.wi.z));
 }
 

@@ -6,6 +6,7 @@ use glam::{Mat4, Vec3};
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::materials;
+use super::plastics;
 use super::statistics::Counts;
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
@@ -47,13 +48,14 @@ impl Frame {
         };
         let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let words = plastics::complete(scene, &mut materials);
         let shape = set_shape(kernels, 0);
         let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
-        let texel_words = texel_words(context, shape)?;
+        let texel_words = texel_words(context, shape, &words)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
             let all =
                 [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters, &texel_words];
@@ -90,10 +92,12 @@ impl Frame {
 }
 
 /// Tables that materials refer to by the address of a word.
-fn texel_words(context: &Arc<Context>, shape: &SetShape) -> Result<Arc<Buffer>> {
+fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &[u32]) -> Result<Arc<Buffer>> {
     let binding = shape.bindings.iter().find(|binding| binding.binding == TEXEL_WORDS_BINDING);
     let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
-    Buffer::new(context, "texel words", 0, kind)
+    let buffer = Buffer::new(context, "texel words", size_of_val(words) as u64, kind)?;
+    buffer.upload(0, words)?;
+    Ok(buffer)
 }
 
 fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {

@@ -58,6 +58,18 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
         | relief
         | bit(surface.coating.is_some(), kernels::FEATURE_COATING)
         | bit(is_anisotropic(&surface.bsdf), kernels::FEATURE_TANGENTS)
+        | bit(has_beckmann_facets(&surface.bsdf), kernels::FEATURE_BECKMANN)
+}
+
+fn has_beckmann_facets(bsdf: &Bsdf) -> bool {
+    let distribution = match bsdf {
+        Bsdf::RoughConductor { microfacets, .. } | Bsdf::RoughDielectric { microfacets, .. } => {
+            microfacets.distribution
+        }
+        Bsdf::RoughPlastic { distribution, .. } => *distribution,
+        _ => Distribution::Ggx,
+    };
+    distribution == Distribution::Beckmann
 }
 
 fn is_anisotropic(bsdf: &Bsdf) -> bool {
@@ -194,6 +206,7 @@ fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
         Bsdf::RoughPlastic { distribution, alpha, eta, diffuse_reflectance, specular_reflectance, nonlinear } => {
             writer.flag(kernels::MATERIAL_GGX, *distribution == Distribution::Ggx);
             writer.number(0, *alpha);
+            writer.number(1, *alpha);
             write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
         }
         Bsdf::Principled(principled) => {

@@ -7,6 +7,7 @@ mod frame;
 mod geometry;
 mod materials;
 mod normalization_grid;
+mod plastics;
 mod radiance_grid;
 mod slices;
 mod statistics;

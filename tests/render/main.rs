@@ -11,7 +11,6 @@ mod device;
 mod estimate;
 mod learning;
 mod nee;
-mod references;
 mod scenes;
 mod significance;
 mod variance;

@@ -1,0 +1,222 @@
+//! The paper's twelve scenes against the pictures of another renderer, for both samplers, with emitter sampling off and on.
+//!
+//! They are too large to lie here: `LODESTAR_SCENES` names the folder of the scenes and `LODESTAR_REFERENCES` that of the
+//! pictures, `NAME.mean.exr` and `NAME.var.exr`; without them nothing is tested, which is said.
+//!
+//! `cargo test --release --test references [-- SCENE...]` takes few samples. With `LODESTAR_FULL=1` it takes so many that the
+//! mean luminance is known to 0.5 %, or as many as `LODESTAR_REFERENCE_SECONDS` (600) a picture allow. Both write every
+//! picture beside its reference, with the signed difference, and a contact sheet to `target/references`.
+
+mod agreement;
+mod sheet;
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+use agreement::{Agreement, Estimate};
+use lodestar::bvh::Bvh;
+use lodestar::film::Picture;
+use lodestar::gpu::{Context, ContextOptions};
+use lodestar::image::{Image, exr};
+use lodestar::renderer::Renderer;
+use lodestar::scene::{Bsdf, LoadOptions, MaterialKind, ReconstructionFilter, Scene, load};
+use lodestar::settings::{Sampler, Settings};
+
+/// A scene and the samples per pixel of the short test, for emitter sampling off and on.
+struct Case {
+    name: &'static str,
+    spp: [u32; 2],
+}
+
+const CASES: [Case; 12] = [
+    Case { name: "bathroom", spp: [16, 16] },
+    Case { name: "bathroom2", spp: [16, 16] },
+    Case { name: "cornell-box", spp: [64, 16] },
+    Case { name: "cornell-box-hard", spp: [64, 64] },
+    Case { name: "kitchen", spp: [16, 16] },
+    Case { name: "living-room", spp: [16, 16] },
+    Case { name: "living-room-2", spp: [16, 16] },
+    Case { name: "living-room-3", spp: [16, 16] },
+    Case { name: "staircase", spp: [16, 16] },
+    Case { name: "staircase2", spp: [16, 16] },
+    Case { name: "veach-ajar", spp: [64, 64] },
+    Case { name: "veach-ajar-2", spp: [64, 64] },
+];
+
+/// The scene on which faults must be found, and how many samples that takes.
+const FAULTY_SCENE: &str = "cornell-box";
+const FAULTY_SPP: u32 = 64;
+
+/// Standard error of the mean luminance that ends a long render.
+const TARGET_ERROR: f64 = 0.005;
+const DEFAULT_SECONDS: f64 = 600.0;
+
+fn main() -> ExitCode {
+    // A test runner asks for the list; there is one test, named below.
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    if arguments.iter().any(|argument| argument == "--list") {
+        println!("references: test");
+        return ExitCode::SUCCESS;
+    }
+    agreement::check_itself();
+    let folder = |variable| env::var_os(variable).map(PathBuf::from);
+    let (Some(scenes), Some(references)) = (folder("LODESTAR_SCENES"), folder("LODESTAR_REFERENCES")) else {
+        println!("references: skipped, for LODESTAR_SCENES and LODESTAR_REFERENCES are not both set");
+        return ExitCode::SUCCESS;
+    };
+    let only: Vec<&String> =
+        arguments.iter().filter(|argument| CASES.iter().any(|case| case.name == **argument)).collect();
+    let mut run = Run::new(scenes, references);
+    for case in CASES.iter().filter(|case| only.is_empty() || only.iter().any(|name| *name == case.name)) {
+        run.check(case);
+    }
+    run.finish()
+}
+
+struct Run {
+    scenes: PathBuf,
+    references: PathBuf,
+    context: Arc<Context>,
+    /// Where pictures go.
+    out: PathBuf,
+    strips: Vec<Image>,
+    failures: Vec<String>,
+}
+
+impl Run {
+    fn new(scenes: PathBuf, references: PathBuf) -> Self {
+        let context = Context::new(&ContextOptions { device: None, validate: false }).expect("a Vulkan device");
+        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("references");
+        std::fs::create_dir_all(&out).expect("a folder for the pictures");
+        Self { scenes, references, context, out, strips: Vec::new(), failures: Vec::new() }
+    }
+
+    fn check(&mut self, case: &Case) {
+        let scene = load(&self.scenes.join(case.name).join("scene.xml"), &LoadOptions::default()).expect("a scene");
+        let read = |kind| exr::read_rgb(&self.references.join(format!("{}.{kind}.exr", case.name))).expect("a picture");
+        let (mean, variance) = (read("mean"), read("var"));
+        let reference = Estimate::new(&mean, &variance);
+        let bvh = Bvh::build(&scene.primitives);
+        let mut shown = None;
+        for (seed, (sampler, nee)) in METHODS.into_iter().enumerate() {
+            let settings = settings(&scene, &mean, sampler, nee, seed as u32 + 1);
+            let begin = Instant::now();
+            let (picture, spp) = render(&self.context, &scene, &bvh, &settings, &reference, case.spp[usize::from(nee)]);
+            let agreement = Agreement::new(&estimate(&picture), &reference);
+            let verdict = if agreement.holds() { "ok" } else { "FAILED" };
+            let method = format!("{} {} nee {}", case.name, name(sampler), if nee { "on" } else { "off" });
+            println!("{method}: {verdict}, {agreement}; {spp} spp in {:.1} s", begin.elapsed().as_secs_f64());
+            let strip = sheet::strip(&picture.image(), &mean);
+            let path = self.out.join(method.replace(' ', "-")).with_extension("png");
+            sheet::write(&path, &strip).expect("a picture written");
+            if !agreement.holds() {
+                self.failures.push(format!("{method}: see {}", path.display()));
+            }
+            shown = Some(strip);
+        }
+        self.strips.extend(shown);
+        if case.name == FAULTY_SCENE {
+            self.check_faults(&scene, &bvh, &mean, &reference);
+        }
+    }
+
+    /// What the test must find: a density 5 % off, albedos 3 % off.
+    fn check_faults(&mut self, scene: &Scene, bvh: &Bvh, mean: &Image, reference: &Estimate) {
+        let darker = with_albedo_scaled(scene, 0.97);
+        for (seed, (fault, scene, pdf_tamper)) in (11..).zip([("density", scene, 1.05), ("albedo", &darker, 1.0)]) {
+            let settings = Settings { pdf_tamper, ..settings(scene, mean, Sampler::RejectionMix, true, seed) };
+            let (picture, _) = render(&self.context, scene, bvh, &settings, reference, FAULTY_SPP);
+            let agreement = Agreement::new(&estimate(&picture), reference);
+            println!("{FAULTY_SCENE} with a wrong {fault}: {agreement}");
+            if agreement.holds() {
+                self.failures.push(format!("{FAULTY_SCENE}: a wrong {fault} was not noticed"));
+            }
+        }
+    }
+
+    fn finish(self) -> ExitCode {
+        let path = self.out.join("contact-sheet.png");
+        sheet::write(&path, &sheet::below(&self.strips, 2)).expect("a contact sheet written");
+        println!("contact sheet: {} (ours, reference, difference)", path.display());
+        for failure in &self.failures {
+            println!("failed: {failure}");
+        }
+        if self.failures.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    }
+}
+
+/// Samplers, and whether emitters are sampled. The last one is shown on the contact sheet.
+const METHODS: [(Sampler, bool); 4] =
+    [(Sampler::Bsdf, false), (Sampler::Bsdf, true), (Sampler::RejectionMix, false), (Sampler::RejectionMix, true)];
+
+fn name(sampler: Sampler) -> &'static str {
+    match sampler {
+        Sampler::Bsdf => "bsdf",
+        Sampler::RejectionMix => "rejection-mix",
+    }
+}
+
+/// How the references were rendered.
+fn settings(scene: &Scene, reference: &Image, sampler: Sampler, nee: bool, seed: u32) -> Settings {
+    Settings {
+        width: reference.width,
+        height: reference.height,
+        filter: ReconstructionFilter::Box,
+        max_depth: 16,
+        rr_depth: 8,
+        sampler,
+        nee,
+        seed,
+        ..Settings::for_scene(scene)
+    }
+}
+
+/// The scene with every diffuse albedo multiplied.
+fn with_albedo_scaled(scene: &Scene, factor: f32) -> Scene {
+    let mut scene = scene.clone();
+    for material in &mut scene.materials {
+        if let MaterialKind::Surface(surface) = &mut material.kind
+            && let Bsdf::Diffuse { reflectance } = &mut surface.bsdf
+        {
+            reflectance.value *= factor;
+        }
+    }
+    scene
+}
+
+fn estimate(picture: &Picture) -> Estimate {
+    Estimate::new(&picture.image(), &picture.variance_image())
+}
+
+/// Renders `spp` samples per pixel or, in the long test, as many as it takes.
+fn render(
+    context: &Arc<Context>,
+    scene: &Scene,
+    bvh: &Bvh,
+    settings: &Settings,
+    reference: &Estimate,
+    spp: u32,
+) -> (Picture, u32) {
+    let mut renderer = Renderer::new(context, scene, bvh, settings).expect("a renderer");
+    let step = |renderer: &mut Renderer, until: u32| {
+        while renderer.samples_done() < until {
+            renderer.step(settings.spp_per_step, &|| false).expect("a step");
+        }
+    };
+    step(&mut renderer, spp);
+    if env::var_os("LODESTAR_FULL").is_some() {
+        let begin = Instant::now();
+        let seconds = env::var("LODESTAR_REFERENCE_SECONDS").ok().and_then(|text| text.parse().ok());
+        // Only ever doubled, so that when to stop depends on the picture as little as can be.
+        while begin.elapsed().as_secs_f64() < 0.5 * seconds.unwrap_or(DEFAULT_SECONDS)
+            && Agreement::new(&estimate(&renderer.picture().expect("a picture")), reference).error > TARGET_ERROR
+        {
+            let until = 2 * renderer.samples_done();
+            step(&mut renderer, until);
+        }
+    }
+    (renderer.picture().expect("a picture"), renderer.samples_done())
+}
