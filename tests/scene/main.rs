@@ -1,6 +1,7 @@
 //! The scene loader from outside: what it accepts, what it refuses and in which words.
 
 mod accepts;
+mod emitters;
 mod fuzz;
 mod geometry;
 mod meshes;
