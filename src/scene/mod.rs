@@ -5,6 +5,7 @@
 
 pub mod bsdf;
 mod color;
+mod color_matching;
 mod document;
 mod element;
 pub mod emitter;
@@ -12,22 +13,28 @@ mod emitter_plugin;
 mod flatten;
 pub mod geometry;
 pub mod load;
-mod material;
+mod materials;
 mod mesh;
-mod mesh_fault;
 mod numbers;
+mod obj;
+mod ply;
 mod properties;
 mod sensor;
+mod serialized;
 mod shape;
+mod spectrum;
 pub mod texture;
+mod texture_images;
+mod textures;
 mod transform;
+mod words;
 
 use glam::{Mat4, Vec2, Vec3};
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use geometry::{Primitive, PrimitiveShape};
-pub use load::{LoadOptions, load};
+pub use load::{LoadOptions, LoadProgress, load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
 
 /// A whole scene in world space.

@@ -165,7 +165,7 @@ fn references_reach_forward_and_share_materials() {
 #[test]
 fn colors() {
     let reflectance = |color: &str| {
-        let scene = load_body(&format!(r#"<bsdf type="diffuse">{color}</bsdf>"#)).unwrap();
+        let scene = load_body(&format!(r#"<shape type="disk"><bsdf type="diffuse">{color}</bsdf></shape>"#)).unwrap();
         let Bsdf::Diffuse { reflectance } = surface(&scene.materials[0]).bsdf else { panic!("not diffuse") };
         reflectance.value
     };

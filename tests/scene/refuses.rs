@@ -119,9 +119,12 @@ fn colors_and_textures() {
     refuse(&bsdf(r#"<rgb name="reflectance" value="0.1, -0.2, 0"/>"#), &["negative"]);
     refuse(&bsdf(r#"<rgb name="reflectance" value="nan"/>"#), &["`nan`"]);
     refuse(&bsdf(r#"<rgb name="reflectance" value="1 2"/>"#), &["`1 2`"]);
-    refuse(&bsdf(r#"<spectrum name="reflectance" value="400:1, 700:0"/>"#), &["wavelengths"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" value="700:1, 400:0"/>"#), &["wavelengths", "increase"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" value="400:1"/>"#), &["two or more"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" value="400:1, 700"/>"#), &["`700`"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" filename="a.spd"/>"#), &["`a.spd`", "does not exist"]);
     let texture = r#"<texture name="reflectance" type="bitmap"><string name="filename" value="a.png"/></texture>"#;
-    refuse(&bsdf(texture), &["textures are not supported yet"]);
+    refuse(&bsdf(texture), &["`a.png`", "does not exist"]);
 }
 
 #[test]
