@@ -3,13 +3,17 @@
 
 pub mod camera;
 pub mod coating;
+pub mod conductor;
 pub mod cosine;
+pub mod delta;
+pub mod dielectric;
 pub mod direction;
 pub mod equal_area;
 pub mod fresnel;
 pub mod intersect;
 pub mod microfacet;
 pub mod normalization_entry;
+pub mod plastic;
 pub mod principled;
 pub mod radiance_grid;
 pub mod random;
