@@ -10,3 +10,4 @@ pub mod normalization_entry;
 pub mod radiance_grid;
 pub mod random;
 pub mod rejection_mix;
+pub mod texture;

@@ -5,9 +5,8 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
+use super::materials;
 use super::statistics::Counts;
-use super::texel_words::TexelWords;
-use super::{materials, textures};
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::bvh::Bvh;
@@ -19,6 +18,7 @@ use crate::lights::Lights;
 use crate::scene::Scene;
 use crate::scene::texel_pages::MAX_PAGES;
 use crate::settings::Settings;
+use crate::textures::{PackedTextures, TexelWords};
 
 /// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
 const RAY_EPSILON: f32 = 1.0 / 131_072.0;
@@ -38,7 +38,7 @@ impl Frame {
         context: &Arc<Context>,
         kernels: &Kernels,
         scene: &Scene,
-        words: &TexelWords,
+        textures: &PackedTextures,
         bvh: &Bvh,
         lights: &Lights,
         settings: &Settings,
@@ -56,16 +56,14 @@ impl Frame {
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
-        let textures = uploaded(
-            "textures",
-            bytemuck::cast_slice(&textures::records(scene, words)),
-            buffer_kind(shape.bindings[3].kind),
-        )?;
-        let [words0, words1, words2, words3] = &texel_words(context, shape, words)?;
+        let records = bytemuck::cast_slice(&textures.records);
+        let records = uploaded("textures", records, buffer_kind(shape.bindings[3].kind))?;
+        let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
             let (radiance, features) = (&buffers.radiance, &buffers.features);
             let all = [
-                radiance, features, &constants, &materials, &emitters, &counters, words0, &textures, words1, words2, words3,
+                radiance, features, &constants, &materials, &emitters, &counters, words0, &records, words1, words2,
+                words3,
             ];
             let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
             let set = DescriptorSet::new(context, "frame", shape, &used)?;

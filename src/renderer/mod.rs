@@ -5,14 +5,11 @@
 mod film_pages;
 mod frame;
 mod geometry;
-mod halves;
 mod materials;
 mod normalization_grid;
 mod radiance_grid;
 mod slices;
 mod statistics;
-mod texel_words;
-mod textures;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -27,6 +24,7 @@ use crate::layout::{PathTracePush, UpdatePush};
 use crate::lights::Lights;
 use crate::scene::{ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
+use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use film_pages::FilmPage;
 use frame::Frame;
@@ -34,7 +32,6 @@ use geometry::Geometry;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
 use slices::{Slice, Slicer};
-use texel_words::TexelWords;
 
 /// Renders one scene on one device, step by step.
 pub struct Renderer {
@@ -62,15 +59,15 @@ impl Renderer {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let lights = Lights::new(scene, bvh);
-        let words = TexelWords::new(Vec::new(), &scene.images, &textures::used_images(scene));
-        let variant = variant(settings, scene, &words, bvh, &lights);
-        let kernels = kernels_for(context, scene, &words, bvh, &lights, settings);
+        let textures = PackedTextures::new(&scene.textures, &scene.images, Vec::new());
+        let variant = variant(settings, scene, &textures, bvh, &lights);
+        let kernels = kernels_for(context, scene, &textures, bvh, &lights, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
             update_radiance: build(&kernels.update_radiance)?,
             update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, &words, bvh, &lights, settings)?,
+            frame: Frame::new(context, kernels, scene, &textures, bvh, &lights, settings)?,
             geometry: Geometry::new(context, kernels, bvh)?,
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
@@ -214,21 +211,21 @@ impl Renderer {
 fn kernels_for(
     context: &Context,
     scene: &Scene,
-    words: &TexelWords,
+    textures: &PackedTextures,
     bvh: &Bvh,
     lights: &Lights,
     settings: &Settings,
 ) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
     let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texels().len() as u64);
-    let texels = texels.max(scene.textures.len() as u64 * textures::RECORD_TEXELS).max(words.longest_page() as u64);
+    let texels = texels.max(textures.longest());
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
 }
 
-fn variant(settings: &Settings, scene: &Scene, words: &TexelWords, bvh: &Bvh, lights: &Lights) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, textures: &PackedTextures, bvh: &Bvh, lights: &Lights) -> Variant {
     let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
@@ -255,10 +252,10 @@ fn variant(settings: &Settings, scene: &Scene, words: &TexelWords, bvh: &Bvh, li
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
-        texture_kinds: textures::kinds(scene),
+        texture_kinds: textures.kinds,
         textured_parameters,
         max_texture_links,
-        texel_pages: words.pages().len() as u32,
+        texel_pages: textures.words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),

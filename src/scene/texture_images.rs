@@ -28,7 +28,9 @@ pub(super) fn decode(requests: Vec<ImageRequest>, warnings: &mut Vec<String>) ->
 pub(super) fn decode_environment(path: &Path) -> Result<Image> {
     let TexelImage { width, height, texels } = texels::read(path)?;
     let linear = match texels {
-        FileTexels::Bytes(data) => data.into_iter().map(|texel| decode_srgb(texel.map(|c| f32::from(c) / 255.0))).collect(),
+        FileTexels::Bytes(data) => {
+            data.into_iter().map(|texel| decode_srgb(texel.map(|c| f32::from(c) / 255.0))).collect()
+        }
         FileTexels::Encoded(data) => data.into_iter().map(decode_srgb).collect(),
         FileTexels::Linear(data) => data,
     };

@@ -15,3 +15,4 @@ mod rejection_cases;
 mod rejection_mix;
 mod statistics;
 mod surfaces;
+mod textures;
