@@ -95,8 +95,8 @@ vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally ta
     float pdf = pdf_direction(x, guide, wi);
     if (MIS_FAULT == MIS_BLIND_TO_GUIDE) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));
     float weight = light.delta ? 1.0 : mis_weight(light.pdf, pdf);
-    vec3 scattered = x.passes ? vec3(0.0) : eval_scatterer(x, wi) * light.radiance;
-    if (light.pdf <= 0.0 || max_component(scattered) <= 0.0) return vec3(0.0);
+    vec3 scattered = eval_scatterer(x, wi) * light.radiance;
+    if (x.passes || light.pdf <= 0.0 || max_component(scattered) <= 0.0) return vec3(0.0);
     ++tally.shadow_rays;
     Hit blocker = traverse(shadow_ray(s, light, scene().ray_epsilon), true, tally.overrun);
     return blocker.primitive == NONE ? scattered * (weight / light.pdf) : vec3(0.0);

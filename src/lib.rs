@@ -33,6 +33,7 @@
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`] | the table that normalizers are computed from |
+//! | [`plastic_layer`] | what the layers of plastics let through and reflect inside |
 //!
 //! # Paper map
 //! | in the paper | GLSL | held by |
@@ -75,6 +76,7 @@ pub mod image;
 pub mod kernels;
 pub mod layout;
 pub mod lights;
+pub mod plastic_layer;
 pub mod reference;
 pub mod renderer;
 pub mod scene;

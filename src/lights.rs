@@ -102,7 +102,7 @@ impl Lights {
 
     /// The buffer that the kernels read: emitters, lights, delta lights, then the table and the map of the environment.
     pub fn texels(&self) -> Vec<[u32; 4]> {
-        let mut texels: Vec<[u32; 4]> = Vec::new();
+        let mut texels: Vec<[u32; 4]> = Vec::with_capacity(self.texel_count());
         texels.extend_from_slice(bytemuck::cast_slice(&self.emitters));
         texels.extend_from_slice(bytemuck::cast_slice(&self.lights));
         texels.extend_from_slice(bytemuck::cast_slice(&self.delta_lights));
@@ -114,13 +114,25 @@ impl Lights {
         texels
     }
 
+    /// Their number.
+    pub fn texel_count(&self) -> usize {
+        let map = self.environment.as_ref().and_then(|environment| environment.map.as_ref());
+        let of_map = map.map_or(0, |(map, table)| map.texels.len() + table.entries.len());
+        self.first_block() + of_map
+    }
+
+    /// Where the environment's table begins.
+    fn first_block(&self) -> usize {
+        self.emitters.len() + self.lights.len() + self.delta_lights.len() * DELTA_TEXELS
+    }
+
     /// Sets what the kernels need to know about the lights.
     pub fn write_constants(&self, constants: &mut SceneConstants) {
         constants.light_count = self.lights.len() as u32;
         constants.first_light = self.emitters.len() as u32;
         constants.environment_light = kernels::NONE;
         let Some(environment) = &self.environment else { return };
-        let first_block = self.emitters.len() + self.lights.len() + self.delta_lights.len() * DELTA_TEXELS;
+        let first_block = self.first_block();
         constants.environment = environment.radiance.into();
         constants.environment_light = environment.light;
         constants.environment_from_world = [0, 1, 2].map(|i| environment.local_from_world.row(i).extend(0.0).into());

@@ -3,6 +3,15 @@
 #define BSDF_PARAMETERS_GLSL
 #include "variant.glsl"
 
+// A smooth layer over the surface.
+struct Coating {
+    vec3 optical_thickness;  // absorption times thickness
+    float eta;               // interior over exterior
+    vec3 specular_reflectance;
+};
+
+const Coating NO_COATING = Coating(vec3(0.0), 1.0, vec3(0.0));
+
 // What the numbers mean depends on the kind:
 //
 // |           | diffuse, rough_diffuse | dielectrics            | conductors           | plastics              | principled     |
@@ -30,6 +39,7 @@ struct Bsdf {
     vec4 scalars0;
     vec4 scalars1;
     vec4 scalars2;
+    Coating coating;      // of what is MATERIAL_COATED
 };
 
 uint bsdf_kind(Bsdf b) {

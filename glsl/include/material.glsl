@@ -26,6 +26,11 @@ vec4 fetch_material_floats(uint material, uint texel) {
     return uintBitsToFloat(fetch_material(material, texel));
 }
 
+Coating coating(uint material) {
+    vec4 layer = fetch_material_floats(material, MATERIAL_COATING);
+    return Coating(layer.rgb, layer.w, fetch_material_floats(material, MATERIAL_COATING + 1u).rgb);
+}
+
 // The record's constants; textures multiply them.
 Bsdf untextured_bsdf(uint material) {
     Bsdf b;
@@ -37,6 +42,8 @@ Bsdf untextured_bsdf(uint material) {
     b.scalars0 = scalars0 ? fetch_material_floats(material, MATERIAL_SCALARS) : vec4(1.0);
     b.scalars1 = any_kind(KINDS_WITH_SCALARS1) ? fetch_material_floats(material, MATERIAL_SCALARS + 1u) : vec4(0.0);
     b.scalars2 = any_kind(KINDS_WITH_SCALARS2) ? fetch_material_floats(material, MATERIAL_SCALARS + 2u) : vec4(0.0);
+    b.coating = NO_COATING;
+    if (has_feature(FEATURE_COATING)) b.coating = coating(material);
     return b;
 }
 

@@ -1,6 +1,7 @@
 // Where a texture is looked up, and what its texels mean. Pure.
 #ifndef TEXTURE_LOOKUP_GLSL
 #define TEXTURE_LOOKUP_GLSL
+#include "color.glsl"
 #include "variant.glsl"
 
 // Four texels and how they are mixed.
@@ -67,11 +68,6 @@ vec4 decode_texel(uint kind, uvec2 words, float scale) {
         color = scale * vec4(unpackHalf2x16(words.x), unpackHalf2x16(words.y));
     }
     return color;
-}
-
-// Luminance of linear sRGB, with Mitsuba's digits.
-float luminance(vec3 color) {
-    return dot(color, vec3(0.212671, 0.715160, 0.072169));
 }
 
 #endif

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
-use super::materials;
 use super::statistics::Counts;
+use super::surfaces::Surfaces;
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::bvh::Bvh;
@@ -18,7 +18,7 @@ use crate::lights::Lights;
 use crate::scene::Scene;
 use crate::scene::texel_pages::MAX_PAGES;
 use crate::settings::Settings;
-use crate::textures::{PackedTextures, TexelWords};
+use crate::textures::TexelWords;
 
 /// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
 const RAY_EPSILON: f32 = 1.0 / 131_072.0;
@@ -38,7 +38,7 @@ impl Frame {
         context: &Arc<Context>,
         kernels: &Kernels,
         scene: &Scene,
-        textures: &PackedTextures,
+        surfaces: &Surfaces,
         bvh: &Bvh,
         lights: &Lights,
         settings: &Settings,
@@ -50,9 +50,9 @@ impl Frame {
         };
         let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let Surfaces { materials, textures } = surfaces;
         let shape = set_shape(kernels, 0);
-        let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
+        let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;

@@ -7,9 +7,6 @@ use crate::layout::MaterialRecord;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial};
 use crate::scene::{Scene, Textured};
 
-/// 16-byte texels of a [`MaterialRecord`].
-pub(super) const RECORD_TEXELS: u64 = size_of::<MaterialRecord>() as u64 / 16;
-
 /// Index of the first scalar among the parameters that [`MaterialRecord::links`] counts.
 const FIRST_SCALAR: u32 = 3;
 const OPACITY: usize = 3;
@@ -67,6 +64,18 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
         | relief
         | bit(surface.coating.is_some(), kernels::FEATURE_COATING)
         | bit(is_anisotropic(&surface.bsdf), kernels::FEATURE_TANGENTS)
+        | bit(has_beckmann_facets(&surface.bsdf), kernels::FEATURE_BECKMANN)
+}
+
+fn has_beckmann_facets(bsdf: &Bsdf) -> bool {
+    let distribution = match bsdf {
+        Bsdf::RoughConductor { microfacets, .. } | Bsdf::RoughDielectric { microfacets, .. } => {
+            microfacets.distribution
+        }
+        Bsdf::RoughPlastic { distribution, .. } => *distribution,
+        _ => Distribution::Ggx,
+    };
+    distribution == Distribution::Beckmann
 }
 
 fn is_anisotropic(bsdf: &Bsdf) -> bool {
@@ -203,9 +212,11 @@ fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
         Bsdf::RoughPlastic { distribution, alpha, eta, diffuse_reflectance, specular_reflectance, nonlinear } => {
             writer.flag(kernels::MATERIAL_GGX, *distribution == Distribution::Ggx);
             writer.number(0, *alpha);
+            writer.number(1, *alpha);
             write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
         }
         Bsdf::Principled(principled) => {
+            writer.flag(kernels::MATERIAL_GGX, true);
             writer.color(0, &principled.base_color);
             writer.scalar(0, &principled.roughness);
             writer.scalar(1, &principled.anisotropic);

@@ -7,9 +7,11 @@ mod frame;
 mod geometry;
 mod materials;
 mod normalization_grid;
+mod plastics;
 mod radiance_grid;
 mod slices;
 mod statistics;
+mod surfaces;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -24,7 +26,6 @@ use crate::layout::{PathTracePush, UpdatePush};
 use crate::lights::Lights;
 use crate::scene::{ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
-use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use film_pages::FilmPage;
 use frame::Frame;
@@ -32,6 +33,7 @@ use geometry::Geometry;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
 use slices::{Slice, Slicer};
+use surfaces::Surfaces;
 
 /// Renders one scene on one device, step by step.
 pub struct Renderer {
@@ -59,15 +61,15 @@ impl Renderer {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let lights = Lights::new(scene, bvh);
-        let textures = PackedTextures::new(&scene.textures, &scene.images, Vec::new());
-        let variant = variant(settings, scene, &textures, bvh, &lights);
-        let kernels = kernels_for(context, scene, &textures, bvh, &lights, settings);
+        let surfaces = Surfaces::new(scene);
+        let variant = variant(settings, scene, &surfaces, bvh, &lights);
+        let kernels = kernels_for(context, &surfaces, bvh, &lights, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
             update_radiance: build(&kernels.update_radiance)?,
             update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, &textures, bvh, &lights, settings)?,
+            frame: Frame::new(context, kernels, scene, &surfaces, bvh, &lights, settings)?,
             geometry: Geometry::new(context, kernels, bvh)?,
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
@@ -210,22 +212,20 @@ impl Renderer {
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
 fn kernels_for(
     context: &Context,
-    scene: &Scene,
-    textures: &PackedTextures,
+    surfaces: &Surfaces,
     bvh: &Bvh,
     lights: &Lights,
     settings: &Settings,
 ) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
-    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texels().len() as u64);
-    let texels = texels.max(textures.longest());
+    let texels = texels.max(surfaces.texels()).max(lights.texel_count() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
 }
 
-fn variant(settings: &Settings, scene: &Scene, textures: &PackedTextures, bvh: &Bvh, lights: &Lights) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, surfaces: &Surfaces, bvh: &Bvh, lights: &Lights) -> Variant {
     let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
@@ -252,10 +252,10 @@ fn variant(settings: &Settings, scene: &Scene, textures: &PackedTextures, bvh: &
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
-        texture_kinds: textures.kinds,
+        texture_kinds: surfaces.textures.kinds,
         textured_parameters,
         max_texture_links,
-        texel_pages: textures.words.pages().len() as u32,
+        texel_pages: surfaces.textures.words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),

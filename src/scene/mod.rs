@@ -15,10 +15,12 @@ pub mod geometry;
 pub mod load;
 mod materials;
 mod mesh;
-mod mesh_fault;
 mod numbers;
+mod obj;
+mod ply;
 mod properties;
 mod sensor;
+mod serialized;
 mod shape;
 mod spectrum;
 pub mod texel_pages;
@@ -26,13 +28,14 @@ pub mod texture;
 mod texture_images;
 mod textures;
 mod transform;
+mod words;
 
 use glam::{Mat4, Vec2, Vec3};
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use geometry::{Primitive, PrimitiveShape};
-pub use load::{LoadOptions, load};
+pub use load::{LoadOptions, LoadProgress, load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
 
 /// A whole scene in world space.

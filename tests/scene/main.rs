@@ -3,6 +3,7 @@
 mod accepts;
 mod fuzz;
 mod geometry;
+mod obj;
 mod ours;
 mod refuses;
 

@@ -38,12 +38,21 @@ pub(super) struct Materials<'a> {
     /// The elements being read, from the outermost.
     open: Vec<*const Element>,
     kept: HashMap<*const Element, u32>,
+    /// Of shapes without a BSDF: those that do not emit, and those that do.
+    defaults: [Option<u32>; 2],
     list: Vec<Material>,
 }
 
 impl<'a> Materials<'a> {
     pub fn new(ids: Ids<'a>) -> Self {
-        Self { ids, trees: HashMap::new(), open: Vec::new(), kept: HashMap::new(), list: Vec::new() }
+        Self {
+            ids,
+            trees: HashMap::new(),
+            open: Vec::new(),
+            kept: HashMap::new(),
+            defaults: [None; 2],
+            list: Vec::new(),
+        }
     }
 
     /// `Scene::materials`
@@ -51,13 +60,16 @@ impl<'a> Materials<'a> {
         self.list
     }
 
-    /// The index in `Scene::materials` of what a shape without a BSDF is made of.
-    pub fn keep_default(&mut self) -> u32 {
-        let reflectance = Textured::constant(Vec3::splat(surfaces::DEFAULT_REFLECTANCE));
+    /// The index in `Scene::materials` of what a shape without a BSDF is made of: as in Mitsuba, black
+    /// where it emits.
+    pub fn keep_default(&mut self, emits: bool) -> u32 {
         let list = &mut self.list;
-        *self.kept.entry(ptr::null()).or_insert_with(|| {
+        *self.defaults[usize::from(emits)].get_or_insert_with(|| {
+            let (name, albedo) =
+                if emits { ("default of emitters", 0.0) } else { ("default", surfaces::DEFAULT_REFLECTANCE) };
+            let reflectance = Textured::constant(Vec3::splat(albedo));
             let kind = MaterialKind::Surface(SurfaceMaterial::plain(Bsdf::Diffuse { reflectance }));
-            list.push(Material { name: "default".to_string(), kind });
+            list.push(Material { name: name.to_string(), kind });
             list.len() as u32 - 1
         })
     }
