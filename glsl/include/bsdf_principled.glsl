@@ -3,7 +3,7 @@
 #define BSDF_PRINCIPLED_GLSL
 #include "bsdf_parameters.glsl"
 #include "bsdf_rough_dielectric.glsl"
-#include "color.glsl"
+#include "constants.glsl"
 #include "direction.glsl"
 #include "fresnel.glsl"
 #include "microfacet.glsl"

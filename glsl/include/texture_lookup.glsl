@@ -1,7 +1,7 @@
 // Where a texture is looked up, and what its texels mean. Pure.
 #ifndef TEXTURE_LOOKUP_GLSL
 #define TEXTURE_LOOKUP_GLSL
-#include "color.glsl"
+#include "constants.glsl"
 #include "variant.glsl"
 
 // Four texels and how they are mixed.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 
+use super::Shading;
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::statistics::Counts;
-use super::surfaces::Surfaces;
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::bvh::Bvh;
@@ -38,11 +38,11 @@ impl Frame {
         context: &Arc<Context>,
         kernels: &Kernels,
         scene: &Scene,
-        surfaces: &Surfaces,
+        shading: &Shading,
         bvh: &Bvh,
-        lights: &Lights,
         settings: &Settings,
     ) -> Result<Self> {
+        let Shading { materials, textures, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
             let buffer = Buffer::new(context, name, bytes.len() as u64, kind)?;
             buffer.upload(0, bytes)?;
@@ -50,7 +50,6 @@ impl Frame {
         };
         let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let Surfaces { materials, textures } = surfaces;
         let shape = set_shape(kernels, 0);
         let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
