@@ -83,6 +83,28 @@ pub struct SceneConstants {
     pub reserved: u32,
 }
 
+/// `glsl/layout_probe.comp`; what is done with it: `glsl/include/textures.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct TextureRecord {
+    /// `TEXTURE_*`
+    pub kind: u32,
+    /// Of the first word of its image, the page in the upper bits.
+    pub address: u32,
+    /// Of its image, in texels.
+    pub size: [u32; 2],
+    /// First row of `to_uv`.
+    pub u_row: [f32; 3],
+    /// Factor of an image of halves.
+    pub scale: f32,
+    /// Second row of `to_uv`.
+    pub v_row: [f32; 3],
+    /// Unused.
+    pub reserved: f32,
+    /// Of a checkerboard; the fourth component is 1.
+    pub colors: [[f32; 4]; 2],
+}
+
 /// `glsl/layout_probe.comp`; what colors and scalars mean: `glsl/include/bsdf_parameters.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

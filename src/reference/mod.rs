@@ -20,3 +20,4 @@ pub mod random;
 pub mod rejection_mix;
 pub mod relief;
 pub mod rough_diffuse;
+pub mod texture;

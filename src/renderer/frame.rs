@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 
+use super::Shading;
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
-use super::materials;
-use super::plastics;
 use super::statistics::Counts;
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
@@ -17,7 +16,9 @@ use crate::kernels::{self, Kernels};
 use crate::layout;
 use crate::lights::Lights;
 use crate::scene::Scene;
+use crate::scene::texel_pages::MAX_PAGES;
 use crate::settings::Settings;
+use crate::textures::TexelWords;
 
 /// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
 const RAY_EPSILON: f32 = 1.0 / 131_072.0;
@@ -37,10 +38,11 @@ impl Frame {
         context: &Arc<Context>,
         kernels: &Kernels,
         scene: &Scene,
+        shading: &Shading,
         bvh: &Bvh,
-        lights: &Lights,
         settings: &Settings,
     ) -> Result<Self> {
+        let Shading { materials, textures, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
             let buffer = Buffer::new(context, name, bytes.len() as u64, kind)?;
             buffer.upload(0, bytes)?;
@@ -48,17 +50,20 @@ impl Frame {
         };
         let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
-        let words = plastics::complete(scene, &mut materials);
         let shape = set_shape(kernels, 0);
-        let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
+        let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
-        let texel_words = texel_words(context, shape, &words)?;
+        let records = bytemuck::cast_slice(&textures.records);
+        let records = uploaded("textures", records, buffer_kind(shape.bindings[3].kind))?;
+        let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
-            let all =
-                [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters, &texel_words];
+            let (radiance, features) = (&buffers.radiance, &buffers.features);
+            let all = [
+                radiance, features, &constants, &materials, &emitters, &counters, words0, &records, words1, words2,
+                words3,
+            ];
             let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
             let set = DescriptorSet::new(context, "frame", shape, &used)?;
             Ok(buffers.with_set(set))
@@ -91,13 +96,17 @@ impl Frame {
     }
 }
 
-/// Tables that materials refer to by the address of a word.
-fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &[u32]) -> Result<Arc<Buffer>> {
+/// The pages of words. Those beyond the last stand for it, for every binding needs a buffer.
+fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> Result<[Arc<Buffer>; MAX_PAGES]> {
     let binding = shape.bindings.iter().find(|binding| binding.binding == TEXEL_WORDS_BINDING);
     let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
-    let buffer = Buffer::new(context, "texel words", size_of_val(words) as u64, kind)?;
-    buffer.upload(0, words)?;
-    Ok(buffer)
+    let mut buffers = Vec::new();
+    for (i, page) in words.pages().iter().enumerate() {
+        let buffer = Buffer::new(context, &format!("texel words {i}"), size_of_val(&page[..]) as u64, kind)?;
+        buffer.upload(0, page)?;
+        buffers.push(buffer);
+    }
+    Ok(std::array::from_fn(|i| Arc::clone(&buffers[i.min(buffers.len() - 1)])))
 }
 
 fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {

@@ -23,6 +23,7 @@ mod sensor;
 mod serialized;
 mod shape;
 mod spectrum;
+pub mod texel_pages;
 pub mod texture;
 mod texture_images;
 mod textures;

@@ -20,3 +20,4 @@ mod scattering;
 mod scattering_cases;
 mod statistics;
 mod surfaces;
+mod textures;
