@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 
+use super::Shading;
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::statistics::Counts;
-use super::texel_words::TexelWords;
-use super::{Shading, textures};
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::bvh::Bvh;
@@ -19,6 +18,7 @@ use crate::lights::Lights;
 use crate::scene::texel_pages::MAX_PAGES;
 use crate::scene::{Projection, Scene};
 use crate::settings::Settings;
+use crate::textures::TexelWords;
 
 /// `texel_words` of `glsl/include/frame.glsl`.
 const TEXEL_WORDS_BINDING: u32 = 6;
@@ -40,7 +40,7 @@ impl Frame {
         bvh: &Bvh,
         settings: &Settings,
     ) -> Result<Self> {
-        let Shading { materials, words, lights } = shading;
+        let Shading { materials, textures, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
             let buffer = Buffer::new(context, name, bytes.len() as u64, kind)?;
             buffer.upload(0, bytes)?;
@@ -53,16 +53,13 @@ impl Frame {
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
-        let textures = uploaded(
-            "textures",
-            bytemuck::cast_slice(&textures::records(scene, words)),
-            buffer_kind(shape.bindings[3].kind),
-        )?;
-        let [words0, words1, words2, words3] = &texel_words(context, shape, words)?;
+        let records = bytemuck::cast_slice(&textures.records);
+        let records = uploaded("textures", records, buffer_kind(shape.bindings[3].kind))?;
+        let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
             let (radiance, features) = (&buffers.radiance, &buffers.features);
             let all = [
-                radiance, features, &constants, &materials, &emitters, &counters, words0, &textures, words1, words2,
+                radiance, features, &constants, &materials, &emitters, &counters, words0, &records, words1, words2,
                 words3,
             ];
             let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();

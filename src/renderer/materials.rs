@@ -7,9 +7,6 @@ use crate::layout::MaterialRecord;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial};
 use crate::scene::{Scene, Textured};
 
-/// 16-byte texels of a [`MaterialRecord`].
-pub(super) const RECORD_TEXELS: u64 = size_of::<MaterialRecord>() as u64 / 16;
-
 /// Index of the first scalar among the parameters that [`MaterialRecord::links`] counts.
 const FIRST_SCALAR: u32 = 3;
 const OPACITY: usize = 3;

@@ -5,15 +5,12 @@
 mod film_pages;
 mod frame;
 mod geometry;
-mod halves;
 mod materials;
 mod normalization_grid;
 mod plastics;
 mod radiance_grid;
 mod slices;
 mod statistics;
-mod texel_words;
-mod textures;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -28,6 +25,7 @@ use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
 use crate::scene::{Projection, ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
+use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use film_pages::FilmPage;
 use frame::Frame;
@@ -35,7 +33,6 @@ use geometry::Geometry;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
 use slices::{Slice, Slicer};
-use texel_words::TexelWords;
 
 /// Renders one scene on one device, step by step.
 pub struct Renderer {
@@ -56,7 +53,7 @@ pub struct Renderer {
 /// What surfaces are made of and lit by, as it is uploaded.
 struct Shading {
     materials: Vec<MaterialRecord>,
-    words: TexelWords,
+    textures: PackedTextures,
     lights: Lights,
 }
 
@@ -64,8 +61,14 @@ impl Shading {
     fn new(scene: &Scene, bvh: &Bvh) -> Self {
         let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
         let tables = plastics::complete(scene, &mut materials);
-        let words = TexelWords::new(tables, &scene.images, &textures::used_images(scene));
-        Self { materials, words, lights: Lights::new(scene, bvh) }
+        let textures = PackedTextures::new(&scene.textures, &scene.images, tables);
+        Self { materials, textures, lights: Lights::new(scene, bvh) }
+    }
+
+    /// Texels of the largest buffer.
+    fn texels(&self) -> u64 {
+        let materials = size_of_val(&self.materials[..]) as u64 / 16;
+        materials.max(self.textures.longest()).max(self.lights.texel_count() as u64)
     }
 }
 
@@ -80,7 +83,7 @@ impl Renderer {
         settings.check_lighting(scene)?;
         let shading = Shading::new(scene, bvh);
         let variant = variant(settings, scene, &shading, bvh);
-        let kernels = kernels_for(context, scene, &shading, bvh, settings);
+        let kernels = kernels_for(context, &shading, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
@@ -227,19 +230,9 @@ impl Renderer {
 }
 
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(
-    context: &Context,
-    scene: &Scene,
-    shading: &Shading,
-    bvh: &Bvh,
-    settings: &Settings,
-) -> &'static Kernels {
+fn kernels_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
-    let texels =
-        texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(shading.lights.texel_count() as u64);
-    let texels =
-        texels.max(scene.textures.len() as u64 * textures::RECORD_TEXELS).max(shading.words.longest_page() as u64);
-    match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
+    match texels.max(shading.texels()) <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
@@ -278,10 +271,10 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
-        texture_kinds: textures::kinds(scene),
+        texture_kinds: shading.textures.kinds,
         textured_parameters,
         max_texture_links,
-        texel_pages: shading.words.pages().len() as u32,
+        texel_pages: shading.textures.words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),

@@ -1,19 +1,15 @@
-//! Textures as the kernels read them: `glsl/include/textures.glsl`.
+//! The records of textures: `TextureRecord`.
 
 use super::halves;
-use super::texel_words::TexelWords;
+use super::words::TexelWords;
 use crate::kernels;
 use crate::layout::TextureRecord;
-use crate::scene::Scene;
 use crate::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
 
-/// 16-byte texels of a [`TextureRecord`].
-pub(super) const RECORD_TEXELS: u64 = size_of::<TextureRecord>() as u64 / 16;
-
 /// Which images a texture shows; others belong to an environment.
-pub(super) fn used_images(scene: &Scene) -> Vec<bool> {
-    let mut used = vec![false; scene.images.len()];
-    for texture in &scene.textures {
+pub(super) fn used_images(textures: &[Texture], images: &[Image]) -> Vec<bool> {
+    let mut used = vec![false; images.len()];
+    for texture in textures {
         if let Pattern::Bitmap { image, .. } = texture.pattern {
             used[image as usize] = true;
         }
@@ -22,13 +18,13 @@ pub(super) fn used_images(scene: &Scene) -> Vec<bool> {
 }
 
 /// `TEXTURE_*` bits of all textures.
-pub(super) fn kinds(scene: &Scene) -> u32 {
-    scene.textures.iter().fold(0, |bits, texture| bits | kind(texture, &scene.images))
+pub(super) fn kinds(textures: &[Texture], images: &[Image]) -> u32 {
+    textures.iter().fold(0, |bits, texture| bits | kind(texture, images))
 }
 
 /// The record of every texture.
-pub(super) fn records(scene: &Scene, words: &TexelWords) -> Vec<TextureRecord> {
-    scene.textures.iter().map(|texture| record(texture, &scene.images, words)).collect()
+pub(super) fn records(textures: &[Texture], images: &[Image], words: &TexelWords) -> Vec<TextureRecord> {
+    textures.iter().map(|texture| record(texture, images, words)).collect()
 }
 
 fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRecord {

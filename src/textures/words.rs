@@ -8,14 +8,14 @@ use crate::scene::texel_pages::{PAGE_WORDS, place, word_count};
 use crate::scene::texture::{Image, Texels};
 
 /// Words by page, and where in them each image lies.
-pub(super) struct TexelWords {
+pub struct TexelWords {
     pages: Vec<Vec<u32>>,
     addresses: Vec<Option<u32>>,
 }
 
 impl TexelWords {
     /// The tables, then those of the `images` that are used. The loader has seen to it that they fit.
-    pub fn new(tables: Vec<u32>, images: &[Image], used: &[bool]) -> Self {
+    pub(super) fn new(tables: Vec<u32>, images: &[Image], used: &[bool]) -> Self {
         let indices: Vec<usize> = (0..images.len()).filter(|&i| used[i]).collect();
         let counts: Vec<u64> = indices.iter().map(|&i| word_count(&images[i])).collect();
         let first_word = tables.len() as u64;
@@ -53,7 +53,7 @@ impl TexelWords {
     }
 
     /// The address of an image's first word; `None` where no texture uses it.
-    pub fn address(&self, image: u32) -> Option<u32> {
+    pub(super) fn address(&self, image: u32) -> Option<u32> {
         self.addresses[image as usize]
     }
 }
