@@ -22,7 +22,7 @@
 //! # Code map
 //! | module | what it is |
 //! |---|---|
-//! | [`scene`] | Mitsuba XML and OBJ to world-space primitives, materials and emitters |
+//! | [`scene`] | Mitsuba XML and meshes (OBJ, PLY, serialized) to world-space primitives, materials and emitters |
 //! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
