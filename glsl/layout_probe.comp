@@ -57,6 +57,17 @@ struct MaterialRecord {
     vec4 coating_specular;   // specular reflectance
 };
 
+struct TextureRecord {
+    uint kind;       // TEXTURE_*
+    uint address;    // of the first word
+    uvec2 size;      // texels
+    vec3 u_row;      // from the surface's coordinates
+    float scale;     // factor of halves
+    vec3 v_row;
+    float reserved;
+    vec4 colors[2];  // of a checkerboard
+};
+
 layout(scalar, set = 0, binding = 0) restrict buffer Probe0 { PrimitiveRecord primitives[]; };
 layout(scalar, set = 0, binding = 1) restrict buffer Probe1 { AttributeRecord attributes[]; };
 layout(scalar, set = 0, binding = 2) restrict buffer Probe2 { MaterialRecord materials[]; };
@@ -64,7 +75,10 @@ layout(scalar, set = 0, binding = 3) restrict buffer Probe3 { LightRecord lights
 layout(scalar, set = 0, binding = 4) restrict buffer Probe4 { EmitterRecord emitters[]; };
 layout(scalar, set = 0, binding = 5) restrict buffer Probe5 { DeltaLightRecord delta_lights[]; };
 
+layout(scalar, set = 0, binding = 10) restrict buffer Probe10 { TextureRecord textures[]; };
+
 void main() {
+    textures[0].reserved = textures[1].scale + textures[1].size.x + textures[1].colors[0].x;
     primitives[0].reserved = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
     lights[0].alias = lights[1].threshold;
     emitters[0].reserved = uint(emitters[1].radiance.x);

@@ -24,6 +24,7 @@
 //! |---|---|
 //! | [`scene`] | Mitsuba XML and OBJ to world-space primitives, materials and emitters |
 //! | [`lights`] | every light with the probability that it is sampled with |
+//! | [`textures`] | images as words, and textures' records |
 //! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
@@ -81,5 +82,6 @@ pub mod reference;
 pub mod renderer;
 pub mod scene;
 pub mod settings;
+pub mod textures;
 
 pub use error::{Error, Result};

@@ -21,3 +21,4 @@ pub mod random;
 pub mod rejection_mix;
 pub mod relief;
 pub mod rough_diffuse;
+pub mod texture;

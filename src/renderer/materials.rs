@@ -7,9 +7,6 @@ use crate::layout::MaterialRecord;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial};
 use crate::scene::{Scene, Textured};
 
-/// 16-byte texels of a [`MaterialRecord`].
-pub(super) const RECORD_TEXELS: u64 = size_of::<MaterialRecord>() as u64 / 16;
-
 /// Index of the first scalar among the parameters that [`MaterialRecord::links`] counts.
 const FIRST_SCALAR: u32 = 3;
 const OPACITY: usize = 3;
@@ -44,6 +41,15 @@ pub(super) fn features(scene: &Scene) -> u32 {
         features |= kernels::FEATURE_TEXTURED_EMITTERS;
     }
     features
+}
+
+/// Bit `1 << parameter` for every parameter that a texture multiplies, and the most textures of one material.
+pub(super) fn textured_parameters(scene: &Scene) -> (u32, u32) {
+    let links = scene.materials.iter().map(|material| record(material).links.concat());
+    links.fold((0, 0), |(bits, most), links| {
+        let links: Vec<u32> = links.into_iter().filter(|&link| link != kernels::NONE).collect();
+        (links.iter().fold(bits, |bits, link| bits | 1 << (link >> 24)), most.max(links.len() as u32))
+    })
 }
 
 fn surface_features(surface: &SurfaceMaterial) -> u32 {

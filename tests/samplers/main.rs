@@ -23,3 +23,4 @@ mod scattering;
 mod scattering_cases;
 mod statistics;
 mod surfaces;
+mod textures;

@@ -4,6 +4,7 @@ mod accepts;
 mod emitters;
 mod fuzz;
 mod geometry;
+mod meshes;
 mod obj;
 mod ours;
 mod refuses;
