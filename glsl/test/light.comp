@@ -40,7 +40,7 @@ Met meet(vec3 from, vec3 direction) {
     Ray ray = Ray(from, direction, MAX_DISTANCE);
     Hit hit = traverse(ray, false, overrun);
     if (hit.primitive == NONE) return Met(environment_radiance(direction), pdf_light_at_environment(direction));
-    Surface s = surface_at(ray, hit, scene().ray_epsilon);
+    Surface s = surface_at(ray, hit);
     return Met(surface_emission(s, -direction), pdf_light_at_surface(hit.primitive, s, from));
 }
 
