@@ -22,7 +22,7 @@
 //! # Code map
 //! | module | what it is |
 //! |---|---|
-//! | [`scene`] | Mitsuba XML and OBJ to world-space primitives, materials and emitters |
+//! | [`scene`] | Mitsuba XML and meshes (OBJ, PLY, serialized) to world-space primitives, materials and emitters |
 //! | [`lights`] | every light with the probability that it is sampled with |
 //! | [`textures`] | images as words, and textures' records |
 //! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |

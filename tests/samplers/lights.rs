@@ -90,7 +90,7 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
         buffer.upload(0, bytes).expect("uploaded");
         buffer
     };
-    let mut constants = SceneConstants { ray_epsilon: 1.0e-5, ..SceneConstants::zeroed() };
+    let mut constants = SceneConstants::zeroed();
     lights.write_constants(&mut constants);
     let constants = buffer("scene", bytemuck::bytes_of(&constants), BufferKind::Uniform);
     let emitters = buffer("emitters", bytemuck::cast_slice(&lights.texels()), BufferKind::TexelUint);
