@@ -33,7 +33,7 @@ struct LightRecord {
 
 struct EmitterRecord {
     vec3 radiance;
-    uint reserved;
+    uint texture_index;  // that multiplies it, or NONE
 };
 
 struct DeltaLightRecord {
@@ -81,7 +81,7 @@ void main() {
     textures[0].reserved = textures[1].scale + textures[1].size.x + textures[1].colors[0].x;
     primitives[0].reserved = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
     lights[0].alias = lights[1].threshold;
-    emitters[0].reserved = uint(emitters[1].radiance.x);
+    emitters[0].texture_index = uint(emitters[1].radiance.x);
     delta_lights[0].cutoff_angle = delta_lights[1].position.x;
     attributes[0].light = attributes[1].normals.x + attributes[1].material + attributes[1].emitter;
     materials[0].relief_scale = materials[1].colors[0].x + materials[1].scalars[0] + materials[1].coating.x;

@@ -135,8 +135,8 @@ pub struct MaterialRecord {
 pub struct EmitterRecord {
     /// Linear sRGB, W/(m^2 sr).
     pub radiance: [f32; 3],
-    /// Unused.
-    pub reserved: u32,
+    /// The texture that multiplies it, or `NONE`.
+    pub texture_index: u32,
 }
 
 /// `glsl/layout_probe.comp`

@@ -51,6 +51,7 @@ const uint MATERIAL_FAST_APPROXIMATION = 2048u;
 const uint MATERIAL_BUMP = 4096u;
 const uint MATERIAL_NORMAL_MAP = 8192u;
 const uint MATERIAL_COATED = 16384u;
+const uint MATERIAL_RELIEF_OUTSIDE = 32768u;
 
 // What the scene's materials use besides their kinds: bits of SURFACE_FEATURES.
 const uint FEATURE_OPACITY = 1u;
@@ -61,6 +62,7 @@ const uint FEATURE_TANGENTS = 16u;
 const uint FEATURE_TEXTURES = 32u;
 const uint FEATURE_TEXTURED_EMITTERS = 64u;
 const uint FEATURE_BECKMANN = 128u;
+const uint FEATURE_RELIEF_OUTSIDE = 256u;
 
 // The first word of a texture's record: an image, a word per texel for bytes and two for halves, or a checkerboard; how it is
 // filtered and wrapped; whether its coordinates are not the surface's. TEXTURE_KINDS unites those of all textures.

@@ -62,6 +62,7 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
     let bit = |used: bool, feature: u32| if used { feature } else { 0 };
     bit(opacity, kernels::FEATURE_OPACITY)
         | relief
+        | bit(surface.relief_outside, kernels::FEATURE_RELIEF_OUTSIDE)
         | bit(surface.coating.is_some(), kernels::FEATURE_COATING)
         | bit(is_anisotropic(&surface.bsdf), kernels::FEATURE_TANGENTS)
         | bit(has_beckmann_facets(&surface.bsdf), kernels::FEATURE_BECKMANN)
@@ -149,6 +150,7 @@ fn choice(kind: u32, materials: [u32; 2], weight: Textured<f32>) -> MaterialReco
 fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     let mut writer = Writer::new(kind(&surface.bsdf));
     writer.flag(kernels::MATERIAL_TWO_SIDED, surface.two_sided);
+    writer.flag(kernels::MATERIAL_RELIEF_OUTSIDE, surface.relief_outside);
     writer.scalar(OPACITY, &surface.opacity);
     write_bsdf(&mut writer, &surface.bsdf);
     match surface.relief {

@@ -22,6 +22,7 @@ mod properties;
 mod sensor;
 mod serialized;
 mod shape;
+mod shrink;
 mod spectrum;
 pub mod texel_pages;
 pub mod texture;
