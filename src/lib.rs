@@ -22,8 +22,9 @@
 //! # Code map
 //! | module | what it is |
 //! |---|---|
-//! | [`scene`] | Mitsuba XML and OBJ to world-space primitives, materials and emitters |
+//! | [`scene`] | Mitsuba XML and meshes (OBJ, PLY, serialized) to world-space primitives, materials and emitters |
 //! | [`lights`] | every light with the probability that it is sampled with |
+//! | [`textures`] | images as words, and textures' records |
 //! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
@@ -32,6 +33,7 @@
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`] | the table that normalizers are computed from |
+//! | [`plastic_layer`] | what the layers of plastics let through and reflect inside |
 //!
 //! # Paper map
 //! | in the paper | GLSL | held by |
@@ -46,6 +48,7 @@
 //! | inversion over the sphere | `sample_sphere_inversion`, `pdf_sphere_inversion` in `sphere_inversion.glsl`, `store_bin_ends` in `bin_distribution.glsl` | the same |
 //! | inversion over the hemisphere | `sample_hemisphere_inversion`, `pdf_hemisphere_inversion` in `hemisphere_inversion.glsl` | the same |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
+//! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs` |
 //! | light-hit rate, Fig. 7a | `tally.glsl` | `tests/render/learning.rs` |
 //! | displayed error (MAE), Table 1 | [`image::metrics`] | unit tests against independent numbers |
@@ -78,9 +81,11 @@ pub mod image;
 pub mod kernels;
 pub mod layout;
 pub mod lights;
+pub mod plastic_layer;
 pub mod reference;
 pub mod renderer;
 pub mod scene;
 pub mod settings;
+pub mod textures;
 
 pub use error::{Error, Result};

@@ -14,7 +14,7 @@ pub use environment_table::{EnvironmentMap, EnvironmentTable};
 use crate::bvh::Bvh;
 use crate::kernels;
 use crate::layout::{DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants};
-use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene};
+use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene, Textured};
 
 /// 16-byte texels of a [`DeltaLightRecord`].
 const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / 16;
@@ -175,7 +175,10 @@ impl EnvironmentLight {
 
 fn brightest(scene: &Scene, scene_radius: f64, environment: Option<&EnvironmentLight>) -> f32 {
     let near = (scene_radius / 16.0).max(1.0e-18);
-    let emitters = scene.emitters.iter().map(|emitter| mean_rgb(emitter.radiance.value));
+    let emitters = scene.emitters.iter().map(|emitter| {
+        let texture = emitter.radiance.texture.map(|texture| scene.textures[texture as usize].maximum(&scene.images));
+        mean_rgb(emitter.radiance.value * texture.unwrap_or(Vec3::ONE))
+    });
     let delta_emitters = scene.delta_emitters.iter().map(|emitter| match emitter.kind {
         DeltaKind::Directional { irradiance, .. } => mean_rgb(irradiance) / PI,
         DeltaKind::Point { intensity, .. } | DeltaKind::Spot { intensity, .. } => {
@@ -194,7 +197,9 @@ fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
     let emitting = (0..).zip(&bvh.attributes).filter(|(_, attributes)| attributes.light != kernels::NONE);
     let candidate = |(index, emitter): (u32, u32)| {
         let emitter = &scene.emitters[emitter as usize];
-        let radiance = mean_rgb(emitter.radiance.value) * f64::from(emitter.sampling_weight);
+        let texture = emitter.radiance.texture.map(|texture| scene.textures[texture as usize].mean(&scene.images));
+        let radiance = mean_rgb(emitter.radiance.value * texture.unwrap_or(Vec3::ONE));
+        let radiance = radiance * f64::from(emitter.sampling_weight);
         let power = area(&bvh.primitives[index as usize]) * PI * radiance;
         Candidate { kind: kernels::LIGHT_AREA, index, power }
     };
@@ -225,7 +230,8 @@ fn light_records(candidates: &[Candidate]) -> Vec<LightRecord> {
 }
 
 fn emitter_record(emitter: &AreaEmitter) -> EmitterRecord {
-    EmitterRecord { radiance: emitter.radiance.value.into(), reserved: 0 }
+    let Textured { value, texture } = emitter.radiance;
+    EmitterRecord { radiance: value.into(), texture_index: texture.unwrap_or(kernels::NONE) }
 }
 
 fn delta_light_kind(emitter: &DeltaEmitter) -> u32 {

@@ -14,23 +14,24 @@ struct PathVertex {
 
 const PathVertex NO_VERTEX = PathVertex(NO_SEGMENT, vec3(0.0), vec3(0.0));
 
-struct KeptPath {
-    PathVertex vertices[KEPT_VERTICES];
-    uint vertex_count;
-};
+// Of the path under way, its first vertex first. Not a parameter: that would be copied.
+PathVertex kept_vertices[KEPT_VERTICES];
 
-void keep_vertex(inout KeptPath kept, PathVertex vertex) {
-    if (kept.vertex_count < KEPT_VERTICES) kept.vertices[kept.vertex_count++] = vertex;
+// `count` vertices are kept already. Returns how many then are.
+uint keep_vertex(uint count, PathVertex vertex) {
+    uint at = min(count, KEPT_VERTICES - 1u);
+    kept_vertices[at] = vertex;
+    return at + 1u;
 }
 
 // Records the returns of a path that has ended, from its last vertex back.
-void record_returns(inout KeptPath kept, RandomKey key) {
+void record_returns(uint count, RandomKey key) {
     vec3 collected = vec3(0.0);
-    while (kept.vertex_count > 0u) {
-        PathVertex vertex = kept.vertices[--kept.vertex_count];
+    while (count > 0u) {
+        --count;
+        PathVertex vertex = kept_vertices[count];
         collected = vertex.light + ATTENUATION_TAMPER * vertex.factor * collected;
-        float u = unit_float(random_bits(key, kept.vertex_count, RANDOM_LEARNING).x);
-        record(vertex.segment, mean_rgb(collected), u);
+        record(vertex.segment, mean_rgb(collected), unit_float(random_bits(key, count, RANDOM_LEARNING).x));
     }
 }
 

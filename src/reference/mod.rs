@@ -2,14 +2,26 @@
 //! against them.
 
 pub mod camera;
+pub mod coating;
+pub mod conductor;
 pub mod cosine;
 pub mod cylindrical;
+pub mod delta;
+pub mod dielectric;
 pub mod direction;
 pub mod direction_map;
 pub mod equal_area;
+pub mod fresnel;
 pub mod guide;
 pub mod intersect;
+pub mod light;
+pub mod microfacet;
 pub mod normalization_entry;
+pub mod plastic;
+pub mod principled;
 pub mod radiance_grid;
 pub mod random;
 pub mod rejection_mix;
+pub mod relief;
+pub mod rough_diffuse;
+pub mod texture;

@@ -254,8 +254,12 @@ impl<'a> Builder<'a> {
         let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
         let mut images = self.images;
         let (textures, requests) = self.textures.finish(images.len() as u32);
-        images.extend(texture_images::decode(requests, &mut self.warnings)?);
-        let meshes = read_meshes(&self.shapes, progress)?;
+        let shapes = &self.shapes;
+        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
+        let (decoded, warnings) = decoded?;
+        let meshes = meshes?;
+        images.extend(decoded);
+        self.warnings.extend(warnings);
         Ok(Scene {
             name: scene_name(path),
             camera: sensor.camera,

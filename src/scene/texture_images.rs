@@ -1,27 +1,44 @@
 //! Image files to [`Image`]s, in parallel, within what a device can hold.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::shrink::shrink;
 use super::texture::{Image, Texels};
 use super::textures::ImageRequest;
 use crate::image::texels::{self, FileTexels, TexelImage};
 use crate::{Error, Result};
 
-/// Decodes every file once. Of several faulty files the first in the scene is reported.
-pub(super) fn decode(requests: Vec<ImageRequest>, warnings: &mut Vec<String>) -> Result<Vec<Image>> {
-    let mut paths: Vec<&Path> = requests.iter().map(|request| request.path.as_path()).collect();
-    let mut seen = std::collections::HashSet::new();
-    paths.retain(|path| seen.insert(*path));
+/// Decodes every file once. Of several faulty files the first in the scene is reported. Returns warnings, too.
+pub(super) fn decode(requests: &[ImageRequest]) -> Result<(Vec<Image>, Vec<String>)> {
+    let mut seen = HashSet::new();
+    let paths: Vec<&Path> =
+        requests.iter().map(|request| request.path.as_path()).filter(|path| seen.insert(*path)).collect();
     let files: Vec<_> = paths.par_iter().map(|path| (*path, texels::read(path))).collect();
-    let files: HashMap<&Path, Result<TexelImage>> = files.into_iter().collect();
-    let mut images = Vec::with_capacity(requests.len());
-    for request in &requests {
-        images.push(image(request, &files, warnings)?);
+    let mut files: HashMap<&Path, Result<TexelImage>> = files.into_iter().collect();
+    let (mut images, mut warnings) = (Vec::with_capacity(requests.len()), Vec::new());
+    for (i, request) in requests.iter().enumerate() {
+        let file = match files.remove(request.path.as_path()) {
+            Some(Ok(file)) => file,
+            Some(Err(error)) => return Err(at_line(request, &error)),
+            None => return Err(request.location.error(format!("the image `{}` was not read", request.name))),
+        };
+        if requests[i + 1..].iter().any(|later| later.path == request.path) {
+            files.insert(&request.path, Ok(file.clone()));
+        }
+        images.push(image(request, file, &mut warnings)?);
     }
-    Ok(images)
+    let sizes: Vec<_> = images.iter().map(|image| [image.width, image.height]).collect();
+    for i in shrink(&mut images) {
+        let (ImageRequest { location, name, .. }, [width, height]) = (&requests[i], sizes[i]);
+        let size = format!("{}x{}", images[i].width, images[i].height);
+        let message =
+            format!("{location}: the image `{name}` of {width}x{height} texels does not fit; reduced to {size}");
+        warnings.push(message);
+    }
+    Ok((images, warnings))
 }
 
 /// The image of an environment, linear; what is no light is black.
@@ -39,21 +56,11 @@ pub(super) fn decode_environment(path: &Path) -> Result<Image> {
     Ok(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) })
 }
 
-fn image(
-    request: &ImageRequest,
-    files: &HashMap<&Path, Result<TexelImage>>,
-    warnings: &mut Vec<String>,
-) -> Result<Image> {
-    let file = match files.get(request.path.as_path()) {
-        Some(Ok(file)) => file,
-        Some(Err(error)) => return Err(at_line(request, error)),
-        None => return Err(request.location.error(format!("the image `{}` was not read", request.name))),
-    };
-    let texels = match &file.texels {
-        FileTexels::Bytes(data) => Texels::Bytes { srgb: !request.raw, data: data.clone() },
-        FileTexels::Encoded(data) if request.raw => Texels::Floats(data.clone()),
-        FileTexels::Encoded(data) => Texels::Floats(data.iter().map(|&texel| decode_srgb(texel)).collect()),
-        FileTexels::Linear(data) => Texels::Floats(data.clone()),
+fn image(request: &ImageRequest, file: TexelImage, warnings: &mut Vec<String>) -> Result<Image> {
+    let texels = match file.texels {
+        FileTexels::Bytes(data) => Texels::Bytes { srgb: !request.raw, data },
+        FileTexels::Encoded(data) if !request.raw => Texels::Floats(data.into_iter().map(decode_srgb).collect()),
+        FileTexels::Encoded(data) | FileTexels::Linear(data) => Texels::Floats(data),
     };
     if let Texels::Floats(data) = &texels {
         check_floats(request, file.width, data, warnings)?;

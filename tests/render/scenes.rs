@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lodestar::scene::{LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
+use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
 use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
 
 /// All samplers.
@@ -43,6 +43,17 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed
 pub fn steady(settings: Settings) -> Settings {
     let inverts = matches!(settings.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion);
     Settings { min_uniform: if inverts { 0.5 } else { settings.min_uniform }, ..settings }
+}
+
+/// The scene with every albedo multiplied.
+pub fn with_albedo_scaled(scene: &Scene, factor: f32) -> Scene {
+    let mut scene = scene.clone();
+    for material in &mut scene.materials {
+        if let Bsdf::Diffuse { reflectance } = &mut surface_mut(material).bsdf {
+            reflectance.value *= factor;
+        }
+    }
+    scene
 }
 
 /// The surface that a material of the project's scenes is.

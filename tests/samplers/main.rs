@@ -1,17 +1,27 @@
 //! The pure functions of the kernels on the device: samplers against their own densities, all against their twins on the
 //! host. Every statistical test has a fixed seed, so it passes always or never, and a tampered twin that it must reject.
 
+mod area_lights;
 mod camera;
 mod device;
 mod direction_map;
 mod directions;
+mod environments;
 mod fixed_point;
+mod fixed_point;
+mod fixture;
 mod guide_cases;
 mod guides;
 mod intersections;
 mod learning;
+mod lights;
 mod normalization;
 mod parametrization;
+mod principled;
 mod random;
+mod relief;
+mod scattering;
+mod scattering_cases;
 mod statistics;
 mod surfaces;
+mod textures;

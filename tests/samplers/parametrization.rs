@@ -3,32 +3,13 @@
 use glam::{DVec2, DVec3, Vec3};
 use lodestar::kernels::{FEATURE_TANGENTS, NONE};
 use lodestar::scene::{LoadOptions, load};
-use serde_json::Value;
 
+use crate::fixture::{Row, rows};
 use crate::intersections::TraceInput;
 use crate::surfaces::{SurfaceOutput, find};
 
-/// A hit as `tests/data/surfaces/make.py` writes it.
-struct Hit(Value);
-
-impl Hit {
-    fn numbers<const N: usize>(&self, name: &str) -> [f64; N] {
-        std::array::from_fn(|i| self.0[name][i].as_f64().expect("a number"))
-    }
-
-    fn vector(&self, name: &str) -> DVec3 {
-        self.numbers(name).into()
-    }
-
-    fn ray(&self) -> TraceInput {
-        let [origin, direction] = [self.vector("origin"), self.vector("direction")];
-        TraceInput::new(origin.as_vec3(), direction.as_vec3())
-    }
-}
-
-fn hits() -> Vec<Hit> {
-    let text = std::fs::read_to_string("tests/data/surfaces/hits.json").expect("the fixture");
-    serde_json::from_str::<Vec<Value>>(&text).expect("JSON").into_iter().map(Hit).collect()
+fn ray(hit: &Row) -> TraceInput {
+    TraceInput::new(hit.vector("origin").as_vec3(), hit.vector("direction").as_vec3())
 }
 
 /// Relative to the size of what is compared, which the shapes' sizes and the polar coordinates' poles set.
@@ -37,7 +18,7 @@ fn differs(device: [f32; 3], mitsuba: DVec3) -> f64 {
 }
 
 /// The largest deviation of uv, dp_du, dp_dv and the two tangents of the shading frame.
-fn deviations(hit: &Hit, o: &SurfaceOutput) -> [f64; 5] {
+fn deviations(hit: &Row, o: &SurfaceOutput) -> [f64; 5] {
     let uv = DVec2::from(hit.numbers("uv")) - DVec2::from(o.uv.map(f64::from));
     // An azimuth of one turn is one of none.
     let uv = DVec2::new((uv.x + 0.5).rem_euclid(1.0) - 0.5, (uv.y + 0.5).rem_euclid(1.0) - 0.5);
@@ -50,13 +31,13 @@ fn deviations(hit: &Hit, o: &SurfaceOutput) -> [f64; 5] {
 #[test]
 fn coordinates_and_tangents_are_mitsubas() {
     let scene = load("tests/data/surfaces/scene.xml".as_ref(), &LoadOptions::default()).expect("a scene");
-    let hits = hits();
-    let found = find(&scene.primitives, &hits.iter().map(Hit::ray).collect::<Vec<_>>(), FEATURE_TANGENTS);
+    let hits = rows("surfaces/hits.json");
+    let found = find(&scene.primitives, &hits.iter().map(ray).collect::<Vec<_>>(), FEATURE_TANGENTS);
     assert!(hits.len() > 200);
     let mut worst = [0.0_f64; 5];
     for (hit, o) in hits.iter().zip(&found) {
-        assert_ne!(o.primitive, NONE, "{}", hit.0);
-        assert!(differs(o.position, hit.vector("p")) < 2.0e-3, "{}: {o:?}", hit.0);
+        assert_ne!(o.primitive, NONE, "{hit:?}");
+        assert!(differs(o.position, hit.vector("p")) < 2.0e-3, "{hit:?}: {o:?}");
         let deviations = deviations(hit, o);
         for (worst, deviation) in worst.iter_mut().zip(deviations) {
             *worst = worst.max(deviation);
@@ -64,7 +45,7 @@ fn coordinates_and_tangents_are_mitsubas() {
         // Vertex normals are kept in 16 bits a coordinate; the last two are frames about them.
         let tolerances = [1.0e-5, 3.0e-5, 3.0e-5, 1.0e-4, 1.0e-4];
         let ok = deviations.iter().zip(tolerances).all(|(deviation, tolerance)| *deviation < tolerance);
-        assert!(ok, "{deviations:?} for {}: {o:?}", hit.0);
+        assert!(ok, "{deviations:?} for {hit:?}: {o:?}");
     }
     println!("largest deviations of uv, dp_du, dp_dv, s, t: {worst:?}");
     // The twin: the right answers to the wrong questions.

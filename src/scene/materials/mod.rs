@@ -27,6 +27,8 @@ const MODIFIERS: [&str; 6] = ["twosided", "mask", "blendbsdf", "bumpmap", "norma
 const MAX_TEXTURES: usize = 8;
 /// What blends of blends of the same few materials may come to.
 const MAX_SURFACES: usize = 64;
+/// Choices within choices that the kernels follow.
+const MAX_CHOICES: usize = 8;
 /// BSDFs inside each other, references followed.
 const MAX_DEPTH: usize = 64;
 
@@ -144,6 +146,9 @@ impl<'a> Materials<'a> {
         self.open.pop();
         if tree.surfaces().len() > MAX_SURFACES {
             return Err(element.error(format!("a material of more than {MAX_SURFACES} surfaces is not supported")));
+        }
+        if tree.choice_depth() > MAX_CHOICES {
+            return Err(element.error(format!("blends within blends, more than {MAX_CHOICES} deep, are not supported")));
         }
         self.trees.insert(key, tree.clone());
         Ok(tree)

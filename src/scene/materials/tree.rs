@@ -43,6 +43,16 @@ impl Tree {
         }
     }
 
+    /// How many choices lie inside each other.
+    pub fn choice_depth(&self) -> usize {
+        match self {
+            Self::Surface(_) => 0,
+            Self::Blend { parts, .. } | Self::Sides { parts } => {
+                1 + parts.iter().map(Self::choice_depth).max().unwrap_or(0)
+            }
+        }
+    }
+
     /// `mask`
     pub fn masked(self, opacity: Textured<f32>) -> Result<Self, &'static str> {
         self.map(&|surface| match surface.opacity == Textured::constant(1.0) {

@@ -1,0 +1,38 @@
+// Tilts the frame of one surface per invocation by a bump or a normal map.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "relief.glsl"
+#include "variant.glsl"
+
+struct ReliefInput {
+    vec3 dp_du;
+    vec3 dp_dv;
+    vec3 geometric_normal;
+    vec2 gradient;
+    vec3 color;
+    uint is_bump;
+    vec3 wo;
+    vec3 wi;
+};
+
+struct ReliefOutput {
+    mat3 frame;
+    vec3 wo;  // in that frame
+    vec3 wi;
+    float shadowing;
+};
+
+layout(scalar, set = 0, binding = 10) readonly buffer ReliefInputs { ReliefInput relief_inputs[]; };
+layout(scalar, set = 0, binding = 11) writeonly buffer ReliefOutputs { ReliefOutput relief_outputs[]; };
+
+void main() {
+    ReliefInput i = relief_inputs[gl_GlobalInvocationID.x];
+    vec3 bumped = bump_normal(i.dp_du, i.dp_dv, i.gradient, i.geometric_normal);
+    ReliefOutput o;
+    o.frame = relief_frame(i.is_bump != 0u ? bumped : mapped_normal(i.color), i.wo);
+    o.wo = i.wo * o.frame;
+    o.wi = i.wi * o.frame;
+    o.shadowing = relief_shadowing(upright_in(o.frame), o.wi);
+    relief_outputs[gl_GlobalInvocationID.x] = o;
+}

@@ -1,0 +1,39 @@
+// Draws one sample per invocation, and evaluates one given direction.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "bsdf.glsl"
+
+struct ScatteringInput {
+    Bsdf bsdf;
+    vec3 wo;
+    vec3 wi;
+    vec3 u;
+};
+
+struct ScatteringOutput {
+    vec3 wi;
+    uint lobe;
+    vec3 weight;   // f cos / pdf of the sample
+    float eta;
+    float pdf;     // of the given direction
+    vec3 value;
+};
+
+layout(scalar, set = 0, binding = 10) readonly buffer ScatteringInputs { ScatteringInput scattering_inputs[]; };
+layout(scalar, set = 0, binding = 11) writeonly buffer ScatteringOutputs { ScatteringOutput scattering_outputs[]; };
+
+float density(Bsdf b, vec3 wo, vec3 wi) {
+    return pdf_bsdf(b, wo, wi, pdf_cosine_hemisphere(wi.z));
+}
+
+void main() {
+    ScatteringInput i = scattering_inputs[gl_GlobalInvocationID.x];
+    BsdfSample s = sample_bsdf(i.bsdf, i.wo, i.u);
+    ScatteringOutput o = ScatteringOutput(s.wi, s.lobe, s.weight, s.eta, density(i.bsdf, i.wo, i.wi), vec3(0.0));
+    o.value = eval_bsdf(i.bsdf, i.wo, i.wi);
+    if (s.lobe == LOBE_DIFFUSE || s.lobe == LOBE_GLOSSY) {
+        o.weight = eval_bsdf(i.bsdf, i.wo, s.wi) / max(density(i.bsdf, i.wo, s.wi), 1.0e-30);
+    }
+    scattering_outputs[gl_GlobalInvocationID.x] = o;
+}

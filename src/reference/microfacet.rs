@@ -1,0 +1,95 @@
+//! Twin of `glsl/include/microfacet.glsl`.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+/// A surface of microfacets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Microfacets {
+    /// Roughness along x and y, > 0.
+    pub alpha: [f64; 2],
+    /// GGX, else Beckmann.
+    pub is_ggx: bool,
+}
+
+impl Microfacets {
+    /// Roughness of at least 1e-4, as in Mitsuba.
+    pub fn new(alpha: [f64; 2], is_ggx: bool) -> Self {
+        Self { alpha: alpha.map(|a| a.max(1.0e-4)), is_ggx }
+    }
+}
+
+/// Tangent of the angle from the z-axis, squared.
+fn tan2(x: f64, y: f64, z: f64) -> f64 {
+    (x * x + y * y) / (z * z)
+}
+
+/// D(m): normals per unit of area and steradian.
+pub fn microfacet_density(s: &Microfacets, m: DVec3) -> f64 {
+    if m.z <= 0.0 {
+        return 0.0;
+    }
+    let t = tan2(m.x / s.alpha[0], m.y / s.alpha[1], m.z);
+    let of_slopes = if s.is_ggx { (1.0 + t).powi(-2) } else { (-t).exp() };
+    of_slopes / (PI * s.alpha[0] * s.alpha[1] * m.z.powi(4))
+}
+
+/// Smith's exact masking of either distribution.
+pub fn exact_g1(s: &Microfacets, v: DVec3) -> f64 {
+    let t = tan2(v.x * s.alpha[0], v.y * s.alpha[1], v.z);
+    if s.is_ggx {
+        return 2.0 / (1.0 + (1.0 + t).sqrt());
+    }
+    let a = t.sqrt().recip();
+    if a > 20.0 { 1.0 } else { 2.0 / (1.0 + erf(a) + (-a * a).exp() / (a * PI.sqrt())) }
+}
+
+/// The masking that values are computed from: of Beckmann's distribution the rational approximation of Walter et al. (2007).
+pub fn smith_g1(s: &Microfacets, v: DVec3) -> f64 {
+    let a = tan2(v.x * s.alpha[0], v.y * s.alpha[1], v.z).sqrt().recip();
+    match (s.is_ggx, a < 1.6) {
+        (true, _) => exact_g1(s, v),
+        (false, true) => (3.535 * a + 2.181 * a * a) / (1.0 + 2.276 * a + 2.577 * a * a),
+        (false, false) => 1.0,
+    }
+}
+
+/// Density of a facet's normal as seen from `v` on the upper side.
+pub fn pdf_visible_normal(s: &Microfacets, v: DVec3, m: DVec3) -> f64 {
+    exact_g1(s, v) * v.dot(m).max(0.0) * microfacet_density(s, m) / v.z
+}
+
+/// The error function to double precision: its series for small x, Lentz's continued fraction beyond.
+pub fn erf(x: f64) -> f64 {
+    if x.abs() > 3.0 {
+        return x.signum() * (1.0 - erfc_fraction(x.abs()));
+    }
+    let mut term = x;
+    let mut sum = x;
+    for n in 1..200 {
+        term *= -x * x / f64::from(n);
+        sum += term / f64::from(2 * n + 1);
+    }
+    2.0 / PI.sqrt() * sum
+}
+
+/// erfc for x > 3, the fraction evaluated from its end.
+fn erfc_fraction(x: f64) -> f64 {
+    let tail = (1..100).rev().fold(x, |tail, n| x + 0.5 * f64::from(n) / tail);
+    (-x * x).exp() / (PI.sqrt() * tail)
+}
+
+#[test]
+fn error_functions_are_the_tabulated_ones() {
+    for (x, expected) in [
+        (0.5, 0.520_499_877_813_046_5),
+        (1.0, 0.842_700_792_949_714_9),
+        (2.0, 0.995_322_265_018_952_7),
+        (2.99, 0.999_976_474_396_919_4),
+        (3.5, 0.999_999_256_901_627_7),
+    ] {
+        assert!((erf(x) - expected).abs() < 1.0e-13, "erf({x}) = {}", erf(x));
+        assert_eq!(erf(-x), -erf(x));
+    }
+}

@@ -1,0 +1,54 @@
+//! Twin of `glsl/include/bsdf_rough_diffuse.glsl`.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::DVec3;
+
+/// A surface of grooves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RoughDiffuse {
+    /// Albedo of the facets.
+    pub reflectance: DVec3,
+    /// sqrt(2) times the standard deviation of the facets' angles.
+    pub alpha: f64,
+    /// The qualitative model.
+    pub fast_approximation: bool,
+}
+
+/// f cos (Oren and Nayar 1994, equations 29 to 31), by the paper's angles.
+pub fn eval_bsdf_rough_diffuse(b: &RoughDiffuse, wo: DVec3, wi: DVec3) -> DVec3 {
+    if wo.z <= 0.0 || wi.z <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let angle = |w: DVec3| w.truncate().length().atan2(w.z);
+    let alpha = angle(wo).max(angle(wi));
+    let beta = angle(wo).min(angle(wi));
+    let azimuths = wo.truncate().normalize_or_zero().dot(wi.truncate().normalize_or_zero());
+    let reflected = if b.fast_approximation {
+        b.reflectance * fast(b.alpha, azimuths, alpha, beta)
+    } else {
+        full(b, azimuths, alpha, beta)
+    };
+    reflected * wi.z / PI
+}
+
+fn variance(alpha: f64) -> f64 {
+    0.5 * alpha * alpha
+}
+
+fn fast(roughness: f64, cos_phi: f64, alpha: f64, beta: f64) -> f64 {
+    let v = variance(roughness);
+    let (a, b) = (1.0 - 0.5 * v / (v + 0.33), 0.45 * v / (v + 0.09));
+    a + b * cos_phi.max(0.0) * alpha.sin() * beta.tan()
+}
+
+fn full(b: &RoughDiffuse, cos_phi: f64, alpha: f64, beta: f64) -> DVec3 {
+    let v = variance(b.alpha);
+    let c1 = 1.0 - 0.5 * v / (v + 0.33);
+    let deviation = if cos_phi >= 0.0 { 0.0 } else { (beta / FRAC_PI_2).powi(3) };
+    let c2 = 0.45 * v / (v + 0.09) * (alpha.sin() - deviation);
+    let c3 = 0.125 * v / (v + 0.09) * (4.0 * alpha * beta / (PI * PI)).powi(2);
+    let once = c1 + cos_phi * c2 * beta.tan() + (1.0 - cos_phi.abs()) * c3 * (0.5 * (alpha + beta)).tan();
+    let twice = 0.17 * v / (v + 0.13) * (1.0 - cos_phi * (beta / FRAC_PI_2).powi(2));
+    b.reflectance * (once + b.reflectance * twice)
+}
