@@ -1,6 +1,7 @@
 //! The pure functions of the kernels on the device: samplers against their own densities, all against their twins on the
 //! host. Every statistical test has a fixed seed, so it passes always or never, and a tampered twin that it must reject.
 
+mod bsdf;
 mod camera;
 mod device;
 mod directions;
@@ -19,4 +20,5 @@ mod relief;
 mod scattering;
 mod scattering_cases;
 mod statistics;
+mod substances;
 mod surfaces;
