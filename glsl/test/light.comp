@@ -32,8 +32,8 @@ struct TestPush {
     uint seed;
 };
 layout(push_constant, scalar) uniform Push { TestPush push; };
-layout(scalar, set = 0, binding = 10) readonly buffer LightInputs { LightInput light_inputs[]; };
-layout(scalar, set = 0, binding = 11) writeonly buffer LightOutputs { LightOutput light_outputs[]; };
+layout(scalar, set = 0, binding = 20) readonly buffer LightInputs { LightInput light_inputs[]; };
+layout(scalar, set = 0, binding = 21) writeonly buffer LightOutputs { LightOutput light_outputs[]; };
 
 Met meet(vec3 from, vec3 direction) {
     bool overrun = false;

@@ -60,7 +60,7 @@ pub(super) struct ImageRequest {
 pub(super) struct Textures<'a> {
     ids: Ids<'a>,
     top_folder: PathBuf,
-    /// Keyed by the element's address and whether it gives numbers.
+    /// Keyed by the element's address and whether it gives numbers that it does not give as a color.
     known: HashMap<(*const Element, bool), TextureUse>,
     read: Vec<Texture>,
     requests: Vec<ImageRequest>,
@@ -112,7 +112,8 @@ impl<'a> Textures<'a> {
         if depth > MAX_DEPTH {
             return Err(element.error("textures are nested too deep: does one refer to itself?"));
         }
-        let key = (ptr::from_ref(element), role == Role::Scalar);
+        let differs = role == Role::Scalar && element.attribute("type") != Some("bitmap");
+        let key = (ptr::from_ref(element), differs);
         let found = match self.known.get(&key) {
             Some(&found) => found,
             None => self.read_new(element, role, depth, warnings)?,

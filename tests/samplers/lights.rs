@@ -107,9 +107,17 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
         environment: lights.environment_kind(),
         ..Variant::default()
     };
-    let kernel = device.kernel(&test::LIGHT, &variant);
-    let buffers = [&constants, &emitters, &input, &output, &nodes, &records, &attributes];
-    device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&seed), inputs.len() as u32 / GROUP);
+    let named = [
+        ("Scene", &constants),
+        ("emitters", &emitters),
+        ("LightInputs", &input),
+        ("LightOutputs", &output),
+        ("bvh_nodes", &nodes),
+        ("bvh_primitives", &records),
+        ("bvh_attributes", &attributes),
+    ];
+    let push = bytemuck::bytes_of(&seed);
+    device.dispatch_renderers(&test::LIGHT, &variant, &named, push, inputs.len() as u32 / GROUP);
     output.read(0, inputs.len()).expect("read")
 }
 

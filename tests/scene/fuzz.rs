@@ -3,12 +3,14 @@
 use std::time::{Duration, Instant};
 
 use lodestar::scene::Scene;
+use lodestar::scene::texture::{Image, Pattern, Texels};
 use proptest::prelude::*;
 use proptest::strategy::Union;
 use proptest::test_runner::TestRunner;
 
 use super::Folder;
 use super::meshes::{ascii_ply, binary_ply, compressed, load_bytes, serialized, serialized_content};
+use super::textures::image_files;
 
 const SCENE: &str = r#"<scene version="3.0.0">
 <default name="w" value="16"/>
@@ -21,6 +23,21 @@ const SCENE: &str = r#"<scene version="3.0.0">
 <shape type="sphere"><point name="center" x="1" y="2" z="3"/><float name="radius" value="2"/></shape>
 <shape type="cube"><transform name="to_world"><scale x="2"/><rotate y="1" angle="30"/></transform>
 <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
+</scene>"#;
+
+const MATERIALS: &str = r#"<scene version="3.0.0"><sensor type="perspective"/>
+<texture type="bitmap" id="t"><string name="filename" value="a.png"/><string name="wrap_mode" value="mirror"/>
+<transform name="to_uv"><scale x="2"/></transform></texture>
+<texture type="scale" id="u"><float name="scale" value="0.5"/><ref id="t"/></texture>
+<bsdf type="blendbsdf" id="a"><float name="weight" value="0.3"/><bsdf type="mask"><ref name="opacity" id="t"/>
+<bsdf type="roughplastic"><float name="alpha" value="0.2"/><ref name="diffuse_reflectance" id="u"/></bsdf></bsdf>
+<bsdf type="bumpmap"><ref id="t"/><bsdf type="twosided" id="b"><bsdf type="roughconductor"><string name="material"
+value="Au"/><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.2"/></bsdf></bsdf></bsdf></bsdf>
+<bsdf type="principled" id="c"><float name="specular" value="0.4"/><texture name="sheen" type="checkerboard"/></bsdf>
+<bsdf type="coating" id="d"><spectrum name="sigma_a" value="400:0.1, 700:0.2"/><bsdf type="conductor"><rgb name="eta"
+value="1, 2, 3"/></bsdf></bsdf><bsdf type="roughdielectric" id="e"><string name="int_ior" value="water"/></bsdf>
+<shape type="disk"><ref id="a"/></shape><shape type="disk"><ref id="c"/></shape><shape type="disk"><ref id="d"/></shape>
+<shape type="disk"><ref id="e"/></shape><shape type="disk"><ref id="b"/></shape>
 </scene>"#;
 
 const MESH: &str = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1.5\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n\
@@ -54,6 +71,24 @@ fn check(scene: &Scene) -> Result<(), TestCaseError> {
         prop_assert!(primitive.uvs.iter().all(|uv| uv.is_finite()));
         prop_assert!((primitive.material as usize) < scene.materials.len());
     }
+    for texture in &scene.textures {
+        prop_assert!(texture.to_uv.is_finite());
+        if let Pattern::Bitmap { image, .. } = texture.pattern {
+            check_image(&scene.images[image as usize])?;
+        }
+    }
+    Ok(())
+}
+
+fn check_image(image: &Image) -> Result<(), TestCaseError> {
+    let count = image.width as usize * image.height as usize;
+    match &image.texels {
+        Texels::Bytes { data, .. } => prop_assert_eq!(data.len(), count),
+        Texels::Floats(data) => {
+            prop_assert_eq!(data.len(), count);
+            prop_assert!(data.iter().all(|[r, g, b, _]| [r, g, b].iter().all(|value| value.is_finite())));
+        }
+    }
     Ok(())
 }
 
@@ -77,6 +112,28 @@ fn scenes() {
         let folder = Folder::new(&[]);
         folder.write("scene.xml", &scene);
         folder.write("mesh.obj", &mesh);
+        folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+#[test]
+fn materials() {
+    let png = image_files().remove(0);
+    fuzz(mangled(MATERIALS.into()), |scene| {
+        let folder = Folder::new(&[]);
+        folder.write("scene.xml", &scene);
+        folder.write("a.png", &png);
+        folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+/// A file's content says what it is, so that one name serves for all.
+#[test]
+fn images() {
+    let files = Union::new(image_files().into_iter().map(|file| mangled(file).boxed()));
+    fuzz(files, |bytes| {
+        let folder = Folder::new(&[("scene.xml", MATERIALS)]);
+        folder.write("a.png", &bytes);
         folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
     });
 }
@@ -119,6 +176,13 @@ fn serialized_content_of_any_kind() {
 
 #[test]
 fn the_unmangled_files_are_fine() {
+    for file in image_files() {
+        let folder = Folder::new(&[("scene.xml", MATERIALS)]);
+        folder.write("a.png", &file);
+        let scene = folder.load(&[]).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        assert_eq!((scene.textures.len(), scene.images.len()), (2, 1));
+    }
     let scene = Folder::new(&[("scene.xml", SCENE), ("mesh.obj", MESH)]).load(&[]).unwrap();
     assert_eq!(scene.primitives.len(), 3 + 1 + 6);
 }

@@ -4,10 +4,12 @@ mod accepts;
 mod emitters;
 mod fuzz;
 mod geometry;
+mod materials;
 mod meshes;
 mod obj;
 mod ours;
 mod refuses;
+mod textures;
 
 use std::path::PathBuf;
 
