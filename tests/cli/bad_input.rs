@@ -114,6 +114,9 @@ fn settings_out_of_their_ranges() {
         ("--rr-depth", "0"),
         ("--max-depth", "1025"),
         ("--slice-ms", "1e300"),
+        ("--epsilon", "0"),
+        ("--epsilon", "1.5"),
+        ("--expected-directions", "0"),
     ] {
         refuse(&folder, &[option, value], 1, &[option, "must lie between"]);
     }
@@ -121,6 +124,19 @@ fn settings_out_of_their_ranges() {
         refuse(&folder, &["--crop", crop], 1, &["crop", crop, "16 x 12"]);
     }
     refuse(&folder, &["-D", "grey=1"], 1, &["scene.xml", "-D grey"]);
+}
+
+#[test]
+fn combinations_without_meaning() {
+    let folder = Folder::new();
+    for (arguments, words) in [
+        (&["--sampler", "rejection", "--epsilon", "0.5"][..], ["--epsilon", "rejection-mix only"]),
+        (&["--sampler", "sphere-inversion", "--mix", "acceptance"], ["--mix", "rejection-mix only"]),
+        (&["--sampler", "bsdf", "--learner", "monte-carlo"], ["--sampler bsdf", "learns nothing"]),
+        (&["--learner", "monte-carlo", "--max-depth", "129"], ["--max-depth", "at most 128"]),
+    ] {
+        refuse(&folder, arguments, 1, &words);
+    }
 }
 
 #[test]

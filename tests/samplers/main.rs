@@ -9,7 +9,6 @@ mod direction_map;
 mod directions;
 mod environments;
 mod fixed_point;
-mod fixed_point;
 mod fixture;
 mod guide_cases;
 mod guides;
