@@ -102,7 +102,14 @@ fn check_entries(case: &Case) {
                 Sampler::HemisphereInversion => inversion_factors(normalizer, table.len(), &rules),
                 _ => rejection_factors(normalizer, bound, &rules),
             };
-            worst[index] = worst[index].max(difference(&entries[normal], &twin(normalizer)));
+            // Rejection hardly feels what is left of a bright bin at the horizon; inversion divides by it. Neither quadrature
+            // knows such a sliver better than to a ten-thousandth of the bin's solid angle.
+            let brightest = table.iter().copied().fold(0.0, f32::max);
+            let slack = match rules.sampler {
+                Sampler::HemisphereInversion => 5.0e-6 * f64::from(brightest) / normalizer,
+                _ => 0.0,
+            };
+            worst[index] = worst[index].max(difference(&entries[normal], &twin(normalizer)) - slack);
             // With few tries and a sharp peak the normalizer hardly matters, so the flat table must tell.
             assert!(
                 index > 0 || difference(&entries[normal], &twin(1.05 * normalizer)) > 1.0e-3,
@@ -111,9 +118,7 @@ fn check_entries(case: &Case) {
         }
     }
     // Where one bin outshines all others and the horizon leaves a sliver of it, neither quadrature is as good.
-    // Rejection hardly feels it; inversion, whose factors it divides, feels all of it.
-    let hot = if rules.sampler == Sampler::HemisphereInversion { 2.0e-4 } else { 5.0e-5 };
-    let tolerance = [2.0e-5, 2.0e-5, 2.0e-5, hot, hot];
+    let tolerance = [2.0e-5, 2.0e-5, 2.0e-5, 5.0e-5, 5.0e-5];
     let within = worst.iter().zip(tolerance).all(|(&error, tolerance)| error < tolerance);
     assert!(within, "{rules:?}, {map:?}, {directions} directions, {normals} normals: {worst:?}");
 }
