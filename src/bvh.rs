@@ -222,7 +222,7 @@ mod tests {
         for (slot, &meta) in metas.iter().enumerate().filter(|(_, meta)| **meta != 0) {
             let mut own = Vec::new();
             if bytes[15] & (1 << slot) != 0 {
-                assert_eq!(meta, 0x20 | 24 + slot as u8);
+                assert_eq!(meta, 0x20 | (24 + slot as u8));
                 below(bvh, inner, &mut own);
                 inner += 1;
             } else {

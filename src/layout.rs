@@ -39,7 +39,7 @@ pub struct SceneConstants {
     pub world_from_camera: [[f32; 4]; 3],
     /// Whole film in pixels.
     pub film_size: [f32; 2],
-    /// Tangents of the half fields of view.
+    /// Tangents of the half fields of view; orthographic: half the view's sides, camera units.
     pub raster_scale: [f32; 2],
     /// In picture widths and heights.
     pub principal_point: [f32; 2],
@@ -49,8 +49,8 @@ pub struct SceneConstants {
     pub far_clip: f32,
     /// Lower corner of the scene.
     pub bounds_min: [f32; 3],
-    /// How far a scattered ray's origin leaves its surface, scene units.
-    pub ray_epsilon: f32,
+    /// Of a thin lens.
+    pub aperture_radius: f32,
     /// Grid resolution / extent.
     pub cells_per_unit: [f32; 3],
     /// Learning targets saturate here, W/(m^2 sr).
@@ -79,8 +79,8 @@ pub struct SceneConstants {
     pub first_environment_block: u32,
     /// Entry of the environment among the lights, or `NONE`.
     pub environment_light: u32,
-    /// Unused.
-    pub reserved: u32,
+    /// Of a thin lens: depth at which it is sharp.
+    pub focus_distance: f32,
 }
 
 /// `glsl/layout_probe.comp`; what is done with it: `glsl/include/textures.glsl`

@@ -12,6 +12,11 @@ const uint FILTER_BOX = 0u;
 const uint FILTER_TENT = 1u;
 const uint FILTER_GAUSSIAN = 2u;
 
+// Kind of the camera.
+const uint CAMERA_PERSPECTIVE = 0u;
+const uint CAMERA_THINLENS = 1u;
+const uint CAMERA_ORTHOGRAPHIC = 2u;
+
 // Shape of a primitive; bits 0 and 1 of the record's flags.
 const uint SHAPE_TRIANGLE = 0u;
 const uint SHAPE_PARALLELOGRAM = 1u;

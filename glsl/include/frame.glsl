@@ -24,12 +24,12 @@ struct FilmFeatures {
 struct SceneConstants {
     vec4 world_from_camera[3];  // rows of the affine matrix
     vec2 film_size;             // whole film in pixels
-    vec2 raster_scale;          // tangents of the half fields of view
+    vec2 raster_scale;          // tangents of the half fields of view; orthographic: half the view's sides, camera units
     vec2 principal_point;       // in picture widths and heights
     float near_clip;
     float far_clip;
     vec3 bounds_min;
-    float ray_epsilon;          // how far a scattered ray's origin leaves its surface, scene units
+    float aperture_radius;      // of a thin lens
     vec3 cells_per_unit;        // grid resolution / extent
     float target_limit;         // learning targets saturate here, W/(m^2 sr)
     vec3 environment;           // radiance of a constant environment, factor of a map's
@@ -44,7 +44,7 @@ struct SceneConstants {
     uint first_environment_texel;    // where the map begins among the emitters' texels
     uint first_environment_block;    // likewise the table
     uint environment_light;     // entry of the environment among the lights, or NONE
-    uint reserved;
+    float focus_distance;       // of a thin lens: depth at which it is sharp
 };
 
 // Texels of a material's record. See material.glsl.

@@ -58,6 +58,7 @@ layout(constant_id = 51) const uint TEXTURED_PARAMETERS = 0u;
 layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = 8u;
 // Buffers that texel words are spread over.
 layout(constant_id = 53) const uint TEXEL_PAGES = 1u;
+layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;
 
 // Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
 layout(constant_id = 17) const float PDF_TAMPER = 1.0;

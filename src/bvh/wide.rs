@@ -66,13 +66,13 @@ impl Wide {
     /// Hangs a hierarchy in, with its root at `place`.
     fn hang(&mut self, part: Wide, place: usize) {
         let (first_node, first_primitive) = (self.nodes.len() as u32 - 1, self.order.len() as u32);
-        let moved = |node: &CwBvhNode| CwBvhNode {
+        let mut moved = part.nodes.iter().map(|node| CwBvhNode {
             child_base_idx: node.child_base_idx + first_node,
             primitive_base_idx: node.primitive_base_idx + first_primitive,
             ..*node
-        };
-        self.nodes[place] = moved(&part.nodes[0]);
-        self.nodes.extend(part.nodes[1..].iter().map(moved));
+        });
+        self.nodes[place] = moved.next().unwrap_or_default();
+        self.nodes.extend(moved);
         self.order.extend(part.order);
     }
 }

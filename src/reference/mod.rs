@@ -11,6 +11,7 @@ pub mod direction;
 pub mod equal_area;
 pub mod fresnel;
 pub mod intersect;
+pub mod light;
 pub mod microfacet;
 pub mod normalization_entry;
 pub mod plastic;

@@ -15,13 +15,11 @@ use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, SetShape};
 use crate::kernels::{self, Kernels};
 use crate::layout;
 use crate::lights::Lights;
-use crate::scene::Scene;
 use crate::scene::texel_pages::MAX_PAGES;
+use crate::scene::{Projection, Scene};
 use crate::settings::Settings;
 use crate::textures::TexelWords;
 
-/// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
-const RAY_EPSILON: f32 = 1.0 / 131_072.0;
 /// `texel_words` of `glsl/include/frame.glsl`.
 const TEXEL_WORDS_BINDING: u32 = 6;
 /// Learning targets saturate at this multiple of the largest emitted radiance.
@@ -111,26 +109,28 @@ fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> 
 
 fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
     let camera = &scene.camera;
-    let tan_x = camera.tan_half_fov_x(settings.width, settings.height);
-    let aspect = settings.width as f32 / settings.height as f32;
+    let (aperture_radius, focus_distance) = match camera.projection {
+        Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
+        _ => (0.0, 1.0),
+    };
     let window = settings.window();
     let extent = (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * 1.0e-6));
     let rows = rows(&camera.world_from_camera);
-    let eye = camera.world_from_camera.w_axis.truncate();
     let mut constants = layout::SceneConstants {
         world_from_camera: rows,
         film_size: [settings.width as f32, settings.height as f32],
-        raster_scale: [tan_x, tan_x / aspect],
+        raster_scale: camera.half_extent(settings.width, settings.height).into(),
         principal_point: camera.principal_point.into(),
         near_clip: camera.near_clip,
         far_clip: camera.far_clip,
         bounds_min: bvh.bounds.0.into(),
-        ray_epsilon: RAY_EPSILON * bvh.largest_coordinate().max(eye.abs().max_element() * 1.0e-3),
+        aperture_radius,
         cells_per_unit: (settings.grid as f32 / extent).into(),
         target_limit: target_limit(lights),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
+        focus_distance,
         ..bytemuck::Zeroable::zeroed()
     };
     lights.write_constants(&mut constants);

@@ -23,7 +23,7 @@ use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel
 use crate::kernels::{self, Kernels, Variant};
 use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
-use crate::scene::{ReconstructionFilter, Scene};
+use crate::scene::{Projection, ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
 use crate::textures::PackedTextures;
 use crate::{Error, Result};
@@ -263,6 +263,11 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
         stack_size: bvh.depth,
         has_spheres: bvh.has_spheres(),
         has_vertex_normals: bvh.has_vertex_normals(),
+        camera: match scene.camera.projection {
+            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
+            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
+            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
+        },
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),

@@ -77,12 +77,14 @@ impl Scene {
     }
 }
 
-/// A `perspective` sensor.
+/// A sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Camera space (x left, y up, z forward) to world.
+    /// How it projects.
+    pub projection: Projection,
+    /// Camera space (x left, y up, z forward) to world. A rigid motion unless the projection is orthographic.
     pub world_from_camera: Mat4,
-    /// Field of view in degrees, in (0, 180), along `fov_axis`.
+    /// Field of view in degrees, in (0, 180), along `fov_axis`; it means nothing to an orthographic projection.
     pub fov: f32,
     /// The axis that `fov` spans.
     pub fov_axis: FovAxis,
@@ -93,6 +95,23 @@ pub struct Camera {
     pub near_clip: f32,
     /// Distance of the far plane, > near.
     pub far_clip: f32,
+}
+
+/// How a camera projects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// All rays go through one point.
+    Perspective,
+    /// All rays go through a lens, a disk around the origin of camera space; what lies in the plane at the depth
+    /// `focus_distance` is sharp.
+    ThinLens {
+        /// Radius of the lens, > 0, scene units.
+        aperture_radius: f32,
+        /// Depth of the plane in focus, > 0, scene units.
+        focus_distance: f32,
+    },
+    /// All rays run along camera space's z axis; the picture's width spans x from -1 to 1 there.
+    Orthographic,
 }
 
 /// Mitsuba's `fov_axis`.
@@ -111,6 +130,16 @@ pub enum FovAxis {
 }
 
 impl Camera {
+    /// Half the width and height, in camera units, of what a picture of `width` x `height` pixels shows of the plane at
+    /// depth 1.
+    pub fn half_extent(&self, width: u32, height: u32) -> Vec2 {
+        let half_width = match self.projection {
+            Projection::Orthographic => 1.0,
+            _ => self.tan_half_fov_x(width, height),
+        };
+        Vec2::new(half_width, half_width * height as f32 / width as f32)
+    }
+
     /// Tangent of half the *horizontal* field of view for a picture of `width` x `height` pixels.
     pub fn tan_half_fov_x(&self, width: u32, height: u32) -> f32 {
         let (width, height) = (width as f32, height as f32);

@@ -130,7 +130,7 @@ impl Shape {
 
 /// A shape whose primitives can be made one by one.
 pub(super) enum Placed<'a> {
-    Mesh(PlacedMesh<'a>),
+    Mesh(Box<PlacedMesh<'a>>),
     Few(Vec<Primitive>),
 }
 
@@ -139,7 +139,7 @@ pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Mesh>) -> R
     let common = &shape.common;
     let placed = match &shape.geometry {
         Geometry::Mesh(file, options) => match meshes.get(file) {
-            Some(mesh) => PlacedMesh::new(mesh, options, common).map(Placed::Mesh),
+            Some(mesh) => PlacedMesh::new(mesh, options, common).map(|mesh| Placed::Mesh(Box::new(mesh))),
             None => Some(Placed::Few(Vec::new())),
         },
         Geometry::Rectangle => few(flatten::flat(PrimitiveShape::Parallelogram, common), common),

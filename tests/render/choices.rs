@@ -43,8 +43,7 @@ fn sides(front: u32, back: u32) -> Material {
 /// The closed sphere, lit from within and without, with its first material.
 fn furnace(materials: Vec<Material>) -> Scene {
     let mut scene = ours("furnace/scene.xml", &[]);
-    scene.emitters =
-        vec![AreaEmitter { radiance: Textured::constant(Vec3::splat(EMISSION as f32)), sampling_weight: 1.0 }];
+    scene.emitters = vec![AreaEmitter::new(Textured::constant(Vec3::splat(EMISSION as f32)))];
     scene.environment = Some(Environment::constant(Vec3::splat(OUTSIDE)));
     scene.materials = materials;
     scene

@@ -1,8 +1,10 @@
 //! The scene loader from outside: what it accepts, what it refuses and in which words.
 
 mod accepts;
+mod emitters;
 mod fuzz;
 mod geometry;
+mod meshes;
 mod obj;
 mod ours;
 mod refuses;
