@@ -65,17 +65,20 @@
 #![deny(missing_docs)]
 
 pub mod bvh;
+pub mod checkpoint;
 pub mod cosine_integrals;
 pub mod error;
 pub mod files;
 pub mod film;
 pub mod gpu;
+pub mod identity;
 pub mod image;
 pub mod kernels;
 pub mod layout;
 pub mod lights;
 pub mod reference;
 pub mod renderer;
+pub mod sample_ranges;
 pub mod scene;
 pub mod settings;
 

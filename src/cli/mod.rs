@@ -4,11 +4,14 @@
 mod compare;
 mod devices;
 mod interrupt;
+mod keeper;
 mod outputs;
 mod progress;
 mod render;
 mod render_args;
+mod resume;
 mod stats;
+mod task;
 
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
@@ -32,6 +35,7 @@ const WRONG_USAGE: u8 = 2;
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<render_args::RenderArgs>),
+    Resume(Box<resume::ResumeArgs>),
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
 }
@@ -44,6 +48,7 @@ pub fn run() -> ExitCode {
     };
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Resume(args) => resume::run(*args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
     };

@@ -84,6 +84,14 @@ impl FilmPage {
         &self.set
     }
 
+    pub fn radiance(&self) -> &Buffer {
+        &self.radiance
+    }
+
+    pub fn features(&self) -> &Buffer {
+        &self.features
+    }
+
     /// Writes this page's pixels where they belong in the picture.
     pub fn read_into(&self, picture: &mut Picture) -> Result<()> {
         let count = self.pixel_count as usize;

@@ -9,11 +9,13 @@ mod materials;
 mod normalization_grid;
 mod radiance_grid;
 mod slices;
+mod state;
 mod statistics;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 
 use crate::bvh::Bvh;
@@ -93,17 +95,24 @@ impl Renderer {
         }
         let begin = Instant::now();
         let mut counts = Counts::default();
+        // Also where an error ends it.
+        self.stopped = true;
         let complete = self.path_trace(samples, &mut counts, stop)?;
-        self.stopped = !complete;
         if complete && self.settings.sampler != Sampler::Bsdf {
             self.update_grids()?;
         }
+        self.stopped = !complete;
         Ok(StepReport { samples, complete, seconds: begin.elapsed().as_secs_f64(), counts })
     }
 
     /// Samples per pixel that complete steps and dispatches have taken.
     pub fn samples_done(&self) -> u32 {
         self.samples_done
+    }
+
+    /// Whether the last step was stopped or has failed, so that no other can follow.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
     }
 
     /// Reads the film back.
@@ -151,7 +160,7 @@ impl Renderer {
             workgroup_count: slice.count,
             workgroup_stride: slice.stride,
             page_first_pixel: page.first_pixel(),
-            first_sample: self.samples_done,
+            first_sample: self.settings.sample_offset.wrapping_add(self.samples_done),
             sample_count,
         };
         let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];

@@ -10,6 +10,7 @@ mod determinism;
 mod device;
 mod estimate;
 mod learning;
+mod resume;
 mod scenes;
 mod significance;
 mod variance;
