@@ -3,7 +3,7 @@
 use crate::image::Image;
 
 /// What a render leaves for every pixel of its window, row by row from the top left.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width of the rendered window in pixels.
     pub width: u32,
@@ -19,6 +19,8 @@ pub struct Picture {
     pub variance: Vec<[f32; 3]>,
     /// Samples taken.
     pub sample_count: Vec<u32>,
+    /// Those of them whose camera ray hit something.
+    pub hit_count: Vec<u32>,
     /// Mean albedo of the first hit (0 where it misses).
     pub albedo: Vec<[f32; 3]>,
     /// Mean shading normal of the first hit, world space, not normalised.

@@ -1,7 +1,8 @@
 //! What must agree for a render to go on from where another was, or for two pictures to be averaged.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use crate::sample_ranges::SampleRanges;
 use crate::settings::Settings;
 
 /// A setting that changes how long a dispatch takes and no bit of the picture.
@@ -32,7 +33,7 @@ impl Identity {
     pub fn difference(&self, other: &Self) -> Option<String> {
         let Self(theirs) = self;
         let Self(ours) = other;
-        let names: std::collections::BTreeSet<_> = theirs.keys().chain(ours.keys()).collect();
+        let names: BTreeSet<_> = theirs.keys().chain(ours.keys()).collect();
         let value = |values: &BTreeMap<String, String>, name: &String| {
             values.get(name).cloned().unwrap_or_else(|| "nothing".into())
         };
@@ -49,6 +50,30 @@ pub fn attributes(scene_hash: &str, settings: &Settings) -> Vec<(String, String)
     let mut attributes = settings.named();
     attributes.extend([("version".into(), env!("CARGO_PKG_VERSION").into()), ("scene_hash".into(), scene_hash.into())]);
     attributes
+}
+
+/// The attributes of a picture that was merged from pictures with these: what is the same stays, what differs is listed, and
+/// samples and seconds add up.
+pub fn merged_attributes(pictures: &[&[(String, String)]], ranges: &SampleRanges) -> Vec<(String, String)> {
+    let names: BTreeSet<_> = pictures.iter().flat_map(|attributes| attributes.iter().map(|(name, _)| name)).collect();
+    let merged = |name: &String| {
+        let values = pictures.iter().flat_map(|attributes| attributes.iter()).filter(|(found, _)| found == name);
+        let values: Vec<_> = values.map(|(_, value)| value.as_str()).collect();
+        let value = match name.as_str() {
+            "sample_ranges" => ranges.to_string(),
+            "spp" => values.iter().filter_map(|value| value.parse::<u64>().ok()).sum::<u64>().to_string(),
+            "seconds" => format!("{:.3}", values.iter().filter_map(|value| value.parse::<f64>().ok()).sum::<f64>()),
+            _ => distinct(&values).join(", "),
+        };
+        (name.clone(), value)
+    };
+    names.into_iter().map(merged).collect()
+}
+
+/// Every value once, in order.
+fn distinct<'a>(values: &[&'a str]) -> Vec<&'a str> {
+    let mut seen = BTreeSet::new();
+    values.iter().copied().filter(|&value| seen.insert(value)).collect()
 }
 
 #[cfg(test)]

@@ -76,6 +76,7 @@ pub mod image;
 pub mod kernels;
 pub mod layout;
 pub mod lights;
+pub mod merge;
 pub mod reference;
 pub mod renderer;
 pub mod sample_ranges;

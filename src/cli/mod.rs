@@ -5,6 +5,7 @@ mod compare;
 mod devices;
 mod interrupt;
 mod keeper;
+mod merge;
 mod outputs;
 mod progress;
 mod render;
@@ -38,6 +39,7 @@ enum Command {
     Resume(Box<resume::ResumeArgs>),
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
+    Merge(merge::MergeArgs),
 }
 
 /// Parses the arguments, runs the subcommand and reports its failure as one sentence.
@@ -51,6 +53,7 @@ pub fn run() -> ExitCode {
         Command::Resume(args) => resume::run(*args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Merge(args) => merge::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         report("error", &error.to_string());

@@ -265,6 +265,13 @@ fn output_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// A path that ends in .exr.
+pub fn exr_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_exr = path.extension().is_some_and(|extension| extension == "exr");
+    is_exr.then_some(path).ok_or_else(|| "the name must end in .exr".into())
+}
+
 fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),

@@ -7,6 +7,7 @@
 //! | `R`, `G`, `B`               | float | mean radiance, linear sRGB                                               |
 //! | `variance.R`, `.G`, `.B`    | float | variance of that mean                                                    |
 //! | `samples.N`                 | uint  | samples taken                                                            |
+//! | `hits.N`                    | uint  | those whose camera ray hit something                                     |
 //! | `albedo.R`, `.G`, `.B`      | float | mean albedo of the first hit                                             |
 //! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
 //! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where none does |
@@ -65,6 +66,7 @@ fn channels(picture: &Picture) -> Vec<Channel> {
         }
     }
     channels.push(channel("samples.N", FlatSamples::U32(picture.sample_count.clone())));
+    channels.push(channel("hits.N", FlatSamples::U32(picture.hit_count.clone())));
     channels.push(channel("depth.Z", FlatSamples::F32(picture.depth.clone())));
     channels
 }
@@ -122,10 +124,60 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
     assemble(path, part, channels)
 }
 
+/// Reads what [`write_picture`] has written, to the last bit: every layer, and the attributes as [`read_attributes`] does.
+pub fn read_picture(path: &Path) -> Result<(Picture, Vec<(String, String)>)> {
+    let parts = read_parts(path)?;
+    let [part] = &parts[..] else { return Err(lacking(path, "one part")) };
+    let image = assemble(path, part, color_channels(part).ok_or_else(|| lacking(path, "radiance"))?)?;
+    let layer = |prefix: &str| -> Result<Vec<[f32; 3]>> {
+        Ok(assemble(path, part, layer_channels(part, prefix).ok_or_else(|| lacking(path, prefix))?)?.pixels)
+    };
+    let counts = |name: &str| -> Result<Vec<u32>> {
+        let channel = by_name(part).into_iter().find(|(found, _)| found == name).map(|(_, channel)| channel);
+        match channel.map(|channel| &channel.sample_data) {
+            Some(FlatSamples::U32(counts)) => Ok(counts.clone()),
+            _ => Err(lacking(path, name)),
+        }
+    };
+    let position = |at: i32| u32::try_from(at).map_err(|_| lacking(path, "a window within the film"));
+    let Vec2(x, y) = part.attributes.layer_position;
+    let picture = Picture {
+        width: image.width,
+        height: image.height,
+        offset: [position(x)?, position(y)?],
+        full_size: display_size(path)?,
+        radiance: image.pixels,
+        variance: layer("variance")?,
+        sample_count: counts("samples.N")?,
+        hit_count: counts("hits.N")?,
+        albedo: layer("albedo")?,
+        normal: layer("normal")?,
+        depth: layer("depth")?.iter().map(|depth| depth[0]).collect(),
+    };
+    Ok((picture, attributes_of(&parts)))
+}
+
+/// Size of the whole film.
+fn display_size(path: &Path) -> Result<[u32; 2]> {
+    let file = BufReader::new(File::open(path).map_err(Error::read(path))?);
+    let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
+    let window = meta.headers.first().map(|header| header.shared_attributes.display_window.size);
+    let size = window.and_then(|size| Some([u32::try_from(size.0).ok()?, u32::try_from(size.1).ok()?]));
+    size.ok_or_else(|| lacking(path, "a display window"))
+}
+
+fn lacking(path: &Path, what: &str) -> Error {
+    Error::image(path, format!("it lacks {what}; give a picture that this version of lodestar has written"))
+}
+
 /// Reads the attributes that [`write_picture`] has written, sorted by name, without their common prefix.
 pub fn read_attributes(path: &Path) -> Result<Vec<(String, String)>> {
+    Ok(attributes_of(&read_parts(path)?))
+}
+
+fn attributes_of(parts: &[Part]) -> Vec<(String, String)> {
     let mut attributes = Vec::new();
-    for part in read_parts(path)? {
+    for part in parts {
         for (name, value) in &part.attributes.other {
             if let (Some(name), AttributeValue::Text(value)) = (name_of(name).strip_prefix(ATTRIBUTE_PREFIX), value) {
                 attributes.push((name.to_owned(), name_of(value)));
@@ -133,7 +185,7 @@ pub fn read_attributes(path: &Path) -> Result<Vec<(String, String)>> {
         }
     }
     attributes.sort();
-    Ok(attributes)
+    attributes
 }
 
 fn read_parts(path: &Path) -> Result<Vec<Part>> {
@@ -254,6 +306,7 @@ mod tests {
             radiance: pixels(1.0),
             variance: pixels(2.0),
             sample_count: (0..WIDTH * HEIGHT).map(|i| i + 16_777_217).collect(),
+            hit_count: (0..WIDTH * HEIGHT).map(|i| i + 8_388_609).collect(),
             albedo: pixels(3.0),
             normal: pixels(-4.0),
             depth,
@@ -292,6 +345,17 @@ mod tests {
         assert_eq!(depth, picture.depth.iter().map(|&depth| [depth; 3]).collect::<Vec<_>>());
         let error = read_layer(&path, "glow").unwrap_err().to_string();
         assert!(error.contains("a.exr: it has no layer glow"), "{error}");
+    }
+
+    #[test]
+    fn a_picture_comes_back_whole() {
+        let (_folder, path) = folder();
+        let attributes = [("seed".to_owned(), "7".to_owned())];
+        write_picture(&path, &picture(), &attributes).unwrap();
+        assert_eq!(read_picture(&path).unwrap(), (picture(), attributes.to_vec()));
+        write_channels(&path, Compression::ZIP16, ["R", "G", "B"].map(|name| float(name, [0.5, 2.0])).to_vec());
+        let error = read_picture(&path).unwrap_err().to_string();
+        assert!(error.contains("a.exr: it lacks variance"), "{error}");
     }
 
     #[test]
@@ -413,6 +477,7 @@ mod tests {
             radiance: vec![],
             variance: vec![],
             sample_count: vec![],
+            hit_count: vec![],
             albedo: vec![],
             normal: vec![],
             depth: vec![],

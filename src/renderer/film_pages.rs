@@ -122,6 +122,7 @@ fn store_pixel(picture: &mut Picture, at: usize, radiance: &FilmRadiance, featur
     picture.radiance[at] = radiance.mean;
     picture.variance[at] = radiance.squared_deviation.map(|squared| squared * scale);
     picture.sample_count[at] = count;
+    picture.hit_count[at] = radiance.hit_count;
     picture.albedo[at] = features.albedo;
     picture.normal[at] = features.normal;
     picture.depth[at] = if radiance.hit_count > 0 { features.depth } else { f32::INFINITY };
@@ -139,6 +140,7 @@ pub(super) fn empty_picture(settings: &Settings) -> Picture {
         radiance: vec![[0.0; 3]; pixels],
         variance: vec![[0.0; 3]; pixels],
         sample_count: vec![0; pixels],
+        hit_count: vec![0; pixels],
         albedo: vec![[0.0; 3]; pixels],
         normal: vec![[0.0; 3]; pixels],
         depth: vec![f32::INFINITY; pixels],
@@ -146,7 +148,7 @@ pub(super) fn empty_picture(settings: &Settings) -> Picture {
 }
 
 /// Bytes that a pixel takes on the device and, read back, on the host.
-const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64 + 60;
+const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64 + 64;
 
 /// Refuses a film that memory cannot hold, before a system without that memory ends the process.
 fn check_memory(context: &Context, pixels: u64, window: &Crop) -> Result<()> {
