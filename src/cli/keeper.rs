@@ -23,6 +23,8 @@ pub struct Keeper {
     last_write: Instant,
     /// What the file holds.
     samples_written: Option<u32>,
+    /// Whether the last attempt to write it has failed.
+    is_failing: bool,
 }
 
 struct Snapshot {
@@ -34,7 +36,7 @@ struct Snapshot {
 impl Keeper {
     /// Keeps in `file` the render that `template` describes; the file holds it after `samples_written` samples, if at all.
     pub fn new(file: CheckpointFile, template: Checkpoint<JobRecord>, samples_written: Option<u32>) -> Self {
-        Self { file, template, last: None, last_write: Instant::now(), samples_written }
+        Self { file, template, last: None, last_write: Instant::now(), samples_written, is_failing: false }
     }
 
     /// To be called before a step of so many samples: the next state that is kept may be far away.
@@ -44,14 +46,16 @@ impl Keeper {
         if is_due || is_last { self.take(renderer, history) } else { Ok(()) }
     }
 
-    /// To be called after a step: writes the file where it is time to. After a failure it waits as long as after a success.
+    /// To be called after a step: writes the file where it is time to. After a failure, which is returned once, it waits as
+    /// long as after a success.
     pub fn after_step(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
         if self.last_write.elapsed() < self.file.every {
             return Ok(());
         }
         let written = self.take(renderer, history).and_then(|()| self.write());
-        self.last_write = Instant::now();
-        written
+        let is_news = !self.is_failing;
+        (self.last_write, self.is_failing) = (Instant::now(), written.is_err());
+        if is_news { written } else { Ok(()) }
     }
 
     /// To be called when the render has ended, however: writes what is known of the last step that is kept.

@@ -17,6 +17,8 @@ mod task;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::error::ErrorKind as UsageError;
 use clap::{Parser, Subcommand};
@@ -48,6 +50,7 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return answer(&error),
     };
+    take_file_size_limits_as_errors();
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Resume(args) => resume::run(*args),
@@ -59,6 +62,12 @@ pub fn run() -> ExitCode {
         report("error", &error.to_string());
         ExitCode::FAILURE
     })
+}
+
+/// A write beyond the limit of `ulimit -f` would end the process, and its other files with it; caught, it just fails.
+fn take_file_size_limits_as_errors() {
+    // Where the signal cannot be caught, such a limit ends the process: the files are whole even so.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 
 /// Prints the help or the version where these were asked for, else what is wrong with the arguments.
