@@ -1,5 +1,6 @@
 //! A finished picture with everything measured per pixel. CPU only.
 
+use crate::film_sums::PixelSums;
 use crate::image::Image;
 
 /// What a render leaves for every pixel of its window, row by row from the top left.
@@ -27,9 +28,30 @@ pub struct Picture {
     pub normal: Vec<[f32; 3]>,
     /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none does.
     pub depth: Vec<f32>,
+    /// What all of these were computed from, where the picture is one part of several; empty elsewhere.
+    pub sums: Vec<PixelSums>,
 }
 
 impl Picture {
+    /// A picture of nothing, of the window of that size at that offset within the film.
+    pub fn empty(width: u32, height: u32, offset: [u32; 2], full_size: [u32; 2]) -> Self {
+        let pixels = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            offset,
+            full_size,
+            radiance: vec![[0.0; 3]; pixels],
+            variance: vec![[0.0; 3]; pixels],
+            sample_count: vec![0; pixels],
+            hit_count: vec![0; pixels],
+            albedo: vec![[0.0; 3]; pixels],
+            normal: vec![[0.0; 3]; pixels],
+            depth: vec![f32::INFINITY; pixels],
+            sums: Vec::new(),
+        }
+    }
+
     /// The mean radiance alone.
     pub fn image(&self) -> Image {
         self.with_pixels(&self.radiance)

@@ -156,8 +156,8 @@ mod tests {
         assert_eq!(with(&|_| {}), None);
         assert_eq!(with(&|s| s.slice_milliseconds = Some(3.0)), None);
         assert_eq!(with(&|s| s.seed = 5).as_deref(), Some("seed (5 there, 0 here)"));
-        let two = with(&|s| (s.sample_offset, s.decay) = (8, 0.5));
-        assert_eq!(two.as_deref(), Some("decay (0.5 there, 0.95 here), sample_offset (8 there, 0 here)"));
+        let two = with(&|s| (s.sample_offset, s.decay) = (Some(8), 0.5));
+        assert_eq!(two.as_deref(), Some("decay (0.5 there, 0.95 here), sample_offset (8 there, null here)"));
         let scene = Identity::of_render("def", &settings()).difference(&ours);
         assert_eq!(scene.as_deref(), Some("scene_hash (def there, abc here)"));
     }

@@ -70,6 +70,7 @@ pub mod cosine_integrals;
 pub mod error;
 pub mod files;
 pub mod film;
+pub mod film_sums;
 pub mod gpu;
 pub mod identity;
 pub mod image;

@@ -76,7 +76,26 @@ fn check_same(part: &PartialPicture, first: &PartialPicture) -> Result<()> {
 
 /// Of pictures of the same size.
 fn average(pictures: &[&Picture]) -> Picture {
-    let mut average = pictures[0].clone();
+    match pictures.iter().all(|picture| !picture.sums.is_empty()) {
+        true => sum(pictures),
+        false => average_of_means(pictures),
+    }
+}
+
+/// Neither their number nor their order changes a bit.
+fn sum(pictures: &[&Picture]) -> Picture {
+    let mut sum = pictures[0].clone();
+    for at in 0..sum.sums.len() {
+        let mut pixel = sum.sums[at];
+        pictures[1..].iter().for_each(|picture| pixel.add(&picture.sums[at]));
+        pixel.store(&mut sum, at);
+        sum.sums[at] = pixel;
+    }
+    sum
+}
+
+fn average_of_means(pictures: &[&Picture]) -> Picture {
+    let mut average = Picture { sums: Vec::new(), ..pictures[0].clone() };
     for at in 0..average.radiance.len() {
         let samples = Weights::new(pictures, |picture| picture.sample_count[at]);
         let hits = Weights::new(pictures, |picture| picture.hit_count[at]);

@@ -21,7 +21,7 @@ struct SeededRange {
 impl SampleRanges {
     /// Those of a render's picture. Where a step was stopped, some pixels have fewer.
     pub fn of_picture(picture: &Picture, settings: &Settings) -> Self {
-        let first = u64::from(settings.sample_offset);
+        let first = u64::from(settings.sample_offset.unwrap_or(0));
         let most = picture.sample_count.iter().copied().max().unwrap_or(0);
         Self(vec![SeededRange { seed: settings.seed, samples: first..first + u64::from(most) }])
     }

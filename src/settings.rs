@@ -54,8 +54,9 @@ pub struct Settings {
     pub nee: bool,
     /// Seed of every random number.
     pub seed: u32,
-    /// Index of every pixel's first sample: renders of the same seed whose samples do not overlap are independent.
-    pub sample_offset: u32,
+    /// Index of every pixel's first sample, where the render is one part of several: such renders of the same seed are
+    /// independent if their samples do not overlap, and keep sums whose order changes no bit ([`crate::film_sums`]).
+    pub sample_offset: Option<u32>,
     /// Where scattered directions come from.
     pub sampler: Sampler,
     /// How the radiance grid learns.
@@ -111,7 +112,7 @@ impl Settings {
             hide_emitters: integrator.hide_emitters,
             nee: false,
             seed: 0,
-            sample_offset: 0,
+            sample_offset: None,
             sampler: Sampler::RejectionMix,
             learner: Learner::Sarsa,
             grid: 8,

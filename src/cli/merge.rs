@@ -8,6 +8,7 @@ use lodestar::merge::{PartialPicture, merge};
 use lodestar::{Result, files};
 
 use super::render_args::exr_path;
+use super::report;
 
 /// Averages pictures of the same scene from disjoint samples, every pixel by its sample counts.
 ///
@@ -32,6 +33,11 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     };
     let parts: Vec<_> = args.parts.iter().map(read).collect::<Result<_>>()?;
     let (picture, attributes) = merge(&parts)?;
+    let is_whole = |part: &&PartialPicture| part.picture.sums.is_empty();
+    if let Some(part) = parts.iter().find(is_whole).filter(|_| !parts.iter().all(|part| is_whole(&part))) {
+        let message = "it carries no sums, so the last bits depend on the parts: render it with --sample-offset, 0 if it is the first";
+        report("warning", &format!("{}: {message}", part.path.display()));
+    }
     exr::write_picture(&args.output, &picture, &attributes)?;
     Ok(ExitCode::SUCCESS)
 }

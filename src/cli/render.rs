@@ -166,7 +166,7 @@ impl<'a> Job<'a> {
 
     fn step(&mut self) -> Result<Step> {
         let samples_before = self.film.renderer.samples_done();
-        let left = self.length.spp.unwrap_or(u32::MAX - self.settings.sample_offset) - samples_before;
+        let left = self.length.spp.unwrap_or(u32::MAX - self.settings.sample_offset.unwrap_or(0)) - samples_before;
         let samples = self.settings.spp_per_step.min(left);
         self.keep(|keeper, renderer, history| keeper.before_step(renderer, history, samples))?;
         let time_left = self.length.seconds.map(|limit| (limit - self.history.seconds).max(0.0));

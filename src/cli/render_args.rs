@@ -109,9 +109,9 @@ pub struct ChoiceArgs {
     /// Seed of the random numbers; the same one gives the same pixels.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
     pub seed: u32,
-    /// Leave out the first K samples of every pixel: renders of disjoint ranges can share a picture, see `lodestar merge`.
-    #[arg(long, value_name = "K", default_value_t = 0, help_heading = "Paths")]
-    pub sample_offset: u32,
+    /// Begin with sample K of every pixel (0 is the first), for a part of a picture that `lodestar merge` puts together.
+    #[arg(long, value_name = "K", help_heading = "Paths")]
+    pub sample_offset: Option<u32>,
 
     /// How directions are sampled.
     #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
@@ -332,7 +332,7 @@ mod tests {
         let RenderArgs { files, choices, .. } = args;
         assert_eq!((files.exposure, files.tone, choices.sampler), (Some(-1.5), Some(ToneCurve::Paper), Sampler::Bsdf));
         assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
-        assert_eq!((choices.sample_offset, args.checkpoint_every), (64, 5.0));
+        assert_eq!((choices.sample_offset, args.checkpoint_every), (Some(64), 5.0));
     }
 
     #[test]

@@ -168,7 +168,7 @@ fn begin_resumed(path: &Path, checkpoint: Checkpoint<JobRecord>, scene_hash: &st
 
 /// Samples are numbered in 32 bits.
 fn check_sample_range(beginning: &Beginning) -> Result<()> {
-    let offset = beginning.settings.sample_offset;
+    let offset = beginning.settings.sample_offset.unwrap_or(0);
     match offset.checked_add(beginning.length.spp.unwrap_or(0)) {
         Some(_) => Ok(()),
         None => Err(Error::Settings(format!("--sample-offset {offset} and --spp add up to more than 2^32 samples"))),

@@ -10,6 +10,7 @@
 //! | `hits.N`                    | uint  | those whose camera ray hit something                                     |
 //! | `albedo.R`, `.G`, `.B`      | float | mean albedo of the first hit                                             |
 //! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
+//! | `sums.00` to `sums.47`      | uint  | of a part of a picture: the words of [`PixelSums`]                       |
 //! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where none does |
 //!
 //! Data window: the rendered window; display window: the whole film. Compression loses nothing.
@@ -28,6 +29,7 @@ use ::exr::prelude::{
 use super::Image;
 use crate::files::write_whole;
 use crate::film::Picture;
+use crate::film_sums::PixelSums;
 use crate::{Error, Result};
 
 /// What every attribute of ours starts with.
@@ -68,7 +70,18 @@ fn channels(picture: &Picture) -> Vec<Channel> {
     channels.push(channel("samples.N", FlatSamples::U32(picture.sample_count.clone())));
     channels.push(channel("hits.N", FlatSamples::U32(picture.hit_count.clone())));
     channels.push(channel("depth.Z", FlatSamples::F32(picture.depth.clone())));
+    channels.extend(sums_channels(picture));
     channels
+}
+
+fn sums_channels(picture: &Picture) -> Vec<Channel> {
+    let words: &[[u32; PixelSums::WORDS]] = bytemuck::cast_slice(&picture.sums);
+    let word = |at: usize| channel(&sums_name(at), FlatSamples::U32(words.iter().map(|words| words[at]).collect()));
+    if words.is_empty() { Vec::new() } else { (0..PixelSums::WORDS).map(word).collect() }
+}
+
+fn sums_name(word: usize) -> String {
+    format!("sums.{word:02}")
 }
 
 fn channel(name: &str, samples: FlatSamples) -> Channel {
@@ -132,13 +145,7 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Vec<(String, String)>)> {
     let layer = |prefix: &str| -> Result<Vec<[f32; 3]>> {
         Ok(assemble(path, part, layer_channels(part, prefix).ok_or_else(|| lacking(path, prefix))?)?.pixels)
     };
-    let counts = |name: &str| -> Result<Vec<u32>> {
-        let channel = by_name(part).into_iter().find(|(found, _)| found == name).map(|(_, channel)| channel);
-        match channel.map(|channel| &channel.sample_data) {
-            Some(FlatSamples::U32(counts)) => Ok(counts.clone()),
-            _ => Err(lacking(path, name)),
-        }
-    };
+    let counts = |name: &str| Ok(words_of(part, name).ok_or_else(|| lacking(path, name))?.to_vec());
     let position = |at: i32| u32::try_from(at).map_err(|_| lacking(path, "a window within the film"));
     let Vec2(x, y) = part.attributes.layer_position;
     let picture = Picture {
@@ -153,8 +160,30 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Vec<(String, String)>)> {
         albedo: layer("albedo")?,
         normal: layer("normal")?,
         depth: layer("depth")?.iter().map(|depth| depth[0]).collect(),
+        sums: sums_of(path, part)?,
     };
     Ok((picture, attributes_of(&parts)))
+}
+
+/// A channel of integers.
+fn words_of<'a>(part: &'a Part, name: &str) -> Option<&'a [u32]> {
+    let channel = by_name(part).into_iter().find(|(found, _)| found == name)?.1;
+    match &channel.sample_data {
+        FlatSamples::U32(words) if channel.sampling == Vec2(1, 1) => Some(words),
+        _ => None,
+    }
+}
+
+/// None where the picture is a whole one.
+fn sums_of(path: &Path, part: &Part) -> Result<Vec<PixelSums>> {
+    if words_of(part, &sums_name(0)).is_none() {
+        return Ok(Vec::new());
+    }
+    let word = |at: usize| words_of(part, &sums_name(at)).ok_or_else(|| lacking(path, &sums_name(at)));
+    let channels: Vec<_> = (0..PixelSums::WORDS).map(word).collect::<Result<_>>()?;
+    let pixel =
+        |at: usize| bytemuck::cast::<[u32; PixelSums::WORDS], PixelSums>(std::array::from_fn(|c| channels[c][at]));
+    Ok((0..channels[0].len()).map(pixel).collect())
 }
 
 /// Size of the whole film.
@@ -310,6 +339,7 @@ mod tests {
             albedo: pixels(3.0),
             normal: pixels(-4.0),
             depth,
+            sums: vec![],
         }
     }
 
@@ -353,6 +383,11 @@ mod tests {
         let attributes = [("seed".to_owned(), "7".to_owned())];
         write_picture(&path, &picture(), &attributes).unwrap();
         assert_eq!(read_picture(&path).unwrap(), (picture(), attributes.to_vec()));
+        let word = |at: u32| at.wrapping_mul(0x9e37_79b9);
+        let words: Vec<_> = (0..WIDTH * HEIGHT * PixelSums::WORDS as u32).map(word).collect();
+        let part = Picture { sums: bytemuck::pod_collect_to_vec(&words), ..picture() };
+        write_picture(&path, &part, &attributes).unwrap();
+        assert_eq!(read_picture(&path).unwrap().0, part);
         write_channels(&path, Compression::ZIP16, ["R", "G", "B"].map(|name| float(name, [0.5, 2.0])).to_vec());
         let error = read_picture(&path).unwrap_err().to_string();
         assert!(error.contains("a.exr: it lacks variance"), "{error}");
@@ -481,6 +516,7 @@ mod tests {
             albedo: vec![],
             normal: vec![],
             depth: vec![],
+            sums: vec![],
         };
         assert!(write_picture(&path, &empty, &[]).is_err());
         assert!(!path.exists());

@@ -94,17 +94,26 @@ impl FilmPage {
 
     /// Writes this page's pixels where they belong in the picture.
     pub fn read_into(&self, picture: &mut Picture) -> Result<()> {
-        let count = self.pixel_count as usize;
-        let radiance: Vec<FilmRadiance> = self.radiance.read(0, count)?;
-        let features: Vec<FilmFeatures> = self.features.read(0, count)?;
+        let (radiance, features) = self.read()?;
         for (index, (radiance, features)) in (self.first_pixel..).zip(radiance.iter().zip(&features)) {
-            let (x, y) = tile_order_pixel(index, picture.width);
-            if x < picture.width && y < picture.height {
-                store_pixel(picture, (y as usize) * picture.width as usize + x as usize, radiance, features);
+            if let Some(at) = picture_index(index, picture) {
+                store_pixel(picture, at, radiance, features);
             }
         }
         Ok(())
     }
+
+    /// Every pixel's moments, in tile order.
+    pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
+        let count = self.pixel_count as usize;
+        Ok((self.radiance.read(0, count)?, self.features.read(0, count)?))
+    }
+}
+
+/// Where the pixel of that index in tile order lies in the picture, unless beyond its border.
+pub(super) fn picture_index(index: u32, picture: &Picture) -> Option<usize> {
+    let (x, y) = tile_order_pixel(index, picture.width);
+    (x < picture.width && y < picture.height).then(|| y as usize * picture.width as usize + x as usize)
 }
 
 /// Twin of the GLSL function of the same name.
@@ -131,20 +140,7 @@ fn store_pixel(picture: &mut Picture, at: usize, radiance: &FilmRadiance, featur
 /// A picture of nothing.
 pub(super) fn empty_picture(settings: &Settings) -> Picture {
     let Crop { x, y, width, height } = settings.window();
-    let pixels = width as usize * height as usize;
-    Picture {
-        width,
-        height,
-        offset: [x, y],
-        full_size: [settings.width, settings.height],
-        radiance: vec![[0.0; 3]; pixels],
-        variance: vec![[0.0; 3]; pixels],
-        sample_count: vec![0; pixels],
-        hit_count: vec![0; pixels],
-        albedo: vec![[0.0; 3]; pixels],
-        normal: vec![[0.0; 3]; pixels],
-        depth: vec![f32::INFINITY; pixels],
-    }
+    Picture::empty(width, height, [x, y], [settings.width, settings.height])
 }
 
 /// Bytes that a pixel takes on the device and, read back, on the host.

@@ -4,6 +4,8 @@ use super::Renderer;
 use crate::gpu::Buffer;
 use crate::{Error, Result};
 
+const FILM_SUMS: &str = "film sums";
+
 /// Everything that complete steps have left behind.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RenderState {
@@ -58,8 +60,9 @@ impl Renderer {
         if self.stopped {
             return Err(Error::Render("a step that was stopped cannot be gone on with later".into()));
         }
-        let parts = self.persistent().iter().map(Persistent::read).collect::<Result<_>>()?;
-        Ok(RenderState { samples_done: self.samples_done, parts })
+        let parts: Result<Vec<_>> = self.persistent().iter().map(Persistent::read).collect();
+        let sums = self.film_sums.iter().map(|sums| StatePart { name: FILM_SUMS.into(), bytes: sums.bytes().to_vec() });
+        Ok(RenderState { samples_done: self.samples_done, parts: parts?.into_iter().chain(sums).collect() })
     }
 
     /// Goes on from where a renderer of the same scene and settings has been: from here on both do the same to the last bit.
@@ -71,13 +74,17 @@ impl Renderer {
         let shape = |parts: &[(&str, u64)]| {
             parts.iter().map(|(name, bytes)| format!("{name}: {bytes} bytes")).collect::<Vec<_>>().join(", ")
         };
-        let ours: Vec<_> = persistent.iter().map(|part| (part.name, part.len_bytes())).collect();
+        let sums = self.film_sums.iter().map(|sums| (FILM_SUMS, sums.bytes().len() as u64));
+        let ours: Vec<_> = persistent.iter().map(|part| (part.name, part.len_bytes())).chain(sums).collect();
         let theirs: Vec<_> = state.parts.iter().map(|part| (&part.name[..], part.bytes.len() as u64)).collect();
         if ours != theirs {
             let (theirs, ours) = (shape(&theirs), shape(&ours));
             return Err(Error::Render(format!("the saved state holds {theirs}, but this render has {ours}")));
         }
         persistent.iter().zip(&state.parts).try_for_each(|(part, saved)| part.write(&saved.bytes))?;
+        if let (Some(sums), Some(saved)) = (&mut self.film_sums, state.parts.last()) {
+            sums.restore(&saved.bytes);
+        }
         (self.samples_done, self.stopped) = (state.samples_done, false);
         Ok(())
     }
