@@ -28,6 +28,8 @@
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
+//! | [`checkpoint`], [`identity`] | renders on disk, to be gone on with; what tells one render from another |
+//! | [`merge`], [`film_sums`], [`sample_ranges`] | pictures put together from parts, to the same bits however they are parted |
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |

@@ -40,8 +40,8 @@ impl Outputs {
     ///
     /// # Errors
     /// Where a path is not UTF-8.
-    pub fn from_root(&self) -> Result<Self> {
-        let paths = self.paths.iter().map(|path| from_root(path).map(PathBuf::from)).collect::<Result<_>>()?;
+    pub fn to_whole_paths(&self) -> Result<Self> {
+        let paths = self.paths.iter().map(|path| whole_path(path).map(PathBuf::from)).collect::<Result<_>>()?;
         Ok(Self { paths, ..self.clone() })
     }
 
@@ -59,7 +59,7 @@ impl Outputs {
 ///
 /// # Errors
 /// Where it is not UTF-8.
-pub fn from_root(path: &Path) -> Result<String> {
+pub fn whole_path(path: &Path) -> Result<String> {
     let whole = std::path::absolute(path).map_err(Error::read(path))?;
     let text = whole.to_str().map(str::to_owned);
     text.ok_or_else(|| {

@@ -19,7 +19,7 @@ use lodestar::{Error, Result, files};
 
 use super::interrupt::Interrupt;
 use super::keeper::Keeper;
-use super::outputs::{Outputs, from_root, read_reference};
+use super::outputs::{Outputs, read_reference, whole_path};
 use super::progress::{Progress, Status};
 use super::render_args::RenderArgs;
 use super::report;
@@ -128,8 +128,8 @@ impl<'a> Job<'a> {
     fn checkpoint(&self) -> Result<Checkpoint<JobRecord>> {
         let Subject { task, scene_hash, .. } = &self.subject;
         let scene =
-            SceneSource { path: from_root(&task.scene)?, defines: task.define.clone(), hash: scene_hash.clone() };
-        let outputs = self.film.outputs.from_root()?;
+            SceneSource { path: whole_path(&task.scene)?, defines: task.define.clone(), hash: scene_hash.clone() };
+        let outputs = self.film.outputs.to_whole_paths()?;
         let job = JobRecord { length: self.length, outputs, history: History::default() };
         let (settings, device) = (self.settings.clone(), self.device_name());
         Ok(Checkpoint { scene, settings, device, job, state: RenderState::default() })

@@ -49,5 +49,5 @@ pub fn run(args: ResumeArgs) -> Result<ExitCode> {
         device: args.device,
         checkpoint: Some(CheckpointFile::new(args.file.clone(), args.checkpoint_every)),
     };
-    render::render(&task, Start::Resumed(&args.file, checkpoint))
+    render::render(&task, Start::Resumed(&args.file, Box::new(checkpoint)))
 }

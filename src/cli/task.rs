@@ -72,7 +72,7 @@ pub enum Start<'a> {
     /// From nothing.
     New(&'a RenderArgs),
     /// From a checkpoint and the file that it was in.
-    Resumed(&'a Path, Checkpoint<JobRecord>),
+    Resumed(&'a Path, Box<Checkpoint<JobRecord>>),
 }
 
 /// What ends a render, whichever is reached first.
@@ -129,7 +129,7 @@ impl Start<'_> {
     pub fn begin(self, scene: &Scene, scene_hash: &str, device: &DeviceArgs) -> Result<Beginning> {
         let mut beginning = match self {
             Self::New(args) => begin_new(args, scene)?,
-            Self::Resumed(path, checkpoint) => begin_resumed(path, checkpoint, scene_hash)?,
+            Self::Resumed(path, checkpoint) => begin_resumed(path, *checkpoint, scene_hash)?,
         };
         beginning.settings.slice_milliseconds = device.slice_ms;
         beginning.settings.validate()?;

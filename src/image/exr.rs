@@ -137,8 +137,11 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
     assemble(path, part, channels)
 }
 
+/// Names and values.
+pub type Attributes = Vec<(String, String)>;
+
 /// Reads what [`write_picture`] has written, to the last bit: every layer, and the attributes as [`read_attributes`] does.
-pub fn read_picture(path: &Path) -> Result<(Picture, Vec<(String, String)>)> {
+pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     let parts = read_parts(path)?;
     let [part] = &parts[..] else { return Err(lacking(path, "one part")) };
     let image = assemble(path, part, color_channels(part).ok_or_else(|| lacking(path, "radiance"))?)?;
@@ -200,11 +203,11 @@ fn lacking(path: &Path, what: &str) -> Error {
 }
 
 /// Reads the attributes that [`write_picture`] has written, sorted by name, without their common prefix.
-pub fn read_attributes(path: &Path) -> Result<Vec<(String, String)>> {
+pub fn read_attributes(path: &Path) -> Result<Attributes> {
     Ok(attributes_of(&read_parts(path)?))
 }
 
-fn attributes_of(parts: &[Part]) -> Vec<(String, String)> {
+fn attributes_of(parts: &[Part]) -> Attributes {
     let mut attributes = Vec::new();
     for part in parts {
         for (name, value) in &part.attributes.other {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::film::Picture;
+use crate::film_sums::PixelSums;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceKind};
 use crate::layout::{FilmFeatures, FilmRadiance};
 use crate::scene::Crop;
@@ -38,7 +39,7 @@ impl PageBuffers {
         let pixels = u64::from(window.width.div_ceil(TILE_SIDE))
             * u64::from(window.height.div_ceil(TILE_SIDE))
             * u64::from(TILE_PIXELS);
-        check_memory(context, pixels, &window)?;
+        check_memory(context, settings, pixels)?;
         let pixels = u32::try_from(pixels).map_err(|_| too_large(&window))?;
         let bindable = context.device().limits.max_storage_buffer_bytes / size_of::<FilmRadiance>() as u64;
         let most = bindable.min(u64::from(settings.film_page_pixels.unwrap_or(u32::MAX))).min(1 << 24) as u32;
@@ -145,17 +146,22 @@ pub(super) fn empty_picture(settings: &Settings) -> Picture {
 
 /// Bytes that a pixel takes on the device and, read back, on the host.
 const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64 + 64;
+/// The same of a part of a picture: its sums, in tile order, and those of a picture that is read back, in both orders.
+const PART_PIXEL_BYTES: u64 = PIXEL_BYTES + 3 * size_of::<PixelSums>() as u64;
 
 /// Refuses a film that memory cannot hold, before a system without that memory ends the process.
-fn check_memory(context: &Context, pixels: u64, window: &Crop) -> Result<()> {
+fn check_memory(context: &Context, settings: &Settings, pixels: u64) -> Result<()> {
+    let window = settings.window();
     let on_cpu = context.device().kind == DeviceKind::Cpu;
     let available = if on_cpu { available_memory() } else { Some(context.device().limits.device_local_bytes) };
+    let pixel_bytes = if on_cpu && settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { PIXEL_BYTES };
+    let needed = pixels.saturating_mul(pixel_bytes);
     match available {
-        Some(available) if pixels.saturating_mul(PIXEL_BYTES) > available => Err(crate::Error::Settings(format!(
+        Some(available) if needed > available => Err(crate::Error::Settings(format!(
             "a film of {} x {} pixels needs {} MiB, but {} MiB are free: render it in parts with --crop",
             window.width,
             window.height,
-            (pixels.saturating_mul(PIXEL_BYTES)) >> 20,
+            needed >> 20,
             available >> 20
         ))),
         _ => Ok(()),
