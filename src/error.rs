@@ -39,6 +39,14 @@ pub enum Error {
         /// What is wrong and what to do.
         message: String,
     },
+    /// A checkpoint is damaged, or another version's.
+    #[error("{}: {message}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        message: String,
+    },
     /// A setting is out of its range, or two settings contradict each other.
     #[error("{0}")]
     Settings(String),
@@ -80,6 +88,11 @@ impl Error {
     /// An [`Error::Image`].
     pub fn image(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self::Image { path: path.as_ref().to_path_buf(), message: message.into() }
+    }
+
+    /// An [`Error::Checkpoint`].
+    pub fn checkpoint(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self::Checkpoint { path: path.as_ref().to_path_buf(), message: message.into() }
     }
 }
 

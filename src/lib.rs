@@ -29,6 +29,8 @@
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
+//! | [`checkpoint`], [`identity`] | renders on disk, to be gone on with; what tells one render from another |
+//! | [`merge`], [`film_sums`], [`sample_ranges`] | pictures put together from parts, to the same bits however they are parted |
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
@@ -68,18 +70,23 @@
 #![deny(missing_docs)]
 
 pub mod bvh;
+pub mod checkpoint;
 pub mod cosine_integrals;
 pub mod error;
 pub mod files;
 pub mod film;
+pub mod film_sums;
 pub mod gpu;
+pub mod identity;
 pub mod image;
 pub mod kernels;
 pub mod layout;
 pub mod lights;
+pub mod merge;
 pub mod plastic_layer;
 pub mod reference;
 pub mod renderer;
+pub mod sample_ranges;
 pub mod scene;
 pub mod settings;
 pub mod textures;

@@ -1,6 +1,6 @@
 //! Everything a user may choose about a render, validated in one place.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::kernels;
 use crate::scene::{Crop, ReconstructionFilter, Scene};
@@ -12,7 +12,7 @@ pub const MAX_DEPTH_LIMIT: u32 = 1024;
 pub const MAX_FILM_SIDE: u32 = 65_536;
 
 /// Where scattered directions come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Sampler {
@@ -23,7 +23,7 @@ pub enum Sampler {
 }
 
 /// How the radiance grid learns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Learner {
@@ -32,7 +32,8 @@ pub enum Learner {
 }
 
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Whole film's width in pixels, in [1, 65536].
     pub width: u32,
@@ -49,10 +50,13 @@ pub struct Settings {
     /// Whether directly seen emitters are black.
     pub hide_emitters: bool,
     /// Whether emitters are sampled at every vertex.
-    #[serde(serialize_with = "on_or_off")]
+    #[serde(serialize_with = "on_or_off", deserialize_with = "from_on_or_off")]
     pub nee: bool,
     /// Seed of every random number.
     pub seed: u32,
+    /// Index of every pixel's first sample, where the render is one part of several: such renders of the same seed are
+    /// independent if their samples do not overlap, and keep sums whose order changes no bit ([`crate::film_sums`]).
+    pub sample_offset: Option<u32>,
     /// Where scattered directions come from.
     pub sampler: Sampler,
     /// How the radiance grid learns.
@@ -85,11 +89,11 @@ pub struct Settings {
     #[doc(hidden)]
     pub storage_reads: bool,
     /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
-    #[serde(skip)]
+    #[serde(skip, default = "exact_pdf")]
     #[doc(hidden)]
     pub pdf_tamper: f32,
     /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
-    #[serde(skip)]
+    #[serde(skip, default = "exact_mis")]
     #[doc(hidden)]
     pub mis_fault: u32,
 }
@@ -108,6 +112,7 @@ impl Settings {
             hide_emitters: integrator.hide_emitters,
             nee: false,
             seed: 0,
+            sample_offset: None,
             sampler: Sampler::RejectionMix,
             learner: Learner::Sarsa,
             grid: 8,
@@ -121,9 +126,17 @@ impl Settings {
             slice_milliseconds: None,
             film_page_pixels: None,
             storage_reads: false,
-            pdf_tamper: 1.0,
-            mis_fault: kernels::MIS_EXACT,
+            pdf_tamper: exact_pdf(),
+            mis_fault: exact_mis(),
         }
+    }
+
+    /// Every setting that a user may choose, by name, as text: `0.95` where a number is meant, not its nearest `f32`.
+    pub fn named(&self) -> Vec<(String, String)> {
+        let value = serde_json::to_string(self).and_then(|text| serde_json::from_str(&text));
+        let value: serde_json::Value = value.unwrap_or_default();
+        let plain = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        value.as_object().into_iter().flatten().map(|(name, value)| (name.clone(), plain(value))).collect()
     }
 
     /// The rendered window.
@@ -190,8 +203,24 @@ pub fn depth_warning(scene: &Scene) -> Option<String> {
 }
 
 /// As the option is spelled.
-fn on_or_off<S: serde::Serializer>(value: &bool, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+fn on_or_off<S: Serializer>(value: &bool, serializer: S) -> std::result::Result<S::Ok, S::Error> {
     serializer.serialize_str(if *value { "on" } else { "off" })
+}
+
+fn from_on_or_off<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<bool, D::Error> {
+    match String::deserialize(deserializer)?.as_str() {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        other => Err(serde::de::Error::custom(format!("`{other}` is neither on nor off"))),
+    }
+}
+
+fn exact_pdf() -> f32 {
+    1.0
+}
+
+fn exact_mis() -> u32 {
+    kernels::MIS_EXACT
 }
 
 fn depth_from_scene(depth: i32) -> u32 {

@@ -4,7 +4,7 @@ use lodestar::gpu::DeviceInfo;
 use lodestar::image::metrics::Metrics;
 use lodestar::renderer::Counts;
 use lodestar::settings::Settings;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The whole file.
 #[derive(Debug, Serialize)]
@@ -49,7 +49,7 @@ impl Versions {
 }
 
 /// One step, or all of them.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// Samples that every pixel has taken.
     pub spp: u64,

@@ -6,6 +6,7 @@ use glam::{Mat4, Vec3};
 
 use super::Shading;
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
+use super::state::Persistent;
 use super::statistics::Counts;
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
@@ -85,6 +86,13 @@ impl Frame {
 
     pub fn read_counts(&self) -> Result<Counts> {
         Ok(Counts::from_counters(&self.counters.read(0, kernels::COUNTER_COUNT as usize)?))
+    }
+
+    pub fn persistent(&self) -> [Persistent<'_>; 2] {
+        [
+            Persistent { name: "film radiance", buffers: self.pages().map(FilmPage::radiance).collect() },
+            Persistent { name: "film features", buffers: self.pages().map(FilmPage::features).collect() },
+        ]
     }
 
     pub fn picture(&self, settings: &Settings) -> Result<Picture> {

@@ -3,6 +3,7 @@
 //! Read [`Renderer::step`] and `glsl/path_trace.comp`, and the algorithm is understood.
 
 mod film_pages;
+mod film_sums;
 mod frame;
 mod geometry;
 mod materials;
@@ -10,11 +11,13 @@ mod normalization_grid;
 mod plastics;
 mod radiance_grid;
 mod slices;
+mod state;
 mod statistics;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 
 use crate::bvh::Bvh;
@@ -28,6 +31,7 @@ use crate::settings::{Sampler, Settings};
 use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use film_pages::FilmPage;
+use film_sums::FilmSums;
 use frame::Frame;
 use geometry::Geometry;
 use normalization_grid::NormalizationGrid;
@@ -46,6 +50,8 @@ pub struct Renderer {
     radiance_grid: RadianceGrid,
     normalization_grid: NormalizationGrid,
     slicer: Slicer,
+    /// Where the render is one part of several.
+    film_sums: Option<FilmSums>,
     samples_done: u32,
     stopped: bool,
 }
@@ -85,7 +91,7 @@ impl Renderer {
         let variant = variant(settings, scene, &shading, bvh);
         let kernels = kernels_for(context, &shading, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
-        let renderer = Self {
+        let mut renderer = Self {
             path_trace: build(&kernels.path_trace)?,
             update_radiance: build(&kernels.update_radiance)?,
             update_normalization: build(&kernels.update_normalization)?,
@@ -96,9 +102,11 @@ impl Renderer {
             slicer: Slicer::new(context.device(), settings, variant.workgroup_size),
             context: Arc::clone(context),
             settings: settings.clone(),
+            film_sums: None,
             samples_done: 0,
             stopped: false,
         };
+        renderer.film_sums = settings.sample_offset.map(|_| FilmSums::new(&renderer.frame));
         renderer.warm_up()?;
         Ok(renderer)
     }
@@ -117,11 +125,16 @@ impl Renderer {
         }
         let begin = Instant::now();
         let mut counts = Counts::default();
+        // Also where an error ends it.
+        self.stopped = true;
         let complete = self.path_trace(samples, &mut counts, stop)?;
-        self.stopped = !complete;
         if complete && self.settings.sampler != Sampler::Bsdf {
             self.update_grids()?;
         }
+        if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
+            sums.take(&self.context, &self.frame)?;
+        }
+        self.stopped = !complete;
         Ok(StepReport { samples, complete, seconds: begin.elapsed().as_secs_f64(), counts })
     }
 
@@ -130,12 +143,20 @@ impl Renderer {
         self.samples_done
     }
 
+    /// Whether the last step was stopped or has failed, so that no other can follow.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
     /// Reads the film back.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        self.frame.picture(&self.settings)
+        match &self.film_sums {
+            Some(sums) => sums.picture(&self.frame, &self.settings),
+            None => self.frame.picture(&self.settings),
+        }
     }
 
     /// What the radiance grid holds: `[cell][direction bin]`, radiance as the next step will sample it.
@@ -175,7 +196,7 @@ impl Renderer {
             workgroup_count: slice.count,
             workgroup_stride: slice.stride,
             page_first_pixel: page.first_pixel(),
-            first_sample: self.samples_done,
+            first_sample: self.settings.sample_offset.unwrap_or(0).wrapping_add(self.samples_done),
             sample_count,
         };
         let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];

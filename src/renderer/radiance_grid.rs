@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::state::Persistent;
 use super::{set_shape, table_kind, table_set};
 use crate::Result;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
@@ -13,6 +14,7 @@ use crate::settings::{Sampler, Settings};
 pub(super) struct RadianceGrid {
     set: DescriptorSet,
     radiance: Arc<Buffer>,
+    learned: Arc<Buffer>,
     bin_count: usize,
 }
 
@@ -33,11 +35,18 @@ impl RadianceGrid {
         let learned = buffer("learned radiance", size_of::<LearnedRadiance>(), BufferKind::Storage)?;
         let sums = buffer("radiance sums", size_of::<RadianceSum>(), BufferKind::Storage)?;
         let set = table_set(context, "radiance grid", shape, &[&radiance, &learned, &sums])?;
-        Ok(Self { set, radiance, bin_count: bins as usize })
+        Ok(Self { set, radiance, learned, bin_count: bins as usize })
     }
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
+    }
+
+    pub fn persistent(&self) -> [Persistent<'_>; 2] {
+        [
+            Persistent { name: "radiance", buffers: vec![&self.radiance] },
+            Persistent { name: "learned radiance", buffers: vec![&self.learned] },
+        ]
     }
 
     pub fn read(&self) -> Result<Vec<f32>> {

@@ -12,6 +12,7 @@ mod estimate;
 mod learning;
 mod nee;
 mod relief;
+mod resume;
 mod scenes;
 mod significance;
 mod variance;
