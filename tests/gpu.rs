@@ -1,5 +1,6 @@
 //! The `gpu` module on whatever device there is, always under the validation layer.
 
+use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::process::Command;
 use std::sync::Arc;
@@ -193,7 +194,8 @@ const SUMS: SetShape =
 fn fill_source() -> KernelSource {
     KernelSource {
         name: "fill",
-        spirv: bytemuck::cast_slice(&FILL_SPIRV),
+        file: "fill.spv",
+        spirv: Cow::Borrowed(bytemuck::cast_slice(&FILL_SPIRV)),
         sets: &[VALUES],
         push_constant_bytes: 8,
         specialization_ids: &[3],
@@ -203,7 +205,8 @@ fn fill_source() -> KernelSource {
 fn texel_source() -> KernelSource {
     KernelSource {
         name: "texel",
-        spirv: bytemuck::cast_slice(&TEXEL_SPIRV),
+        file: "texel.spv",
+        spirv: Cow::Borrowed(bytemuck::cast_slice(&TEXEL_SPIRV)),
         sets: &[NO_BINDINGS, TEXELS, SUMS],
         push_constant_bytes: 0,
         specialization_ids: &[],

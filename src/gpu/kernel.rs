@@ -30,7 +30,7 @@ impl Kernel {
         let layout = PipelineLayout::new(context, source)?;
         let raw = create_pipeline(context, source, constants, &module, &layout)?;
         context.logical().name(raw, source.name);
-        Ok(Self { raw, source: *source, layout })
+        Ok(Self { raw, source: source.clone(), layout })
     }
 
     /// Its name: the `.comp` file's stem.
@@ -107,7 +107,7 @@ struct ShaderModule {
 impl ShaderModule {
     fn new(context: &Arc<Context>, source: &KernelSource) -> Result<Self> {
         let call = format!("loading the kernel `{}`", source.name);
-        let words = ash::util::read_spv(&mut Cursor::new(source.spirv))
+        let words = ash::util::read_spv(&mut Cursor::new(&source.spirv))
             .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: invariant 1: the device is alive and `words` a local; it is SPIR-V by the module's premise.

@@ -19,7 +19,7 @@ pub use statistics::{Counts, StepReport};
 use crate::bvh::Bvh;
 use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
-use crate::kernels::{self, Kernels, Variant};
+use crate::kernels::{self, BackEnd, Kernels, Registry, Variant};
 use crate::layout::{PathTracePush, UpdatePush};
 use crate::scene::{ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
@@ -43,6 +43,7 @@ pub struct Renderer {
     radiance_grid: RadianceGrid,
     normalization_grid: NormalizationGrid,
     slicer: Slicer,
+    back_end: BackEnd,
     samples_done: u32,
     stopped: bool,
 }
@@ -54,9 +55,24 @@ impl Renderer {
     /// # Errors
     /// Where a setting is out of range or the device cannot hold the scene.
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
+        Self::with_kernels(context, scene, bvh, settings, &Registry::built_in())
+    }
+
+    /// The same with kernels of the caller's, which have the interface of the built-in ones.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_kernels(
+        context: &Arc<Context>,
+        scene: &Scene,
+        bvh: &Bvh,
+        settings: &Settings,
+        registry: &Registry,
+    ) -> Result<Self> {
         settings.validate()?;
-        let variant = variant(settings, scene, bvh);
-        let kernels = kernels_for(context, scene, bvh, settings);
+        let variant = variant_for(settings, scene, bvh);
+        let back_end = back_end_for(context, scene, bvh, settings);
+        let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
@@ -67,6 +83,7 @@ impl Renderer {
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
             slicer: Slicer::new(context.device(), settings, variant.workgroup_size),
+            back_end,
             context: Arc::clone(context),
             settings: settings.clone(),
             samples_done: 0,
@@ -96,6 +113,11 @@ impl Renderer {
             self.update_grids()?;
         }
         Ok(StepReport { samples, complete, seconds: begin.elapsed().as_secs_f64(), counts })
+    }
+
+    /// Where its kernels read geometry and tables from.
+    pub fn back_end(&self) -> BackEnd {
+        self.back_end
     }
 
     /// Samples per pixel that complete steps and dispatches have taken.
@@ -202,17 +224,30 @@ impl Renderer {
     }
 }
 
-/// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
+/// Texel buffers where the device allows the sizes that geometry and tables need, else storage.
+fn back_end_for(context: &Context, scene: &Scene, bvh: &Bvh, settings: &Settings) -> BackEnd {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
     let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(scene.emitters.len() as u64);
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
-        true => &kernels::TEXEL_BUFFERS,
-        false => &kernels::STORAGE_BUFFERS,
+        true => BackEnd::Texel,
+        false => BackEnd::Storage,
     }
 }
 
-fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
+/// The specialization constants of a render.
+pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
+    Variant {
+        stack_size: bvh.depth,
+        has_spheres: bvh.has_spheres(),
+        has_vertex_normals: bvh.has_vertex_normals(),
+        material_kinds: materials::kinds(scene),
+        surface_features: materials::features(scene),
+        ..variant_of_settings(settings)
+    }
+}
+
+/// The specialization constants that settings alone decide; what a scene decides is left at its default.
+pub fn variant_of_settings(settings: &Settings) -> Variant {
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -232,12 +267,7 @@ fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
         decay: settings.decay,
         filter,
         filter_width,
-        stack_size: bvh.depth,
-        has_spheres: bvh.has_spheres(),
-        has_vertex_normals: bvh.has_vertex_normals(),
         pdf_tamper: settings.pdf_tamper,
-        material_kinds: materials::kinds(scene),
-        surface_features: materials::features(scene),
         ..Variant::default()
     }
 }
