@@ -28,6 +28,7 @@
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
+//! | [`mod@inspect`], [`profile`] | SPIR-V as an engineer reads it, and kernels put in place of the built-in ones; where the time goes |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`] | the table that normalizers are computed from |
@@ -70,8 +71,10 @@ pub mod files;
 pub mod film;
 pub mod gpu;
 pub mod image;
+pub mod inspect;
 pub mod kernels;
 pub mod layout;
+pub mod profile;
 pub mod reference;
 pub mod renderer;
 pub mod scene;

@@ -3,8 +3,13 @@
 
 mod compare;
 mod devices;
+mod guiding_args;
+mod inspect;
+mod inspect_text;
 mod interrupt;
+mod kernel_dir;
 mod outputs;
+mod profile;
 mod progress;
 mod render;
 mod render_args;
@@ -32,6 +37,7 @@ const WRONG_USAGE: u8 = 2;
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<render_args::RenderArgs>),
+    Inspect(Box<inspect::InspectArgs>),
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
 }
@@ -44,6 +50,7 @@ pub fn run() -> ExitCode {
     };
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
     };

@@ -18,13 +18,13 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Tries every path, that of the statistics included, so that what cannot be written is known before rendering begins.
+    /// Tries every path, those of statistics and profile included, so that what cannot be written is known before rendering begins.
     pub fn new(args: &RenderArgs, scene: &Scene) -> Result<Self> {
         let mut paths = args.output.clone();
         if paths.is_empty() {
             paths.push(PathBuf::from(format!("{}.exr", scene.name)));
         }
-        paths.iter().chain(&args.stats).try_for_each(|path| files::check_writable(path))?;
+        paths.iter().chain(&args.stats).chain(&args.profile).try_for_each(|path| files::check_writable(path))?;
         Ok(Self { paths, tone: args.tone, exposure: args.exposure })
     }
 

@@ -15,7 +15,9 @@ use lodestar::settings::{Settings, depth_warning};
 use lodestar::{Error, Result, files};
 
 use super::interrupt::Interrupt;
+use super::kernel_dir::KernelDir;
 use super::outputs::{Outputs, read_reference};
+use super::profile::Profiler;
 use super::progress::{Progress, Status};
 use super::render_args::RenderArgs;
 use super::report;
@@ -34,16 +36,18 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         warn(depth_warning(&scene).as_slice());
     }
     let outputs = Outputs::new(args, &scene)?;
+    let kernels = KernelDir::load(args.kernel_dir.as_deref())?;
     let reference = args.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
     let context = Context::new(&ContextOptions { device: args.device(), validate: args.validate })?;
     let (bvh, bvh_seconds) = timed(|| Ok(Bvh::build(&scene.primitives)))?;
-    let (renderer, pipeline_seconds) = timed(|| Renderer::new(&context, &scene, &bvh, &settings))?;
+    let (renderer, pipeline_seconds) = timed(|| kernels.renderer(&context, &scene, &bvh, &settings))?;
 
     let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds };
     let film = Film { renderer, reference, outputs };
     let mut job = Job::new(args, &scene, &context, settings, film, &interrupt);
+    job.kernels = kernels.replaced(job.film.renderer.back_end());
     let rendered = job.render();
-    let finished = job.finish(rendered, times);
+    let finished = job.finish(rendered, times).and(job.profiler.as_ref().map_or(Ok(()), Profiler::finish));
     warn_of_nonfinite(job.counts.nonfinite);
     finished.and(report_validation(&context))?;
     Ok(interrupt.exit_code())
@@ -57,6 +61,9 @@ struct Job<'a> {
     interrupt: &'a Interrupt,
     settings: Settings,
     film: Film,
+    profiler: Option<Profiler>,
+    /// The files that stand in for built-in kernels.
+    kernels: Vec<String>,
     /// Samples per pixel that end the render; a time limit alone means as many as it allows.
     spp_target: Option<u32>,
     /// Whether a step was cut short, by the time limit or a signal.
@@ -91,6 +98,8 @@ impl<'a> Job<'a> {
             interrupt,
             settings,
             film,
+            profiler: args.profile.clone().map(|path| Profiler::start(path, context)),
+            kernels: Vec::new(),
             spp_target: args.spp.or(default),
             is_stopped: false,
             steps: Vec::new(),
@@ -132,6 +141,9 @@ impl<'a> Job<'a> {
         let stop = || self.interrupt.is_raised() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         let report = self.film.renderer.step(self.settings.spp_per_step.min(left), &stop)?;
 
+        if let Some(profiler) = &mut self.profiler {
+            profiler.note(&report);
+        }
         self.is_stopped = !report.complete;
         self.seconds += report.seconds;
         self.counts.add(&report.counts);
@@ -200,6 +212,9 @@ impl<'a> Job<'a> {
             ("device".into(), format!("{} ({})", device.name, device.driver_info)),
             ("scene".into(), self.args.scene.display().to_string()),
         ]);
+        if !self.kernels.is_empty() {
+            attributes.push(("replaced_kernels".into(), self.kernels.join(", ")));
+        }
         attributes
     }
 
