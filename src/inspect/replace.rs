@@ -124,7 +124,8 @@ fn file_names(folder: &Path) -> Result<Vec<String>> {
 mod tests {
     use rspirv::binary::Assemble;
     use rspirv::dr::{self, Instruction, Operand};
-    use rspirv::spirv::Decoration;
+    use rspirv::grammar::INSTRUCTION_TABLE;
+    use rspirv::spirv::{Decoration, Op};
 
     use super::*;
 
@@ -196,8 +197,14 @@ mod tests {
     fn another_constant_is_refused_and_a_missing_one_is_told() {
         let message = refusal(&redecorated(Decoration::SpecId, 9, 99));
         assert!(message.contains("specialization constant 99 (`MAX_TRIES`) is not among"), "{message}");
+        // As spirv-opt does with --freeze-spec-const.
         let id = [Operand::Decoration(Decoration::SpecId), Operand::LiteralBit32(9)];
-        let frozen = edited(|module| module.annotations.retain(|i| !i.operands.ends_with(&id)));
+        let frozen = edited(|module| {
+            let place = module.annotations.iter().position(|i| i.operands.ends_with(&id)).expect("MAX_TRIES");
+            let target = module.annotations.remove(place).operands[0].id_ref_any();
+            let constant = module.types_global_values.iter_mut().find(|i| i.result_id == target).expect("MAX_TRIES");
+            constant.class = INSTRUCTION_TABLE.get(Op::Constant);
+        });
         let taken = load_one("path_trace.texel.spv", &frozen).expect("less is no harm");
         assert!(
             taken.warnings.concat().contains("fixed in it, whatever options and scene say: MAX_TRIES"),

@@ -97,10 +97,10 @@ fn layouts_are_those_of_the_glsl() {
 #[test]
 fn options_choose_the_variant() {
     let folder = Folder::new();
-    let plain = path_trace(&folder, &["--sampler", "bsdf", "--max-depth", "3", "--min-uniform", "0.1"]);
+    let plain = path_trace(&folder, &["--sampler", "bsdf", "--max-depth", "3", "--rfilter", "gaussian"]);
     let guided = path_trace(&folder, &["--sampler", "rejection-mix", "--grid", "4"]);
     assert_eq!((constant(&plain, "SAMPLER"), constant(&guided, "SAMPLER")), (0.into(), 1.into()));
-    assert_eq!((constant(&plain, "MAX_DEPTH"), constant(&plain, "MIN_UNIFORM_SHARE")), (3.into(), 0.1.into()));
+    assert_eq!((constant(&plain, "MAX_DEPTH"), constant(&plain, "FILTER_WIDTH")), (3.into(), 0.5.into()));
     assert_eq!((constant(&guided, "GRID_RESOLUTION"), constant(&guided, "HIDE_EMITTERS")), (4.into(), false.into()));
     if !has_spirv_tools() {
         return;

@@ -59,8 +59,8 @@ fn the_trace_nests() {
     for kernel in &kernels {
         let within =
             |outer: &&Value| number(outer, "ts") <= number(kernel, "ts") && end(kernel) <= end(outer) + slack(kernel);
-        assert!(steps.iter().any(|step| within(&step)), "no step holds {kernel}");
-        assert!(submissions.iter().any(|submission| within(&submission)), "no submission holds {kernel}");
+        assert!(steps.iter().any(within), "no step holds {kernel}");
+        assert!(submissions.iter().any(within), "no submission holds {kernel}");
     }
     assert!(kernels.windows(2).all(|pair| number(pair[0], "ts") <= number(pair[1], "ts")));
     let named = trace["traceEvents"].as_array().unwrap().iter().filter(|event| event["name"] == "thread_name").count();
