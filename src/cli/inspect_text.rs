@@ -15,14 +15,13 @@ pub fn text(kernels: &[Inspected], device: Option<&DeviceInfo>, line_count: usiz
     for kernel in kernels {
         header(&mut text, kernel);
         interface(&mut text, &kernel.report.interface);
-        let specialized = kernel.report.specialized.as_ref();
-        instructions(&mut text, &kernel.report.histogram, specialized.ok().map(|s| &s.histogram));
-        lines(&mut text, specialized.map_or(&kernel.report.histogram, |s| &s.histogram), line_count);
+        let specialized = kernel.report.specialized.as_ref().ok().map(|s| &s.histogram);
+        instructions(&mut text, &kernel.report.histogram, specialized);
+        lines(&mut text, specialized.unwrap_or(&kernel.report.histogram), line_count);
         if let (Some(pipeline), Some(device)) = (&kernel.pipeline, device) {
             driver(&mut text, pipeline, device);
         }
-        let fault = specialized.err().map(|fault| format!("the variant is not shown: {fault}"));
-        kernel.report.notes.iter().chain(&fault).for_each(|note| push(&mut text, &format!("note: {note}\n")));
+        kernel.report.notes.iter().for_each(|note| push(&mut text, &format!("note: {note}\n")));
         text.push('\n');
     }
     text

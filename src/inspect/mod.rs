@@ -33,7 +33,7 @@ pub struct KernelReport {
     pub histogram: Histogram,
     /// Its disassembly as compiled.
     pub disassembly: String,
-    /// The same for one variant; or why there is none.
+    /// The same for one variant; or why there is none, which is a note, too.
     #[serde(serialize_with = "serialize_specialized")]
     pub specialized: Result<Specialized, ToolFault>,
     /// What is missing or was done another way, one sentence each.
@@ -64,14 +64,17 @@ pub fn report(source: &KernelSource, constants: &[(u32, u32)]) -> Result<KernelR
     let mut notes = Vec::new();
     let mut interface = Interface::of(&module).map_err(unreadable)?;
     interface.set_values(constants);
+    let disassembly = disassembly(&module, &mut notes);
+    let specialized = specialized(&module, constants);
+    notes.extend(specialized.as_ref().err().map(|fault| format!("the variant is not shown: {fault}")));
     Ok(KernelReport {
         name: source.name.into(),
         file: source.file.into(),
         spirv_bytes: source.spirv.len(),
         interface,
         histogram: Histogram::of(&module),
-        disassembly: disassembly(&module, &mut notes),
-        specialized: specialized(&module, constants),
+        disassembly,
+        specialized,
         notes,
     })
 }
