@@ -47,6 +47,14 @@ pub enum Error {
         /// What is wrong and what to do.
         message: String,
     },
+    /// A kernel's SPIR-V cannot be read, or cannot stand in for the built-in one.
+    #[error("{}: {message}", path.display())]
+    Kernel {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        message: String,
+    },
     /// A setting is out of its range, or two settings contradict each other.
     #[error("{0}")]
     Settings(String),
@@ -83,6 +91,11 @@ impl Error {
     /// An [`Error::Write`], for `map_err`.
     pub fn write(path: impl AsRef<Path>) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Write { path: path.as_ref().to_path_buf(), source }
+    }
+
+    /// An [`Error::Kernel`].
+    pub fn kernel(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self::Kernel { path: path.as_ref().to_path_buf(), message: message.into() }
     }
 
     /// An [`Error::Image`].

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::kernels;
-use crate::scene::{Crop, ReconstructionFilter, Scene};
+use crate::scene::{Crop, FilmDescription, IntegratorDescription, ReconstructionFilter, Scene};
 use crate::{Error, Result};
 
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
@@ -101,12 +101,16 @@ pub struct Settings {
 impl Settings {
     /// The scene's own choices where it makes any; else max depth 16, roulette after depth 8, and the paper's grids.
     pub fn for_scene(scene: &Scene) -> Self {
-        let integrator = scene.integrator;
+        Self::for_film(&scene.film, &scene.integrator)
+    }
+
+    /// The same from those two parts of a scene that settings depend on.
+    pub fn for_film(film: &FilmDescription, integrator: &IntegratorDescription) -> Self {
         Self {
-            width: scene.film.width,
-            height: scene.film.height,
-            crop: scene.film.crop,
-            filter: scene.film.filter,
+            width: film.width,
+            height: film.height,
+            crop: film.crop,
+            filter: film.filter,
             max_depth: integrator.max_depth.map_or(16, depth_from_scene),
             rr_depth: integrator.rr_depth.map_or(8, depth_from_scene),
             hide_emitters: integrator.hide_emitters,

@@ -3,10 +3,15 @@
 
 mod compare;
 mod devices;
+mod guiding_args;
+mod inspect;
+mod inspect_text;
 mod interrupt;
 mod keeper;
+mod kernel_dir;
 mod merge;
 mod outputs;
+mod profile;
 mod progress;
 mod render;
 mod render_args;
@@ -39,6 +44,7 @@ const WRONG_USAGE: u8 = 2;
 enum Command {
     Render(Box<render_args::RenderArgs>),
     Resume(Box<resume::ResumeArgs>),
+    Inspect(Box<inspect::InspectArgs>),
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
@@ -54,6 +60,7 @@ pub fn run() -> ExitCode {
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Resume(args) => resume::run(*args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),

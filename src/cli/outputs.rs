@@ -22,8 +22,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// What the arguments say, else what was said `before`, else the defaults. Tries every path, that of the statistics
-    /// included, so that what cannot be written is known before rendering begins.
+    /// What the arguments say, else what was said `before`, else the defaults. Tries every path, those of statistics
+    /// and profile included, so that what cannot be written is known before rendering begins.
     pub fn new(args: &OutputArgs, before: Option<&Self>, scene: &Scene) -> Result<Self> {
         let chosen = || (!args.output.is_empty()).then(|| args.output.clone());
         let default = || vec![PathBuf::from(format!("{}.exr", scene.name))];
@@ -32,7 +32,12 @@ impl Outputs {
             tone: args.tone.or_else(|| Some(before?.tone)).unwrap_or_default(),
             exposure: args.exposure.or_else(|| Some(before?.exposure)).unwrap_or_default(),
         };
-        outputs.paths.iter().chain(&args.stats).try_for_each(|path| files::check_writable(path))?;
+        outputs
+            .paths
+            .iter()
+            .chain(&args.stats)
+            .chain(&args.profile)
+            .try_for_each(|path| files::check_writable(path))?;
         Ok(outputs)
     }
 

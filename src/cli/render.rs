@@ -19,7 +19,9 @@ use lodestar::{Error, Result, files};
 
 use super::interrupt::Interrupt;
 use super::keeper::Keeper;
+use super::kernel_dir::KernelDir;
 use super::outputs::{Outputs, read_reference, whole_path};
+use super::profile::Profiler;
 use super::progress::{Loading, Progress, Status};
 use super::render_args::RenderArgs;
 use super::report;
@@ -54,6 +56,7 @@ pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
     if let Some(file) = &task.checkpoint {
         file.check(before.is_some(), &Identity::of_render(&scene_hash, &settings))?;
     }
+    let kernels = loading.interleave(|| KernelDir::load(task.device.kernel_dir.as_deref()))?;
     let reference = task.files.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
     let context = Context::new(&ContextOptions { device: task.device.device(), validate: task.device.validate })?;
     loading.show(&format!("building the BVH of {} primitives", scene.primitives.len()));
@@ -61,18 +64,21 @@ pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
     // From here on the device's copy is the one that is used.
     scene.primitives = Vec::new();
     loading.show("building the kernels");
-    let (renderer, pipeline_seconds) = timed(|| Renderer::new(&context, &scene, &bvh, &settings))?;
+    let registry = kernels.registry();
+    let (renderer, pipeline_seconds) = timed(|| Renderer::with_kernels(&context, &scene, &bvh, &settings, registry))?;
     let primitive_count = bvh.primitives.len();
     drop(bvh);
     drop(loading);
+    kernels.warn_of_unused(renderer.back_end());
 
     let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, primitive_count };
     let film = Film { renderer, reference, outputs };
     let subject = Subject { task, scene_name: &scene.name, scene_hash };
     let mut job = Job::new(subject, &context, settings, length, film, &interrupt);
+    job.kernels = kernels.replaced(job.film.renderer.back_end());
     job.begin(before)?;
     let rendered = job.render();
-    let finished = job.finish(rendered, times);
+    let finished = job.finish(rendered, times).and(job.profiler.as_ref().map_or(Ok(()), Profiler::finish));
     warn_of_nonfinite(job.history.counts.nonfinite);
     finished.and(report_validation(&context))?;
     Ok(interrupt.exit_code())
@@ -87,6 +93,9 @@ struct Job<'a> {
     length: Length,
     film: Film,
     keeper: Option<Keeper>,
+    profiler: Option<Profiler>,
+    /// The files that stand in for built-in kernels.
+    kernels: Vec<String>,
     history: History,
 }
 
@@ -113,14 +122,26 @@ impl<'a> Job<'a> {
         film: Film,
         interrupt: &'a Interrupt,
     ) -> Self {
-        let history = History::default();
-        Self { subject, context, interrupt, settings, length, film, keeper: None, history }
+        let profiler = subject.task.files.profile.clone().map(|path| Profiler::start(path, context));
+        Self {
+            subject,
+            context,
+            interrupt,
+            settings,
+            length,
+            film,
+            keeper: None,
+            profiler,
+            kernels: Vec::new(),
+            history: History::default(),
+        }
     }
 
     /// Goes on from what a checkpoint held, if there is one, and keeps checkpoints, if they are asked for.
     fn begin(&mut self, before: Option<Before>) -> Result<()> {
         let mut samples_written = None;
-        if let Some(Before { history, device, state, .. }) = before {
+        if let Some(Before { history, device, kernels, state, .. }) = before {
+            self.check_kernels(&kernels)?;
             if device != self.device_name() {
                 let ours = self.device_name();
                 report("warning", &format!("the render was begun on {device}: on {ours}, the last bits may differ"));
@@ -135,13 +156,30 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
+    /// Other kernels would go on to other bits.
+    fn check_kernels(&self, before: &[String]) -> Result<()> {
+        if before == self.kernels {
+            return Ok(());
+        }
+        let list = |kernels: &[String]| match kernels {
+            [] => "the built-in kernels".to_owned(),
+            kernels => kernels.join(", "),
+        };
+        Err(Error::Settings(format!(
+            "the render was begun with {}, but would go on with {}: give the same --kernel-dir",
+            list(before),
+            list(&self.kernels)
+        )))
+    }
+
     /// What every checkpoint of this render says, with nothing rendered yet.
     fn checkpoint(&self) -> Result<Checkpoint<JobRecord>> {
         let Subject { task, scene_hash, .. } = &self.subject;
         let scene =
             SceneSource { path: whole_path(&task.scene)?, defines: task.define.clone(), hash: scene_hash.clone() };
         let outputs = self.film.outputs.to_whole_paths()?;
-        let job = JobRecord { length: self.length, outputs, history: History::default() };
+        let (kernels, history) = (self.kernels.clone(), History::default());
+        let job = JobRecord { length: self.length, outputs, kernels, history };
         let (settings, device) = (self.settings.clone(), self.device_name());
         Ok(Checkpoint { scene, settings, device, job, state: RenderState::default() })
     }
@@ -187,6 +225,9 @@ impl<'a> Job<'a> {
         let stop = || self.interrupt.is_raised() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         let report = self.film.renderer.step(samples, &stop)?;
 
+        if let Some(profiler) = &mut self.profiler {
+            profiler.note(&report);
+        }
         self.history.seconds += report.seconds;
         self.history.counts.add(&report.counts);
         let spp = self.film.renderer.samples_done() - samples_before;
@@ -259,6 +300,9 @@ impl<'a> Job<'a> {
             ("device".into(), self.device_name()),
             ("scene".into(), self.subject.task.scene.display().to_string()),
         ]);
+        if !self.kernels.is_empty() {
+            attributes.push(("replaced_kernels".into(), self.kernels.join(", ")));
+        }
         self.film.outputs.write(picture, &attributes)
     }
 

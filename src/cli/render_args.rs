@@ -6,7 +6,9 @@ use clap::ValueEnum;
 use lodestar::Result;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter, Scene};
-use lodestar::settings::{Learner, Sampler, Settings};
+use lodestar::settings::Settings;
+
+use super::guiding_args::GuidingArgs;
 
 /// Seconds between two checkpoints.
 pub const CHECKPOINT_EVERY: f64 = 60.0;
@@ -62,6 +64,9 @@ pub struct OutputArgs {
     /// Write settings, timings and statistics of every step as JSON.
     #[arg(long, value_name = "STATS.json", help_heading = "Output")]
     pub stats: Option<PathBuf>,
+    /// Time every dispatch: a table at the end, and a trace for ui.perfetto.dev or chrome://tracing in this file.
+    #[arg(long, value_name = "TRACE.json", help_heading = "Output")]
+    pub profile: Option<PathBuf>,
     /// Show no progress.
     #[arg(short, long, help_heading = "Output")]
     pub quiet: bool,
@@ -113,36 +118,8 @@ pub struct ChoiceArgs {
     #[arg(long, value_name = "K", help_heading = "Paths")]
     pub sample_offset: Option<u32>,
 
-    /// How directions are sampled.
-    #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
-    pub sampler: Sampler,
-    /// How the guide learns.
-    #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
-    pub learner: Learner,
-    /// What rejection-mix mixes with the uniform distribution.
-    #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
-    pub mix: Mix,
-    /// Cells of the guide along each axis [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub grid: Option<u32>,
-    /// Direction bins of a cell along each axis [default: 16].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub directions: Option<u32>,
-    /// Samples per pixel between two updates of the guide [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub spp_per_step: Option<u32>,
-    /// Normal bins of a cell along each side [default: 16].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub normals: Option<u32>,
-    /// What one step leaves of a bin's earlier count; 1 is the paper's running mean [default: 0.95].
-    #[arg(long, value_name = "D", help_heading = "Guiding")]
-    pub decay: Option<f32>,
-    /// Tries of rejection sampling before it takes a uniform direction [default: 15].
-    #[arg(long, value_name = "K", help_heading = "Guiding")]
-    pub max_tries: Option<u32>,
-    /// Least share of uniform directions in the guide [default: 0.0625].
-    #[arg(long, value_name = "E", help_heading = "Guiding")]
-    pub min_uniform: Option<f32>,
+    #[command(flatten)]
+    pub guiding: GuidingArgs,
     /// Most samples per pixel of one dispatch: a driver may bound the loop iterations of one [default: 8].
     #[arg(long, value_name = "N", help_heading = "Device")]
     pub samples_per_dispatch: Option<u32>,
@@ -157,6 +134,9 @@ pub struct DeviceArgs {
     /// How long a dispatch should take, in milliseconds [default: 50 on a GPU, 150 on a CPU].
     #[arg(long, value_name = "MS", value_parser = seconds, help_heading = "Device")]
     pub slice_ms: Option<f64>,
+    /// Take kernels from the .spv files of this folder, which `lodestar inspect --out` writes and a person has edited.
+    #[arg(long, value_name = "DIR", help_heading = "Device")]
+    pub kernel_dir: Option<PathBuf>,
     /// Turn Vulkan's validation layer on.
     #[arg(long, help_heading = "Device")]
     pub validate: bool,
@@ -180,13 +160,6 @@ pub enum Filter {
     Tent,
     /// A Gaussian of standard deviation 0.5.
     Gaussian,
-}
-
-/// What `rejection-mix` mixes with the uniform distribution.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Mix {
-    /// The density, Eq. 8 of the paper.
-    Density,
 }
 
 impl DeviceArgs {
@@ -220,16 +193,8 @@ impl ChoiceArgs {
         settings.nee = self.nee == Switch::On;
         settings.seed = self.seed;
         settings.sample_offset = self.sample_offset;
-        settings.sampler = self.sampler;
-        settings.learner = self.learner;
-        settings.grid = self.grid.unwrap_or(settings.grid);
-        settings.directions = self.directions.unwrap_or(settings.directions);
-        settings.normals = self.normals.unwrap_or(settings.normals);
-        settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);
+        self.guiding.apply(&mut settings);
         settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
-        settings.decay = self.decay.unwrap_or(settings.decay);
-        settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
-        settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);
         settings.validate()?;
         settings.check_lighting(scene)?;
         Ok(settings)
@@ -237,7 +202,7 @@ impl ChoiceArgs {
 }
 
 impl Filter {
-    fn with_default_width(self) -> ReconstructionFilter {
+    pub fn with_default_width(self) -> ReconstructionFilter {
         match self {
             Self::Box => ReconstructionFilter::Box,
             Self::Tent => ReconstructionFilter::Tent { radius: 1.0 },
@@ -272,7 +237,7 @@ pub fn exr_path(text: &str) -> Result<PathBuf, String> {
     is_exr.then_some(path).ok_or_else(|| "the name must end in .exr".into())
 }
 
-fn define(text: &str) -> Result<(String, String), String> {
+pub fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err("write it as NAME=VALUE".into()),
@@ -304,6 +269,7 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
     use clap::Parser;
+    use lodestar::settings::Sampler;
 
     #[derive(Debug, Parser)]
     struct Alone {
@@ -330,7 +296,8 @@ mod tests {
         assert_eq!(args.choices.crop, Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
         assert_eq!(args.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
         let RenderArgs { files, choices, .. } = args;
-        assert_eq!((files.exposure, files.tone, choices.sampler), (Some(-1.5), Some(ToneCurve::Paper), Sampler::Bsdf));
+        assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));
+        assert_eq!((choices.guiding.sampler, choices.nee), (Sampler::Bsdf, Switch::On));
         assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
         assert_eq!((choices.sample_offset, args.checkpoint_every), (Some(64), 5.0));
     }

@@ -101,6 +101,8 @@ pub struct History {
 pub struct JobRecord {
     pub length: Length,
     pub outputs: Outputs,
+    /// The files that stand in for built-in kernels, with their hashes.
+    pub kernels: Vec<String>,
     pub history: History,
 }
 
@@ -118,6 +120,7 @@ pub struct Before {
     pub history: History,
     pub outputs: Outputs,
     pub device: String,
+    pub kernels: Vec<String>,
     pub state: RenderState,
 }
 
@@ -150,7 +153,8 @@ fn begin_new(args: &RenderArgs, scene: &Scene) -> Result<Beginning> {
 }
 
 fn begin_resumed(path: &Path, checkpoint: Checkpoint<JobRecord>, scene_hash: &str) -> Result<Beginning> {
-    let Checkpoint { scene, settings, device, job: JobRecord { length, outputs, history }, state } = checkpoint;
+    let Checkpoint { scene, settings, device, job: JobRecord { length, outputs, kernels, history }, state } =
+        checkpoint;
     if scene.hash != scene_hash {
         let message = format!(
             "the scene is not the one it was begun with: scene_hash ({} there, {scene_hash} here); undo what has changed \
@@ -163,7 +167,7 @@ fn begin_resumed(path: &Path, checkpoint: Checkpoint<JobRecord>, scene_hash: &st
         let message = format!("it holds {} samples per pixel already; ask for more with --spp", state.samples_done);
         return Err(Error::checkpoint(path, message));
     }
-    Ok(Beginning { settings, length, before: Some(Before { history, outputs, device, state }), warning: None })
+    Ok(Beginning { settings, length, before: Some(Before { history, outputs, device, kernels, state }), warning: None })
 }
 
 /// Samples are numbered in 32 bits.

@@ -23,7 +23,7 @@ pub use statistics::{Counts, StepReport};
 use crate::bvh::Bvh;
 use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
-use crate::kernels::{self, Kernels, Variant};
+use crate::kernels::{self, BackEnd, Kernels, Registry, Variant};
 use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
 use crate::scene::{Projection, ReconstructionFilter, Scene};
@@ -50,6 +50,7 @@ pub struct Renderer {
     radiance_grid: RadianceGrid,
     normalization_grid: NormalizationGrid,
     slicer: Slicer,
+    back_end: BackEnd,
     /// Where the render is one part of several.
     film_sums: Option<FilmSums>,
     samples_done: u32,
@@ -85,11 +86,26 @@ impl Renderer {
     /// # Errors
     /// Where a setting is out of range or the device cannot hold the scene.
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
+        Self::with_kernels(context, scene, bvh, settings, &Registry::built_in())
+    }
+
+    /// The same with kernels of the caller's, which have the interface of the built-in ones.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_kernels(
+        context: &Arc<Context>,
+        scene: &Scene,
+        bvh: &Bvh,
+        settings: &Settings,
+        registry: &Registry,
+    ) -> Result<Self> {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let shading = Shading::new(scene, bvh);
         let variant = variant(settings, scene, &shading, bvh);
-        let kernels = kernels_for(context, &shading, bvh, settings);
+        let back_end = back_end_for(context, &shading, bvh, settings);
+        let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let mut renderer = Self {
             path_trace: build(&kernels.path_trace)?,
@@ -100,6 +116,7 @@ impl Renderer {
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
             slicer: Slicer::new(context.device(), settings, variant.workgroup_size),
+            back_end,
             context: Arc::clone(context),
             settings: settings.clone(),
             film_sums: None,
@@ -136,6 +153,11 @@ impl Renderer {
         }
         self.stopped = !complete;
         Ok(StepReport { samples, complete, seconds: begin.elapsed().as_secs_f64(), counts })
+    }
+
+    /// Where its kernels read geometry and tables from.
+    pub fn back_end(&self) -> BackEnd {
+        self.back_end
     }
 
     /// Samples per pixel that complete steps and dispatches have taken.
@@ -250,18 +272,47 @@ impl Renderer {
     }
 }
 
-/// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
+/// Texel buffers where the device allows the sizes that geometry and tables need, else storage.
+fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Settings) -> BackEnd {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
     match texels.max(shading.texels()) <= context.device().limits.max_texel_elements && !settings.storage_reads {
-        true => &kernels::TEXEL_BUFFERS,
-        false => &kernels::STORAGE_BUFFERS,
+        true => BackEnd::Texel,
+        false => BackEnd::Storage,
     }
+}
+
+/// The specialization constants of a render.
+pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
+    variant(settings, scene, &Shading::new(scene, bvh), bvh)
 }
 
 fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> Variant {
     let lights = &shading.lights;
     let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
+    Variant {
+        stack_size: bvh.depth,
+        has_spheres: bvh.has_spheres(),
+        has_vertex_normals: bvh.has_vertex_normals(),
+        camera: match scene.camera.projection {
+            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
+            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
+            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
+        },
+        material_kinds: materials::kinds(scene),
+        surface_features: materials::features(scene),
+        texture_kinds: shading.textures.kinds,
+        textured_parameters,
+        max_texture_links,
+        texel_pages: shading.textures.words.pages().len() as u32,
+        nee: settings.nee && !lights.is_empty(),
+        light_kinds: lights.kinds(),
+        environment: lights.environment_kind(),
+        ..variant_of_settings(settings)
+    }
+}
+
+/// The specialization constants that settings alone decide; what a scene decides is left at its default.
+pub fn variant_of_settings(settings: &Settings) -> Variant {
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -281,24 +332,8 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
         decay: settings.decay,
         filter,
         filter_width,
-        stack_size: bvh.depth,
-        has_spheres: bvh.has_spheres(),
-        has_vertex_normals: bvh.has_vertex_normals(),
-        camera: match scene.camera.projection {
-            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
-            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
-            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
-        },
+        nee: settings.nee,
         pdf_tamper: settings.pdf_tamper,
-        material_kinds: materials::kinds(scene),
-        surface_features: materials::features(scene),
-        texture_kinds: shading.textures.kinds,
-        textured_parameters,
-        max_texture_links,
-        texel_pages: shading.textures.words.pages().len() as u32,
-        nee: settings.nee && !lights.is_empty(),
-        light_kinds: lights.kinds(),
-        environment: lights.environment_kind(),
         mis_fault: settings.mis_fault,
         ..Variant::default()
     }

@@ -67,8 +67,9 @@ impl io::Write for Sink {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::texture::{Image, Texels};
-    use crate::scene::{LoadOptions, ReconstructionFilter, load};
+    use crate::scene::texture::{Image, Pattern, Texels, Texture};
+    use crate::scene::{DeltaEmitter, DeltaKind, LoadOptions, Projection, ReconstructionFilter, load};
+    use glam::{Mat3, Vec3};
 
     fn scene() -> Scene {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
@@ -76,8 +77,15 @@ mod tests {
         // More than one task's worth.
         scene.primitives = scene.primitives.iter().copied().cycle().take(CHUNK + 7).collect();
         let texels = Texels::Bytes { srgb: true, data: vec![[1, 2, 3, 4]; 6] };
+        let pattern = Pattern::Checkerboard { color0: Vec3::ZERO, color1: Vec3::ONE };
+        scene.textures.push(Texture { name: "a".into(), pattern, to_uv: Mat3::IDENTITY });
         scene.images.push(Image { name: "a.png".into(), width: 3, height: 2, texels });
         scene
+    }
+
+    fn point_light() -> DeltaEmitter {
+        let kind = DeltaKind::Point { position: Vec3::ZERO, intensity: Vec3::ONE };
+        DeltaEmitter { kind, sampling_weight: 1.0 }
     }
 
     type Change = fn(&mut Scene);
@@ -90,18 +98,26 @@ mod tests {
 
     #[test]
     fn everything_that_changes_a_picture_changes_it() {
-        let changes: [(&str, Change); 14] = [
+        let changes: [(&str, Change); 20] = [
             ("nothing", |_| {}),
             ("the last primitive", |s| s.primitives.last_mut().unwrap().edge_u.x += 1.0e-4),
             ("a primitive more", |s| s.primitives.push(s.primitives[0])),
             ("two primitives swapped", |s| s.primitives.swap(0, CHUNK + 6)),
             ("the camera", |s| s.camera.fov += 1.0e-4),
+            ("the projection", |s| s.camera.projection = Projection::Orthographic),
+            ("the lens", |s| {
+                s.camera.projection = Projection::ThinLens { aperture_radius: 0.1, focus_distance: 2.0 };
+            }),
             ("the filter", |s| s.film.filter = ReconstructionFilter::Tent { radius: 1.5 }),
             ("the integrator", |s| s.integrator.max_depth = Some(77)),
             ("the sample count", |s| s.sample_count = Some(77)),
             ("a material", |s| drop(s.materials.pop())),
             ("an emitter", |s| s.emitters[0].sampling_weight = 0.5),
-            ("the environment", |s| s.environment = Some(crate::scene::Environment::constant(glam::Vec3::ONE))),
+            ("its radiance", |s| s.emitters[0].radiance.value.x += 1.0e-4),
+            ("its texture", |s| s.emitters[0].radiance.texture = Some(0)),
+            ("a point light", |s| s.delta_emitters.push(point_light())),
+            ("a texture", |s| drop(s.textures.pop())),
+            ("the environment", |s| s.environment = Some(crate::scene::Environment::constant(Vec3::ONE))),
             ("a texel", |s| s.images[0].texels = Texels::Bytes { srgb: true, data: vec![[1, 2, 3, 5]; 6] }),
             ("its encoding", |s| s.images[0].texels = Texels::Bytes { srgb: false, data: vec![[1, 2, 3, 4]; 6] }),
             ("an image's shape", |s| (s.images[0].width, s.images[0].height) = (2, 3)),
