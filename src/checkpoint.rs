@@ -55,7 +55,7 @@ pub struct SceneSource {
     pub path: String,
     /// `-D name=value`
     pub defines: Vec<(String, String)>,
-    /// See [`crate::scene::fingerprint`].
+    /// See [`crate::scene::fingerprint()`].
     pub hash: String,
 }
 

@@ -39,7 +39,8 @@ pub fn validate(words: &[u32]) -> Result<(), ToolFault> {
 /// own optimizers can be expected to find.
 pub fn fold_constants(words: &[u32]) -> Result<Vec<u8>, ToolFault> {
     let target = format!("--target-env={TARGET}");
-    run("spirv-opt", &[&target, "--freeze-spec-const", "--fold-spec-const-op-composite", "-O", "-", "-o", "-"], words)
+    let passes = ["--freeze-spec-const", "--fold-spec-const-op-composite", "-O"];
+    run("spirv-opt", &[&[&target, "--scalar-block-layout"], &passes[..], &["-", "-o", "-"]].concat(), words)
 }
 
 /// What the program writes when fed the words. All three read to the end before they write.

@@ -118,6 +118,10 @@ fn a_scene_chooses_what_scenes_do() {
     folder.write("sphere.xml", &crate::support::SCENE.replace("\"cube\"", "\"sphere\""));
     let spheres = |scene| constant(&path_trace(&folder, &["--scene", scene]), "HAS_SPHERES");
     assert_eq!((spheres("scene.xml"), spheres("sphere.xml")), (false.into(), true.into()));
+    let nee = |arguments| constant(&path_trace(&folder, arguments), "NEE");
+    assert_eq!((nee(&["--scene", "scene.xml", "--nee", "on"]), nee(&["--nee", "off"])), (true.into(), false.into()));
+    let lit = path_trace(&folder, &["--scene", "scene.xml"]);
+    assert_ne!(constant(&lit, "LIGHT_KINDS"), 0);
 }
 
 #[test]
