@@ -126,7 +126,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     path.throughput *= next.weight;
     path.eta *= next.eta;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
-        path.ray = leave_surface(s, next.wi);
+        path.ray = x.passes ? pass_surface(s, next.wi) : leave_surface(s, next.wi);
         path.from = s.position;
         path.pdf = next.pdf;
         ++path.depth;

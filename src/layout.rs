@@ -55,7 +55,7 @@ pub struct SceneConstants {
     pub cells_per_unit: [f32; 3],
     /// Learning targets saturate here, W/(m^2 sr).
     pub target_limit: f32,
-    /// Radiance of a constant environment, factor of a map's.
+    /// Radiance of a constant environment, factor of a map's texels.
     pub environment: [f32; 3],
     /// The render's seed.
     pub seed: u32,

@@ -13,7 +13,7 @@ pub const TRANSMITTANCE_ENTRIES: usize = 64;
 /// Facets seen from one direction are integrated over this many points radially, and over as many angles or slopes.
 const POINTS: usize = 24;
 /// The same radially where total reflection cuts through them.
-const POINTS_ACROSS_EDGE: usize = 96;
+const POINTS_ACROSS_EDGE: usize = 256;
 /// Beyond this slope, in units of the roughness, Beckmann's distribution holds less than 1e-8 of all facets.
 const STEEPEST: f64 = 4.5;
 

@@ -13,7 +13,8 @@ BsdfSample sample_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 m, vec3 u) {
     vec3 refracted = m * (cos_o / i.eta - (cos_o > 0.0 ? i.cos_t : -i.cos_t)) - wo / i.eta;
     vec3 wi = reflects ? reflect(-wo, m) : refracted;
     bool crosses = wo.z * wi.z < 0.0;
-    bool valid = wo.z * wi.z != 0.0 && crosses != reflects;
+    // Rounding may turn a facet that is seen edge-on away.
+    bool valid = wo.z * wi.z != 0.0 && crosses != reflects && cos_o * wo.z > 0.0;
     return BsdfSample(wi, valid ? LOBE_GLOSSY : LOBE_NONE, vec3(0.0), reflects ? 1.0 : i.eta);
 }
 

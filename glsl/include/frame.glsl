@@ -32,7 +32,7 @@ struct SceneConstants {
     float aperture_radius;      // of a thin lens
     vec3 cells_per_unit;        // grid resolution / extent
     float target_limit;         // learning targets saturate here, W/(m^2 sr)
-    vec3 environment;           // radiance of a constant environment, factor of a map's
+    vec3 environment;           // radiance of a constant environment, factor of a map's texels
     uint seed;
     uvec2 window_offset;        // of the rendered window within the film
     uvec2 window_size;

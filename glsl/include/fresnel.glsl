@@ -29,12 +29,14 @@ vec3 fresnel_conductor(float cos_i, vec3 eta, vec3 k) {
     vec3 a2_b2 = sqrt(t * t + 4.0 * eta_k * eta_k);
     // a^2 = (a2_b2 + t) / 2 without the cancellation where t < 0.
     vec3 a2 = mix(2.0 * eta_k * eta_k / max(a2_b2 - t, 1.0e-20), 0.5 * (a2_b2 + t), greaterThanEqual(t, vec3(0.0)));
-    vec3 ac = 2.0 * cos_i * sqrt(a2);
-    vec3 s = (a2_b2 + c2 - ac) / (a2_b2 + c2 + ac);
-    // The small number only keeps 0 / 0 at one: a perfect mirror at normal incidence.
-    vec3 base = a2_b2 * c2 + (s2 * s2 + 1.0e-20);
-    vec3 p = s * (base - ac * s2) / (base + ac * s2);
-    return 0.5 * (s + p);
+    vec3 ac = 2.0 * abs(cos_i) * sqrt(a2);
+    // The small number only keeps 0 / 0 at one: at grazing incidence on what does not refract, and at normal incidence on
+    // a perfect mirror.
+    vec3 base_s = a2_b2 + (c2 + 1.0e-20);
+    vec3 base_p = a2_b2 * c2 + (s2 * s2 + 1.0e-20);
+    vec3 s = (base_s - ac) / (base_s + ac);
+    vec3 p = s * (base_p - ac * s2) / (base_p + ac * s2);
+    return max(0.5 * (s + p), vec3(0.0));
 }
 
 #endif

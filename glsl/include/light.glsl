@@ -45,13 +45,14 @@ float pdf_area_light(uint primitive, Surface s, vec3 from) {
 
 Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
     vec4 texel0 = fetch_primitive(primitive, 0u);
+    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
     uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
-    Hit hit = Hit(0.0, sample_flat(shape, u), primitive);
-    vec3 direction = vec3(0.0, 0.0, 1.0);
-    if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        direction = sample_sphere(from, texel0.xyz, length(fetch_primitive(primitive, 1u).xyz), u, hit.t);
-    }
-    return surface_at(Ray(from, direction, MAX_DISTANCE), hit);
+    vec2 uv = sample_flat(shape, u);
+    vec3 point = texel0.xyz + uv.x * edge_u + uv.y * fetch_primitive(primitive, 2u).xyz;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) point = sample_sphere(from, texel0.xyz, length(edge_u), u);
+    // As a ray finds it that has come to its end.
+    Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
+    return surface_at(ray, Hit(0.0, uv, primitive));
 }
 
 LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {

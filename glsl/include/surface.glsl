@@ -159,4 +159,12 @@ Ray leave_surface(Surface s, vec3 wi) {
     return Ray(s.position + s.epsilon * off, wi, MAX_DISTANCE);
 }
 
+// A ray that goes straight on through a hole of a surface. It starts as far behind as Mitsuba 3 has it start (its RayEpsilon,
+// and one unit more than the largest coordinate): a sheet that is modeled by two layers a hair's breadth apart, as blinds and
+// leaves often are, is passed at once, as it is there.
+Ray pass_surface(Surface s, vec3 wi) {
+    s.epsilon = max(s.epsilon, 8.94e-5 * (1.0 + max_abs(s.position)));
+    return leave_surface(s, wi);
+}
+
 #endif

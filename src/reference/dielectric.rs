@@ -29,9 +29,8 @@ pub fn dielectric_lobes(b: &Dielectric, wo: DVec3) -> Vec<DeltaLobe> {
 /// What a thin sheet does to light.
 pub fn thin_dielectric_lobes(b: &Dielectric, wo: DVec3) -> Vec<DeltaLobe> {
     let r = fresnel_dielectric(wo.z.abs(), b.eta).reflectance;
-    // The sum over all orders of internal reflection.
-    let order = |n: i32| (1.0 - r).powi(2) * r.powi(2 * n + 1);
-    let reflectance = if r < 1.0 { r + (0..200).map(order).sum::<f64>() } else { 1.0 };
+    // The second part is the sum over all orders of internal reflection, (1 - r)^2 r^(2 n + 1).
+    let reflectance = if r < 1.0 { r + (1.0 - r).powi(2) * r / (1.0 - r * r) } else { 1.0 };
     lobes(b, wo, reflectance, -wo, 1.0, 1.0)
 }
 

@@ -5,18 +5,23 @@ use half::f16;
 /// Halves reach 65504; the largest value of an image is brought to at most this, which leaves small ones the most digits.
 const LARGEST_EXPONENT: f32 = 15.0;
 
-/// What the halves are to be multiplied by: a power of two, so that an image of halves stays as it is.
-pub(super) fn scale(texels: &[[f32; 4]]) -> f32 {
-    let largest = texels.iter().flatten().fold(0.0f32, |largest, value| largest.max(value.abs()));
+/// What the halves of these values are to be multiplied by: a power of two, so that an image of halves stays as it is.
+pub fn scale(values: impl Iterator<Item = f32>) -> f32 {
+    let largest = values.fold(0.0f32, |largest, value| largest.max(value.abs()));
     // A power that is itself an ordinary number, whatever the image.
     (largest.max(f32::MIN_POSITIVE).log2().ceil() - LARGEST_EXPONENT).max(-100.0).exp2()
 }
 
 /// Red and green in the first word of a texel, blue and alpha in the second.
-pub(super) fn write(words: &mut [u32], texels: &[[f32; 4]], scale: f32) {
-    for (pair, texel) in words.chunks_exact_mut(2).zip(texels) {
-        let [red, green, blue, alpha] = texel.map(|value| u32::from(f16::from_f32(value / scale).to_bits()));
-        pair.copy_from_slice(&[red | green << 16, blue | alpha << 16]);
+pub fn words(texel: [f32; 4], scale: f32) -> [u32; 2] {
+    let [red, green, blue, alpha] = texel.map(|value| u32::from(f16::from_f32(value / scale).to_bits()));
+    [red | green << 16, blue | alpha << 16]
+}
+
+/// The words of several texels.
+pub(super) fn write(target: &mut [u32], texels: &[[f32; 4]], scale: f32) {
+    for (pair, texel) in target.chunks_exact_mut(2).zip(texels) {
+        pair.copy_from_slice(&words(*texel, scale));
     }
 }
 
@@ -25,9 +30,8 @@ mod tests {
     use super::*;
 
     fn there_and_back(texel: [f32; 4]) -> [f32; 4] {
-        let scale = scale(&[texel]);
-        let mut words = [0; 2];
-        write(&mut words, &[texel], scale);
+        let scale = scale(texel.into_iter());
+        let words = words(texel, scale);
         let half = |bits: u32| scale * f16::from_bits(bits as u16).to_f32();
         [half(words[0]), half(words[0] >> 16), half(words[1]), half(words[1] >> 16)]
     }

@@ -1,7 +1,7 @@
 //! Textures as the kernels read them (`glsl/include/textures.glsl`): a record each, and the words of their images, together
 //! with the tables that materials refer to. CPU only.
 
-mod halves;
+pub(crate) mod halves;
 mod records;
 mod words;
 

@@ -44,7 +44,7 @@ fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRec
             let image = &images[image as usize];
             let scale = match &image.texels {
                 Texels::Bytes { .. } => 1.0,
-                Texels::Floats(data) => halves::scale(data),
+                Texels::Floats(data) => halves::scale(data.iter().flatten().copied()),
             };
             TextureRecord { address, size: [image.width, image.height], scale, ..plain }
         }

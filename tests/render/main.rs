@@ -11,6 +11,7 @@ mod device;
 mod estimate;
 mod learning;
 mod nee;
+mod relief;
 mod scenes;
 mod significance;
 mod variance;

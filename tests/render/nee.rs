@@ -25,6 +25,11 @@ fn polygon_irradiance(vertices: &[DVec3]) -> f64 {
     0.5 * vertices.iter().zip(next).map(edge).sum::<f64>().abs()
 }
 
+/// Of a panel above the origin, between these coordinates.
+fn panel_irradiance(x0: f64, x1: f64, z0: f64, z1: f64) -> f64 {
+    polygon_irradiance(&[(x0, z0), (x1, z0), (x1, z1), (x0, z1)].map(|(x, z)| dvec3(x, 2.0, z)))
+}
+
 /// The same of directions with this radiance, by the midpoint rule.
 fn hemisphere_irradiance(radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {
     const STEPS: u32 = 1500;
@@ -51,9 +56,11 @@ fn map_irradiance(scene: &Scene) -> DVec3 {
 fn floor_radiance(light: &str) -> f64 {
     let up = |position: DVec3| position.normalize().y;
     let irradiance = match light {
-        "rectangle" => {
-            let corners = [(0.5, -1.5), (2.5, -1.5), (2.5, 0.5), (0.5, 0.5)].map(|(x, z)| dvec3(x, 2.0, z));
-            dvec3(3.0, 2.0, 1.0) * polygon_irradiance(&corners)
+        "rectangle" => dvec3(3.0, 2.0, 1.0) * panel_irradiance(0.5, 2.5, -1.5, 0.5),
+        "textured" => {
+            let colors = [dvec3(6.0, 1.0, 1.0), dvec3(0.0, 0.0, 2.0)];
+            colors[0] * (panel_irradiance(0.5, 1.5, -1.5, -0.5) + panel_irradiance(1.5, 2.5, -0.5, 0.5))
+                + colors[1] * (panel_irradiance(1.5, 2.5, -1.5, -0.5) + panel_irradiance(0.5, 1.5, -0.5, 0.5))
         }
         "disk" => dvec3(4.0, 3.0, 5.0) * (PI * 0.5625 / (0.5625 + 6.25)),
         "sphere" => {
@@ -93,7 +100,7 @@ fn deviation((mean, error): (f64, f64), expected: f64) -> f64 {
     (mean - expected) / error.hypot(1.0e-5 * expected)
 }
 
-const SPREAD: [&str; 5] = ["rectangle", "disk", "sphere", "constant", "envmap"];
+const SPREAD: [&str; 6] = ["rectangle", "textured", "disk", "sphere", "constant", "envmap"];
 const DELTA: [&str; 3] = ["point", "spot", "directional"];
 
 #[test]

@@ -152,14 +152,15 @@ fn radiances_agree(case: &Value, factor: f64) -> bool {
     };
     let worst = pairs.map(error).fold(0.0, f64::max);
     println!("{factor}: {worst:?} off, {}", case["xml"]);
-    worst < 1.0e-4
+    // Maps are kept as halves.
+    worst < 5.0e-4
 }
 
 #[test]
 fn environments_are_mitsubas() {
     for case in fixture()["environments"].as_array().expect("an array") {
         assert!(radiances_agree(case, 1.0), "{case}");
-        assert!(!radiances_agree(case, 1.001), "the twin of {case}");
+        assert!(!radiances_agree(case, 1.002), "the twin of {case}");
     }
 }
 

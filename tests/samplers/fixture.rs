@@ -22,6 +22,10 @@ impl Row {
         self.numbers(name).into()
     }
 
+    pub fn text(&self, name: &str) -> &str {
+        self.0[name].as_str().unwrap_or_else(|| panic!("{name} in {}", self.0))
+    }
+
     pub fn is(&self, name: &str) -> bool {
         self.0[name].as_bool().unwrap_or_else(|| panic!("{name} in {}", self.0))
     }

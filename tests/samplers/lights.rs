@@ -116,8 +116,8 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
         ("bvh_primitives", &records),
         ("bvh_attributes", &attributes),
     ];
-    let groups = inputs.len() as u32 / GROUP;
-    device.dispatch_renderers(&test::LIGHT, &variant, &named, bytemuck::bytes_of(&seed), groups);
+    let push = bytemuck::bytes_of(&seed);
+    device.dispatch_renderers(&test::LIGHT, &variant, &named, push, inputs.len() as u32 / GROUP);
     output.read(0, inputs.len()).expect("read")
 }
 

@@ -2,6 +2,7 @@
 //! host. Every statistical test has a fixed seed, so it passes always or never, and a tampered twin that it must reject.
 
 mod area_lights;
+mod bsdf;
 mod camera;
 mod device;
 mod directions;
@@ -22,5 +23,6 @@ mod relief;
 mod scattering;
 mod scattering_cases;
 mod statistics;
+mod substances;
 mod surfaces;
 mod textures;

@@ -4,41 +4,43 @@
 use std::f64::consts::{PI, TAU};
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DQuat, DVec3, Vec3, dvec3};
+use glam::{DQuat, DVec2, DVec3, Vec3, dvec2, dvec3};
 use lodestar::gpu::Kernel;
-use lodestar::kernels::test;
+use lodestar::kernels::{Variant, test};
+use rayon::prelude::*;
 
 use crate::device::{Device, GROUP};
-use crate::scattering_cases::{Base, DeviceBsdf, Surface, surfaces, variant};
+use crate::scattering_cases::{DeviceBsdf, Surface, surfaces, variant};
 use crate::statistics::{Numbers, chi_square, mean_and_error, sidak};
+use crate::substances::table_words;
 
 /// Chance that a sound sampler is rejected anywhere here.
 const SIGNIFICANCE: f64 = 0.01;
 const SAMPLES: usize = 1 << 17;
-const LOBE_NONE: u32 = 0;
-const LOBE_DELTA: u32 = 3;
+pub const LOBE_NONE: u32 = 0;
+pub const LOBE_DELTA: u32 = 3;
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct ScatteringInput {
-    bsdf: DeviceBsdf,
-    wo: [f32; 3],
-    wi: [f32; 3],
-    u: [f32; 3],
+pub struct ScatteringInput {
+    pub bsdf: DeviceBsdf,
+    pub wo: [f32; 3],
+    pub wi: [f32; 3],
+    pub u: [f32; 3],
 }
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct ScatteringOutput {
-    wi: [f32; 3],
-    lobe: u32,
-    weight: [f32; 3],
-    eta: f32,
-    pdf: f32,
-    value: [f32; 3],
+pub struct ScatteringOutput {
+    pub wi: [f32; 3],
+    pub lobe: u32,
+    pub weight: [f32; 3],
+    pub eta: f32,
+    pub pdf: f32,
+    pub value: [f32; 3],
 }
 
-fn d3(v: [f32; 3]) -> DVec3 {
+pub fn d3(v: [f32; 3]) -> DVec3 {
     Vec3::from(v).as_dvec3()
 }
 
@@ -55,26 +57,39 @@ fn incidences(surface: &Surface) -> Vec<DVec3> {
 }
 
 /// A device with the kernel's pipeline.
-struct Bench {
+pub struct Bench {
     device: Device,
     kernel: Kernel,
 }
 
 impl Bench {
-    fn new() -> Self {
+    pub fn new() -> Self {
+        Self::with(&variant())
+    }
+
+    pub fn with(variant: &Variant) -> Self {
         let device = Device::new();
-        let kernel = device.kernel(&test::SCATTERING, &variant());
+        let kernel = device.kernel(&test::SCATTERING, variant);
         Self { device, kernel }
     }
 
-    fn map(&self, inputs: &[ScatteringInput]) -> Vec<ScatteringOutput> {
+    pub fn map(&self, inputs: &[ScatteringInput]) -> Vec<ScatteringOutput> {
         let groups = inputs.len().div_ceil(GROUP as usize);
         let padded = groups * GROUP as usize;
         let input = self.device.storage("inputs", padded * size_of::<ScatteringInput>());
         input.upload(0, inputs).expect("uploaded");
         let output = self.device.storage("outputs", padded * size_of::<ScatteringOutput>());
-        let tables = self.device.storage("tables", 4);
-        self.device.dispatch(&self.kernel, &[&tables, &input, &output], &[], groups as u32);
+        let tables = self.device.uploaded("tables", &table_words());
+        // The parameters are given, so that only tables are looked up.
+        let unused = self.device.storage("unused", 256);
+        let bindings = self.kernel.source().sets.iter().flat_map(|set| set.bindings);
+        let buffers = bindings.map(|binding| match binding.name {
+            "ScatteringInputs" => &input,
+            "ScatteringOutputs" => &output,
+            "TexelWords" | "texel_words" => &tables,
+            _ => &unused,
+        });
+        self.device.dispatch(&self.kernel, &buffers.collect::<Vec<_>>(), &[], groups as u32);
         output.read(0, inputs.len()).expect("read")
     }
 }
@@ -131,9 +146,10 @@ impl Bins {
         (side * RINGS + ring) * SECTORS + (sector as usize).min(SECTORS - 1)
     }
 
-    /// Integrals of a density over all bins.
-    fn integrals(&self, pdf: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    /// Integrals of two densities over all bins.
+    fn integrals(&self, pdf: impl Fn(DVec3) -> DVec2 + Sync) -> Vec<DVec2> {
         (0..Self::COUNT)
+            .into_par_iter()
             .map(|bin| {
                 let (side, ring, sector) = (bin / SECTORS / RINGS, bin / SECTORS % RINGS, bin % SECTORS);
                 let step = 1.0 / POINTS as f64;
@@ -142,15 +158,15 @@ impl Bins {
                     let edges = [i, i + 1].map(|i| outer_angle(ring as f64 + i as f64 * step).cos());
                     (edges[0] - edges[1]) * TAU / (SECTORS * POINTS) as f64
                 };
-                let mut sum = 0.0;
+                let mut sum = DVec2::ZERO;
                 for i in 0..POINTS {
                     let (sine, cosine) = outer_angle(at(i, ring)).sin_cos();
-                    let row: f64 = (0..POINTS)
+                    let row: DVec2 = (0..POINTS)
                         .map(|j| {
                             let phi = TAU * at(j, sector) / SECTORS as f64;
                             let w = self.axes[side] * dvec3(sine * phi.cos(), sine * phi.sin(), cosine);
                             let inside = ((w.z > 0.0) == self.upper) == (side == 0);
-                            if inside { pdf(w) } else { 0.0 }
+                            if inside { pdf(w) } else { DVec2::ZERO }
                         })
                         .sum();
                     sum += row * ring_area(i);
@@ -161,17 +177,19 @@ impl Bins {
     }
 }
 
-/// Chi-square of samples against the twin's density, times a factor, and the probability of single directions.
-fn fit(surface: &Surface, wo: DVec3, samples: &[ScatteringOutput], tamper: impl Fn(DVec3) -> f64) -> f64 {
+/// Chi-square of samples against the twin's density and the probability of single directions; and the same where the density
+/// is 5 % higher in one half of all directions, and lower in the other.
+fn fit(surface: &Surface, wo: DVec3, samples: &[ScatteringOutput]) -> [f64; 2] {
     let bins = Bins::new(wo, surface.eta());
     let mut observed = vec![0_u64; Bins::COUNT + 1];
     for s in samples.iter().filter(|s| s.lobe != LOBE_NONE) {
         observed[if s.lobe == LOBE_DELTA { Bins::COUNT } else { bins.bin(d3(s.wi)) }] += 1;
     }
-    let mut expected = bins.integrals(|wi| surface.pdf(wo, wi) * tamper(wi));
-    expected.push(surface.delta(wo));
-    expected.iter_mut().for_each(|share| *share *= samples.len() as f64);
-    chi_square(&observed, &expected)
+    let tamper = |wi: DVec3| if wi.x > 0.3 * wi.y { 1.05 } else { 0.95 };
+    let mut expected = bins.integrals(|wi| surface.pdf(wo, wi) * dvec2(1.0, tamper(wi)));
+    expected.push(DVec2::splat(surface.delta(wo)));
+    let expected_counts = |i: usize| expected.iter().map(|share| share[i] * samples.len() as f64).collect::<Vec<_>>();
+    [0, 1].map(|i| chi_square(&observed, &expected_counts(i)))
 }
 
 #[test]
@@ -182,19 +200,31 @@ fn samples_have_the_twins_density() {
     let level = sidak(SIGNIFICANCE, cases.len());
     for (seed, (surface, wo)) in (100..).zip(&cases) {
         let samples = draw(&bench, surface, *wo, seed);
-        let p = fit(surface, *wo, &samples, |_| 1.0);
+        let [p, tampered] = fit(surface, *wo, &samples);
         println!("seed {seed}, wo {wo:.3}, {}: p = {p:.3}", surface.name);
         assert!(p > level, "p = {p}, wo {wo}, {}", surface.name);
         if surface.delta(*wo) < 0.3 {
-            let p = fit(surface, *wo, &samples, |wi| if wi.x > 0.3 * wi.y { 1.05 } else { 0.95 });
-            assert!(p < level, "the twin: p = {p}, wo {wo}, {}", surface.name);
+            assert!(tampered < level, "the twin: p = {tampered}, wo {wo}, {}", surface.name);
         }
     }
 }
 
 /// Light from `wi` is a fraction of what is reflected below, so errors are relative to the larger of it and a floor.
-fn relative(a: DVec3, b: DVec3) -> f64 {
+pub fn relative(a: DVec3, b: DVec3) -> f64 {
     (a - b).length() / (b.length() + 1.0e-3)
+}
+
+/// How much values and densities change where the directions' last bits do: half vectors of narrow lobes lose digits.
+fn conditioning(surface: &Surface, wo: DVec3, wi: DVec3) -> f64 {
+    let (value, pdf) = (surface.eval(wo, wi), DVec3::splat(surface.pdf(wo, wi)));
+    let change = |off: DVec3| {
+        let moved = [(wo, (wi + off).normalize()), ((wo + off).normalize(), wi)];
+        let changes = moved.map(|(wo, wi)| {
+            relative(surface.eval(wo, wi), value).max(relative(DVec3::splat(surface.pdf(wo, wi)), pdf))
+        });
+        changes[0].max(changes[1])
+    };
+    DVec3::AXES.into_iter().map(|axis| change(2.0e-7 * axis)).fold(0.0, |sum, change| sum + change)
 }
 
 /// Pairs of directions; half of them near what a smooth surface reflects or transmits.
@@ -230,14 +260,14 @@ fn values_and_densities_are_the_twins() {
         for ([wo, wi], o) in pairs.iter().zip(&outputs) {
             let (value, pdf) = (surface.eval(*wo, *wi), surface.pdf(*wo, *wi));
             let off = [relative(d3(o.value), value), relative(DVec3::splat(o.pdf.into()), DVec3::splat(pdf))];
-            // Half vectors of narrow lobes lose digits.
+            let tolerance = surface.tolerance() + conditioning(surface, *wo, *wi);
             assert!(
-                off[0].max(off[1]) < surface.tolerance(),
+                off[0].max(off[1]) < tolerance,
                 "{off:?} for {wo} {wi}: {o:?}, not {value} {pdf}, {}",
                 surface.name
             );
             worst = [worst[0].max(off[0]), worst[1].max(off[1])];
-            tampered += usize::from(relative(d3(o.value), 1.01 * value) > surface.tolerance());
+            tampered += usize::from(relative(d3(o.value), 1.01 * value) > tolerance);
         }
         println!("{}: largest relative deviations {worst:.1?}e-6", surface.name, worst = worst.map(|x| 1.0e6 * x));
     }
@@ -247,6 +277,8 @@ fn values_and_densities_are_the_twins() {
 /// f is symmetric where both directions are on one side; `twist` spoils it.
 fn asymmetry(surface: &Surface, twist: f64) -> f64 {
     let pairs = pairs(surface, 4096, 77).into_iter().filter(|[wo, wi]| wo.z > 0.05 && wi.z > 0.05);
+    // Facets take what is not quite a unit vector as another angle.
+    let pairs = pairs.map(|pair| pair.map(DVec3::normalize));
     let deviation = |[wo, wi]: [DVec3; 2]| {
         let there = surface.eval(wo, wi) / wi.z * (1.0 + twist * (wo.x - wi.x));
         relative(there, surface.eval(wi, wo) / wo.z)
@@ -257,7 +289,7 @@ fn asymmetry(surface: &Surface, twist: f64) -> f64 {
 /// Of the twins, which the device agrees with.
 #[test]
 fn reflection_is_reciprocal() {
-    for surface in surfaces().iter().filter(|s| !matches!(s.base, Base::Mirror)) {
+    for surface in surfaces().iter().filter(|s| s.delta(DVec3::Z) < 0.9) {
         assert!(asymmetry(surface, 0.0) < 1.0e-5, "{}: {}", surface.name, asymmetry(surface, 0.0));
         assert!(asymmetry(surface, 0.05) > 1.0e-2, "the twin, {}", surface.name);
     }

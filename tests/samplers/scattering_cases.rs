@@ -1,33 +1,42 @@
-//! Rough diffuse, principled and coated surfaces, as the device and as their twins take them.
+//! Surfaces of every kind, as the device and as their twins take them.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use lodestar::kernels::{
-    BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_ROUGH_DIFFUSE, FEATURE_COATING, MATERIAL_COATED, MATERIAL_FAST_APPROXIMATION,
-    MATERIAL_GGX, Variant,
+    BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING, MATERIAL_COATED,
+    MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
 };
 use lodestar::reference::coating::{Coating, coating_probability, eval_coating, pdf_coating};
 use lodestar::reference::direction::pdf_cosine_hemisphere;
 use lodestar::reference::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
 use lodestar::reference::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
 
+use crate::substances::{Substance, substances};
+
 /// `Bsdf` of `glsl/include/bsdf_parameters.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
 pub struct DeviceBsdf {
-    kind_and_flags: u32,
+    pub kind_and_flags: u32,
     colors: [[f32; 3]; 3],
-    scalars: [f32; 12],
+    pub scalars: [f32; 12],
     optical_thickness: [f32; 3],
     coating_eta: f32,
     coating_specular: [f32; 3],
 }
 
+impl DeviceBsdf {
+    pub fn new(kind_and_flags: u32, colors: [DVec3; 3]) -> Self {
+        Self { kind_and_flags, colors: colors.map(floats), ..Self::default() }
+    }
+}
+
 /// What is below a coating, if there is one.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub enum Base {
     RoughDiffuse(RoughDiffuse),
     Principled(Principled),
+    Substance(Substance),
     Mirror,
 }
 
@@ -40,12 +49,7 @@ pub struct Surface {
 
 /// A pipeline for all of them.
 pub fn variant() -> Variant {
-    let kinds = [BSDF_ROUGH_DIFFUSE, BSDF_PRINCIPLED, BSDF_CONDUCTOR];
-    Variant {
-        material_kinds: kinds.iter().fold(0, |bits, kind| bits | 1 << kind),
-        surface_features: FEATURE_COATING,
-        ..Variant::default()
-    }
+    Variant { material_kinds: u32::MAX, surface_features: FEATURE_COATING | FEATURE_BECKMANN, ..Variant::default() }
 }
 
 fn floats(v: DVec3) -> [f32; 3] {
@@ -59,7 +63,11 @@ impl Surface {
 
     /// Light is seen on both sides.
     pub fn transmits(&self) -> bool {
-        matches!(&self.base, Base::Principled(b) if b.spec_trans > 0.0)
+        match &self.base {
+            Base::Principled(b) => b.spec_trans > 0.0,
+            Base::Substance(b) => b.transmits(),
+            _ => false,
+        }
     }
 
     /// The same without absorption.
@@ -68,6 +76,7 @@ impl Surface {
         match &mut white.base {
             Base::RoughDiffuse(b) => b.reflectance = DVec3::ONE,
             Base::Principled(b) => b.base_color = DVec3::ONE,
+            Base::Substance(b) => *b = b.white(),
             Base::Mirror => {}
         }
         if let Some(c) = &mut white.coating {
@@ -88,6 +97,7 @@ impl Surface {
         let mut bsdf = match &self.base {
             Base::RoughDiffuse(b) => device_rough_diffuse(b),
             Base::Principled(b) => device_principled(b),
+            Base::Substance(b) => b.device(),
             Base::Mirror => DeviceBsdf {
                 kind_and_flags: BSDF_CONDUCTOR,
                 colors: [[1.0; 3], [0.0; 3], [0.0; 3]],
@@ -122,12 +132,20 @@ impl Surface {
     /// Probability of the single directions.
     pub fn delta(&self, wo: DVec3) -> f64 {
         let layer = self.coating.map_or(0.0, |c| coating_probability(&c, wo));
-        if matches!(self.base, Base::Mirror) { 1.0 } else { layer }
+        match &self.base {
+            Base::Mirror => 1.0,
+            Base::Substance(b) => b.lobes(wo).iter().map(|lobe| lobe.probability).sum(),
+            _ => layer,
+        }
     }
 
     /// Index of refraction by which transmitted directions are bent, interior over exterior.
     pub fn eta(&self) -> f64 {
-        if let Base::Principled(b) = &self.base { b.eta } else { 1.0 }
+        match &self.base {
+            Base::Principled(b) => b.eta,
+            Base::Substance(b) => b.bending(),
+            _ => 1.0,
+        }
     }
 }
 
@@ -136,6 +154,7 @@ impl Base {
         match self {
             Self::RoughDiffuse(b) => eval_bsdf_rough_diffuse(b, wo, wi),
             Self::Principled(b) => eval_bsdf_principled(b, wo, wi),
+            Self::Substance(b) => b.eval(wo, wi),
             Self::Mirror => DVec3::ZERO,
         }
     }
@@ -144,6 +163,7 @@ impl Base {
         match self {
             Self::RoughDiffuse(_) if wo.z > 0.0 => pdf_cosine_hemisphere(wi.z),
             Self::Principled(b) => pdf_bsdf_principled(b, wo, wi),
+            Self::Substance(b) => b.pdf(wo, wi),
             _ => 0.0,
         }
     }
@@ -235,5 +255,6 @@ pub fn surfaces() -> Vec<Surface> {
     let [metal, ..] = principled(0.5);
     let coated =
         [coated(rough_diffuse(0.4, false), 1.5), coated(("mirror".into(), Base::Mirror), 1.3), coated(metal, 1.7)];
-    uncoated.map(Surface::uncoated).chain(coated).collect()
+    let substances = substances().into_iter().map(|(name, b)| (name, Base::Substance(b)));
+    uncoated.chain(substances).map(Surface::uncoated).chain(coated).collect()
 }

@@ -85,7 +85,19 @@ fn places_are_given_by_name_or_transform() {
 #[test]
 fn every_plugin_has_a_scene_that_loads() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/lights/scene.xml");
-    for light in ["area", "rectangle", "disk", "sphere", "mesh", "constant", "envmap", "point", "spot", "directional"] {
+    for light in [
+        "area",
+        "rectangle",
+        "disk",
+        "sphere",
+        "mesh",
+        "textured",
+        "constant",
+        "envmap",
+        "point",
+        "spot",
+        "directional",
+    ] {
         let options = lodestar::scene::LoadOptions { defines: vec![("light".into(), light.into())] };
         let scene = load(&path, &options).unwrap();
         assert!(scene.warnings.is_empty(), "{light}: {:?}", scene.warnings);
