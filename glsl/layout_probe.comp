@@ -33,7 +33,7 @@ struct LightRecord {
 
 struct EmitterRecord {
     vec3 radiance;
-    uint reserved;
+    uint texture_index;  // that multiplies it, or NONE
 };
 
 struct DeltaLightRecord {
@@ -57,6 +57,17 @@ struct MaterialRecord {
     vec4 coating_specular;   // specular reflectance
 };
 
+struct TextureRecord {
+    uint kind;       // TEXTURE_*
+    uint address;    // of the first word
+    uvec2 size;      // texels
+    vec3 u_row;      // from the surface's coordinates
+    float scale;     // factor of halves
+    vec3 v_row;
+    float reserved;
+    vec4 colors[2];  // of a checkerboard
+};
+
 layout(scalar, set = 0, binding = 0) restrict buffer Probe0 { PrimitiveRecord primitives[]; };
 layout(scalar, set = 0, binding = 1) restrict buffer Probe1 { AttributeRecord attributes[]; };
 layout(scalar, set = 0, binding = 2) restrict buffer Probe2 { MaterialRecord materials[]; };
@@ -64,10 +75,13 @@ layout(scalar, set = 0, binding = 3) restrict buffer Probe3 { LightRecord lights
 layout(scalar, set = 0, binding = 4) restrict buffer Probe4 { EmitterRecord emitters[]; };
 layout(scalar, set = 0, binding = 5) restrict buffer Probe5 { DeltaLightRecord delta_lights[]; };
 
+layout(scalar, set = 0, binding = 10) restrict buffer Probe10 { TextureRecord textures[]; };
+
 void main() {
+    textures[0].reserved = textures[1].scale + textures[1].size.x + textures[1].colors[0].x;
     primitives[0].reserved = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
     lights[0].alias = lights[1].threshold;
-    emitters[0].reserved = uint(emitters[1].radiance.x);
+    emitters[0].texture_index = uint(emitters[1].radiance.x);
     delta_lights[0].cutoff_angle = delta_lights[1].position.x;
     attributes[0].light = attributes[1].normals.x + attributes[1].material + attributes[1].emitter;
     materials[0].relief_scale = materials[1].colors[0].x + materials[1].scalars[0] + materials[1].coating.x;

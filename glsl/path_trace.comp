@@ -45,7 +45,8 @@ uvec2 tile_order_pixel(uint index) {
 Path start_path(uvec2 film_pixel, uint sample_index) {
     Path path;
     path.key = RandomKey(film_pixel.y * uint(scene().film_size.x) + film_pixel.x, sample_index, scene().seed);
-    path.ray = camera_ray(vec2(film_pixel) + sample_filter(unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER)).xy));
+    vec4 u = unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER));
+    path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
     path.eta = 1.0;
@@ -98,7 +99,7 @@ vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally ta
     vec3 scattered = eval_scatterer(x, wi) * light.radiance;
     if (x.passes || light.pdf <= 0.0 || max_component(scattered) <= 0.0) return vec3(0.0);
     ++tally.shadow_rays;
-    Hit blocker = traverse(shadow_ray(s, light, scene().ray_epsilon), true, tally.overrun);
+    Hit blocker = traverse(shadow_ray(s, light), true, tally.overrun);
     return blocker.primitive == NONE ? scattered * (weight / light.pdf) : vec3(0.0);
 }
 
@@ -125,7 +126,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     path.throughput *= next.weight;
     path.eta *= next.eta;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
-        path.ray = leave_surface(s, next.wi, scene().ray_epsilon);
+        path.ray = x.passes ? pass_surface(s, next.wi) : leave_surface(s, next.wi);
         path.from = s.position;
         path.pdf = next.pdf;
         ++path.depth;
@@ -161,7 +162,7 @@ void main() {
         if (hit.primitive == NONE) {
             target = escape(path, tally);
         } else {
-            Surface s = surface_at(path.ray, hit, scene().ray_epsilon);
+            Surface s = surface_at(path.ray, hit);
             Scatterer x = scatterer_at(s, -path.ray.direction, path.key, path.depth);
             if (path.depth == 1u) {
                 add_first_hit(samples, bsdf_albedo(x.bsdf), s.shading_normal, distance(s.position, camera_position()));

@@ -1,9 +1,9 @@
-//! Builds the bounding volume hierarchy and lays geometry out as the kernels read it. The only file that names `obvhs`.
+//! Builds the bounding volume hierarchy and lays geometry out as the kernels read it. The only module that names `obvhs`.
+
+mod wide;
 
 use glam::{Vec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::CwBvh;
-use obvhs::{BvhBuildParams, cwbvh};
 use rayon::prelude::*;
 
 use crate::kernels;
@@ -36,21 +36,15 @@ impl Bvh {
         let bounds = scene_bounds(primitives);
         let margin = BOX_MARGIN * largest_coordinate(bounds);
         let boxes: Vec<Aabb> = primitives.par_iter().map(|p| padded_box(p, margin)).collect();
-        let wide = if boxes.is_empty() { None } else { Some(build_wide(&boxes)) };
-        let (nodes, order) = wide.map_or((vec![[0; NODE_WORDS]], Vec::new()), |wide| {
-            (wide.nodes.iter().map(|node| bytemuck::cast(*node)).collect(), wide.primitive_indices)
+        let (nodes, order) = if boxes.is_empty() { (vec![[0; NODE_WORDS]], Vec::new()) } else { build_nodes(boxes) };
+        let records = order.par_iter().map(|&index| {
+            let primitive = widest_corner_first(&primitives[index as usize]);
+            (primitive_record(&primitive), attribute_record(&primitive))
         });
-        let ordered = || order.par_iter().map(|&index| &primitives[index as usize]);
+        let (primitives, mut attributes): (_, Vec<_>) = records.unzip();
         let depth = depth(&nodes);
-        let mut attributes: Vec<_> = ordered().map(|p| attribute_record(&widest_corner_first(p))).collect();
         number_lights(&mut attributes);
-        Self {
-            primitives: ordered().map(|p| primitive_record(&widest_corner_first(p))).collect(),
-            attributes,
-            nodes,
-            depth,
-            bounds,
-        }
+        Self { primitives, attributes, nodes, depth, bounds }
     }
 
     /// Whether any primitive is a sphere.
@@ -69,9 +63,10 @@ impl Bvh {
     }
 }
 
-fn build_wide(boxes: &[Aabb]) -> CwBvh {
-    let parameters = BvhBuildParams { max_prims_per_leaf: 3, ..BvhBuildParams::medium_build() };
-    cwbvh::builder::build_cwbvh(boxes, parameters, &mut std::time::Duration::default())
+/// Nodes, and the boxes' indices in the order of the leaves.
+fn build_nodes(boxes: Vec<Aabb>) -> (Vec<[u32; NODE_WORDS]>, Vec<u32>) {
+    let wide = wide::build(boxes);
+    (bytemuck::cast_vec(wide.nodes), wide.order)
 }
 
 fn scene_bounds(primitives: &[Primitive]) -> (Vec3, Vec3) {
@@ -218,13 +213,51 @@ mod tests {
         }
     }
 
+    /// All primitives below a node, each of which must lie within the node's quantized boxes on the way down.
+    fn below(bvh: &Bvh, index: usize, found: &mut Vec<usize>) {
+        let node = &bvh.nodes[index];
+        let bytes: &[u8] = bytemuck::cast_slice(node);
+        let (cells, metas, planes) = (&bytes[12..15], &bytes[24..32], &bytes[32..]);
+        let mut inner = node[4] as usize;
+        for (slot, &meta) in metas.iter().enumerate().filter(|(_, meta)| **meta != 0) {
+            let mut own = Vec::new();
+            if bytes[15] & (1 << slot) != 0 {
+                assert_eq!(meta, 0x20 | (24 + slot as u8));
+                below(bvh, inner, &mut own);
+                inner += 1;
+            } else {
+                let first = node[5] as usize + usize::from(meta & 31);
+                own.extend(first..first + (meta >> 5).count_ones() as usize);
+            }
+            for axis in 0..3 {
+                let cell = f32::from_bits(u32::from(cells[axis]) << 23);
+                let plane = |at: usize| f32::from_bits(node[axis]) + cell * f32::from(planes[16 * axis + at + slot]);
+                let is_inside = |i: &usize| {
+                    bvh.primitives[*i].origin[axis] >= plane(0) && bvh.primitives[*i].origin[axis] <= plane(8)
+                };
+                assert!(own.iter().all(is_inside));
+            }
+            found.extend(own);
+        }
+    }
+
     #[test]
     fn every_primitive_lies_in_some_leaf() {
-        let primitives: Vec<_> = (0..1000).map(|i| triangle(vec3(i as f32, (i * 7 % 13) as f32, 0.0), 0.5)).collect();
-        let bvh = Bvh::build(&primitives);
-        let mut origins: Vec<_> = bvh.primitives.iter().map(|p| p.origin[0] as usize).collect();
-        origins.sort_unstable();
-        assert_eq!(origins, (0..1000).collect::<Vec<_>>());
-        assert!(bvh.depth >= 3 && bvh.depth < 16, "depth {}", bvh.depth);
+        // One, few, and so many that subtrees are built apart; among them a few large ones.
+        for count in [1, 1000, 60_000] {
+            let place = |i: u32| vec3((i % 251) as f32, (i * 7 % 13) as f32, (i / 251) as f32);
+            let size = |i: u32| if i.is_multiple_of(997) { 100.0 } else { 0.5 };
+            let primitives: Vec<_> =
+                (0..count).map(|i| Primitive { material: i, ..triangle(place(i), size(i)) }).collect();
+            let bvh = Bvh::build(&primitives);
+            let mut found = Vec::new();
+            below(&bvh, 0, &mut found);
+            found.sort_unstable();
+            assert_eq!(found, (0..count as usize).collect::<Vec<_>>());
+            let mut materials: Vec<_> = bvh.attributes.iter().map(|a| a.material).collect();
+            materials.sort_unstable();
+            assert_eq!(materials, (0..count).collect::<Vec<_>>());
+            assert!(bvh.depth < 16, "depth {}", bvh.depth);
+        }
     }
 }

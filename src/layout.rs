@@ -39,7 +39,7 @@ pub struct SceneConstants {
     pub world_from_camera: [[f32; 4]; 3],
     /// Whole film in pixels.
     pub film_size: [f32; 2],
-    /// Tangents of the half fields of view.
+    /// Tangents of the half fields of view; orthographic: half the view's sides, camera units.
     pub raster_scale: [f32; 2],
     /// In picture widths and heights.
     pub principal_point: [f32; 2],
@@ -49,13 +49,13 @@ pub struct SceneConstants {
     pub far_clip: f32,
     /// Lower corner of the scene.
     pub bounds_min: [f32; 3],
-    /// How far a scattered ray's origin leaves its surface, scene units.
-    pub ray_epsilon: f32,
+    /// Of a thin lens.
+    pub aperture_radius: f32,
     /// Grid resolution / extent.
     pub cells_per_unit: [f32; 3],
     /// Learning targets saturate here, W/(m^2 sr).
     pub target_limit: f32,
-    /// Radiance of a constant environment, factor of a map's.
+    /// Radiance of a constant environment, factor of a map's texels.
     pub environment: [f32; 3],
     /// The render's seed.
     pub seed: u32,
@@ -79,8 +79,30 @@ pub struct SceneConstants {
     pub first_environment_block: u32,
     /// Entry of the environment among the lights, or `NONE`.
     pub environment_light: u32,
+    /// Of a thin lens: depth at which it is sharp.
+    pub focus_distance: f32,
+}
+
+/// `glsl/layout_probe.comp`; what is done with it: `glsl/include/textures.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct TextureRecord {
+    /// `TEXTURE_*`
+    pub kind: u32,
+    /// Of the first word of its image, the page in the upper bits.
+    pub address: u32,
+    /// Of its image, in texels.
+    pub size: [u32; 2],
+    /// First row of `to_uv`.
+    pub u_row: [f32; 3],
+    /// Factor of an image of halves.
+    pub scale: f32,
+    /// Second row of `to_uv`.
+    pub v_row: [f32; 3],
     /// Unused.
-    pub reserved: u32,
+    pub reserved: f32,
+    /// Of a checkerboard; the fourth component is 1.
+    pub colors: [[f32; 4]; 2],
 }
 
 /// `glsl/layout_probe.comp`; what colors and scalars mean: `glsl/include/bsdf_parameters.glsl`
@@ -113,8 +135,8 @@ pub struct MaterialRecord {
 pub struct EmitterRecord {
     /// Linear sRGB, W/(m^2 sr).
     pub radiance: [f32; 3],
-    /// Unused.
-    pub reserved: u32,
+    /// The texture that multiplies it, or `NONE`.
+    pub texture_index: u32,
 }
 
 /// `glsl/layout_probe.comp`

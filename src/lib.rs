@@ -22,8 +22,9 @@
 //! # Code map
 //! | module | what it is |
 //! |---|---|
-//! | [`scene`] | Mitsuba XML and OBJ to world-space primitives, materials and emitters |
+//! | [`scene`] | Mitsuba XML and meshes (OBJ, PLY, serialized) to world-space primitives, materials and emitters |
 //! | [`lights`] | every light with the probability that it is sampled with |
+//! | [`textures`] | images as words, and textures' records |
 //! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
@@ -43,6 +44,7 @@
 //! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/samplers/learning.rs` |
 //! | normal-aware rejection | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/samplers/rejection_mix.rs` (chi-square), `tests/render/ztest.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
+//! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs` |
 //! | light-hit rate, Fig. 7a | `tally.glsl` | `tests/render/learning.rs` |
 //! | displayed error (MAE), Table 1 | [`image::metrics`] | unit tests against independent numbers |
@@ -80,5 +82,6 @@ pub mod reference;
 pub mod renderer;
 pub mod scene;
 pub mod settings;
+pub mod textures;
 
 pub use error::{Error, Result};

@@ -3,18 +3,22 @@
 
 mod alias_table;
 mod environment_table;
+mod textured;
 
 use std::f64::consts::PI;
 
 use glam::{Mat3, Vec3};
+use rayon::prelude::*;
 
 pub use alias_table::{AliasEntry, alias_table};
 pub use environment_table::{EnvironmentMap, EnvironmentTable};
 
 use crate::bvh::Bvh;
 use crate::kernels;
-use crate::layout::{DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants};
-use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene};
+use crate::layout::{AttributeRecord, DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants};
+use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene, Textured};
+use crate::textures::halves;
+use textured::{brightness, points_for};
 
 /// 16-byte texels of a [`DeltaLightRecord`].
 const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / 16;
@@ -109,7 +113,7 @@ impl Lights {
         if let Some((map, table)) = self.environment.as_ref().and_then(|environment| environment.map.as_ref()) {
             let entry = |e: &AliasEntry| [e.threshold, e.alias, 0, e.probability.to_bits()];
             texels.extend(table.entries.iter().map(entry));
-            texels.extend(map.texels.iter().map(|texel| texel.extend(0.0).to_array().map(f32::to_bits)));
+            texels.extend(map_texels(map));
         }
         texels
     }
@@ -117,7 +121,7 @@ impl Lights {
     /// Their number.
     pub fn texel_count(&self) -> usize {
         let map = self.environment.as_ref().and_then(|environment| environment.map.as_ref());
-        let of_map = map.map_or(0, |(map, table)| map.texels.len() + table.entries.len());
+        let of_map = map.map_or(0, |(map, table)| map.texels.len().div_ceil(2) + table.entries.len());
         self.first_block() + of_map
     }
 
@@ -133,7 +137,7 @@ impl Lights {
         constants.environment_light = kernels::NONE;
         let Some(environment) = &self.environment else { return };
         let first_block = self.first_block();
-        constants.environment = environment.radiance.into();
+        constants.environment = (environment.radiance * environment.unit()).into();
         constants.environment_light = environment.light;
         constants.environment_from_world = [0, 1, 2].map(|i| environment.local_from_world.row(i).extend(0.0).into());
         if let Some((map, table)) = &environment.map {
@@ -161,6 +165,11 @@ impl EnvironmentLight {
         }
     }
 
+    /// What the texels of its map count in.
+    fn unit(&self) -> f32 {
+        self.map.as_ref().map_or(1.0, |(map, _)| map_unit(map))
+    }
+
     /// Integral of its mean radiance over all directions, W/m^2.
     fn flux(&self) -> f64 {
         let over_sphere = self.map.as_ref().map_or(4.0 * PI, |(_, table)| table.flux);
@@ -173,9 +182,26 @@ impl EnvironmentLight {
     }
 }
 
+fn map_unit(map: &EnvironmentMap) -> f32 {
+    halves::scale(map.texels.iter().map(|texel| texel.max_element()))
+}
+
+/// A map as halves, of which a texel of the buffer holds eight: red, green, blue and nothing, twice.
+fn map_texels(map: &EnvironmentMap) -> Vec<[u32; 4]> {
+    let unit = map_unit(map);
+    let pair = |pair: &[Vec3]| {
+        let [first, second] = [0, 1].map(|i| pair.get(i).map_or([0; 2], |t| halves::words(t.extend(0.0).into(), unit)));
+        [first[0], first[1], second[0], second[1]]
+    };
+    map.texels.par_chunks(2).map(pair).collect()
+}
+
 fn brightest(scene: &Scene, scene_radius: f64, environment: Option<&EnvironmentLight>) -> f32 {
     let near = (scene_radius / 16.0).max(1.0e-18);
-    let emitters = scene.emitters.iter().map(|emitter| mean_rgb(emitter.radiance.value));
+    let emitters = scene.emitters.iter().map(|emitter| {
+        let texture = emitter.radiance.texture.map(|texture| scene.textures[texture as usize].maximum(&scene.images));
+        mean_rgb(emitter.radiance.value * texture.unwrap_or(Vec3::ONE))
+    });
     let delta_emitters = scene.delta_emitters.iter().map(|emitter| match emitter.kind {
         DeltaKind::Directional { irradiance, .. } => mean_rgb(irradiance) / PI,
         DeltaKind::Point { intensity, .. } | DeltaKind::Spot { intensity, .. } => {
@@ -191,14 +217,21 @@ fn mean_rgb(color: Vec3) -> f64 {
 }
 
 fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
-    let emitting = (0..).zip(&bvh.attributes).filter(|(_, attributes)| attributes.light != kernels::NONE);
-    let candidate = |(index, emitter): (u32, u32)| {
-        let emitter = &scene.emitters[emitter as usize];
-        let radiance = mean_rgb(emitter.radiance.value) * f64::from(emitter.sampling_weight);
-        let power = area(&bvh.primitives[index as usize]) * PI * radiance;
+    let emitting = (0_u32..).zip(&bvh.attributes).filter(|(_, attributes)| attributes.light != kernels::NONE);
+    let emitting: Vec<_> = emitting.collect();
+    let has_texture =
+        |attributes: &AttributeRecord| scene.emitters[attributes.emitter as usize].radiance.texture.is_some();
+    let points = points_for(emitting.iter().filter(|(_, attributes)| has_texture(attributes)).count());
+    let candidate = |&(index, attributes): &(u32, &AttributeRecord)| {
+        let emitter = &scene.emitters[attributes.emitter as usize];
+        let primitive = &bvh.primitives[index as usize];
+        let of_texture =
+            |texture: u32| brightness(&scene.textures[texture as usize], &scene.images, primitive, attributes, points);
+        let radiance = mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
+        let power = area(primitive) * PI * radiance * f64::from(emitter.sampling_weight);
         Candidate { kind: kernels::LIGHT_AREA, index, power }
     };
-    emitting.map(|(index, attributes)| candidate((index, attributes.emitter))).collect()
+    emitting.par_iter().map(candidate).collect()
 }
 
 /// Area of a primitive.
@@ -225,7 +258,8 @@ fn light_records(candidates: &[Candidate]) -> Vec<LightRecord> {
 }
 
 fn emitter_record(emitter: &AreaEmitter) -> EmitterRecord {
-    EmitterRecord { radiance: emitter.radiance.value.into(), reserved: 0 }
+    let Textured { value, texture } = emitter.radiance;
+    EmitterRecord { radiance: value.into(), texture_index: texture.unwrap_or(kernels::NONE) }
 }
 
 fn delta_light_kind(emitter: &DeltaEmitter) -> u32 {

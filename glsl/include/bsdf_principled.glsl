@@ -3,6 +3,7 @@
 #define BSDF_PRINCIPLED_GLSL
 #include "bsdf_parameters.glsl"
 #include "bsdf_rough_dielectric.glsl"
+#include "constants.glsl"
 #include "direction.glsl"
 #include "fresnel.glsl"
 #include "microfacet.glsl"
@@ -28,10 +29,6 @@ float principled_bsdf(Bsdf b) {
 vec2 principled_alpha(Bsdf b) {
     float aspect = sqrt(1.0 - 0.9 * b.scalars0.y);
     return max(b.scalars0.x * b.scalars0.x * vec2(1.0 / aspect, aspect), vec2(0.001));
-}
-
-float luminance(vec3 c) {
-    return dot(c, vec3(0.212671, 0.715160, 0.072169));
 }
 
 // The base color without its brightness.

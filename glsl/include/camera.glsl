@@ -1,4 +1,4 @@
-// The perspective camera and the reconstruction filter's importance sampling (Ernst et al. 2006).
+// Cameras and the reconstruction filter's importance sampling (Ernst et al. 2006).
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 #include "frame.glsl"
@@ -29,16 +29,41 @@ vec3 camera_position() {
     return vec3(rows[0].w, rows[1].w, rows[2].w);
 }
 
-// The ray through `position`, in film pixels from the top left. Camera space has x to the left of the picture.
-Ray camera_ray(vec2 position) {
-    vec2 screen = 1.0 - 2.0 * (position / scene().film_size + scene().principal_point);
-    vec3 local = vec3(screen * scene().raster_scale, 1.0);
-    float per_depth = length(local);
-    local /= per_depth;
+// A point of the unit disk, uniformly (Shirley and Chiu 1997).
+vec2 sample_disk(vec2 u) {
+    vec2 p = 2.0 * u - 1.0;
+    bool wide = abs(p.x) > abs(p.y);
+    float radius = wide ? p.x : p.y;
+    float ratio = (wide ? p.y : p.x) / (radius == 0.0 ? 1.0 : radius);
+    float angle = 0.25 * PI * ratio;
+    return radius * (wide ? vec2(cos(angle), sin(angle)) : vec2(sin(angle), cos(angle)));
+}
+
+vec3 world_from_camera(vec3 direction) {
     vec4 rows[3] = scene().world_from_camera;
-    vec3 direction = normalize(vec3(dot(rows[0].xyz, local), dot(rows[1].xyz, local), dot(rows[2].xyz, local)));
-    float near = scene().near_clip * per_depth;
-    return Ray(camera_position() + near * direction, direction, scene().far_clip * per_depth - near);
+    return vec3(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
+}
+
+// The ray through `position`, in film pixels from the top left; `u` chooses a point of the lens. Camera space has x to
+// the left of the picture.
+Ray camera_ray(vec2 position, vec2 u) {
+    vec2 screen = (1.0 - 2.0 * (position / scene().film_size + scene().principal_point)) * scene().raster_scale;
+    float near = scene().near_clip;
+    float range = scene().far_clip - near;
+    if (CAMERA == CAMERA_ORTHOGRAPHIC) {
+        vec3 direction = normalize(world_from_camera(vec3(0.0, 0.0, 1.0)));
+        return Ray(camera_position() + world_from_camera(vec3(screen, near)), direction, range);
+    }
+    vec3 local = vec3(screen, 1.0);
+    vec3 lens = vec3(0.0);
+    if (CAMERA == CAMERA_THINLENS) {
+        lens.xy = scene().aperture_radius * sample_disk(u);
+        local.xy -= lens.xy / scene().focus_distance;
+    }
+    float per_depth = length(local);
+    vec3 direction = normalize(world_from_camera(local / per_depth));
+    vec3 origin = camera_position() + world_from_camera(lens);
+    return Ray(origin + near * per_depth * direction, direction, range * per_depth);
 }
 
 #endif

@@ -11,6 +11,11 @@ float mean_rgb(vec3 c) {
     return (c.r + c.g + c.b) * (1.0 / 3.0);
 }
 
+// Relative luminance of linear sRGB, with the digits that Mitsuba has of it.
+float luminance(vec3 c) {
+    return dot(c, vec3(0.212671, 0.715160, 0.072169));
+}
+
 float max_component(vec3 v) {
     return max(v.x, max(v.y, v.z));
 }

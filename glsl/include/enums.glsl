@@ -12,6 +12,11 @@ const uint FILTER_BOX = 0u;
 const uint FILTER_TENT = 1u;
 const uint FILTER_GAUSSIAN = 2u;
 
+// Kind of the camera.
+const uint CAMERA_PERSPECTIVE = 0u;
+const uint CAMERA_THINLENS = 1u;
+const uint CAMERA_ORTHOGRAPHIC = 2u;
+
 // Shape of a primitive; bits 0 and 1 of the record's flags.
 const uint SHAPE_TRIANGLE = 0u;
 const uint SHAPE_PARALLELOGRAM = 1u;
@@ -46,6 +51,7 @@ const uint MATERIAL_FAST_APPROXIMATION = 2048u;
 const uint MATERIAL_BUMP = 4096u;
 const uint MATERIAL_NORMAL_MAP = 8192u;
 const uint MATERIAL_COATED = 16384u;
+const uint MATERIAL_RELIEF_OUTSIDE = 32768u;
 
 // What the scene's materials use besides their kinds: bits of SURFACE_FEATURES.
 const uint FEATURE_OPACITY = 1u;
@@ -56,6 +62,27 @@ const uint FEATURE_TANGENTS = 16u;
 const uint FEATURE_TEXTURES = 32u;
 const uint FEATURE_TEXTURED_EMITTERS = 64u;
 const uint FEATURE_BECKMANN = 128u;
+const uint FEATURE_RELIEF_OUTSIDE = 256u;
+
+// The first word of a texture's record: an image, a word per texel for bytes and two for halves, or a checkerboard; how it is
+// filtered and wrapped; whether its coordinates are not the surface's. TEXTURE_KINDS unites those of all textures.
+const uint TEXTURE_SRGB_BYTES = 1u;
+const uint TEXTURE_LINEAR_BYTES = 2u;
+const uint TEXTURE_HALVES = 4u;
+const uint TEXTURE_CHECKERBOARD = 8u;
+const uint TEXTURE_BILINEAR = 16u;
+const uint TEXTURE_NEAREST = 32u;
+const uint TEXTURE_REPEAT = 64u;
+const uint TEXTURE_MIRROR = 128u;
+const uint TEXTURE_CLAMP = 256u;
+const uint TEXTURE_TRANSFORMED = 512u;
+
+// Parameters of materials, as a record's links to textures count them.
+const uint PARAMETER_COLOR0 = 0u;
+const uint PARAMETER_SCALAR0 = 3u;
+
+// The upper bits of an address of a word say its page.
+const uint TEXEL_PAGE_SHIFT = 30u;
 
 // Kind of the environment.
 const uint ENVIRONMENT_NONE = 0u;

@@ -21,8 +21,12 @@ vec3 environment_direction(vec2 coordinates) {
     return d.x * rows[0].xyz + d.y * rows[1].xyz + d.z * rows[2].xyz;
 }
 
+// Two texels of the map, as halves, share one of the buffer.
 vec3 environment_texel(uint x, uint y) {
-    return uintBitsToFloat(fetch_emitter_texel(scene().first_environment_texel + y * scene().environment_size.x + x).xyz);
+    uint index = y * scene().environment_size.x + x;
+    uvec4 pair = fetch_emitter_texel(scene().first_environment_texel + (index >> 1u));
+    uvec2 words = (index & 1u) == 0u ? pair.xy : pair.zw;
+    return vec3(unpackHalf2x16(words.x), unpackHalf2x16(words.y).x);
 }
 
 // The map between four texels.

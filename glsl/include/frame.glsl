@@ -24,15 +24,15 @@ struct FilmFeatures {
 struct SceneConstants {
     vec4 world_from_camera[3];  // rows of the affine matrix
     vec2 film_size;             // whole film in pixels
-    vec2 raster_scale;          // tangents of the half fields of view
+    vec2 raster_scale;          // tangents of the half fields of view; orthographic: half the view's sides, camera units
     vec2 principal_point;       // in picture widths and heights
     float near_clip;
     float far_clip;
     vec3 bounds_min;
-    float ray_epsilon;          // how far a scattered ray's origin leaves its surface, scene units
+    float aperture_radius;      // of a thin lens
     vec3 cells_per_unit;        // grid resolution / extent
     float target_limit;         // learning targets saturate here, W/(m^2 sr)
-    vec3 environment;           // radiance of a constant environment, factor of a map's
+    vec3 environment;           // radiance of a constant environment, factor of a map's texels
     uint seed;
     uvec2 window_offset;        // of the rendered window within the film
     uvec2 window_size;
@@ -44,11 +44,13 @@ struct SceneConstants {
     uint first_environment_texel;    // where the map begins among the emitters' texels
     uint first_environment_block;    // likewise the table
     uint environment_light;     // entry of the environment among the lights, or NONE
-    uint reserved;
+    float focus_distance;       // of a thin lens: depth at which it is sharp
 };
 
 // Texels of a material's record. See material.glsl.
 const uint MATERIAL_TEXELS = 11u;
+// Texels of a texture's record. See textures.glsl.
+const uint TEXTURE_TEXELS = 5u;
 
 layout(scalar, set = 0, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
 layout(scalar, set = 0, binding = 1) restrict buffer FilmFeaturesPage { FilmFeatures film_features[]; };
@@ -57,10 +59,18 @@ layout(scalar, set = 0, binding = 2) uniform Scene { SceneConstants scene_consta
 layout(set = 0, binding = 3) uniform usamplerBuffer materials;
 layout(set = 0, binding = 4) uniform usamplerBuffer emitters;
 layout(set = 0, binding = 6) uniform usamplerBuffer texel_words;
+layout(set = 0, binding = 7) uniform usamplerBuffer textures;
+layout(set = 0, binding = 8) uniform usamplerBuffer texel_words1;
+layout(set = 0, binding = 9) uniform usamplerBuffer texel_words2;
+layout(set = 0, binding = 10) uniform usamplerBuffer texel_words3;
 #else
 layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
 layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { uvec4 emitters[]; };
 layout(scalar, set = 0, binding = 6) restrict readonly buffer TexelWords { uint texel_words[]; };
+layout(scalar, set = 0, binding = 7) restrict readonly buffer Textures { uvec4 textures[]; };
+layout(scalar, set = 0, binding = 8) restrict readonly buffer TexelWords1 { uint texel_words1[]; };
+layout(scalar, set = 0, binding = 9) restrict readonly buffer TexelWords2 { uint texel_words2[]; };
+layout(scalar, set = 0, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
 #endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
 
@@ -78,9 +88,17 @@ uvec4 fetch_emitter_texel(uint texel) {
     return texelFetch(emitters, int(texel));
 }
 
-// A word of the materials' tables.
-uint texel_word(uint address) {
-    return texelFetch(texel_words, int(address)).x;
+uvec4 fetch_texture(uint index, uint texel) {
+    return texelFetch(textures, int(index * TEXTURE_TEXELS + texel));
+}
+
+uint paged_texel_word(uint page, uint index) {
+    switch (page) {
+        case 0u: return texelFetch(texel_words, int(index)).x;
+        case 1u: return texelFetch(texel_words1, int(index)).x;
+        case 2u: return texelFetch(texel_words2, int(index)).x;
+        default: return texelFetch(texel_words3, int(index)).x;
+    }
 }
 #else
 uvec4 fetch_material(uint material, uint texel) {
@@ -91,10 +109,25 @@ uvec4 fetch_emitter_texel(uint texel) {
     return emitters[texel];
 }
 
-uint texel_word(uint address) {
-    return texel_words[address];
+uvec4 fetch_texture(uint index, uint texel) {
+    return textures[index * TEXTURE_TEXELS + texel];
+}
+
+uint paged_texel_word(uint page, uint index) {
+    switch (page) {
+        case 0u: return texel_words[index];
+        case 1u: return texel_words1[index];
+        case 2u: return texel_words2[index];
+        default: return texel_words3[index];
+    }
 }
 #endif
+
+// A word of an image or of the materials' tables.
+uint texel_word(uint address) {
+    uint page = TEXEL_PAGES != 1u ? address >> TEXEL_PAGE_SHIFT : 0u;
+    return paged_texel_word(page, address & ((1u << TEXEL_PAGE_SHIFT) - 1u));
+}
 
 void count(uint counter, uint amount) {
     if (amount != 0u) atomicAdd(counters[counter], amount);

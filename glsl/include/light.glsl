@@ -45,13 +45,14 @@ float pdf_area_light(uint primitive, Surface s, vec3 from) {
 
 Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
     vec4 texel0 = fetch_primitive(primitive, 0u);
+    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
     uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
-    Hit hit = Hit(0.0, sample_flat(shape, u), primitive);
-    vec3 direction = vec3(0.0, 0.0, 1.0);
-    if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        direction = sample_sphere(from, texel0.xyz, length(fetch_primitive(primitive, 1u).xyz), u, hit.t);
-    }
-    return surface_at(Ray(from, direction, MAX_DISTANCE), hit, scene().ray_epsilon);
+    vec2 uv = sample_flat(shape, u);
+    vec3 point = texel0.xyz + uv.x * edge_u + uv.y * fetch_primitive(primitive, 2u).xyz;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) point = sample_sphere(from, texel0.xyz, length(edge_u), u);
+    // As a ray finds it that has come to its end.
+    Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
+    return surface_at(ray, Hit(0.0, uv, primitive));
 }
 
 LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {
@@ -61,7 +62,7 @@ LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {
     float squared = dot(d, d);
     vec3 wi = d * inversesqrt(max(squared, 1.0e-30));
     float pdf = squared > 0.0 ? uintBitsToFloat(light.w) * pdf_area_light(primitive, s, from) : 0.0;
-    return LightSample(wi, leave_surface(s, -wi, scene().ray_epsilon).origin, false, surface_emission(s, -wi), pdf, false);
+    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
 }
 
 // Share of a spot's intensity at the angle of this cosine to its axis: falls linearly with the angle, as in Mitsuba.
@@ -121,8 +122,8 @@ float pdf_light_at_environment(vec3 direction) {
 }
 
 // The ray from a surface to a light; what it meets is in the way.
-Ray shadow_ray(Surface s, LightSample light, float epsilon) {
-    Ray ray = leave_surface(s, light.wi, epsilon);
+Ray shadow_ray(Surface s, LightSample light) {
+    Ray ray = leave_surface(s, light.wi);
     if (!light.infinite) {
         vec3 d = light.target - ray.origin;
         ray.t_max = length(d);

@@ -36,23 +36,19 @@ float cone_height(float squared_sine) {
     return squared_sine / (1.0 + sqrt(max(1.0 - squared_sine, 0.0)));
 }
 
-// Uniform in the sphere's solid angle from outside, uniform in area from inside: a unit direction, with the distance.
-vec3 sample_sphere(vec3 from, vec3 center, float radius, vec2 u, out float distance) {
+// A point of a sphere: uniform in the solid angle that it fills from outside, uniform in area from inside.
+vec3 sample_sphere(vec3 from, vec3 center, float radius, vec2 u) {
     vec3 d = center - from;
     float squared = dot(d, d);
-    if (!sees_cone(from, center, radius)) {
-        vec3 to_point = d + radius * square_to_sphere(2.0 * u - 1.0);
-        distance = length(to_point);
-        return to_point / max(distance, 1.0e-30);
-    }
+    if (!sees_cone(from, center, radius)) return center + radius * square_to_sphere(2.0 * u - 1.0);
     float height = u.x * cone_height(radius * radius / squared);
     float squared_sine = height * (2.0 - height);
     vec2 sine_cosine = sin_cos_turn(u.y);
     mat3 frame = basis_from_normal(d * inversesqrt(squared));
     float cosine = 1.0 - height;
     // What is left of the half chord; rounding must not make the root of a direction along the cone imaginary.
-    distance = sqrt(squared) * cosine - sqrt(max(radius * radius - squared * squared_sine, 0.0));
-    return frame * vec3(sqrt(squared_sine) * sine_cosine.yx, cosine);
+    float distance = sqrt(squared) * cosine - sqrt(max(radius * radius - squared * squared_sine, 0.0));
+    return from + distance * (frame * vec3(sqrt(squared_sine) * sine_cosine.yx, cosine));
 }
 
 float pdf_sphere(vec3 from, vec3 position, vec3 center, float radius) {

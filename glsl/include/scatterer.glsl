@@ -60,6 +60,15 @@ mat3 tilted_frame(Surface s, mat3 upright, uint material, vec3 wo) {
     return relief_frame(n, wo);
 }
 
+// Mirrors the frame of a two-sided surface that is met from behind. Which of two normals a direction lies behind, and the
+// angle between them, do not change.
+void mirror_behind(inout Scatterer x) {
+    if (x.wo.z >= 0.0 || !bsdf_flag(x.bsdf, MATERIAL_TWO_SIDED)) return;
+    x.frame[2] = -x.frame[2];
+    x.wo.z = -x.wo.z;
+    x.upright.xy = -x.upright.xy;
+}
+
 // What the surface is as it is met from direction `wo`. Behind a two-sided surface the frame is mirrored; the material then
 // scatters as on the front.
 Scatterer scatterer_at(Surface s, vec3 wo, RandomKey key, uint vertex) {
@@ -76,16 +85,15 @@ Scatterer scatterer_at(Surface s, vec3 wo, RandomKey key, uint vertex) {
     x.upright = vec3(0.0, 0.0, 1.0);
     mat3 front = x.frame;
     x.wo = wo * x.frame;
-    if (x.wo.z < 0.0 && bsdf_flag(x.bsdf, MATERIAL_TWO_SIDED)) {
-        x.frame[2] = -x.frame[2];
-        x.wo.z = -x.wo.z;
-    }
+    bool relief_outside = has_feature(FEATURE_RELIEF_OUTSIDE) && bsdf_flag(x.bsdf, MATERIAL_RELIEF_OUTSIDE);
+    if (!relief_outside) mirror_behind(x);
     if (has_relief() && !x.passes) {
         mat3 tilted = tilted_frame(s, front, material, x.wo);
         x.frame = x.frame * tilted;
         x.wo = x.wo * tilted;
         x.upright = upright_in(tilted);
     }
+    if (relief_outside) mirror_behind(x);
     x.cell = SAMPLER != SAMPLER_BSDF ? grid_cell(s.position) : 0u;
     return x;
 }

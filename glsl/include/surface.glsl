@@ -6,8 +6,12 @@
 #include "intersect.glsl"
 #include "octahedral.glsl"
 
+// A hit's distance from what it must not fall behind: some 100 roundings of its coordinates and of its primitive's.
+const float RAY_EPSILON = 1.0 / 131072.0;
+
 struct Surface {
     vec3 position;
+    float epsilon;        // how far a ray's origin leaves the surface, scene units
     vec3 geometric_normal;
     vec3 shading_normal;  // in the geometric one's half space or, interpolated, beyond it
     uint material;
@@ -102,9 +106,10 @@ mat3 shading_frame(Surface s) {
     return frame;
 }
 
-Surface surface_at(Ray ray, Hit hit, float epsilon) {
+Surface surface_at(Ray ray, Hit hit) {
     vec4 texel0 = fetch_primitive(hit.primitive, 0u);
-    vec3 edge_u = fetch_primitive(hit.primitive, 1u).xyz;
+    vec4 texel1 = fetch_primitive(hit.primitive, 1u);
+    vec3 edge_u = texel1.xyz;
     vec3 edge_v = fetch_primitive(hit.primitive, 2u).xyz;
     uvec4 normals_and_material = fetch_attributes(hit.primitive, 0u);
     uint flags = floatBitsToUint(texel0.w);
@@ -116,12 +121,14 @@ Surface surface_at(Ray ray, Hit hit, float epsilon) {
     s.dp_dv = vec3(0.0);
     uvec4 uv2_and_emitter = fetch_attributes(hit.primitive, 2u);
     vec4 uv0_uv1 = has_texture_coordinates() ? uintBitsToFloat(fetch_attributes(hit.primitive, 1u)) : vec4(0.0);
+    s.position = ray.origin + hit.t * ray.direction;
+    float margin = RAY_EPSILON * max(max_abs(s.position), texel1.w);
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        s.geometric_normal = normalize(ray.origin + hit.t * ray.direction - texel0.xyz);
+        s.geometric_normal = normalize(s.position - texel0.xyz);
         s.position = texel0.xyz + length(edge_u) * s.geometric_normal;
         if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, edge_u, edge_v, uv0_uv1.x);
     } else {
-        vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, epsilon);
+        vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, margin);
         s.geometric_normal = normalize(cross(edge_u, edge_v));
         s.position = texel0.xyz + uv.x * edge_u + uv.y * edge_v;
         if (has_texture_coordinates()) {
@@ -132,6 +139,7 @@ Surface surface_at(Ray ray, Hit hit, float epsilon) {
             if (shape == SHAPE_DISK) parametrize_disk(s, hit.uv, edge_u, edge_v);
         }
     }
+    s.epsilon = RAY_EPSILON * max(max_abs(s.position), texel1.w);
     if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) s.geometric_normal = -s.geometric_normal;
     s.shading_normal = s.geometric_normal;
     if (HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u) {
@@ -146,9 +154,17 @@ Surface surface_at(Ray ray, Hit hit, float epsilon) {
 }
 
 // A ray that leaves the surface in direction `wi`, from a point moved off it to the side that `wi` goes to.
-Ray leave_surface(Surface s, vec3 wi, float epsilon) {
+Ray leave_surface(Surface s, vec3 wi) {
     vec3 off = dot(wi, s.geometric_normal) >= 0.0 ? s.geometric_normal : -s.geometric_normal;
-    return Ray(s.position + epsilon * off, wi, MAX_DISTANCE);
+    return Ray(s.position + s.epsilon * off, wi, MAX_DISTANCE);
+}
+
+// A ray that goes straight on through a hole of a surface. It starts as far behind as Mitsuba 3 has it start (its RayEpsilon,
+// and one unit more than the largest coordinate): a sheet that is modeled by two layers a hair's breadth apart, as blinds and
+// leaves often are, is passed at once, as it is there.
+Ray pass_surface(Surface s, vec3 wi) {
+    s.epsilon = max(s.epsilon, 8.94e-5 * (1.0 + max_abs(s.position)));
+    return leave_surface(s, wi);
 }
 
 #endif

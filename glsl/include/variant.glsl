@@ -50,6 +50,16 @@ layout(constant_id = 42) const uint ENVIRONMENT = ENVIRONMENT_NONE;
 // Not MIS_EXACT only in tests, which must notice.
 layout(constant_id = 43) const uint MIS_FAULT = MIS_EXACT;
 
+// TEXTURE_* bits of all textures.
+layout(constant_id = 50) const uint TEXTURE_KINDS = 0u;
+// Bit 1 << parameter for every parameter that has a texture in some material.
+layout(constant_id = 51) const uint TEXTURED_PARAMETERS = 0u;
+// The most textures that parameters of one material have.
+layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = 8u;
+// Buffers that texel words are spread over.
+layout(constant_id = 53) const uint TEXEL_PAGES = 1u;
+layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;
+
 // Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
 layout(constant_id = 17) const float PDF_TAMPER = 1.0;
 
@@ -59,6 +69,14 @@ bool has_kind(uint kind) {
 
 bool has_light(uint kind) {
     return (LIGHT_KINDS & (1u << kind)) != 0u;
+}
+
+bool has_textures(uint kinds) {
+    return (TEXTURE_KINDS & kinds) != 0u;
+}
+
+bool is_textured(uint parameter) {
+    return (TEXTURED_PARAMETERS & (1u << parameter)) != 0u;
 }
 
 bool has_feature(uint feature) {

@@ -17,10 +17,6 @@ struct SurfaceOutput {
     Hit hit;
 };
 
-struct TestPush {
-    float epsilon;
-};
-layout(push_constant, scalar) uniform Push { TestPush push; };
 layout(scalar, set = 0, binding = 0) readonly buffer SurfaceInputs { SurfaceInput surface_inputs[]; };
 layout(scalar, set = 0, binding = 1) writeonly buffer SurfaceOutputs { SurfaceOutput surface_outputs[]; };
 
@@ -29,13 +25,13 @@ void main() {
     bool overrun = false;
     SurfaceOutput o;
     o.hit = traverse(ray, false, overrun);
-    o.surface = Surface(vec3(0.0), vec3(0.0), vec3(0.0), NONE, NONE, vec2(0.0), vec3(0.0), vec3(0.0));
+    o.surface = Surface(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), NONE, NONE, vec2(0.0), vec3(0.0), vec3(0.0));
     o.frame = mat3(0.0);
     o.leaving = ray;
     if (o.hit.primitive != NONE) {
-        o.surface = surface_at(ray, o.hit, push.epsilon);
+        o.surface = surface_at(ray, o.hit);
         o.frame = shading_frame(o.surface);
-        o.leaving = leave_surface(o.surface, -ray.direction, push.epsilon);
+        o.leaving = leave_surface(o.surface, -ray.direction);
     }
     surface_outputs[gl_GlobalInvocationID.x] = o;
 }

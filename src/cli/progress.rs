@@ -1,6 +1,7 @@
 //! How far a render is: a bar on a terminal, a line now and then elsewhere, both on standard error.
 
 use std::io::{self, IsTerminal, Write};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -23,6 +24,50 @@ pub struct Status {
     pub light_hit_rate: f64,
     /// Share of the render that is done, in [0, 1]: of the samples or of the time, whichever is further.
     pub fraction: f64,
+}
+
+/// Shows what is being done before a render can start: where that is long, on a terminal at once.
+pub struct Loading {
+    bar: Option<ProgressBar>,
+    /// When to print the next line where there is no bar.
+    next_line: Option<Mutex<Instant>>,
+}
+
+impl Loading {
+    /// Nothing is shown yet.
+    pub fn new(quiet: bool) -> Self {
+        let is_terminal = io::stderr().is_terminal();
+        let bar = (!quiet && is_terminal).then(|| styled(ProgressBar::no_length(), "{wide_msg}"));
+        let next_line = (!quiet && !is_terminal).then(|| Mutex::new(Instant::now() + LINE_INTERVAL));
+        Self { bar, next_line }
+    }
+
+    /// Shows `text`, from any thread.
+    pub fn show(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(text.to_string());
+        }
+        if let Some(Ok(mut next)) = self.next_line.as_ref().map(Mutex::lock)
+            && *next <= Instant::now()
+        {
+            *next = Instant::now() + LINE_INTERVAL;
+            print(text);
+        }
+    }
+
+    /// Lets `print` write to standard error without the text in its way.
+    pub fn interleave(&self, print: impl FnOnce()) {
+        match &self.bar {
+            Some(bar) => bar.suspend(print),
+            None => print(),
+        }
+    }
+}
+
+impl Drop for Loading {
+    fn drop(&mut self) {
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
+    }
 }
 
 /// Shows the progress of one render.
@@ -99,9 +144,12 @@ impl Drop for Progress {
 }
 
 fn new_bar() -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr());
-    // The template is a constant; if it were wrong, the default one would still show the position.
-    if let Ok(style) = ProgressStyle::with_template("{bar:10} {wide_msg}") {
+    styled(ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr()), "{bar:10} {wide_msg}")
+}
+
+/// The template is a constant; if it were wrong, the default one would still show the position.
+fn styled(bar: ProgressBar, template: &str) -> ProgressBar {
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     bar

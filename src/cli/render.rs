@@ -10,13 +10,13 @@ use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{Image, metrics};
 use lodestar::renderer::{Counts, Renderer, StepReport};
-use lodestar::scene::{self, LoadOptions, Scene};
+use lodestar::scene::{self, LoadOptions, LoadProgress, Scene};
 use lodestar::settings::{Settings, depth_warning};
 use lodestar::{Error, Result, files};
 
 use super::interrupt::Interrupt;
 use super::outputs::{Outputs, read_reference};
-use super::progress::{Progress, Status};
+use super::progress::{Loading, Progress, Status};
 use super::render_args::RenderArgs;
 use super::report;
 use super::stats::{SetupTimes, Stats, Step, Totals, Versions, peak_resident_bytes};
@@ -27,19 +27,29 @@ const DEFAULT_SPP: u32 = 64;
 /// Renders as `args` say. Bad input and unwritable outputs are found before any time is spent.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let interrupt = Interrupt::catch()?;
-    let (scene, load_seconds) = timed(|| scene::load(&args.scene, &LoadOptions { defines: args.define.clone() }))?;
-    warn(&scene.warnings);
+    let loading = Loading::new(args.quiet);
+    let options = LoadOptions { defines: args.define.clone() };
+    let show = |progress: LoadProgress| loading.show(&progress.to_string());
+    let (mut scene, load_seconds) = timed(|| scene::load_with_progress(&args.scene, &options, &show))?;
+    loading.interleave(|| warn(&scene.warnings));
     let settings = args.settings(&scene)?;
     if args.max_depth.is_none() && args.rr_depth.is_none() {
-        warn(depth_warning(&scene).as_slice());
+        loading.interleave(|| warn(depth_warning(&scene).as_slice()));
     }
     let outputs = Outputs::new(args, &scene)?;
     let reference = args.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
     let context = Context::new(&ContextOptions { device: args.device(), validate: args.validate })?;
+    loading.show(&format!("building the BVH of {} primitives", scene.primitives.len()));
     let (bvh, bvh_seconds) = timed(|| Ok(Bvh::build(&scene.primitives)))?;
+    // From here on the device's copy is the one that is used.
+    scene.primitives = Vec::new();
+    loading.show("building the kernels");
     let (renderer, pipeline_seconds) = timed(|| Renderer::new(&context, &scene, &bvh, &settings))?;
+    let primitive_count = bvh.primitives.len();
+    drop(bvh);
+    drop(loading);
 
-    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds };
+    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, primitive_count };
     let film = Film { renderer, reference, outputs };
     let mut job = Job::new(args, &scene, &context, settings, film, &interrupt);
     let rendered = job.render();
@@ -259,7 +269,7 @@ impl<'a> Job<'a> {
             times,
             totals: Totals {
                 sums: Step { errors, ..sums },
-                primitives: self.scene.primitives.len(),
+                primitives: times.primitive_count,
                 nonfinite_samples: self.counts.nonfinite,
                 peak_bytes: self.context.peak_allocated_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),

@@ -19,12 +19,14 @@ pub struct Stats {
     pub steps: Vec<Step>,
 }
 
-/// How long it took to come to the first sample.
+/// How long it took to come to the first sample, and with what.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct SetupTimes {
     pub load_seconds: f64,
     pub bvh_seconds: f64,
     pub pipeline_seconds: f64,
+    #[serde(skip)]
+    pub primitive_count: usize,
 }
 
 /// What produced the numbers.

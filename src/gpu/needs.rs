@@ -35,7 +35,7 @@ fn limits_needed(limits: &Limits) -> [(u64, u64, &'static str); 6] {
     [
         (limits.max_bound_sets.into(), 4, "bound descriptor sets"),
         (limits.max_storage_buffers.into(), 24, "storage buffers per kernel"),
-        (limits.max_texel_buffers.into(), 7, "texel buffers per kernel"),
+        (limits.max_texel_buffers.into(), 16, "texel buffers per kernel"),
         (limits.max_storage_buffer_bytes, 128 << 20, "bytes in a storage buffer"),
         (limits.max_workgroup_invocations.into(), 256, "invocations per workgroup"),
         (limits.max_push_constant_bytes.into(), 128, "bytes of push constants"),
@@ -52,7 +52,7 @@ mod tests {
         let limits = Limits {
             max_bound_sets: 4,
             max_storage_buffers: 24,
-            max_texel_buffers: 7,
+            max_texel_buffers: 16,
             max_storage_buffer_bytes: 128 << 20,
             max_workgroup_invocations: 256,
             max_push_constant_bytes: 128,
@@ -76,7 +76,7 @@ mod tests {
             (|c, _| c.has_scalar_block_layout = false, "it lacks scalar block layout"),
             (|_, l| l.max_bound_sets = 3, "it lacks 4 bound descriptor sets (it offers 3)"),
             (|_, l| l.max_storage_buffers = 16, "it lacks 24 storage buffers per kernel (it offers 16)"),
-            (|_, l| l.max_texel_buffers = 0, "it lacks 7 texel buffers per kernel (it offers 0)"),
+            (|_, l| l.max_texel_buffers = 0, "it lacks 16 texel buffers per kernel (it offers 0)"),
             (
                 |_, l| l.max_storage_buffer_bytes = 65536,
                 "it lacks 134217728 bytes in a storage buffer (it offers 65536)",

@@ -3,6 +3,7 @@
 pub mod exr;
 pub mod metrics;
 pub mod png;
+pub mod texels;
 pub mod tone;
 
 pub use tone::ToneCurve;

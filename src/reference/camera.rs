@@ -1,10 +1,11 @@
 //! Twin of `glsl/include/camera.glsl`.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
-use glam::{DVec2, DVec4, Vec2, Vec4, dvec2};
+use glam::{DVec2, DVec3, Vec2, Vec4, dvec2};
 
 use super::intersect::Ray;
+use crate::kernels;
 use crate::layout::SceneConstants;
 
 /// Inverse of the cumulative tent on [-1, 1].
@@ -19,16 +20,36 @@ pub fn sample_gaussian(u: DVec2) -> DVec2 {
     radius * dvec2((TAU * u.y).cos(), (TAU * u.y).sin())
 }
 
-/// The ray through `position`, in film pixels from the top left.
-pub fn camera_ray(scene: &SceneConstants, position: DVec2) -> Ray {
+/// A point of the unit disk, uniformly: the disk's sectors are the square's four triangles (Shirley and Chiu 1997).
+pub fn sample_disk(u: DVec2) -> DVec2 {
+    let p = 2.0 * u - 1.0;
+    if p == DVec2::ZERO {
+        return p;
+    }
+    let (radius, angle) =
+        if p.x.abs() > p.y.abs() { (p.x, FRAC_PI_4 * p.y / p.x) } else { (p.y, FRAC_PI_2 - FRAC_PI_4 * p.x / p.y) };
+    radius * dvec2(angle.cos(), angle.sin())
+}
+
+/// The ray of a `CAMERA_*` through `position`, in film pixels from the top left; `u` chooses a point of the lens.
+pub fn camera_ray(camera: u32, scene: &SceneConstants, position: DVec2, u: DVec2) -> Ray {
     let two = |v: [f32; 2]| Vec2::from(v).as_dvec2();
     let screen = 1.0 - 2.0 * (position / two(scene.film_size) + two(scene.principal_point));
-    // From the eye to the plane at depth 1.
-    let local = (screen * two(scene.raster_scale)).extend(1.0);
-    let rows = scene.world_from_camera.map(|row| Vec4::from(row).as_dvec4());
-    let to_world = |v: DVec4| rows.map(|row| row.dot(v)).into();
-    let (eye, direction): (glam::DVec3, glam::DVec3) = (to_world(DVec4::W), to_world(local.extend(0.0)));
+    let on_screen = screen * two(scene.raster_scale);
     let (near, far) = (f64::from(scene.near_clip), f64::from(scene.far_clip));
-    let (direction, length) = (direction.normalize(), local.length());
-    Ray { origin: eye + near * length * direction, direction, t_max: (far - near) * length }
+    let rows = scene.world_from_camera.map(|row| Vec4::from(row).as_dvec4());
+    let point = |p: DVec3| DVec3::from(rows.map(|row| row.dot(p.extend(1.0))));
+    let vector = |v: DVec3| DVec3::from(rows.map(|row| row.dot(v.extend(0.0))));
+    if camera == kernels::CAMERA_ORTHOGRAPHIC {
+        let direction = vector(DVec3::Z).normalize();
+        return Ray { origin: point(on_screen.extend(near)), direction, t_max: far - near };
+    }
+    let (focus, radius) = match camera {
+        kernels::CAMERA_THINLENS => (f64::from(scene.focus_distance), f64::from(scene.aperture_radius)),
+        _ => (1.0, 0.0),
+    };
+    // From a point of the lens to where the ray through its center meets the plane in focus.
+    let lens = (radius * sample_disk(u)).extend(0.0);
+    let local = (focus * on_screen.extend(1.0) - lens).normalize();
+    Ray { origin: point(lens + near / local.z * local), direction: vector(local), t_max: (far - near) / local.z }
 }

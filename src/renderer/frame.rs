@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 
+use super::Shading;
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
-use super::materials;
-use super::plastics;
 use super::statistics::Counts;
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
@@ -16,11 +15,11 @@ use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, SetShape};
 use crate::kernels::{self, Kernels};
 use crate::layout;
 use crate::lights::Lights;
-use crate::scene::Scene;
+use crate::scene::texel_pages::MAX_PAGES;
+use crate::scene::{Projection, Scene};
 use crate::settings::Settings;
+use crate::textures::TexelWords;
 
-/// A scattered ray's origin leaves its surface by this share of the scene's largest coordinate: some 100 roundings.
-const RAY_EPSILON: f32 = 1.0 / 131_072.0;
 /// `texel_words` of `glsl/include/frame.glsl`.
 const TEXEL_WORDS_BINDING: u32 = 6;
 /// Learning targets saturate at this multiple of the largest emitted radiance.
@@ -37,10 +36,11 @@ impl Frame {
         context: &Arc<Context>,
         kernels: &Kernels,
         scene: &Scene,
+        shading: &Shading,
         bvh: &Bvh,
-        lights: &Lights,
         settings: &Settings,
     ) -> Result<Self> {
+        let Shading { materials, textures, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
             let buffer = Buffer::new(context, name, bytes.len() as u64, kind)?;
             buffer.upload(0, bytes)?;
@@ -48,17 +48,20 @@ impl Frame {
         };
         let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
-        let words = plastics::complete(scene, &mut materials);
         let shape = set_shape(kernels, 0);
-        let materials = uploaded("materials", bytemuck::cast_slice(&materials), buffer_kind(shape.bindings[3].kind))?;
+        let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
         let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
-        let texel_words = texel_words(context, shape, &words)?;
+        let records = bytemuck::cast_slice(&textures.records);
+        let records = uploaded("textures", records, buffer_kind(shape.bindings[3].kind))?;
+        let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
-            let all =
-                [&buffers.radiance, &buffers.features, &constants, &materials, &emitters, &counters, &texel_words];
+            let (radiance, features) = (&buffers.radiance, &buffers.features);
+            let all = [
+                radiance, features, &constants, &materials, &emitters, &counters, words0, &records, words1, words2,
+                words3,
+            ];
             let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
             let set = DescriptorSet::new(context, "frame", shape, &used)?;
             Ok(buffers.with_set(set))
@@ -91,37 +94,43 @@ impl Frame {
     }
 }
 
-/// Tables that materials refer to by the address of a word.
-fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &[u32]) -> Result<Arc<Buffer>> {
+/// The pages of words. Those beyond the last stand for it, for every binding needs a buffer.
+fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> Result<[Arc<Buffer>; MAX_PAGES]> {
     let binding = shape.bindings.iter().find(|binding| binding.binding == TEXEL_WORDS_BINDING);
     let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
-    let buffer = Buffer::new(context, "texel words", size_of_val(words) as u64, kind)?;
-    buffer.upload(0, words)?;
-    Ok(buffer)
+    let mut buffers = Vec::new();
+    for (i, page) in words.pages().iter().enumerate() {
+        let buffer = Buffer::new(context, &format!("texel words {i}"), size_of_val(&page[..]) as u64, kind)?;
+        buffer.upload(0, page)?;
+        buffers.push(buffer);
+    }
+    Ok(std::array::from_fn(|i| Arc::clone(&buffers[i.min(buffers.len() - 1)])))
 }
 
 fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
     let camera = &scene.camera;
-    let tan_x = camera.tan_half_fov_x(settings.width, settings.height);
-    let aspect = settings.width as f32 / settings.height as f32;
+    let (aperture_radius, focus_distance) = match camera.projection {
+        Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
+        _ => (0.0, 1.0),
+    };
     let window = settings.window();
     let extent = (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * 1.0e-6));
     let rows = rows(&camera.world_from_camera);
-    let eye = camera.world_from_camera.w_axis.truncate();
     let mut constants = layout::SceneConstants {
         world_from_camera: rows,
         film_size: [settings.width as f32, settings.height as f32],
-        raster_scale: [tan_x, tan_x / aspect],
+        raster_scale: camera.half_extent(settings.width, settings.height).into(),
         principal_point: camera.principal_point.into(),
         near_clip: camera.near_clip,
         far_clip: camera.far_clip,
         bounds_min: bvh.bounds.0.into(),
-        ray_epsilon: RAY_EPSILON * bvh.largest_coordinate().max(eye.abs().max_element() * 1.0e-3),
+        aperture_radius,
         cells_per_unit: (settings.grid as f32 / extent).into(),
         target_limit: target_limit(lights),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
+        focus_distance,
         ..bytemuck::Zeroable::zeroed()
     };
     lights.write_constants(&mut constants);

@@ -7,9 +7,6 @@ use crate::layout::MaterialRecord;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial};
 use crate::scene::{Scene, Textured};
 
-/// 16-byte texels of a [`MaterialRecord`].
-pub(super) const RECORD_TEXELS: u64 = size_of::<MaterialRecord>() as u64 / 16;
-
 /// Index of the first scalar among the parameters that [`MaterialRecord::links`] counts.
 const FIRST_SCALAR: u32 = 3;
 const OPACITY: usize = 3;
@@ -46,6 +43,15 @@ pub(super) fn features(scene: &Scene) -> u32 {
     features
 }
 
+/// Bit `1 << parameter` for every parameter that a texture multiplies, and the most textures of one material.
+pub(super) fn textured_parameters(scene: &Scene) -> (u32, u32) {
+    let links = scene.materials.iter().map(|material| record(material).links.concat());
+    links.fold((0, 0), |(bits, most), links| {
+        let links: Vec<u32> = links.into_iter().filter(|&link| link != kernels::NONE).collect();
+        (links.iter().fold(bits, |bits, link| bits | 1 << (link >> 24)), most.max(links.len() as u32))
+    })
+}
+
 fn surface_features(surface: &SurfaceMaterial) -> u32 {
     let opacity = surface.opacity != Textured::constant(1.0);
     let relief = match surface.relief {
@@ -56,6 +62,7 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
     let bit = |used: bool, feature: u32| if used { feature } else { 0 };
     bit(opacity, kernels::FEATURE_OPACITY)
         | relief
+        | bit(surface.relief_outside, kernels::FEATURE_RELIEF_OUTSIDE)
         | bit(surface.coating.is_some(), kernels::FEATURE_COATING)
         | bit(is_anisotropic(&surface.bsdf), kernels::FEATURE_TANGENTS)
         | bit(has_beckmann_facets(&surface.bsdf), kernels::FEATURE_BECKMANN)
@@ -143,6 +150,7 @@ fn choice(kind: u32, materials: [u32; 2], weight: Textured<f32>) -> MaterialReco
 fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     let mut writer = Writer::new(kind(&surface.bsdf));
     writer.flag(kernels::MATERIAL_TWO_SIDED, surface.two_sided);
+    writer.flag(kernels::MATERIAL_RELIEF_OUTSIDE, surface.relief_outside);
     writer.scalar(OPACITY, &surface.opacity);
     write_bsdf(&mut writer, &surface.bsdf);
     match surface.relief {

@@ -21,10 +21,11 @@ use crate::bvh::Bvh;
 use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::kernels::{self, Kernels, Variant};
-use crate::layout::{PathTracePush, UpdatePush};
+use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
-use crate::scene::{ReconstructionFilter, Scene};
+use crate::scene::{Projection, ReconstructionFilter, Scene};
 use crate::settings::{Sampler, Settings};
+use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use film_pages::FilmPage;
 use frame::Frame;
@@ -49,6 +50,28 @@ pub struct Renderer {
     stopped: bool,
 }
 
+/// What surfaces are made of and lit by, as it is uploaded.
+struct Shading {
+    materials: Vec<MaterialRecord>,
+    textures: PackedTextures,
+    lights: Lights,
+}
+
+impl Shading {
+    fn new(scene: &Scene, bvh: &Bvh) -> Self {
+        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let tables = plastics::complete(scene, &mut materials);
+        let textures = PackedTextures::new(&scene.textures, &scene.images, tables);
+        Self { materials, textures, lights: Lights::new(scene, bvh) }
+    }
+
+    /// Texels of the largest buffer.
+    fn texels(&self) -> u64 {
+        let materials = size_of_val(&self.materials[..]) as u64 / 16;
+        materials.max(self.textures.longest()).max(self.lights.texel_count() as u64)
+    }
+}
+
 impl Renderer {
     /// Uploads the scene, builds the pipelines, and runs each once on nothing, so that a driver that compiles at the first
     /// dispatch has done so.
@@ -58,15 +81,15 @@ impl Renderer {
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
         settings.validate()?;
         settings.check_lighting(scene)?;
-        let lights = Lights::new(scene, bvh);
-        let variant = variant(settings, scene, bvh, &lights);
-        let kernels = kernels_for(context, scene, bvh, &lights, settings);
+        let shading = Shading::new(scene, bvh);
+        let variant = variant(settings, scene, &shading, bvh);
+        let kernels = kernels_for(context, &shading, bvh, settings);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let renderer = Self {
             path_trace: build(&kernels.path_trace)?,
             update_radiance: build(&kernels.update_radiance)?,
             update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, bvh, &lights, settings)?,
+            frame: Frame::new(context, kernels, scene, &shading, bvh, settings)?,
             geometry: Geometry::new(context, kernels, bvh)?,
             radiance_grid: RadianceGrid::new(context, kernels, settings)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
@@ -207,16 +230,17 @@ impl Renderer {
 }
 
 /// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> &'static Kernels {
+fn kernels_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
-    let texels = texels.max(scene.materials.len() as u64 * materials::RECORD_TEXELS).max(lights.texel_count() as u64);
-    match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
+    match texels.max(shading.texels()) <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => &kernels::TEXEL_BUFFERS,
         false => &kernels::STORAGE_BUFFERS,
     }
 }
 
-fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh, lights: &Lights) -> Variant {
+fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> Variant {
+    let lights = &shading.lights;
+    let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -239,9 +263,18 @@ fn variant(settings: &Settings, scene: &Scene, bvh: &Bvh, lights: &Lights) -> Va
         stack_size: bvh.depth,
         has_spheres: bvh.has_spheres(),
         has_vertex_normals: bvh.has_vertex_normals(),
+        camera: match scene.camera.projection {
+            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
+            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
+            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
+        },
         pdf_tamper: settings.pdf_tamper,
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
+        texture_kinds: shading.textures.kinds,
+        textured_parameters,
+        max_texture_links,
+        texel_pages: shading.textures.words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),

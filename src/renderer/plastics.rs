@@ -8,15 +8,12 @@ use crate::layout::MaterialRecord;
 use crate::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
 use crate::reference::microfacet::Microfacets;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind};
-use crate::scene::texture::{Pattern, Texels};
 use crate::scene::{Scene, Textured};
 
 /// Places among [`MaterialRecord::scalars`]; see `bsdf_parameters.glsl`.
 const INTERNAL_REFLECTANCE: usize = 4;
 const SPECULAR_SAMPLING: usize = 5;
 const TRANSMITTANCE_TABLE: usize = 6;
-/// Of a large image at most this many texels, evenly spread, stand for all.
-const MEAN_TEXELS: usize = 1 << 14;
 
 /// Completes the records of a scene's plastics. Returns the words of their tables, which have addresses from 0 on.
 pub(super) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32> {
@@ -79,29 +76,6 @@ fn specular_sampling(scene: &Scene, specular: &Textured<Vec3>, diffuse: &Texture
 }
 
 fn mean(scene: &Scene, textured: &Textured<Vec3>) -> f32 {
-    let factor = textured.texture.map_or(Vec3::ONE, |texture| mean_of_pattern(scene, texture));
+    let factor = textured.texture.map_or(Vec3::ONE, |texture| scene.textures[texture as usize].mean(&scene.images));
     (textured.value * factor).element_sum() / 3.0
-}
-
-fn mean_of_pattern(scene: &Scene, texture: u32) -> Vec3 {
-    match &scene.textures[texture as usize].pattern {
-        Pattern::Checkerboard { color0, color1 } => 0.5 * (color0 + color1),
-        Pattern::Bitmap { image, .. } => mean_of_texels(&scene.images[*image as usize].texels),
-    }
-}
-
-/// Near enough for a share of samples.
-fn mean_of_texels(texels: &Texels) -> Vec3 {
-    let channel = |srgb: bool, byte: u8| (f32::from(byte) / 255.0).powf(if srgb { 2.2 } else { 1.0 });
-    match texels {
-        Texels::Bytes { srgb, data } => {
-            mean_of(data, |[r, g, b, _]| [*r, *g, *b].map(|byte| channel(*srgb, byte)).into())
-        }
-        Texels::Floats(data) => mean_of(data, |[r, g, b, _]| Vec3::new(*r, *g, *b)),
-    }
-}
-
-fn mean_of<T>(texels: &[T], color: impl Fn(&T) -> Vec3) -> Vec3 {
-    let colors = || texels.iter().step_by(texels.len().div_ceil(MEAN_TEXELS).max(1));
-    colors().map(color).sum::<Vec3>() / colors().count().max(1) as f32
 }

@@ -45,6 +45,9 @@ pub struct SurfaceMaterial {
     pub opacity: Textured<f32>,
     /// `bumpmap` or `normalmap`.
     pub relief: Option<Relief>,
+    /// Whether the relief lies around `twosided` rather than inside it. Inside, the back shows the front's relief as in a
+    /// mirror; outside, the tilted normal decides which side is met, and heights that rise on the front sink on the back.
+    pub relief_outside: bool,
     /// `coating`.
     pub coating: Option<Coating>,
 }
@@ -52,7 +55,25 @@ pub struct SurfaceMaterial {
 impl SurfaceMaterial {
     /// The scattering function alone: one side, opaque, flat, not coated.
     pub fn plain(bsdf: Bsdf) -> Self {
-        Self { bsdf, two_sided: false, opacity: Textured::constant(1.0), relief: None, coating: None }
+        let opacity = Textured::constant(1.0);
+        Self { bsdf, two_sided: false, opacity, relief: None, relief_outside: false, coating: None }
+    }
+
+    /// The textures of the scattering function's parameters and of the opacity.
+    pub(super) fn parameter_textures_mut(&mut self) -> Vec<&mut u32> {
+        let mut all = self.bsdf.textures_mut();
+        all.push(&mut self.opacity.texture);
+        all.into_iter().flatten().collect()
+    }
+
+    /// Every texture that it refers to.
+    pub(super) fn textures_mut(&mut self) -> Vec<&mut u32> {
+        let mut all = self.bsdf.textures_mut();
+        all.push(&mut self.opacity.texture);
+        let relief = self.relief.as_mut().map(|relief| match relief {
+            Relief::Bump { texture, .. } | Relief::NormalMap { texture } => texture,
+        });
+        all.into_iter().flatten().chain(relief).collect()
     }
 }
 
@@ -152,7 +173,7 @@ pub enum Bsdf {
     },
     /// A smooth conductor.
     Conductor {
-        /// Index of refraction, real part; with `k` both zero: a perfect mirror.
+        /// Index of refraction, real part. Fitted to a color, it may be negative in a channel, `k` likewise.
         eta: Vec3,
         /// Imaginary part.
         k: Vec3,
@@ -163,7 +184,7 @@ pub enum Bsdf {
     RoughConductor {
         /// Roughness.
         microfacets: Microfacets,
-        /// Index of refraction, real part; with `k` both zero: reflects everything.
+        /// Index of refraction, real part.
         eta: Vec3,
         /// Imaginary part.
         k: Vec3,
@@ -200,6 +221,36 @@ pub enum Bsdf {
     Principled(Principled),
 }
 
+impl Bsdf {
+    fn textures_mut(&mut self) -> Vec<&mut Option<u32>> {
+        match self {
+            Self::Diffuse { reflectance } => vec![&mut reflectance.texture],
+            Self::RoughDiffuse { reflectance, alpha, .. } => vec![&mut reflectance.texture, &mut alpha.texture],
+            Self::Dielectric { specular_reflectance, specular_transmittance, .. }
+            | Self::ThinDielectric { specular_reflectance, specular_transmittance, .. } => {
+                vec![&mut specular_reflectance.texture, &mut specular_transmittance.texture]
+            }
+            Self::RoughDielectric { microfacets, specular_reflectance, specular_transmittance, .. } => vec![
+                &mut microfacets.alpha_u.texture,
+                &mut microfacets.alpha_v.texture,
+                &mut specular_reflectance.texture,
+                &mut specular_transmittance.texture,
+            ],
+            Self::Conductor { specular_reflectance, .. } => vec![&mut specular_reflectance.texture],
+            Self::RoughConductor { microfacets, specular_reflectance, .. } => vec![
+                &mut microfacets.alpha_u.texture,
+                &mut microfacets.alpha_v.texture,
+                &mut specular_reflectance.texture,
+            ],
+            Self::Plastic { diffuse_reflectance, specular_reflectance, .. }
+            | Self::RoughPlastic { diffuse_reflectance, specular_reflectance, .. } => {
+                vec![&mut diffuse_reflectance.texture, &mut specular_reflectance.texture]
+            }
+            Self::Principled(principled) => principled.textures_mut(),
+        }
+    }
+}
+
 /// Parameters of the principled BSDF; each in [0, 1] but `eta`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Principled {
@@ -227,4 +278,23 @@ pub struct Principled {
     pub clearcoat: Textured<f32>,
     /// Gloss of the clear coat.
     pub clearcoat_gloss: Textured<f32>,
+}
+
+impl Principled {
+    fn textures_mut(&mut self) -> Vec<&mut Option<u32>> {
+        let scalars = [
+            &mut self.roughness,
+            &mut self.anisotropic,
+            &mut self.metallic,
+            &mut self.spec_trans,
+            &mut self.spec_tint,
+            &mut self.sheen,
+            &mut self.sheen_tint,
+            &mut self.flatness,
+            &mut self.clearcoat,
+            &mut self.clearcoat_gloss,
+        ];
+        let scalars = scalars.into_iter().map(|scalar| &mut scalar.texture);
+        std::iter::once(&mut self.base_color.texture).chain(scalars).collect()
+    }
 }

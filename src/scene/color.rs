@@ -3,32 +3,55 @@
 use glam::Vec3;
 
 use super::element::Element;
-use super::numbers;
+use super::spectrum::SpectrumUse;
+use super::{numbers, spectrum};
 use crate::Result;
 
-/// The color that a `<rgb>`, `<srgb>`, `<spectrum>` or `<float>` names.
-pub(super) fn parse(element: &Element) -> Result<Vec3> {
-    let value = match element.tag.as_str() {
-        "spectrum" => check_spectrum(element)?,
-        "blackbody" => return Err(element.error("<blackbody> is not supported; give the color as <rgb>")),
-        _ => element.required("value")?,
-    };
-    let color = match (element.tag.as_str(), value.trim().strip_prefix('#')) {
-        ("srgb", Some(digits)) => parse_hex(element, digits)?,
-        (tag, Some(_)) => return Err(element.error(format!("`{value}` in <{tag}>: hex digits need <srgb>"))),
-        _ => numbers::one_or_three(element, value)?,
-    };
-    let color = if element.tag == "srgb" { color.map(linear_from_srgb) } else { color };
-    if color.iter().any(|&channel| channel < 0.0) {
-        return Err(element.error(format!("the color `{value}` is negative")));
+/// The color that a `<rgb>`, `<srgb>`, `<spectrum>` or `<float>` names; no channel is negative.
+pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<Vec3> {
+    let color = parse_signed(element, spectrum_use)?;
+    match color.to_array().iter().find(|&&channel| channel < 0.0) {
+        Some(channel) => Err(element.error(format!("a color must not be negative, as {channel} is"))),
+        None => Ok(color),
     }
+}
+
+/// The same, of any sign: an index of refraction that a fit has left negative in one channel, say.
+pub(super) fn parse_signed(element: &Element, spectrum_use: SpectrumUse) -> Result<Vec3> {
+    let color = match element.tag.as_str() {
+        "blackbody" => return Err(element.error("<blackbody> is not supported; give the color as <rgb>")),
+        "spectrum" => parse_spectrum(element, spectrum_use)?,
+        "srgb" => parse_srgb(element)?.map(linear_from_srgb),
+        _ => parse_linear(element)?,
+    };
     Ok(Vec3::from_array(color.map(|channel| channel as f32)))
 }
 
-fn check_spectrum(element: &Element) -> Result<&str> {
+fn parse_spectrum(element: &Element, spectrum_use: SpectrumUse) -> Result<[f64; 3]> {
     match element.attribute("value") {
-        Some(value) if !value.contains(':') => Ok(value),
-        _ => Err(element.error("spectra over wavelengths are not supported; give the color as <rgb>")),
+        Some(value) if !value.contains(':') => match numbers::list(element, value)?[..] {
+            [value] => Ok(spectrum::uniform(value, spectrum_use)),
+            // Mitsuba 0.6 took three numbers for a color.
+            [red, green, blue] => Ok([red, green, blue]),
+            _ => Err(element.error(format!("`{value}` should be one number, three, or wavelength:value pairs"))),
+        },
+        _ => spectrum::parse(element, spectrum_use),
+    }
+}
+
+fn parse_linear(element: &Element) -> Result<[f64; 3]> {
+    let value = element.required("value")?;
+    match value.trim().starts_with('#') {
+        true => Err(element.error(format!("`{value}` in <{}>: hex digits need <srgb>", element.tag))),
+        false => numbers::one_or_three(element, value),
+    }
+}
+
+fn parse_srgb(element: &Element) -> Result<[f64; 3]> {
+    let value = element.required("value")?;
+    match value.trim().strip_prefix('#') {
+        Some(digits) => parse_hex(element, digits),
+        None => numbers::one_or_three(element, value),
     }
 }
 
@@ -41,6 +64,7 @@ fn parse_hex(element: &Element, digits: &str) -> Result<[f64; 3]> {
     Ok([bits >> 16, bits >> 8 & 255, bits & 255].map(|channel| f64::from(channel) / 255.0))
 }
 
-fn linear_from_srgb(value: f64) -> f64 {
+/// The inverse of the sRGB curve (IEC 61966-2-1).
+pub(super) fn linear_from_srgb(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

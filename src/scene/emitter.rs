@@ -13,6 +13,13 @@ pub struct AreaEmitter {
     pub sampling_weight: f32,
 }
 
+impl AreaEmitter {
+    /// That is sampled as its power asks for.
+    pub fn new(radiance: Textured<Vec3>) -> Self {
+        Self { radiance, sampling_weight: 1.0 }
+    }
+}
+
 /// Light from infinitely far away.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Environment {
@@ -42,7 +49,7 @@ pub enum EnvironmentKind {
 }
 
 impl Environment {
-    /// The same radiance from everywhere.
+    /// The same radiance from everywhere, sampled as its power asks for.
     pub fn constant(radiance: Vec3) -> Self {
         Self { kind: EnvironmentKind::Constant { radiance }, sampling_weight: 1.0 }
     }

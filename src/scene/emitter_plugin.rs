@@ -7,6 +7,7 @@ use glam::{DMat4, DVec3, Mat3, Vec3};
 use super::document;
 use super::element::Element;
 use super::properties::{Ids, Properties};
+use super::textures::{Role, Textures};
 use super::transform;
 use super::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, Textured};
 use crate::Result;
@@ -59,16 +60,24 @@ pub(super) fn parse<'a>(
 }
 
 /// Reads an emitter that stands in a `<shape>`.
-pub(super) fn parse_area<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<AreaEmitter> {
+pub(super) fn parse_area<'a>(
+    element: &'a Element,
+    ids: &Ids<'a>,
+    textures: &mut Textures<'a>,
+    warnings: &mut Vec<String>,
+) -> Result<AreaEmitter> {
     let mut properties = Properties::new(element, ids)?;
     if properties.plugin() != "area" {
         return Err(element.unsupported(&["area"]));
     }
     let sampling_weight = sampling_weight(&mut properties)?;
-    if let Some(texture) = properties.objects("texture").first() {
-        return Err(texture.error("textures are not supported yet; give the `radiance` as <rgb>"));
-    }
-    let radiance = Textured::constant(color(&mut properties, "radiance")?);
+    let radiance = match properties.texture("radiance")? {
+        Some(texture) => {
+            let found = textures.read(texture, Role::Radiance, warnings)?;
+            Textured { value: found.factor, texture: Some(textures.keep(found.texture)) }
+        }
+        None => Textured::constant(color(&mut properties, "radiance")?),
+    };
     properties.finish(warnings)?;
     Ok(AreaEmitter { radiance, sampling_weight })
 }
@@ -87,7 +96,7 @@ fn non_negative(properties: &mut Properties, name: &str, default: f32) -> Result
 
 /// One where none is given.
 fn color(properties: &mut Properties, name: &str) -> Result<Vec3> {
-    Ok(properties.color(name)?.unwrap_or(Vec3::ONE))
+    Ok(properties.emission(name)?.unwrap_or(Vec3::ONE))
 }
 
 fn parse_map(properties: &mut Properties, top_folder: &Path, sampling_weight: f32) -> Result<EnvironmentMapFile> {

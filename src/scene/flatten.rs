@@ -1,23 +1,24 @@
 //! Shapes to world-space primitives.
 
-use std::collections::HashMap;
-
 use glam::{DMat4, DVec3, Vec2, Vec3};
 
-use super::mesh::{Corner, Mesh};
+use super::mesh::Mesh;
 use super::transform::{axes, is_mirrored, normal_matrix};
 use super::{Primitive, PrimitiveShape};
 
 /// What the primitives of one shape have in common.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Common {
+    /// To the world or, within a group, to the group.
     pub to_world: DMat4,
+    /// From the group to the world. Mitsuba takes normals along with it, and those of meshes are made before.
+    pub instance_to_world: DMat4,
     pub flip_normals: bool,
     pub material: u32,
     pub emitter: Option<u32>,
 }
 
-/// What `<shape type="obj">` can ask for besides.
+/// What a mesh's shape can ask for besides.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MeshOptions {
     pub face_normals: bool,
@@ -83,33 +84,94 @@ fn primitive(
     Primitive { shape, origin, edge_u, edge_v, normals: None, uvs: BARYCENTRIC_UVS, flip_normal, material, emitter }
 }
 
-/// The triangles of a mesh, without those that have no area.
-pub(super) fn mesh(mesh: &Mesh, options: &MeshOptions, common: &Common) -> Vec<Primitive> {
-    let to_world = |position: &Vec3| common.to_world.transform_point3(position.as_dvec3()).as_vec3();
-    let positions: Vec<Vec3> = mesh.positions.iter().map(to_world).collect();
-    let normals = if options.face_normals { Vec::new() } else { corner_normals(mesh, &positions, common) };
-    let mut primitives = Vec::with_capacity(mesh.triangles.len());
-    for (i, corners) in mesh.triangles.iter().enumerate() {
-        let [a, b, c] = corners.map(|corner| positions[corner.position as usize]);
-        let (edge_u, edge_v) = (b - a, c - a);
-        if !has_area(edge_u, edge_v) {
-            continue;
+/// The copy of a group's primitive, unless it has no area any more.
+pub(super) fn instantiated(p: Primitive, instance_to_world: &DMat4) -> Option<Primitive> {
+    let vector = |v: Vec3| instance_to_world.transform_vector3(v.as_dvec3()).as_vec3();
+    let origin = instance_to_world.transform_point3(p.origin.as_dvec3()).as_vec3();
+    let (edge_u, edge_v) = (vector(p.edge_u), vector(p.edge_v));
+    // A sphere's normal is told by its center alone.
+    let turns_over = p.shape != PrimitiveShape::Sphere && is_mirrored(instance_to_world);
+    let flip_normal = p.flip_normal ^ turns_over;
+    has_area(edge_u, edge_v).then_some(Primitive { origin, edge_u, edge_v, flip_normal, ..p })
+}
+
+/// A mesh in its place in the world, whose triangles can be made one by one; those without area are left out.
+pub(super) struct PlacedMesh<'a> {
+    mesh: &'a Mesh,
+    flip_uvs: bool,
+    common: Common,
+    /// World-space positions of the vertices.
+    positions: Vec<Vec3>,
+    /// World-space unit normals of the vertices, zero where there is none to be had; empty for flat shading.
+    normals: Vec<Vec3>,
+    /// Indices of the triangles that have area; `None` where all have.
+    kept: Option<Vec<u32>>,
+}
+
+impl<'a> PlacedMesh<'a> {
+    /// Puts the mesh in its place; `None` where that is out of the range of single precision.
+    pub fn new(mesh: &'a Mesh, options: &MeshOptions, common: &Common) -> Option<Self> {
+        let to_world = common.instance_to_world * common.to_world;
+        let to_world = |position: &Vec3| to_world.transform_point3(position.as_dvec3()).as_vec3();
+        let positions: Vec<Vec3> = mesh.positions.iter().map(to_world).collect();
+        let normals = if options.face_normals { Vec::new() } else { vertex_normals(mesh, common) };
+        let mut placed = Self { mesh, flip_uvs: options.flip_uvs, common: *common, positions, normals, kept: None };
+        let indices = 0..mesh.triangles.len();
+        if !indices.clone().all(|index| placed.is_finite(index)) {
+            return None;
         }
-        let mut triangle = primitive(PrimitiveShape::Triangle, common, a, edge_u, edge_v, common.flip_normals);
-        if let Some(normals) = normals.get(i) {
-            set_normals(&mut triangle, normals);
+        let has_area = |&index: &usize| {
+            let [edge_u, edge_v] = placed.edges(index);
+            has_area(edge_u, edge_v)
+        };
+        if !indices.clone().all(|index| has_area(&index)) {
+            placed.kept = Some(indices.filter(has_area).map(|index| index as u32).collect());
         }
-        if !mesh.uvs.is_empty() {
-            triangle.uvs = corners.map(|corner| uv(mesh, &corner, options));
-        }
-        primitives.push(triangle);
+        Some(placed)
     }
-    primitives
+
+    /// How many triangles it has.
+    pub fn len(&self) -> usize {
+        self.kept.as_ref().map_or(self.mesh.triangles.len(), Vec::len)
+    }
+
+    /// Its triangle of that index.
+    pub fn triangle(&self, index: usize) -> Primitive {
+        let index = self.kept.as_ref().map_or(index, |kept| kept[index] as usize);
+        let vertices = self.mesh.triangles[index].map(|vertex| vertex as usize);
+        let [edge_u, edge_v] = self.edges(index);
+        let flip = self.common.flip_normals ^ is_mirrored(&self.common.instance_to_world);
+        let origin = self.positions[vertices[0]];
+        let mut triangle = primitive(PrimitiveShape::Triangle, &self.common, origin, edge_u, edge_v, flip);
+        if !self.normals.is_empty() {
+            set_normals(&mut triangle, vertices.map(|vertex| self.normals[vertex]));
+        }
+        if !self.mesh.uvs.is_empty() {
+            triangle.uvs = vertices.map(|vertex| self.uv(vertex));
+        }
+        triangle
+    }
+
+    fn edges(&self, index: usize) -> [Vec3; 2] {
+        let [a, b, c] = self.mesh.triangles[index].map(|vertex| self.positions[vertex as usize]);
+        [b - a, c - a]
+    }
+
+    fn is_finite(&self, index: usize) -> bool {
+        let [edge_u, edge_v] = self.edges(index);
+        self.positions[self.mesh.triangles[index][0] as usize].is_finite()
+            && edge_u.cross(edge_v).length_squared().is_finite()
+    }
+
+    fn uv(&self, vertex: usize) -> Vec2 {
+        let uv = self.mesh.uvs[vertex];
+        if self.flip_uvs { Vec2::new(uv.x, 1.0 - uv.y) } else { uv }
+    }
 }
 
 /// Shading normals say which side is the front: it is by them that Mitsuba tells whether light is emitted or reflected.
 /// The geometric normal follows.
-fn set_normals(triangle: &mut Primitive, normals: &[Vec3; 3]) {
+fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
     let geometric = triangle.edge_u.cross(triangle.edge_v).normalize();
     let sum: Vec3 = normals.iter().sum();
     if sum != Vec3::ZERO {
@@ -119,44 +181,29 @@ fn set_normals(triangle: &mut Primitive, normals: &[Vec3; 3]) {
     triangle.normals = Some(normals.map(|normal| if normal == Vec3::ZERO { facing } else { normal }));
 }
 
-fn uv(mesh: &Mesh, corner: &Corner, options: &MeshOptions) -> Vec2 {
-    let uv = mesh.uvs[corner.uv as usize];
-    if options.flip_uvs { Vec2::new(uv.x, 1.0 - uv.y) } else { uv }
-}
-
-/// World-space unit normals of every triangle's corners; zero where there is none to be had.
-fn corner_normals(mesh: &Mesh, positions: &[Vec3], common: &Common) -> Vec<[Vec3; 3]> {
+/// World-space unit normals of the vertices; zero where there is none to be had.
+fn vertex_normals(mesh: &Mesh, common: &Common) -> Vec<Vec3> {
     let sign = if common.flip_normals { -1.0 } else { 1.0 };
+    let (to_world, instance) = (normal_matrix(&common.to_world), normal_matrix(&common.instance_to_world));
     if mesh.normals.is_empty() {
-        return smooth_normals(mesh, positions, sign);
+        let place = |normal: DVec3| (sign * (instance * normal).normalize_or_zero()).as_vec3();
+        return smooth_normals(mesh, &common.to_world).into_iter().map(place).collect();
     }
-    let to_world = normal_matrix(&common.to_world);
-    let transform = |normal: &Vec3| (sign * (to_world * normal.as_dvec3()).normalize_or_zero()).as_vec3();
-    let normals: Vec<Vec3> = mesh.normals.iter().map(transform).collect();
-    mesh.triangles.iter().map(|corners| corners.map(|corner| normals[corner.normal as usize])).collect()
+    let to_world = instance * to_world;
+    let place = |normal: &Vec3| (sign * (to_world * normal.as_dvec3()).normalize_or_zero()).as_vec3();
+    mesh.normals.iter().map(place).collect()
 }
 
-/// The mean of the adjacent faces' normals, weighted by the angle the face has at the vertex. Vertices that differ in
-/// their texture coordinates are different vertices, as in Mitsuba.
-fn smooth_normals(mesh: &Mesh, positions: &[Vec3], sign: f64) -> Vec<[Vec3; 3]> {
-    let mut vertices = HashMap::new();
-    let mut sums = Vec::new();
-    let mut indices = Vec::with_capacity(mesh.triangles.len());
-    for corners in &mesh.triangles {
-        let ids = corners.map(|corner| {
-            *vertices.entry((corner.position, corner.uv)).or_insert_with(|| {
-                sums.push(DVec3::ZERO);
-                sums.len() - 1
-            })
-        });
-        let corners = corners.map(|corner| positions[corner.position as usize].as_dvec3());
-        for (id, weighted) in ids.into_iter().zip(weighted_normals(corners)) {
-            sums[id] += weighted;
+/// The sum of the adjacent faces' normals, weighted by the angle the face has at the vertex, as in Mitsuba.
+fn smooth_normals(mesh: &Mesh, to_world: &DMat4) -> Vec<DVec3> {
+    let position = |vertex: u32| to_world.transform_point3(mesh.positions[vertex as usize].as_dvec3());
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    for vertices in &mesh.triangles {
+        for (vertex, weighted) in vertices.iter().zip(weighted_normals(vertices.map(position))) {
+            sums[*vertex as usize] += weighted;
         }
-        indices.push(ids);
     }
-    let normals: Vec<Vec3> = sums.into_iter().map(|sum| (sign * sum.normalize_or_zero()).as_vec3()).collect();
-    indices.into_iter().map(|ids| ids.map(|id| normals[id])).collect()
+    sums
 }
 
 /// The face's normal, scaled with the angle at each corner.

@@ -1,24 +1,24 @@
 //! Reads a Mitsuba XML scene.
 
-use std::collections::HashMap;
+use std::cmp::Reverse;
+use std::collections::{HashMap, HashSet};
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::DMat4;
 use rayon::prelude::*;
 
 use super::element::Element;
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
-use super::mesh::{self, Mesh};
+use super::materials::Materials;
+use super::mesh::{self, MAX_TRIANGLES, Mesh};
 use super::properties::{Ids, Properties, collect_ids};
-use super::shape::{self, Geometry, Shape};
-use super::texture::{Image, Texels};
-use super::{
-    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, IntegratorDescription, Material, Primitive, Scene,
-};
-use super::{document, material, sensor};
-use crate::image::exr::read_rgb;
+use super::shape::{self, Geometry, MeshFile, Shape};
+use super::textures::Textures;
+use super::{AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene};
+use super::{document, sensor, texture_images};
 use crate::{Error, Result};
 
 /// What the caller overrides while a scene is read.
@@ -28,25 +28,49 @@ pub struct LoadOptions {
     pub defines: Vec<(String, String)>,
 }
 
-/// Reads the scene at `path` with everything it includes.
+/// Is told how far the reading of a scene is.
+type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
+
+/// How far the reading of a scene is. Prints as `reading meshes 120/295`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LoadProgress {
+    /// Mesh files read so far.
+    pub meshes_read: usize,
+    /// Mesh files that the scene names.
+    pub mesh_count: usize,
+}
+
+impl fmt::Display for LoadProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "reading meshes {}/{}", self.meshes_read, self.mesh_count)
+    }
+}
+
+/// [`load_with_progress`] without anyone watching.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    load_with_progress(path, options, &|_| {})
+}
+
+/// Reads the scene at `path` with everything it includes. `progress` is called after every mesh, from several threads.
 ///
 /// Of the sampler only `sample_count` is read: plugins differ in their patterns alone. Parameters that cannot change
 /// the picture (a film's `file_format`, say) are skipped in silence; other unknown ones end up in [`Scene::warnings`].
-pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
     let elements = document::read(path, &options.defines)?;
     let mut ids = HashMap::new();
     collect_ids(&elements, &mut ids)?;
+    let (ids, top_folder) = (Rc::new(ids), document::folder(path));
     let mut builder = Builder {
-        ids: Rc::new(ids),
-        top_folder: document::folder(path),
-        material_indices: HashMap::new(),
-        materials: Vec::new(),
-        default_materials: [None; 2],
+        materials: Materials::new(Rc::clone(&ids)),
+        textures: Textures::new(Rc::clone(&ids), top_folder.clone()),
+        ids,
+        top_folder,
         emitters: Vec::new(),
         environment: None,
         delta_emitters: Vec::new(),
         images: Vec::new(),
         shapes: Vec::new(),
+        groups: HashMap::new(),
         sensors: Vec::new(),
         integrators: Vec::new(),
         warnings: Vec::new(),
@@ -54,23 +78,25 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     for element in &elements {
         builder.add(element)?;
     }
-    builder.finish(path)
+    builder.finish(path, progress)
 }
+
+/// Shapes of a scene at most. Few instances of a large group can ask for more than any memory holds.
+const MAX_SHAPES: usize = 1 << 20;
 
 /// The scene as far as it has been read.
 struct Builder<'a> {
     ids: Ids<'a>,
     top_folder: PathBuf,
-    /// Keyed by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
-    material_indices: HashMap<*const Element, u32>,
-    materials: Vec<Material>,
-    /// Of shapes without a BSDF: those that do not emit, and those that do.
-    default_materials: [Option<u32>; 2],
+    materials: Materials<'a>,
+    textures: Textures<'a>,
     emitters: Vec<AreaEmitter>,
     environment: Option<Environment>,
     delta_emitters: Vec<DeltaEmitter>,
     images: Vec<Image>,
     shapes: Vec<Shape>,
+    /// Keyed by the address of the `shapegroup`.
+    groups: HashMap<*const Element, Rc<Vec<Shape>>>,
     sensors: Vec<&'a Element>,
     integrators: Vec<&'a Element>,
     warnings: Vec<String>,
@@ -85,7 +111,7 @@ impl<'a> Builder<'a> {
             "emitter" => self.add_emitter(element)?,
             "shape" => self.add_shape(element)?,
             // Also where no shape uses it: a plugin that is not supported should not pass unseen.
-            "bsdf" => drop(self.material_index(element, None)?),
+            "bsdf" => self.materials.check(element, &mut self.textures, &mut self.warnings)?,
             // Does nothing by itself; what refers to it reports it.
             "texture" => {}
             tag => return Err(element.error(format!("<{tag}> is not supported in <scene>"))),
@@ -112,61 +138,86 @@ impl<'a> Builder<'a> {
     }
 
     fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
-        let picture = read_rgb(&file.path)?;
-        if picture.width < 2 || picture.height < 3 {
+        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
+        let image = texture_images::decode_environment(&path)?;
+        if image.width < 2 || image.height < 3 {
             return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
         }
-        let color = |pixel: &[f32; 3]| pixel.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
-        let texels = picture.pixels.iter().map(color).map(|[r, g, b]| [r, g, b, 1.0]).collect();
-        let (width, height) = (picture.width, picture.height);
-        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
         let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
-        self.images.push(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) });
+        self.images.push(image);
         Ok(Environment { kind, sampling_weight })
     }
 
     fn add_shape(&mut self, element: &'a Element) -> Result<()> {
+        match element.plugin()? {
+            "shapegroup" => self.group(element).map(drop),
+            "instance" => self.add_instance(element),
+            _ => {
+                let shape = self.parse_shape(element)?;
+                self.shapes.push(shape);
+                Ok(())
+            }
+        }
+    }
+
+    fn parse_shape(&mut self, element: &'a Element) -> Result<Shape> {
         let mut properties = Properties::new(element, &self.ids)?;
-        let mut common = Common { to_world: DMat4::IDENTITY, flip_normals: false, material: 0, emitter: None };
+        let mut common = Common { material: 0, ..Common::default() };
         let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
         let emitter = properties.object("emitter")?;
         common.material = match properties.object("bsdf")? {
-            Some(bsdf) => self.material_index(bsdf, element.attribute("id"))?,
-            None => self.default_material_index(emitter.is_some()),
+            Some(bsdf) => {
+                let shape_id = element.attribute("id");
+                self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings)?
+            }
+            None => self.materials.keep_default(emitter.is_some()),
         };
         if let Some(emitter) = emitter {
             common.emitter = Some(self.emitters.len() as u32);
-            self.emitters.push(emitter_plugin::parse_area(emitter, &self.ids, &mut self.warnings)?);
+            let (ids, textures) = (&self.ids, &mut self.textures);
+            self.emitters.push(emitter_plugin::parse_area(emitter, ids, textures, &mut self.warnings)?);
         }
         properties.finish(&mut self.warnings)?;
-        self.shapes.push(Shape { geometry, common, location: element.location.clone() });
+        Ok(Shape { geometry, common, location: element.location.clone() })
+    }
+
+    /// What stands in a `shapegroup`; by itself it is nowhere in the scene.
+    fn group(&mut self, element: &'a Element) -> Result<Rc<Vec<Shape>>> {
+        if let Some(group) = self.groups.get(&std::ptr::from_ref(element)) {
+            return Ok(group.clone());
+        }
+        let mut properties = Properties::new(element, &self.ids)?;
+        let members = properties.objects("shape");
+        properties.finish(&mut self.warnings)?;
+        let group: Rc<Vec<_>> = Rc::new(members.into_iter().map(|member| self.member(member)).collect::<Result<_>>()?);
+        self.groups.insert(element, group.clone());
+        Ok(group)
+    }
+
+    fn member(&mut self, element: &'a Element) -> Result<Shape> {
+        if let plugin @ ("shapegroup" | "instance") = element.plugin()? {
+            return Err(element.error(format!("shape plugin `{plugin}` cannot stand inside a `shapegroup`")));
+        }
+        let shape = self.parse_shape(element)?;
+        match shape.common.emitter {
+            Some(_) => Err(element.error("a shape in a `shapegroup` cannot emit; put it into the <scene> itself")),
+            None => Ok(shape),
+        }
+    }
+
+    fn add_instance(&mut self, element: &'a Element) -> Result<()> {
+        let mut properties = Properties::new(element, &self.ids)?;
+        let to_world = properties.take_to_world()?;
+        let group = properties.object("shape")?.filter(|shape| shape.attribute("type") == Some("shapegroup"));
+        let group = group.ok_or_else(|| element.error("shape plugin `instance` needs a <ref> to a `shapegroup`"))?;
+        properties.finish(&mut self.warnings)?;
+        let group = self.group(group)?;
+        if self.shapes.len() + group.len() > MAX_SHAPES {
+            return Err(element.error(format!("more than {MAX_SHAPES} shapes, those of instances included")));
+        }
+        let copy = |shape: &Shape| shape.instantiated(to_world, element);
+        self.shapes.extend(group.iter().map(copy).collect::<Result<Vec<_>>>()?);
         Ok(())
-    }
-
-    fn material_index(&mut self, element: &'a Element, shape_id: Option<&str>) -> Result<u32> {
-        if let Some(&index) = self.material_indices.get(&std::ptr::from_ref(element)) {
-            return Ok(index);
-        }
-        let name = match element.attribute("id").or(shape_id) {
-            Some(id) => id.to_string(),
-            None => format!("{} at line {}", element.plugin()?, element.location.line),
-        };
-        let material = material::parse(element, name, &self.ids, &mut self.warnings)?;
-        let index = self.materials.len() as u32;
-        self.materials.push(material);
-        self.material_indices.insert(element, index);
-        Ok(index)
-    }
-
-    /// What a shape without a BSDF is made of: as in Mitsuba, black where it emits.
-    fn default_material_index(&mut self, emits: bool) -> u32 {
-        if let Some(index) = self.default_materials[usize::from(emits)] {
-            return index;
-        }
-        let index = self.materials.len() as u32;
-        self.materials.push(if emits { material::emitter_material() } else { material::default_material() });
-        self.default_materials[usize::from(emits)] = Some(index);
-        index
     }
 
     fn integrator(&mut self) -> Result<IntegratorDescription> {
@@ -195,13 +246,20 @@ impl<'a> Builder<'a> {
         elements.first().copied()
     }
 
-    fn finish(mut self, path: &Path) -> Result<Scene> {
+    fn finish(mut self, path: &Path, progress: &Watch) -> Result<Scene> {
         let integrator = self.integrator()?;
         let sensor = self
             .first("sensor", &self.sensors.clone())
             .ok_or_else(|| Error::scene(path, None, "the scene has no <sensor>; it needs a `perspective` one"))?;
         let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
-        let meshes = read_meshes(&self.shapes)?;
+        let mut images = self.images;
+        let (textures, requests) = self.textures.finish(images.len() as u32);
+        let shapes = &self.shapes;
+        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
+        let (decoded, warnings) = decoded?;
+        let meshes = meshes?;
+        images.extend(decoded);
+        self.warnings.extend(warnings);
         Ok(Scene {
             name: scene_name(path),
             camera: sensor.camera,
@@ -209,36 +267,71 @@ impl<'a> Builder<'a> {
             integrator,
             sample_count: sensor.sample_count,
             primitives: flatten_all(&self.shapes, &meshes)?,
-            materials: self.materials,
+            materials: self.materials.finish(),
             emitters: self.emitters,
             environment: self.environment,
             delta_emitters: self.delta_emitters,
-            textures: Vec::new(),
-            images: self.images,
+            textures,
+            images,
             warnings: self.warnings,
         })
     }
 }
 
-/// Reads every mesh file once, in parallel. Of several faulty files the first in the scene is reported.
-fn read_meshes(shapes: &[Shape]) -> Result<HashMap<PathBuf, Mesh>> {
-    let mut paths: Vec<&Path> = Vec::new();
-    let mut seen = std::collections::HashSet::new();
-    for shape in shapes {
-        if let Geometry::Mesh(path, _) = &shape.geometry
-            && seen.insert(path)
-        {
-            paths.push(path);
-        }
-    }
-    let results: Vec<_> = paths.par_iter().map(|path| Ok((path.to_path_buf(), mesh::read(path)?))).collect();
-    results.into_iter().collect()
+/// Reads every mesh once, in parallel. Of several faulty files the first in the scene is reported.
+fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, Mesh>> {
+    let files = shapes.iter().filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh(file, _) => Some(file),
+        _ => None,
+    });
+    let mut seen = HashSet::new();
+    let mut files: Vec<_> = files.filter(|file| seen.insert(*file)).enumerate().collect();
+    // The largest come first, lest one be left over when all else is done.
+    files.sort_by_cached_key(|(_, file)| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
+    let (mesh_count, read_count) = (files.len(), AtomicUsize::new(0));
+    let read = |(place, file): (usize, &MeshFile)| {
+        let mesh = mesh::read(&file.path, file.format);
+        progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
+        (place, mesh.map(|mesh| (file.clone(), mesh)))
+    };
+    // Handed out one by one, so that the order holds.
+    let mut results: Vec<_> = files.into_iter().par_bridge().map(read).collect();
+    results.sort_by_key(|(place, _)| *place);
+    results.into_iter().map(|(_, result)| result).collect()
 }
 
-fn flatten_all(shapes: &[Shape], meshes: &HashMap<PathBuf, Mesh>) -> Result<Vec<Primitive>> {
-    let results: Vec<_> = shapes.par_iter().map(|shape| shape::flatten(shape, meshes)).collect();
-    let primitives: Vec<_> = results.into_iter().collect::<Result<_>>()?;
-    Ok(primitives.concat())
+/// All primitives, in the order of the shapes.
+fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec<Primitive>> {
+    check_size(shapes, meshes)?;
+    let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
+    let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
+    let mut ends = Vec::with_capacity(placed.len());
+    let mut count = 0;
+    for shape in &placed {
+        count += shape.len();
+        ends.push(count);
+    }
+    let primitive = |index: usize| {
+        let shape = ends.partition_point(|&end| end <= index);
+        placed[shape].primitive(index + placed[shape].len() - ends[shape])
+    };
+    Ok((0..count).into_par_iter().map(primitive).collect())
+}
+
+/// Refuses what no device could hold before any memory is taken for it.
+fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<()> {
+    let mut triangles = 0;
+    for shape in shapes {
+        if let Geometry::Mesh(file, _) = &shape.geometry {
+            triangles += meshes.get(file).map_or(0, |mesh| mesh.triangles.len());
+        }
+        if triangles > MAX_TRIANGLES {
+            let message =
+                format!("with this shape the scene has {triangles} triangles; no more than {MAX_TRIANGLES} fit");
+            return Err(shape.location.error(message));
+        }
+    }
+    Ok(())
 }
 
 /// The file's stem, or its folder's name where that says more.

@@ -1,80 +1,67 @@
-//! OBJ files, read by `tobj` and kept in object space, as one mesh each however many objects a file holds.
+//! Mesh files, kept in object space.
 
-use std::fs;
-use std::io::Cursor;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::mesh_fault;
+use super::{obj, ply, serialized};
 use crate::{Error, Result};
 
-/// One mesh file's content.
+/// Meshes are kept whole while they are read; a larger file is a mistake.
+const MAX_FILE_BYTES: u64 = 8 << 30;
+
+/// Triangles of a scene at most, copies of instances included: what the devices at hand can address, three texels each.
+pub(super) const MAX_TRIANGLES: usize = 1 << 25;
+
+/// One mesh. Vertices that differ in anything are different ones, as in Mitsuba, so that smooth normals do not go across
+/// seams of the texture.
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
     pub positions: Vec<Vec3>,
-    /// As in the file, not normalized; empty where it has none.
+    /// One per vertex, of any length, zero where the file gives none; empty where it gives none at all.
     pub normals: Vec<Vec3>,
-    /// As in the file, not flipped; empty where it has none.
+    /// One per vertex, as in the file; empty where it has none.
     pub uvs: Vec<Vec2>,
-    pub triangles: Vec<[Corner; 3]>,
+    /// Indices of vertices.
+    pub triangles: Vec<[u32; 3]>,
 }
 
-impl Mesh {
-    fn is_finite(&self) -> bool {
-        self.positions.iter().chain(&self.normals).all(|v| v.is_finite()) && self.uvs.iter().all(|uv| uv.is_finite())
-    }
+/// A kind of mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum MeshFormat {
+    Obj,
+    Ply,
+    /// Mitsuba's own, and which of the file's meshes.
+    Serialized(usize),
 }
 
-/// Indices of one triangle's corner; the last two mean nothing where the mesh has no such data.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Corner {
-    pub position: u32,
-    pub normal: u32,
-    pub uv: u32,
-}
-
-/// Reads the OBJ file at `path`.
-pub(super) fn read(path: &Path) -> Result<Mesh> {
-    let text = fs::read(path).map_err(Error::read(path))?;
-    let options =
-        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
-    let mut reader = Cursor::new(without_grouping(&text));
-    let loaded = tobj::load_obj_buf(&mut reader, &options, |_| Ok(Default::default()));
-    let models = loaded.map_err(|error| mesh_fault::explain(path, &text, &error.to_string()))?.0;
-    let mesh = models.first().map(|model| convert(&model.mesh)).unwrap_or_default();
-    // What tobj lets pass: numbers that are none, and faces cut short.
-    if !mesh.is_finite() || mesh_fault::has_short_face(&text) {
-        return Err(mesh_fault::explain(path, &text, "malformed mesh"));
-    }
+/// Reads the mesh file at `path`.
+pub(super) fn read(path: &Path, format: MeshFormat) -> Result<Mesh> {
+    let mesh = match format {
+        MeshFormat::Obj => obj::parse(path, &bytes(path)?)?,
+        MeshFormat::Ply => ply::parse(path, &bytes(path)?)?,
+        MeshFormat::Serialized(index) => serialized::read(path, index)?,
+    };
     if mesh.triangles.is_empty() {
-        return Err(mesh_fault::explain(path, &text, "the mesh has no faces: is the file cut short?"));
+        return Err(Error::scene(path, None, "the mesh has no faces: is the file cut short?"));
     }
     Ok(mesh)
 }
 
-/// Blanks the lines that would split the file into several models: smooth normals go across objects, as in Mitsuba.
-fn without_grouping(text: &[u8]) -> Vec<u8> {
-    let mut result = Vec::with_capacity(text.len());
-    for line in text.split_inclusive(|&byte| byte == b'\n') {
-        let word = line.trim_ascii().split(u8::is_ascii_whitespace).next().unwrap_or_default();
-        let groups = [&b"g"[..], b"o", b"usemtl", b"mtllib"].contains(&word);
-        result.extend_from_slice(if groups { b"\n" } else { line });
+fn bytes(path: &Path) -> Result<Vec<u8>> {
+    let size = path.metadata().map_err(Error::read(path))?.len();
+    if size > MAX_FILE_BYTES {
+        let message = format!("a mesh file of {size} bytes is refused; the limit is {MAX_FILE_BYTES}");
+        return Err(Error::scene(path, None, message));
     }
-    result
+    std::fs::read(path).map_err(Error::read(path))
 }
 
-fn convert(mesh: &tobj::Mesh) -> Mesh {
-    let index = |indices: &[u32], at: usize| indices.get(at).copied().unwrap_or(0);
-    let corner = |at: usize| Corner {
-        position: mesh.indices[at],
-        normal: index(&mesh.normal_indices, at),
-        uv: index(&mesh.texcoord_indices, at),
-    };
-    Mesh {
-        positions: mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect(),
-        normals: mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect(),
-        uvs: mesh.texcoords.chunks_exact(2).map(Vec2::from_slice).collect(),
-        triangles: (0..mesh.indices.len() / 3).map(|i| [0, 1, 2].map(|k| corner(3 * i + k))).collect(),
+/// Cuts a polygon into triangles around its first vertex.
+pub(super) fn add_polygon<T: Copy>(triangles: &mut Vec<[T; 3]>, polygon: &[T]) -> Result<(), String> {
+    if polygon.len() < 3 {
+        return Err("a face needs at least three vertices".to_string());
     }
+    triangles.extend(polygon[1..].windows(2).map(|pair| [polygon[0], pair[0], pair[1]]));
+    Ok(())
 }

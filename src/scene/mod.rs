@@ -5,6 +5,7 @@
 
 pub mod bsdf;
 mod color;
+mod color_matching;
 mod document;
 mod element;
 pub mod emitter;
@@ -12,22 +13,30 @@ mod emitter_plugin;
 mod flatten;
 pub mod geometry;
 pub mod load;
-mod material;
+mod materials;
 mod mesh;
-mod mesh_fault;
 mod numbers;
+mod obj;
+mod ply;
 mod properties;
 mod sensor;
+mod serialized;
 mod shape;
+mod shrink;
+mod spectrum;
+pub mod texel_pages;
 pub mod texture;
+mod texture_images;
+mod textures;
 mod transform;
+mod words;
 
 use glam::{Mat4, Vec2, Vec3};
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use geometry::{Primitive, PrimitiveShape};
-pub use load::{LoadOptions, load};
+pub use load::{LoadOptions, LoadProgress, load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
 
 /// A whole scene in world space.
@@ -69,12 +78,14 @@ impl Scene {
     }
 }
 
-/// A `perspective` sensor.
+/// A sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Camera space (x left, y up, z forward) to world.
+    /// How it projects.
+    pub projection: Projection,
+    /// Camera space (x left, y up, z forward) to world. A rigid motion unless the projection is orthographic.
     pub world_from_camera: Mat4,
-    /// Field of view in degrees, in (0, 180), along `fov_axis`.
+    /// Field of view in degrees, in (0, 180), along `fov_axis`; it means nothing to an orthographic projection.
     pub fov: f32,
     /// The axis that `fov` spans.
     pub fov_axis: FovAxis,
@@ -85,6 +96,23 @@ pub struct Camera {
     pub near_clip: f32,
     /// Distance of the far plane, > near.
     pub far_clip: f32,
+}
+
+/// How a camera projects.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// All rays go through one point.
+    Perspective,
+    /// All rays go through a lens, a disk around the origin of camera space; what lies in the plane at the depth
+    /// `focus_distance` is sharp.
+    ThinLens {
+        /// Radius of the lens, > 0, scene units.
+        aperture_radius: f32,
+        /// Depth of the plane in focus, > 0, scene units.
+        focus_distance: f32,
+    },
+    /// All rays run along camera space's z axis; the picture's width spans x from -1 to 1 there.
+    Orthographic,
 }
 
 /// Mitsuba's `fov_axis`.
@@ -103,6 +131,16 @@ pub enum FovAxis {
 }
 
 impl Camera {
+    /// Half the width and height, in camera units, of what a picture of `width` x `height` pixels shows of the plane at
+    /// depth 1.
+    pub fn half_extent(&self, width: u32, height: u32) -> Vec2 {
+        let half_width = match self.projection {
+            Projection::Orthographic => 1.0,
+            _ => self.tan_half_fov_x(width, height),
+        };
+        Vec2::new(half_width, half_width * height as f32 / width as f32)
+    }
+
     /// Tangent of half the *horizontal* field of view for a picture of `width` x `height` pixels.
     pub fn tan_half_fov_x(&self, width: u32, height: u32) -> f32 {
         let (width, height) = (width as f32, height as f32);

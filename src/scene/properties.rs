@@ -6,8 +6,15 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3, Vec3};
 
 use super::element::{Element, Location, PARAMETER_TAGS};
+use super::spectrum::SpectrumUse;
 use super::{color, numbers, transform};
 use crate::Result;
+
+/// Elements that give a number.
+const NUMBER_TAGS: [&str; 2] = ["float", "integer"];
+
+/// Elements that give a color.
+const COLOR_TAGS: [&str; 6] = ["rgb", "srgb", "spectrum", "blackbody", "float", "integer"];
 
 /// Every object of the scene that has an `id`.
 pub(super) type Ids<'a> = Rc<HashMap<&'a str, &'a Element>>;
@@ -30,8 +37,14 @@ pub(super) struct Properties<'a> {
     element: &'a Element,
     plugin: &'a str,
     parameters: HashMap<String, &'a Element>,
-    /// What is nested, with references followed.
-    objects: Vec<&'a Element>,
+    objects: Vec<Nested<'a>>,
+}
+
+/// A nested object, with references followed.
+struct Nested<'a> {
+    object: &'a Element,
+    /// Where it is nested: the object itself, or the reference to it.
+    at: &'a Element,
 }
 
 impl<'a> Properties<'a> {
@@ -39,9 +52,9 @@ impl<'a> Properties<'a> {
         let mut result = Self { element, plugin: element.plugin()?, parameters: HashMap::new(), objects: Vec::new() };
         for child in &element.children {
             if child.is_object() {
-                result.objects.push(child);
+                result.objects.push(Nested { object: child, at: child });
             } else if child.tag == "ref" {
-                result.objects.push(follow(child, ids)?);
+                result.objects.push(Nested { object: follow(child, ids)?, at: child });
             } else {
                 result.add_parameter(child)?;
             }
@@ -77,11 +90,6 @@ impl<'a> Properties<'a> {
         &element.location
     }
 
-    /// Whether a parameter is given.
-    pub fn has(&self, name: &str) -> bool {
-        self.parameters.contains_key(name)
-    }
-
     /// The element of a parameter, to point at it or to read it in a special way; it counts as known from here on.
     pub fn take(&mut self, name: &str) -> Option<&'a Element> {
         self.parameters.remove(name)
@@ -96,8 +104,16 @@ impl<'a> Properties<'a> {
     }
 
     pub fn float(&mut self, name: &str) -> Result<Option<f32>> {
-        let Some(element) = self.take_tagged(name, &["float", "integer"])? else { return Ok(None) };
+        let Some(element) = self.take_tagged(name, &NUMBER_TAGS)? else { return Ok(None) };
         Ok(Some(numbers::one(element, element.required("value")?)? as f32))
+    }
+
+    pub fn is_number(&self, name: &str) -> bool {
+        self.parameters.get(name).is_some_and(|element| NUMBER_TAGS.contains(&element.tag.as_str()))
+    }
+
+    pub fn is_string(&self, name: &str) -> bool {
+        self.parameters.get(name).is_some_and(|element| element.tag == "string")
     }
 
     /// A float that must be greater than zero.
@@ -136,9 +152,25 @@ impl<'a> Properties<'a> {
         self.take_tagged(name, &["string"])?.map(|element| element.required("value")).transpose()
     }
 
+    /// A color of a material.
     pub fn color(&mut self, name: &str) -> Result<Option<Vec3>> {
-        let tags = ["rgb", "srgb", "spectrum", "blackbody", "float"];
-        self.take_tagged(name, &tags)?.map(color::parse).transpose()
+        self.color_used_as(name, SpectrumUse::Material)
+    }
+
+    /// A color of a material that may be negative.
+    pub fn signed_color(&mut self, name: &str) -> Result<Option<Vec3>> {
+        let element = self.take_tagged(name, &COLOR_TAGS)?;
+        element.map(|element| color::parse_signed(element, SpectrumUse::Material)).transpose()
+    }
+
+    /// A color of emitted light.
+    pub fn emission(&mut self, name: &str) -> Result<Option<Vec3>> {
+        self.color_used_as(name, SpectrumUse::Emission)
+    }
+
+    fn color_used_as(&mut self, name: &str, spectrum_use: SpectrumUse) -> Result<Option<Vec3>> {
+        let element = self.take_tagged(name, &COLOR_TAGS)?;
+        element.map(|element| color::parse(element, spectrum_use)).transpose()
     }
 
     pub fn point(&mut self, name: &str) -> Result<Option<DVec3>> {
@@ -148,13 +180,35 @@ impl<'a> Properties<'a> {
 
     /// The transform `to_world`; the identity where there is none.
     pub fn take_to_world(&mut self) -> Result<DMat4> {
-        let element = self.take_tagged("to_world", &["transform"])?;
+        self.take_transform("to_world")
+    }
+
+    /// A transform; the identity where there is none.
+    pub fn take_transform(&mut self, name: &str) -> Result<DMat4> {
+        let element = self.take_tagged(name, &["transform"])?;
         Ok(element.map(transform::parse).transpose()?.unwrap_or(DMat4::IDENTITY))
+    }
+
+    /// Whether a parameter is given, as a value or as a texture.
+    pub fn has(&self, name: &str) -> bool {
+        self.parameters.contains_key(name) || self.objects.iter().any(|nested| nested.is_texture(name))
     }
 
     /// Removes and returns the nested objects of a kind.
     pub fn objects(&mut self, tag: &str) -> Vec<&'a Element> {
-        self.objects.extract_if(.., |object| object.tag == tag).collect()
+        self.objects.extract_if(.., |nested| nested.object.tag == tag).map(|nested| nested.object).collect()
+    }
+
+    /// The texture that is nested as a parameter.
+    pub fn texture(&mut self, name: &str) -> Result<Option<&'a Element>> {
+        let textures: Vec<_> = self.objects.extract_if(.., |nested| nested.is_texture(name)).collect();
+        let value = self.parameters.get(name).copied();
+        match (value, textures.get(1).map(|second| second.at)) {
+            (Some(twice), _) | (None, Some(twice)) if !textures.is_empty() => {
+                Err(twice.error(format!("the parameter `{name}` is given twice")))
+            }
+            _ => Ok(textures.first().map(|nested| nested.object)),
+        }
     }
 
     /// The one nested object of a kind; a second one is an error.
@@ -173,19 +227,31 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// What is left is unknown: a warning for each parameter, an error for a nested object.
+    /// What is left is unknown: a warning for each parameter, an error for a nested object that is none.
     pub fn finish(self, warnings: &mut Vec<String>) -> Result<()> {
         let owner = format!("{} `{}`", self.element.tag, self.plugin);
-        if let Some(object) = self.objects.first() {
-            return Err(object.error(format!("<{}> is not supported in {owner}", object.tag)));
+        let (textures, others): (Vec<_>, Vec<_>) = self.objects.iter().partition(|nested| nested.is_named_texture());
+        if let Some(Nested { object, at }) = others.first() {
+            return Err(at.error(format!("<{}> is not supported in {owner}", object.tag)));
         }
-        let mut unknown: Vec<_> = self.parameters.into_values().collect();
+        let textures = textures.iter().map(|nested| nested.at);
+        let mut unknown: Vec<_> = self.parameters.into_values().chain(textures).collect();
         unknown.sort_by_key(|parameter| parameter.location.line);
         for parameter in unknown {
             let name = parameter.attribute("name").unwrap_or_default();
             warnings.push(format!("{}: the parameter `{name}` of {owner} is unknown; ignored", parameter.location));
         }
         Ok(())
+    }
+}
+
+impl Nested<'_> {
+    fn is_texture(&self, name: &str) -> bool {
+        self.object.tag == "texture" && self.at.key().as_deref() == Some(name)
+    }
+
+    fn is_named_texture(&self) -> bool {
+        self.object.tag == "texture" && self.at.attribute("name").is_some()
     }
 }
 

@@ -5,7 +5,7 @@ use glam::{DMat4, Vec2};
 use super::element::Element;
 use super::properties::{Ids, Properties};
 use super::transform;
-use super::{Camera, Crop, FilmDescription, FovAxis, ReconstructionFilter};
+use super::{Camera, Crop, FilmDescription, FovAxis, Projection, ReconstructionFilter};
 use crate::Result;
 
 /// Everything that stands in a `<sensor>`.
@@ -22,36 +22,80 @@ const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
 /// Reads a `<sensor>`.
 pub(super) fn parse<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<Sensor> {
     let mut properties = Properties::new(element, ids)?;
-    if properties.plugin() != "perspective" {
-        return Err(element.unsupported(&["perspective"]));
-    }
-    let camera = parse_camera(&mut properties)?;
+    let camera = match properties.plugin() {
+        "perspective" => parse_perspective(&mut properties)?,
+        "thinlens" => parse_thin_lens(&mut properties, warnings)?,
+        "orthographic" => parse_orthographic(&mut properties)?,
+        _ => return Err(element.unsupported(&["perspective", "thinlens", "orthographic"])),
+    };
     let film = match properties.object("film")? {
         Some(film) => parse_film(film, ids, warnings)?,
         None => FilmDescription { width: 768, height: 576, crop: None, filter: DEFAULT_FILTER },
     };
     let sampler = properties.object("sampler")?;
     let sample_count = sampler.map(|sampler| parse_sample_count(sampler, ids)).transpose()?.flatten();
-    // A pinhole is in focus everywhere, and nothing moves.
+    // A camera without a lens is in focus everywhere, and nothing moves.
     properties.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
     properties.finish(warnings)?;
     Ok(Sensor { camera, film, sample_count })
 }
 
-fn parse_camera(properties: &mut Properties) -> Result<Camera> {
-    let element = properties.element();
-    let world_from_camera = properties.take_to_world()?;
-    check_rigid(&world_from_camera, element)?;
-    let (fov, fov_axis) = parse_fov(properties)?;
+fn parse_perspective(properties: &mut Properties) -> Result<Camera> {
+    let camera = parse_pinhole(properties)?;
     let mut offset = |name: &str| Ok(properties.float(name)?.unwrap_or(0.0));
     let principal_point = Vec2::new(offset("principal_point_offset_x")?, offset("principal_point_offset_y")?);
+    Ok(Camera { principal_point, ..camera })
+}
+
+fn parse_thin_lens(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<Camera> {
+    let element = properties.element();
+    let camera = parse_pinhole(properties)?;
+    let focus_distance = properties.positive_float("focus_distance", camera.far_clip)?;
+    match properties.float("aperture_radius")? {
+        Some(aperture_radius) if aperture_radius > 0.0 => {
+            Ok(Camera { projection: Projection::ThinLens { aperture_radius, focus_distance }, ..camera })
+        }
+        Some(0.0) => {
+            warnings.push(format!("{}: an `aperture_radius` of 0 makes a pinhole", element.location));
+            Ok(camera)
+        }
+        Some(radius) => Err(element.error(format!("`aperture_radius` must not be negative, but is {radius}"))),
+        None => Err(element.error("sensor plugin `thinlens` needs its parameter `aperture_radius`")),
+    }
+}
+
+fn parse_orthographic(properties: &mut Properties) -> Result<Camera> {
+    let element = properties.element();
+    let world_from_camera = properties.take_to_world()?.as_mat4();
+    let forward = world_from_camera.z_axis.truncate();
+    if !world_from_camera.is_finite() || forward.length_squared() < f32::MIN_POSITIVE {
+        return Err(element.error("the sensor's `to_world` leaves it no direction to look in"));
+    }
+    let (near_clip, far_clip) = parse_clips(properties)?;
+    let (fov, fov_axis, principal_point) = (90.0, FovAxis::X, Vec2::ZERO);
+    let projection = Projection::Orthographic;
+    Ok(Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
+}
+
+/// What cameras with a center of projection have in common.
+fn parse_pinhole(properties: &mut Properties) -> Result<Camera> {
+    let world_from_camera = properties.take_to_world()?;
+    check_rigid(&world_from_camera, properties.element())?;
+    let world_from_camera = world_from_camera.as_mat4();
+    let (fov, fov_axis) = parse_fov(properties)?;
+    let (near_clip, far_clip) = parse_clips(properties)?;
+    let (projection, principal_point) = (Projection::Perspective, Vec2::ZERO);
+    Ok(Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
+}
+
+fn parse_clips(properties: &mut Properties) -> Result<(f32, f32)> {
     let near_clip = properties.positive_float("near_clip", 1e-2)?;
     let far_clip = properties.positive_float("far_clip", 1e4)?;
     if far_clip <= near_clip {
-        return Err(element.error(format!("`far_clip` ({far_clip}) must exceed `near_clip` ({near_clip})")));
+        let message = format!("`far_clip` ({far_clip}) must exceed `near_clip` ({near_clip})");
+        return Err(properties.element().error(message));
     }
-    let world_from_camera = world_from_camera.as_mat4();
-    Ok(Camera { world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
+    Ok((near_clip, far_clip))
 }
 
 fn check_rigid(matrix: &DMat4, element: &Element) -> Result<()> {

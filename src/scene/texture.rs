@@ -29,6 +29,31 @@ pub struct Texture {
     pub to_uv: Mat3,
 }
 
+/// Of a large image at most this many texels, evenly spread, stand for all.
+const MEAN_TEXELS: usize = 1 << 14;
+
+impl Texture {
+    /// About the mean color, linear: good enough for shares of samples.
+    pub fn mean(&self, images: &[Image]) -> Vec3 {
+        match self.pattern {
+            Pattern::Checkerboard { color0, color1 } => 0.5 * (color0 + color1),
+            Pattern::Bitmap { image, .. } => {
+                let texels = &images[image as usize].texels;
+                let colors = || texels.colors(texels.len().div_ceil(MEAN_TEXELS));
+                colors().sum::<Vec3>() / colors().count().max(1) as f32
+            }
+        }
+    }
+
+    /// The largest value of each channel, linear.
+    pub fn maximum(&self, images: &[Image]) -> Vec3 {
+        match self.pattern {
+            Pattern::Checkerboard { color0, color1 } => color0.max(color1),
+            Pattern::Bitmap { image, .. } => images[image as usize].texels.colors(1).fold(Vec3::ZERO, Vec3::max),
+        }
+    }
+}
+
 /// What a texture shows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pattern {
@@ -95,4 +120,27 @@ pub enum Texels {
     },
     /// Linear red, green, blue and alpha, finite.
     Floats(Vec<[f32; 4]>),
+}
+
+impl Texels {
+    fn len(&self) -> usize {
+        match self {
+            Self::Bytes { data, .. } => data.len(),
+            Self::Floats(data) => data.len(),
+        }
+    }
+
+    /// Every `step`th color, linear but for what a power of 2.2 differs from the sRGB curve.
+    fn colors(&self, step: usize) -> Box<dyn Iterator<Item = Vec3> + '_> {
+        let power = |srgb: bool| if srgb { 2.2 } else { 1.0 };
+        match self {
+            Self::Floats(data) => Box::new(data.iter().step_by(step.max(1)).map(|[r, g, b, _]| Vec3::new(*r, *g, *b))),
+            Self::Bytes { srgb, data } => {
+                let linear = move |[r, g, b, _]: &[u8; 4]| {
+                    Vec3::from([*r, *g, *b].map(|byte| (f32::from(byte) / 255.0).powf(power(*srgb))))
+                };
+                Box::new(data.iter().step_by(step.max(1)).map(linear))
+            }
+        }
+    }
 }

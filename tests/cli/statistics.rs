@@ -8,8 +8,17 @@ use crate::support::{Folder, keys};
 
 const FILE: [&str; 9] =
     ["bvh_seconds", "device", "load_seconds", "pipeline_seconds", "scene", "settings", "steps", "totals", "versions"];
-const STEP: [&str; 8] =
-    ["invalid_rate", "light_hit_rate", "ms_per_sample", "paths", "rays", "seconds", "spp", "tries_per_sample"];
+const STEP: [&str; 9] = [
+    "invalid_rate",
+    "light_hit_rate",
+    "ms_per_sample",
+    "paths",
+    "rays",
+    "seconds",
+    "shadow_rays",
+    "spp",
+    "tries_per_sample",
+];
 /// What the totals hold besides.
 const TOTALS: [&str; 4] = ["nonfinite_samples", "peak_bytes", "peak_resident_bytes", "primitives"];
 const ERRORS: [&str; 6] = ["mae", "mae_ldr", "mean_ratio", "mse", "relmse", "relmse_trim"];
@@ -51,7 +60,7 @@ fn steps_add_up_to_the_totals() {
         check_rates(step);
     }
     check_rates(totals);
-    for name in ["spp", "paths", "rays"] {
+    for name in ["spp", "paths", "rays", "shadow_rays"] {
         assert_eq!(sum(steps, name), number(totals, name), "{name}");
     }
     assert!((sum(steps, "seconds") - number(totals, "seconds")).abs() < 1e-9);

@@ -14,8 +14,8 @@ use crate::significance::{ALPHA, sidak, two_sided};
 const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 128;
 const EDGES: u32 = 6;
-/// Tests here, times samplers.
-const CASES: usize = 10;
+/// Tests here, times samplers, with emitter sampling and without.
+const CASES: usize = 20;
 const EMISSION: f64 = 0.5;
 /// Radiance of what is around the furnace.
 const OUTSIDE: f32 = 0.3;
@@ -43,8 +43,7 @@ fn sides(front: u32, back: u32) -> Material {
 /// The closed sphere, lit from within and without, with its first material.
 fn furnace(materials: Vec<Material>) -> Scene {
     let mut scene = ours("furnace/scene.xml", &[]);
-    scene.emitters =
-        vec![AreaEmitter { radiance: Textured::constant(Vec3::splat(EMISSION as f32)), sampling_weight: 1.0 }];
+    scene.emitters = vec![AreaEmitter::new(Textured::constant(Vec3::splat(EMISSION as f32)))];
     scene.environment = Some(Environment::constant(Vec3::splat(OUTSIDE)));
     scene.materials = materials;
     scene
@@ -59,24 +58,24 @@ fn answer(edges: u32, albedo: f64, holes: f64) -> f64 {
 }
 
 /// The probability that a correct renderer is as far from `expected`.
-fn surprise(device: &Device, scene: &Scene, sampler: Sampler, expected: f64) -> f64 {
+fn surprise(device: &Device, scene: &Scene, (sampler, nee): (Sampler, bool), expected: f64) -> f64 {
     let mut settings = settings(scene, SIZE, sampler, 9);
-    settings.max_depth = EDGES;
+    (settings.max_depth, settings.nee) = (EDGES, nee);
     let (mean, error) = Estimate::of(&device.render(scene, &settings, SPP)).gray();
     let z = (mean - expected) / error.hypot(1.0e-6);
-    println!("{sampler:?}: {mean:.5} +- {error:.5}, not {expected:.5}: z = {z:.2}");
+    println!("{sampler:?}, emitter sampling {nee}: {mean:.5} +- {error:.5}, not {expected:.5}: z = {z:.2}");
     two_sided(z)
 }
 
 /// The scene agrees with the answer, and would not with one that is 3 % brighter.
 fn check(name: &str, scene: &Scene, expected: f64) {
     let device = Device::new();
-    for sampler in SAMPLERS {
+    for how in SAMPLERS.map(|sampler| [false, true].map(|nee| (sampler, nee))).into_iter().flatten() {
         println!("{name}");
-        let p = surprise(&device, scene, sampler, expected);
-        assert!(sidak(p, CASES) > ALPHA, "{name}, {sampler:?}: p = {p}");
-        let wrong = surprise(&device, scene, sampler, 1.03 * expected);
-        assert!(sidak(wrong, CASES) < ALPHA, "the twin, {name}, {sampler:?}: p = {wrong}");
+        let p = surprise(&device, scene, how, expected);
+        assert!(sidak(p, CASES) > ALPHA, "{name}, {how:?}: p = {p}");
+        let wrong = surprise(&device, scene, how, 1.03 * expected);
+        assert!(sidak(wrong, CASES) < ALPHA, "the twin, {name}, {how:?}: p = {wrong}");
     }
 }
 
@@ -88,15 +87,9 @@ fn a_blend_is_the_mean_of_its_parts() {
 
 #[test]
 fn blends_of_blends_draw_anew() {
-    let scene = furnace(vec![
-        blend(0.6, [1, 2]),
-        blend(0.5, [3, 4]),
-        blend(0.9, [3, 5]),
-        surface(0.1),
-        surface(0.5),
-        surface(0.9),
-    ]);
-    let albedo = 0.4 * (0.5 * 0.1 + 0.5 * 0.5) + 0.6 * (0.1 * 0.1 + 0.9 * 0.9);
+    // Paths that have chosen wait for those that choose again.
+    let scene = furnace(vec![blend(0.6, [2, 1]), blend(0.9, [3, 4]), surface(0.1), surface(0.5), surface(0.9)]);
+    let albedo = 0.4 * 0.1 + 0.6 * (0.1 * 0.5 + 0.9 * 0.9);
     check("nested blend", &scene, answer(EDGES, albedo, 0.0));
 }
 

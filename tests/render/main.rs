@@ -10,6 +10,8 @@ mod determinism;
 mod device;
 mod estimate;
 mod learning;
+mod nee;
+mod relief;
 mod scenes;
 mod significance;
 mod variance;

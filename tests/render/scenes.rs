@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lodestar::scene::{LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
+use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
 use lodestar::settings::{Sampler, Settings};
 
 /// Both samplers.
@@ -18,6 +18,17 @@ pub fn ours(name: &str, defines: &[(&str, &str)]) -> Scene {
 /// The scene's own settings but for the size, sampler and seed.
 pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed: u32) -> Settings {
     Settings { width, height, sampler, seed, ..Settings::for_scene(scene) }
+}
+
+/// The scene with every albedo multiplied.
+pub fn with_albedo_scaled(scene: &Scene, factor: f32) -> Scene {
+    let mut scene = scene.clone();
+    for material in &mut scene.materials {
+        if let Bsdf::Diffuse { reflectance } = &mut surface_mut(material).bsdf {
+            reflectance.value *= factor;
+        }
+    }
+    scene
 }
 
 /// The surface that a material of the project's scenes is.

@@ -1,15 +1,18 @@
 //! The pure functions of the kernels on the device: samplers against their own densities, all against their twins on the
 //! host. Every statistical test has a fixed seed, so it passes always or never, and a tampered twin that it must reject.
 
+mod area_lights;
 mod bsdf;
 mod camera;
 mod device;
 mod directions;
+mod environments;
 mod equal_area;
 mod fixed_point;
 mod fixture;
 mod intersections;
 mod learning;
+mod lights;
 mod normalization;
 mod parametrization;
 mod principled;
@@ -22,3 +25,4 @@ mod scattering_cases;
 mod statistics;
 mod substances;
 mod surfaces;
+mod textures;

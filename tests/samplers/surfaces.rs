@@ -12,12 +12,14 @@ use crate::device::{Device, GROUP};
 use crate::intersections::{SHAPES, TraceInput, primitives, rays};
 use crate::statistics::Numbers;
 
-const EPSILON: f32 = 1.0e-4;
+/// Of the larger one of a hit's coordinates and its primitive's longest edge.
+const RAY_EPSILON: f64 = 1.0 / 131_072.0;
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct SurfaceOutput {
     pub position: [f32; 3],
+    pub epsilon: f32,
     geometric_normal: [f32; 3],
     shading_normal: [f32; 3],
     material: u32,
@@ -74,7 +76,7 @@ pub fn find(primitives: &[Primitive], rays: &[TraceInput], features: u32) -> Vec
         Variant { has_spheres: true, stack_size: bvh.depth, surface_features: features, ..Variant::default() };
     let buffers = [&input, &output, &nodes, &records, &attributes];
     let kernel = device.kernel(&test::SURFACE, &variant);
-    device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&EPSILON), padded as u32 / GROUP);
+    device.dispatch(&kernel, &buffers, &[], padded as u32 / GROUP);
     output.read(0, rays.len()).expect("read")
 }
 
@@ -94,6 +96,11 @@ fn normals(p: &Primitive, position: DVec3, hit: DVec3) -> (DVec3, DVec3) {
     (geometric, shading)
 }
 
+fn longest(p: &Primitive) -> f64 {
+    let flat = p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length());
+    f64::from(if p.shape == PrimitiveShape::Sphere { p.edge_u.length() } else { flat })
+}
+
 #[test]
 fn surfaces_are_what_the_scene_says() {
     let (primitives, rays) = (numbered_primitives(), rays(4096, false));
@@ -109,10 +116,12 @@ fn surfaces_are_what_the_scene_says() {
         assert!((d3(o.shading_normal) - shading).length() < 5.0e-4, "{o:?}, not {shading}");
         assert!((d3(o.shading_normal).length() - 1.0).abs() < 1.0e-5, "{o:?}");
         interpolated += u32::from(p.normals.is_some());
+        let epsilon = RAY_EPSILON * position.abs().max_element().max(longest(p));
+        assert!((f64::from(o.epsilon) / epsilon - 1.0).abs() < 1.0e-4, "{epsilon}: {o:?}");
         // At most drawn in from the edges, by some epsilons where these meet at a sharp angle.
         let moved = (position - (d3(input.origin) + t * direction)).length();
         let smallest = f64::from(p.edge_u.length().min(p.edge_v.length()));
-        assert!(moved < 10.0 * f64::from(EPSILON), "moved by {moved}, of {smallest}: {o:?}");
+        assert!(moved < 10.0 * epsilon, "moved by {moved}, of {smallest}: {o:?}");
         // A line through it along the normal crosses the primitive there, well inside.
         let through = Ray { origin: position - geometric, direction: geometric, t_max: 2.0 };
         let crossed = crossings(&through, p).iter().any(|c| c.inside > 0.0 && (c.t - 1.0).abs() < 1.0e-6);
@@ -120,7 +129,7 @@ fn surfaces_are_what_the_scene_says() {
         // Leaves on the side of its direction.
         let side = geometric.dot(-direction);
         let off = (d3(o.leaving_origin) - position).dot(geometric) * side.signum();
-        assert!(side.abs() < 1.0e-5 || (off - f64::from(EPSILON)).abs() < 1.0e-6, "left by {off}: {o:?}");
+        assert!(side.abs() < 1.0e-5 || (off - epsilon).abs() < 1.0e-6, "left by {off}: {o:?}");
         assert_eq!(d3(o.leaving_direction), -direction);
     }
     assert!(interpolated > 30, "{interpolated}");

@@ -1,9 +1,9 @@
 //! Spelling, defaults, includes, references, and what every parameter becomes.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use lodestar::scene::{
-    Bsdf, Crop, Environment, FovAxis, Material, MaterialKind, PrimitiveShape, ReconstructionFilter, SurfaceMaterial,
-    Textured,
+    Bsdf, Crop, Environment, FovAxis, Material, MaterialKind, PrimitiveShape, Projection, ReconstructionFilter,
+    SurfaceMaterial, Textured,
 };
 
 use super::{Folder, load_body, with_sensor};
@@ -78,6 +78,28 @@ fn a_focal_length_spans_the_diagonal() {
     let camera = Folder::new(&[("scene.xml", text)]).load(&[]).unwrap().camera;
     let x_fov = 2.0 * camera.tan_half_fov_x(200, 100).atan().to_degrees();
     assert!((x_fov - 42.3117).abs() < 1e-3, "{x_fov}");
+}
+
+#[test]
+fn sensors() {
+    let camera = |plugin: &str, parameters: &str| {
+        let text = format!(r#"<scene><sensor type="{plugin}">{parameters}</sensor></scene>"#);
+        let scene = Folder::new(&[("scene.xml", &text)]).load(&[]).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        scene.camera
+    };
+    let lens = |parameters: &str| camera("thinlens", parameters).projection;
+    let parameters = r#"<float name="aperture_radius" value="0.1"/><float name="focusDistance" value="5"/>"#;
+    assert_eq!(lens(parameters), Projection::ThinLens { aperture_radius: 0.1, focus_distance: 5.0 });
+    // Mitsuba focuses on the far plane where nothing is said.
+    let parameters = r#"<float name="aperture_radius" value="0.1"/><float name="far_clip" value="70"/>"#;
+    assert_eq!(lens(parameters), Projection::ThinLens { aperture_radius: 0.1, focus_distance: 70.0 });
+    let scaled = r#"<transform name="to_world"><scale x="3" y="2"/></transform><float name="near_clip" value="0.5"/>"#;
+    let orthographic = camera("orthographic", scaled);
+    assert_eq!(orthographic.projection, Projection::Orthographic);
+    assert_eq!((orthographic.near_clip, orthographic.world_from_camera.x_axis.x), (0.5, 3.0));
+    assert_eq!(orthographic.half_extent(200, 100), Vec2::new(1.0, 0.5));
+    assert_eq!(camera("perspective", "").projection, Projection::Perspective);
 }
 
 #[test]
@@ -165,7 +187,7 @@ fn references_reach_forward_and_share_materials() {
 #[test]
 fn colors() {
     let reflectance = |color: &str| {
-        let scene = load_body(&format!(r#"<bsdf type="diffuse">{color}</bsdf>"#)).unwrap();
+        let scene = load_body(&format!(r#"<shape type="disk"><bsdf type="diffuse">{color}</bsdf></shape>"#)).unwrap();
         let Bsdf::Diffuse { reflectance } = surface(&scene.materials[0]).bsdf else { panic!("not diffuse") };
         reflectance.value
     };

@@ -1,8 +1,16 @@
 //! Whatever stands in the files: a scene or an error, never a panic.
 
+use std::time::{Duration, Instant};
+
+use lodestar::scene::Scene;
+use lodestar::scene::texture::{Image, Pattern, Texels};
 use proptest::prelude::*;
+use proptest::strategy::Union;
+use proptest::test_runner::TestRunner;
 
 use super::Folder;
+use super::meshes::{ascii_ply, binary_ply, compressed, load_bytes, serialized, serialized_content};
+use super::textures::image_files;
 
 const SCENE: &str = r#"<scene version="3.0.0">
 <default name="w" value="16"/>
@@ -17,41 +25,164 @@ const SCENE: &str = r#"<scene version="3.0.0">
 <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
 </scene>"#;
 
+const MATERIALS: &str = r#"<scene version="3.0.0"><sensor type="perspective"/>
+<texture type="bitmap" id="t"><string name="filename" value="a.png"/><string name="wrap_mode" value="mirror"/>
+<transform name="to_uv"><scale x="2"/></transform></texture>
+<texture type="scale" id="u"><float name="scale" value="0.5"/><ref id="t"/></texture>
+<bsdf type="blendbsdf" id="a"><float name="weight" value="0.3"/><bsdf type="mask"><ref name="opacity" id="t"/>
+<bsdf type="roughplastic"><float name="alpha" value="0.2"/><ref name="diffuse_reflectance" id="u"/></bsdf></bsdf>
+<bsdf type="bumpmap"><ref id="t"/><bsdf type="twosided" id="b"><bsdf type="roughconductor"><string name="material"
+value="Au"/><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.2"/></bsdf></bsdf></bsdf></bsdf>
+<bsdf type="principled" id="c"><float name="specular" value="0.4"/><texture name="sheen" type="checkerboard"/></bsdf>
+<bsdf type="coating" id="d"><spectrum name="sigma_a" value="400:0.1, 700:0.2"/><bsdf type="conductor"><rgb name="eta"
+value="1, 2, 3"/></bsdf></bsdf><bsdf type="roughdielectric" id="e"><string name="int_ior" value="water"/></bsdf>
+<shape type="disk"><ref id="a"/></shape><shape type="disk"><ref id="c"/></shape><shape type="disk"><ref id="d"/></shape>
+<shape type="disk"><ref id="e"/></shape><shape type="disk"><ref id="b"/></shape>
+</scene>"#;
+
 const MESH: &str = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1.5\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n\
                     f 1/1/1 2/2/1 3/1/1\nf -3/1/1 -2//1 4/1/1 1/1/1\n";
 
-/// A cut, then bytes overwritten: with anything, or with what has a meaning in the format.
-fn mangled(text: &'static str) -> impl Strategy<Value = Vec<u8>> {
-    let byte = prop_oneof![any::<u8>(), prop::sample::select(&b"-0123456789.e/$<>\"' \nfvn"[..])];
-    let edits = prop::collection::vec((0..text.len(), byte), 0..6);
-    (prop_oneof![Just(text.len()), 0..=text.len()], edits).prop_map(|(length, edits)| {
-        let mut bytes = text.as_bytes().to_vec();
+/// Overwritten bytes, some runs of bytes repeated or left out, and a cut: with anything, or with what has a meaning in
+/// one of the formats.
+fn mangled(bytes: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
+    let length = bytes.len();
+    let byte = prop_oneof![any::<u8>(), prop::sample::select(&b"-0123456789.e/$<>\"' \nfvn\0\xff"[..])];
+    let edits = prop::collection::vec((0..length, byte), 0..6);
+    let runs = prop::collection::vec((0..length, 0..40_usize, 0..3_usize), 0..2);
+    (prop_oneof![Just(usize::MAX), 0..=length], edits, runs).prop_map(move |(cut, edits, runs)| {
+        let mut bytes = bytes.clone();
         edits.into_iter().for_each(|(at, byte)| bytes[at] = byte);
-        bytes.truncate(length);
+        for (at, run, times) in runs {
+            let at = at.min(bytes.len());
+            let run = bytes.drain(at..(at + run).min(bytes.len())).collect::<Vec<_>>().repeat(times);
+            bytes.splice(at..at, run);
+        }
+        bytes.truncate(cut);
         bytes
     })
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() })]
+/// What a loaded scene promises.
+fn check(scene: &Scene) -> Result<(), TestCaseError> {
+    for primitive in &scene.primitives {
+        prop_assert!(primitive.bounds().0.is_finite() && primitive.bounds().1.is_finite());
+        prop_assert!(primitive.normals.iter().flatten().all(|n| (n.length() - 1.0).abs() < 1e-3));
+        prop_assert!(primitive.uvs.iter().all(|uv| uv.is_finite()));
+        prop_assert!((primitive.material as usize) < scene.materials.len());
+    }
+    for texture in &scene.textures {
+        prop_assert!(texture.to_uv.is_finite());
+        if let Pattern::Bitmap { image, .. } = texture.pattern {
+            check_image(&scene.images[image as usize])?;
+        }
+    }
+    Ok(())
+}
 
-    #[test]
-    fn no_panic(scene in prop_oneof![Just(SCENE.as_bytes().to_vec()), mangled(SCENE)], mesh in mangled(MESH)) {
+fn check_image(image: &Image) -> Result<(), TestCaseError> {
+    let count = image.width as usize * image.height as usize;
+    match &image.texels {
+        Texels::Bytes { data, .. } => prop_assert_eq!(data.len(), count),
+        Texels::Floats(data) => {
+            prop_assert_eq!(data.len(), count);
+            prop_assert!(data.iter().all(|[r, g, b, _]| [r, g, b].iter().all(|value| value.is_finite())));
+        }
+    }
+    Ok(())
+}
+
+/// Tries some thousand inputs, or as many as `LODESTAR_FUZZ_SECONDS` allow.
+fn fuzz<T: std::fmt::Debug>(inputs: impl Strategy<Value = T>, test: impl Fn(T) -> Result<(), TestCaseError>) {
+    let seconds = std::env::var("LODESTAR_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok());
+    let limit = Duration::from_secs(seconds.unwrap_or(0));
+    let (begin, mut rounds) = (Instant::now(), 0);
+    while rounds == 0 || begin.elapsed() < limit {
+        let config = ProptestConfig { cases: 2000, failure_persistence: None, ..Default::default() };
+        TestRunner::new(config).run(&inputs, &test).unwrap_or_else(|error| panic!("{error}"));
+        rounds += 1;
+    }
+    println!("{} inputs in {:.0} s", 2000 * rounds, begin.elapsed().as_secs_f64());
+}
+
+#[test]
+fn scenes() {
+    let scene = prop_oneof![Just(SCENE.as_bytes().to_vec()), mangled(SCENE.into())];
+    fuzz((scene, mangled(MESH.into())), |(scene, mesh)| {
         let folder = Folder::new(&[]);
         folder.write("scene.xml", &scene);
         folder.write("mesh.obj", &mesh);
-        if let Ok(scene) = folder.load(&[]) {
-            for primitive in &scene.primitives {
-                prop_assert!(primitive.bounds().0.is_finite() && primitive.bounds().1.is_finite());
-                prop_assert!(primitive.normals.iter().flatten().all(|n| (n.length() - 1.0).abs() < 1e-3));
-                prop_assert!((primitive.material as usize) < scene.materials.len());
-            }
-        }
-    }
+        folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+#[test]
+fn materials() {
+    let png = image_files().remove(0);
+    fuzz(mangled(MATERIALS.into()), |scene| {
+        let folder = Folder::new(&[]);
+        folder.write("scene.xml", &scene);
+        folder.write("a.png", &png);
+        folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+/// A file's content says what it is, so that one name serves for all.
+#[test]
+fn images() {
+    let files = Union::new(image_files().into_iter().map(|file| mangled(file).boxed()));
+    fuzz(files, |bytes| {
+        let folder = Folder::new(&[("scene.xml", MATERIALS)]);
+        folder.write("a.png", &bytes);
+        folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+/// Fuzzes a mesh reader with mangled files and with noise after what a file begins with.
+fn meshes(plugin: &str, files: Vec<Vec<u8>>, begin: &[u8]) {
+    let noise = prop::collection::vec(any::<u8>(), 0..200);
+    let begin = begin.to_vec();
+    let noise = noise.prop_map(move |noise| [&begin[..], &noise].concat());
+    let mangled = Union::new(files.into_iter().map(|file| mangled(file).boxed()));
+    fuzz(prop_oneof![4 => mangled, 1 => noise], |bytes| {
+        load_bytes(plugin, &bytes, "").map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+#[test]
+fn obj() {
+    meshes("obj", vec![MESH.into()], b"v 0 0 0\nf ");
+}
+
+#[test]
+fn ply() {
+    meshes("ply", vec![ascii_ply(), binary_ply(false), binary_ply(true)], b"ply\nformat ascii 1.0\n");
+}
+
+#[test]
+fn serialized_as_it_is() {
+    let file = |version, flags| serialized(version, &[compressed(version, &serialized_content(version, flags))]);
+    meshes("serialized", vec![file(3, 0x1003), file(4, 0x200b)], b"\x1c\x04\x04\x00\x78\x9c");
+}
+
+/// Most faults within the compressed data end in its checksum, so here they are made before it is compressed.
+#[test]
+fn serialized_content_of_any_kind() {
+    let contents = [(3, 0x1003), (4, 0x1000), (4, 0x200b)].map(|(version, flags)| {
+        mangled(serialized_content(version, flags)).prop_map(move |content| compressed(version, &content)).boxed()
+    });
+    fuzz(Union::new(contents), |bytes| load_bytes("serialized", &bytes, "").map_or(Ok(()), |scene| check(&scene)));
 }
 
 #[test]
 fn the_unmangled_files_are_fine() {
+    for file in image_files() {
+        let folder = Folder::new(&[("scene.xml", MATERIALS)]);
+        folder.write("a.png", &file);
+        let scene = folder.load(&[]).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        assert_eq!((scene.textures.len(), scene.images.len()), (2, 1));
+    }
     let scene = Folder::new(&[("scene.xml", SCENE), ("mesh.obj", MESH)]).load(&[]).unwrap();
     assert_eq!(scene.primitives.len(), 3 + 1 + 6);
 }

@@ -1,10 +1,15 @@
 //! The scene loader from outside: what it accepts, what it refuses and in which words.
 
 mod accepts;
+mod emitters;
 mod fuzz;
 mod geometry;
+mod materials;
+mod meshes;
+mod obj;
 mod ours;
 mod refuses;
+mod textures;
 
 use std::path::PathBuf;
 

@@ -67,3 +67,19 @@ fn shared_cornell_boxes() {
         assert_eq!((scene.film.width, scene.film.height), (256, 1024));
     }
 }
+
+/// Every scene that is there loads, and nothing is warned of.
+#[test]
+fn shared_scenes() {
+    let Ok(folder) = std::env::var("LODESTAR_SCENES") else {
+        return println!("skipped: LODESTAR_SCENES names no folder of unpacked scenes");
+    };
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path().join("scene.xml");
+        if path.is_file() {
+            let scene = load(&path, &LoadOptions::default()).unwrap();
+            println!("{}: {} textures, {} images", scene.name, scene.textures.len(), scene.images.len());
+            assert!(scene.warnings.is_empty(), "{}: {:?}", scene.name, scene.warnings);
+        }
+    }
+}

@@ -109,6 +109,13 @@ fn sensors_and_films() {
     refuse_text(&sensor(r#"<float name="near_clip" value="0"/>"#), &[at, "`near_clip`"]);
     refuse_text(&sensor(r#"<float name="far_clip" value="0.001"/>"#), &[at, "`far_clip`"]);
     refuse_text(&sensor(r#"<string name="focal_length" value="long"/>"#), &[at, "`long`"]);
+    let lens = |parameters: &str| format!("<scene>\n<sensor type=\"thinlens\">{parameters}</sensor></scene>");
+    refuse_text(&lens(""), &[at, "`aperture_radius`"]);
+    refuse_text(&lens(r#"<float name="aperture_radius" value="-1"/>"#), &[at, "`aperture_radius`", "-1"]);
+    refuse_text(&lens(r#"<float name="focus_distance" value="0"/>"#), &[at, "`focus_distance`"]);
+    let flat = r#"<transform name="to_world"><scale z="0"/></transform>"#;
+    let flat = format!("<scene>\n<sensor type=\"orthographic\">{flat}</sensor></scene>");
+    refuse_text(&flat, &[at, "`to_world`"]);
     let scaled = r#"<transform name="to_world"><scale value="2"/></transform>"#;
     refuse_text(&sensor(scaled), &[at, "`to_world`"]);
 }
@@ -119,9 +126,12 @@ fn colors_and_textures() {
     refuse(&bsdf(r#"<rgb name="reflectance" value="0.1, -0.2, 0"/>"#), &["negative"]);
     refuse(&bsdf(r#"<rgb name="reflectance" value="nan"/>"#), &["`nan`"]);
     refuse(&bsdf(r#"<rgb name="reflectance" value="1 2"/>"#), &["`1 2`"]);
-    refuse(&bsdf(r#"<spectrum name="reflectance" value="400:1, 700:0"/>"#), &["wavelengths"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" value="700:1, 400:0"/>"#), &["wavelengths", "increase"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" value="400:1"/>"#), &["two or more"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" value="400:1, 700"/>"#), &["`700`"]);
+    refuse(&bsdf(r#"<spectrum name="reflectance" filename="a.spd"/>"#), &["`a.spd`", "does not exist"]);
     let texture = r#"<texture name="reflectance" type="bitmap"><string name="filename" value="a.png"/></texture>"#;
-    refuse(&bsdf(texture), &["textures are not supported yet"]);
+    refuse(&bsdf(texture), &["`a.png`", "does not exist"]);
 }
 
 #[test]

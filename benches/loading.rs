@@ -1,0 +1,81 @@
+//! How long it takes from command to first sample on kitchen, and with how much memory, beside the time that Mitsuba 3
+//! takes to load the same file where Python has it; interleaved in one run from a warm disk cache.
+//!
+//! `cargo bench --bench loading`; `LODESTAR_SCENES` chooses the shared scene, `LODESTAR_LOADING_SCENE` another file,
+//! `DRJIT_LIBLLVM_PATH` serves Mitsuba.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+const ROUNDS: usize = 7;
+const VARIANTS: [&str; 2] = ["llvm_ad_rgb", "scalar_rgb"];
+
+fn main() {
+    let folder = std::env::var_os("LODESTAR_SCENES").map(PathBuf::from).unwrap_or_default();
+    let scene = std::env::var_os("LODESTAR_LOADING_SCENE");
+    let scene = scene.map_or_else(|| folder.join("kitchen/scene.xml"), PathBuf::from);
+    if !scene.is_file() {
+        return println!(
+            "skipped: {} is not there; LODESTAR_SCENES names the folder of the shared scenes",
+            scene.display()
+        );
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows: Vec<[f64; 3]> = (0..=ROUNDS)
+        .map(|round| {
+            let own = first_sample_seconds(&scene, folder.path());
+            let others = VARIANTS.map(|variant| mitsuba_seconds(&scene, variant));
+            println!("round {round}: {own:.2} s; Mitsuba {others:.2?} s");
+            [own, others[0], others[1]]
+        })
+        // The first fills the disk cache and the driver's.
+        .skip(1)
+        .collect();
+    println!("\nmedians over {ROUNDS} rounds, {}:", scene.display());
+    println!("  command to first sample  {:6.2} s", median(rows.iter().map(|row| row[0]).collect()));
+    for (column, variant) in VARIANTS.into_iter().enumerate() {
+        let seconds = median(rows.iter().map(|row| row[column + 1]).collect());
+        let ratio = median(rows.iter().map(|row| row[0] / row[column + 1]).collect());
+        println!("  Mitsuba loads, {variant:<11} {seconds:6.2} s; ratio {ratio:.2}");
+    }
+}
+
+/// The whole command, with one sample for each of a few pixels. Prints what it says of its memory.
+fn first_sample_seconds(scene: &Path, folder: &Path) -> f64 {
+    let stats = folder.join("stats.json");
+    let begin = Instant::now();
+    let status = Command::new(env!("CARGO_BIN_EXE_lodestar"))
+        .arg("render")
+        .arg(scene)
+        .args(["-q", "--width", "8", "--height", "8", "--spp", "1", "-o"])
+        .arg(folder.join("picture.exr"))
+        .arg("--stats")
+        .arg(&stats)
+        .status();
+    let seconds = begin.elapsed().as_secs_f64();
+    assert!(status.expect("lodestar starts").success());
+    let stats = std::fs::read_to_string(stats).expect("the statistics");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    let [resident, device] = ["peak_resident_bytes", "peak_bytes"].map(|name| stats["totals"][name].as_f64());
+    let times =
+        ["load_seconds", "bvh_seconds", "pipeline_seconds"].map(|name| stats[name].as_f64().unwrap_or(f64::NAN));
+    if let (Some(resident), Some(device)) = (resident, device) {
+        let megabytes = resident / 1.0e6;
+        println!("load, BVH, pipelines: {times:.2?} s; {megabytes:.0} MB, {:.2} x the device's", resident / device);
+    }
+    seconds
+}
+
+/// NaN where Mitsuba is not to be had.
+fn mitsuba_seconds(scene: &Path, variant: &str) -> f64 {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_loading.py");
+    let output = Command::new("python3").args([script.as_ref(), scene.as_os_str()]).arg(variant).output();
+    let text = output.ok().and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
+    text.split_whitespace().next().and_then(|seconds| seconds.parse().ok()).unwrap_or(f64::NAN)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

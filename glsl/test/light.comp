@@ -1,0 +1,53 @@
+// Draws a light as seen from a point, and evaluates what rays in that and in a given direction meet, one point per
+// invocation.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "light.glsl"
+#include "traverse.glsl"
+
+struct LightInput {
+    vec3 from;
+    vec3 direction;
+};
+
+// What a ray meets: its radiance, and the density with which sample_light draws its direction.
+struct Met {
+    vec3 radiance;
+    float pdf;
+};
+
+struct LightOutput {
+    vec3 wi;
+    vec3 target;
+    vec3 radiance;
+    float pdf;
+    uint infinite;
+    uint delta;
+    Met along_wi;
+    Met along_direction;
+};
+
+struct TestPush {
+    uint seed;
+};
+layout(push_constant, scalar) uniform Push { TestPush push; };
+layout(scalar, set = 0, binding = 20) readonly buffer LightInputs { LightInput light_inputs[]; };
+layout(scalar, set = 0, binding = 21) writeonly buffer LightOutputs { LightOutput light_outputs[]; };
+
+Met meet(vec3 from, vec3 direction) {
+    bool overrun = false;
+    Ray ray = Ray(from, direction, MAX_DISTANCE);
+    Hit hit = traverse(ray, false, overrun);
+    if (hit.primitive == NONE) return Met(environment_radiance(direction), pdf_light_at_environment(direction));
+    Surface s = surface_at(ray, hit);
+    return Met(surface_emission(s, -direction), pdf_light_at_surface(hit.primitive, s, from));
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    LightInput i = light_inputs[index];
+    LightSample s = sample_light(RandomKey(index, 0u, push.seed), 1u, i.from);
+    light_outputs[index] = LightOutput(s.wi, s.target, s.radiance, s.pdf, s.infinite ? 1u : 0u, s.delta ? 1u : 0u,
+                                       meet(i.from, s.wi), meet(i.from, i.direction));
+}

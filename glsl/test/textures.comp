@@ -1,0 +1,24 @@
+// Looks a texture up at one point per invocation.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "bvh.glsl"
+#include "textures.glsl"
+
+struct TextureInput {
+    uint index;
+    vec2 uv;
+};
+
+struct TextureOutput {
+    vec4 color;
+    vec2 gradient;
+};
+
+layout(scalar, set = 0, binding = 20) readonly buffer TextureInputs { TextureInput texture_inputs[]; };
+layout(scalar, set = 0, binding = 21) writeonly buffer TextureOutputs { TextureOutput texture_outputs[]; };
+
+void main() {
+    TextureInput i = texture_inputs[gl_GlobalInvocationID.x];
+    texture_outputs[gl_GlobalInvocationID.x] = TextureOutput(sample_texture(i.index, i.uv), texture_gradient(i.index, i.uv));
+}

@@ -1,0 +1,141 @@
+//! Images for textures: JPEG, PNG, TGA, BMP, HDR and EXR, in the precision that the file has.
+
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read};
+use std::path::Path;
+
+use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+
+use super::exr;
+use crate::{Error, Result};
+
+/// What a file may decode to; a damaged header may ask for any size.
+const MAX_DECODED_BYTES: u64 = 2 << 30;
+const MAX_SIDE: u32 = 1 << 16;
+/// No image that decodes to so much takes more on the disk.
+const MAX_FILE_BYTES: u64 = 2 << 30;
+
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// An image in memory, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TexelImage {
+    /// Width in texels, > 0.
+    pub width: u32,
+    /// Height in texels, > 0.
+    pub height: u32,
+    /// `width * height` of them.
+    pub texels: FileTexels,
+}
+
+/// Red, green, blue and alpha; gray is in all three.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FileTexels {
+    /// Of a file with at most 8 bits per channel.
+    Bytes(Vec<[u8; 4]>),
+    /// Of a file with 16 bits per channel, in [0, 1]; encoded like the bytes of other files.
+    Encoded(Vec<[f32; 4]>),
+    /// Of a file of floating-point numbers: linear, any value.
+    Linear(Vec<[f32; 4]>),
+}
+
+/// Reads the image at `path`. Its content says which format it is, or else its name.
+///
+/// # Errors
+/// Where the file cannot be read, is cut short, is larger than 2 GiB when decoded, or is of another format.
+pub fn read(path: &Path) -> Result<TexelImage> {
+    let bytes = read_bytes(path)?;
+    if bytes.starts_with(&EXR_MAGIC) {
+        return read_exr(path);
+    }
+    let format = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
+    let format = format.ok().filter(ImageFormat::reading_enabled).ok_or_else(|| {
+        Error::image(path, "it is no image of a format that is supported; save it as JPEG, PNG, TGA, BMP, HDR or EXR")
+    })?;
+    if format == ImageFormat::Jpeg && !is_whole_jpeg(&bytes) {
+        return Err(Error::image(path, "the JPEG image is cut short; write it again"));
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
+    reader.limits(limits);
+    let image = reader.decode().map_err(|error| decode_error(path, &error))?;
+    convert(path, image)
+}
+
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    let file = File::open(path).map_err(Error::read(path))?;
+    let size = file.metadata().map_err(Error::read(path))?.len();
+    if size > MAX_FILE_BYTES {
+        return Err(Error::image(path, format!("a file of {size} bytes is refused; the limit is {MAX_FILE_BYTES}")));
+    }
+    let mut bytes = Vec::with_capacity(size as usize);
+    BufReader::new(file).take(MAX_FILE_BYTES).read_to_end(&mut bytes).map_err(Error::read(path))?;
+    Ok(bytes)
+}
+
+fn read_exr(path: &Path) -> Result<TexelImage> {
+    let image = exr::read_rgb(path)?;
+    let texels = image.pixels.into_iter().map(|[red, green, blue]| [red, green, blue, 1.0]).collect();
+    Ok(TexelImage { width: image.width, height: image.height, texels: FileTexels::Linear(texels) })
+}
+
+fn decode_error(path: &Path, error: &ImageError) -> Error {
+    let message = error.to_string().replace('\n', " ");
+    match error {
+        ImageError::Limits(_) => {
+            Error::image(path, "it is larger than 65536 texels a side or 2 GiB; save a smaller one")
+        }
+        ImageError::Unsupported(_) => Error::image(path, format!("it is of a kind that is not supported ({message})")),
+        _ => Error::image(path, format!("it is not a whole image ({message}); write it again")),
+    }
+}
+
+fn convert(path: &Path, image: DynamicImage) -> Result<TexelImage> {
+    let (width, height) = (image.width(), image.height());
+    if width == 0 || height == 0 {
+        return Err(Error::image(path, "it has no pixels"));
+    }
+    let texels = match &image {
+        DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => FileTexels::Linear(floats(image)),
+        DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_) => FileTexels::Encoded(floats(image)),
+        _ => {
+            FileTexels::Bytes(image.into_rgba8().into_raw().chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect())
+        }
+    };
+    Ok(TexelImage { width, height, texels })
+}
+
+fn floats(image: DynamicImage) -> Vec<[f32; 4]> {
+    image.into_rgba32f().into_raw().chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect()
+}
+
+/// Whether the marker of the end (ITU T.81, B.1.1.3) stands where the segments lead. The decoder itself fills what is
+/// missing with gray.
+fn is_whole_jpeg(bytes: &[u8]) -> bool {
+    const END: u8 = 0xd9;
+    const START: u8 = 0xd8;
+    let mut at = 0;
+    while let Some(offset) = bytes[at..].iter().position(|&byte| byte == 0xff) {
+        at += offset + 1;
+        match bytes.get(at) {
+            None => return false,
+            Some(&END) => return true,
+            // Stuffing, markers without a segment, and fill bytes, before which this one stands.
+            Some(&(0x00 | 0x01 | START | 0xd0..=0xd7)) => at += 1,
+            Some(0xff) => {}
+            Some(_) => match bytes.get(at + 1..at + 3) {
+                Some(length) => at += 1 + usize::from(u16::from_be_bytes([length[0], length[1]])),
+                None => return false,
+            },
+        }
+        if at >= bytes.len() {
+            return false;
+        }
+    }
+    false
+}

@@ -1,0 +1,137 @@
+//! Spectra over wavelengths, reduced to linear sRGB as Mitsuba's rgb variants do it.
+
+use std::path::Path;
+
+use super::element::Element;
+use super::{color_matching, document, numbers};
+use crate::{Error, Result};
+
+/// What a spectrum describes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum SpectrumUse {
+    /// A property of a material: seen under D65, the white that linear sRGB has.
+    Material,
+    /// Emitted light: the observer's own answer.
+    Emission,
+}
+
+/// Where Mitsuba evaluates a spectrum, evenly between the observer's first and last wavelength.
+const SAMPLE_COUNT: usize = 1000;
+
+/// The integral of `y` times D65 as tabled, nanometers.
+const Y_INTEGRAL: f64 = 106.750_259_399_414_06;
+
+/// From CIE XYZ (IEC 61966-2-1, with Mitsuba's digits).
+const SRGB_FROM_XYZ: [[f64; 3]; 3] =
+    [[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]];
+
+/// A file of spectral measurements is a page of text.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// The color of a `<spectrum>` over wavelengths, from its `value` or its `filename`; no channel is negative.
+pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<[f64; 3]> {
+    let points = match (element.attribute("value"), element.attribute("filename")) {
+        (Some(value), None) => parse_pairs(element, value)?,
+        (None, Some(name)) => read_file(element, name)?,
+        _ => return Err(element.error("a <spectrum> needs either its attribute `value` or `filename`")),
+    };
+    check_order(element, &points)?;
+    Ok(srgb(&points, spectrum_use).map(|channel| channel.max(0.0)))
+}
+
+/// The color of a spectrum that is the same at all wavelengths.
+pub(super) fn uniform(value: f64, spectrum_use: SpectrumUse) -> [f64; 3] {
+    match spectrum_use {
+        SpectrumUse::Material => [value; 3],
+        // Equal energy: X = Y = Z.
+        SpectrumUse::Emission => SRGB_FROM_XYZ.map(|row| value * row.iter().sum::<f64>()),
+    }
+}
+
+/// `400:0.1, 500:0.2`
+fn parse_pairs(element: &Element, text: &str) -> Result<Vec<[f64; 2]>> {
+    let pair = |word: &str| {
+        let (wavelength, value) = word
+            .split_once(':')
+            .ok_or_else(|| element.error(format!("`{word}` in a <spectrum> should be wavelength:value")))?;
+        Ok([numbers::one(element, wavelength)?, numbers::one(element, value)?])
+    };
+    let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+    words.map(pair).collect()
+}
+
+/// Lines of a wavelength and a value; `#` starts a comment.
+fn read_file(element: &Element, name: &str) -> Result<Vec<[f64; 2]>> {
+    let named_in: &Path = &element.location.file;
+    let path = document::resolve(name, named_in, &document::folder(named_in))
+        .ok_or_else(|| element.error(format!("the spectrum file `{name}` does not exist")))?;
+    if path.metadata().map_err(Error::read(&path))?.len() > MAX_FILE_BYTES {
+        return Err(element.error(format!("the spectrum file `{name}` is larger than {MAX_FILE_BYTES} bytes")));
+    }
+    let text = std::fs::read_to_string(&path).map_err(Error::read(&path))?;
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    lines
+        .map(|line| match numbers::list(element, line)?[..] {
+            [wavelength, value] => Ok([wavelength, value]),
+            _ => Err(element.error(format!("`{line}` in `{name}` should be a wavelength and a value"))),
+        })
+        .collect()
+}
+
+fn check_order(element: &Element, points: &[[f64; 2]]) -> Result<()> {
+    if points.len() < 2 {
+        return Err(element.error("a <spectrum> over wavelengths needs two or more of them"));
+    }
+    match points.is_sorted_by(|a, b| a[0] < b[0]) {
+        true => Ok(()),
+        false => Err(element.error("the wavelengths of a <spectrum> must increase")),
+    }
+}
+
+/// Zero outside the wavelengths given; Mitsuba's 1000 samples lie on 999 intervals and count as 1000.
+fn srgb(points: &[[f64; 2]], spectrum_use: SpectrumUse) -> [f64; 3] {
+    let (first, last) = (color_matching::FIRST, color_matching::LAST);
+    let mut xyz = [0.0; 3];
+    for i in 0..SAMPLE_COUNT {
+        let wavelength = first + (last - first) * i as f64 / (SAMPLE_COUNT - 1) as f64;
+        let Some(value) = interpolate(points, wavelength) else { continue };
+        let [observer @ .., d65] = color_matching::at(wavelength);
+        let light = if spectrum_use == SpectrumUse::Material { d65 } else { 1.0 };
+        for (sum, response) in xyz.iter_mut().zip(observer) {
+            *sum += response * value * light;
+        }
+    }
+    let scale = (last - first) / SAMPLE_COUNT as f64 / Y_INTEGRAL;
+    SRGB_FROM_XYZ.map(|row| scale * (0..3).map(|i| row[i] * xyz[i]).sum::<f64>())
+}
+
+fn interpolate(points: &[[f64; 2]], wavelength: f64) -> Option<f64> {
+    let after = points.partition_point(|point| point[0] <= wavelength);
+    match (points.get(after.wrapping_sub(1)), points.get(after)) {
+        (Some([x0, y0]), Some([x1, y1])) => Some(y0 + (y1 - y0) * (wavelength - x0) / (x1 - x0)),
+        (Some([x0, y0]), None) if *x0 == wavelength => Some(*y0),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn assert_close(color: [f64; 3], expected: [f64; 3]) {
+        let close = color.iter().zip(expected).all(|(a, b)| (a - b).abs() < 6e-6);
+        assert!(close, "{color:?} is not {expected:?}");
+    }
+
+    /// The numbers are those of Mitsuba 3.9.
+    #[test]
+    fn reduces_as_mitsuba_does() {
+        let line = |a, b| [[400.0, a], [700.0, b]];
+        assert_close(srgb(&line(0.5, 0.6), SpectrumUse::Material), [0.578086, 0.547524, 0.511059]);
+        assert_close(srgb(&line(0.5, 2.5), SpectrumUse::Material), [2.10597, 1.45279, 0.769539]);
+        assert_close(srgb(&line(0.5, 2.5), SpectrumUse::Emission), [2.48046, 1.3842, 0.679114]);
+        assert_close(srgb(&[[500.0, 1.0], [600.0, 1.0]], SpectrumUse::Material), [0.209803, 1.02366, -0.0851368]);
+        assert_close(uniform(2.0, SpectrumUse::Emission), [2.409588, 1.896582, 1.817832]);
+        assert_close(uniform(2.0, SpectrumUse::Material), [2.0; 3]);
+    }
+}

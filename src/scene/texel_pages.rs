@@ -1,0 +1,69 @@
+//! How images are laid out as 32-bit words in the buffers of a device, so that a scene that loads fits any device.
+
+use super::texture::{Image, Texels};
+
+/// Words of a page: 128 MiB, the largest storage binding that every device has.
+pub const PAGE_WORDS: u64 = 32 << 20;
+/// Pages that the kernels can tell apart.
+pub const MAX_PAGES: usize = 4;
+/// What the first page keeps for the tables of materials.
+const TABLE_WORDS: u64 = 1 << 20;
+
+/// Where an image lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place {
+    /// Which page.
+    pub page: usize,
+    /// The first word in it, after the tables where it is the first page.
+    pub word: u64,
+}
+
+/// The words of an image: one for a texel of bytes, two for one of halves.
+pub fn word_count(image: &Image) -> u64 {
+    let texels = u64::from(image.width) * u64::from(image.height);
+    match image.texels {
+        Texels::Bytes { .. } => texels,
+        Texels::Floats(_) => 2 * texels,
+    }
+}
+
+/// Lays out images of these numbers of words, the largest first, each in the first page that has room; `None` where they do
+/// not fit. No image lies in two pages.
+pub fn place(word_counts: &[u64]) -> Option<Vec<Place>> {
+    let mut order: Vec<usize> = (0..word_counts.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(word_counts[i]));
+    let mut used = [0; MAX_PAGES];
+    let mut places = vec![Place { page: 0, word: 0 }; word_counts.len()];
+    for i in order {
+        let room = |page: usize| PAGE_WORDS - if page == 0 { TABLE_WORDS } else { 0 };
+        let page = (0..MAX_PAGES).find(|&page| used[page] + word_counts[i] <= room(page))?;
+        places[i] = Place { page, word: used[page] };
+        used[page] += word_counts[i];
+    }
+    Some(places)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_do_not_overlap_and_fill_few_pages() {
+        let counts = [5, PAGE_WORDS / 2, 7, PAGE_WORDS / 2, 11];
+        let places = place(&counts).unwrap();
+        assert_eq!(places[1], Place { page: 0, word: 0 });
+        assert_eq!(places[3], Place { page: 1, word: 0 });
+        assert_eq!(places[4], Place { page: 0, word: PAGE_WORDS / 2 });
+        assert_eq!(places[2].word, places[4].word + 11);
+        assert_eq!(places[0].word, places[2].word + 7);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told() {
+        assert!(place(&[PAGE_WORDS + 1]).is_none());
+        assert_eq!(place(&[PAGE_WORDS]).unwrap()[0].page, 1);
+        assert!(place(&[PAGE_WORDS; 3]).is_some());
+        assert!(place(&[PAGE_WORDS; 4]).is_none());
+        assert_eq!(place(&[]), Some(vec![]));
+    }
+}

@@ -1,0 +1,304 @@
+//! Emitter sampling: against closed forms, against pictures made without it, and what must not depend on it.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, dvec3};
+use lodestar::film::Picture;
+use lodestar::kernels::{MIS_BLIND_TO_GUIDE, MIS_COUNTS_TWICE, MIS_EXACT};
+use lodestar::lights::EnvironmentMap;
+use lodestar::reference::light::environment_radiance;
+use lodestar::scene::{EnvironmentKind, Scene};
+use lodestar::settings::{Sampler, Settings};
+
+use crate::device::{Device, steps};
+use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::scenes::{SAMPLERS, ours, settings, with_albedo_scaled};
+use crate::significance::{ALPHA, sidak, two_sided};
+
+/// Reflectance of the floor in `floor.xml`.
+const ALBEDO: f64 = 0.5;
+
+/// Irradiance at the origin of a plane whose normal is +y, from a polygon of radiance 1 (Lambert 1760).
+fn polygon_irradiance(vertices: &[DVec3]) -> f64 {
+    let next = vertices.iter().cycle().skip(1);
+    let edge = |(a, b): (&DVec3, &DVec3)| a.angle_between(*b) * a.cross(*b).normalize().y;
+    0.5 * vertices.iter().zip(next).map(edge).sum::<f64>().abs()
+}
+
+/// Of a panel above the origin, between these coordinates.
+fn panel_irradiance(x0: f64, x1: f64, z0: f64, z1: f64) -> f64 {
+    polygon_irradiance(&[(x0, z0), (x1, z0), (x1, z1), (x0, z1)].map(|(x, z)| dvec3(x, 2.0, z)))
+}
+
+/// The same of directions with this radiance, by the midpoint rule.
+fn hemisphere_irradiance(radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {
+    const STEPS: u32 = 1500;
+    let cell = (0.5 * PI / f64::from(STEPS)) * (2.0 * PI / f64::from(2 * STEPS));
+    let direction = |i: u32, j: u32| {
+        let theta = 0.5 * PI * (f64::from(i) + 0.5) / f64::from(STEPS);
+        let phi = 2.0 * PI * (f64::from(j) + 0.5) / f64::from(2 * STEPS);
+        dvec3(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin())
+    };
+    let term = |d: DVec3| radiance(d) * d.y * (1.0 - d.y * d.y).sqrt() * cell;
+    (0..STEPS).flat_map(|i| (0..2 * STEPS).map(move |j| direction(i, j))).map(term).sum()
+}
+
+fn map_irradiance(scene: &Scene) -> DVec3 {
+    let Some(EnvironmentKind::Map { image, scale, to_world }) = scene.environment.map(|e| e.kind) else {
+        panic!("no map")
+    };
+    let map = EnvironmentMap::new(&scene.images[image as usize]);
+    let local = to_world.transpose().as_dmat3();
+    f64::from(scale) * hemisphere_irradiance(|d| environment_radiance(&map, local * d))
+}
+
+/// Mean over the channels of the radiance that the point of `floor.xml` sends to the camera.
+fn floor_radiance(light: &str) -> f64 {
+    let up = |position: DVec3| position.normalize().y;
+    let irradiance = match light {
+        "rectangle" => dvec3(3.0, 2.0, 1.0) * panel_irradiance(0.5, 2.5, -1.5, 0.5),
+        "textured" => {
+            let colors = [dvec3(6.0, 1.0, 1.0), dvec3(0.0, 0.0, 2.0)];
+            colors[0] * (panel_irradiance(0.5, 1.5, -1.5, -0.5) + panel_irradiance(1.5, 2.5, -0.5, 0.5))
+                + colors[1] * (panel_irradiance(1.5, 2.5, -1.5, -0.5) + panel_irradiance(0.5, 1.5, -0.5, 0.5))
+        }
+        "disk" => dvec3(4.0, 3.0, 5.0) * (PI * 0.5625 / (0.5625 + 6.25)),
+        "sphere" => {
+            let center = dvec3(-1.0, 1.5, 0.5);
+            dvec3(12.0, 13.0, 14.0) * (PI * 0.0625 / center.length_squared() * up(center))
+        }
+        "constant" => dvec3(1.0, 0.75, 0.5) * PI,
+        "envmap" => map_irradiance(&ours("lights/floor.xml", &[("light", "envmap")])),
+        "point" => {
+            let position = dvec3(-1.0, 2.0, 1.5);
+            dvec3(9.0, 8.0, 7.0) * (up(position) / position.length_squared())
+        }
+        "spot" => {
+            let (position, target) = (dvec3(-1.0, 3.0, 1.0), dvec3(0.5, 0.0, 0.0));
+            let angle = (target - position).angle_between(-position).to_degrees();
+            dvec3(19.0, 8.0, 7.0) * (up(position) / position.length_squared() * (30.0 - angle) / 25.0)
+        }
+        "directional" => dvec3(3.0, 2.0, 1.0) * up(dvec3(1.0, 2.0, 0.5)),
+        _ => panic!("{light}"),
+    };
+    ALBEDO / PI * irradiance.element_sum() / 3.0
+}
+
+/// The floor's radiance, as it is rendered.
+fn render_floor(device: &Device, light: &str, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
+    let scene = ours("lights/floor.xml", &[("light", light)]);
+    let mut settings = settings(&scene, [16, 16], Sampler::Bsdf, 71);
+    change(&mut settings);
+    let (mean, error) = Estimate::of(&device.render(&scene, &settings, 512)).gray();
+    let Settings { sampler, nee, mis_fault, pdf_tamper, .. } = settings;
+    println!("{light} {sampler:?}, emitters sampled: {nee}, faults {mis_fault}, {pdf_tamper}: {mean:.6} +- {error:.6}");
+    (mean, error)
+}
+
+/// Deviation from `expected` in standard errors, or in what single precision and a camera that sees more than one point leave.
+fn deviation((mean, error): (f64, f64), expected: f64) -> f64 {
+    (mean - expected) / error.hypot(1.0e-5 * expected)
+}
+
+const SPREAD: [&str; 6] = ["rectangle", "textured", "disk", "sphere", "constant", "envmap"];
+const DELTA: [&str; 3] = ["point", "spot", "directional"];
+
+#[test]
+fn direct_light_is_its_closed_form() {
+    let device = Device::new();
+    let lights = SPREAD.map(|light| (light, false)).into_iter().chain(SPREAD.map(|light| (light, true)));
+    let lights = lights.chain(DELTA.map(|light| (light, true)));
+    let cases: Vec<_> = lights.flat_map(|(light, nee)| SAMPLERS.map(|sampler| (light, nee, sampler))).collect();
+    for &(light, nee, sampler) in &cases {
+        let rendered = render_floor(&device, light, |s| (s.nee, s.sampler) = (nee, sampler));
+        let z = deviation(rendered, floor_radiance(light));
+        assert!(sidak(two_sided(z), cases.len()) > ALPHA, "{light} {sampler:?}, emitters sampled: {nee}: z = {z}");
+        let z = deviation(rendered, 1.02 * floor_radiance(light));
+        assert!(!nee || sidak(two_sided(z), cases.len()) < ALPHA, "{light} {sampler:?}: the twin's z = {z}");
+    }
+}
+
+#[test]
+fn faults_of_the_weights_are_found_on_the_floor() {
+    let device = Device::new();
+    let is_found = |light, sampler, fault, tamper| {
+        let change = |s: &mut Settings| (s.nee, s.sampler, s.mis_fault, s.pdf_tamper) = (true, sampler, fault, tamper);
+        let z = deviation(render_floor(&device, light, change), floor_radiance(light));
+        sidak(two_sided(z), 32) < ALPHA
+    };
+    for light in SPREAD {
+        for sampler in SAMPLERS {
+            assert!(is_found(light, sampler, MIS_COUNTS_TWICE, 1.0), "{light} {sampler:?} counts light twice");
+        }
+    }
+    for light in ["constant", "rectangle"] {
+        assert!(is_found(light, Sampler::RejectionMix, MIS_BLIND_TO_GUIDE, 1.0), "{light}: weights blind to the guide");
+    }
+    // Of smaller lights so little is left to scattered rays that their density hardly matters.
+    for sampler in SAMPLERS {
+        assert!(is_found("constant", sampler, MIS_EXACT, 1.05), "{sampler:?}: density 5 % off");
+    }
+}
+
+/// A scene, how often its pixels are sampled without emitter sampling and with it, and at which scales it is compared.
+struct Case {
+    file: &'static str,
+    light: &'static str,
+    size: [u32; 2],
+    spp: [u32; 2],
+    sides: &'static [usize],
+}
+
+const CORNELL_BOX: Case =
+    Case { file: "cornell-box/scene.xml", light: "", size: [32, 32], spp: [4096, 1024], sides: &[4, 8, WHOLE] };
+const AREA_LIGHTS: Case =
+    Case { file: "lights/scene.xml", light: "area", size: [32, 24], spp: [4096, 512], sides: &[4, 8, WHOLE] };
+const SKY: Case =
+    Case { file: "lights/scene.xml", light: "envmap", size: [32, 24], spp: [4096, 512], sides: &[4, 8, WHOLE] };
+
+impl Case {
+    /// With all albedos multiplied.
+    fn render(&self, device: &Device, albedo: f32, change: impl FnOnce(&mut Settings)) -> Estimate {
+        let defines = [("light", self.light)];
+        let scene = with_albedo_scaled(&ours(self.file, if self.light.is_empty() { &[] } else { &defines }), albedo);
+        let mut settings = settings(&scene, self.size, Sampler::Bsdf, 0);
+        change(&mut settings);
+        Estimate::of(&device.render(&scene, &settings, self.spp[usize::from(settings.nee)]))
+    }
+
+    fn agrees(&self, name: &str, a: &Estimate, b: &Estimate) -> bool {
+        let comparison = Comparison::new(a, b, self.sides);
+        println!("{} {} {name}: {comparison:?}", self.file, self.light);
+        comparison.agrees()
+    }
+
+    fn check(&self) {
+        let device = Device::new();
+        let off = self.render(&device, 1.0, |s| s.seed = 1);
+        for (sampler, seed) in SAMPLERS.into_iter().zip([2, 5]) {
+            let on = |albedo, fault, seed| {
+                self.render(&device, albedo, |s| (s.nee, s.sampler, s.seed, s.mis_fault) = (true, sampler, seed, fault))
+            };
+            let name = format!("{sampler:?}");
+            assert!(self.agrees(&name, &on(1.0, MIS_EXACT, seed), &off), "{name}");
+            assert!(!self.agrees(&format!("{name}, twice"), &on(1.0, MIS_COUNTS_TWICE, seed + 1), &off), "{name}");
+            assert!(!self.agrees(&format!("{name}, albedo"), &on(0.97, MIS_EXACT, seed + 2), &off), "{name}");
+        }
+    }
+}
+
+#[test]
+fn emitter_sampling_leaves_the_cornell_box_as_it_is() {
+    CORNELL_BOX.check();
+}
+
+#[test]
+fn emitter_sampling_leaves_all_shapes_of_light_as_they_are() {
+    AREA_LIGHTS.check();
+}
+
+#[test]
+fn emitter_sampling_leaves_the_sky_as_it_is() {
+    SKY.check();
+}
+
+/// Inside a surface that emits 0.5 and reflects half, the light comes from everywhere.
+#[test]
+fn the_furnace_is_as_bright_with_emitter_sampling() {
+    let device = Device::new();
+    for file in ["furnace/scene.xml", "furnace/mesh.xml"] {
+        for sampler in SAMPLERS {
+            let z = |mis_fault| {
+                let scene = ours(file, &[]);
+                let settings = Settings { nee: true, mis_fault, ..settings(&scene, [32, 32], sampler, 5) };
+                let rendered = Estimate::of(&device.render(&scene, &settings, 64)).gray();
+                let z = deviation(rendered, 1.0 - 1.0 / f64::from(1 << 16));
+                println!("{file} {sampler:?}, fault {mis_fault}: {rendered:?}, z = {z:.2}");
+                sidak(two_sided(z), 4)
+            };
+            assert!(z(MIS_EXACT) > ALPHA && z(MIS_COUNTS_TWICE) < ALPHA, "{file} {sampler:?}");
+        }
+    }
+}
+
+fn bits(picture: &Picture) -> Vec<u32> {
+    picture.radiance.iter().chain(&picture.variance).flatten().map(|value| value.to_bits()).collect()
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_with_emitter_sampling() {
+    let device = Device::new();
+    let scene = ours("lights/scene.xml", &[("light", "area")]);
+    for sampler in SAMPLERS {
+        let render = |change: &dyn Fn(&mut Settings)| {
+            let mut settings = Settings { nee: true, ..settings(&scene, [50, 37], sampler, 11) };
+            change(&mut settings);
+            bits(&device.render(&scene, &settings, 20))
+        };
+        let first = render(&|_| {});
+        assert!(first == render(&|_| {}), "{sampler:?}: a second time");
+        assert!(first == render(&|s| s.slice_milliseconds = Some(1.0)), "{sampler:?}: slices of 1 ms");
+        assert!(first == render(&|s| s.storage_reads = true), "{sampler:?}: storage buffers");
+        assert!(first != render(&|s| s.seed = 12), "{sampler:?}: another seed");
+    }
+}
+
+/// What emitter sampling finds at a vertex is not what the guide there is for.
+#[test]
+fn the_guide_learns_what_emitter_sampling_leaves() {
+    let device = Device::new();
+    let scene = ours("furnace/scene.xml", &[]);
+    let mean = |nee| {
+        let settings = Settings {
+            nee,
+            decay: 0.0,
+            grid: 4,
+            directions: 8,
+            ..settings(&scene, [64, 64], Sampler::RejectionMix, 9)
+        };
+        let mut renderer = device.renderer(&scene, &settings);
+        steps(&mut renderer, &settings, 12 * 8);
+        let bins = renderer.radiance().expect("a table");
+        let learned: Vec<f64> = bins.into_iter().map(f64::from).filter(|&l| l > 0.2).collect();
+        learned.iter().sum::<f64>() / learned.len() as f64
+    };
+    // All that arrives is 1, emission's part of it 0.5, of which about half is left to the guide.
+    let (all, left) = (mean(false), mean(true));
+    println!("learned {all:.3} without emitter sampling, {left:.3} with it");
+    assert!((all - 1.0).abs() < 0.02 && (0.6..0.9).contains(&left), "{all} {left}");
+}
+
+#[test]
+fn shadow_rays_are_counted() {
+    let device = Device::new();
+    let scene = ours("cornell-box/scene.xml", &[]);
+    for sampler in SAMPLERS {
+        let counts = |nee| {
+            let settings = Settings { nee, ..settings(&scene, [64, 64], sampler, 1) };
+            steps(&mut device.renderer(&scene, &settings), &settings, 16)
+        };
+        assert!(counts(false).iter().all(|c| c.shadow_rays == 0));
+        assert!(counts(true).iter().all(|c| c.shadow_rays > c.rays / 4 && c.shadow_rays <= c.rays), "{sampler:?}");
+    }
+}
+
+#[test]
+fn what_no_ray_can_hit_needs_emitter_sampling() {
+    for light in DELTA {
+        let scene = ours("lights/scene.xml", &[("light", light)]);
+        let settings = settings(&scene, [8, 8], Sampler::Bsdf, 1);
+        let sentence = settings.check_lighting(&scene).expect_err("an error").to_string();
+        assert!(sentence.contains(&format!("`{light}`")) && sentence.contains("--nee on"), "{sentence}");
+        assert!(Settings { nee: true, ..settings }.check_lighting(&scene).is_ok());
+    }
+}
+
+/// A scene without light is black, whatever is asked for.
+#[test]
+fn without_lights_nothing_is_sampled() {
+    let device = Device::new();
+    let mut scene = ours("lights/scene.xml", &[("light", "constant")]);
+    scene.environment = None;
+    let settings = Settings { nee: true, ..settings(&scene, [8, 8], Sampler::Bsdf, 1) };
+    assert!(device.render(&scene, &settings, 8).radiance.iter().flatten().all(|&l| l == 0.0));
+}

@@ -1,0 +1,143 @@
+//! Bump and normal maps of the same slope everywhere, on a diffuse floor below an even sky or a sun.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::{DVec2, DVec3, Mat3, Mat4, Vec3, Vec4, dvec3};
+use lodestar::reference::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
+use lodestar::scene::bsdf::Relief;
+use lodestar::scene::emitter::DeltaKind;
+use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
+use lodestar::scene::{DeltaEmitter, Environment, PrimitiveShape, Scene};
+use lodestar::settings::{Sampler, Settings};
+
+use crate::device::Device;
+use crate::estimate::Estimate;
+use crate::scenes::{SAMPLERS, ours, settings, surface_mut};
+use crate::significance::{ALPHA, sidak, two_sided};
+
+const SIZE: [u32; 2] = [16, 16];
+const SPP: u32 = 256;
+const ALBEDO: f64 = 0.5;
+/// Tests here, times samplers, with emitter sampling and without.
+const CASES: usize = 8;
+
+/// World from the floor's uv frame: its sides are 2 and 4 long, and it does not lie along the axes.
+const U: Vec3 = Vec3::new(0.6, 0.8, 0.0);
+const V: Vec3 = Vec3::new(-1.6, 1.2, 0.0);
+
+fn texture(texels: Vec<[f32; 4]>) -> (Texture, Image) {
+    let image = Image { name: String::new(), width: texels.len() as u32, height: 1, texels: Texels::Floats(texels) };
+    let pattern = Pattern::Bitmap { image: 0, filter: TexelFilter::Bilinear, wrap: WrapMode::Clamp };
+    (Texture { name: String::new(), pattern, to_uv: Mat3::IDENTITY }, image)
+}
+
+fn gray(value: f32) -> [f32; 4] {
+    [value, value, value, 1.0]
+}
+
+/// The floor from one side, with a relief.
+fn floor(relief: Relief, texels: Vec<[f32; 4]>, behind: bool) -> Scene {
+    let mut scene = ours("furnace/scene.xml", &[]);
+    let mut floor = scene.primitives[0];
+    floor.shape = PrimitiveShape::Parallelogram;
+    (floor.origin, floor.edge_u, floor.edge_v) = (Vec3::ZERO, U, V);
+    (floor.flip_normal, floor.emitter) = (false, None);
+    scene.primitives = vec![floor];
+    scene.emitters.clear();
+    scene.environment = Some(Environment::constant(Vec3::ONE));
+    let surface = surface_mut(&mut scene.materials[0]);
+    (surface.two_sided, surface.relief) = (true, Some(relief));
+    let (texture, image) = texture(texels);
+    (scene.textures, scene.images) = (vec![texture], vec![image]);
+    // Sees a small part of the middle, straight on.
+    let side = if behind { -1.0 } else { 1.0 };
+    let (forward, up) = (Vec3::new(0.0, 0.0, -side), Vec3::Y);
+    let axes = [up.cross(forward), up, forward].map(|axis| axis.extend(0.0));
+    scene.camera.world_from_camera = Mat4::from_cols(axes[0], axes[1], axes[2], Vec4::new(0.0, 0.0, 8.0 * side, 1.0));
+    scene.camera.fov = 1.0;
+    scene
+}
+
+/// Radiance of the floor whose normal is `n` in its uv frame, mirrored where it is seen from behind.
+fn answer(n: DVec3) -> f64 {
+    let frame = relief_frame(n, DVec3::Z);
+    let count = 400;
+    let mut sum = 0.0;
+    for i in 0..count {
+        let theta = (f64::from(i) + 0.5) / f64::from(count) * FRAC_PI_2;
+        for j in 0..count {
+            let phi = (f64::from(j) + 0.5) / f64::from(count) * TAU;
+            let wi = dvec3(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+            sum += frame.z_axis.dot(wi).max(0.0) * relief_shadowing(frame.z_axis, wi) * theta.sin();
+        }
+    }
+    ALBEDO / PI * sum * FRAC_PI_2 * TAU / f64::from(count * count)
+}
+
+fn check(name: &str, scene: &Scene, expected: f64) {
+    let device = Device::new();
+    for (sampler, nee) in SAMPLERS.map(|sampler| [false, true].map(|nee| (sampler, nee))).into_iter().flatten() {
+        let settings = Settings { nee, ..settings(scene, SIZE, sampler, 4) };
+        let (mean, error) = Estimate::of(&device.render(scene, &settings, SPP)).gray();
+        let z = |expected: f64| (mean - expected) / error.hypot(1.0e-5);
+        println!(
+            "{name}, {sampler:?}, emitter sampling {nee}: {mean:.5} +- {error:.5}, not {expected:.5}: z = {:.2}",
+            z(expected)
+        );
+        assert!(sidak(two_sided(z(expected)), CASES) > ALPHA, "{name}, {sampler:?}, {nee}: z = {}", z(expected));
+        assert!(sidak(two_sided(z(1.03 * expected)), CASES) < ALPHA, "the twin, {name}, {sampler:?}, {nee}");
+    }
+}
+
+/// Radiance of the floor in the light of a sun of irradiance pi, at `wi` in the floor's frame.
+fn sunlit(n: DVec3, wi: DVec3) -> f64 {
+    let n = relief_frame(n, DVec3::Z).z_axis;
+    ALBEDO * n.dot(wi).max(0.0) * relief_shadowing(n, wi)
+}
+
+/// No path but the one to the sun carries light, so there is no noise.
+fn check_sun(name: &str, scene: &Scene, n: DVec3) {
+    let device = Device::new();
+    let behind = scene.camera.world_from_camera.w_axis.z < 0.0;
+    let [u, v] = [U, V].map(|edge| edge.as_dvec3().normalize());
+    let normal = if behind { -DVec3::Z } else { DVec3::Z };
+    let mut told_apart = false;
+    for wi in [dvec3(0.1, 0.2, 0.9), dvec3(0.7, 0.1, 0.4), dvec3(-0.7, 0.1, 0.4), dvec3(-0.2, -0.8, 0.3)] {
+        let wi = wi.normalize();
+        let direction = -(wi.x * u + wi.y * v + wi.z * normal).as_vec3();
+        let mut scene = scene.clone();
+        scene.environment = None;
+        let kind = DeltaKind::Directional { direction, irradiance: Vec3::splat(PI as f32) };
+        scene.delta_emitters = vec![DeltaEmitter { kind, sampling_weight: 1.0 }];
+        let settings = Settings { nee: true, ..settings(&scene, SIZE, Sampler::Bsdf, 4) };
+        let (mean, _) = Estimate::of(&device.render(&scene, &settings, 1)).gray();
+        let expected = sunlit(n, wi);
+        println!("{name}, sun at {wi:.2}: {mean:.5}, not {expected:.5}");
+        // The camera sees the floor within half a degree of straight on.
+        assert!((mean - expected).abs() < 1.0e-4, "{name}, sun at {wi}: {mean}, not {expected}");
+        let turned = sunlit(n * dvec3(-1.0, -1.0, 1.0), wi);
+        told_apart |= (mean - turned).abs() > 1.0e-2;
+    }
+    assert!(told_apart, "the twin that is turned about the normal, {name}");
+}
+
+#[test]
+fn a_bump_map_tilts_by_its_slope() {
+    // Between the texels' centers, half a unit of u apart, the height rises by 0.8; the factor makes it 1.6.
+    let scene = |behind| floor(Relief::Bump { texture: 0, scale: 2.0 }, vec![gray(0.1), gray(0.9)], behind);
+    let [u, v] = [U, V].map(|edge| 2.0 * edge.as_dvec3());
+    let n = bump_normal(u.length() * DVec3::X, v.length() * DVec3::Y, DVec2::new(2.0 * 0.8 * 2.0, 0.0), DVec3::Z);
+    check("bump", &scene(false), answer(n));
+    check_sun("bump", &scene(false), n);
+    check_sun("bump from behind", &scene(true), n);
+}
+
+#[test]
+fn a_normal_map_tilts_by_its_color() {
+    let color = [0.9, 0.3, 0.8, 1.0];
+    let scene = |behind| floor(Relief::NormalMap { texture: 0 }, vec![color], behind);
+    let n = mapped_normal(dvec3(0.9, 0.3, 0.8));
+    check("normal map", &scene(false), answer(n));
+    check_sun("normal map", &scene(false), n);
+    check_sun("normal map from behind", &scene(true), n);
+}

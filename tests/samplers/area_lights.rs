@@ -1,0 +1,152 @@
+//! Area lights of `glsl/include/light.glsl` and `light_shape.glsl`
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3, dvec3, vec3};
+use lodestar::reference::equal_area::direction_bin;
+use lodestar::reference::light::{area, pdf_primitive};
+use lodestar::scene::{Primitive, PrimitiveShape};
+
+use crate::lights::{LightOutput, d3, draw_from, emitting};
+use crate::statistics::{chi_square, sidak, sphere};
+
+const SIGNIFICANCE: f64 = 0.01;
+const SAMPLES: usize = 1 << 18;
+/// Bins of the histogram along each side of the equal-area square.
+const HISTOGRAM: u32 = 32;
+
+fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> Primitive {
+    Primitive {
+        shape,
+        origin,
+        edge_u,
+        edge_v,
+        normals: None,
+        uvs: Default::default(),
+        flip_normal: false,
+        material: 0,
+        emitter: None,
+    }
+}
+
+fn ball(center: Vec3, radius: f32) -> Primitive {
+    primitive(PrimitiveShape::Sphere, center, Vec3::X * radius, Vec3::Z * radius)
+}
+
+/// What emits, and from where it is seen.
+struct Case {
+    name: &'static str,
+    lights: Vec<(Primitive, f32)>,
+    from: DVec3,
+}
+
+fn cases() -> Vec<Case> {
+    let case = |name, primitive, from| Case { name, lights: vec![(primitive, 3.0)], from };
+    let triangle = primitive(PrimitiveShape::Triangle, vec3(-1.0, 0.5, 0.2), vec3(2.0, 0.3, 0.1), vec3(0.2, 0.4, 1.5));
+    let parallelogram =
+        primitive(PrimitiveShape::Parallelogram, vec3(0.0, 1.0, 0.0), vec3(0.3, 0.1, 1.0), vec3(0.8, 0.2, 0.1));
+    let disk = primitive(PrimitiveShape::Disk, vec3(0.0, 0.0, 1.0), vec3(0.9, 0.0, 0.2), vec3(0.0, 0.7, 0.0));
+    let sphere = ball(vec3(0.2, 0.1, -0.3), 1.0);
+    let mixed = vec![
+        (triangle, 1.0),
+        (Primitive { origin: vec3(0.0, -1.0, 0.0), ..parallelogram }, 2.0),
+        (Primitive { flip_normal: true, ..disk }, 0.5),
+        (ball(vec3(2.0, 0.0, -1.0), 0.8), 0.7),
+        (ball(vec3(-2.0, 0.0, 0.0), 0.5), 0.0),
+    ];
+    vec![
+        case("triangle", triangle, dvec3(0.0, 0.0, 0.0)),
+        case("parallelogram", parallelogram, dvec3(0.1, 0.0, 0.1)),
+        case("disk", disk, dvec3(0.1, -0.1, 0.2)),
+        case("disk at a grazing angle", disk, dvec3(1.6, 0.1, 1.0)),
+        case("sphere from outside", sphere, dvec3(1.2, 0.9, 0.6)),
+        case("sphere from its rim", sphere, sphere.origin.as_dvec3() + 1.0006 * dvec3(0.48, 0.64, 0.6)),
+        case("sphere from its surface", sphere, sphere.origin.as_dvec3() + 1.0002 * dvec3(0.48, 0.64, 0.6)),
+        case("sphere from within", sphere, dvec3(0.5, 0.4, 0.0)),
+        Case { name: "several", lights: mixed, from: dvec3(0.0, 0.0, 0.0) },
+    ]
+}
+
+impl Case {
+    /// Density of a direction as seen from `from`, lights chosen by power.
+    fn pdf(&self, from: DVec3, direction: DVec3) -> f64 {
+        let power = |(p, radiance): &(Primitive, f32)| area(p) * PI * f64::from(*radiance);
+        let sum: f64 = self.lights.iter().map(power).sum();
+        self.lights.iter().map(|light| power(light) / sum * pdf_primitive(&light.0, from, direction)).sum()
+    }
+
+    /// Chi-square of the samples against what is expected from `from`.
+    fn fit(&self, drawn: &[LightOutput], from: DVec3, factor: f64) -> f64 {
+        let mut counts = vec![0; (HISTOGRAM * HISTOGRAM) as usize];
+        drawn.iter().for_each(|s| counts[direction_bin(s.wi(), HISTOGRAM) as usize] += 1);
+        let masses = sphere().integrals(HISTOGRAM, |w| self.pdf(from, w));
+        let expected: Vec<f64> = masses.iter().map(|mass| mass * factor * drawn.len() as f64).collect();
+        chi_square(&counts, &expected)
+    }
+}
+
+#[test]
+fn directions_to_area_lights_follow_their_density() {
+    let cases = cases();
+    let level = sidak(SIGNIFICANCE, cases.len());
+    for (case, seed) in cases.iter().zip(1..) {
+        let drawn = draw_from(&case.lights_scene(), case.from, SAMPLES, seed);
+        let p = case.fit(&drawn, case.from, 1.0);
+        assert!(p > level, "{}: chi-square {p}", case.name);
+        let denser = case.fit(&drawn, case.from, 1.05);
+        let elsewhere = case.fit(&drawn, case.from + dvec3(0.02, -0.03, 0.02), 1.0);
+        assert!(denser < level && elsewhere < level, "{}: the twins {denser}, {elsewhere}", case.name);
+    }
+}
+
+impl Case {
+    fn lights_scene(&self) -> lodestar::scene::Scene {
+        emitting(&self.lights)
+    }
+}
+
+/// Of several lights a ray meets the nearest, so only single ones are checked.
+#[test]
+fn a_sample_and_a_hit_have_the_same_density_and_radiance() {
+    for (case, seed) in cases().iter().filter(|case| case.lights.len() == 1).zip(21..) {
+        let drawn = draw_from(&case.lights_scene(), case.from, SAMPLES, seed);
+        let (light, radiance) = case.lights[0];
+        let mut differing = 0;
+        for s in &drawn {
+            let twin = case.pdf(case.from, s.wi());
+            let grazing = (d3(s.target) - case.from).normalize().dot(normal(&light, d3(s.target))).abs() < 0.02;
+            let agrees = |pdf: f32, tolerance: f64| (f64::from(pdf) / twin - 1.0).abs() < tolerance;
+            // Near the outline rounding decides what a ray meets.
+            let far_hit = light.shape == PrimitiveShape::Sphere && case.name.contains("surface");
+            let same = agrees(s.pdf, 1.0e-3) && agrees(s.along_wi.pdf, 1.0e-3) && s.radiance == s.along_wi.radiance;
+            differing += usize::from(!same && !grazing && !far_hit);
+            assert!(s.delta == 0 && s.infinite == 0 && s.pdf > 0.0);
+            assert!(s.radiance == [radiance; 3] || s.radiance == [0.0; 3], "{}: {s:?}", case.name);
+            assert_eq!(s.radiance != [0.0; 3], faces(&light, s), "{}: {s:?}", case.name);
+        }
+        println!("{}: {differing} of {} differ", case.name, drawn.len());
+        assert!(differing <= drawn.len() / 500, "{}: {differing} of {} differ", case.name, drawn.len());
+    }
+}
+
+fn normal(p: &Primitive, at: DVec3) -> DVec3 {
+    match p.shape {
+        PrimitiveShape::Sphere => (at - p.origin.as_dvec3()).normalize(),
+        _ => p.edge_u.as_dvec3().cross(p.edge_v.as_dvec3()).normalize(),
+    }
+}
+
+/// Whether the light's front is seen at the sampled point.
+fn faces(p: &Primitive, s: &LightOutput) -> bool {
+    normal(p, d3(s.target)).dot(s.wi()) < 0.0
+}
+
+#[test]
+fn lights_without_weight_or_radiance_are_never_drawn() {
+    let triangle = primitive(PrimitiveShape::Triangle, vec3(-1.0, 0.5, 0.2), vec3(2.0, 0.3, 0.1), vec3(0.2, 0.4, 1.5));
+    let disk = primitive(PrimitiveShape::Disk, vec3(0.0, 0.0, 1.0), vec3(0.9, 0.0, 0.2), vec3(0.0, 0.7, 0.0));
+    let mut scene = emitting(&[(triangle, 1.0), (disk, 5.0)]);
+    scene.emitters[1].sampling_weight = 0.0;
+    let drawn = draw_from(&scene, DVec3::ZERO, 4096, 5);
+    assert!(drawn.iter().all(|s| s.radiance != [5.0; 3] && pdf_primitive(&triangle, DVec3::ZERO, s.wi()) > 0.0));
+}

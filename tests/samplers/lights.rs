@@ -1,0 +1,127 @@
+//! Draws lights of a scene on the device.
+
+use std::path::Path;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+use lodestar::bvh::Bvh;
+use lodestar::gpu::BufferKind;
+use lodestar::kernels::{Variant, test};
+use lodestar::layout::SceneConstants;
+use lodestar::lights::Lights;
+use lodestar::scene::{AreaEmitter, LoadOptions, Primitive, Scene, Textured, load};
+
+use crate::device::{Device, GROUP};
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct LightInput {
+    pub from: [f32; 3],
+    pub direction: [f32; 3],
+}
+
+/// What a ray meets.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct Met {
+    pub radiance: [f32; 3],
+    pub pdf: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct LightOutput {
+    pub wi: [f32; 3],
+    pub target: [f32; 3],
+    pub radiance: [f32; 3],
+    pub pdf: f32,
+    pub infinite: u32,
+    pub delta: u32,
+    pub along_wi: Met,
+    pub along_direction: Met,
+}
+
+impl LightOutput {
+    pub fn wi(&self) -> DVec3 {
+        d3(self.wi)
+    }
+}
+
+pub fn d3(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
+}
+
+/// A scene with a sensor and nothing else.
+pub fn empty_scene() -> Scene {
+    parse("<scene version=\"3.0.0\"><sensor type=\"perspective\"/></scene>")
+}
+
+/// A scene of its text; the files of `tests/data/emitters` lie beside it.
+pub fn parse(xml: &str) -> Scene {
+    let folder = tempfile::tempdir().expect("a folder");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/emitters/map.exr");
+    std::fs::copy(data, folder.path().join("map.exr")).expect("a copy");
+    let path = folder.path().join("scene.xml");
+    std::fs::write(&path, xml).expect("written");
+    let scene = load(&path, &LoadOptions::default()).expect("a scene");
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    scene
+}
+
+/// A scene of emitting primitives, each with the radiance beside it.
+pub fn emitting(primitives: &[(Primitive, f32)]) -> Scene {
+    let mut scene = empty_scene();
+    for &(primitive, radiance) in primitives {
+        let emitter = Some(scene.emitters.len() as u32);
+        scene.primitives.push(Primitive { emitter, ..primitive });
+        scene.emitters.push(AreaEmitter::new(Textured::constant(Vec3::splat(radiance))));
+    }
+    scene
+}
+
+/// One sample for every input.
+pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput> {
+    assert!((inputs.len() as u32).is_multiple_of(GROUP));
+    let device = Device::new();
+    let bvh = Bvh::build(&scene.primitives);
+    let lights = Lights::new(scene, &bvh);
+    let buffer = |name: &str, bytes: &[u8], kind| {
+        let buffer = device.buffer(name, bytes.len(), kind);
+        buffer.upload(0, bytes).expect("uploaded");
+        buffer
+    };
+    let mut constants = SceneConstants::zeroed();
+    lights.write_constants(&mut constants);
+    let constants = buffer("scene", bytemuck::bytes_of(&constants), BufferKind::Uniform);
+    let emitters = buffer("emitters", bytemuck::cast_slice(&lights.texels()), BufferKind::TexelUint);
+    let nodes = buffer("nodes", bytemuck::cast_slice(&bvh.nodes), BufferKind::TexelUint);
+    let records = buffer("primitives", bytemuck::cast_slice(&bvh.primitives), BufferKind::TexelUint);
+    let attributes = buffer("attributes", bytemuck::cast_slice(&bvh.attributes), BufferKind::TexelUint);
+    let input = device.uploaded("inputs", inputs);
+    let output = device.storage("outputs", size_of::<LightOutput>() * inputs.len());
+    let variant = Variant {
+        has_spheres: bvh.has_spheres(),
+        stack_size: bvh.depth,
+        nee: true,
+        light_kinds: lights.kinds(),
+        environment: lights.environment_kind(),
+        ..Variant::default()
+    };
+    let named = [
+        ("Scene", &constants),
+        ("emitters", &emitters),
+        ("LightInputs", &input),
+        ("LightOutputs", &output),
+        ("bvh_nodes", &nodes),
+        ("bvh_primitives", &records),
+        ("bvh_attributes", &attributes),
+    ];
+    let push = bytemuck::bytes_of(&seed);
+    device.dispatch_renderers(&test::LIGHT, &variant, &named, push, inputs.len() as u32 / GROUP);
+    output.read(0, inputs.len()).expect("read")
+}
+
+/// Many samples as seen from one point.
+pub fn draw_from(scene: &Scene, from: DVec3, count: usize, seed: u32) -> Vec<LightOutput> {
+    draw(scene, &vec![LightInput { from: from.as_vec3().into(), direction: [0.0, 0.0, 1.0] }; count], seed)
+}

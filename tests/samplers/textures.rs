@@ -1,0 +1,258 @@
+//! `glsl/include/textures.glsl` and `texture_lookup.glsl` against their twin.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec2, DVec4, Mat3, Vec2, Vec3};
+use lodestar::gpu::BufferKind;
+use lodestar::kernels::{Variant, test};
+use lodestar::reference::texture as reference;
+use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
+use lodestar::textures::PackedTextures;
+
+use crate::device::{Device, GROUP};
+use crate::statistics::Numbers;
+
+/// What the polynomial for the sRGB curve may be off by.
+const CURVE_TOLERANCE: f64 = 1.0e-5;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct TextureInput {
+    index: u32,
+    uv: [f32; 2],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct TextureOutput {
+    color: [f32; 4],
+    gradient: [f32; 2],
+}
+
+/// The kernel's answers; its variant is what the textures need, so that what they do not need is left out.
+fn look_up(textures: &[Texture], images: &[Image], inputs: &[TextureInput]) -> Vec<TextureOutput> {
+    look_up_after(textures, images, inputs, Vec::new())
+}
+
+fn look_up_after(
+    textures: &[Texture],
+    images: &[Image],
+    inputs: &[TextureInput],
+    tables: Vec<u32>,
+) -> Vec<TextureOutput> {
+    let device = Device::new();
+    let packed = PackedTextures::new(textures, images, tables);
+    let pages = packed.words.pages();
+    let variant = Variant { texture_kinds: packed.kinds, texel_pages: pages.len() as u32, ..Variant::default() };
+    let buffer = |name: &str, bytes: &[u8], kind| {
+        let buffer = device.buffer(name, bytes.len(), kind);
+        buffer.upload(0, bytes).expect("uploaded");
+        buffer
+    };
+    let groups = inputs.len().div_ceil(GROUP as usize);
+    let input = device.storage("inputs", groups * GROUP as usize * size_of::<TextureInput>());
+    input.upload(0, inputs).expect("uploaded");
+    let output = device.storage("outputs", groups * GROUP as usize * size_of::<TextureOutput>());
+    let records = buffer("textures", bytemuck::cast_slice(&packed.records), BufferKind::TexelUint);
+    let word_buffers: Vec<_> =
+        pages.iter().map(|page| buffer("words", bytemuck::cast_slice(page), BufferKind::TexelUint1)).collect();
+    let names = ["texel_words", "texel_words1", "texel_words2", "texel_words3"];
+    let mut named = vec![("TextureInputs", &input), ("TextureOutputs", &output), ("textures", &records)];
+    named.extend(names.into_iter().zip(&word_buffers));
+    device.dispatch_renderers(&test::TEXTURES, &variant, &named, &[], groups as u32);
+    output.read(0, inputs.len()).expect("read")
+}
+
+fn bytes(width: u32, height: u32, srgb: bool, seed: u32) -> Image {
+    let mut numbers = Numbers::new(seed);
+    let mut byte = || (numbers.unit() * 256.0) as u8;
+    let data = (0..width * height).map(|_| [byte(), byte(), byte(), byte()]).collect();
+    Image { name: "bytes".into(), width, height, texels: Texels::Bytes { srgb, data } }
+}
+
+/// Values that halves can hold.
+fn floats(width: u32, height: u32, largest: f64, seed: u32) -> Image {
+    let mut numbers = Numbers::new(seed);
+    let mut value = || ((numbers.unit() * 1024.0).floor() / 1024.0 * largest) as f32;
+    let data = (0..width * height).map(|_| [value(), value(), value(), 1.0]).collect();
+    Image { name: "floats".into(), width, height, texels: Texels::Floats(data) }
+}
+
+fn bitmap(image: u32, filter: TexelFilter, wrap: WrapMode, to_uv: Mat3) -> Texture {
+    Texture { name: "bitmap".into(), pattern: Pattern::Bitmap { image, filter, wrap }, to_uv }
+}
+
+fn modes() -> Vec<(TexelFilter, WrapMode)> {
+    let filters = [TexelFilter::Bilinear, TexelFilter::Nearest];
+    let wraps = [WrapMode::Repeat, WrapMode::Mirror, WrapMode::Clamp];
+    filters.into_iter().flat_map(|filter| wraps.map(|wrap| (filter, wrap))).collect()
+}
+
+/// Coordinates all over a few copies of the image, and exactly on what may be an edge.
+fn points(seed: u32, count: usize) -> Vec<Vec2> {
+    let mut numbers = Numbers::new(seed);
+    let exact = [-1.0f32, -0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0];
+    let edges = exact.iter().flat_map(|&u| exact.map(|v| Vec2::new(u, v)));
+    let any = (0..count).map(|_| Vec2::new((8.0 * numbers.unit() - 3.5) as f32, (8.0 * numbers.unit() - 3.5) as f32));
+    edges.chain(any).collect()
+}
+
+/// To within `tolerance` and what a rounding of the coordinates changes.
+fn agrees(texture: &Texture, images: &[Image], uv: Vec2, color: DVec4, tolerance: f64) -> bool {
+    let shift = 4.0e-7 * f64::from(1.0 + uv.abs().max_element());
+    let expected = reference::sample(texture, images, uv.as_dvec2());
+    let shifts = [-1.0, 0.0, 1.0].into_iter().flat_map(|u| [-1.0, 0.0, 1.0].map(|v| DVec2::new(u, v)));
+    let changes = shifts.map(|direction| {
+        (reference::sample(texture, images, uv.as_dvec2() + shift * direction) - expected).abs().max_element()
+    });
+    let allowed = tolerance * expected.abs().max_element().max(1.0) + changes.fold(0.0, f64::max);
+    (expected - color).abs().max_element() <= allowed
+}
+
+/// Holds every texture against its twin at every point. `tamper` is added to u of the twin's points.
+fn compare(textures: &[Texture], images: &[Image], points: &[Vec2], tamper: f32) -> Result<(), String> {
+    let inputs: Vec<_> = (0..textures.len() as u32)
+        .flat_map(|index| points.iter().map(move |uv| TextureInput { index, uv: (*uv).into() }))
+        .collect();
+    for (input, output) in inputs.iter().zip(look_up(textures, images, &inputs)) {
+        let texture = &textures[input.index as usize];
+        let uv = Vec2::from(input.uv) + Vec2::new(tamper, 0.0);
+        let color = DVec4::from_array(output.color.map(f64::from));
+        if !agrees(texture, images, uv, color, CURVE_TOLERANCE + 2.0e-5) {
+            let expected = reference::sample(texture, images, uv.as_dvec2());
+            return Err(format!("{:?} at {uv} is {color}, not {expected}", texture.pattern));
+        }
+    }
+    Ok(())
+}
+
+fn all_modes(image: u32, to_uv: Mat3) -> Vec<Texture> {
+    modes().into_iter().map(|(filter, wrap)| bitmap(image, filter, wrap, to_uv)).collect()
+}
+
+fn mapping() -> Mat3 {
+    Mat3::from_cols(Vec3::new(1.3, 0.4, 0.0), Vec3::new(-0.7, 2.1, 0.0), Vec3::new(0.3, -0.2, 1.0))
+}
+
+#[test]
+fn every_kind_of_texel_in_every_mode() {
+    let images = [bytes(7, 5, true, 1), bytes(4, 9, false, 2), floats(6, 3, 1.0, 3), floats(5, 5, 262_144.0, 4)];
+    let all: Vec<_> = (0..4).flat_map(|image| all_modes(image, Mat3::IDENTITY)).collect();
+    compare(&all, &images, &points(5, 300), 0.0).unwrap();
+    compare(&all, &images, &points(5, 300), 1.0e-3).expect_err("texels half a percent off must be seen");
+}
+
+#[test]
+fn kinds_by_themselves() {
+    let points = points(6, 200);
+    for image in [bytes(7, 5, true, 1), bytes(3, 8, false, 2), floats(6, 3, 8.0, 3)] {
+        for (filter, wrap) in modes() {
+            for to_uv in [Mat3::IDENTITY, mapping()] {
+                compare(&[bitmap(0, filter, wrap, to_uv)], std::slice::from_ref(&image), &points, 0.0).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn small_images() {
+    for (width, height) in [(1, 1), (2, 1), (1, 3)] {
+        compare(&all_modes(0, Mat3::IDENTITY), &[bytes(width, height, true, 7)], &points(8, 300), 0.0).unwrap();
+    }
+}
+
+#[test]
+fn checkerboards() {
+    let board = |to_uv| Texture {
+        name: "board".into(),
+        pattern: Pattern::Checkerboard { color0: Vec3::new(0.1, 0.2, 0.3), color1: Vec3::new(0.9, 0.5, 0.7) },
+        to_uv,
+    };
+    let image = [bytes(7, 5, true, 1)];
+    let textures = [board(Mat3::IDENTITY), board(mapping()), all_modes(0, Mat3::IDENTITY)[0].clone()];
+    compare(&textures, &image, &points(9, 500), 0.0).unwrap();
+    compare(&textures[..2], &[], &points(9, 500), 0.0).unwrap();
+    compare(&textures, &image, &points(9, 500), 0.01).expect_err("another square must be seen");
+}
+
+/// Far from the origin a coordinate has few digits left, but the texel is one of the image.
+#[test]
+fn any_coordinate_gives_a_texel() {
+    let images = [bytes(7, 5, true, 1)];
+    let far = [1.0e6, -1.0e6, 3.0e38, -3.0e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1.0e-40, -1.0e-40, 0.1];
+    let textures = all_modes(0, Mat3::IDENTITY);
+    let points: Vec<_> = far.iter().flat_map(|&u| far.map(|v| [u, v])).collect();
+    let inputs: Vec<_> =
+        (0..textures.len() as u32).flat_map(|index| points.iter().map(move |&uv| TextureInput { index, uv })).collect();
+    for (input, output) in inputs.iter().zip(look_up(&textures, &images, &inputs)) {
+        let finite = input.uv.iter().all(|coordinate| coordinate.is_finite());
+        let inside = output.color.iter().all(|channel| (-1.0e-5..=1.0 + 1.0e-5).contains(channel));
+        assert!(inside || !finite, "{input:?}: {output:?}");
+    }
+}
+
+#[test]
+fn the_curve_at_every_byte() {
+    let data = (0..=255u8).map(|byte| [byte, 255 - byte, byte, byte]).collect();
+    let ramp = Image { name: "ramp".into(), width: 256, height: 1, texels: Texels::Bytes { srgb: true, data } };
+    let texture = bitmap(0, TexelFilter::Nearest, WrapMode::Clamp, Mat3::IDENTITY);
+    let inputs: Vec<_> = (0..256).map(|i| TextureInput { index: 0, uv: [(i as f32 + 0.5) / 256.0, 0.5] }).collect();
+    for (byte, output) in look_up(&[texture], &[ramp], &inputs).into_iter().enumerate() {
+        let expected = reference::decode_srgb(byte as f64 / 255.0);
+        assert!((f64::from(output.color[0]) - expected).abs() < CURVE_TOLERANCE, "{byte}: {}", output.color[0]);
+        let reversed = reference::decode_srgb((255 - byte) as f64 / 255.0);
+        assert!((f64::from(output.color[1]) - reversed).abs() < CURVE_TOLERANCE, "{byte}: {}", output.color[1]);
+        assert!((f64::from(output.color[3]) - byte as f64 / 255.0).abs() < 1.0e-6);
+    }
+}
+
+fn gradients_agree(tamper: f64) -> bool {
+    let images = [bytes(7, 5, true, 1), floats(6, 9, 4.0, 3)];
+    let mut textures: Vec<_> = (0..2).flat_map(|image| all_modes(image, Mat3::IDENTITY)).collect();
+    textures.extend((0..2).flat_map(|image| all_modes(image, mapping())));
+    // Off the lines between texels, where slopes jump.
+    let mut numbers = Numbers::new(10);
+    let points: Vec<_> = (0..300).map(|_| [(), ()].map(|()| (6.0 * numbers.unit() - 2.5) as f32)).collect();
+    let inputs: Vec<_> =
+        (0..textures.len() as u32).flat_map(|index| points.iter().map(move |&uv| TextureInput { index, uv })).collect();
+    let outputs = look_up(&textures, &images, &inputs);
+    let wrong = inputs.iter().zip(&outputs).filter(|(input, output)| {
+        let texture = &textures[input.index as usize];
+        let uv = DVec2::from_array(input.uv.map(f64::from));
+        let gradient = DVec2::from_array(output.gradient.map(f64::from));
+        let near = |shift: DVec2| {
+            let expected = (1.0 + tamper) * reference::gradient(texture, &images, uv + 1.0e-6 * shift);
+            (expected - gradient).length() < 1.0e-3 * expected.length().max(1.0)
+        };
+        ![DVec2::ZERO, DVec2::ONE, DVec2::NEG_ONE, DVec2::X, DVec2::Y].into_iter().any(near)
+    });
+    wrong.count() == 0
+}
+
+#[test]
+fn gradients() {
+    assert!(gradients_agree(0.0));
+    assert!(!gradients_agree(0.01), "a percent must be seen");
+}
+
+/// An image that fills a page leaves the others to further ones.
+#[test]
+fn pages() {
+    let side = 4096;
+    let images = [bytes(side, 2 * side - 1, true, 11), bytes(7, 5, true, 1), bytes(side, 2 * side - 1, true, 12)];
+    let textures: Vec<_> =
+        (0..3).map(|image| bitmap(image, TexelFilter::Bilinear, WrapMode::Repeat, Mat3::IDENTITY)).collect();
+    let packed = PackedTextures::new(&textures, &images, vec![0; 100]);
+    assert_eq!(packed.words.pages().len(), 3, "{:?}", packed.records);
+    compare(&textures, &images, &points(13, 2000), 0.0).unwrap();
+}
+
+/// Tables lie in front of the images.
+#[test]
+fn tables_move_images() {
+    let images = [bytes(7, 5, true, 1)];
+    let textures = all_modes(0, Mat3::IDENTITY);
+    let inputs: Vec<_> = points(14, 100).into_iter().map(|uv| TextureInput { index: 0, uv: uv.into() }).collect();
+    let plain = look_up(&textures, &images, &inputs);
+    let moved = look_up_after(&textures, &images, &inputs, (0..77).collect());
+    assert!(plain.iter().zip(&moved).all(|(a, b)| a.color == b.color));
+}
