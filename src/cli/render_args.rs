@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use lodestar::Result;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter, Scene};
-use lodestar::settings::{Learner, Sampler, Settings};
+use lodestar::settings::{GuideSet, Learner, Sampler, Settings};
 
 /// Renders a Mitsuba scene.
 ///
@@ -84,6 +84,9 @@ pub struct RenderArgs {
     /// How directions are sampled.
     #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
     pub sampler: Sampler,
+    /// Which surfaces are guided: diffuse lobes, or also rough conductors and dielectrics as in the authors' code.
+    #[arg(long, value_enum, default_value_t = GuideSet::Diffuse, help_heading = "Guiding")]
+    pub guide_set: GuideSet,
     /// How the guide learns.
     #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
     pub learner: Learner,
@@ -182,6 +185,7 @@ impl RenderArgs {
         settings.nee = self.nee == Switch::On;
         settings.seed = self.seed;
         settings.sampler = self.sampler;
+        settings.guide_set = self.guide_set;
         settings.learner = self.learner;
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.directions = self.directions.unwrap_or(settings.directions);
@@ -277,7 +281,7 @@ mod tests {
             "-o a.exr -o a.png --spp 32 --time 1.5 --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
              --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --grid 8 --directions 16 \
              --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
-             --nee on --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
+             --nee on --guide-set authors --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
         )
         .unwrap();
         assert_eq!(args.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);

@@ -249,6 +249,7 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
     Variant {
         sampler: settings.sampler as u32,
         learner: settings.learner as u32,
+        guide_set: settings.guide_set as u32,
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,
