@@ -1,15 +1,17 @@
 //! `lodestar render`: loads, renders step by step, shows progress, and writes what was asked for.
 
 use std::collections::HashSet;
+use std::panic::resume_unwind;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use lodestar::bvh::Bvh;
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{Image, metrics};
-use lodestar::renderer::{Counts, Renderer, StepReport};
+use lodestar::renderer::{Counts, Renderer, StepReport, Surfaces};
 use lodestar::scene::{self, LoadOptions, LoadProgress, Scene};
 use lodestar::settings::{Settings, depth_warning};
 use lodestar::{Error, Result, files};
@@ -26,11 +28,19 @@ const DEFAULT_SPP: u32 = 64;
 
 /// Renders as `args` say. Bad input and unwritable outputs are found before any time is spent.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
+    let begin = Instant::now();
     let interrupt = Interrupt::catch()?;
     let loading = Loading::new(args.quiet);
     let options = LoadOptions { defines: args.define.clone() };
     let show = |progress: LoadProgress| loading.show(&progress.to_string());
-    let (mut scene, load_seconds) = timed(|| scene::load_with_progress(&args.scene, &options, &show))?;
+    let context_options = ContextOptions { device: args.device(), validate: args.validate };
+    // Drivers take a while to start.
+    let (context, loaded) = thread::scope(|scope| {
+        let context = scope.spawn(|| Context::new(&context_options));
+        let loaded = timed(|| scene::load_with_progress(&args.scene, &options, &show));
+        (context.join(), loaded)
+    });
+    let (mut scene, load_seconds) = loaded?;
     loading.interleave(|| warn(&scene.warnings));
     let settings = args.settings(&scene)?;
     if args.max_depth.is_none() && args.rr_depth.is_none() {
@@ -38,18 +48,20 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     let outputs = Outputs::new(args, &scene)?;
     let reference = args.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
-    let context = Context::new(&ContextOptions { device: args.device(), validate: args.validate })?;
+    let context = context.unwrap_or_else(|panic| resume_unwind(panic))?;
     loading.show(&format!("building the BVH of {} primitives", scene.primitives.len()));
-    let (bvh, bvh_seconds) = timed(|| Ok(Bvh::build(&scene.primitives)))?;
+    let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
+    let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
     // From here on the device's copy is the one that is used.
     scene.primitives = Vec::new();
     loading.show("building the kernels");
-    let (renderer, pipeline_seconds) = timed(|| Renderer::new(&context, &scene, &bvh, &settings))?;
+    let (renderer, pipeline_seconds) = timed(|| Renderer::with_surfaces(&context, &scene, surfaces, &bvh, &settings))?;
     let primitive_count = bvh.primitives.len();
     drop(bvh);
     drop(loading);
 
-    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, primitive_count };
+    let setup_seconds = begin.elapsed().as_secs_f64();
+    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
     let film = Film { renderer, reference, outputs };
     let mut job = Job::new(args, &scene, &context, settings, film, &interrupt);
     let rendered = job.render();
