@@ -101,6 +101,7 @@ mod tests {
             seed: _,
             sample_offset: _,
             sampler: _,
+            guide_set: _,
             learner: _,
             grid: _,
             directions: _,
@@ -117,7 +118,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 21);
+        assert_eq!(settings().named().len(), 22);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         assert!(serde_json::from_str::<Settings>(&text.replacen('{', "{\"new\":1,", 1)).is_err());

@@ -22,6 +22,17 @@ pub enum Sampler {
     RejectionMix = kernels::SAMPLER_REJECTION_MIX,
 }
 
+/// Which scattering functions a guide is used on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum GuideSet {
+    /// `diffuse`, `roughdiffuse` and the diffuse lobe of `plastic` and `roughplastic`.
+    Diffuse = kernels::GUIDE_SET_DIFFUSE,
+    /// These, and as in the code of the paper's authors `roughconductor` and `roughdielectric`.
+    Authors = kernels::GUIDE_SET_AUTHORS,
+}
+
 /// How the radiance grid learns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -59,6 +70,8 @@ pub struct Settings {
     pub sample_offset: Option<u32>,
     /// Where scattered directions come from.
     pub sampler: Sampler,
+    /// Which scattering functions a guide is used on.
+    pub guide_set: GuideSet,
     /// How the radiance grid learns.
     pub learner: Learner,
     /// Cells along each axis of the grids, in [1, 32].
@@ -118,6 +131,7 @@ impl Settings {
             seed: 0,
             sample_offset: None,
             sampler: Sampler::RejectionMix,
+            guide_set: GuideSet::Diffuse,
             learner: Learner::Sarsa,
             grid: 8,
             directions: 16,

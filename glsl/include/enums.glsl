@@ -4,6 +4,10 @@
 const uint SAMPLER_BSDF = 0u;
 const uint SAMPLER_REJECTION_MIX = 1u;
 
+// Which scattering functions a guide is used on.
+const uint GUIDE_SET_DIFFUSE = 0u;
+const uint GUIDE_SET_AUTHORS = 1u;
+
 // Learner of the radiance grid.
 const uint LEARNER_SARSA = 0u;
 

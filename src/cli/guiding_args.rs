@@ -1,7 +1,7 @@
 //! The options that choose and tune a guide.
 
 use clap::ValueEnum;
-use lodestar::settings::{Learner, Sampler, Settings};
+use lodestar::settings::{GuideSet, Learner, Sampler, Settings};
 
 /// How directions are sampled and learned.
 #[derive(Debug, clap::Args)]
@@ -9,6 +9,9 @@ pub struct GuidingArgs {
     /// How directions are sampled.
     #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
     pub sampler: Sampler,
+    /// Which surfaces are guided: diffuse lobes, or also rough conductors and dielectrics as in the authors' code.
+    #[arg(long, value_enum, default_value_t = GuideSet::Diffuse, help_heading = "Guiding")]
+    pub guide_set: GuideSet,
     /// How the guide learns.
     #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
     pub learner: Learner,
@@ -49,6 +52,7 @@ impl GuidingArgs {
     /// Changes what the options say.
     pub fn apply(&self, settings: &mut Settings) {
         settings.sampler = self.sampler;
+        settings.guide_set = self.guide_set;
         settings.learner = self.learner;
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.directions = self.directions.unwrap_or(settings.directions);

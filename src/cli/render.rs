@@ -1,8 +1,10 @@
 //! `lodestar render`: loads, renders step by step, shows progress, and writes what was asked for.
 
 use std::collections::HashSet;
+use std::panic::resume_unwind;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use lodestar::bvh::Bvh;
@@ -11,7 +13,7 @@ use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::identity::{self, Identity};
 use lodestar::image::{Image, metrics};
-use lodestar::renderer::{RenderState, Renderer, StepReport};
+use lodestar::renderer::{RenderState, Renderer, StepReport, Surfaces};
 use lodestar::sample_ranges::SampleRanges;
 use lodestar::scene::{self, LoadOptions, LoadProgress};
 use lodestar::settings::Settings;
@@ -43,11 +45,19 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
 
 /// Renders, from the start or from a checkpoint. Bad input and unwritable outputs are found before any time is spent.
 pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
+    let begin = Instant::now();
     let interrupt = Interrupt::catch()?;
     let loading = Loading::new(task.files.quiet);
     let options = LoadOptions { defines: task.define.clone() };
     let show = |progress: LoadProgress| loading.show(&progress.to_string());
-    let (mut scene, load_seconds) = timed(|| scene::load_with_progress(&task.scene, &options, &show))?;
+    let context_options = ContextOptions { device: task.device.device(), validate: task.device.validate };
+    // Drivers take a while to start.
+    let (context, loaded) = thread::scope(|scope| {
+        let context = scope.spawn(|| Context::new(&context_options));
+        let loaded = timed(|| scene::load_with_progress(&task.scene, &options, &show));
+        (context.join(), loaded)
+    });
+    let (mut scene, load_seconds) = loaded?;
     loading.interleave(|| warn(&scene.warnings));
     let scene_hash = scene::fingerprint(&scene)?;
     let Beginning { settings, length, before, warning } = start.begin(&scene, &scene_hash, &task.device)?;
@@ -58,20 +68,23 @@ pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
     }
     let kernels = loading.interleave(|| KernelDir::load(task.device.kernel_dir.as_deref()))?;
     let reference = task.files.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
-    let context = Context::new(&ContextOptions { device: task.device.device(), validate: task.device.validate })?;
+    let context = context.unwrap_or_else(|panic| resume_unwind(panic))?;
     loading.show(&format!("building the BVH of {} primitives", scene.primitives.len()));
-    let (bvh, bvh_seconds) = timed(|| Ok(Bvh::build(&scene.primitives)))?;
+    let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
+    let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
     // From here on the device's copy is the one that is used.
     scene.primitives = Vec::new();
     loading.show("building the kernels");
     let registry = kernels.registry();
-    let (renderer, pipeline_seconds) = timed(|| Renderer::with_kernels(&context, &scene, &bvh, &settings, registry))?;
+    let build = || Renderer::with_surfaces(&context, &scene, surfaces, &bvh, &settings, registry);
+    let (renderer, pipeline_seconds) = timed(build)?;
     let primitive_count = bvh.primitives.len();
     drop(bvh);
     drop(loading);
     kernels.warn_of_unused(renderer.back_end());
 
-    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, primitive_count };
+    let setup_seconds = begin.elapsed().as_secs_f64();
+    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
     let film = Film { renderer, reference, outputs };
     let subject = Subject { task, scene_name: &scene.name, scene_hash };
     let mut job = Job::new(subject, &context, settings, length, film, &interrupt);

@@ -288,8 +288,8 @@ mod tests {
             "-o a.exr -o a.png --spp 32 --time 1.5 --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
              --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --grid 8 --directions 16 \
              --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
-             --nee on --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1 --sample-offset 64 --checkpoint a.ckpt \
-             --checkpoint-every 5",
+              --nee on --guide-set authors --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1 \
+              --sample-offset 64 --checkpoint a.ckpt --checkpoint-every 5",
         )
         .unwrap();
         assert_eq!(args.files.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);

@@ -25,6 +25,9 @@ pub struct SetupTimes {
     pub load_seconds: f64,
     pub bvh_seconds: f64,
     pub pipeline_seconds: f64,
+    /// From the command's start until the first sample could be taken: less than the sum where things went side by side, more
+    /// by what none of them counts.
+    pub setup_seconds: f64,
     #[serde(skip)]
     pub primitive_count: usize,
 }

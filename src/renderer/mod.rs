@@ -57,25 +57,33 @@ pub struct Renderer {
     stopped: bool,
 }
 
-/// What surfaces are made of and lit by, as it is uploaded.
-struct Shading {
+/// What surfaces are made of, as it is uploaded: all that can be made ready before the hierarchy is.
+pub struct Surfaces {
     materials: Vec<MaterialRecord>,
     textures: PackedTextures,
+}
+
+impl Surfaces {
+    /// Tabulates a scene's materials and packs its textures.
+    pub fn new(scene: &Scene) -> Self {
+        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let tables = plastics::complete(scene, &mut materials);
+        Self { materials, textures: PackedTextures::new(&scene.textures, &scene.images, tables) }
+    }
+}
+
+/// What surfaces are made of and lit by.
+struct Shading {
+    surfaces: Surfaces,
     lights: Lights,
 }
 
 impl Shading {
-    fn new(scene: &Scene, bvh: &Bvh) -> Self {
-        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
-        let tables = plastics::complete(scene, &mut materials);
-        let textures = PackedTextures::new(&scene.textures, &scene.images, tables);
-        Self { materials, textures, lights: Lights::new(scene, bvh) }
-    }
-
     /// Texels of the largest buffer.
     fn texels(&self) -> u64 {
-        let materials = size_of_val(&self.materials[..]) as u64 / 16;
-        materials.max(self.textures.longest()).max(self.lights.texel_count() as u64)
+        let Surfaces { materials, textures } = &self.surfaces;
+        let materials = size_of_val(&materials[..]) as u64 / 16;
+        materials.max(textures.longest()).max(self.lights.texel_count() as u64)
     }
 }
 
@@ -86,35 +94,50 @@ impl Renderer {
     /// # Errors
     /// Where a setting is out of range or the device cannot hold the scene.
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
-        Self::with_kernels(context, scene, bvh, settings, &Registry::built_in())
+        Self::with_surfaces(context, scene, Surfaces::new(scene), bvh, settings, &Registry::built_in())
     }
 
-    /// The same with kernels of the caller's, which have the interface of the built-in ones.
+    /// [`Renderer::new`] where the scene's surfaces are ready already, with kernels of the caller's, which have the interface
+    /// of the built-in ones.
     ///
     /// # Errors
-    /// As [`Self::new`].
-    pub fn with_kernels(
+    /// As there.
+    pub fn with_surfaces(
         context: &Arc<Context>,
         scene: &Scene,
+        surfaces: Surfaces,
         bvh: &Bvh,
         settings: &Settings,
         registry: &Registry,
     ) -> Result<Self> {
         settings.validate()?;
         settings.check_lighting(scene)?;
-        let shading = Shading::new(scene, bvh);
+        let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
         let variant = variant(settings, scene, &shading, bvh);
         let back_end = back_end_for(context, &shading, bvh, settings);
         let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
+        let build = || -> Result<_> {
+            Ok((build(&kernels.path_trace)?, build(&kernels.update_radiance)?, build(&kernels.update_normalization)?))
+        };
+        let upload = || -> Result<_> {
+            let frame = Frame::new(context, kernels, scene, &shading, bvh, settings)?;
+            let geometry = Geometry::new(context, kernels, bvh)?;
+            let radiance_grid = RadianceGrid::new(context, kernels, settings)?;
+            Ok((frame, geometry, radiance_grid, NormalizationGrid::new(context, kernels, settings)?))
+        };
+        // Drivers compile on one core, and the other has time to copy.
+        let (built, uploaded) = rayon::join(build, upload);
+        let (path_trace, update_radiance, update_normalization) = built?;
+        let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
         let mut renderer = Self {
-            path_trace: build(&kernels.path_trace)?,
-            update_radiance: build(&kernels.update_radiance)?,
-            update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, &shading, bvh, settings)?,
-            geometry: Geometry::new(context, kernels, bvh)?,
-            radiance_grid: RadianceGrid::new(context, kernels, settings)?,
-            normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
+            path_trace,
+            update_radiance,
+            update_normalization,
+            frame,
+            geometry,
+            radiance_grid,
+            normalization_grid,
             slicer: Slicer::new(context.device(), settings, variant.workgroup_size),
             back_end,
             context: Arc::clone(context),
@@ -283,7 +306,8 @@ fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Sett
 
 /// The specialization constants of a render.
 pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
-    variant(settings, scene, &Shading::new(scene, bvh), bvh)
+    let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh) };
+    variant(settings, scene, &shading, bvh)
 }
 
 fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> Variant {
@@ -300,10 +324,10 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
         },
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
-        texture_kinds: shading.textures.kinds,
+        texture_kinds: shading.surfaces.textures.kinds,
         textured_parameters,
         max_texture_links,
-        texel_pages: shading.textures.words.pages().len() as u32,
+        texel_pages: shading.surfaces.textures.words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),
@@ -321,6 +345,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
     Variant {
         sampler: settings.sampler as u32,
         learner: settings.learner as u32,
+        guide_set: settings.guide_set as u32,
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,

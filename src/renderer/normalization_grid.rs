@@ -39,8 +39,7 @@ impl NormalizationGrid {
         let table_bytes = entries * size_of::<NormalizationEntry>() as u64;
         let table = buffer("normalizers", table_bytes, table_kind(shape, BufferKind::StorageTexelFloat))?;
         let marks = buffer("marked normalizers", entries.div_ceil(32) * size_of::<u32>() as u64, BufferKind::Storage)?;
-        let integrals = buffer("cosine integrals", size_of_val(&cosines[..]) as u64, BufferKind::Storage)?;
-        integrals.upload(0, &cosines)?;
+        let integrals = Buffer::with_values(context, "cosine integrals", &cosines, BufferKind::Storage)?;
         let set = table_set(context, "normalization grid", shape, &[&table, &marks, &integrals])?;
         Ok(Self { set, table, marks })
     }

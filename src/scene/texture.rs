@@ -40,8 +40,8 @@ impl Texture {
             Pattern::Checkerboard { color0, color1 } => 0.5 * (color0 + color1),
             Pattern::Bitmap { image, .. } => {
                 let texels = &images[image as usize].texels;
-                let colors = || texels.colors(texels.len().div_ceil(MEAN_TEXELS));
-                colors().sum::<Vec3>() / colors().count().max(1) as f32
+                let step = texels.len().div_ceil(MEAN_TEXELS).max(1);
+                texels.colors(step).sum::<Vec3>() / texels.len().div_ceil(step).max(1) as f32
             }
         }
     }

@@ -38,12 +38,12 @@ const CASES: [Case; 12] = [
     Case { name: "cornell-box-hard", spp: [64, 64] },
     Case { name: "kitchen", spp: [16, 16] },
     Case { name: "living-room", spp: [16, 16] },
-    Case { name: "living-room-2", spp: [16, 16] },
+    Case { name: "living-room-2", spp: [16, 32] },
     Case { name: "living-room-3", spp: [16, 16] },
     Case { name: "staircase", spp: [16, 16] },
     Case { name: "staircase2", spp: [16, 16] },
     Case { name: "veach-ajar", spp: [64, 64] },
-    Case { name: "veach-ajar-2", spp: [64, 64] },
+    Case { name: "veach-ajar-2", spp: [64, 256] },
 ];
 
 /// The scene on which faults must be found, and how many samples that takes.

@@ -9,6 +9,7 @@ mod closed;
 mod determinism;
 mod device;
 mod estimate;
+mod guide_set;
 mod learning;
 mod nee;
 mod relief;
