@@ -341,7 +341,7 @@ fn kernel_code(kernel: &Compiled, back_end: BackEnd, sets: &str, out: &Path) -> 
     write_file(&out.join(&file), &kernel.spirv[&back_end])?;
     let vars = reflect(kernel, back_end)?;
     Ok(format!(
-        "KernelSource {{ name: {:?}, spirv: include_bytes!({file:?}), sets: {sets}, push_constant_bytes: {}, specialization_ids: &{:?} }}",
+        "KernelSource {{ name: {:?}, file: {file:?}, spirv: Cow::Borrowed(include_bytes!({file:?})), sets: {sets}, push_constant_bytes: {}, specialization_ids: &{:?} }}",
         kernel.name,
         push_constant_bytes(&vars),
         specialization_ids(&vars),
@@ -350,11 +350,7 @@ fn kernel_code(kernel: &Compiled, back_end: BackEnd, sets: &str, out: &Path) -> 
 
 fn write_registry(code: &mut String, compiled: &[Compiled], out: &Path) -> Result<(), String> {
     let kernels: Vec<&Compiled> = compiled.iter().filter(|k| !k.is_test && k.name != PROBE).collect();
-    code.push_str("\n/// Every kernel of the renderer.\n#[derive(Debug, Clone, Copy)]\npub struct Kernels {\n");
-    for kernel in &kernels {
-        let _ = writeln!(code, "    /// `glsl/{0}.comp`\n    pub {0}: KernelSource,", kernel.name);
-    }
-    code.push_str("}\n");
+    write_kernels_struct(code, &kernels);
     for (back_end, name, doc) in [
         (BackEnd::Texel, "TEXEL_BUFFERS", "The kernels, reading geometry from texel buffers."),
         (BackEnd::Storage, "STORAGE_BUFFERS", "The kernels, reading geometry from storage buffers."),
@@ -379,8 +375,23 @@ fn write_registry(code: &mut String, compiled: &[Compiled], out: &Path) -> Resul
     write_test_kernels(code, compiled, out)
 }
 
+fn write_kernels_struct(code: &mut String, kernels: &[&Compiled]) {
+    code.push_str("\n/// Every kernel of the renderer.\n#[derive(Debug, Clone)]\npub struct Kernels {\n");
+    for kernel in kernels {
+        let _ = writeln!(code, "    /// `glsl/{0}.comp`\n    pub {0}: KernelSource,", kernel.name);
+    }
+    let all = |prefix: &str| kernels.iter().map(|k| format!("{prefix}self.{}, ", k.name)).collect::<String>();
+    let _ = writeln!(
+        code,
+        "}}\n\nimpl Kernels {{\n    /// All of them.\n    pub fn iter(&self) -> impl Iterator<Item = &KernelSource> {{\n        [{}].into_iter()\n    }}\n\n    \
+         /// All of them, to be replaced.\n    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut KernelSource> {{\n        [{}].into_iter()\n    }}\n}}",
+        all("&"),
+        all("&mut ")
+    );
+}
+
 fn write_test_kernels(code: &mut String, compiled: &[Compiled], out: &Path) -> Result<(), String> {
-    code.push_str("\n/// Kernels that run one pure function each, for tests.\npub mod test {\n    use crate::gpu::{BindingKind, BindingShape, KernelSource, SetShape};\n");
+    code.push_str("\n/// Kernels that run one pure function each, for tests.\npub mod test {\n    use std::borrow::Cow;\n\n    use crate::gpu::{BindingKind, BindingShape, KernelSource, SetShape};\n");
     for kernel in compiled.iter().filter(|k| k.is_test) {
         let back_end = if kernel.reads_geometry { BackEnd::Texel } else { BackEnd::Storage };
         let mut bindings = Bindings::new();

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs what the system lacks to build and run Lodestar: the Vulkan loader, Mesa's Vulkan drivers (among them the one
-# that renders on the CPU), the validation layers that the tests turn on, and what shaderc's source build needs.
+# that renders on the CPU), the validation layers that the tests turn on, and what shaderc's source build needs,
+# and SPIRV-Tools for `lodestar inspect`.
 # Safe to run again: what is there is not touched, and the package manager is called only for what is missing.
 #
 # usage: setup.sh            install what is missing
@@ -51,13 +52,14 @@ has_tool() { # TOOL
     driver) has_driver ;;
     layers) has_layers ;;
     compiler) has_compiler ;;
+    spirv-tools) has_command spirv-dis && has_command spirv-opt && has_command spirv-val ;;
     *) has_command "$1" ;;
   esac
 }
 
 # --- What it is called -------------------------------------------------------------------------------------------------
 
-TOOLS="loader driver layers compiler cmake ninja python3 git"
+TOOLS="loader driver layers compiler cmake ninja python3 git spirv-tools"
 
 describe() { # TOOL
   case "$1" in
@@ -65,6 +67,7 @@ describe() { # TOOL
     driver) if [ "$system" = macos ]; then echo "MoltenVK"; else echo "Mesa's Vulkan drivers"; fi ;;
     layers) echo "the Vulkan validation layers" ;;
     compiler) echo "a C++ compiler" ;;
+    spirv-tools) echo "SPIRV-Tools" ;;
     *) echo "$1" ;;
   esac
 }

@@ -10,6 +10,9 @@ use crate::layout::CosineIntegral;
 use crate::reference::direction_map::{bin_point, representative_normal};
 use crate::settings::DirectionMap;
 
+mod symmetry;
+use symmetry::{Symmetry, symmetries};
+
 /// Points along each side of the whole map, for the integrals of directions; those over a hemisphere come out within 1e-5.
 const SAMPLES: u32 = 512;
 /// The same in bins that the horizon cuts, where the integrand has a kink.
@@ -32,13 +35,31 @@ struct Bin {
 /// Entries `[direction bin][normal bin]` for maps of the given resolutions.
 pub fn cosine_integrals(map: DirectionMap, directions: u32, normals: u32) -> Vec<CosineIntegral> {
     let representative: Vec<DVec3> = (0..normals * normals).map(|bin| representative_normal(bin, normals)).collect();
-    (0..directions * directions)
-        .into_par_iter()
-        .flat_map_iter(|index| {
+    let turned: Vec<(u32, Symmetry)> = least_images(map, directions, normals);
+    // A bin's row is that of the least of its mirror images, with the normals mirrored too.
+    let mut least: Vec<u32> = turned.iter().map(|image| image.0).collect();
+    least.sort_unstable();
+    least.dedup();
+    let rows: Vec<Vec<CosineIntegral>> = least
+        .par_iter()
+        .map(|&index| {
             let bin = Bin::new(map, index, directions);
-            representative.iter().map(move |&n| bin.cosine_integral(directions, n)).collect::<Vec<_>>()
+            representative.iter().map(|&n| bin.cosine_integral(directions, n)).collect()
         })
-        .collect()
+        .collect();
+    let row_of = |index: &u32| &rows[least.partition_point(|other| other < index)];
+    let entries = turned.iter().flat_map(|(image, symmetry)| {
+        let row = row_of(image);
+        (0..normals * normals).map(move |normal| row[symmetry.image(DirectionMap::EqualArea, normal, normals) as usize])
+    });
+    entries.collect()
+}
+
+/// For each direction bin the least of its images, and the symmetry of both maps that leads there.
+fn least_images(map: DirectionMap, directions: u32, normals: u32) -> Vec<(u32, Symmetry)> {
+    let symmetries = symmetries(map, directions, normals);
+    let images = |bin: u32| symmetries.iter().map(move |&symmetry| (symmetry.image(map, bin, directions), symmetry));
+    (0..directions * directions).filter_map(|bin| images(bin).min_by_key(|image| image.0)).collect()
 }
 
 impl Bin {
@@ -126,6 +147,8 @@ mod tests {
     use super::*;
 
     const MAPS: [DirectionMap; 2] = [DirectionMap::EqualArea, DirectionMap::Cylindrical];
+    /// Sides of the maps of directions and of normals, even and odd.
+    const SIZES: [(u32, u32); 3] = [(8, 6), (6, 5), (5, 4)];
 
     #[test]
     fn each_normal_sees_pi_in_all() {
@@ -136,6 +159,21 @@ mod tests {
             for normal in 0..count {
                 let sum: f64 = table.iter().skip(normal).step_by(count).map(|c| f64::from(c.integral)).sum();
                 assert!((sum / PI - 1.0).abs() < 1e-5, "{map:?}, normal bin {normal}: {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_mirrored_bins_are_their_own() {
+        for (map, (directions, normals)) in MAPS.into_iter().flat_map(|map| SIZES.map(|size| (map, size))) {
+            let table = cosine_integrals(map, directions, normals);
+            for (bin, row) in (0..).zip(table.chunks((normals * normals) as usize)) {
+                let own = Bin::new(map, bin, directions);
+                for (normal, entry) in (0..).zip(row) {
+                    let expected = own.cosine_integral(directions, representative_normal(normal, normals));
+                    let error = (entry.integral - expected.integral).abs() + (entry.maximum - expected.maximum).abs();
+                    assert!(error < 1.0e-5, "{map:?}, bin {bin}, normal {normal}: {entry:?} instead of {expected:?}");
+                }
             }
         }
     }

@@ -39,6 +39,22 @@ pub enum Error {
         /// What is wrong and what to do.
         message: String,
     },
+    /// A checkpoint is damaged, or another version's.
+    #[error("{}: {message}", path.display())]
+    Checkpoint {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// A kernel's SPIR-V cannot be read, or cannot stand in for the built-in one.
+    #[error("{}: {message}", path.display())]
+    Kernel {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what to do.
+        message: String,
+    },
     /// A setting is out of its range, or two settings contradict each other.
     #[error("{0}")]
     Settings(String),
@@ -77,9 +93,19 @@ impl Error {
         move |source| Self::Write { path: path.as_ref().to_path_buf(), source }
     }
 
+    /// An [`Error::Kernel`].
+    pub fn kernel(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self::Kernel { path: path.as_ref().to_path_buf(), message: message.into() }
+    }
+
     /// An [`Error::Image`].
     pub fn image(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self::Image { path: path.as_ref().to_path_buf(), message: message.into() }
+    }
+
+    /// An [`Error::Checkpoint`].
+    pub fn checkpoint(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self::Checkpoint { path: path.as_ref().to_path_buf(), message: message.into() }
     }
 }
 

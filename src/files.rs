@@ -4,8 +4,12 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
 use crate::{Error, Result};
+
+/// A file that was not written to for so long is not being written any more.
+const ABANDONED_AFTER: Duration = Duration::from_secs(10);
 
 /// Keeps the temporary names of one process apart.
 static TEMPORARY_COUNT: AtomicU32 = AtomicU32::new(0);
@@ -34,9 +38,35 @@ pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<()> {
     })
 }
 
-/// Fails as [`write_whole`] would, so that a long render is refused before it starts and not after it ends.
+/// Fails as [`write_whole`] would, so that a long render is refused before it starts and not after it ends. Clears away what
+/// processes that were killed while they wrote `path` have left behind.
 pub fn check_writable(path: &Path) -> Result<()> {
-    Temporary::create(path).map(drop).map_err(Error::write(path))
+    let (temporary, _) = Temporary::create(path).map_err(Error::write(path))?;
+    remove_abandoned(&temporary.target);
+    Ok(())
+}
+
+/// Removes the temporary files of `target` whose processes are gone, where the system tells. They are no use to anybody, so
+/// one that cannot be removed is left alone.
+fn remove_abandoned(target: &Path) {
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let (Some(name), Ok(entries)) = (target.file_name(), fs::read_dir(folder)) else { return };
+    let prefix = format!(".{}.", name.to_string_lossy());
+    for entry in entries.filter_map(io::Result::ok) {
+        let name = entry.file_name();
+        let owner = name.to_str().and_then(|name| name.strip_prefix(&prefix)?.strip_suffix(".part")?.split_once('-'));
+        let is_gone = owner.is_some_and(|(id, _)| id.parse().is_ok_and(is_gone));
+        // Elsewhere on a shared disk a process may be alive that is not listed here.
+        let age = entry.metadata().and_then(|metadata| metadata.modified()).ok().and_then(|time| time.elapsed().ok());
+        if is_gone && age.is_some_and(|age| age >= ABANDONED_AFTER) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether the process of that number is known to have ended.
+fn is_gone(process: u32) -> bool {
+    Path::new("/proc/self").exists() && !Path::new(&format!("/proc/{process}")).exists()
 }
 
 /// A file under a temporary name; removed when dropped unless it was renamed.
@@ -136,6 +166,30 @@ mod tests {
         }
         assert!(check_writable(&folder.path().join("a.txt")).is_ok());
         assert!(names(folder.path()).is_empty());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_killed_processes_left_is_cleared_away() {
+        let folder = tempfile::tempdir().unwrap();
+        let own = std::process::id();
+        // Above any that Linux gives.
+        let gone = (1 << 22) + 1;
+        let old = std::time::SystemTime::now() - Duration::from_secs(3600);
+        for (name, modified) in [
+            (format!(".a.txt.{gone}-0.part"), old),
+            (format!(".a.txt.{gone}-1.part"), std::time::SystemTime::now()),
+            (format!(".a.txt.{own}-7.part"), old),
+            (format!(".b.txt.{gone}-0.part"), old),
+            (".a.txt.notes.part".into(), old),
+        ] {
+            File::create(folder.path().join(name)).unwrap().set_modified(modified).unwrap();
+        }
+        check_writable(&folder.path().join("a.txt")).unwrap();
+        let left = [format!(".a.txt.{gone}-1.part"), format!(".a.txt.{own}-7.part"), ".a.txt.notes.part".into()];
+        let mut left: Vec<_> = left.into_iter().chain([format!(".b.txt.{gone}-0.part")]).collect();
+        left.sort();
+        assert_eq!(names(folder.path()), left);
     }
 
     #[cfg(unix)]

@@ -1,9 +1,10 @@
 //! A finished picture with everything measured per pixel. CPU only.
 
+use crate::film_sums::PixelSums;
 use crate::image::Image;
 
 /// What a render leaves for every pixel of its window, row by row from the top left.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width of the rendered window in pixels.
     pub width: u32,
@@ -19,15 +20,38 @@ pub struct Picture {
     pub variance: Vec<[f32; 3]>,
     /// Samples taken.
     pub sample_count: Vec<u32>,
+    /// Those of them whose camera ray hit something.
+    pub hit_count: Vec<u32>,
     /// Mean albedo of the first hit (0 where it misses).
     pub albedo: Vec<[f32; 3]>,
     /// Mean shading normal of the first hit, world space, not normalised.
     pub normal: Vec<[f32; 3]>,
     /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none does.
     pub depth: Vec<f32>,
+    /// What all of these were computed from, where the picture is one part of several; empty elsewhere.
+    pub sums: Vec<PixelSums>,
 }
 
 impl Picture {
+    /// A picture of nothing, of the window of that size at that offset within the film.
+    pub fn empty(width: u32, height: u32, offset: [u32; 2], full_size: [u32; 2]) -> Self {
+        let pixels = width as usize * height as usize;
+        Self {
+            width,
+            height,
+            offset,
+            full_size,
+            radiance: vec![[0.0; 3]; pixels],
+            variance: vec![[0.0; 3]; pixels],
+            sample_count: vec![0; pixels],
+            hit_count: vec![0; pixels],
+            albedo: vec![[0.0; 3]; pixels],
+            normal: vec![[0.0; 3]; pixels],
+            depth: vec![f32::INFINITY; pixels],
+            sums: Vec::new(),
+        }
+    }
+
     /// The mean radiance alone.
     pub fn image(&self) -> Image {
         self.with_pixels(&self.radiance)

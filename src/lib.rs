@@ -29,7 +29,10 @@
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
+//! | [`checkpoint`], [`identity`] | renders on disk, to be gone on with; what tells one render from another |
+//! | [`merge`], [`film_sums`], [`sample_ranges`] | pictures put together from parts, to the same bits however they are parted |
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
+//! | [`mod@inspect`], [`profile`] | SPIR-V as an engineer reads it, and kernels put in place of the built-in ones; where the time goes |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`] | the table that normalizers are computed from |
@@ -72,18 +75,25 @@
 #![deny(missing_docs)]
 
 pub mod bvh;
+pub mod checkpoint;
 pub mod cosine_integrals;
 pub mod error;
 pub mod files;
 pub mod film;
+pub mod film_sums;
 pub mod gpu;
+pub mod identity;
 pub mod image;
+pub mod inspect;
 pub mod kernels;
 pub mod layout;
 pub mod lights;
+pub mod merge;
 pub mod plastic_layer;
+pub mod profile;
 pub mod reference;
 pub mod renderer;
+pub mod sample_ranges;
 pub mod scene;
 pub mod settings;
 pub mod textures;

@@ -1,9 +1,9 @@
 //! Everything a user may choose about a render, validated in one place.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::kernels;
-use crate::scene::{Crop, ReconstructionFilter, Scene};
+use crate::scene::{Crop, FilmDescription, IntegratorDescription, ReconstructionFilter, Scene};
 use crate::{Error, Result};
 
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
@@ -14,7 +14,7 @@ const MAX_KEPT_VERTICES: u32 = 128;
 pub const MAX_FILM_SIDE: u32 = 65_536;
 
 /// Where scattered directions come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Sampler {
@@ -31,7 +31,7 @@ pub enum Sampler {
 }
 
 /// What `rejection-mix` mixes with the uniform share.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Mix {
@@ -42,7 +42,7 @@ pub enum Mix {
 }
 
 /// Map between directions and the squares of their bins; each keeps areas.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum DirectionMap {
@@ -52,8 +52,19 @@ pub enum DirectionMap {
     Cylindrical = kernels::MAP_CYLINDRICAL,
 }
 
+/// Which scattering functions a guide is used on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum GuideSet {
+    /// `diffuse`, `roughdiffuse` and the diffuse lobe of `plastic` and `roughplastic`.
+    Diffuse = kernels::GUIDE_SET_DIFFUSE,
+    /// These, and as in the code of the paper's authors `roughconductor` and `roughdielectric`.
+    Authors = kernels::GUIDE_SET_AUTHORS,
+}
+
 /// How the radiance grid learns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Learner {
@@ -66,7 +77,8 @@ pub enum Learner {
 }
 
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Whole film's width in pixels, in [1, 65536].
     pub width: u32,
@@ -83,12 +95,17 @@ pub struct Settings {
     /// Whether directly seen emitters are black.
     pub hide_emitters: bool,
     /// Whether emitters are sampled at every vertex.
-    #[serde(serialize_with = "on_or_off")]
+    #[serde(serialize_with = "on_or_off", deserialize_with = "from_on_or_off")]
     pub nee: bool,
     /// Seed of every random number.
     pub seed: u32,
+    /// Index of every pixel's first sample, where the render is one part of several: such renders of the same seed are
+    /// independent if their samples do not overlap, and keep sums whose order changes no bit ([`crate::film_sums`]).
+    pub sample_offset: Option<u32>,
     /// Where scattered directions come from.
     pub sampler: Sampler,
+    /// Which scattering functions a guide is used on.
+    pub guide_set: GuideSet,
     /// How the radiance grid learns.
     pub learner: Learner,
     /// Map between directions and their bins.
@@ -127,15 +144,15 @@ pub struct Settings {
     #[doc(hidden)]
     pub storage_reads: bool,
     /// Factor on what learning takes a surface to reflect: a fault that the tests must detect. 1 is right.
-    #[serde(skip)]
+    #[serde(skip, default = "exact_attenuation")]
     #[doc(hidden)]
     pub attenuation_tamper: f32,
     /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
-    #[serde(skip)]
+    #[serde(skip, default = "exact_pdf")]
     #[doc(hidden)]
     pub pdf_tamper: f32,
     /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
-    #[serde(skip)]
+    #[serde(skip, default = "exact_mis")]
     #[doc(hidden)]
     pub mis_fault: u32,
 }
@@ -143,18 +160,24 @@ pub struct Settings {
 impl Settings {
     /// The scene's own choices where it makes any; else max depth 16, roulette after depth 8, and the paper's grids.
     pub fn for_scene(scene: &Scene) -> Self {
-        let integrator = scene.integrator;
+        Self::for_film(&scene.film, &scene.integrator)
+    }
+
+    /// The same from those two parts of a scene that settings depend on.
+    pub fn for_film(film: &FilmDescription, integrator: &IntegratorDescription) -> Self {
         Self {
-            width: scene.film.width,
-            height: scene.film.height,
-            crop: scene.film.crop,
-            filter: scene.film.filter,
+            width: film.width,
+            height: film.height,
+            crop: film.crop,
+            filter: film.filter,
             max_depth: integrator.max_depth.map_or(16, depth_from_scene),
             rr_depth: integrator.rr_depth.map_or(8, depth_from_scene),
             hide_emitters: integrator.hide_emitters,
             nee: false,
             seed: 0,
+            sample_offset: None,
             sampler: Sampler::RejectionMix,
+            guide_set: GuideSet::Diffuse,
             learner: Learner::Sarsa,
             map: DirectionMap::EqualArea,
             mix: Mix::Density,
@@ -171,10 +194,18 @@ impl Settings {
             slice_milliseconds: None,
             film_page_pixels: None,
             storage_reads: false,
-            attenuation_tamper: 1.0,
-            pdf_tamper: 1.0,
-            mis_fault: kernels::MIS_EXACT,
+            attenuation_tamper: exact_attenuation(),
+            pdf_tamper: exact_pdf(),
+            mis_fault: exact_mis(),
         }
+    }
+
+    /// Every setting that a user may choose, by name, as text: `0.95` where a number is meant, not its nearest `f32`.
+    pub fn named(&self) -> Vec<(String, String)> {
+        let value = serde_json::to_string(self).and_then(|text| serde_json::from_str(&text));
+        let value: serde_json::Value = value.unwrap_or_default();
+        let plain = |value: &serde_json::Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        value.as_object().into_iter().flatten().map(|(name, value)| (name.clone(), plain(value))).collect()
     }
 
     /// The rendered window.
@@ -280,8 +311,28 @@ pub fn depth_warning(scene: &Scene) -> Option<String> {
 }
 
 /// As the option is spelled.
-fn on_or_off<S: serde::Serializer>(value: &bool, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+fn on_or_off<S: Serializer>(value: &bool, serializer: S) -> std::result::Result<S::Ok, S::Error> {
     serializer.serialize_str(if *value { "on" } else { "off" })
+}
+
+fn from_on_or_off<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<bool, D::Error> {
+    match String::deserialize(deserializer)?.as_str() {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        other => Err(serde::de::Error::custom(format!("`{other}` is neither on nor off"))),
+    }
+}
+
+fn exact_attenuation() -> f32 {
+    1.0
+}
+
+fn exact_pdf() -> f32 {
+    1.0
+}
+
+fn exact_mis() -> u32 {
+    kernels::MIS_EXACT
 }
 
 fn depth_from_scene(depth: i32) -> u32 {

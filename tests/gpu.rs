@@ -1,12 +1,13 @@
 //! The `gpu` module on whatever device there is, always under the validation layer.
 
+use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::process::Command;
 use std::sync::Arc;
 use std::{env, thread};
 
 use lodestar::gpu::{
-    BindingKind, BindingShape, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource,
+    BindingKind, BindingShape, Buffer, BufferKind, Clock, Context, ContextOptions, DescriptorSet, Kernel, KernelSource,
     SetShape, list_devices,
 };
 
@@ -194,7 +195,8 @@ const SUMS: SetShape =
 fn fill_source() -> KernelSource {
     KernelSource {
         name: "fill",
-        spirv: bytemuck::cast_slice(&FILL_SPIRV),
+        file: "fill.spv",
+        spirv: Cow::Borrowed(bytemuck::cast_slice(&FILL_SPIRV)),
         sets: &[VALUES],
         push_constant_bytes: 8,
         specialization_ids: &[3],
@@ -204,11 +206,46 @@ fn fill_source() -> KernelSource {
 fn texel_source() -> KernelSource {
     KernelSource {
         name: "texel",
-        spirv: bytemuck::cast_slice(&TEXEL_SPIRV),
+        file: "texel.spv",
+        spirv: Cow::Borrowed(bytemuck::cast_slice(&TEXEL_SPIRV)),
         sets: &[NO_BINDINGS, TEXELS, SUMS],
         push_constant_bytes: 0,
         specialization_ids: &[],
     }
+}
+
+#[test]
+fn dispatches_are_timed_where_asked() {
+    validated(|context| {
+        let values = storage(context, "values", &[1000; 200]);
+        let set = DescriptorSet::new(context, "values", &VALUES, &[&values]).expect("a set");
+        let kernel = Kernel::new(context, &fill_source(), &[]).expect("a kernel");
+        let dispatch = || {
+            let done = context.submit("many kernels", |recorder| {
+                for _ in 0..40 {
+                    recorder.dispatch(&kernel, &[&set], bytemuck::bytes_of(&[150_u32, 7]), [3, 1, 1]);
+                    recorder.barrier();
+                }
+            });
+            done.expect("a submission");
+        };
+        dispatch();
+        assert!(context.take_timings().is_empty(), "nobody has asked yet");
+        let clock = context.record_timings();
+        dispatch();
+        let timings = context.take_timings();
+        assert_eq!((timings.len(), timings[0].dispatches.len()), (1, 40));
+        let spans: Vec<_> = timings[0].dispatches.iter().filter_map(|dispatch| dispatch.span).collect();
+        assert_eq!(spans.len(), if clock == Clock::Device { 31 } else { 0 }, "the first dispatches have queries");
+        assert!(spans.iter().all(|(from, to)| from <= to) && spans.windows(2).all(|pair| pair[0].1 <= pair[1].0));
+        assert_eq!(context.record_timings_by(Clock::Host), Clock::Host);
+        dispatch();
+        let timings = context.take_timings();
+        assert!(
+            timings[0].dispatches.iter().all(|d| d.kernel == "fill" && d.workgroups == [3, 1, 1] && d.span.is_none())
+        );
+        assert!(context.take_timings().is_empty());
+    });
 }
 
 #[test]
@@ -365,7 +402,7 @@ fn two_contexts_do_not_mix() {
 #[test]
 fn what_is_not_spirv_is_an_error() {
     let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a device");
-    let source = KernelSource { spirv: &[1, 2, 3, 4, 5, 6, 7, 8], ..fill_source() };
+    let source = KernelSource { spirv: Cow::Borrowed(&[1, 2, 3, 4, 5, 6, 7, 8]), ..fill_source() };
     let sentence = Kernel::new(&context, &source, &[]).map(|_| ()).expect_err("a refusal").to_string();
     assert!(sentence.starts_with("loading the kernel `fill` failed: "), "{sentence}");
 }

@@ -8,11 +8,11 @@
 const uint TRANSMITTANCE_ENTRIES = 64u;
 
 // Share of the light from above that the layer lets through to the base, between neighbors in a table over the cosine. A
-// word holds an entry and the next.
+// word holds an entry and the next; tables lie in the first page.
 float rough_plastic_transmittance(uint address, float cos_theta) {
     float position = clamp(cos_theta, 0.0, 1.0) * float(TRANSMITTANCE_ENTRIES - 1u);
     uint entry = min(uint(position), TRANSMITTANCE_ENTRIES - 2u);
-    vec2 values = unpackUnorm2x16(texel_word(address + entry));
+    vec2 values = unpackUnorm2x16(paged_texel_word(0u, address + entry));
     return mix(values.x, values.y, position - float(entry));
 }
 

@@ -15,6 +15,10 @@ const uint MIX_ACCEPTANCE = 1u;
 const uint MAP_EQUAL_AREA = 0u;
 const uint MAP_CYLINDRICAL = 1u;
 
+// Which scattering functions a guide is used on.
+const uint GUIDE_SET_DIFFUSE = 0u;
+const uint GUIDE_SET_AUTHORS = 1u;
+
 // Learner of the radiance grid.
 const uint LEARNER_SARSA = 0u;
 const uint LEARNER_EXPECTED_SARSA = 1u;

@@ -61,15 +61,33 @@ float pdf_diffuse_lobe(Scatterer x, Guide guide, vec3 wi) {
     return pdf_guide(guide, x.frame * wi);
 }
 
-// Density with which sample_direction draws the local direction `wi`, other than by a lobe of single directions.
-float pdf_direction(Scatterer x, Guide guide, vec3 wi) {
-    return pdf_bsdf(x.bsdf, x.wo, wi, pdf_diffuse_lobe(x, guide, wi));
+// Share of the samples that a guide takes of a scattering function without a diffuse lobe. The authors' code guides two of
+// them; a dielectric keeps a tenth for the side that no hemisphere of the guide reaches.
+float guided_share(Bsdf b) {
+    float share = 0.0;
+    // A coating reflects into a single direction besides, which no guide draws.
+    if (bsdf_flag(b, MATERIAL_COATED)) return share;
+    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_kind(b, BSDF_ROUGH_CONDUCTOR)) share = 1.0;
+    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_kind(b, BSDF_ROUGH_DIELECTRIC)) share = 0.9;
+    return share;
 }
 
-// Density of a sample whose direction the diffuse lobe's sampler has with density `diffuse_density`.
-float sample_pdf(Scatterer x, BsdfSample s, float diffuse_density) {
+// Density of the local direction `wi` where the guide, or else the diffuse lobe's own sampler, has density `guide_density`.
+float pdf_mixture(Scatterer x, Guide guide, vec3 wi, float guide_density) {
+    float pdf = pdf_bsdf(x.bsdf, x.wo, wi, guide_density);
+    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_guided(guide)) pdf = mix(pdf, guide_density, guided_share(x.bsdf));
+    return pdf;
+}
+
+// Density with which sample_direction draws the local direction `wi`, other than by a lobe of single directions.
+float pdf_direction(Scatterer x, Guide guide, vec3 wi) {
+    return pdf_mixture(x, guide, wi, pdf_diffuse_lobe(x, guide, wi));
+}
+
+// Density of a sample; likewise.
+float sample_pdf(Scatterer x, Guide guide, BsdfSample s, float guide_density) {
     bool spread = s.lobe == LOBE_DIFFUSE || s.lobe == LOBE_GLOSSY;
-    return spread ? pdf_bsdf(x.bsdf, x.wo, s.wi, diffuse_density) : 0.0;
+    return spread ? pdf_mixture(x, guide, s.wi, guide_density) : 0.0;
 }
 
 // f cos / pdf of a sample.
@@ -79,9 +97,9 @@ vec3 sample_weight(Scatterer x, BsdfSample s, float pdf) {
 }
 
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.
-DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s, float diffuse_density) {
+DirectionSample sample_direction_bsdf(Scatterer x, Guide guide, BsdfSample s) {
     vec3 wi = x.frame * s.wi;
-    float pdf = sample_pdf(x, s, diffuse_density);
+    float pdf = sample_pdf(x, guide, s, pdf_diffuse_lobe(x, guide, s.wi));
     DirectionSample result = DirectionSample(wi, sample_weight(x, s, pdf), pdf, s.eta, 0u, 0.0, false, 0u, false);
     if (SAMPLER != SAMPLER_BSDF) {
         result.bin = direction_bin(wi);
@@ -90,24 +108,31 @@ DirectionSample sample_direction_bsdf(Scatterer x, BsdfSample s, float diffuse_d
     return result;
 }
 
-// A guided direction in place of the diffuse lobe's; that lobe has been chosen, and other lobes are sampled as ever.
+// A guided direction in place of the lobe's that the guide stands for.
 DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice, Scatterer x, Guide guide, BsdfSample s) {
-    if (s.lobe != LOBE_DIFFUSE) return sample_direction_bsdf(x, s, pdf_diffuse_lobe(x, guide, s.wi));
     GuidedSample guided = sample_guide(key, vertex, choice, guide);
     s.wi = guided.wi * x.frame;
+    float pdf = sample_pdf(x, guide, s, guided.pdf);
+    vec3 weight = sample_weight(x, s, pdf);
     bool below = s.wi.z <= 0.0;
-    float pdf = sample_pdf(x, s, guided.pdf);
-    vec3 weight = below ? vec3(0.0) : sample_weight(x, s, pdf);
     return DirectionSample(guided.wi, weight, pdf, 1.0, guided.bin, guided.radiance, below, guided.tries, guided.overrun);
 }
 
 // Draws the direction in which a path leaves a surface.
 DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
+    float share = guided_share(x.bsdf);
+    bool replaced = u.z < share;
+    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_guided(guide) && share < 1.0) u.z = max(u.z - share, 0.0) / (1.0 - share);
     BsdfSample s = sample_bsdf(x.bsdf, x.wo, u.xyz);
     if (x.passes) s = BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0);
-    if (is_guided(guide)) return sample_direction_guided(key, vertex, u.x, x, guide, s);
-    if (SAMPLER != SAMPLER_BSDF && s.lobe == LOBE_DIFFUSE) mark_guide(guide);
-    return sample_direction_bsdf(x, s, pdf_cosine_hemisphere(s.wi.z));
+    bool guidable = s.lobe == LOBE_DIFFUSE;
+    if (GUIDE_SET == GUIDE_SET_AUTHORS && replaced && !x.passes) {
+        guidable = true;
+        if (is_guided(guide)) s.lobe = LOBE_GLOSSY;
+    }
+    if (is_guided(guide) && guidable) return sample_direction_guided(key, vertex, u.x, x, guide, s);
+    if (SAMPLER != SAMPLER_BSDF && guidable) mark_guide(guide);
+    return sample_direction_bsdf(x, guide, s);
 }
 
 #endif

@@ -9,6 +9,7 @@ layout(constant_id = 0) const uint WORKGROUP_SIZE = 64u;
 
 layout(constant_id = 1) const uint SAMPLER = SAMPLER_BSDF;
 layout(constant_id = 2) const uint LEARNER = LEARNER_SARSA;
+layout(constant_id = 54) const uint GUIDE_SET = GUIDE_SET_DIFFUSE;
 // Longest path in edges; 1 is emission seen directly.
 layout(constant_id = 3) const uint MAX_DEPTH = 16u;
 // Number of edges from which Russian roulette is played.

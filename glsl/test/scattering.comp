@@ -20,8 +20,8 @@ struct ScatteringOutput {
     vec3 value;
 };
 
-layout(scalar, set = 0, binding = 10) readonly buffer ScatteringInputs { ScatteringInput scattering_inputs[]; };
-layout(scalar, set = 0, binding = 11) writeonly buffer ScatteringOutputs { ScatteringOutput scattering_outputs[]; };
+layout(scalar, set = 1, binding = 0) readonly buffer ScatteringInputs { ScatteringInput scattering_inputs[]; };
+layout(scalar, set = 1, binding = 1) writeonly buffer ScatteringOutputs { ScatteringOutput scattering_outputs[]; };
 
 float density(Bsdf b, vec3 wo, vec3 wi) {
     return pdf_bsdf(b, wo, wi, pdf_cosine_hemisphere(wi.z));

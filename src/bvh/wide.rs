@@ -51,7 +51,7 @@ pub(super) fn build(boxes: Vec<Aabb>) -> Wide {
 /// By locally ordered clustering (Meister and Bittner 2018).
 fn build_binary(boxes: Vec<Aabb>) -> Bvh2 {
     let indices = (0..boxes.len() as u32).collect();
-    let mut binary = PlocBuilder::new().build(PlocSearchDistance::Low, &boxes, indices, SortPrecision::U64, 2);
+    let mut binary = PlocBuilder::new().build(PlocSearchDistance::VeryLow, &boxes, indices, SortPrecision::U64, 2);
     drop(boxes);
     ReinsertionOptimizer::default().run(&mut binary, REINSERTED_SHARE, None);
     binary

@@ -3,16 +3,27 @@
 
 mod compare;
 mod devices;
+mod guiding_args;
+mod inspect;
+mod inspect_text;
 mod interrupt;
+mod keeper;
+mod kernel_dir;
+mod merge;
 mod outputs;
+mod profile;
 mod progress;
 mod render;
 mod render_args;
+mod resume;
 mod stats;
+mod task;
 
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::error::ErrorKind as UsageError;
 use clap::{Parser, Subcommand};
@@ -32,8 +43,11 @@ const WRONG_USAGE: u8 = 2;
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<render_args::RenderArgs>),
+    Resume(Box<resume::ResumeArgs>),
+    Inspect(Box<inspect::InspectArgs>),
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
+    Merge(merge::MergeArgs),
 }
 
 /// Parses the arguments, runs the subcommand and reports its failure as one sentence.
@@ -42,15 +56,25 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return answer(&error),
     };
+    take_file_size_limits_as_errors();
     let outcome = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Resume(args) => resume::run(*args),
+        Command::Inspect(args) => inspect::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Merge(args) => merge::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         report("error", &error.to_string());
         ExitCode::FAILURE
     })
+}
+
+/// A write beyond the limit of `ulimit -f` would end the process, and its other files with it; caught, it just fails.
+fn take_file_size_limits_as_errors() {
+    // Where the signal cannot be caught, such a limit ends the process: the files are whole even so.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 
 /// Prints the help or the version where these were asked for, else what is wrong with the arguments.

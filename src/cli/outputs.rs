@@ -8,9 +8,13 @@ use lodestar::scene::Scene;
 use lodestar::settings::Settings;
 use lodestar::{Error, Result, files};
 
-use super::render_args::RenderArgs;
+use serde::{Deserialize, Serialize};
+
+use super::render_args::OutputArgs;
 
 /// The files that the picture goes to.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Outputs {
     paths: Vec<PathBuf>,
     tone: ToneCurve,
@@ -18,14 +22,32 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Tries every path, that of the statistics included, so that what cannot be written is known before rendering begins.
-    pub fn new(args: &RenderArgs, scene: &Scene) -> Result<Self> {
-        let mut paths = args.output.clone();
-        if paths.is_empty() {
-            paths.push(PathBuf::from(format!("{}.exr", scene.name)));
-        }
-        paths.iter().chain(&args.stats).try_for_each(|path| files::check_writable(path))?;
-        Ok(Self { paths, tone: args.tone, exposure: args.exposure })
+    /// What the arguments say, else what was said `before`, else the defaults. Tries every path, those of statistics
+    /// and profile included, so that what cannot be written is known before rendering begins.
+    pub fn new(args: &OutputArgs, before: Option<&Self>, scene: &Scene) -> Result<Self> {
+        let chosen = || (!args.output.is_empty()).then(|| args.output.clone());
+        let default = || vec![PathBuf::from(format!("{}.exr", scene.name))];
+        let outputs = Self {
+            paths: chosen().or_else(|| Some(before?.paths.clone())).unwrap_or_else(default),
+            tone: args.tone.or_else(|| Some(before?.tone)).unwrap_or_default(),
+            exposure: args.exposure.or_else(|| Some(before?.exposure)).unwrap_or_default(),
+        };
+        outputs
+            .paths
+            .iter()
+            .chain(&args.stats)
+            .chain(&args.profile)
+            .try_for_each(|path| files::check_writable(path))?;
+        Ok(outputs)
+    }
+
+    /// The same from the root, for a program that is started elsewhere.
+    ///
+    /// # Errors
+    /// Where a path is not UTF-8.
+    pub fn to_whole_paths(&self) -> Result<Self> {
+        let paths = self.paths.iter().map(|path| whole_path(path).map(PathBuf::from)).collect::<Result<_>>()?;
+        Ok(Self { paths, ..self.clone() })
     }
 
     /// Writes all files; one that fails does not keep the others from being written.
@@ -36,6 +58,18 @@ impl Outputs {
         };
         self.paths.iter().map(write).fold(Ok(()), Result::and)
     }
+}
+
+/// `path` from the root, as text.
+///
+/// # Errors
+/// Where it is not UTF-8.
+pub fn whole_path(path: &Path) -> Result<String> {
+    let whole = std::path::absolute(path).map_err(Error::read(path))?;
+    let text = whole.to_str().map(str::to_owned);
+    text.ok_or_else(|| {
+        Error::Settings(format!("{}: a checkpoint cannot name it, for it is not UTF-8", whole.display()))
+    })
 }
 
 /// The reference, cut to the rendered window where it is as large as the whole film.

@@ -56,7 +56,7 @@ impl Loading {
     }
 
     /// Lets `print` write to standard error without the text in its way.
-    pub fn interleave(&self, print: impl FnOnce()) {
+    pub fn interleave<T>(&self, print: impl FnOnce() -> T) -> T {
         match &self.bar {
             Some(bar) => bar.suspend(print),
             None => print(),

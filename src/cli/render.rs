@@ -1,80 +1,122 @@
 //! `lodestar render`: loads, renders step by step, shows progress, and writes what was asked for.
 
 use std::collections::HashSet;
+use std::panic::resume_unwind;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use lodestar::bvh::Bvh;
+use lodestar::checkpoint::{Checkpoint, SceneSource};
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
+use lodestar::identity::{self, Identity};
 use lodestar::image::{Image, metrics};
-use lodestar::renderer::{Counts, Renderer, StepReport};
-use lodestar::scene::{self, LoadOptions, LoadProgress, Scene};
-use lodestar::settings::{Settings, depth_warning};
+use lodestar::renderer::{RenderState, Renderer, StepReport, Surfaces};
+use lodestar::sample_ranges::SampleRanges;
+use lodestar::scene::{self, LoadOptions, LoadProgress};
+use lodestar::settings::Settings;
 use lodestar::{Error, Result, files};
 
 use super::interrupt::Interrupt;
-use super::outputs::{Outputs, read_reference};
+use super::keeper::Keeper;
+use super::kernel_dir::KernelDir;
+use super::outputs::{Outputs, read_reference, whole_path};
+use super::profile::Profiler;
 use super::progress::{Loading, Progress, Status};
 use super::render_args::RenderArgs;
 use super::report;
 use super::stats::{SetupTimes, Stats, Step, Totals, Versions, peak_resident_bytes};
+use super::task::{Before, Beginning, CheckpointFile, History, JobRecord, Length, Start, Task};
 
-/// Samples per pixel where neither the scene, --spp nor --time says.
-const DEFAULT_SPP: u32 = 64;
-
-/// Renders as `args` say. Bad input and unwritable outputs are found before any time is spent.
+/// Renders as `args` say.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
+    let checkpoint = args.checkpoint.clone().map(|path| CheckpointFile::new(path, args.checkpoint_every));
+    let task = Task {
+        scene: args.scene.clone(),
+        define: args.define.clone(),
+        files: args.files.clone(),
+        device: args.device.clone(),
+        checkpoint,
+    };
+    render(&task, Start::New(args))
+}
+
+/// Renders, from the start or from a checkpoint. Bad input and unwritable outputs are found before any time is spent.
+pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
+    let begin = Instant::now();
     let interrupt = Interrupt::catch()?;
-    let loading = Loading::new(args.quiet);
-    let options = LoadOptions { defines: args.define.clone() };
+    let loading = Loading::new(task.files.quiet);
+    let options = LoadOptions { defines: task.define.clone() };
     let show = |progress: LoadProgress| loading.show(&progress.to_string());
-    let (mut scene, load_seconds) = timed(|| scene::load_with_progress(&args.scene, &options, &show))?;
+    let context_options = ContextOptions { device: task.device.device(), validate: task.device.validate };
+    // Drivers take a while to start.
+    let (context, loaded) = thread::scope(|scope| {
+        let context = scope.spawn(|| Context::new(&context_options));
+        let loaded = timed(|| scene::load_with_progress(&task.scene, &options, &show));
+        (context.join(), loaded)
+    });
+    let (mut scene, load_seconds) = loaded?;
     loading.interleave(|| warn(&scene.warnings));
-    let settings = args.settings(&scene)?;
-    if args.max_depth.is_none() && args.rr_depth.is_none() {
-        loading.interleave(|| warn(depth_warning(&scene).as_slice()));
+    let scene_hash = scene::fingerprint(&scene)?;
+    let Beginning { settings, length, before, warning } = start.begin(&scene, &scene_hash, &task.device)?;
+    loading.interleave(|| warn(warning.as_slice()));
+    let outputs = Outputs::new(&task.files, before.as_ref().map(|before| &before.outputs), &scene)?;
+    if let Some(file) = &task.checkpoint {
+        file.check(before.is_some(), &Identity::of_render(&scene_hash, &settings))?;
     }
-    let outputs = Outputs::new(args, &scene)?;
-    let reference = args.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
-    let context = Context::new(&ContextOptions { device: args.device(), validate: args.validate })?;
+    let kernels = loading.interleave(|| KernelDir::load(task.device.kernel_dir.as_deref()))?;
+    let reference = task.files.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
+    let context = context.unwrap_or_else(|panic| resume_unwind(panic))?;
     loading.show(&format!("building the BVH of {} primitives", scene.primitives.len()));
-    let (bvh, bvh_seconds) = timed(|| Ok(Bvh::build(&scene.primitives)))?;
+    let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
+    let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
     // From here on the device's copy is the one that is used.
     scene.primitives = Vec::new();
     loading.show("building the kernels");
-    let (renderer, pipeline_seconds) = timed(|| Renderer::new(&context, &scene, &bvh, &settings))?;
+    let registry = kernels.registry();
+    let build = || Renderer::with_surfaces(&context, &scene, surfaces, &bvh, &settings, registry);
+    let (renderer, pipeline_seconds) = timed(build)?;
     let primitive_count = bvh.primitives.len();
     drop(bvh);
     drop(loading);
+    kernels.warn_of_unused(renderer.back_end());
 
-    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, primitive_count };
+    let setup_seconds = begin.elapsed().as_secs_f64();
+    let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
     let film = Film { renderer, reference, outputs };
-    let mut job = Job::new(args, &scene, &context, settings, film, &interrupt);
+    let subject = Subject { task, scene_name: &scene.name, scene_hash };
+    let mut job = Job::new(subject, &context, settings, length, film, &interrupt);
+    job.kernels = kernels.replaced(job.film.renderer.back_end());
+    job.begin(before)?;
     let rendered = job.render();
-    let finished = job.finish(rendered, times);
-    warn_of_nonfinite(job.counts.nonfinite);
+    let finished = job.finish(rendered, times).and(job.profiler.as_ref().map_or(Ok(()), Profiler::finish));
+    warn_of_nonfinite(job.history.counts.nonfinite);
     finished.and(report_validation(&context))?;
     Ok(interrupt.exit_code())
 }
 
 /// A render under way.
 struct Job<'a> {
-    args: &'a RenderArgs,
-    scene: &'a Scene,
+    subject: Subject<'a>,
     context: &'a Arc<Context>,
     interrupt: &'a Interrupt,
     settings: Settings,
+    length: Length,
     film: Film,
-    /// Samples per pixel that end the render; a time limit alone means as many as it allows.
-    spp_target: Option<u32>,
-    /// Whether a step was cut short, by the time limit or a signal.
-    is_stopped: bool,
-    steps: Vec<Step>,
-    counts: Counts,
-    paths: u64,
-    seconds: f64,
+    keeper: Option<Keeper>,
+    profiler: Option<Profiler>,
+    /// The files that stand in for built-in kernels.
+    kernels: Vec<String>,
+    history: History,
+}
+
+/// What is rendered.
+struct Subject<'a> {
+    task: &'a Task,
+    scene_name: &'a str,
+    scene_hash: String,
 }
 
 /// Where the picture comes from, what it is measured against, and where it goes.
@@ -86,42 +128,94 @@ struct Film {
 
 impl<'a> Job<'a> {
     fn new(
-        args: &'a RenderArgs,
-        scene: &'a Scene,
+        subject: Subject<'a>,
         context: &'a Arc<Context>,
         settings: Settings,
+        length: Length,
         film: Film,
         interrupt: &'a Interrupt,
     ) -> Self {
-        let default = args.time.is_none().then(|| scene.sample_count.unwrap_or(DEFAULT_SPP));
+        let profiler = subject.task.files.profile.clone().map(|path| Profiler::start(path, context));
         Self {
-            args,
-            scene,
+            subject,
             context,
             interrupt,
             settings,
+            length,
             film,
-            spp_target: args.spp.or(default),
-            is_stopped: false,
-            steps: Vec::new(),
-            counts: Counts::default(),
-            paths: 0,
-            seconds: 0.0,
+            keeper: None,
+            profiler,
+            kernels: Vec::new(),
+            history: History::default(),
         }
+    }
+
+    /// Goes on from what a checkpoint held, if there is one, and keeps checkpoints, if they are asked for.
+    fn begin(&mut self, before: Option<Before>) -> Result<()> {
+        let mut samples_written = None;
+        if let Some(Before { history, device, kernels, state, .. }) = before {
+            self.check_kernels(&kernels)?;
+            if device != self.device_name() {
+                let ours = self.device_name();
+                report("warning", &format!("the render was begun on {device}: on {ours}, the last bits may differ"));
+            }
+            self.film.renderer.restore(&state)?;
+            self.history = history;
+            samples_written = Some(state.samples_done);
+        }
+        if let Some(file) = &self.subject.task.checkpoint {
+            self.keeper = Some(Keeper::new(file.clone(), self.checkpoint()?, samples_written));
+        }
+        Ok(())
+    }
+
+    /// Other kernels would go on to other bits.
+    fn check_kernels(&self, before: &[String]) -> Result<()> {
+        if before == self.kernels {
+            return Ok(());
+        }
+        let list = |kernels: &[String]| match kernels {
+            [] => "the built-in kernels".to_owned(),
+            kernels => kernels.join(", "),
+        };
+        Err(Error::Settings(format!(
+            "the render was begun with {}, but would go on with {}: give the same --kernel-dir",
+            list(before),
+            list(&self.kernels)
+        )))
+    }
+
+    /// What every checkpoint of this render says, with nothing rendered yet.
+    fn checkpoint(&self) -> Result<Checkpoint<JobRecord>> {
+        let Subject { task, scene_hash, .. } = &self.subject;
+        let scene =
+            SceneSource { path: whole_path(&task.scene)?, defines: task.define.clone(), hash: scene_hash.clone() };
+        let outputs = self.film.outputs.to_whole_paths()?;
+        let (kernels, history) = (self.kernels.clone(), History::default());
+        let job = JobRecord { length: self.length, outputs, kernels, history };
+        let (settings, device) = (self.settings.clone(), self.device_name());
+        Ok(Checkpoint { scene, settings, device, job, state: RenderState::default() })
     }
 
     /// Steps until the samples, the time or the user's patience are used up. The clock stands while pictures are written or
     /// measured.
     fn render(&mut self) -> Result<()> {
-        let mut progress = Progress::new(self.args.quiet, self.spp_target.map(u64::from), self.args.time);
+        let Length { spp, seconds } = self.length;
+        let files = &self.subject.task.files;
+        let mut progress = Progress::new(files.quiet, spp.map(u64::from), seconds);
         let (mut last_write, mut is_writable) = (Instant::now(), true);
         while !self.is_done() {
             let step = self.step()?;
             progress.update(&self.status(&step));
-            self.steps.push(step);
-            let is_due = self.args.write_every.is_some_and(|every| last_write.elapsed().as_secs_f64() >= every);
+            self.history.steps.push(step);
+            if !self.film.renderer.is_stopped()
+                && let Err(error) = self.keep(|keeper, renderer, history| keeper.after_step(renderer, history))
+            {
+                progress.interleave(|| report("warning", &format!("{error}; the render goes on")));
+            }
+            let is_due = files.write_every.is_some_and(|every| last_write.elapsed().as_secs_f64() >= every);
             if is_due && !self.is_done() {
-                let written = self.film.outputs.write(&self.film.renderer.picture()?, &self.attributes());
+                let written = self.write_files(&self.film.renderer.picture()?);
                 if let (Err(error), true) = (&written, is_writable) {
                     // The folder may be back, or the disk have room, by the time the render ends.
                     progress.interleave(|| report("warning", &format!("{error}; the render goes on")));
@@ -134,26 +228,35 @@ impl<'a> Job<'a> {
 
     fn step(&mut self) -> Result<Step> {
         let samples_before = self.film.renderer.samples_done();
-        let left = self.spp_target.map_or(u32::MAX, |target| target - samples_before);
-        let time_left = self.args.time.map(|limit| (limit - self.seconds).max(0.0));
+        let left = self.length.spp.unwrap_or(u32::MAX - self.settings.sample_offset.unwrap_or(0)) - samples_before;
+        let samples = self.settings.spp_per_step.min(left);
+        self.keep(|keeper, renderer, history| keeper.before_step(renderer, history, samples))?;
+        let time_left = self.length.seconds.map(|limit| (limit - self.history.seconds).max(0.0));
         // A time too long to add up never ends.
         let time_left = time_left.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
         let deadline = time_left.and_then(|time_left| Instant::now().checked_add(time_left));
         let stop = || self.interrupt.is_raised() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        let report = self.film.renderer.step(self.settings.spp_per_step.min(left), &stop)?;
+        let report = self.film.renderer.step(samples, &stop)?;
 
-        self.is_stopped = !report.complete;
-        self.seconds += report.seconds;
-        self.counts.add(&report.counts);
+        if let Some(profiler) = &mut self.profiler {
+            profiler.note(&report);
+        }
+        self.history.seconds += report.seconds;
+        self.history.counts.add(&report.counts);
         let spp = self.film.renderer.samples_done() - samples_before;
         let paths = self.paths_of(&report, spp)?;
-        self.paths += paths;
+        self.history.paths += paths;
         let mut step = Step::new(spp.into(), paths, self.pixels(), report.seconds, &report.counts);
         // At steps 1, 2, 4, 8, ...: the curve is drawn over logarithmic axes.
-        if (self.steps.len() + 1).is_power_of_two() {
+        if (self.history.steps.len() + 1).is_power_of_two() {
             step.errors = self.measure(&self.film.renderer.picture()?)?;
         }
         Ok(step)
+    }
+
+    /// Lets the keeper do something, if there is one.
+    fn keep(&mut self, act: impl FnOnce(&mut Keeper, &Renderer, &History) -> Result<()>) -> Result<()> {
+        self.keeper.as_mut().map_or(Ok(()), |keeper| act(keeper, &self.film.renderer, &self.history))
     }
 
     /// The paths of a step that has just ended. One that was cut short has sampled some pixels more often than others.
@@ -162,14 +265,14 @@ impl<'a> Job<'a> {
             return Ok(u64::from(spp) * self.pixels());
         }
         let sample_count = self.film.renderer.picture()?.sample_count;
-        Ok(sample_count.into_iter().map(u64::from).sum::<u64>() - self.paths)
+        Ok(sample_count.into_iter().map(u64::from).sum::<u64>() - self.history.paths)
     }
 
     fn is_done(&self) -> bool {
-        self.is_stopped
+        self.film.renderer.is_stopped()
             || self.interrupt.is_raised()
-            || self.spp_target.is_some_and(|target| self.film.renderer.samples_done() >= target)
-            || self.args.time.is_some_and(|limit| self.seconds >= limit)
+            || self.length.spp.is_some_and(|target| self.film.renderer.samples_done() >= target)
+            || self.length.seconds.is_some_and(|limit| self.history.seconds >= limit)
     }
 
     fn pixels(&self) -> u64 {
@@ -184,37 +287,40 @@ impl<'a> Job<'a> {
 
     fn status(&self, step: &Step) -> Status {
         let spp = self.film.renderer.samples_done();
-        let by_samples = self.spp_target.map_or(0.0, |target| f64::from(spp) / f64::from(target));
-        let by_time = self.args.time.map_or(0.0, |limit| self.seconds / limit);
+        let by_samples = self.length.spp.map_or(0.0, |target| f64::from(spp) / f64::from(target));
+        let by_time = self.length.seconds.map_or(0.0, |limit| self.history.seconds / limit);
         Status {
             spp: spp.into(),
-            seconds: self.seconds,
-            paths: self.paths,
+            seconds: self.history.seconds,
+            paths: self.history.paths,
             light_hit_rate: step.light_hit_rate,
             fraction: by_samples.max(by_time).min(1.0),
         }
     }
 
-    /// Every setting, for the picture's header.
-    fn attributes(&self) -> Vec<(String, String)> {
-        // By way of text, where 0.95 stays 0.95; as a value it would be widened to 0.949999988079071.
-        let settings = serde_json::to_string(&self.settings).and_then(|text| serde_json::from_str(&text));
-        let settings: serde_json::Value = settings.unwrap_or_default();
-        let settings = settings.as_object().into_iter().flatten();
-        let mut attributes: Vec<_> = settings.map(|(name, value)| (name.clone(), plain(value))).collect();
+    fn device_name(&self) -> String {
         let device = self.context.device();
-        attributes.extend([
-            ("version".into(), env!("CARGO_PKG_VERSION").into()),
-            ("spp".into(), self.film.renderer.samples_done().to_string()),
-            ("seconds".into(), format!("{:.3}", self.seconds)),
-            ("device".into(), format!("{} ({})", device.name, device.driver_info)),
-            ("scene".into(), self.args.scene.display().to_string()),
-        ]);
-        attributes
+        format!("{} ({})", device.name, device.driver_info)
     }
 
-    /// Writes the picture and the statistics, however the render ended, and returns the first failure.
-    fn finish(&self, rendered: Result<()>, times: SetupTimes) -> Result<()> {
+    /// Writes the picture's files, with all that is known of it in their headers.
+    fn write_files(&self, picture: &Picture) -> Result<()> {
+        let mut attributes = identity::attributes(&self.subject.scene_hash, &self.settings);
+        attributes.extend([
+            ("sample_ranges".into(), SampleRanges::of_picture(picture, &self.settings).to_string()),
+            ("spp".into(), self.film.renderer.samples_done().to_string()),
+            ("seconds".into(), format!("{:.3}", self.history.seconds)),
+            ("device".into(), self.device_name()),
+            ("scene".into(), self.subject.task.scene.display().to_string()),
+        ]);
+        if !self.kernels.is_empty() {
+            attributes.push(("replaced_kernels".into(), self.kernels.join(", ")));
+        }
+        self.film.outputs.write(picture, &attributes)
+    }
+
+    /// Writes picture, checkpoint and statistics, however the render ended, and returns the first failure.
+    fn finish(&mut self, rendered: Result<()>, times: SetupTimes) -> Result<()> {
         let picture = match &rendered {
             // It would be wrong: a file of an earlier time is left as it is.
             Err(Error::Render(_)) => Ok(None),
@@ -227,8 +333,10 @@ impl<'a> Job<'a> {
                 self.write(&picture, rendered.is_ok()).and(measured)
             })
         });
-        let stats = self.args.stats.as_ref().map_or(Ok(()), |path| files::write_json(path, &self.stats(times, errors)));
-        rendered.and(written).and(stats)
+        let kept = self.keep(|keeper, renderer, history| keeper.finish(renderer, history));
+        let stats = self.subject.task.files.stats.as_ref();
+        let stats = stats.map_or(Ok(()), |path| files::write_json(path, &self.stats(times, errors)));
+        rendered.and(written).and(kept).and(stats)
     }
 
     /// Writes the picture, unless there is nothing on it.
@@ -242,7 +350,7 @@ impl<'a> Job<'a> {
                     &format!("{empty} of {all} pixels are black: the render ended before their first sample"),
                 );
             }
-            return self.film.outputs.write(picture, &self.attributes());
+            return self.write_files(picture);
         }
         let message = "the render ended before the first sample, so no picture is written";
         match self.interrupt.is_raised() {
@@ -256,13 +364,13 @@ impl<'a> Job<'a> {
     fn stats(&self, times: SetupTimes, errors: Option<metrics::Metrics>) -> Stats {
         let device = self.context.device().clone();
         let spp = self.film.renderer.samples_done().into();
-        let sums = Step::new(spp, self.paths, self.pixels(), self.seconds, &self.counts);
-        let mut steps = self.steps.clone();
+        let sums = Step::new(spp, self.history.paths, self.pixels(), self.history.seconds, &self.history.counts);
+        let mut steps = self.history.steps.clone();
         if let Some(last) = steps.last_mut() {
             last.errors = errors;
         }
         Stats {
-            scene: self.scene.name.clone(),
+            scene: self.subject.scene_name.to_owned(),
             settings: self.settings.clone(),
             versions: Versions::of(&device),
             device,
@@ -270,7 +378,7 @@ impl<'a> Job<'a> {
             totals: Totals {
                 sums: Step { errors, ..sums },
                 primitives: times.primitive_count,
-                nonfinite_samples: self.counts.nonfinite,
+                nonfinite_samples: self.history.counts.nonfinite,
                 peak_bytes: self.context.peak_allocated_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),
             },
@@ -288,11 +396,6 @@ fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
 fn warn(warnings: &[String]) {
     let mut seen = HashSet::new();
     warnings.iter().filter(|warning| seen.insert(*warning)).for_each(|warning| report("warning", warning));
-}
-
-/// A setting as text, without the quotes of JSON.
-fn plain(value: &serde_json::Value) -> String {
-    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// What the validation layer said, if it was on.

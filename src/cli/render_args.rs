@@ -6,7 +6,12 @@ use clap::ValueEnum;
 use lodestar::Result;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter, Scene};
-use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
+use lodestar::settings::Settings;
+
+use super::guiding_args::GuidingArgs;
+
+/// Seconds between two checkpoints.
+pub const CHECKPOINT_EVERY: f64 = 60.0;
 
 /// Renders a Mitsuba scene.
 ///
@@ -18,17 +23,38 @@ pub struct RenderArgs {
     /// The scene, in Mitsuba's XML of any version.
     #[arg(value_name = "SCENE.xml")]
     pub scene: PathBuf,
+    /// Replace the scene's <default> of that name; may be given several times.
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, help_heading = "Scene")]
+    pub define: Vec<(String, String)>,
+    /// Keep in this file what it takes to go on, with `lodestar resume FILE`, after a signal, a fault or a power cut.
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub checkpoint: Option<PathBuf>,
+    /// Write it every so many seconds, and when the render ends.
+    #[arg(long, value_name = "SECONDS", requires = "checkpoint", default_value_t = CHECKPOINT_EVERY, value_parser = seconds, help_heading = "Output")]
+    pub checkpoint_every: f64,
+    #[command(flatten)]
+    pub files: OutputArgs,
+    #[command(flatten)]
+    pub length: LengthArgs,
+    #[command(flatten)]
+    pub choices: ChoiceArgs,
+    #[command(flatten)]
+    pub device: DeviceArgs,
+}
 
+/// Where the picture goes and what is said about it.
+#[derive(Debug, Clone, clap::Args)]
+pub struct OutputArgs {
     /// Where to write: .exr (every layer) or .png (as --tone and --exposure say); may be given several times
     /// [default: the scene's name with .exr].
     #[arg(short, long, value_name = "FILE", value_parser = output_path, help_heading = "Output")]
     pub output: Vec<PathBuf>,
-    /// Tone curve of PNG files.
-    #[arg(long, value_enum, default_value_t, help_heading = "Output")]
-    pub tone: ToneCurve,
-    /// Exposure of PNG files: brighter by 2^STOPS.
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = finite, help_heading = "Output")]
-    pub exposure: f32,
+    /// Tone curve of PNG files [default: srgb].
+    #[arg(long, value_enum, help_heading = "Output")]
+    pub tone: Option<ToneCurve>,
+    /// Exposure of PNG files: brighter by 2^STOPS [default: 0].
+    #[arg(long, value_name = "STOPS", value_parser = finite, help_heading = "Output")]
+    pub exposure: Option<f32>,
     /// Write the picture so far every so many seconds.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Output")]
     pub write_every: Option<f64>,
@@ -38,17 +64,28 @@ pub struct RenderArgs {
     /// Write settings, timings and statistics of every step as JSON.
     #[arg(long, value_name = "STATS.json", help_heading = "Output")]
     pub stats: Option<PathBuf>,
+    /// Time every dispatch: a table at the end, and a trace for ui.perfetto.dev or chrome://tracing in this file.
+    #[arg(long, value_name = "TRACE.json", help_heading = "Output")]
+    pub profile: Option<PathBuf>,
     /// Show no progress.
     #[arg(short, long, help_heading = "Output")]
     pub quiet: bool,
+}
 
+/// What ends the render.
+#[derive(Debug, Clone, clap::Args)]
+pub struct LengthArgs {
     /// Samples per pixel.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Length")]
     pub spp: Option<u32>,
     /// Stop after so many seconds of rendering; loading does not count.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Length")]
     pub time: Option<f64>,
+}
 
+/// What the settings are made of.
+#[derive(Debug, clap::Args)]
+pub struct ChoiceArgs {
     /// Width of the film in pixels.
     #[arg(long, value_name = "W", requires = "height", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Scene")]
     pub width: Option<u32>,
@@ -61,9 +98,6 @@ pub struct RenderArgs {
     /// Render only this window of the film, in pixels from its top left corner.
     #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = crop, help_heading = "Scene")]
     pub crop: Option<Crop>,
-    /// Replace the scene's <default> of that name; may be given several times.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, help_heading = "Scene")]
-    pub define: Vec<(String, String)>,
     /// Reconstruction filter [default: the scene's].
     #[arg(long, value_enum, value_name = "FILTER", help_heading = "Scene")]
     pub rfilter: Option<Filter>,
@@ -80,56 +114,29 @@ pub struct RenderArgs {
     /// Seed of the random numbers; the same one gives the same pixels.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
     pub seed: u32,
+    /// Begin with sample K of every pixel (0 is the first), for a part of a picture that `lodestar merge` puts together.
+    #[arg(long, value_name = "K", help_heading = "Paths")]
+    pub sample_offset: Option<u32>,
 
-    /// How directions are sampled.
-    #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
-    pub sampler: Sampler,
-    /// How the guide learns.
-    #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
-    pub learner: Learner,
-    /// What rejection-mix mixes with the uniform share.
-    #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
-    pub mix: Mix,
-    /// Uniform share of rejection-mix [default: the optimal one, Eq. 8].
-    #[arg(long, value_name = "E", help_heading = "Guiding")]
-    pub epsilon: Option<f32>,
-    /// Directions over which the learner expected-sarsa takes its mean [default: 128].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub expected_directions: Option<u32>,
-    /// Map between directions and their bins.
-    #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
-    pub map: DirectionMap,
-    /// Cells of the guide along each axis [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub grid: Option<u32>,
-    /// Direction bins of a cell along each axis [default: 16].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub directions: Option<u32>,
-    /// Samples per pixel between two updates of the guide [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub spp_per_step: Option<u32>,
-    /// Normal bins of a cell along each side [default: 16].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub normals: Option<u32>,
-    /// What one step leaves of a bin's earlier count; 1 is the paper's running mean [default: 0.95].
-    #[arg(long, value_name = "D", help_heading = "Guiding")]
-    pub decay: Option<f32>,
-    /// Tries of rejection sampling before it takes a uniform direction [default: 15].
-    #[arg(long, value_name = "K", help_heading = "Guiding")]
-    pub max_tries: Option<u32>,
-    /// Least share of uniform directions in the guide [default: 0.0625].
-    #[arg(long, value_name = "E", help_heading = "Guiding")]
-    pub min_uniform: Option<f32>,
-
-    /// Vulkan device, by index or by a part of its name, as `lodestar devices` lists them.
-    #[arg(long, value_name = "INDEX|NAME", env = "LODESTAR_DEVICE", help_heading = "Device")]
-    pub device: Option<String>,
+    #[command(flatten)]
+    pub guiding: GuidingArgs,
     /// Most samples per pixel of one dispatch: a driver may bound the loop iterations of one [default: 8].
     #[arg(long, value_name = "N", help_heading = "Device")]
     pub samples_per_dispatch: Option<u32>,
+}
+
+/// What renders.
+#[derive(Debug, Clone, clap::Args)]
+pub struct DeviceArgs {
+    /// Vulkan device, by index or by a part of its name, as `lodestar devices` lists them.
+    #[arg(long, value_name = "INDEX|NAME", env = "LODESTAR_DEVICE", help_heading = "Device")]
+    pub device: Option<String>,
     /// How long a dispatch should take, in milliseconds [default: 50 on a GPU, 150 on a CPU].
     #[arg(long, value_name = "MS", value_parser = seconds, help_heading = "Device")]
     pub slice_ms: Option<f64>,
+    /// Take kernels from the .spv files of this folder, which `lodestar inspect --out` writes and a person has edited.
+    #[arg(long, value_name = "DIR", help_heading = "Device")]
+    pub kernel_dir: Option<PathBuf>,
     /// Turn Vulkan's validation layer on.
     #[arg(long, help_heading = "Device")]
     pub validate: bool,
@@ -155,12 +162,14 @@ pub enum Filter {
     Gaussian,
 }
 
-impl RenderArgs {
+impl DeviceArgs {
     /// The wanted device. An empty LODESTAR_DEVICE is as good as none.
     pub fn device(&self) -> Option<String> {
         self.device.clone().filter(|device| !device.trim().is_empty())
     }
+}
 
+impl ChoiceArgs {
     /// The settings: the scene's own where no option is given.
     ///
     /// # Errors
@@ -183,21 +192,9 @@ impl RenderArgs {
         settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
         settings.nee = self.nee == Switch::On;
         settings.seed = self.seed;
-        settings.sampler = self.sampler;
-        settings.learner = self.learner;
-        settings.map = self.map;
-        settings.mix = self.mix;
-        settings.epsilon = self.epsilon;
-        settings.expected_directions = self.expected_directions.unwrap_or(settings.expected_directions);
-        settings.grid = self.grid.unwrap_or(settings.grid);
-        settings.directions = self.directions.unwrap_or(settings.directions);
-        settings.normals = self.normals.unwrap_or(settings.normals);
-        settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);
+        settings.sample_offset = self.sample_offset;
+        self.guiding.apply(&mut settings);
         settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
-        settings.decay = self.decay.unwrap_or(settings.decay);
-        settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
-        settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);
-        settings.slice_milliseconds = self.slice_ms.or(settings.slice_milliseconds);
         settings.validate()?;
         settings.check_lighting(scene)?;
         Ok(settings)
@@ -205,7 +202,7 @@ impl RenderArgs {
 }
 
 impl Filter {
-    fn with_default_width(self) -> ReconstructionFilter {
+    pub fn with_default_width(self) -> ReconstructionFilter {
         match self {
             Self::Box => ReconstructionFilter::Box,
             Self::Tent => ReconstructionFilter::Tent { radius: 1.0 },
@@ -233,7 +230,14 @@ fn output_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
-fn define(text: &str) -> Result<(String, String), String> {
+/// A path that ends in .exr.
+pub fn exr_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_exr = path.extension().is_some_and(|extension| extension == "exr");
+    is_exr.then_some(path).ok_or_else(|| "the name must end in .exr".into())
+}
+
+pub fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err("write it as NAME=VALUE".into()),
@@ -256,7 +260,7 @@ fn positive(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|&number| number > 0.0).ok_or_else(|| "give a number above 0".into())
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+pub fn seconds(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "give a number of seconds above 0".into())
 }
@@ -265,6 +269,7 @@ fn seconds(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
     use clap::Parser;
+    use lodestar::settings::Sampler;
 
     #[derive(Debug, Parser)]
     struct Alone {
@@ -283,14 +288,18 @@ mod tests {
             "-o a.exr -o a.png --spp 32 --time 1.5 --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
              --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --map equal-area --grid 8 --directions 16 \
              --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
-             --nee on --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1",
+              --nee on --guide-set authors --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1 \
+              --sample-offset 64 --checkpoint a.ckpt --checkpoint-every 5",
         )
         .unwrap();
-        assert_eq!(args.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);
-        assert_eq!(args.crop, Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
+        assert_eq!(args.files.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);
+        assert_eq!(args.choices.crop, Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
         assert_eq!(args.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
-        assert_eq!((args.exposure, args.tone, args.sampler), (-1.5, ToneCurve::Paper, Sampler::Bsdf));
-        assert_eq!((args.width, args.height, args.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
+        let RenderArgs { files, choices, .. } = args;
+        assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));
+        assert_eq!((choices.guiding.sampler, choices.nee), (Sampler::Bsdf, Switch::On));
+        assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
+        assert_eq!((choices.sample_offset, args.checkpoint_every), (Some(64), 5.0));
     }
 
     #[test]
@@ -312,6 +321,9 @@ mod tests {
             "--sampler magic",
             "--map flat",
             "--mix paint",
+            "--checkpoint-every 5",
+            "--checkpoint a --checkpoint-every 0",
+            "--sample-offset -1",
         ] {
             assert!(parse(line).is_err(), "{line}");
         }

@@ -4,7 +4,7 @@ use lodestar::gpu::DeviceInfo;
 use lodestar::image::metrics::Metrics;
 use lodestar::renderer::Counts;
 use lodestar::settings::Settings;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The whole file.
 #[derive(Debug, Serialize)]
@@ -25,6 +25,9 @@ pub struct SetupTimes {
     pub load_seconds: f64,
     pub bvh_seconds: f64,
     pub pipeline_seconds: f64,
+    /// From the command's start until the first sample could be taken: less than the sum where things went side by side, more
+    /// by what none of them counts.
+    pub setup_seconds: f64,
     #[serde(skip)]
     pub primitive_count: usize,
 }
@@ -49,7 +52,7 @@ impl Versions {
 }
 
 /// One step, or all of them.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
     /// Samples that every pixel has taken.
     pub spp: u64,

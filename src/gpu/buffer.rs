@@ -97,6 +97,33 @@ impl Buffer {
     /// # Errors
     /// Where the device does not allow such a size or is out of memory.
     pub fn new(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
+        let buffer = Self::allocate(context, name, bytes, kind)?;
+        context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
+        Ok(Arc::new(buffer))
+    }
+
+    /// A buffer of these values, followed by zeros where its size is rounded up.
+    ///
+    /// # Errors
+    /// As [`Buffer::new`], or where the device is lost.
+    pub fn with_values<T: Pod>(
+        context: &Arc<Context>,
+        name: &str,
+        values: &[T],
+        kind: BufferKind,
+    ) -> Result<Arc<Self>> {
+        let bytes = size_of_val(values) as u64;
+        // What is overwritten as a whole need not be cleared.
+        let is_filled = bytes > 0 && bytes.is_multiple_of(TEXEL_BYTES);
+        let buffer = match is_filled {
+            true => Arc::new(Self::allocate(context, name, bytes, kind)?),
+            false => Self::new(context, name, bytes, kind)?,
+        };
+        buffer.upload(0, values)?;
+        Ok(buffer)
+    }
+
+    fn allocate(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Self> {
         let bytes = bytes.max(1).checked_next_multiple_of(TEXEL_BYTES).unwrap_or(u64::MAX);
         check_size(context, name, bytes, kind)?;
         let backing = Backing::new(context, name, bytes, kind.usage(), MemoryLocation::GpuOnly)?;
@@ -104,8 +131,7 @@ impl Buffer {
         if let Some(format) = kind.texel_format() {
             buffer.create_view(format)?;
         }
-        context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
-        Ok(Arc::new(buffer))
+        Ok(buffer)
     }
 
     fn create_view(&mut self, format: vk::Format) -> Result<()> {

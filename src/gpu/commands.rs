@@ -12,8 +12,9 @@ use super::debug::c_name;
 use super::fault::failed;
 use super::kernel::Kernel;
 use super::layout::shapes_match;
+use super::queries::Timestamps;
 use super::sets::DescriptorSet;
-use super::timing::Clock;
+use super::timing::{Clock, DispatchTime};
 use crate::Result;
 
 /// Records work, in order. Dispatches, fills and copies may overlap unless a [`barrier`](Self::barrier) stands between.
@@ -22,7 +23,9 @@ use crate::Result;
 /// than that call.
 pub struct Recorder<'a> {
     // Owned, not borrowed: two recorders that a caller swaps each keep a living command buffer.
-    clock: Option<Clock>,
+    timestamps: Option<Timestamps>,
+    // Of the dispatches so far, where a record of them is kept.
+    dispatches: Option<Vec<DispatchTime>>,
     pool: CommandPool,
     commands: vk::CommandBuffer,
     // Invariant in 'a: no reborrowing of the recorder may shorten it.
@@ -35,34 +38,45 @@ const KERNEL_AND_COPY: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw
 
 impl<'a> Recorder<'a> {
     pub(super) fn begin(context: &Arc<Context>, label: &str) -> Result<Self> {
-        let clock = Clock::new(context)?;
+        let record = context.timings().clock();
+        let timestamps = Timestamps::new(context, record == Some(Clock::Device))?;
         let pool = CommandPool::new(context)?;
         let commands = pool.allocate()?;
         context.logical().name(commands, label);
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: invariant 1: the command buffer is new and ours.
         unsafe { context.raw().begin_command_buffer(commands, &info) }.map_err(failed("vkBeginCommandBuffer"))?;
-        let recorder = Self { clock, pool, commands, borrows: PhantomData };
-        if let Some(clock) = &recorder.clock {
-            clock.start(commands);
+        let dispatches = record.map(|_| Vec::new());
+        let recorder = Self { timestamps, dispatches, pool, commands, borrows: PhantomData };
+        if let Some(timestamps) = &recorder.timestamps {
+            timestamps.start(commands);
         }
         Ok(recorder)
     }
 
-    /// Makes all writes visible to the host and to later submissions, and closes the record. The clock is the caller's until
-    /// the submission is done.
+    /// Makes all writes visible to the host and to later submissions, and closes the record. The timestamps are the
+    /// caller's until the submission is done.
     pub(super) fn end(&mut self) -> Result<vk::CommandBuffer> {
         self.memory_barrier(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ | vk::AccessFlags::HOST_WRITE);
-        if let Some(clock) = &self.clock {
-            clock.stop(self.commands);
+        if let Some(timestamps) = &self.timestamps {
+            timestamps.stop(self.commands);
         }
         // SAFETY: invariant 1: the command buffer is ours and being recorded.
         unsafe { self.device().end_command_buffer(self.commands) }.map_err(failed("vkEndCommandBuffer"))?;
         Ok(self.commands)
     }
 
-    pub(super) fn clock(&self) -> Option<&Clock> {
-        self.clock.as_ref()
+    pub(super) fn timestamps(&self) -> Option<&Timestamps> {
+        self.timestamps.as_ref()
+    }
+
+    /// The dispatches with their times, once the submission is done; empty where no record is kept.
+    pub(super) fn dispatch_times(&mut self) -> Vec<DispatchTime> {
+        let mut dispatches = self.dispatches.take().unwrap_or_default();
+        for (place, dispatch) in dispatches.iter_mut().enumerate() {
+            dispatch.span = self.timestamps.as_ref().and_then(|timestamps| timestamps.span(place));
+        }
+        dispatches
     }
 
     /// Runs a kernel over `groups` workgroups. `sets` are the kernel's sets 0, 1, ...; one whose shape is empty may be any
@@ -74,6 +88,7 @@ impl<'a> Recorder<'a> {
     pub fn dispatch(&mut self, kernel: &'a Kernel, sets: &[&'a DescriptorSet], push: &[u8], groups: [u32; 3]) {
         self.check_dispatch(kernel, sets, push, groups);
         self.begin_label(kernel.name());
+        self.time_dispatch(Timestamps::start_dispatch);
         let (device, layout) = (self.device(), kernel.layout().raw());
         // SAFETY: invariants 1 and 3: all handles are alive until the submission is done; sets, push constants and groups
         // were checked against the pipeline's layout and the device's limits.
@@ -90,6 +105,10 @@ impl<'a> Recorder<'a> {
                 device.cmd_push_constants(self.commands, layout, vk::ShaderStageFlags::COMPUTE, 0, push);
             }
             device.cmd_dispatch(self.commands, groups[0], groups[1], groups[2]);
+        }
+        self.time_dispatch(Timestamps::stop_dispatch);
+        if let Some(dispatches) = &mut self.dispatches {
+            dispatches.push(DispatchTime { kernel: kernel.name(), workgroups: groups, span: None });
         }
         self.end_label();
     }
@@ -161,6 +180,13 @@ impl<'a> Recorder<'a> {
 
     fn check_context(&self, context: &Arc<Context>, name: &str) {
         assert!(Arc::ptr_eq(context, &self.pool.context), "`{name}` belongs to another context than this submission");
+    }
+
+    /// Marks the begin or the end of the dispatch being recorded, where a record is kept.
+    fn time_dispatch(&self, mark: impl FnOnce(&Timestamps, vk::CommandBuffer, usize)) {
+        if let (Some(timestamps), Some(dispatches)) = (&self.timestamps, &self.dispatches) {
+            mark(timestamps, self.commands, dispatches.len());
+        }
     }
 
     fn begin_label(&self, name: &str) {

@@ -11,6 +11,7 @@ use super::instance::Instance;
 use super::memory::Memory;
 use super::pipeline_cache::PipelineCache;
 use super::selection;
+use super::timing::{Clock, SubmissionTime, TimingRecord};
 use crate::Result;
 
 /// How to open a device.
@@ -27,6 +28,7 @@ pub struct Context {
     // Both hold the device too; it goes last.
     pipeline_cache: PipelineCache,
     memory: Memory,
+    timings: TimingRecord,
     device: Arc<LogicalDevice>,
 }
 
@@ -58,7 +60,7 @@ impl Context {
         let device = Arc::new(LogicalDevice::new(instance, physical[chosen.index], chosen.clone())?);
         let pipeline_cache = PipelineCache::new(Arc::clone(&device))?;
         let memory = Memory::new(Arc::clone(&device))?;
-        Ok(Arc::new(Self { pipeline_cache, memory, device }))
+        Ok(Arc::new(Self { pipeline_cache, memory, timings: TimingRecord::default(), device }))
     }
 
     /// What the device is and allows.
@@ -74,6 +76,24 @@ impl Context {
     /// A handle to those messages that outlives the context.
     pub fn validation_log(&self) -> ValidationLog {
         self.device.instance().log().clone()
+    }
+
+    /// Keeps a record of every submission from now on: each dispatch by the device's clock where it has one, else each
+    /// submission as a whole. Returns whose clock it is. Kernels of one submission then no longer overlap.
+    pub fn record_timings(&self) -> Clock {
+        self.record_timings_by(Clock::Device)
+    }
+
+    /// The same by a clock of the caller's choice; a device without one gives way to the host's.
+    pub fn record_timings_by(&self, clock: Clock) -> Clock {
+        let clock = if self.device.timestamp_bits() > 0 { clock } else { Clock::Host };
+        self.timings.start(clock);
+        clock
+    }
+
+    /// The submissions since the last call, where a record is kept.
+    pub fn take_timings(&self) -> Vec<SubmissionTime> {
+        self.timings.take()
     }
 
     /// Bytes that buffers hold now.
@@ -105,6 +125,10 @@ impl Context {
 
     pub(super) fn memory(&self) -> &Memory {
         &self.memory
+    }
+
+    pub(super) fn timings(&self) -> &TimingRecord {
+        &self.timings
     }
 
     pub(super) fn pipeline_cache(&self) -> &PipelineCache {

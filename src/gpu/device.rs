@@ -15,6 +15,7 @@ use crate::{Error, Result};
 pub(super) struct LogicalDevice {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
+    executables: Option<khr::pipeline_executable_properties::Device>,
     physical: vk::PhysicalDevice,
     queue: Mutex<vk::Queue>,
     queue_family: u32,
@@ -28,11 +29,14 @@ impl LogicalDevice {
     pub(super) fn new(instance: Instance, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Self> {
         let (queue_family, timestamp_bits) = compute_queue(instance.raw(), physical)
             .ok_or_else(|| Error::Device(format!("the Vulkan device {} has no compute queue", info.name)))?;
-        let raw = open(&instance, physical, queue_family)?;
+        let (raw, tells_executables) = open(&instance, physical, queue_family)?;
         let debug = instance.has_debug_utils().then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
+        let executables =
+            tells_executables.then(|| khr::pipeline_executable_properties::Device::new(instance.raw(), &raw));
         // SAFETY: invariant 1: the device was just created with one queue of this family.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
-        Ok(Self { raw, debug, physical, queue: Mutex::new(queue), queue_family, timestamp_bits, info, instance })
+        let queue = Mutex::new(queue);
+        Ok(Self { raw, debug, executables, physical, queue, queue_family, timestamp_bits, info, instance })
     }
 
     pub(super) fn raw(&self) -> &ash::Device {
@@ -70,6 +74,11 @@ impl LogicalDevice {
         self.debug.as_ref()
     }
 
+    /// VK_KHR_pipeline_executable_properties, where the driver has it.
+    pub(super) fn executables(&self) -> Option<&khr::pipeline_executable_properties::Device> {
+        self.executables.as_ref()
+    }
+
     /// Names an object of this device for messages and debuggers.
     pub(super) fn name(&self, handle: impl vk::Handle, name: &str) {
         let Some(debug) = &self.debug else { return };
@@ -88,25 +97,45 @@ impl Drop for LogicalDevice {
     }
 }
 
-fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) -> Result<ash::Device> {
+/// The device, and whether it tells what its driver made of a pipeline.
+fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) -> Result<(ash::Device, bool)> {
     // SAFETY: invariant 1: `physical` comes from the living instance.
     let offered = unsafe { instance.raw().enumerate_device_extension_properties(physical) }
         .map_err(failed("vkEnumerateDeviceExtensionProperties"))?;
     // A device that implements Vulkan on top of another interface demands that this be enabled.
     let subset = khr::portability_subset::NAME;
     let is_offered = |name: &CStr| offered.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name));
-    let extensions: Vec<*const c_char> = is_offered(subset).then_some(subset.as_ptr()).into_iter().collect();
+    let executables = khr::pipeline_executable_properties::NAME;
+    let tells_executables = is_offered(executables) && has_executable_info(instance, physical);
+    let wanted = [(subset, is_offered(subset)), (executables, tells_executables)];
+    let extensions: Vec<*const c_char> =
+        wanted.into_iter().filter(|(_, is_wanted)| *is_wanted).map(|(name, _)| name.as_ptr()).collect();
     // SAFETY: invariant 1: `physical` comes from the living instance.
     let supported = unsafe { instance.raw().get_physical_device_features(physical) };
     let features =
         vk::PhysicalDeviceFeatures::default().robust_buffer_access(supported.robust_buffer_access == vk::TRUE);
     let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
-    let info = vk::DeviceCreateInfo::default()
+    let mut executable_info =
+        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&extensions)
         .enabled_features(&features)
         .push_next(&mut vulkan12);
+    if tells_executables {
+        info = info.push_next(&mut executable_info);
+    }
     // SAFETY: invariant 1: `physical` comes from the living instance, and all that `info` points to are locals.
-    unsafe { instance.raw().create_device(physical, &info, None) }.map_err(failed("vkCreateDevice"))
+    let device = unsafe { instance.raw().create_device(physical, &info, None) }.map_err(failed("vkCreateDevice"))?;
+    Ok((device, tells_executables))
+}
+
+/// The feature of VK_KHR_pipeline_executable_properties, to be asked where the extension is offered.
+fn has_executable_info(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
+    let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut executables);
+    // SAFETY: invariant 1: `physical` comes from the living instance, and is of version 1.2 or later: it was not refused.
+    unsafe { instance.raw().get_physical_device_features2(physical, &mut features) };
+    executables.pipeline_executable_info == vk::TRUE
 }

@@ -1,5 +1,7 @@
 //! What a compiled kernel asks of its pipeline: plain data, written by `build.rs` from the reflected SPIR-V.
 
+use std::borrow::Cow;
+
 /// What a binding of a descriptor set holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingKind {
@@ -34,12 +36,14 @@ pub struct SetShape {
 }
 
 /// One kernel: a compute shader with its interface.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct KernelSource {
     /// The `.comp` file's stem: also the pipeline's label and the timestamp's.
     pub name: &'static str,
+    /// The name of the SPIR-V's file, which tells apart the back ends of one kernel.
+    pub file: &'static str,
     /// The SPIR-V, little-endian words.
-    pub spirv: &'static [u8],
+    pub spirv: Cow<'static, [u8]>,
     /// Shapes of sets 0, 1, 2, ... of the pipeline layout, without gaps.
     pub sets: &'static [SetShape],
     /// Size of the push-constant block in bytes, a multiple of 4; 0 where there is none.

@@ -2,10 +2,12 @@
 
 use std::io::Cursor;
 use std::sync::Arc;
+use std::time::Instant;
 
 use ash::vk;
 
 use super::context::Context;
+use super::executables::{self, PipelineReport};
 use super::fault::failed;
 use super::interface::KernelSource;
 use super::layout::PipelineLayout;
@@ -28,9 +30,29 @@ impl Kernel {
     pub fn new(context: &Arc<Context>, source: &KernelSource, constants: &[(u32, u32)]) -> Result<Self> {
         let module = ShaderModule::new(context, source)?;
         let layout = PipelineLayout::new(context, source)?;
-        let raw = create_pipeline(context, source, constants, &module, &layout)?;
+        let raw = create_pipeline(context, source, constants, &module, &layout, Build::ToRun)?;
         context.logical().name(raw, source.name);
-        Ok(Self { raw, source: *source, layout })
+        Ok(Self { raw, source: source.clone(), layout })
+    }
+
+    /// The same, built from nothing and with all that the driver tells of the result, and how long building it took. Some
+    /// drivers do part of the work at the first dispatch.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and where the driver does not answer.
+    pub fn examine(
+        context: &Arc<Context>,
+        source: &KernelSource,
+        constants: &[(u32, u32)],
+    ) -> Result<(Self, PipelineReport)> {
+        let module = ShaderModule::new(context, source)?;
+        let layout = PipelineLayout::new(context, source)?;
+        let begin = Instant::now();
+        let raw = create_pipeline(context, source, constants, &module, &layout, Build::ToExamine)?;
+        let creation_seconds = begin.elapsed().as_secs_f64();
+        let kernel = Self { raw, source: source.clone(), layout };
+        let executables = executables::of_kernel(&kernel)?;
+        Ok((kernel, PipelineReport { creation_seconds, executables }))
     }
 
     /// Its name: the `.comp` file's stem.
@@ -64,12 +86,22 @@ impl Drop for Kernel {
     }
 }
 
+/// What a pipeline is built for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Build {
+    ToRun,
+    /// From nothing, the pipeline cache left aside, so that the time it takes is that of a first run; the driver keeps what
+    /// it knows of the result, if it tells at all.
+    ToExamine,
+}
+
 fn create_pipeline(
     context: &Context,
     source: &KernelSource,
     constants: &[(u32, u32)],
     module: &ShaderModule,
     layout: &PipelineLayout,
+    build: Build,
 ) -> Result<vk::Pipeline> {
     let (entries, values) = specialization(source, constants);
     let specialization =
@@ -79,9 +111,15 @@ fn create_pipeline(
         .module(module.raw)
         .name(c"main")
         .specialization_info(&specialization);
-    let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw())];
-    let cache = context.pipeline_cache().raw();
-    // SAFETY: invariant 1: device, cache, module and layout are alive, and all that `info` points to are locals.
+    let keep =
+        vk::PipelineCreateFlags::CAPTURE_STATISTICS_KHR | vk::PipelineCreateFlags::CAPTURE_INTERNAL_REPRESENTATIONS_KHR;
+    let (flags, cache) = match build {
+        Build::ToRun => (vk::PipelineCreateFlags::empty(), context.pipeline_cache().raw()),
+        Build::ToExamine if context.logical().executables().is_some() => (keep, vk::PipelineCache::null()),
+        Build::ToExamine => (vk::PipelineCreateFlags::empty(), vk::PipelineCache::null()),
+    };
+    let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(layout.raw())];
+    // SAFETY: invariant 1: device, module, layout and the cache, if any, are alive; all that `info` points to are locals.
     let pipelines = unsafe { context.raw().create_compute_pipelines(cache, &info, None) };
     // One was asked for: where it failed there is none to destroy.
     let pipelines = pipelines.map_err(|(_, code)| failed(format!("compiling the kernel `{}`", source.name))(code))?;
@@ -107,7 +145,7 @@ struct ShaderModule {
 impl ShaderModule {
     fn new(context: &Arc<Context>, source: &KernelSource) -> Result<Self> {
         let call = format!("loading the kernel `{}`", source.name);
-        let words = ash::util::read_spv(&mut Cursor::new(source.spirv))
+        let words = ash::util::read_spv(&mut Cursor::new(&source.spirv))
             .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: invariant 1: the device is alive and `words` a local; it is SPIR-V by the module's premise.

@@ -21,8 +21,9 @@
 //!    though the device lives, ends the process.
 //!
 //! The three argue about the host's calls. What a kernel does is its own affair, with two guards: its SPIR-V is the
-//! compiler's output ([`KernelSource`] is written by `build.rs`), and devices are opened with robust buffer access, so an
-//! index out of range reaches no memory outside the buffer's.
+//! compiler's output ([`KernelSource`] is written by `build.rs`), or a user's who has asked for it by name and whose driver
+//! it is, of the same interface and validated ([`crate::inspect::replace`]); and devices are opened with robust buffer
+//! access, so an index out of range reaches no memory outside the buffer's.
 
 #![deny(clippy::undocumented_unsafe_blocks)]
 
@@ -33,6 +34,7 @@ mod context;
 mod debug;
 mod device;
 mod device_info;
+mod executables;
 mod fault;
 mod instance;
 mod interface;
@@ -41,6 +43,7 @@ mod layout;
 mod memory;
 mod needs;
 mod pipeline_cache;
+mod queries;
 mod selection;
 mod sets;
 mod submission;
@@ -51,7 +54,9 @@ pub use commands::Recorder;
 pub use context::{Context, ContextOptions, list_devices};
 pub use debug::ValidationLog;
 pub use device_info::{DeviceInfo, DeviceKind, Limits};
+pub use executables::{Executable, PipelineReport, Representation, Statistic, StatisticValue};
 pub use interface::{BindingKind, BindingShape, KernelSource, SetShape};
 pub use kernel::Kernel;
 pub use sets::DescriptorSet;
 pub use submission::Submission;
+pub use timing::{Clock, DispatchTime, SubmissionTime};

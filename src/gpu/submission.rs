@@ -8,7 +8,7 @@ use ash::vk;
 use super::commands::Recorder;
 use super::context::Context;
 use super::fault::failed;
-use super::timing::Clock;
+use super::queries::Timestamps;
 use crate::Result;
 
 /// How long a submission took.
@@ -48,12 +48,13 @@ impl Context {
         let mut recorder = Recorder::begin(self, label)?;
         record(&mut recorder);
         let commands = recorder.end()?;
-        let wall = self.run(label, commands)?;
-        Ok(Submission { wall, device: recorder.clock().and_then(Clock::elapsed) })
+        let (begin, wall) = self.run(label, commands)?;
+        self.timings().add(label, begin, wall, recorder.dispatch_times());
+        Ok(Submission { wall, device: recorder.timestamps().and_then(Timestamps::elapsed) })
     }
 
-    /// Runs a closed command buffer that the caller owns.
-    fn run(self: &Arc<Self>, label: &str, commands: vk::CommandBuffer) -> Result<Duration> {
+    /// Runs a closed command buffer that the caller owns. Returns when it was handed over, and how long it took.
+    fn run(self: &Arc<Self>, label: &str, commands: vk::CommandBuffer) -> Result<(Instant, Duration)> {
         let fence = Fence::new(self)?;
         let commands = [commands];
         let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
@@ -62,7 +63,7 @@ impl Context {
         // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by nobody else; the queue is held.
         unsafe { self.raw().queue_submit(*queue, &submits, fence.raw) }.map_err(failed(label))?;
         fence.wait(label)?;
-        Ok(start.elapsed())
+        Ok((start, start.elapsed()))
     }
 }
 

@@ -1,83 +1,79 @@
-//! The device's own clock.
+//! When dispatches ran, for those who ask.
 
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-use ash::vk;
+use serde::Serialize;
 
-use super::context::Context;
-use super::fault::failed;
-use crate::Result;
-
-/// Two timestamps around a command buffer's work.
-pub(super) struct Clock {
-    raw: vk::QueryPool,
-    context: Arc<Context>,
+/// Whose clock tells when a dispatch ran.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Clock {
+    /// The device's, by timestamp queries.
+    Device,
+    /// The host's, which sees whole submissions only.
+    Host,
 }
 
-impl Clock {
-    /// Nothing where the queue cannot tell the time.
-    pub(super) fn new(context: &Arc<Context>) -> Result<Option<Self>> {
-        if context.logical().timestamp_bits() == 0 {
-            return Ok(None);
+/// One dispatch of a submission.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DispatchTime {
+    /// The kernel's name.
+    pub kernel: &'static str,
+    /// Workgroups along each axis.
+    pub workgroups: [u32; 3],
+    /// Begin and end, from the submission's begin by the device's clock; nothing where that was not asked.
+    pub span: Option<(Duration, Duration)>,
+}
+
+/// One submission.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SubmissionTime {
+    /// Its label.
+    pub label: String,
+    /// When it was handed over, from the begin of the record, by the host's clock.
+    pub begin: Duration,
+    /// Until it was known to be done, by the host's clock.
+    pub wall: Duration,
+    /// Its dispatches, in order.
+    pub dispatches: Vec<DispatchTime>,
+}
+
+/// A context's record of submissions, if one is kept.
+#[derive(Default)]
+pub(super) struct TimingRecord(Mutex<Option<Running>>);
+
+struct Running {
+    epoch: Instant,
+    clock: Clock,
+    submissions: Vec<SubmissionTime>,
+}
+
+impl TimingRecord {
+    /// Forgets what was recorded and begins anew.
+    pub(super) fn start(&self, clock: Clock) {
+        *self.lock() = Some(Running { epoch: Instant::now(), clock, submissions: Vec::new() });
+    }
+
+    /// Whose clock is used, if a record is kept.
+    pub(super) fn clock(&self) -> Option<Clock> {
+        self.lock().as_ref().map(|running| running.clock)
+    }
+
+    /// Adds a submission that was handed over at `begin`.
+    pub(super) fn add(&self, label: &str, begin: Instant, wall: Duration, dispatches: Vec<DispatchTime>) {
+        if let Some(running) = self.lock().as_mut() {
+            let begin = begin.saturating_duration_since(running.epoch);
+            running.submissions.push(SubmissionTime { label: label.into(), begin, wall, dispatches });
         }
-        let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
-        // SAFETY: invariant 1: the device is alive, and `info` is a local.
-        let raw = unsafe { context.raw().create_query_pool(&info, None) }.map_err(failed("vkCreateQueryPool"))?;
-        Ok(Some(Self { raw, context: Arc::clone(context) }))
     }
 
-    /// Records the start.
-    pub(super) fn start(&self, commands: vk::CommandBuffer) {
-        let device = self.context.raw();
-        // SAFETY: invariants 1 and 3: the recorder owns the clock and the command buffer, which is being recorded.
-        unsafe {
-            device.cmd_reset_query_pool(commands, self.raw, 0, 2);
-            device.cmd_write_timestamp(commands, vk::PipelineStageFlags::TOP_OF_PIPE, self.raw, 0);
-        }
+    /// What was added since the last call.
+    pub(super) fn take(&self) -> Vec<SubmissionTime> {
+        self.lock().as_mut().map(|running| std::mem::take(&mut running.submissions)).unwrap_or_default()
     }
 
-    /// Records the end.
-    pub(super) fn stop(&self, commands: vk::CommandBuffer) {
-        let stage = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
-        // SAFETY: invariants 1 and 3: the recorder owns the clock and the command buffer, which is being recorded.
-        unsafe { self.context.raw().cmd_write_timestamp(commands, stage, self.raw, 1) }
-    }
-
-    /// The time between the two, once the submission is done.
-    pub(super) fn elapsed(&self) -> Option<Duration> {
-        let mut ticks = [0_u64; 2];
-        // SAFETY: invariant 1: device and queries are alive, and the slice has room for both.
-        let result = unsafe {
-            self.context.raw().get_query_pool_results(self.raw, 0, &mut ticks, vk::QueryResultFlags::TYPE_64)
-        };
-        let period = f64::from(self.context.device().limits.timestamp_nanoseconds);
-        let elapsed = ticks_between(ticks, self.context.logical().timestamp_bits());
-        result.ok().map(|()| Duration::from_secs_f64(elapsed as f64 * period * 1e-9))
-    }
-}
-
-impl Drop for Clock {
-    fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and the submission that used it is done or never began.
-        unsafe { self.context.raw().destroy_query_pool(self.raw, None) }
-    }
-}
-
-/// The difference of two counters of so many bits, the second of which may have wrapped round.
-fn ticks_between([start, end]: [u64; 2], bits: u32) -> u64 {
-    let mask = u64::MAX.checked_shr(64 - bits.min(64)).unwrap_or(0);
-    end.wrapping_sub(start) & mask
-}
-
-#[cfg(test)]
-mod tests {
-    use super::ticks_between;
-
-    #[test]
-    fn a_counter_may_wrap_round() {
-        assert_eq!(ticks_between([10, 25], 64), 15);
-        assert_eq!(ticks_between([u64::MAX - 1, 3], 64), 5);
-        assert_eq!(ticks_between([(1 << 36) - 2, 4], 36), 6);
+    fn lock(&self) -> std::sync::MutexGuard<'_, Option<Running>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

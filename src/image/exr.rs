@@ -7,8 +7,10 @@
 //! | `R`, `G`, `B`               | float | mean radiance, linear sRGB                                               |
 //! | `variance.R`, `.G`, `.B`    | float | variance of that mean                                                    |
 //! | `samples.N`                 | uint  | samples taken                                                            |
+//! | `hits.N`                    | uint  | those whose camera ray hit something                                     |
 //! | `albedo.R`, `.G`, `.B`      | float | mean albedo of the first hit                                             |
 //! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
+//! | `sums.00` to `sums.47`      | uint  | of a part of a picture: the words of [`PixelSums`]                       |
 //! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where none does |
 //!
 //! Data window: the rendered window; display window: the whole film. Compression loses nothing.
@@ -27,6 +29,7 @@ use ::exr::prelude::{
 use super::Image;
 use crate::files::write_whole;
 use crate::film::Picture;
+use crate::film_sums::PixelSums;
 use crate::{Error, Result};
 
 /// What every attribute of ours starts with.
@@ -65,8 +68,20 @@ fn channels(picture: &Picture) -> Vec<Channel> {
         }
     }
     channels.push(channel("samples.N", FlatSamples::U32(picture.sample_count.clone())));
+    channels.push(channel("hits.N", FlatSamples::U32(picture.hit_count.clone())));
     channels.push(channel("depth.Z", FlatSamples::F32(picture.depth.clone())));
+    channels.extend(sums_channels(picture));
     channels
+}
+
+fn sums_channels(picture: &Picture) -> Vec<Channel> {
+    let words: &[[u32; PixelSums::WORDS]] = bytemuck::cast_slice(&picture.sums);
+    let word = |at: usize| channel(&sums_name(at), FlatSamples::U32(words.iter().map(|words| words[at]).collect()));
+    if words.is_empty() { Vec::new() } else { (0..PixelSums::WORDS).map(word).collect() }
+}
+
+fn sums_name(word: usize) -> String {
+    format!("sums.{word:02}")
 }
 
 fn channel(name: &str, samples: FlatSamples) -> Channel {
@@ -122,10 +137,79 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
     assemble(path, part, channels)
 }
 
+/// Names and values.
+pub type Attributes = Vec<(String, String)>;
+
+/// Reads what [`write_picture`] has written, to the last bit: every layer, and the attributes as [`read_attributes`] does.
+pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
+    let parts = read_parts(path)?;
+    let [part] = &parts[..] else { return Err(lacking(path, "one part")) };
+    let image = assemble(path, part, color_channels(part).ok_or_else(|| lacking(path, "radiance"))?)?;
+    let layer = |prefix: &str| -> Result<Vec<[f32; 3]>> {
+        Ok(assemble(path, part, layer_channels(part, prefix).ok_or_else(|| lacking(path, prefix))?)?.pixels)
+    };
+    let counts = |name: &str| Ok(words_of(part, name).ok_or_else(|| lacking(path, name))?.to_vec());
+    let position = |at: i32| u32::try_from(at).map_err(|_| lacking(path, "a window within the film"));
+    let Vec2(x, y) = part.attributes.layer_position;
+    let picture = Picture {
+        width: image.width,
+        height: image.height,
+        offset: [position(x)?, position(y)?],
+        full_size: display_size(path)?,
+        radiance: image.pixels,
+        variance: layer("variance")?,
+        sample_count: counts("samples.N")?,
+        hit_count: counts("hits.N")?,
+        albedo: layer("albedo")?,
+        normal: layer("normal")?,
+        depth: layer("depth")?.iter().map(|depth| depth[0]).collect(),
+        sums: sums_of(path, part)?,
+    };
+    Ok((picture, attributes_of(&parts)))
+}
+
+/// A channel of integers.
+fn words_of<'a>(part: &'a Part, name: &str) -> Option<&'a [u32]> {
+    let channel = by_name(part).into_iter().find(|(found, _)| found == name)?.1;
+    match &channel.sample_data {
+        FlatSamples::U32(words) if channel.sampling == Vec2(1, 1) => Some(words),
+        _ => None,
+    }
+}
+
+/// None where the picture is a whole one.
+fn sums_of(path: &Path, part: &Part) -> Result<Vec<PixelSums>> {
+    if words_of(part, &sums_name(0)).is_none() {
+        return Ok(Vec::new());
+    }
+    let word = |at: usize| words_of(part, &sums_name(at)).ok_or_else(|| lacking(path, &sums_name(at)));
+    let channels: Vec<_> = (0..PixelSums::WORDS).map(word).collect::<Result<_>>()?;
+    let pixel =
+        |at: usize| bytemuck::cast::<[u32; PixelSums::WORDS], PixelSums>(std::array::from_fn(|c| channels[c][at]));
+    Ok((0..channels[0].len()).map(pixel).collect())
+}
+
+/// Size of the whole film.
+fn display_size(path: &Path) -> Result<[u32; 2]> {
+    let file = BufReader::new(File::open(path).map_err(Error::read(path))?);
+    let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
+    let window = meta.headers.first().map(|header| header.shared_attributes.display_window.size);
+    let size = window.and_then(|size| Some([u32::try_from(size.0).ok()?, u32::try_from(size.1).ok()?]));
+    size.ok_or_else(|| lacking(path, "a display window"))
+}
+
+fn lacking(path: &Path, what: &str) -> Error {
+    Error::image(path, format!("it lacks {what}; give a picture that this version of lodestar has written"))
+}
+
 /// Reads the attributes that [`write_picture`] has written, sorted by name, without their common prefix.
-pub fn read_attributes(path: &Path) -> Result<Vec<(String, String)>> {
+pub fn read_attributes(path: &Path) -> Result<Attributes> {
+    Ok(attributes_of(&read_parts(path)?))
+}
+
+fn attributes_of(parts: &[Part]) -> Attributes {
     let mut attributes = Vec::new();
-    for part in read_parts(path)? {
+    for part in parts {
         for (name, value) in &part.attributes.other {
             if let (Some(name), AttributeValue::Text(value)) = (name_of(name).strip_prefix(ATTRIBUTE_PREFIX), value) {
                 attributes.push((name.to_owned(), name_of(value)));
@@ -133,7 +217,7 @@ pub fn read_attributes(path: &Path) -> Result<Vec<(String, String)>> {
         }
     }
     attributes.sort();
-    Ok(attributes)
+    attributes
 }
 
 fn read_parts(path: &Path) -> Result<Vec<Part>> {
@@ -254,9 +338,11 @@ mod tests {
             radiance: pixels(1.0),
             variance: pixels(2.0),
             sample_count: (0..WIDTH * HEIGHT).map(|i| i + 16_777_217).collect(),
+            hit_count: (0..WIDTH * HEIGHT).map(|i| i + 8_388_609).collect(),
             albedo: pixels(3.0),
             normal: pixels(-4.0),
             depth,
+            sums: vec![],
         }
     }
 
@@ -292,6 +378,22 @@ mod tests {
         assert_eq!(depth, picture.depth.iter().map(|&depth| [depth; 3]).collect::<Vec<_>>());
         let error = read_layer(&path, "glow").unwrap_err().to_string();
         assert!(error.contains("a.exr: it has no layer glow"), "{error}");
+    }
+
+    #[test]
+    fn a_picture_comes_back_whole() {
+        let (_folder, path) = folder();
+        let attributes = [("seed".to_owned(), "7".to_owned())];
+        write_picture(&path, &picture(), &attributes).unwrap();
+        assert_eq!(read_picture(&path).unwrap(), (picture(), attributes.to_vec()));
+        let word = |at: u32| at.wrapping_mul(0x9e37_79b9);
+        let words: Vec<_> = (0..WIDTH * HEIGHT * PixelSums::WORDS as u32).map(word).collect();
+        let part = Picture { sums: bytemuck::pod_collect_to_vec(&words), ..picture() };
+        write_picture(&path, &part, &attributes).unwrap();
+        assert_eq!(read_picture(&path).unwrap().0, part);
+        write_channels(&path, Compression::ZIP16, ["R", "G", "B"].map(|name| float(name, [0.5, 2.0])).to_vec());
+        let error = read_picture(&path).unwrap_err().to_string();
+        assert!(error.contains("a.exr: it lacks variance"), "{error}");
     }
 
     #[test]
@@ -413,9 +515,11 @@ mod tests {
             radiance: vec![],
             variance: vec![],
             sample_count: vec![],
+            hit_count: vec![],
             albedo: vec![],
             normal: vec![],
             depth: vec![],
+            sums: vec![],
         };
         assert!(write_picture(&path, &empty, &[]).is_err());
         assert!(!path.exists());

@@ -1,6 +1,6 @@
 //! How far a picture is from a reference.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Image, tone};
 use crate::{Error, Result};
@@ -11,7 +11,7 @@ const RELATIVE_FLOOR: f64 = 1e-2;
 const TRIM_KEEP: f64 = 0.999;
 
 /// Errors of a picture against a reference, averaged over pixels and channels.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// The paper's error: mean absolute difference of what [`tone::paper`] shows.
     pub mae_ldr: f64,
@@ -25,7 +25,13 @@ pub struct Metrics {
     pub relmse_trim: f64,
     /// Mean of the picture over mean of the reference: 1 where no energy is lost or made up. Infinite or not a number
     /// where the reference is black.
+    #[serde(deserialize_with = "number_or_null")]
     pub mean_ratio: f64,
+}
+
+/// JSON has `null` for what is not a finite number.
+fn number_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 /// Measures `image` against `reference`.

@@ -1,7 +1,7 @@
 //! Tone curves: from linear radiance to what a screen shows.
 
 /// How linear values become display values.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ToneCurve {
     /// The sRGB transfer function; brighter than 1 is white.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::film::Picture;
+use crate::film_sums::PixelSums;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceKind};
 use crate::layout::{FilmFeatures, FilmRadiance};
 use crate::scene::Crop;
@@ -38,7 +39,7 @@ impl PageBuffers {
         let pixels = u64::from(window.width.div_ceil(TILE_SIDE))
             * u64::from(window.height.div_ceil(TILE_SIDE))
             * u64::from(TILE_PIXELS);
-        check_memory(context, pixels, &window)?;
+        check_memory(context, settings, pixels)?;
         let pixels = u32::try_from(pixels).map_err(|_| too_large(&window))?;
         let bindable = context.device().limits.max_storage_buffer_bytes / size_of::<FilmRadiance>() as u64;
         let most = bindable.min(u64::from(settings.film_page_pixels.unwrap_or(u32::MAX))).min(1 << 24) as u32;
@@ -84,19 +85,36 @@ impl FilmPage {
         &self.set
     }
 
+    pub fn radiance(&self) -> &Buffer {
+        &self.radiance
+    }
+
+    pub fn features(&self) -> &Buffer {
+        &self.features
+    }
+
     /// Writes this page's pixels where they belong in the picture.
     pub fn read_into(&self, picture: &mut Picture) -> Result<()> {
-        let count = self.pixel_count as usize;
-        let radiance: Vec<FilmRadiance> = self.radiance.read(0, count)?;
-        let features: Vec<FilmFeatures> = self.features.read(0, count)?;
+        let (radiance, features) = self.read()?;
         for (index, (radiance, features)) in (self.first_pixel..).zip(radiance.iter().zip(&features)) {
-            let (x, y) = tile_order_pixel(index, picture.width);
-            if x < picture.width && y < picture.height {
-                store_pixel(picture, (y as usize) * picture.width as usize + x as usize, radiance, features);
+            if let Some(at) = picture_index(index, picture) {
+                store_pixel(picture, at, radiance, features);
             }
         }
         Ok(())
     }
+
+    /// Every pixel's moments, in tile order.
+    pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
+        let count = self.pixel_count as usize;
+        Ok((self.radiance.read(0, count)?, self.features.read(0, count)?))
+    }
+}
+
+/// Where the pixel of that index in tile order lies in the picture, unless beyond its border.
+pub(super) fn picture_index(index: u32, picture: &Picture) -> Option<usize> {
+    let (x, y) = tile_order_pixel(index, picture.width);
+    (x < picture.width && y < picture.height).then(|| y as usize * picture.width as usize + x as usize)
 }
 
 /// Twin of the GLSL function of the same name.
@@ -114,6 +132,7 @@ fn store_pixel(picture: &mut Picture, at: usize, radiance: &FilmRadiance, featur
     picture.radiance[at] = radiance.mean;
     picture.variance[at] = radiance.squared_deviation.map(|squared| squared * scale);
     picture.sample_count[at] = count;
+    picture.hit_count[at] = radiance.hit_count;
     picture.albedo[at] = features.albedo;
     picture.normal[at] = features.normal;
     picture.depth[at] = if radiance.hit_count > 0 { features.depth } else { f32::INFINITY };
@@ -122,34 +141,27 @@ fn store_pixel(picture: &mut Picture, at: usize, radiance: &FilmRadiance, featur
 /// A picture of nothing.
 pub(super) fn empty_picture(settings: &Settings) -> Picture {
     let Crop { x, y, width, height } = settings.window();
-    let pixels = width as usize * height as usize;
-    Picture {
-        width,
-        height,
-        offset: [x, y],
-        full_size: [settings.width, settings.height],
-        radiance: vec![[0.0; 3]; pixels],
-        variance: vec![[0.0; 3]; pixels],
-        sample_count: vec![0; pixels],
-        albedo: vec![[0.0; 3]; pixels],
-        normal: vec![[0.0; 3]; pixels],
-        depth: vec![f32::INFINITY; pixels],
-    }
+    Picture::empty(width, height, [x, y], [settings.width, settings.height])
 }
 
 /// Bytes that a pixel takes on the device and, read back, on the host.
-const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64 + 60;
+const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64 + 64;
+/// The same of a part of a picture: its sums, in tile order, and those of a picture that is read back, in both orders.
+const PART_PIXEL_BYTES: u64 = PIXEL_BYTES + 3 * size_of::<PixelSums>() as u64;
 
 /// Refuses a film that memory cannot hold, before a system without that memory ends the process.
-fn check_memory(context: &Context, pixels: u64, window: &Crop) -> Result<()> {
+fn check_memory(context: &Context, settings: &Settings, pixels: u64) -> Result<()> {
+    let window = settings.window();
     let on_cpu = context.device().kind == DeviceKind::Cpu;
     let available = if on_cpu { available_memory() } else { Some(context.device().limits.device_local_bytes) };
+    let pixel_bytes = if on_cpu && settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { PIXEL_BYTES };
+    let needed = pixels.saturating_mul(pixel_bytes);
     match available {
-        Some(available) if pixels.saturating_mul(PIXEL_BYTES) > available => Err(crate::Error::Settings(format!(
+        Some(available) if needed > available => Err(crate::Error::Settings(format!(
             "a film of {} x {} pixels needs {} MiB, but {} MiB are free: render it in parts with --crop",
             window.width,
             window.height,
-            (pixels.saturating_mul(PIXEL_BYTES)) >> 20,
+            needed >> 20,
             available >> 20
         ))),
         _ => Ok(()),

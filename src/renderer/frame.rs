@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 
-use super::Shading;
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
+use super::state::Persistent;
 use super::statistics::Counts;
+use super::{Shading, Surfaces};
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::bvh::Bvh;
@@ -40,12 +41,8 @@ impl Frame {
         bvh: &Bvh,
         settings: &Settings,
     ) -> Result<Self> {
-        let Shading { materials, textures, lights } = shading;
-        let uploaded = |name: &str, bytes: &[u8], kind| -> Result<Arc<Buffer>> {
-            let buffer = Buffer::new(context, name, bytes.len() as u64, kind)?;
-            buffer.upload(0, bytes)?;
-            Ok(buffer)
-        };
+        let Shading { surfaces: Surfaces { materials, textures }, lights } = shading;
+        let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
         let constants = scene_constants(scene, bvh, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
         let shape = set_shape(kernels, 0);
@@ -87,6 +84,13 @@ impl Frame {
         Ok(Counts::from_counters(&self.counters.read(0, kernels::COUNTER_COUNT as usize)?))
     }
 
+    pub fn persistent(&self) -> [Persistent<'_>; 2] {
+        [
+            Persistent { name: "film radiance", buffers: self.pages().map(FilmPage::radiance).collect() },
+            Persistent { name: "film features", buffers: self.pages().map(FilmPage::features).collect() },
+        ]
+    }
+
     pub fn picture(&self, settings: &Settings) -> Result<Picture> {
         let mut picture = empty_picture(settings);
         self.pages.iter().try_for_each(|page| page.read_into(&mut picture))?;
@@ -100,9 +104,7 @@ fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> 
     let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
     let mut buffers = Vec::new();
     for (i, page) in words.pages().iter().enumerate() {
-        let buffer = Buffer::new(context, &format!("texel words {i}"), size_of_val(&page[..]) as u64, kind)?;
-        buffer.upload(0, page)?;
-        buffers.push(buffer);
+        buffers.push(Buffer::with_values(context, &format!("texel words {i}"), page, kind)?);
     }
     Ok(std::array::from_fn(|i| Arc::clone(&buffers[i.min(buffers.len() - 1)])))
 }

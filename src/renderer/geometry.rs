@@ -30,11 +30,10 @@ impl Geometry {
             ("primitives", bytemuck::cast_slice(&bvh.primitives)),
             ("attributes", bytemuck::cast_slice(&bvh.attributes)),
         ];
-        let buffers = contents.iter().zip(shape.bindings).map(|((name, bytes), binding)| {
-            let buffer = Buffer::new(context, name, bytes.len() as u64, buffer_kind(binding.kind))?;
-            buffer.upload(0, bytes)?;
-            Ok(buffer)
-        });
+        let buffers = contents
+            .iter()
+            .zip(shape.bindings)
+            .map(|((name, bytes), binding)| Buffer::with_values(context, name, bytes, buffer_kind(binding.kind)));
         let buffers = buffers.collect::<Result<Vec<_>>>()?;
         let set = DescriptorSet::new(context, "bvh", shape, &buffers.iter().collect::<Vec<_>>())?;
         Ok(Self { set })

@@ -3,6 +3,7 @@
 //! Read [`Renderer::step`] and `glsl/path_trace.comp`, and the algorithm is understood.
 
 mod film_pages;
+mod film_sums;
 mod frame;
 mod geometry;
 mod materials;
@@ -10,17 +11,19 @@ mod normalization_grid;
 mod plastics;
 mod radiance_grid;
 mod slices;
+mod state;
 mod statistics;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 
 use crate::bvh::Bvh;
 use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
-use crate::kernels::{self, Kernels, Variant};
+use crate::kernels::{self, BackEnd, Kernels, Registry, Variant};
 use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
 use crate::scene::{Projection, ReconstructionFilter, Scene};
@@ -28,6 +31,7 @@ use crate::settings::{Sampler, Settings};
 use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use film_pages::FilmPage;
+use film_sums::FilmSums;
 use frame::Frame;
 use geometry::Geometry;
 use normalization_grid::NormalizationGrid;
@@ -46,29 +50,40 @@ pub struct Renderer {
     radiance_grid: RadianceGrid,
     normalization_grid: NormalizationGrid,
     slicer: Slicer,
+    back_end: BackEnd,
+    /// Where the render is one part of several.
+    film_sums: Option<FilmSums>,
     samples_done: u32,
     stopped: bool,
 }
 
-/// What surfaces are made of and lit by, as it is uploaded.
-struct Shading {
+/// What surfaces are made of, as it is uploaded: all that can be made ready before the hierarchy is.
+pub struct Surfaces {
     materials: Vec<MaterialRecord>,
     textures: PackedTextures,
+}
+
+impl Surfaces {
+    /// Tabulates a scene's materials and packs its textures.
+    pub fn new(scene: &Scene) -> Self {
+        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let tables = plastics::complete(scene, &mut materials);
+        Self { materials, textures: PackedTextures::new(&scene.textures, &scene.images, tables) }
+    }
+}
+
+/// What surfaces are made of and lit by.
+struct Shading {
+    surfaces: Surfaces,
     lights: Lights,
 }
 
 impl Shading {
-    fn new(scene: &Scene, bvh: &Bvh) -> Self {
-        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
-        let tables = plastics::complete(scene, &mut materials);
-        let textures = PackedTextures::new(&scene.textures, &scene.images, tables);
-        Self { materials, textures, lights: Lights::new(scene, bvh) }
-    }
-
     /// Texels of the largest buffer.
     fn texels(&self) -> u64 {
-        let materials = size_of_val(&self.materials[..]) as u64 / 16;
-        materials.max(self.textures.longest()).max(self.lights.texel_count() as u64)
+        let Surfaces { materials, textures } = &self.surfaces;
+        let materials = size_of_val(&materials[..]) as u64 / 16;
+        materials.max(textures.longest()).max(self.lights.texel_count() as u64)
     }
 }
 
@@ -79,26 +94,59 @@ impl Renderer {
     /// # Errors
     /// Where a setting is out of range or the device cannot hold the scene.
     pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
+        Self::with_surfaces(context, scene, Surfaces::new(scene), bvh, settings, &Registry::built_in())
+    }
+
+    /// [`Renderer::new`] where the scene's surfaces are ready already, with kernels of the caller's, which have the interface
+    /// of the built-in ones.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_surfaces(
+        context: &Arc<Context>,
+        scene: &Scene,
+        surfaces: Surfaces,
+        bvh: &Bvh,
+        settings: &Settings,
+        registry: &Registry,
+    ) -> Result<Self> {
         settings.validate()?;
         settings.check_lighting(scene)?;
-        let shading = Shading::new(scene, bvh);
+        let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
         let variant = variant(settings, scene, &shading, bvh);
-        let kernels = kernels_for(context, &shading, bvh, settings);
+        let back_end = back_end_for(context, &shading, bvh, settings);
+        let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
-        let renderer = Self {
-            path_trace: build(&kernels.path_trace)?,
-            update_radiance: build(&kernels.update_radiance)?,
-            update_normalization: build(&kernels.update_normalization)?,
-            frame: Frame::new(context, kernels, scene, &shading, bvh, settings)?,
-            geometry: Geometry::new(context, kernels, bvh)?,
-            radiance_grid: RadianceGrid::new(context, kernels, settings)?,
-            normalization_grid: NormalizationGrid::new(context, kernels, settings)?,
+        let build = || -> Result<_> {
+            Ok((build(&kernels.path_trace)?, build(&kernels.update_radiance)?, build(&kernels.update_normalization)?))
+        };
+        let upload = || -> Result<_> {
+            let frame = Frame::new(context, kernels, scene, &shading, bvh, settings)?;
+            let geometry = Geometry::new(context, kernels, bvh)?;
+            let radiance_grid = RadianceGrid::new(context, kernels, settings)?;
+            Ok((frame, geometry, radiance_grid, NormalizationGrid::new(context, kernels, settings)?))
+        };
+        // Drivers compile on one core, and the other has time to copy.
+        let (built, uploaded) = rayon::join(build, upload);
+        let (path_trace, update_radiance, update_normalization) = built?;
+        let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
+        let mut renderer = Self {
+            path_trace,
+            update_radiance,
+            update_normalization,
+            frame,
+            geometry,
+            radiance_grid,
+            normalization_grid,
             slicer: Slicer::new(context.device(), settings, variant.workgroup_size),
+            back_end,
             context: Arc::clone(context),
             settings: settings.clone(),
+            film_sums: None,
             samples_done: 0,
             stopped: false,
         };
+        renderer.film_sums = settings.sample_offset.map(|_| FilmSums::new(&renderer.frame));
         renderer.warm_up()?;
         Ok(renderer)
     }
@@ -117,12 +165,22 @@ impl Renderer {
         }
         let begin = Instant::now();
         let mut counts = Counts::default();
+        // Also where an error ends it.
+        self.stopped = true;
         let complete = self.path_trace(samples, &mut counts, stop)?;
-        self.stopped = !complete;
         if complete && self.settings.sampler != Sampler::Bsdf {
             self.update_grids()?;
         }
+        if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
+            sums.take(&self.context, &self.frame)?;
+        }
+        self.stopped = !complete;
         Ok(StepReport { samples, complete, seconds: begin.elapsed().as_secs_f64(), counts })
+    }
+
+    /// Where its kernels read geometry and tables from.
+    pub fn back_end(&self) -> BackEnd {
+        self.back_end
     }
 
     /// Samples per pixel that complete steps and dispatches have taken.
@@ -130,12 +188,20 @@ impl Renderer {
         self.samples_done
     }
 
+    /// Whether the last step was stopped or has failed, so that no other can follow.
+    pub fn is_stopped(&self) -> bool {
+        self.stopped
+    }
+
     /// Reads the film back.
     ///
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        self.frame.picture(&self.settings)
+        match &self.film_sums {
+            Some(sums) => sums.picture(&self.frame, &self.settings),
+            None => self.frame.picture(&self.settings),
+        }
     }
 
     /// What the radiance grid holds: `[cell][direction bin]`, radiance as the next step will sample it.
@@ -175,7 +241,7 @@ impl Renderer {
             workgroup_count: slice.count,
             workgroup_stride: slice.stride,
             page_first_pixel: page.first_pixel(),
-            first_sample: self.samples_done,
+            first_sample: self.settings.sample_offset.unwrap_or(0).wrapping_add(self.samples_done),
             sample_count,
         };
         let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
@@ -229,18 +295,48 @@ impl Renderer {
     }
 }
 
-/// The kernels that read geometry and tables from texel buffers where the device allows their sizes, else from storage.
-fn kernels_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Settings) -> &'static Kernels {
+/// Texel buffers where the device allows the sizes that geometry and tables need, else storage.
+fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Settings) -> BackEnd {
     let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
     match texels.max(shading.texels()) <= context.device().limits.max_texel_elements && !settings.storage_reads {
-        true => &kernels::TEXEL_BUFFERS,
-        false => &kernels::STORAGE_BUFFERS,
+        true => BackEnd::Texel,
+        false => BackEnd::Storage,
     }
+}
+
+/// The specialization constants of a render.
+pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
+    let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh) };
+    variant(settings, scene, &shading, bvh)
 }
 
 fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> Variant {
     let lights = &shading.lights;
     let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
+    Variant {
+        stack_size: bvh.depth,
+        has_spheres: bvh.has_spheres(),
+        has_vertex_normals: bvh.has_vertex_normals(),
+        camera: match scene.camera.projection {
+            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
+            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
+            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
+        },
+        material_kinds: materials::kinds(scene),
+        surface_features: materials::features(scene),
+        texture_kinds: shading.surfaces.textures.kinds,
+        textured_parameters,
+        max_texture_links,
+        texel_pages: shading.surfaces.textures.words.pages().len() as u32,
+        nee: settings.nee && !lights.is_empty(),
+        light_kinds: lights.kinds(),
+        environment: lights.environment_kind(),
+        ..variant_of_settings(settings)
+    }
+}
+
+/// The specialization constants that settings alone decide; what a scene decides is left at its default.
+pub fn variant_of_settings(settings: &Settings) -> Variant {
     let (filter, filter_width) = match settings.filter {
         ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
@@ -249,6 +345,7 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
     Variant {
         sampler: settings.sampler as u32,
         learner: settings.learner as u32,
+        guide_set: settings.guide_set as u32,
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,
@@ -266,24 +363,8 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
         attenuation_tamper: settings.attenuation_tamper,
         filter,
         filter_width,
-        stack_size: bvh.depth,
-        has_spheres: bvh.has_spheres(),
-        has_vertex_normals: bvh.has_vertex_normals(),
-        camera: match scene.camera.projection {
-            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
-            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
-            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
-        },
+        nee: settings.nee,
         pdf_tamper: settings.pdf_tamper,
-        material_kinds: materials::kinds(scene),
-        surface_features: materials::features(scene),
-        texture_kinds: shading.textures.kinds,
-        textured_parameters,
-        max_texture_links,
-        texel_pages: shading.textures.words.pages().len() as u32,
-        nee: settings.nee && !lights.is_empty(),
-        light_kinds: lights.kinds(),
-        environment: lights.environment_kind(),
         mis_fault: settings.mis_fault,
         ..Variant::default()
     }

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::state::Persistent;
 use super::{set_shape, table_kind, table_set};
 use crate::Result;
 use crate::cosine_integrals::cosine_integrals;
@@ -14,6 +15,8 @@ use crate::settings::{Sampler, Settings};
 /// The grid of Sec. 4, with an entry per cell and normal bin.
 pub(super) struct NormalizationGrid {
     set: DescriptorSet,
+    table: Arc<Buffer>,
+    marks: Arc<Buffer>,
 }
 
 impl NormalizationGrid {
@@ -36,13 +39,19 @@ impl NormalizationGrid {
         let table_bytes = entries * size_of::<NormalizationEntry>() as u64;
         let table = buffer("normalizers", table_bytes, table_kind(shape, BufferKind::StorageTexelFloat))?;
         let marks = buffer("marked normalizers", entries.div_ceil(32) * size_of::<u32>() as u64, BufferKind::Storage)?;
-        let integrals = buffer("cosine integrals", size_of_val(&cosines[..]) as u64, BufferKind::Storage)?;
-        integrals.upload(0, &cosines)?;
+        let integrals = Buffer::with_values(context, "cosine integrals", &cosines, BufferKind::Storage)?;
         let set = table_set(context, "normalization grid", shape, &[&table, &marks, &integrals])?;
-        Ok(Self { set })
+        Ok(Self { set, table, marks })
     }
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
+    }
+
+    pub fn persistent(&self) -> [Persistent<'_>; 2] {
+        [
+            Persistent { name: "normalizers", buffers: vec![&self.table] },
+            Persistent { name: "marked normalizers", buffers: vec![&self.marks] },
+        ]
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::state::Persistent;
 use super::{set_shape, table_kind, table_set};
 use crate::Result;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
@@ -13,6 +14,9 @@ use crate::settings::{Sampler, Settings};
 pub(super) struct RadianceGrid {
     set: DescriptorSet,
     radiance: Arc<Buffer>,
+    learned: Arc<Buffer>,
+    /// Of sphere inversion alone.
+    ends: Arc<Buffer>,
     bin_count: usize,
 }
 
@@ -35,11 +39,19 @@ impl RadianceGrid {
         let ends = if settings.sampler == Sampler::SphereInversion { bins } else { 0 };
         let ends = Buffer::new(context, "bin ends", ends * size_of::<u32>() as u64, BufferKind::Storage)?;
         let set = table_set(context, "radiance grid", shape, &[&radiance, &learned, &sums, &ends])?;
-        Ok(Self { set, radiance, bin_count: bins as usize })
+        Ok(Self { set, radiance, learned, ends, bin_count: bins as usize })
     }
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
+    }
+
+    pub fn persistent(&self) -> [Persistent<'_>; 3] {
+        [
+            Persistent { name: "radiance", buffers: vec![&self.radiance] },
+            Persistent { name: "learned radiance", buffers: vec![&self.learned] },
+            Persistent { name: "bin ends", buffers: vec![&self.ends] },
+        ]
     }
 
     pub fn read(&self) -> Result<Vec<f32>> {

@@ -3,7 +3,8 @@
 use crate::kernels;
 
 /// Numbers that kernels count. The rates derived from them are those of the paper's tables and figures.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Counts {
     /// Rays traced.
     pub rays: u64,

@@ -5,16 +5,17 @@ use glam::Vec3;
 use super::texture::Textured;
 
 /// What a surface is made of.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Material {
     /// The `id`, or the shape's, for messages.
+    #[serde(skip)]
     pub name: String,
     /// A surface, or a choice between materials.
     pub kind: MaterialKind,
 }
 
 /// A surface, or a choice between materials.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum MaterialKind {
     /// Scatters.
     Surface(SurfaceMaterial),
@@ -35,7 +36,7 @@ pub enum MaterialKind {
 }
 
 /// A scattering surface: a scattering function and what modifies it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SurfaceMaterial {
     /// The scattering function.
     pub bsdf: Bsdf,
@@ -78,7 +79,7 @@ impl SurfaceMaterial {
 }
 
 /// What tilts the shading normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub enum Relief {
     /// `bumpmap`: heights in scene units.
     Bump {
@@ -95,7 +96,7 @@ pub enum Relief {
 }
 
 /// `coating`: a smooth dielectric layer over a scattering function (Weidlich and Wilkie 2007).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Coating {
     /// Relative index of refraction, interior over exterior, > 0.
     pub eta: f32,
@@ -106,7 +107,7 @@ pub struct Coating {
 }
 
 /// A distribution of microfacet normals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum Distribution {
     /// Beckmann (Mitsuba's default).
     Beckmann,
@@ -115,7 +116,7 @@ pub enum Distribution {
 }
 
 /// Roughness of a surface of microfacets.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Microfacets {
     /// Distribution of their normals.
     pub distribution: Distribution,
@@ -126,7 +127,7 @@ pub struct Microfacets {
 }
 
 /// A scattering function with its parameters in linear sRGB. `eta` of a dielectric is interior over exterior, > 0.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum Bsdf {
     /// Ideal diffuse reflection.
     Diffuse {
@@ -252,7 +253,7 @@ impl Bsdf {
 }
 
 /// Parameters of the principled BSDF; each in [0, 1] but `eta`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Principled {
     /// Color.
     pub base_color: Textured<Vec3>,

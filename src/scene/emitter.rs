@@ -5,7 +5,7 @@ use glam::{Mat3, Vec3};
 use super::texture::Textured;
 
 /// An `area` emitter: it emits from the side its normal points to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct AreaEmitter {
     /// Emitted radiance in linear sRGB, W/(m^2 sr), each channel >= 0.
     pub radiance: Textured<Vec3>,
@@ -21,7 +21,7 @@ impl AreaEmitter {
 }
 
 /// Light from infinitely far away.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Environment {
     /// How it is spread over the directions.
     pub kind: EnvironmentKind,
@@ -30,7 +30,7 @@ pub struct Environment {
 }
 
 /// How an environment's light is spread over the directions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub enum EnvironmentKind {
     /// `constant`: the same radiance from everywhere.
     Constant {
@@ -56,7 +56,7 @@ impl Environment {
 }
 
 /// An emitter that no ray can hit.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct DeltaEmitter {
     /// Where its light comes from.
     pub kind: DeltaKind,
@@ -65,7 +65,7 @@ pub struct DeltaEmitter {
 }
 
 /// Where the light of an emitter that no ray can hit comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub enum DeltaKind {
     /// `point`
     Point {

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 /// One primitive of the scene, in world space.
 ///
 /// A point on the three flat shapes is `origin + u * edge_u + v * edge_v`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Primitive {
     /// What `(u, v)` range over, or that it is a sphere.
     pub shape: PrimitiveShape,
@@ -30,7 +30,7 @@ pub struct Primitive {
 }
 
 /// The kinds of primitive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum PrimitiveShape {
     /// `u >= 0`, `v >= 0`, `u + v <= 1`.
     Triangle,

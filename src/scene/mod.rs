@@ -10,6 +10,7 @@ mod document;
 mod element;
 pub mod emitter;
 mod emitter_plugin;
+pub mod fingerprint;
 mod flatten;
 pub mod geometry;
 pub mod load;
@@ -35,6 +36,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
+pub use fingerprint::fingerprint;
 pub use geometry::{Primitive, PrimitiveShape};
 pub use load::{LoadOptions, LoadProgress, load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
@@ -79,7 +81,7 @@ impl Scene {
 }
 
 /// A sensor.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Camera {
     /// How it projects.
     pub projection: Projection,
@@ -99,7 +101,7 @@ pub struct Camera {
 }
 
 /// How a camera projects.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub enum Projection {
     /// All rays go through one point.
     Perspective,
@@ -116,7 +118,7 @@ pub enum Projection {
 }
 
 /// Mitsuba's `fov_axis`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum FovAxis {
     /// Horizontal (Mitsuba's default).
     X,
@@ -169,7 +171,7 @@ impl Camera {
 }
 
 /// Size, crop and reconstruction filter of a film.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct FilmDescription {
     /// Width in pixels, > 0.
     pub width: u32,
@@ -182,7 +184,7 @@ pub struct FilmDescription {
 }
 
 /// A window of the film, in pixels from its top left corner.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Crop {
     /// Left edge.
     pub x: u32,
@@ -195,7 +197,7 @@ pub struct Crop {
 }
 
 /// A reconstruction filter, applied by filter importance sampling. Radii are in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ReconstructionFilter {
     /// Every sample weighs the same within its own pixel.
@@ -213,7 +215,7 @@ pub enum ReconstructionFilter {
 }
 
 /// What the scene file's `integrator` says; what it leaves open is `None`.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct IntegratorDescription {
     /// Longest path in edges; `Some(-1)` is Mitsuba's "unlimited".
     pub max_depth: Option<i32>,

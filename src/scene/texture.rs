@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 
 /// A value, or a texture times that value.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Textured<T> {
     /// The value, or the factor of the texture.
     pub value: T,
@@ -19,9 +19,10 @@ impl<T> Textured<T> {
 }
 
 /// A texture with its mapping.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Texture {
     /// Its `id` or file, for messages.
+    #[serde(skip)]
     pub name: String,
     /// What it shows.
     pub pattern: Pattern,
@@ -39,8 +40,8 @@ impl Texture {
             Pattern::Checkerboard { color0, color1 } => 0.5 * (color0 + color1),
             Pattern::Bitmap { image, .. } => {
                 let texels = &images[image as usize].texels;
-                let colors = || texels.colors(texels.len().div_ceil(MEAN_TEXELS));
-                colors().sum::<Vec3>() / colors().count().max(1) as f32
+                let step = texels.len().div_ceil(MEAN_TEXELS).max(1);
+                texels.colors(step).sum::<Vec3>() / texels.len().div_ceil(step).max(1) as f32
             }
         }
     }
@@ -55,7 +56,7 @@ impl Texture {
 }
 
 /// What a texture shows.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum Pattern {
     /// An image.
     Bitmap {
@@ -76,7 +77,7 @@ pub enum Pattern {
 }
 
 /// Mitsuba's `filter_type`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum TexelFilter {
     /// Interpolated between four texels' centers (Mitsuba's default).
     Bilinear,
@@ -85,7 +86,7 @@ pub enum TexelFilter {
 }
 
 /// Mitsuba's `wrap_mode`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum WrapMode {
     /// The image is repeated (Mitsuba's default).
     Repeat,
@@ -96,9 +97,10 @@ pub enum WrapMode {
 }
 
 /// An image as a texture reads it, rows from the top.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Image {
     /// The file, for messages.
+    #[serde(skip)]
     pub name: String,
     /// Texels in a row, > 0.
     pub width: u32,
@@ -109,17 +111,23 @@ pub struct Image {
 }
 
 /// Texels in the precision that their file has.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum Texels {
     /// Red, green, blue and alpha in [0, 255]; gray is in all three.
     Bytes {
         /// Whether the colors (not alpha) are encoded by the sRGB curve.
         srgb: bool,
         /// The texels.
+        #[serde(serialize_with = "as_bytes")]
         data: Vec<[u8; 4]>,
     },
     /// Linear red, green, blue and alpha, finite.
-    Floats(Vec<[f32; 4]>),
+    Floats(#[serde(serialize_with = "as_bytes")] Vec<[f32; 4]>),
+}
+
+/// In one piece: one by one, the hash of a large image would take seconds.
+fn as_bytes<T: bytemuck::Pod, S: serde::Serializer>(texels: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_bytes(bytemuck::cast_slice(texels))
 }
 
 impl Texels {

@@ -31,6 +31,8 @@ pub fn write_row(path: &Path, width: u32, value: f32) {
         radiance: vec![[value; 3]; count],
         variance: vec![[0.0; 3]; count],
         sample_count: vec![1; count],
+        hit_count: vec![1; count],
+        sums: vec![],
         albedo: vec![[0.0; 3]; count],
         normal: vec![[0.0; 3]; count],
         depth: vec![1.0; count],

@@ -6,8 +6,18 @@ use serde_json::Value;
 
 use crate::support::{Folder, keys};
 
-const FILE: [&str; 9] =
-    ["bvh_seconds", "device", "load_seconds", "pipeline_seconds", "scene", "settings", "steps", "totals", "versions"];
+const FILE: [&str; 10] = [
+    "bvh_seconds",
+    "device",
+    "load_seconds",
+    "pipeline_seconds",
+    "scene",
+    "settings",
+    "setup_seconds",
+    "steps",
+    "totals",
+    "versions",
+];
 const STEP: [&str; 9] = [
     "invalid_rate",
     "light_hit_rate",
@@ -69,7 +79,7 @@ fn steps_add_up_to_the_totals() {
     // The first step samples the scattering function only.
     assert_eq!(number(&steps[0], "tries_per_sample"), 0.0);
     assert!(steps[1..].iter().all(|step| number(step, "tries_per_sample") >= 1.0));
-    for name in ["load_seconds", "bvh_seconds", "pipeline_seconds"] {
+    for name in ["load_seconds", "bvh_seconds", "pipeline_seconds", "setup_seconds"] {
         assert!(number(&stats, name) > 0.0, "{name}");
     }
     assert_eq!(keys(&stats["versions"]), ["driver", "lodestar", "vulkan"]);

@@ -12,7 +12,7 @@ const LEAST_ACCEPTED: f64 = 0.9975;
 /// Largest deviation of the mean luminance, where three standard errors are less.
 const LUMINANCE_TOLERANCE: f64 = 0.01;
 /// Blocks grow until nearly all of them are known this well: below, noise is too far from normal for a test that assumes it.
-const KNOWN_ERROR: f64 = 0.1;
+const KNOWN_ERROR: f64 = 0.05;
 const KNOWN_SHARE: f64 = 0.97;
 const SIDES: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 

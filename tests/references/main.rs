@@ -17,6 +17,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use agreement::{Agreement, Estimate};
+use clap::ValueEnum;
 use lodestar::bvh::Bvh;
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
@@ -38,12 +39,12 @@ const CASES: [Case; 12] = [
     Case { name: "cornell-box-hard", spp: [64, 64] },
     Case { name: "kitchen", spp: [16, 16] },
     Case { name: "living-room", spp: [16, 16] },
-    Case { name: "living-room-2", spp: [16, 16] },
+    Case { name: "living-room-2", spp: [16, 32] },
     Case { name: "living-room-3", spp: [16, 16] },
     Case { name: "staircase", spp: [16, 16] },
     Case { name: "staircase2", spp: [16, 16] },
     Case { name: "veach-ajar", spp: [64, 64] },
-    Case { name: "veach-ajar-2", spp: [64, 64] },
+    Case { name: "veach-ajar-2", spp: [64, 256] },
 ];
 
 /// The scene on which faults must be found, and how many samples that takes.
@@ -152,11 +153,8 @@ impl Run {
 const METHODS: [(Sampler, bool); 4] =
     [(Sampler::Bsdf, false), (Sampler::Bsdf, true), (Sampler::RejectionMix, false), (Sampler::RejectionMix, true)];
 
-fn name(sampler: Sampler) -> &'static str {
-    match sampler {
-        Sampler::Bsdf => "bsdf",
-        Sampler::RejectionMix => "rejection-mix",
-    }
+fn name(sampler: Sampler) -> String {
+    sampler.to_possible_value().map_or_else(String::new, |value| value.get_name().into())
 }
 
 /// How the references were rendered.

@@ -13,7 +13,7 @@ use crate::estimate::{Comparison, Estimate, WHOLE};
 use crate::scenes::{GUIDED, SAMPLERS, ours, settings};
 
 /// Every number of the picture as bits.
-fn bits(picture: &Picture) -> Vec<u32> {
+pub fn bits(picture: &Picture) -> Vec<u32> {
     let colors = [&picture.radiance, &picture.variance, &picture.albedo, &picture.normal];
     let floats = colors.into_iter().flatten().flatten().chain(&picture.depth).map(|value| value.to_bits());
     floats.chain(picture.sample_count.iter().copied()).collect()

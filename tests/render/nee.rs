@@ -2,17 +2,18 @@
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, dvec3};
+use glam::{DVec3, Vec3, dvec3};
 use lodestar::film::Picture;
 use lodestar::kernels::{MIS_BLIND_TO_GUIDE, MIS_COUNTS_TWICE, MIS_EXACT};
 use lodestar::lights::EnvironmentMap;
 use lodestar::reference::light::environment_radiance;
-use lodestar::scene::{EnvironmentKind, Scene};
+use lodestar::scene::bsdf::Distribution;
+use lodestar::scene::{Bsdf, EnvironmentKind, Material, Scene, Textured};
 use lodestar::settings::{Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::scenes::{SAMPLERS, ours, settings, with_albedo_scaled};
+use crate::scenes::{SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
 use crate::significance::{ALPHA, sidak, two_sided};
 
 /// Reflectance of the floor in `floor.xml`.
@@ -147,20 +148,45 @@ struct Case {
     size: [u32; 2],
     spp: [u32; 2],
     sides: &'static [usize],
+    /// Whether floor, ball and box shine.
+    glossy: bool,
 }
 
+const BLOCKS: &[usize] = &[4, 8, WHOLE];
 const CORNELL_BOX: Case =
-    Case { file: "cornell-box/scene.xml", light: "", size: [32, 32], spp: [4096, 1024], sides: &[4, 8, WHOLE] };
+    Case { file: "cornell-box/scene.xml", light: "", size: [32, 32], spp: [4096, 1024], sides: BLOCKS, glossy: false };
 const AREA_LIGHTS: Case =
-    Case { file: "lights/scene.xml", light: "area", size: [32, 24], spp: [4096, 512], sides: &[4, 8, WHOLE] };
+    Case { file: "lights/scene.xml", light: "area", size: [32, 24], spp: [4096, 512], sides: BLOCKS, glossy: false };
+const GLOSSY: Case =
+    Case { file: "lights/scene.xml", light: "area", size: [32, 24], spp: [4096, 1024], sides: BLOCKS, glossy: true };
 const SKY: Case =
-    Case { file: "lights/scene.xml", light: "envmap", size: [32, 24], spp: [4096, 512], sides: &[4, 8, WHOLE] };
+    Case { file: "lights/scene.xml", light: "envmap", size: [32, 24], spp: [4096, 512], sides: BLOCKS, glossy: false };
+
+/// A rough layer over what is diffuse and not black.
+fn polish(material: &mut Material) {
+    if let Bsdf::Diffuse { reflectance } = surface_mut(material).bsdf
+        && reflectance.value.max_element() > 0.0
+    {
+        surface_mut(material).bsdf = Bsdf::RoughPlastic {
+            distribution: Distribution::Ggx,
+            alpha: 0.15,
+            eta: 1.5,
+            diffuse_reflectance: reflectance,
+            specular_reflectance: Textured::constant(Vec3::ONE),
+            nonlinear: false,
+        };
+    }
+}
 
 impl Case {
     /// With all albedos multiplied.
     fn render(&self, device: &Device, albedo: f32, change: impl FnOnce(&mut Settings)) -> Estimate {
         let defines = [("light", self.light)];
-        let scene = with_albedo_scaled(&ours(self.file, if self.light.is_empty() { &[] } else { &defines }), albedo);
+        let scene = ours(self.file, if self.light.is_empty() { &[] } else { &defines });
+        let mut scene = with_albedo_scaled(&scene, albedo);
+        if self.glossy {
+            scene.materials.iter_mut().for_each(polish);
+        }
         let mut settings = settings(&scene, self.size, Sampler::Bsdf, 0);
         change(&mut settings);
         Estimate::of(&device.render(&scene, &settings, self.spp[usize::from(settings.nee)]))
@@ -195,6 +221,11 @@ fn emitter_sampling_leaves_the_cornell_box_as_it_is() {
 #[test]
 fn emitter_sampling_leaves_all_shapes_of_light_as_they_are() {
     AREA_LIGHTS.check();
+}
+
+#[test]
+fn emitter_sampling_leaves_glossy_surfaces_as_they_are() {
+    GLOSSY.check();
 }
 
 #[test]

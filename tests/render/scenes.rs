@@ -9,8 +9,11 @@ use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
 pub const SAMPLERS: [Sampler; 5] =
     [Sampler::Bsdf, Sampler::RejectionMix, Sampler::Rejection, Sampler::SphereInversion, Sampler::HemisphereInversion];
 
+/// A change to the settings that a test makes.
+type Change = fn(&mut Settings);
+
 /// Every way to follow a guide.
-pub const GUIDED: [(&str, fn(&mut Settings)); 10] = [
+pub const GUIDED: [(&str, Change); 10] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),

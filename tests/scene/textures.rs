@@ -226,16 +226,11 @@ fn picture(value: f32) -> Picture {
     let mut radiance = vec![[0.25; 3]; count];
     radiance[6] = [0.5, value, 0.0];
     Picture {
-        width: WIDTH,
-        height: HEIGHT,
-        offset: [0; 2],
-        full_size: [WIDTH, HEIGHT],
         radiance,
-        variance: vec![[0.0; 3]; count],
         sample_count: vec![1; count],
-        albedo: vec![[0.0; 3]; count],
-        normal: vec![[0.0; 3]; count],
+        hit_count: vec![1; count],
         depth: vec![1.0; count],
+        ..Picture::empty(WIDTH, HEIGHT, [0; 2], [WIDTH, HEIGHT])
     }
 }
 

@@ -1,0 +1,296 @@
+//! Renders on disk: everything that it takes to go on with one as if it had never stopped.
+//!
+//! A file, all numbers little-endian:
+//!
+//! | bytes  | what                                                                                          |
+//! |--------|-----------------------------------------------------------------------------------------------|
+//! | 8      | [`MAGIC`]                                                                                     |
+//! | 8      | length of the header                                                                          |
+//! | 16     | XXH3-128 of the header                                                                        |
+//! | header | JSON: version, scene, settings, device, what the program adds, and length and hash of each part |
+//! | rest   | the parts, one after the other                                                                |
+//!
+//! It is written whole or not at all, and no altered byte of it goes unnoticed. Another version's is refused: what it would
+//! render has other bits.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::xxh3_128;
+
+use crate::files::write_whole;
+use crate::renderer::{RenderState, StatePart};
+use crate::settings::Settings;
+use crate::{Error, Result};
+
+/// What a checkpoint starts with. The line breaks are those that a transfer as text would spoil.
+pub const MAGIC: [u8; 8] = *b"LDSTR\r\n\x1a";
+/// Magic, length and hash of the header.
+const PREFIX_BYTES: u64 = 32;
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A render that can be gone on with. `J` is what the program that renders wants to remember.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checkpoint<J> {
+    /// What is rendered.
+    pub scene: SceneSource,
+    /// How.
+    pub settings: Settings,
+    /// The device and driver on which it was begun: another's arithmetic may differ in the last bit.
+    pub device: String,
+    /// The program's own.
+    pub job: J,
+    /// What has been rendered and learned.
+    pub state: RenderState,
+}
+
+/// Where a scene comes from, and how it is known to be the same later.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneSource {
+    /// The file, with its whole path.
+    pub path: String,
+    /// `-D name=value`
+    pub defines: Vec<(String, String)>,
+    /// See [`crate::scene::fingerprint()`].
+    pub hash: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Header<J> {
+    version: String,
+    scene: SceneSource,
+    settings: Settings,
+    device: String,
+    job: J,
+    samples_done: u32,
+    parts: Vec<PartEntry>,
+}
+
+/// What every version's header has.
+#[derive(Deserialize)]
+struct AnyHeader {
+    version: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PartEntry {
+    name: String,
+    bytes: u64,
+    /// XXH3-128 in hexadecimal.
+    hash: String,
+}
+
+impl<J: Serialize + DeserializeOwned> Checkpoint<J> {
+    /// Writes the file whole or not at all.
+    ///
+    /// # Errors
+    /// [`Error::Write`]; an older file is then left as it was.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        write_whole(path, |writer| self.write_to(writer))
+    }
+
+    fn write_to(&self, writer: &mut BufWriter<File>) -> io::Result<()> {
+        let header = serde_json::to_vec(&self.header())?;
+        writer.write_all(&MAGIC)?;
+        writer.write_all(&(header.len() as u64).to_le_bytes())?;
+        writer.write_all(&xxh3_128(&header).to_le_bytes())?;
+        writer.write_all(&header)?;
+        self.state.parts.iter().try_for_each(|part| writer.write_all(&part.bytes))
+    }
+
+    fn header(&self) -> Header<&J> {
+        let entry = |part: &StatePart| PartEntry {
+            name: part.name.clone(),
+            bytes: part.bytes.len() as u64,
+            hash: hash_text(&part.bytes),
+        };
+        Header {
+            version: VERSION.into(),
+            scene: self.scene.clone(),
+            settings: self.settings.clone(),
+            device: self.device.clone(),
+            job: &self.job,
+            samples_done: self.state.samples_done,
+            parts: self.state.parts.iter().map(entry).collect(),
+        }
+    }
+
+    /// Reads a checkpoint of this version.
+    ///
+    /// # Errors
+    /// [`Error::Read`], or [`Error::Checkpoint`] where the file is no checkpoint, another version's, cut short, or altered.
+    pub fn read(path: &Path) -> Result<Self> {
+        let mut reader = Reader::open(path)?;
+        let Header { scene, settings, device, job, samples_done, parts, .. } = reader.header::<J>()?;
+        settings.validate().map_err(|error| Error::checkpoint(path, error.to_string()))?;
+        reader.check_length(&parts)?;
+        let parts = parts.into_iter().map(|entry| reader.part(entry)).collect::<Result<_>>()?;
+        Ok(Self { scene, settings, device, job, state: RenderState { samples_done, parts } })
+    }
+}
+
+/// A file as far as it has been read.
+struct Reader<'a> {
+    path: &'a Path,
+    file: BufReader<File>,
+    bytes_left: u64,
+}
+
+impl<'a> Reader<'a> {
+    fn open(path: &'a Path) -> Result<Self> {
+        let file = File::open(path).map_err(Error::read(path))?;
+        let metadata = file.metadata().map_err(Error::read(path))?;
+        if !metadata.is_file() {
+            return Err(Error::checkpoint(path, "it is not a regular file; give a checkpoint"));
+        }
+        Ok(Self { path, file: BufReader::new(file), bytes_left: metadata.len() })
+    }
+
+    fn header<J: DeserializeOwned>(&mut self) -> Result<Header<J>> {
+        let prefix = self.take(PREFIX_BYTES.min(self.bytes_left))?;
+        if prefix.len() as u64 != PREFIX_BYTES || !prefix.starts_with(&MAGIC) {
+            return Err(Error::checkpoint(self.path, "it is no checkpoint; give one that lodestar has written"));
+        }
+        let [length, hash] = [&prefix[8..16], &prefix[16..]];
+        let length = length.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte));
+        let header = self.take(length)?;
+        if xxh3_128(&header).to_le_bytes() != *hash {
+            return Err(self.damaged());
+        }
+        let unreadable = |error| Error::checkpoint(self.path, format!("its header cannot be read ({error})"));
+        let AnyHeader { version } = serde_json::from_slice(&header).map_err(unreadable)?;
+        if version != VERSION {
+            let message = format!(
+                "version {version} has written it, but this is {VERSION}, which would render other bits; go on with {version}"
+            );
+            return Err(Error::checkpoint(self.path, message));
+        }
+        serde_json::from_slice(&header).map_err(unreadable)
+    }
+
+    fn check_length(&self, parts: &[PartEntry]) -> Result<()> {
+        let bytes = parts.iter().fold(0u64, |sum, part| sum.saturating_add(part.bytes));
+        if bytes == self.bytes_left { Ok(()) } else { Err(self.damaged()) }
+    }
+
+    fn part(&mut self, entry: PartEntry) -> Result<StatePart> {
+        let bytes = self.take(entry.bytes)?;
+        if hash_text(&bytes) == entry.hash { Ok(StatePart { name: entry.name, bytes }) } else { Err(self.damaged()) }
+    }
+
+    /// The next bytes, which the file is known to have before room is made for them.
+    fn take(&mut self, count: u64) -> Result<Vec<u8>> {
+        self.bytes_left = self.bytes_left.checked_sub(count).ok_or_else(|| self.damaged())?;
+        let mut bytes = vec![0; count as usize];
+        self.file.read_exact(&mut bytes).map_err(Error::read(self.path))?;
+        Ok(bytes)
+    }
+
+    fn damaged(&self) -> Error {
+        Error::checkpoint(self.path, "it was cut short or altered after it was written; go on from another copy")
+    }
+}
+
+fn hash_text(bytes: &[u8]) -> String {
+    format!("{:032x}", xxh3_128(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    use crate::scene::{LoadOptions, load};
+
+    type Example = Checkpoint<Vec<f64>>;
+
+    fn example() -> Example {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.xml");
+        let scene = load(&path, &LoadOptions::default()).expect("a scene");
+        let defines = vec![("albedo".into(), "0.5".into())];
+        let part = |name: &str, bytes: &[u8]| StatePart { name: name.into(), bytes: bytes.to_vec() };
+        Checkpoint {
+            scene: SceneSource { path: "/scenes/küche.xml".into(), defines, hash: "00ff".into() },
+            settings: Settings::for_scene(&scene),
+            device: "a device".into(),
+            job: vec![0.1, 1.0 / 3.0, 5e-324],
+            state: RenderState {
+                samples_done: 7,
+                parts: vec![part("a", &[1, 2, 3, 4]), part("b", &[]), part("c", &[5])],
+            },
+        }
+    }
+
+    fn written() -> (tempfile::TempDir, std::path::PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ckpt");
+        example().write(&path).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn what_is_written_comes_back() {
+        let (_folder, path) = written();
+        assert_eq!(Example::read(&path).unwrap(), example());
+    }
+
+    /// Each as one sentence that names the file.
+    fn refused(path: &Path, bytes: &[u8]) -> String {
+        fs::write(path, bytes).unwrap();
+        let error = Example::read(path).unwrap_err();
+        assert!(matches!(error, Error::Checkpoint { .. }), "{error}");
+        let text = error.to_string();
+        assert!(text.contains("a.ckpt: ") && !text.contains('\n'), "{text}");
+        text
+    }
+
+    #[test]
+    fn no_cut_goes_unnoticed() {
+        let (_folder, path) = written();
+        let whole = fs::read(&path).unwrap();
+        for length in 0..whole.len() {
+            refused(&path, &whole[..length]);
+        }
+        refused(&path, &[&whole[..], &[0]].concat());
+    }
+
+    #[test]
+    fn no_altered_byte_goes_unnoticed() {
+        let (_folder, path) = written();
+        let whole = fs::read(&path).unwrap();
+        for position in 0..whole.len() {
+            for mask in [1, 0x80] {
+                let mut bytes = whole.clone();
+                bytes[position] ^= mask;
+                refused(&path, &bytes);
+            }
+        }
+    }
+
+    #[test]
+    fn another_version_is_named_whatever_its_header_holds() {
+        let (_folder, path) = written();
+        let header = br#"{"version":"9.8.7","anything":[]}"#;
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend((header.len() as u64).to_le_bytes());
+        bytes.extend(xxh3_128(header).to_le_bytes());
+        bytes.extend(header);
+        let text = refused(&path, &bytes);
+        assert!(text.contains("version 9.8.7") && text.contains(VERSION), "{text}");
+    }
+
+    #[test]
+    fn what_is_no_checkpoint_is_told_so() {
+        let (_folder, path) = written();
+        assert!(refused(&path, b"<scene version=\"3.0.0\"></scene>        ").contains("no checkpoint"));
+        let folder = Example::read(path.parent().unwrap()).unwrap_err().to_string();
+        assert!(folder.contains("not a regular file"), "{folder}");
+        assert!(matches!(Example::read(Path::new("/missing")), Err(Error::Read { .. })));
+    }
+}

@@ -1,0 +1,70 @@
+//! The options that choose and tune a guide.
+
+use lodestar::settings::{DirectionMap, GuideSet, Learner, Mix, Sampler, Settings};
+
+/// How directions are sampled and learned.
+#[derive(Debug, clap::Args)]
+pub struct GuidingArgs {
+    /// How directions are sampled.
+    #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
+    pub sampler: Sampler,
+    /// Which surfaces are guided: diffuse lobes, or also rough conductors and dielectrics as in the authors' code.
+    #[arg(long, value_enum, default_value_t = GuideSet::Diffuse, help_heading = "Guiding")]
+    pub guide_set: GuideSet,
+    /// How the guide learns.
+    #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
+    pub learner: Learner,
+    /// Directions over which the learner expected-sarsa takes its mean [default: 128].
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub expected_directions: Option<u32>,
+    /// What rejection-mix mixes with the uniform share.
+    #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
+    pub mix: Mix,
+    /// Uniform share of rejection-mix [default: the optimal one, Eq. 8].
+    #[arg(long, value_name = "E", help_heading = "Guiding")]
+    pub epsilon: Option<f32>,
+    /// Map between directions and their bins.
+    #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
+    pub map: DirectionMap,
+    /// Cells of the guide along each axis [default: 8].
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub grid: Option<u32>,
+    /// Direction bins of a cell along each axis [default: 16].
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub directions: Option<u32>,
+    /// Samples per pixel between two updates of the guide [default: 8].
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub spp_per_step: Option<u32>,
+    /// Normal bins of a cell along each side [default: 16].
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub normals: Option<u32>,
+    /// What one step leaves of a bin's earlier count; 1 is the paper's running mean [default: 0.95].
+    #[arg(long, value_name = "D", help_heading = "Guiding")]
+    pub decay: Option<f32>,
+    /// Tries of rejection sampling before it takes a uniform direction [default: 15].
+    #[arg(long, value_name = "K", help_heading = "Guiding")]
+    pub max_tries: Option<u32>,
+    /// Least share of uniform directions in the guide [default: 0.0625].
+    #[arg(long, value_name = "E", help_heading = "Guiding")]
+    pub min_uniform: Option<f32>,
+}
+
+impl GuidingArgs {
+    /// Changes what the options say.
+    pub fn apply(&self, settings: &mut Settings) {
+        settings.sampler = self.sampler;
+        settings.guide_set = self.guide_set;
+        settings.learner = self.learner;
+        settings.expected_directions = self.expected_directions.unwrap_or(settings.expected_directions);
+        settings.mix = self.mix;
+        settings.epsilon = self.epsilon;
+        settings.map = self.map;
+        settings.grid = self.grid.unwrap_or(settings.grid);
+        settings.directions = self.directions.unwrap_or(settings.directions);
+        settings.normals = self.normals.unwrap_or(settings.normals);
+        settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);
+        settings.decay = self.decay.unwrap_or(settings.decay);
+        settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
+        settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);
+    }
+}

@@ -1,0 +1,212 @@
+//! `lodestar inspect`.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use lodestar::bvh::Bvh;
+use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, PipelineReport, Representation};
+use lodestar::inspect::{self, KernelReport};
+use lodestar::kernels::{BackEnd, Registry};
+use lodestar::renderer::{variant_for, variant_of_settings};
+use lodestar::scene::{self, FilmDescription, IntegratorDescription, LoadOptions, ReconstructionFilter};
+use lodestar::settings::Settings;
+use lodestar::{Error, Result, files};
+use serde::Serialize;
+
+use super::guiding_args::GuidingArgs;
+use super::kernel_dir::KernelDir;
+use super::render_args::{Filter, Switch, define};
+use super::{inspect_text, print_json, print_line, report};
+
+/// Shows what a kernel is made of.
+///
+/// Its interface, its instructions, what one variant of it comes to once constants are folded, and what a driver makes of
+/// it. Options choose the variant; what the scene decides keeps its default unless --scene names one.
+#[derive(Debug, clap::Args)]
+pub struct InspectArgs {
+    /// The kernel, such as path_trace [default: all].
+    kernel: Option<String>,
+    /// Only this back end [default: both].
+    #[arg(long, value_enum)]
+    back_end: Option<BackEnd>,
+    /// Write .spv and .spvasm files, those of the variant to `specialized`, the driver's to `device`, and inspect.json.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Lines of GLSL to show, of those with the most instructions.
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    lines: usize,
+    /// Print JSON: everything, disassembly included.
+    #[arg(long)]
+    json: bool,
+    /// Take kernels from the .spv files of this folder.
+    #[arg(long, value_name = "DIR")]
+    kernel_dir: Option<PathBuf>,
+    /// Have this Vulkan device's driver compile the variant and tell what became of it; by index or a part of its name.
+    #[arg(long, value_name = "INDEX|NAME")]
+    device: Option<String>,
+
+    /// The variant that renders this scene.
+    #[arg(long, value_name = "SCENE.xml", help_heading = "Variant")]
+    scene: Option<PathBuf>,
+    /// Replace the scene's <default> of that name; may be given several times.
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, requires = "scene", help_heading = "Variant")]
+    define: Vec<(String, String)>,
+    /// Reconstruction filter [default: the scene's].
+    #[arg(long, value_enum, value_name = "FILTER", help_heading = "Variant")]
+    rfilter: Option<Filter>,
+    /// Longest path in edges; 1 is emission seen directly.
+    #[arg(long, value_name = "N", help_heading = "Variant")]
+    max_depth: Option<u32>,
+    /// Depth after which Russian roulette is played.
+    #[arg(long, value_name = "N", help_heading = "Variant")]
+    rr_depth: Option<u32>,
+    /// Sample emitters at every vertex of a path (next event estimation).
+    #[arg(long, value_enum, default_value_t = Switch::Off, help_heading = "Variant")]
+    nee: Switch,
+    #[command(flatten)]
+    guiding: GuidingArgs,
+}
+
+/// What is printed as JSON.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    version: &'static str,
+    /// The scene that chose what a scene decides.
+    scene: Option<&'a Path>,
+    device: Option<&'a DeviceInfo>,
+    kernels: &'a [Inspected],
+}
+
+/// One kernel of one or both back ends.
+#[derive(Debug, Serialize)]
+pub struct Inspected {
+    /// Which back ends use it.
+    pub back_ends: Vec<BackEnd>,
+    #[serde(flatten)]
+    pub report: KernelReport,
+    /// What a device's driver made of it.
+    pub pipeline: Option<PipelineReport>,
+    #[serde(skip)]
+    spirv: Vec<u8>,
+}
+
+/// Inspects as `args` say.
+pub fn run(args: &InspectArgs) -> Result<ExitCode> {
+    let kernels = KernelDir::load(args.kernel_dir.as_deref())?;
+    let constants = constants(args)?;
+    let options = |device: &String| ContextOptions { device: Some(device.clone()), validate: false };
+    let context = args.device.as_ref().map(|device| Context::new(&options(device))).transpose()?;
+    let chosen = chosen(args, kernels.registry())?;
+    let inspected = chosen.into_iter().map(|(back_ends, source)| {
+        let examined = context.as_ref().map(|context| Kernel::examine(context, source, &constants)).transpose()?;
+        Ok(Inspected {
+            back_ends,
+            report: inspect::report(source, &constants)?,
+            pipeline: examined.map(|(_, report)| report),
+            spirv: source.spirv.to_vec(),
+        })
+    });
+    let inspected = inspected.collect::<Result<Vec<_>>>()?;
+    let device = context.as_ref().map(|context| context.device());
+    let whole =
+        Report { version: env!("CARGO_PKG_VERSION"), scene: args.scene.as_deref(), device, kernels: &inspected };
+    if let Some(folder) = &args.out {
+        write_all(folder, &whole)?;
+    }
+    match args.json {
+        true => print_json(&whole)?,
+        false => print_line(inspect_text::text(&inspected, device, args.lines).trim_end())?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// (id, bits) of the variant's constants.
+fn constants(args: &InspectArgs) -> Result<Vec<(u32, u32)>> {
+    let Some(path) = &args.scene else {
+        // A film of any size: it has no say over the variant.
+        let film = FilmDescription { width: 1, height: 1, crop: None, filter: ReconstructionFilter::Box };
+        let settings = settings(args, Settings::for_film(&film, &IntegratorDescription::default()))?;
+        return Ok(variant_of_settings(&settings).entries());
+    };
+    let scene = scene::load(path, &LoadOptions { defines: args.define.clone() })?;
+    scene.warnings.iter().for_each(|warning| report("warning", warning));
+    let settings = settings(args, Settings::for_scene(&scene))?;
+    settings.check_lighting(&scene)?;
+    Ok(variant_for(&settings, &scene, &Bvh::build(&scene.primitives)).entries())
+}
+
+fn settings(args: &InspectArgs, mut settings: Settings) -> Result<Settings> {
+    args.guiding.apply(&mut settings);
+    settings.filter = args.rfilter.map_or(settings.filter, Filter::with_default_width);
+    settings.max_depth = args.max_depth.unwrap_or(settings.max_depth);
+    settings.rr_depth = args.rr_depth.unwrap_or(settings.rr_depth);
+    settings.nee = args.nee == Switch::On;
+    settings.validate()?;
+    Ok(settings)
+}
+
+/// The wanted kernels, those that both back ends share once.
+fn chosen<'a>(args: &InspectArgs, registry: &'a Registry) -> Result<Vec<(Vec<BackEnd>, &'a KernelSource)>> {
+    let mut chosen: Vec<(Vec<BackEnd>, &KernelSource)> = Vec::new();
+    for back_end in [BackEnd::Texel, BackEnd::Storage] {
+        if args.back_end.is_some_and(|wanted| wanted != back_end) {
+            continue;
+        }
+        for kernel in registry.kernels(back_end).iter() {
+            if args.kernel.as_ref().is_some_and(|wanted| wanted != kernel.name) {
+                continue;
+            }
+            match chosen.iter_mut().find(|(_, other)| other.file == kernel.file) {
+                Some((back_ends, _)) => back_ends.push(back_end),
+                None => chosen.push((vec![back_end], kernel)),
+            }
+        }
+    }
+    match &args.kernel {
+        Some(wanted) if chosen.is_empty() => {
+            let names: Vec<_> = registry.texel.iter().map(|kernel| kernel.name).collect();
+            Err(Error::Settings(format!("there is no kernel `{wanted}`; there are {}", names.join(", "))))
+        }
+        _ => Ok(chosen),
+    }
+}
+
+/// In the form that --kernel-dir reads.
+fn write_all(folder: &Path, whole: &Report) -> Result<()> {
+    for kernel in whole.kernels {
+        let stem = kernel.report.file.trim_end_matches(".spv");
+        write(&folder.join(&kernel.report.file), &kernel.spirv)?;
+        write(&folder.join(format!("{stem}.spvasm")), kernel.report.disassembly.as_bytes())?;
+        if let Ok(specialized) = &kernel.report.specialized {
+            let folder = folder.join("specialized");
+            write(&folder.join(&kernel.report.file), &specialized.spirv)?;
+            write(&folder.join(format!("{stem}.spvasm")), specialized.disassembly.as_bytes())?;
+        }
+        let executables = kernel.pipeline.iter().flat_map(|pipeline| pipeline.executables.iter().flatten());
+        for (executable, form) in executables.flat_map(|e| e.representations.iter().map(move |form| (e, form))) {
+            write_form(&folder.join("device"), &format!("{stem}.{}", executable.name), form)?;
+        }
+    }
+    let path = folder.join("inspect.json");
+    files::write_json(&path, whole)
+}
+
+/// Under a name that any file system takes: the driver chose it.
+fn write_form(folder: &Path, stem: &str, form: &Representation) -> Result<()> {
+    let name = format!("{stem}.{}", form.name);
+    let words = name.split(|c: char| !c.is_ascii_alphanumeric() && c != '.' && c != '_');
+    let stem = words.filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-");
+    match &form.text {
+        Some(text) => write(&folder.join(format!("{stem}.txt")), text.as_bytes()),
+        None => write(&folder.join(format!("{stem}.bin")), &form.bytes),
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(Error::write(folder))?;
+    }
+    files::write_whole(path, |writer| writer.write_all(bytes))
+}

@@ -1,0 +1,43 @@
+//! `lodestar merge`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use lodestar::image::exr;
+use lodestar::merge::{PartialPicture, merge};
+use lodestar::{Result, files};
+
+use super::render_args::exr_path;
+use super::report;
+
+/// Averages pictures of the same scene from disjoint samples, every pixel by its sample counts.
+///
+/// They come from renders that differ in --sample-offset or --seed alone. Variances, features and counts are merged too, so
+/// that what comes out can be merged again.
+#[derive(Debug, clap::Args)]
+pub struct MergeArgs {
+    /// The pictures, two or more.
+    #[arg(value_name = "A.exr", required = true, num_args = 2..)]
+    parts: Vec<PathBuf>,
+    /// Where to write.
+    #[arg(short, long, value_name = "C.exr", value_parser = exr_path)]
+    output: PathBuf,
+}
+
+/// Merges the pictures.
+pub fn run(args: &MergeArgs) -> Result<ExitCode> {
+    files::check_writable(&args.output)?;
+    let read = |path: &PathBuf| {
+        let (picture, attributes) = exr::read_picture(path)?;
+        Ok(PartialPicture { path: path.clone(), picture, attributes })
+    };
+    let parts: Vec<_> = args.parts.iter().map(read).collect::<Result<_>>()?;
+    let (picture, attributes) = merge(&parts)?;
+    let is_whole = |part: &&PartialPicture| part.picture.sums.is_empty();
+    if let Some(part) = parts.iter().find(is_whole).filter(|_| !parts.iter().all(|part| is_whole(&part))) {
+        let message = "it carries no sums, so the last bits depend on the parts: render it with --sample-offset, 0 if it is the first";
+        report("warning", &format!("{}: {message}", part.path.display()));
+    }
+    exr::write_picture(&args.output, &picture, &attributes)?;
+    Ok(ExitCode::SUCCESS)
+}

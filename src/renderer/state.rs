@@ -1,0 +1,97 @@
+//! What a renderer must keep to go on later as if it had never stopped: the memory that outlives a step.
+
+use super::Renderer;
+use crate::gpu::Buffer;
+use crate::{Error, Result};
+
+const FILM_SUMS: &str = "film sums";
+
+/// Everything that complete steps have left behind.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RenderState {
+    /// Samples per pixel so far.
+    pub samples_done: u32,
+    /// The device's memory, in the order in which a renderer of the same settings expects it.
+    pub parts: Vec<StatePart>,
+}
+
+/// One part of it, in the device's (little-endian) byte order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StatePart {
+    /// What it holds.
+    pub name: String,
+    /// The bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// Buffers that hold, one after the other, something that outlives a step.
+pub(super) struct Persistent<'a> {
+    pub name: &'static str,
+    pub buffers: Vec<&'a Buffer>,
+}
+
+impl Persistent<'_> {
+    fn len_bytes(&self) -> u64 {
+        self.buffers.iter().map(|buffer| buffer.len_bytes()).sum()
+    }
+
+    fn read(&self) -> Result<StatePart> {
+        let pages: Vec<Vec<u8>> =
+            self.buffers.iter().map(|buffer| buffer.read(0, buffer.len_bytes() as usize)).collect::<Result<_>>()?;
+        Ok(StatePart { name: self.name.into(), bytes: pages.concat() })
+    }
+
+    fn write(&self, mut bytes: &[u8]) -> Result<()> {
+        for buffer in &self.buffers {
+            let (page, rest) = bytes.split_at(buffer.len_bytes() as usize);
+            buffer.upload(0, page)?;
+            bytes = rest;
+        }
+        Ok(())
+    }
+}
+
+impl Renderer {
+    /// Reads back what complete steps have left. How the film is cut into pages has no part in it.
+    ///
+    /// # Errors
+    /// Where the device is lost, or a step was stopped: some pixels then have samples of it that others lack.
+    pub fn state(&self) -> Result<RenderState> {
+        if self.stopped {
+            return Err(Error::Render("a step that was stopped cannot be gone on with later".into()));
+        }
+        let parts: Result<Vec<_>> = self.persistent().iter().map(Persistent::read).collect();
+        let sums = self.film_sums.iter().map(|sums| StatePart { name: FILM_SUMS.into(), bytes: sums.bytes().to_vec() });
+        Ok(RenderState { samples_done: self.samples_done, parts: parts?.into_iter().chain(sums).collect() })
+    }
+
+    /// Goes on from where a renderer of the same scene and settings has been: from here on both do the same to the last bit.
+    ///
+    /// # Errors
+    /// Where the state does not fit the settings, or the device is lost.
+    pub fn restore(&mut self, state: &RenderState) -> Result<()> {
+        let persistent = self.persistent();
+        let shape = |parts: &[(&str, u64)]| {
+            parts.iter().map(|(name, bytes)| format!("{name}: {bytes} bytes")).collect::<Vec<_>>().join(", ")
+        };
+        let sums = self.film_sums.iter().map(|sums| (FILM_SUMS, sums.bytes().len() as u64));
+        let ours: Vec<_> = persistent.iter().map(|part| (part.name, part.len_bytes())).chain(sums).collect();
+        let theirs: Vec<_> = state.parts.iter().map(|part| (&part.name[..], part.bytes.len() as u64)).collect();
+        if ours != theirs {
+            let (theirs, ours) = (shape(&theirs), shape(&ours));
+            return Err(Error::Render(format!("the saved state holds {theirs}, but this render has {ours}")));
+        }
+        persistent.iter().zip(&state.parts).try_for_each(|(part, saved)| part.write(&saved.bytes))?;
+        if let (Some(sums), Some(saved)) = (&mut self.film_sums, state.parts.last()) {
+            sums.restore(&saved.bytes);
+        }
+        (self.samples_done, self.stopped) = (state.samples_done, false);
+        Ok(())
+    }
+
+    /// What outlives a step. A complete one leaves no sums in the radiance grid: it has learned from them.
+    fn persistent(&self) -> Vec<Persistent<'_>> {
+        let film = self.frame.persistent().into_iter();
+        film.chain(self.radiance_grid.persistent()).chain(self.normalization_grid.persistent()).collect()
+    }
+}

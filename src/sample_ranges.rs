@@ -1,0 +1,135 @@
+//! Which samples a picture holds.
+
+use std::fmt;
+use std::ops::Range;
+use std::str::FromStr;
+
+use crate::film::Picture;
+use crate::settings::Settings;
+
+/// Samples by seed and number; written as `7:0..64, 7:128..192`. Sorted, disjoint, and joined where they touch.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct SampleRanges(Vec<SeededRange>);
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct SeededRange {
+    seed: u32,
+    /// In 64 bits, for the end may be 2^32.
+    samples: Range<u64>,
+}
+
+impl SampleRanges {
+    /// Those of a render's picture. Where a step was stopped, some pixels have fewer.
+    pub fn of_picture(picture: &Picture, settings: &Settings) -> Self {
+        let first = u64::from(settings.sample_offset.unwrap_or(0));
+        let most = picture.sample_count.iter().copied().max().unwrap_or(0);
+        Self(vec![SeededRange { seed: settings.seed, samples: first..first + u64::from(most) }])
+    }
+
+    /// The first range that is in both.
+    pub fn overlap(&self, other: &Self) -> Option<String> {
+        let pairs = self.0.iter().flat_map(|a| other.0.iter().map(move |b| (a, b)));
+        pairs.filter(|(a, b)| a.seed == b.seed).find_map(|(a, b)| {
+            let (start, end) = (a.samples.start.max(b.samples.start), a.samples.end.min(b.samples.end));
+            (start < end).then(|| SeededRange { seed: a.seed, samples: start..end }.to_string())
+        })
+    }
+
+    /// Both together.
+    pub fn union(self, other: Self) -> Self {
+        let mut all = [self.0, other.0].concat();
+        all.sort_by_key(|range| (range.seed, range.samples.start));
+        let mut joined: Vec<SeededRange> = Vec::new();
+        for range in all {
+            match joined.last_mut() {
+                Some(last) if last.seed == range.seed && last.samples.end == range.samples.start => {
+                    last.samples.end = range.samples.end;
+                }
+                _ => joined.push(range),
+            }
+        }
+        Self(joined)
+    }
+
+    /// By which pictures are put in order: seed and number of the first sample.
+    pub fn first(&self) -> Option<(u32, u64)> {
+        self.0.first().map(|range| (range.seed, range.samples.start))
+    }
+}
+
+impl fmt::Display for SampleRanges {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        let ranges: Vec<_> = self.0.iter().map(ToString::to_string).collect();
+        formatter.write_str(&ranges.join(", "))
+    }
+}
+
+impl fmt::Display for SeededRange {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        write!(formatter, "{}:{}..{}", self.seed, self.samples.start, self.samples.end)
+    }
+}
+
+impl FromStr for SampleRanges {
+    /// What is not such a range.
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let ranges = text.split(", ").map(|range| seeded_range(range).ok_or_else(|| range.to_owned()));
+        ranges.map(|range| Ok(Self(vec![range?]))).try_fold(Self::default(), |all, range: Result<_, String>| {
+            let range: Self = range?;
+            match all.overlap(&range) {
+                Some(overlap) => Err(overlap),
+                None => Ok(all.union(range)),
+            }
+        })
+    }
+}
+
+fn seeded_range(text: &str) -> Option<SeededRange> {
+    let (seed, samples) = text.split_once(':')?;
+    let (start, end) = samples.split_once("..")?;
+    let samples: Range<u64> = start.parse().ok()?..end.parse().ok()?;
+    (samples.start <= samples.end && samples.end <= 1 << 32)
+        .then_some(SeededRange { seed: seed.parse().ok()?, samples })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ranges(text: &str) -> SampleRanges {
+        text.parse().expect(text)
+    }
+
+    #[test]
+    fn they_are_written_as_they_are_read() {
+        for text in ["0:0..64", "7:0..64, 7:128..192, 9:0..8", "4294967295:4294967288..4294967296"] {
+            assert_eq!(ranges(text).to_string(), text);
+        }
+        for text in ["", "0:0", "0:8..4", "0:0..4294967297", "-1:0..4", "0:0..4,0:8..12", "0:0..8, 0:4..12"] {
+            assert!(text.parse::<SampleRanges>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn those_that_touch_are_joined_in_any_order() {
+        for (a, b, both) in [
+            ("0:0..64", "0:64..128", "0:0..128"),
+            ("0:64..128", "0:0..64", "0:0..128"),
+            ("0:0..8, 0:16..24", "0:8..16", "0:0..24"),
+            ("1:0..8", "0:8..16", "0:8..16, 1:0..8"),
+        ] {
+            assert_eq!(ranges(a).union(ranges(b)).to_string(), both);
+        }
+    }
+
+    #[test]
+    fn an_overlap_is_found_within_a_seed_only() {
+        let overlap = |a, b| ranges(a).overlap(&ranges(b));
+        assert_eq!(overlap("0:0..64", "0:48..128").as_deref(), Some("0:48..64"));
+        assert_eq!(overlap("0:0..64, 3:8..16", "3:0..9").as_deref(), Some("3:8..9"));
+        assert_eq!(overlap("0:0..64", "1:0..64"), None);
+        assert_eq!(overlap("0:0..64", "0:64..65"), None);
+    }
+}

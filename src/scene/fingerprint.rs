@@ -1,0 +1,140 @@
+//! What two readings of a scene are known by to be the same.
+
+use std::io;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use xxhash_rust::xxh3::Xxh3;
+
+use super::Scene;
+use crate::{Error, Result};
+
+/// Primitives that one task hashes.
+const CHUNK: usize = 1 << 14;
+
+/// A hash (XXH3, 128 bits, in hexadecimal) of everything read that can change a picture: geometry, materials, emitters,
+/// texels, camera, film and integrator, after definitions and transformations. Names, warnings and where the files lie have
+/// no part in it, so a scene may be moved.
+///
+/// # Errors
+/// Where a part of the scene cannot be written down, which no part is known to refuse.
+pub fn fingerprint(scene: &Scene) -> Result<String> {
+    // Every field by name, so that a new one cannot be forgotten.
+    let Scene {
+        name: _,
+        warnings: _,
+        camera,
+        film,
+        integrator,
+        sample_count,
+        primitives,
+        materials,
+        emitters,
+        environment,
+        delta_emitters,
+        textures,
+        images,
+    } = scene;
+    let primitives = (primitives.len(), hashes(primitives.par_chunks(CHUNK))?);
+    let images = hashes(images.par_iter())?;
+    let small = (camera, film, integrator, sample_count, materials, emitters, environment, delta_emitters, textures);
+    Ok(format!("{:032x}", hash(&(primitives, images, small))?))
+}
+
+fn hashes<T: Serialize>(items: impl IndexedParallelIterator<Item = T>) -> Result<Vec<u128>> {
+    items.map(|item| hash(&item)).collect()
+}
+
+fn hash(value: &impl Serialize) -> Result<u128> {
+    let failed = |error| Error::Render(format!("the scene cannot be hashed: {error}"));
+    Ok(postcard::to_io(value, Sink(Box::default())).map_err(failed)?.0.digest128())
+}
+
+/// Hashes what is written to it.
+struct Sink(Box<Xxh3>);
+
+impl io::Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::texture::{Image, Pattern, Texels, Texture};
+    use crate::scene::{DeltaEmitter, DeltaKind, LoadOptions, Projection, ReconstructionFilter, load};
+    use glam::{Mat3, Vec3};
+
+    fn scene() -> Scene {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
+        let mut scene = load(&path, &LoadOptions::default()).expect("a scene");
+        // More than one task's worth.
+        scene.primitives = scene.primitives.iter().copied().cycle().take(CHUNK + 7).collect();
+        let texels = Texels::Bytes { srgb: true, data: vec![[1, 2, 3, 4]; 6] };
+        let pattern = Pattern::Checkerboard { color0: Vec3::ZERO, color1: Vec3::ONE };
+        scene.textures.push(Texture { name: "a".into(), pattern, to_uv: Mat3::IDENTITY });
+        scene.images.push(Image { name: "a.png".into(), width: 3, height: 2, texels });
+        scene
+    }
+
+    fn point_light() -> DeltaEmitter {
+        let kind = DeltaKind::Point { position: Vec3::ZERO, intensity: Vec3::ONE };
+        DeltaEmitter { kind, sampling_weight: 1.0 }
+    }
+
+    type Change = fn(&mut Scene);
+
+    fn of_changed(change: impl FnOnce(&mut Scene)) -> String {
+        let mut scene = scene();
+        change(&mut scene);
+        fingerprint(&scene).expect("a hash")
+    }
+
+    #[test]
+    fn everything_that_changes_a_picture_changes_it() {
+        let changes: [(&str, Change); 20] = [
+            ("nothing", |_| {}),
+            ("the last primitive", |s| s.primitives.last_mut().unwrap().edge_u.x += 1.0e-4),
+            ("a primitive more", |s| s.primitives.push(s.primitives[0])),
+            ("two primitives swapped", |s| s.primitives.swap(0, CHUNK + 6)),
+            ("the camera", |s| s.camera.fov += 1.0e-4),
+            ("the projection", |s| s.camera.projection = Projection::Orthographic),
+            ("the lens", |s| {
+                s.camera.projection = Projection::ThinLens { aperture_radius: 0.1, focus_distance: 2.0 };
+            }),
+            ("the filter", |s| s.film.filter = ReconstructionFilter::Tent { radius: 1.5 }),
+            ("the integrator", |s| s.integrator.max_depth = Some(77)),
+            ("the sample count", |s| s.sample_count = Some(77)),
+            ("a material", |s| drop(s.materials.pop())),
+            ("an emitter", |s| s.emitters[0].sampling_weight = 0.5),
+            ("its radiance", |s| s.emitters[0].radiance.value.x += 1.0e-4),
+            ("its texture", |s| s.emitters[0].radiance.texture = Some(0)),
+            ("a point light", |s| s.delta_emitters.push(point_light())),
+            ("a texture", |s| drop(s.textures.pop())),
+            ("the environment", |s| s.environment = Some(crate::scene::Environment::constant(Vec3::ONE))),
+            ("a texel", |s| s.images[0].texels = Texels::Bytes { srgb: true, data: vec![[1, 2, 3, 5]; 6] }),
+            ("its encoding", |s| s.images[0].texels = Texels::Bytes { srgb: false, data: vec![[1, 2, 3, 4]; 6] }),
+            ("an image's shape", |s| (s.images[0].width, s.images[0].height) = (2, 3)),
+        ];
+        let hashes = changes.map(|(what, change)| (what, of_changed(change)));
+        for (at, (what, hash)) in hashes.iter().enumerate() {
+            let same = hashes[..at].iter().find(|(_, other)| other == hash);
+            assert!(same.is_none(), "{what}: {same:?}");
+        }
+    }
+
+    #[test]
+    fn names_and_warnings_do_not() {
+        let renamed = of_changed(|s| {
+            (s.name, s.images[0].name, s.materials[0].name) = ("b".into(), "b".into(), "b".into());
+            s.warnings.push("careful".into());
+        });
+        assert_eq!(renamed, of_changed(|_| {}));
+    }
+}

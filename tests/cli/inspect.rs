@@ -1,0 +1,229 @@
+//! `lodestar inspect`.
+
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::support::{Folder, assert_sentence, keys};
+
+fn has_spirv_tools() -> bool {
+    let has =
+        ["spirv-dis", "spirv-opt", "spirv-val"].iter().all(|tool| Command::new(tool).arg("--version").output().is_ok());
+    if !has {
+        eprintln!("SPIRV-Tools are not installed: the variant is not looked at");
+    }
+    has
+}
+
+fn inspect(folder: &Folder, arguments: &[&str]) -> Value {
+    let output = folder.run(&[&["inspect", "--json"], arguments].concat());
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn text(folder: &Folder, arguments: &[&str]) -> String {
+    let output = folder.run(&[&["inspect"], arguments].concat());
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The path tracer that reads texel buffers.
+fn path_trace(folder: &Folder, arguments: &[&str]) -> Value {
+    inspect(folder, &[&["path_trace", "--back-end", "texel"], arguments].concat())["kernels"][0].clone()
+}
+
+fn constant(kernel: &Value, name: &str) -> Value {
+    let constants = kernel["interface"]["constants"].as_array().unwrap();
+    constants.iter().find(|constant| constant["name"] == name).unwrap_or_else(|| panic!("no {name}"))["value"].clone()
+}
+
+fn instructions(histogram: &Value) -> u64 {
+    histogram["total"]["instructions"].as_u64().unwrap()
+}
+
+/// Instructions that come from that GLSL file.
+fn instructions_of(histogram: &Value, file: &str) -> u64 {
+    let lines = histogram["lines"].as_array().unwrap().iter().filter(|line| line["file"] == file);
+    lines.map(|line| line["total"]["instructions"].as_u64().unwrap()).sum()
+}
+
+#[test]
+fn every_kernel_is_there_for_both_back_ends() {
+    let folder = Folder::new();
+    let report = inspect(&folder, &[]);
+    let kernels = report["kernels"].as_array().unwrap();
+    let of = |file: &str| kernels.iter().find(|kernel| kernel["file"] == file).unwrap_or_else(|| panic!("no {file}"));
+    assert_eq!(of("path_trace.texel.spv")["back_ends"], serde_json::json!(["texel"]));
+    assert_eq!(of("path_trace.spv")["back_ends"], serde_json::json!(["storage"]));
+    assert_eq!(of("update_radiance.spv")["back_ends"], serde_json::json!(["texel", "storage"]));
+    for kernel in kernels {
+        assert_eq!(
+            keys(kernel),
+            [
+                "back_ends",
+                "disassembly",
+                "file",
+                "histogram",
+                "interface",
+                "name",
+                "notes",
+                "pipeline",
+                "specialized",
+                "spirv_bytes"
+            ]
+        );
+        let interface = &kernel["interface"];
+        assert_eq!((&interface["entry_point"], &interface["workgroup_size"][0]["value"]), (&"main".into(), &64.into()));
+        assert!(kernel["disassembly"].as_str().unwrap().contains("OpEntryPoint GLCompute"), "{}", kernel["file"]);
+        assert!(kernel["pipeline"].is_null());
+    }
+}
+
+#[test]
+fn layouts_are_those_of_the_glsl() {
+    let folder = Folder::new();
+    let kernel = path_trace(&folder, &[]);
+    let bindings = kernel["interface"]["bindings"].as_array().unwrap();
+    let scene = bindings.iter().find(|binding| binding["name"] == "Scene").unwrap();
+    assert_eq!((&scene["set"], &scene["binding"], &scene["kind"]), (&0.into(), &2.into(), &"uniform buffer".into()));
+    let member = &scene["layout"]["members"][0];
+    assert_eq!(member["members"][0]["type"], "vec4[3]");
+    assert_eq!((&member["members"][0]["stride"], &member["members"][1]["offset"]), (&16.into(), &48.into()));
+    // layout.rs is held against the same reflection when the crate is compiled.
+    assert_eq!(member["bytes"], size_of::<lodestar::layout::SceneConstants>());
+    assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::layout::PathTracePush>());
+}
+
+#[test]
+fn options_choose_the_variant() {
+    let folder = Folder::new();
+    let plain = path_trace(&folder, &["--sampler", "bsdf", "--max-depth", "3", "--rfilter", "gaussian"]);
+    let guided = path_trace(&folder, &["--sampler", "rejection-mix", "--grid", "4"]);
+    assert_eq!((constant(&plain, "SAMPLER"), constant(&guided, "SAMPLER")), (0.into(), 1.into()));
+    assert_eq!((constant(&plain, "MAX_DEPTH"), constant(&plain, "FILTER_WIDTH")), (3.into(), 0.5.into()));
+    assert_eq!((constant(&guided, "GRID_RESOLUTION"), constant(&guided, "HIDE_EMITTERS")), (4.into(), false.into()));
+    if !has_spirv_tools() {
+        return;
+    }
+    let (plain, guided) = (&plain["specialized"]["histogram"], &guided["specialized"]["histogram"]);
+    let rejection = "glsl/include/rejection_mix.glsl";
+    assert_eq!(instructions_of(plain, rejection), 0);
+    assert!(instructions_of(guided, rejection) > 20);
+    assert!(instructions(plain) < instructions(guided), "{} and {}", instructions(plain), instructions(guided));
+}
+
+#[test]
+fn a_scene_chooses_what_scenes_do() {
+    let folder = Folder::new();
+    folder.write("sphere.xml", &crate::support::SCENE.replace("\"cube\"", "\"sphere\""));
+    let spheres = |scene| constant(&path_trace(&folder, &["--scene", scene]), "HAS_SPHERES");
+    assert_eq!((spheres("scene.xml"), spheres("sphere.xml")), (false.into(), true.into()));
+    let nee = |arguments| constant(&path_trace(&folder, arguments), "NEE");
+    assert_eq!((nee(&["--scene", "scene.xml", "--nee", "on"]), nee(&["--nee", "off"])), (true.into(), false.into()));
+    let lit = path_trace(&folder, &["--scene", "scene.xml"]);
+    assert_ne!(constant(&lit, "LIGHT_KINDS"), 0);
+}
+
+#[test]
+fn counts_add_up() {
+    let folder = Folder::new();
+    let histogram = &path_trace(&folder, &[])["histogram"];
+    let sum =
+        |of: &Value| of.as_object().unwrap().values().map(|count| count["instructions"].as_u64().unwrap()).sum::<u64>();
+    let operations = histogram["operations"].as_object().unwrap();
+    assert_eq!(sum(&histogram["classes"]), instructions(histogram));
+    assert_eq!(operations.values().map(|count| count.as_u64().unwrap()).sum::<u64>(), instructions(histogram));
+    for class in ["texel_fetch", "atomic", "branch", "loop", "float", "division", "root", "store_buffer"] {
+        assert!(histogram["classes"][class]["instructions"].as_u64().unwrap_or(0) > 0, "no {class}");
+    }
+    assert_eq!(histogram["classes"]["texel_fetch"]["instructions"], operations["ImageFetch"]);
+    let lines = histogram["lines"].as_array().unwrap();
+    let fetch = lines.iter().find(|line| line["text"].as_str().unwrap().contains("texelFetch(bvh_nodes")).unwrap();
+    assert!(fetch["file"] == "glsl/include/bvh.glsl" && fetch["classes"]["texel_fetch"].is_object(), "{fetch}");
+}
+
+#[test]
+fn without_spirv_tools_the_rest_is_shown() {
+    let folder = Folder::new();
+    let output = folder.command(&["inspect", "path_trace"]).env("PATH", "/nowhere").output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && said.contains("note: the variant is not shown: install SPIRV-Tools"), "{said}");
+    assert!(said.contains("texel fetches") && said.contains("FilmRadiance[] film_radiance"), "{said}");
+    let output = folder.command(&["inspect", "path_trace", "--json"]).env("PATH", "/nowhere").output().unwrap();
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let kernel = &report["kernels"][0];
+    assert!(kernel["specialized"].is_null() && kernel["disassembly"].as_str().unwrap().contains("OpImageFetch"));
+}
+
+#[test]
+fn the_text_names_what_a_tuner_asks_for() {
+    let folder = Folder::new();
+    let said = text(&folder, &["path_trace", "--lines", "3"]);
+    for words in
+        ["workgroup 64 (constant 0) x 1 x 1", "push constants: 24 bytes", "MAX_TRIES", "atomics", "transcendental"]
+    {
+        let known = if words == "transcendental" { "sin, exp, log, pow" } else { words };
+        assert!(said.contains(known), "{known} is missing:\n{said}");
+    }
+}
+
+#[test]
+fn a_driver_that_tells_nothing_is_no_fault() {
+    let folder = Folder::new();
+    let devices = folder.run(&["devices", "--json"]);
+    let devices: Value = serde_json::from_slice(&devices.stdout).unwrap();
+    let usable = devices.as_array().unwrap().iter().find(|device| device["refused"].is_null()).expect("a device");
+    let index = usable["index"].to_string();
+    let pipeline = &path_trace(&folder, &["--device", &index])["pipeline"];
+    assert!(pipeline["creation_seconds"].as_f64().unwrap() > 0.0);
+    let said = text(&folder, &["path_trace", "--device", &index]);
+    match &pipeline["executables"] {
+        Value::Null => assert!(said.contains("lacks VK_KHR_pipeline_executable_properties"), "{said}"),
+        executables => check_executables(executables),
+    }
+}
+
+fn check_executables(executables: &Value) {
+    let all = executables.as_array().unwrap();
+    assert!(!all.is_empty());
+    for executable in all {
+        assert!(!executable["name"].as_str().unwrap().is_empty());
+        assert!(executable["statistics"].as_array().unwrap().iter().all(|statistic| !statistic["value"].is_null()));
+    }
+}
+
+/// Mesa's driver of AMD GPUs compiles for one that is not there, and tells all of it.
+#[test]
+fn a_driver_that_tells_much_is_quoted() {
+    let folder = Folder::new();
+    let run = |arguments: &[&str]| folder.command(arguments).env("RADV_FORCE_FAMILY", "navi21").output().unwrap();
+    let devices: Value = serde_json::from_slice(&run(&["devices", "--json"]).stdout).unwrap();
+    let null = devices.as_array().unwrap().iter().find(|device| device["name"].to_string().contains("Null hardware"));
+    let Some(null) = null.filter(|device| device["refused"].is_null()) else {
+        eprintln!("no driver here compiles for hardware that is absent: nothing is tested");
+        return;
+    };
+    let index = null["index"].to_string();
+    let output = run(&["inspect", "path_trace", "--back-end", "texel", "--device", &index, "--json", "--out", "out"]);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let executables = &report["kernels"][0]["pipeline"]["executables"];
+    check_executables(executables);
+    let statistics = executables[0]["statistics"].as_array().unwrap();
+    let registers = statistics.iter().find(|statistic| statistic["name"] == "VGPRs").expect("a count of registers");
+    assert!(registers["value"].as_u64().unwrap() > 8, "{registers}");
+    let names = folder.names();
+    assert!(names.contains(&"out/device/path_trace.texel.Compute-Shader.Assembly.txt".to_owned()), "{names:?}");
+    let assembly =
+        std::fs::read_to_string(folder.path("out/device/path_trace.texel.Compute-Shader.Assembly.txt")).unwrap();
+    assert!(assembly.contains("s_endpgm"), "the whole text, to its end");
+}
+
+#[test]
+fn wrong_wishes_are_refused() {
+    let folder = Folder::new();
+    assert_sentence(&folder.run(&["inspect", "path_tracer"]), 1, &["`path_tracer`", "path_trace, update_"]);
+    assert_sentence(&folder.run(&["inspect", "--grid", "99"]), 1, &["--grid is 99"]);
+    assert_sentence(&folder.run(&["inspect", "--device", "voodoo"]), 1, &["`voodoo`"]);
+    assert_sentence(&folder.run(&["inspect", "--scene", "none.xml"]), 1, &["none.xml"]);
+    assert_sentence(&folder.run(&["inspect", "--out", "scene.xml"]), 1, &["scene.xml"]);
+}

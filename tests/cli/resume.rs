@@ -1,0 +1,210 @@
+//! Checkpoints, and renders that are gone on with.
+
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use lodestar::checkpoint::Checkpoint;
+use lodestar::image::exr::read_picture;
+use serde_json::Value;
+
+use crate::support::{Folder, SCENE, assert_quiet_success, assert_sentence, wait_until};
+
+/// Not a whole number of tiles, and so many samples that a signal comes in time.
+const LARGE: [&str; 6] = ["--width", "100", "--height", "61", "--spp", "1000000"];
+
+pub fn samples_in(checkpoint: &Path) -> u32 {
+    Checkpoint::<Value>::read(checkpoint).unwrap().state.samples_done
+}
+
+/// What statistics say apart from time and memory.
+fn counts(stats: &Value) -> Value {
+    let mut counts = serde_json::json!([stats["totals"], stats["steps"]]);
+    let [totals, steps] = counts.as_array_mut().unwrap().as_mut_slice() else { unreachable!() };
+    for object in steps.as_array_mut().unwrap().iter_mut().chain([totals]) {
+        for name in ["seconds", "ms_per_sample", "peak_bytes", "peak_resident_bytes"] {
+            object.as_object_mut().unwrap().remove(name);
+        }
+    }
+    counts
+}
+
+/// Fails unless both pictures have the same bits.
+#[track_caller]
+pub fn assert_same_picture(a: &Path, b: &Path) {
+    // By text: a NaN is unlike itself.
+    let [a, b] = [a, b].map(|path| format!("{:?}", read_picture(path).unwrap().0));
+    assert!(a == b);
+}
+
+/// Fails unless a render that gets `signal` ends with `code` and can be gone on with to the bits of one that got none.
+fn is_resumed_after(signal: &str, code: i32, sampler: &str) {
+    let folder = Folder::new();
+    let what = ["--sampler", sampler, "--seed", "3"];
+    let files = ["-o", "a.exr", "--stats", "a.json", "--checkpoint", "a.ckpt"];
+    let mut running = folder.start(&[&["render", "scene.xml"][..], &LARGE, &what, &files].concat());
+    running.wait_for_line("/1000000 spp");
+    running.signal(signal);
+    let (ended_with, said) = running.wait();
+    assert_eq!(ended_with, Some(code), "{said}");
+    assert_eq!(folder.names(), ["a.ckpt", "a.exr", "a.json", "scene.xml"]);
+
+    let samples = samples_in(&folder.path("a.ckpt"));
+    assert!(samples > 0 && samples.is_multiple_of(8), "{samples}");
+    let picture = read_picture(&folder.path("a.exr")).unwrap().0;
+    assert!(picture.sample_count.iter().all(|&count| count >= samples), "the picture has the last step's samples too");
+    // Not a whole number of steps.
+    let spp = (samples + 20).to_string();
+    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--spp", &spp, "--stats", "a.json", "--quiet"]));
+    assert_eq!(samples_in(&folder.path("a.ckpt")), samples + 16, "whole steps only");
+    let whole = folder.render(&[&LARGE[..4], &what, &["--spp", &spp, "-o", "whole.exr"]].concat());
+    assert_same_picture(&folder.path("a.exr"), &folder.path("whole.exr"));
+    assert_eq!(counts(&folder.read_json("a.json")), counts(&whole));
+}
+
+#[test]
+fn an_interrupted_render_is_gone_on_with_to_the_same_bits() {
+    is_resumed_after("INT", 130, "rejection-mix");
+    is_resumed_after("INT", 130, "bsdf");
+}
+
+#[test]
+fn a_terminated_render_is_gone_on_with_to_the_same_bits() {
+    is_resumed_after("TERM", 143, "rejection-mix");
+}
+
+/// Whatever the number of samples, there is no step in the checkpoint that a longer render would not have made.
+#[test]
+fn a_finished_render_can_be_made_longer() {
+    let folder = Folder::new();
+    folder.render(&["--spp", "12", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
+    assert_eq!(samples_in(&folder.path("a.ckpt")), 8);
+    folder.render(&["--spp", "12", "-o", "twelve.exr"]);
+    fs::remove_file(folder.path("a.exr")).unwrap();
+    // As long as it was, to the file that it had.
+    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet"]));
+    assert_same_picture(&folder.path("a.exr"), &folder.path("twelve.exr"));
+    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet", "--spp", "40", "-o", "b.exr"]));
+    folder.render(&["--spp", "40", "-o", "forty.exr"]);
+    assert_same_picture(&folder.path("b.exr"), &folder.path("forty.exr"));
+    let output = folder.run(&["resume", "a.ckpt", "--spp", "39"]);
+    assert_sentence(&output, 1, &["a.ckpt: ", "holds 40 samples", "--spp"]);
+}
+
+#[test]
+fn time_is_counted_from_where_the_checkpoint_was() {
+    let folder = Folder::new();
+    let stats = folder.render(&["--time", "0.5", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
+    let before = (stats["totals"]["spp"].as_u64().unwrap(), stats["totals"]["seconds"].as_f64().unwrap());
+    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--time", "0.5", "--stats", "b.json", "--quiet"]));
+    let totals = &folder.read_json("b.json")["totals"];
+    assert!(totals["spp"].as_u64().unwrap() > before.0 && totals["seconds"].as_f64().unwrap() >= before.1, "{totals}");
+}
+
+#[test]
+fn checkpoints_are_written_as_the_render_goes() {
+    let folder = Folder::new();
+    let path = folder.path("a.ckpt");
+    let files = ["-o", "a.exr", "--checkpoint", "a.ckpt", "--checkpoint-every", "0.05", "--quiet"];
+    let running = folder.start(&[&["render", "scene.xml"][..], &LARGE, &files].concat());
+    let mut samples = 0;
+    for _ in 0..3 {
+        samples = wait_until(|| path.exists().then(|| samples_in(&path)).filter(|&now| now > samples));
+    }
+    drop(running);
+    assert!(samples_in(&path) >= samples);
+}
+
+/// Also where the next slice would take seconds.
+#[test]
+fn a_second_signal_harms_no_file() {
+    let folder = Folder::new();
+    folder.render(&[
+        "--spp",
+        "8",
+        "-o",
+        "a.exr",
+        "--checkpoint",
+        "a.ckpt",
+        "--width",
+        "1500",
+        "--height",
+        "1500",
+        "--sampler",
+        "bsdf",
+    ]);
+    let before = ["a.exr", "a.ckpt"].map(|name| fs::read(folder.path(name)).unwrap());
+    let arguments = ["resume", "a.ckpt", "--spp", "4000000", "--slice-ms", "60000", "--quiet"];
+    let mut running = folder.start(&arguments);
+    std::thread::sleep(Duration::from_secs(4));
+    running.signal("INT");
+    std::thread::sleep(Duration::from_millis(800));
+    let begin = Instant::now();
+    if running.is_running() {
+        running.signal("INT");
+    }
+    assert_eq!(running.wait().0, Some(130));
+    println!("ended after {:?}", begin.elapsed());
+    samples_in(&folder.path("a.ckpt"));
+    read_picture(&folder.path("a.exr")).unwrap();
+    let after = ["a.exr", "a.ckpt"].map(|name| fs::read(folder.path(name)).unwrap());
+    println!("files are {}", if before == after { "as they were" } else { "newer" });
+}
+
+#[test]
+fn another_scene_is_refused_with_both_hashes() {
+    let folder = Folder::new();
+    folder.write("triangle.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 3\n");
+    let shape = r#"<shape type="obj"><string name="filename" value="triangle.obj"/></shape></scene>"#;
+    let scene = SCENE.replace("</scene>", shape);
+    folder.write("scene.xml", &scene);
+    folder.render(&["--spp", "8", "--checkpoint", "a.ckpt", "-o", "a.exr", "-D", "gray=0.25"]);
+    let hash = Checkpoint::<Value>::read(&folder.path("a.ckpt")).unwrap().scene.hash;
+    let refused = || {
+        let output = folder.run(&["resume", "a.ckpt", "--spp", "16"]);
+        assert_sentence(&output, 1, &["a.ckpt: ", "scene_hash", &hash, "scene.xml"]);
+    };
+    folder.write("triangle.obj", "v 0 0 3\nv 1 0 3\nv 0 1.5 3\nf 1 2 3\n");
+    refused();
+    folder.write("triangle.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 3\n");
+    folder.write("scene.xml", &scene.replace("z=\"5\"", "z=\"6\""));
+    refused();
+    // What changes no picture is no difference, nor is the place.
+    fs::create_dir(folder.path("moved")).unwrap();
+    folder.write("moved/scene.xml", &scene.replace("<emitter", "<!-- the sky --> <emitter"));
+    fs::rename(folder.path("triangle.obj"), folder.path("moved/triangle.obj")).unwrap();
+    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--spp", "16", "--scene", "moved/scene.xml", "--quiet"]));
+}
+
+#[test]
+fn a_checkpoint_is_not_written_over_by_a_new_render() {
+    let folder = Folder::new();
+    let render = ["render", "scene.xml", "--spp", "8", "--quiet", "-o", "a.exr", "--checkpoint", "a.ckpt"];
+    let again = |more: &[&str]| folder.run(&[&render[..], more].concat());
+    assert_quiet_success(&again(&[]));
+    let before = fs::read(folder.path("a.ckpt")).unwrap();
+    assert_sentence(&again(&[]), 1, &["a.ckpt: ", "8 samples", "lodestar resume a.ckpt"]);
+    let other = again(&["--seed", "3", "--max-depth", "5", "-D", "gray=0.25"]);
+    assert_sentence(&other, 1, &["max_depth (16 there, 5 here)", "seed (0 there, 3 here)", "scene_hash ("]);
+    assert_eq!(fs::read(folder.path("a.ckpt")).unwrap(), before);
+    folder.write("a.ckpt", "notes");
+    assert_sentence(&again(&[]), 1, &["a.ckpt: ", "no checkpoint", "another name"]);
+    assert_eq!(fs::read_to_string(folder.path("a.ckpt")).unwrap(), "notes");
+}
+
+#[test]
+fn a_damaged_checkpoint_is_one_sentence() {
+    let folder = Folder::new();
+    folder.render(&["--spp", "8", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
+    let whole = fs::read(folder.path("a.ckpt")).unwrap();
+    for (at, words) in [(0, "no checkpoint"), (100, "cut short or altered"), (whole.len() - 1, "cut short or altered")]
+    {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 4;
+        fs::write(folder.path("a.ckpt"), &bytes).unwrap();
+        assert_sentence(&folder.run(&["resume", "a.ckpt"]), 1, &["a.ckpt: ", words]);
+        fs::write(folder.path("a.ckpt"), &whole[..at]).unwrap();
+        assert_sentence(&folder.run(&["resume", "a.ckpt"]), 1, &["a.ckpt: "]);
+    }
+    assert_sentence(&folder.run(&["resume", "missing.ckpt"]), 1, &["missing.ckpt: cannot be read"]);
+}

@@ -1,0 +1,121 @@
+//! A render that is gone on with has the bits of one that was never interrupted.
+
+use lodestar::renderer::{Counts, RenderState, Renderer};
+use lodestar::scene::Scene;
+use lodestar::settings::{Sampler, Settings};
+
+use crate::determinism::bits;
+use crate::device::{Device, steps};
+use crate::scenes::{SAMPLERS, ours, settings};
+
+/// Not a whole number of tiles.
+const SIZE: [u32; 2] = [60, 41];
+/// Several steps and a part of one.
+const SPP: u32 = 44;
+
+fn scene() -> Scene {
+    ours("cornell-box/scene.xml", &[])
+}
+
+/// Picture and counts of the samples from `renderer`'s to the last.
+fn rest(renderer: &mut Renderer, settings: &Settings) -> (Vec<u32>, Vec<Counts>) {
+    let counts = steps(renderer, settings, SPP);
+    (bits(&renderer.picture().expect("a picture")), counts)
+}
+
+fn state_after(device: &Device, scene: &Scene, settings: &Settings, spp: u32) -> (RenderState, Vec<Counts>) {
+    let mut renderer = device.renderer(scene, settings);
+    let counts = steps(&mut renderer, settings, spp);
+    (renderer.state().expect("a state"), counts)
+}
+
+#[test]
+fn a_resumed_render_has_the_bits_of_one_never_interrupted() {
+    let device = Device::new();
+    let scene = scene();
+    for sampler in SAMPLERS {
+        let settings = settings(&scene, SIZE, sampler, 21);
+        let whole = rest(&mut device.renderer(&scene, &settings), &settings);
+        for (spp, page_pixels, slice) in
+            [(0, None, None), (8, Some(256), None), (16, None, Some(1.0)), (40, Some(512), None)]
+        {
+            let cut = Settings { film_page_pixels: page_pixels, slice_milliseconds: slice, ..settings.clone() };
+            let (state, mut counts) = state_after(&device, &scene, &cut, spp);
+            // Pages and slices are another matter before and after.
+            let mut renderer = device.renderer(&scene, &settings);
+            renderer.restore(&state).expect("the same settings");
+            assert!(renderer.state().expect("a state") == state, "{sampler:?} {spp}");
+            let (picture, later) = rest(&mut renderer, &settings);
+            counts.extend(later);
+            assert!(picture == whole.0, "{sampler:?} from {spp}: picture");
+            assert_eq!(counts, whole.1, "{sampler:?} from {spp}: counts");
+        }
+    }
+}
+
+/// With sums in which the order of steps changes no bit.
+#[test]
+fn a_resumed_part_has_the_bits_of_one_never_interrupted() {
+    let device = Device::new();
+    let scene = scene();
+    let part = Settings { sample_offset: Some(24), ..settings(&scene, SIZE, Sampler::Bsdf, 21) };
+    let whole = rest(&mut device.renderer(&scene, &part), &part);
+    let (state, _) = state_after(&device, &scene, &Settings { film_page_pixels: Some(256), ..part.clone() }, 16);
+    let mut renderer = device.renderer(&scene, &part);
+    renderer.restore(&state).expect("the same settings");
+    assert!(rest(&mut renderer, &part).0 == whole.0);
+}
+
+/// The twin of the tests above: each part of the state matters, but for what a plain path tracer does not use.
+#[test]
+fn a_state_that_lacks_a_part_is_noticed() {
+    let device = Device::new();
+    let scene = scene();
+    let settings = settings(&scene, SIZE, Sampler::RejectionMix, 21);
+    let whole = rest(&mut device.renderer(&scene, &settings), &settings).0;
+    let state = state_after(&device, &scene, &settings, 16).0;
+    for part in 0..state.parts.len() {
+        let mut lacking = state.clone();
+        lacking.parts[part].bytes.fill(0);
+        let mut renderer = device.renderer(&scene, &settings);
+        renderer.restore(&lacking).expect("the same settings");
+        assert!(rest(&mut renderer, &settings).0 != whole, "{}", state.parts[part].name);
+    }
+}
+
+#[test]
+fn a_state_of_other_settings_is_refused_and_so_is_one_of_a_stopped_step() {
+    let device = Device::new();
+    let scene = scene();
+    let settings = settings(&scene, SIZE, Sampler::RejectionMix, 21);
+    let state = state_after(&device, &scene, &settings, 8).0;
+    for other in [Settings { grid: 4, ..settings.clone() }, Settings { width: 90, ..settings.clone() }] {
+        let error = device.renderer(&scene, &other).restore(&state).unwrap_err().to_string();
+        assert!(error.contains("the saved state holds film radiance: "), "{error}");
+    }
+    let mut renderer = device.renderer(&scene, &settings);
+    renderer.step(8, &|| true).expect("a step");
+    assert!(renderer.state().is_err());
+    renderer.restore(&state).expect("the same settings");
+    assert!(renderer.state().expect("a state") == state);
+}
+
+/// Renders of disjoint ranges of samples, one after the other and apart: the samples are the same.
+#[test]
+fn a_sample_offset_moves_the_range() {
+    let device = Device::new();
+    let scene = scene();
+    let whole = settings(&scene, SIZE, Sampler::Bsdf, 21);
+    let part = |offset: u32, spp: u32| {
+        let settings = Settings { sample_offset: Some(offset), ..whole.clone() };
+        device.render(&scene, &settings, spp)
+    };
+    let (a, b, all) = (part(0, 16), part(16, 16), part(0, 32));
+    assert!(bits(&a) != bits(&b));
+    for ((a, b), all) in a.radiance.iter().zip(&b.radiance).zip(&all.radiance) {
+        for channel in 0..3 {
+            let mean = 0.5 * (a[channel] + b[channel]);
+            assert!((mean - all[channel]).abs() <= 1.0e-5 * mean.max(1.0e-3), "{mean} {}", all[channel]);
+        }
+    }
+}
