@@ -1,5 +1,6 @@
 //! `glsl/include/normalization_entry.glsl` and the integrals that it reads
 
+use glam::DVec3;
 use lodestar::cosine_integrals::cosine_integrals;
 use lodestar::kernels::{SAMPLER_REJECTION_MIX, Variant};
 use lodestar::layout;
@@ -94,22 +95,17 @@ fn check_entries(case: &Case) {
     let mut worst = [0.0_f64; 5];
     for normal in 0..count {
         let nb = representative_normal(normal as u32, normals);
-        let integrals = sphere(map).cosine_integrals(directions, nb);
-        let maxima: Vec<_> = bounds.iter().skip(normal).step_by(count).map(|c| f64::from(c.maximum)).collect();
+        let of_normal = || bounds.iter().skip(normal).step_by(count);
+        let integrals: Vec<_> = of_normal().map(|c| f64::from(c.integral)).collect();
+        check_integrals(map, &integrals, directions, nb);
+        let maxima: Vec<_> = of_normal().map(|c| f64::from(c.maximum)).collect();
         for (index, (table, entries)) in tables.iter().zip(&filled).enumerate() {
             let (normalizer, bound) = normalizer_and_bound(table, &integrals, &maxima);
             let twin = |normalizer| match rules.sampler {
                 Sampler::HemisphereInversion => inversion_factors(normalizer, table.len(), &rules),
                 _ => rejection_factors(normalizer, bound, &rules),
             };
-            // Rejection hardly feels what is left of a bright bin at the horizon; inversion divides by it. Neither quadrature
-            // knows such a sliver better than to a ten-thousandth of the bin's solid angle.
-            let brightest = table.iter().copied().fold(0.0, f32::max);
-            let slack = match rules.sampler {
-                Sampler::HemisphereInversion => 5.0e-6 * f64::from(brightest) / normalizer,
-                _ => 0.0,
-            };
-            worst[index] = worst[index].max(difference(&entries[normal], &twin(normalizer)) - slack);
+            worst[index] = worst[index].max(difference(&entries[normal], &twin(normalizer)));
             // With few tries and a sharp peak the normalizer hardly matters, so the flat table must tell.
             assert!(
                 index > 0 || difference(&entries[normal], &twin(1.05 * normalizer)) > 1.0e-3,
@@ -117,10 +113,25 @@ fn check_entries(case: &Case) {
             );
         }
     }
-    // Where one bin outshines all others and the horizon leaves a sliver of it, neither quadrature is as good.
-    let tolerance = [2.0e-5, 2.0e-5, 2.0e-5, 5.0e-5, 5.0e-5];
-    let within = worst.iter().zip(tolerance).all(|(&error, tolerance)| error < tolerance);
-    assert!(within, "{rules:?}, {map:?}, {directions} directions, {normals} normals: {worst:?}");
+    // A sum of up to a thousand numbers in single precision.
+    assert!(
+        worst.iter().all(|&error| error < 2.0e-5),
+        "{rules:?}, {map:?}, {directions} directions, {normals} normals: {worst:?}"
+    );
+}
+
+/// The integrals that the renderer uploads, along the borders of bins, against points all over them. In comparison with 100
+/// times as many, those err by up to 3.4e-7 sr in a bin of the square's 16^2, in proportion to how much of the horizon runs
+/// through a bin; and at the cylinder's poles, where they are 0.06 rad apart, by 2.6e-6.
+fn check_integrals(map: DirectionMap, integrals: &[f64], directions: u32, nb: DVec3) {
+    let error = match map {
+        DirectionMap::EqualArea => 4.0e-7,
+        DirectionMap::Cylindrical => 3.0e-6,
+    } * 16.0
+        / f64::from(directions);
+    for (bin, (found, expected)) in integrals.iter().zip(sphere(map).cosine_integrals(directions, nb)).enumerate() {
+        assert!((found - expected).abs() < error, "{map:?}, bin {bin} of {directions}^2: {found}, not {expected}");
+    }
 }
 
 #[test]
