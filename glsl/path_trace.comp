@@ -130,7 +130,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
         path.met.light = light;
     }
     DirectionSample next = sample_direction(path.key, path.depth, u, x, guide);
-    count_sample(tally, next.tries, next.below, next.overrun);
+    count_sample(tally, next.tries, next.lost, next.overrun);
     if (!x.passes) path.segment = segment_from(x.cell, next);
     // What lies behind a hole is collected by the segment that leads there.
     if (x.passes && keeps_vertices()) path.segment = NO_SEGMENT;

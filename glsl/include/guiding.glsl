@@ -14,7 +14,7 @@ struct DirectionSample {
     float eta;       // index of refraction behind `wi` over that in front, where light is transmitted; else 1
     uint bin;        // direction bin of `wi`; 0 without a guide
     float radiance;  // L of that bin
-    bool below;      // a guided direction points below the surface
+    bool lost;       // a guided direction points below the surface, where nothing is scattered
     uint tries;      // proposals of a guided sample; 0 where the BSDF was sampled
     bool overrun;
 };
@@ -108,14 +108,22 @@ DirectionSample sample_direction_bsdf(Scatterer x, Guide guide, BsdfSample s) {
     return result;
 }
 
+// Index of refraction behind a guided direction over that in front.
+float refraction(Scatterer x, vec3 wi) {
+    bool transmits = GUIDE_SET == GUIDE_SET_AUTHORS && is_kind(x.bsdf, BSDF_ROUGH_DIELECTRIC) && x.wo.z * wi.z < 0.0;
+    float eta = x.bsdf.scalars0.z;
+    return transmits ? (x.wo.z > 0.0 ? eta : 1.0 / eta) : 1.0;
+}
+
 // A guided direction in place of the lobe's that the guide stands for.
 DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice, Scatterer x, Guide guide, BsdfSample s) {
     GuidedSample guided = sample_guide(key, vertex, choice, guide);
     s.wi = guided.wi * x.frame;
     float pdf = sample_pdf(x, guide, s, guided.pdf);
     vec3 weight = sample_weight(x, s, pdf);
-    bool below = s.wi.z <= 0.0;
-    return DirectionSample(guided.wi, weight, pdf, 1.0, guided.bin, guided.radiance, below, guided.tries, guided.overrun);
+    bool lost = s.wi.z <= 0.0 && max_component(weight) == 0.0;
+    float eta = refraction(x, s.wi);
+    return DirectionSample(guided.wi, weight, pdf, eta, guided.bin, guided.radiance, lost, guided.tries, guided.overrun);
 }
 
 // Draws the direction in which a path leaves a surface.
