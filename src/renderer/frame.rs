@@ -18,13 +18,15 @@ use crate::layout;
 use crate::lights::Lights;
 use crate::scene::texel_pages::MAX_PAGES;
 use crate::scene::{Projection, Scene};
-use crate::settings::Settings;
+use crate::settings::{Learner, Settings};
 use crate::textures::TexelWords;
 
 /// `texel_words` of `glsl/include/frame.glsl`.
 const TEXEL_WORDS_BINDING: u32 = 6;
-/// Learning targets saturate at this multiple of the largest emitted radiance.
+/// Targets of learners that bootstrap saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;
+/// The same of collected returns: few paths survive roulette, and these are weighed up.
+const RETURN_LIMIT: f32 = 1024.0;
 
 /// The set, once for every film page; all else is shared between them.
 pub(super) struct Frame {
@@ -128,7 +130,7 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Setting
         bounds_min: bvh.bounds.0.into(),
         aperture_radius,
         cells_per_unit: (settings.grid as f32 / extent).into(),
-        target_limit: target_limit(lights),
+        target_limit: target_limit(lights, settings.learner),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
@@ -144,9 +146,13 @@ fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| matrix.row(i).into())
 }
 
-fn target_limit(lights: &Lights) -> f32 {
+fn target_limit(lights: &Lights, learner: Learner) -> f32 {
+    let multiple = match learner {
+        Learner::Sarsa | Learner::ExpectedSarsa => TARGET_LIMIT,
+        Learner::MonteCarlo => RETURN_LIMIT,
+    };
     match lights.brightest() {
-        0.0 => TARGET_LIMIT,
-        most => TARGET_LIMIT * most,
+        0.0 => multiple,
+        most => multiple * most,
     }
 }

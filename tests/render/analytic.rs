@@ -5,7 +5,7 @@ use lodestar::settings::{Learner, Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::Estimate;
-use crate::scenes::{SAMPLERS, ours, settings, steady};
+use crate::scenes::{ALL_SAMPLERS, ours, settings, steady};
 use crate::significance::{ALPHA, sidak, two_sided};
 
 const SIZE: [u32; 2] = [32, 32];
@@ -35,8 +35,11 @@ fn deviation(device: &Device, file: &str, defines: &[(&str, &str)], change: impl
 fn every_sampler_is_within_its_confidence_interval() {
     let device = Device::new();
     let files = ["furnace/scene.xml", "furnace/mesh.xml"];
-    let cases: Vec<_> =
-        files.iter().flat_map(|&file| SAMPLERS.map(|sampler| [2, 8].map(|rr| (file, sampler, rr)))).flatten().collect();
+    let cases: Vec<_> = files
+        .iter()
+        .flat_map(|&file| ALL_SAMPLERS.map(|sampler| [2, 8].map(|rr| (file, sampler, rr))))
+        .flatten()
+        .collect();
     for &(file, sampler, rr_depth) in &cases {
         let set = |s: &mut Settings| (s.sampler, s.rr_depth) = (sampler, rr_depth);
         let z = deviation(&device, file, &[], set);
@@ -44,16 +47,38 @@ fn every_sampler_is_within_its_confidence_interval() {
     }
 }
 
+/// With the default share of uniform directions, and so few edges that no path weighs much more than others.
+#[test]
+fn inversion_is_right_at_its_default_share() {
+    let device = Device::new();
+    let scene = ours("furnace/scene.xml", &[]);
+    for sampler in [Sampler::SphereInversion, Sampler::HemisphereInversion] {
+        let z = |pdf_tamper| {
+            let default = Settings::for_scene(&scene).min_uniform;
+            let short =
+                Settings { max_depth: 3, pdf_tamper, min_uniform: default, ..settings(&scene, SIZE, sampler, 6) };
+            let (mean, error) = Estimate::of(&device.render(&scene, &short, 256)).gray();
+            println!("{sampler:?} x {pdf_tamper}: {mean:.6} +- {error:.6}");
+            (mean - answer(3)) / error
+        };
+        let (right, twin) = (z(1.0), z(1.05));
+        assert!(
+            sidak(two_sided(right), 4) > ALPHA && sidak(two_sided(twin), 4) < ALPHA,
+            "{sampler:?}: {right}, {twin}"
+        );
+    }
+}
+
 #[test]
 fn a_wrong_density_or_albedo_is_found_in_the_furnace() {
     let device = Device::new();
-    for sampler in SAMPLERS {
+    for sampler in ALL_SAMPLERS {
         let tampered = |s: &mut Settings| (s.sampler, s.pdf_tamper) = (sampler, 1.05);
         for (albedo, z) in [
             ("0.5", deviation(&device, "furnace/scene.xml", &[], tampered)),
             ("0.515", deviation(&device, "furnace/scene.xml", &[("albedo", "0.515")], |s| s.sampler = sampler)),
         ] {
-            assert!(sidak(two_sided(z), 4 * SAMPLERS.len()) < ALPHA, "{sampler:?} with albedo {albedo}: z = {z}");
+            assert!(sidak(two_sided(z), 4 * ALL_SAMPLERS.len()) < ALPHA, "{sampler:?} with albedo {albedo}: z = {z}");
         }
     }
 }
@@ -159,8 +184,11 @@ fn monte_carlo_divides_by_survival() {
     let found = learned(&device, &[("albedo", "0.9"), ("emission", "0.1")], mean(1.0), |s| {
         (s.learner, s.decay, s.rr_depth, s.spp_per_step) = (Learner::MonteCarlo, 1.0, 6, LEARNING_STEPS * 8);
     });
-    assert!(is_learned(found, mean(1.0)), "{found:?}, not {}", mean(1.0));
-    assert!(!is_learned(found, mean(0.95)), "the twin: an albedo 5 % off");
+    // Returns of few paths, with all that weigh more, are noisy in one bin; all bins together are not.
+    let is_near = |expected: f64| (found.0 - expected).abs() < 0.01;
+    assert!(is_near(mean(1.0)), "{found:?}, not {}", mean(1.0));
+    assert!(!is_near(mean(0.95)), "the twin: an albedo 5 % off");
+    assert!(!is_near(mean(1.0) - 0.012), "the twin: returns cut off at 16 times the emission");
 }
 
 /// Where the surface's attenuation is left out, there is no radiance to tend to.

@@ -10,7 +10,7 @@ use lodestar::settings::{Sampler, Settings};
 
 use crate::device::Device;
 use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::scenes::{GUIDED, SAMPLERS, ours, settings};
+use crate::scenes::{ALL_SAMPLERS, GUIDED, SAMPLERS, combinations, ours, settings};
 
 /// Every number of the picture as bits.
 pub fn bits(picture: &Picture) -> Vec<u32> {
@@ -51,20 +51,24 @@ fn no_way_of_cutting_the_work_changes_a_bit() {
     }
 }
 
-/// Learned sums do not depend on the order of their targets, whichever learner has them.
+/// Learned sums do not depend on the order of their targets, whatever samples and whatever learns.
 #[test]
 fn every_way_to_follow_a_guide_gives_the_same_bits() {
     let device = Device::new();
     let scene = scene();
-    for (name, set) in GUIDED {
+    let check = |name: &str, set: &dyn Fn(&mut Settings)| {
         let render = |milliseconds| {
             let settings = changed(&scene, Sampler::RejectionMix, |s| {
                 set(s);
                 s.slice_milliseconds = milliseconds;
             });
-            bits(&device.render(&scene, &settings, SPP))
+            bits(&device.render(&scene, &settings, 20))
         };
         assert!(render(None) == render(Some(1.0)), "{name}: slices of 1 ms");
+    };
+    GUIDED.iter().for_each(|(name, set)| check(name, set));
+    for (sampler, learner) in combinations() {
+        check(&format!("{sampler:?} and {learner:?}"), &|s| (s.sampler, s.learner) = (sampler, learner));
     }
 }
 
@@ -91,7 +95,7 @@ fn samples_per_dispatch_change_no_more_than_rounding() {
 fn storage_reads_change_no_bit() {
     let device = Device::new();
     let scene = scene();
-    for sampler in SAMPLERS {
+    for sampler in ALL_SAMPLERS {
         let render =
             |storage_reads| device.render(&scene, &changed(&scene, sampler, |s| s.storage_reads = storage_reads), SPP);
         let (texels, storage) = (render(false), render(true));

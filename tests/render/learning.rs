@@ -9,7 +9,7 @@ use lodestar::settings::{Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::Estimate;
-use crate::scenes::{SAMPLERS, ours, settings};
+use crate::scenes::{SAMPLERS, combinations, ours, settings};
 use crate::significance::{ALPHA, sidak, two_sided};
 
 /// The paper's Fig. 7a.
@@ -29,6 +29,25 @@ fn guided_rays_find_the_light_more_often_step_by_step() {
     let unguided = rates(Sampler::Bsdf);
     assert!((unguided[4] / unguided[0] - 1.0).abs() < 0.2, "{unguided:?}");
     assert!((guided[0] / unguided[0] - 1.0).abs() < 1.0e-6, "the first step draws from the BSDF");
+}
+
+/// The paper's Table 1: hardly a direction is lost below the surface, but where the sampler does not know the normal.
+#[test]
+fn only_the_sphere_s_inversion_draws_below_the_surface() {
+    let device = Device::new();
+    let scene = ours("cornell-box/scene.xml", &[]);
+    for (sampler, learner) in combinations() {
+        let settings = Settings { learner, min_uniform: 0.0625, ..settings(&scene, [48, 48], sampler, 1) };
+        let counts = steps(&mut device.renderer(&scene, &settings), &settings, 24);
+        let last = counts[2];
+        let (invalid, tries) = (last.invalid_rate(), last.tries_per_sample());
+        println!("{sampler:?} and {learner:?}: {invalid:.4} invalid, {tries:.2} tries");
+        let is_expected = if sampler == Sampler::SphereInversion { invalid > 0.05 } else { invalid < 0.01 };
+        assert!(is_expected, "{sampler:?} and {learner:?}: {invalid}");
+        // Plain rejection pays with tries what the mix takes from the uniform share.
+        let least = if sampler == Sampler::Rejection { 4.0 } else { 1.0 };
+        assert!(tries >= least, "{sampler:?} and {learner:?}: {tries} tries");
+    }
 }
 
 #[test]

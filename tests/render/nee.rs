@@ -13,7 +13,7 @@ use lodestar::settings::{Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::scenes::{SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
+use crate::scenes::{ALL_SAMPLERS, SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
 use crate::significance::{ALPHA, sidak, two_sided};
 
 /// Reflectance of the floor in `floor.xml`.
@@ -238,14 +238,14 @@ fn emitter_sampling_leaves_the_sky_as_it_is() {
 fn the_furnace_is_as_bright_with_emitter_sampling() {
     let device = Device::new();
     for file in ["furnace/scene.xml", "furnace/mesh.xml"] {
-        for sampler in SAMPLERS {
+        for sampler in ALL_SAMPLERS {
             let z = |mis_fault| {
                 let scene = ours(file, &[]);
                 let settings = Settings { nee: true, mis_fault, ..settings(&scene, [32, 32], sampler, 5) };
                 let rendered = Estimate::of(&device.render(&scene, &settings, 64)).gray();
                 let z = deviation(rendered, 1.0 - 1.0 / f64::from(1 << 16));
                 println!("{file} {sampler:?}, fault {mis_fault}: {rendered:?}, z = {z:.2}");
-                sidak(two_sided(z), 4)
+                sidak(two_sided(z), 2 * ALL_SAMPLERS.len())
             };
             assert!(z(MIS_EXACT) > ALPHA && z(MIS_COUNTS_TWICE) < ALPHA, "{file} {sampler:?}");
         }
@@ -260,7 +260,7 @@ fn bits(picture: &Picture) -> Vec<u32> {
 fn the_same_seed_gives_the_same_bits_with_emitter_sampling() {
     let device = Device::new();
     let scene = ours("lights/scene.xml", &[("light", "area")]);
-    for sampler in SAMPLERS {
+    for sampler in ALL_SAMPLERS {
         let render = |change: &dyn Fn(&mut Settings)| {
             let mut settings = Settings { nee: true, ..settings(&scene, [50, 37], sampler, 11) };
             change(&mut settings);

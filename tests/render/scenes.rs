@@ -5,9 +5,17 @@ use std::path::Path;
 use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
 use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
 
-/// All samplers.
-pub const SAMPLERS: [Sampler; 5] =
+/// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
+pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
+
+pub const ALL_SAMPLERS: [Sampler; 5] =
     [Sampler::Bsdf, Sampler::RejectionMix, Sampler::Rejection, Sampler::SphereInversion, Sampler::HemisphereInversion];
+
+/// Every sampler that follows a guide with every learner.
+pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
+    let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo];
+    ALL_SAMPLERS[1..].iter().flat_map(move |&sampler| learners.map(|learner| (sampler, learner)))
+}
 
 /// A change to the settings that a test makes.
 type Change = fn(&mut Settings);
@@ -41,8 +49,8 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed
 }
 
 /// Has half of the samples by inversion uniform. Where a table misses light that is there, the few others that find it weigh
-/// so much that sums of a test's size are far from normally distributed: with the default, 64 samples per pixel of the
-/// furnace are five standard errors too dark and 2048 are right.
+/// so much, edge after edge, that sums of a test's size are far from normally distributed: with the default, 64 samples per
+/// pixel of the furnace are five standard errors too dark and 2048 are right.
 pub fn steady(settings: Settings) -> Settings {
     let inverts = matches!(settings.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion);
     Settings { min_uniform: if inverts { 0.5 } else { settings.min_uniform }, ..settings }
