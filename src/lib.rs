@@ -59,6 +59,9 @@
 //! # Invariants
 //! 1. **The density divided by is the density sampled**, and it is positive wherever the surface can reflect. So a picture's
 //!    expectation does not depend on what the guide holds.
+//!    Learned targets saturate (16 times the largest emitted radiance; 1024 times for Monte-Carlo returns, which roulette
+//!    divides by survival), and inversion draws what the table has missed with little more than the least uniform share,
+//!    weighing it by up to 2 / share an edge: that costs variance, never bias.
 //! 2. **The same seed gives the same bits** on a device, however the picture is cut into dispatches or spread over threads:
 //!    random numbers are a hash of (pixel, sample, vertex, block, seed), a pixel's samples of a dispatch belong to one
 //!    invocation, and learned sums are fixed-point integers.
