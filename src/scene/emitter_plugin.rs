@@ -111,7 +111,7 @@ fn parse_map(properties: &mut Properties, top_folder: &Path, sampling_weight: f3
     let to_world = orthogonal(&properties.take_to_world()?)
         .ok_or_else(|| location.error("the `to_world` of an envmap may turn and mirror it, but not scale or shear"))?;
     // How directions are drawn does not change the picture.
-    properties.ignore(&["mis_compensation"]);
+    properties.ignore_sampling(&["mis_compensation"]);
     Ok(EnvironmentMapFile { path, scale, to_world, sampling_weight })
 }
 

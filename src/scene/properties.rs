@@ -37,6 +37,8 @@ pub(super) struct Properties<'a> {
     element: &'a Element,
     plugin: &'a str,
     parameters: HashMap<String, &'a Element>,
+    /// Parameters that are known, and make no difference here.
+    without_effect: Vec<&'a Element>,
     objects: Vec<Nested<'a>>,
 }
 
@@ -49,7 +51,13 @@ struct Nested<'a> {
 
 impl<'a> Properties<'a> {
     pub fn new(element: &'a Element, ids: &Ids<'a>) -> Result<Self> {
-        let mut result = Self { element, plugin: element.plugin()?, parameters: HashMap::new(), objects: Vec::new() };
+        let mut result = Self {
+            element,
+            plugin: element.plugin()?,
+            parameters: HashMap::new(),
+            without_effect: Vec::new(),
+            objects: Vec::new(),
+        };
         for child in &element.children {
             if child.is_object() {
                 result.objects.push(Nested { object: child, at: child });
@@ -220,11 +228,16 @@ impl<'a> Properties<'a> {
         Ok(objects.first().copied())
     }
 
-    /// Drops parameters that cannot change the picture.
+    /// Drops parameters about what is chosen elsewhere, such as how the picture is stored.
     pub fn ignore(&mut self, names: &[&str]) {
         for name in names {
             self.parameters.remove(*name);
         }
+    }
+
+    /// Drops parameters that would change the noise only, and do not; there will be a warning.
+    pub fn ignore_sampling(&mut self, names: &[&str]) {
+        self.without_effect.extend(names.iter().filter_map(|name| self.parameters.remove(*name)));
     }
 
     /// What is left is unknown: a warning for each parameter, an error for a nested object that is none.
@@ -235,11 +248,13 @@ impl<'a> Properties<'a> {
             return Err(at.error(format!("<{}> is not supported in {owner}", object.tag)));
         }
         let textures = textures.iter().map(|nested| nested.at);
-        let mut unknown: Vec<_> = self.parameters.into_values().chain(textures).collect();
-        unknown.sort_by_key(|parameter| parameter.location.line);
-        for parameter in unknown {
+        let unknown = self.parameters.into_values().chain(textures).map(|parameter| (parameter, "is unknown"));
+        let without_effect = self.without_effect.into_iter().map(|parameter| (parameter, "changes only the noise"));
+        let mut ignored: Vec<_> = unknown.chain(without_effect).collect();
+        ignored.sort_by_key(|(parameter, _)| parameter.location.line);
+        for (parameter, why) in ignored {
             let name = parameter.attribute("name").unwrap_or_default();
-            warnings.push(format!("{}: the parameter `{name}` of {owner} is unknown; ignored", parameter.location));
+            warnings.push(format!("{}: the parameter `{name}` of {owner} {why}; ignored", parameter.location));
         }
         Ok(())
     }

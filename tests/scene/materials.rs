@@ -102,10 +102,27 @@ fn rough_dielectric() {
         specular_transmittance: gray(1.0),
     };
     assert_eq!(bsdf("roughdielectric", ""), expected(facets(Distribution::Beckmann, 0.1, 0.1)));
-    let given = r#"<string name="distribution" value="GGX"/><boolean name="sample_visible" value="false"/>
+    let given = r#"<string name="distribution" value="GGX"/>
         <float name="alphaU" value="0.3"/><float name="alpha_v" value="0"/>"#;
     // Mitsuba takes nothing to be smoother.
     assert_eq!(bsdf("roughdielectric", given), expected(facets(Distribution::Ggx, 0.3, 1e-4)));
+}
+
+#[test]
+fn what_would_change_the_noise_only_is_a_warning() {
+    let parameter = |plugin, name| {
+        load_body(&format!(r#"<bsdf type="{plugin}"><float name="{name}" value="0.5"/></bsdf>"#)).unwrap().warnings
+    };
+    for (plugin, name) in [
+        ("plastic", "specular_sampling_weight"),
+        ("roughplastic", "specular_sampling_weight"),
+        ("principled", "clearcoat_sampling_rate"),
+        ("roughconductor", "sample_visible"),
+    ] {
+        let warnings = parameter(plugin, name);
+        assert!(warnings.len() == 1 && warnings[0].contains(&format!("`{name}`")), "{plugin}: {warnings:?}");
+        assert!(warnings[0].contains("scene.xml:2: ") && warnings[0].contains("noise"), "{warnings:?}");
+    }
 }
 
 #[test]

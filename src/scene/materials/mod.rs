@@ -240,7 +240,7 @@ fn check_relief_options(parameters: &mut Parameters) -> Result<()> {
 
 /// Mitsuba 0.6's; Mitsuba 3 has none.
 fn coating(parameters: &mut Parameters) -> Result<Coating> {
-    parameters.properties.ignore(&["specular_sampling_weight"]);
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
     for name in ["sigma_a", "specular_reflectance"] {
         if let Some(texture) = parameters.properties.texture(name)? {
             return Err(texture.error(format!("`{name}` of a `coating` must be a color, not a texture")));

@@ -88,7 +88,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
 
     fn distribution(&mut self) -> Result<Distribution> {
         // How normals are drawn changes the noise only.
-        self.properties.ignore(&["sample_visible"]);
+        self.properties.ignore_sampling(&["sample_visible"]);
         let location = self.properties.location("distribution");
         match self.properties.string("distribution")?.map(str::to_ascii_lowercase).as_deref() {
             None | Some("beckmann") => Ok(Distribution::Beckmann),

@@ -93,7 +93,7 @@ fn rough_conductor(parameters: &mut Parameters) -> Result<Bsdf> {
 
 fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
     // How often each lobe is drawn changes the noise only.
-    parameters.properties.ignore(&["specular_sampling_weight"]);
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
     Ok(Bsdf::Plastic {
         eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
         diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
@@ -103,7 +103,7 @@ fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
 }
 
 fn rough_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
-    parameters.properties.ignore(&["specular_sampling_weight"]);
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
     let (distribution, alpha) = parameters.uniform_microfacets()?;
     Ok(Bsdf::RoughPlastic {
         distribution,
@@ -118,7 +118,7 @@ fn rough_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
 fn principled(parameters: &mut Parameters) -> Result<Principled> {
     // How often each lobe is drawn changes the noise only.
     let rates = ["main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"];
-    parameters.properties.ignore(&rates);
+    parameters.properties.ignore_sampling(&rates);
     let base_color = parameters.reflectance("base_color", DEFAULT_REFLECTANCE)?;
     let roughness = parameters.share("roughness", 0.5)?;
     let spec_trans = parameters.share("spec_trans", 0.0)?;
