@@ -6,6 +6,9 @@
 #
 # usage: setup.sh            install what is missing
 #        setup.sh --check    only say what is missing; exit 1 if anything is
+#        setup.sh --swiftshader [DIR]
+#                            put SwiftShader, a second Vulkan driver for the CPU, into DIR (target/swiftshader) for tests, and
+#                            print the path for VK_DRIVER_FILES; nothing is installed. Debian only: it is part of Chromium
 set -eu
 
 MIN_RUST=1.88
@@ -174,8 +177,36 @@ install_missing() {
   if [ -n "$missing" ]; then fail "still missing after installing: $missing_names; install by hand"; fi
 }
 
+# --- A second driver for tests ------------------------------------------------------------------------------------------
+
+# Debian's chromium-common carries it: 30 MB to download, 5 MB to keep.
+unpack_swiftshader() { # DIR
+  package=chromium-common
+  [ "$system" = debian ] || fail "SwiftShader is taken from Debian's package $package, which this system has not"
+  apt-cache show "$package" >/dev/null 2>&1 || as_root apt-get update >&2
+  download=$(mktemp -d)
+  trap 'rm -rf "$download"' EXIT
+  (cd "$download" && apt-get download "$package" >&2) || fail "$package cannot be downloaded; SwiftShader comes with it"
+  dpkg-deb -x "$download/$package"_*.deb "$download/unpacked"
+  driver=$(find "$download/unpacked" -name libvk_swiftshader.so)
+  manifest=$(find "$download/unpacked" -name vk_swiftshader_icd.json)
+  [ -n "$driver" ] && [ -n "$manifest" ] || fail "this system's $package has no SwiftShader"
+  mkdir -p "$1"
+  cp "$driver" "$manifest" "$1"
+}
+
+provide_swiftshader() { # DIR
+  manifest_path="$1/vk_swiftshader_icd.json"
+  if [ ! -e "$manifest_path" ] || [ ! -e "$1/libvk_swiftshader.so" ]; then unpack_swiftshader "$1"; fi
+  (cd "$1" && echo "$(pwd)/vk_swiftshader_icd.json")
+}
+
 main() {
   system=$(detect_system)
+  if [ "${1:-}" = --swiftshader ]; then
+    provide_swiftshader "${2:-$(dirname "$0")/target/swiftshader}"
+    exit 0
+  fi
   find_missing
   case "${1:-}" in
     --check)
@@ -189,7 +220,7 @@ main() {
       exit "$status"
       ;;
     "") ;;
-    *) fail "unknown argument $1; usage: setup.sh [--check]" ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check | --swiftshader [DIR]]" ;;
   esac
   if [ -n "$missing" ]; then
     say "missing: $missing_names"

@@ -69,6 +69,24 @@ pub enum Error {
         /// The driver's answer in words.
         reason: String,
     },
+    /// The device was lost, and with it all that was only there.
+    #[error(
+        "{call} failed: the device was lost (a fault in the driver, or a watchdog ended work that took too long){note}"
+    )]
+    DeviceLost {
+        /// The call, or the kernel that was running.
+        call: String,
+        /// What else is to be said, after a semicolon; nothing at first.
+        note: String,
+    },
+    /// The device has no more memory.
+    #[error("{call} failed: out of device memory{note}")]
+    OutOfDeviceMemory {
+        /// The call, or the kernel that was to run.
+        call: String,
+        /// What else is to be said, after a semicolon; nothing at first.
+        note: String,
+    },
     /// A result would be wrong: a loop ran out of its budget, say.
     #[error("{0}")]
     Render(String),
@@ -101,6 +119,25 @@ impl Error {
     /// An [`Error::Image`].
     pub fn image(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self::Image { path: path.as_ref().to_path_buf(), message: message.into() }
+    }
+
+    /// A fault of the device with a clause more.
+    #[must_use]
+    pub fn noting(mut self, clause: &str) -> Self {
+        if let Self::DeviceLost { note, .. } | Self::OutOfDeviceMemory { note, .. } = &mut self {
+            note.push_str("; ");
+            note.push_str(clause);
+        }
+        self
+    }
+
+    /// A fault of the device with the work that the call belonged to.
+    #[must_use]
+    pub fn during(mut self, work: &str) -> Self {
+        if let Self::DeviceLost { call, .. } | Self::OutOfDeviceMemory { call, .. } = &mut self {
+            *call = format!("{work}: {call}");
+        }
+        self
     }
 
     /// An [`Error::Checkpoint`].

@@ -33,6 +33,7 @@
 //! | [`merge`], [`film_sums`], [`sample_ranges`] | pictures put together from parts, to the same bits however they are parted |
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
 //! | [`mod@inspect`], [`profile`] | SPIR-V as an engineer reads it, and kernels put in place of the built-in ones; where the time goes |
+//! | `specialization` | code that a variant never reaches taken out of its kernels |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`] | the table that normalizers are computed from |
@@ -99,6 +100,7 @@ pub mod renderer;
 pub mod sample_ranges;
 pub mod scene;
 pub mod settings;
+mod specialization;
 pub mod textures;
 
 pub use error::{Error, Result};

@@ -1,6 +1,7 @@
 // Cameras and the reconstruction filter's importance sampling (Ernst et al. 2006).
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
+#include "direction.glsl"
 #include "frame.glsl"
 #include "intersect.glsl"
 
@@ -13,8 +14,7 @@ float sample_tent(float u) {
 vec2 sample_gaussian(vec2 u) {
     const float inside = 1.0 - exp(-8.0);
     float radius = sqrt(-2.0 * log(1.0 - inside * u.x));
-    float angle = 2.0 * PI * u.y;
-    return radius * vec2(cos(angle), sin(angle));
+    return radius * sin_cos_turn(u.y).yx;
 }
 
 // Where in a pixel's surroundings a sample falls, relative to the pixel's corner.
@@ -27,16 +27,6 @@ vec2 sample_filter(vec2 u) {
 vec3 camera_position() {
     vec4 rows[3] = scene().world_from_camera;
     return vec3(rows[0].w, rows[1].w, rows[2].w);
-}
-
-// A point of the unit disk, uniformly (Shirley and Chiu 1997).
-vec2 sample_disk(vec2 u) {
-    vec2 p = 2.0 * u - 1.0;
-    bool wide = abs(p.x) > abs(p.y);
-    float radius = wide ? p.x : p.y;
-    float ratio = (wide ? p.y : p.x) / (radius == 0.0 ? 1.0 : radius);
-    float angle = 0.25 * PI * ratio;
-    return radius * (wide ? vec2(cos(angle), sin(angle)) : vec2(sin(angle), cos(angle)));
 }
 
 vec3 world_from_camera(vec3 direction) {
@@ -57,7 +47,7 @@ Ray camera_ray(vec2 position, vec2 u) {
     vec3 local = vec3(screen, 1.0);
     vec3 lens = vec3(0.0);
     if (CAMERA == CAMERA_THINLENS) {
-        lens.xy = scene().aperture_radius * sample_disk(u);
+        lens.xy = scene().aperture_radius * concentric_disk(u);
         local.xy -= lens.xy / scene().focus_distance;
     }
     float per_depth = length(local);

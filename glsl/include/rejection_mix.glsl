@@ -60,16 +60,17 @@ void take_first(inout Proposal taken, Proposal next, inout uint tries) {
 GuidedSample sample_rejection_mix(RandomKey key, uint vertex, float choice, Guide guide) {
     RandomStream random = random_stream(key, vertex, RANDOM_TRIES);
     bool uniform_share = choice < (mixes_acceptances() ? MIN_UNIFORM_SHARE : guide.entry.uniform_share);
-    // Carried by the loop, not merely set in it: lavapipe 22.3 keeps per lane only what the next iteration reads.
+    // Carried by the loop, not merely set in it: lavapipe 22.3 keeps per lane only what the next iteration reads, and
+    // SwiftShader only what the loop's head does, so that the test stands there.
     Proposal taken = Proposal(guide.n, 0u, 0.0, false);
     uint tries = 0u;
-    do {
+    while (!taken.accepted && tries <= MAX_TRIES) {
         // In pairs, for one proposal alone waits on its memory access.
         Proposal first = propose(random, guide, uniform_share || tries == MAX_TRIES);
         Proposal second = propose(random, guide, uniform_share || tries + 1u == MAX_TRIES);
         take_first(taken, first, tries);
         take_first(taken, second, tries);
-    } while (!taken.accepted && tries <= MAX_TRIES);
+    }
     float pdf = guide_density(guide.entry, taken.radiance, dot(taken.wi, guide.nb)) + guide.entry.uniform_density;
     return GuidedSample(taken.wi, pdf, taken.bin, taken.radiance, tries, !taken.accepted);
 }

@@ -122,7 +122,8 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     uint stack_count = 0u;
     uint group_base = 0u;
     uint group_mask = 0x80000000u;
-    do {
+    // Tested at the head: SwiftShader keeps per lane only what the heads of loops read.
+    while (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE)) {
         uint slot = uint(findMSB(group_mask));
         uint child = group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
         group_mask &= ~(1u << slot);
@@ -136,11 +137,11 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
         group_mask = (mask & 0xff000000u) | inner_mask;
         uint primitives = mask & 0x00ffffffu;
         if (primitives != 0u) {
-            do {
+            while (primitives != 0u) {
                 uint bit = uint(findLSB(primitives));
                 primitives &= primitives - 1u;
                 intersect_primitive(ray, primitive_base + bit, hit);
-            } while (primitives != 0u);
+            }
         }
         overrun = overrun || primitives != 0u;
         if (!has_nodes(group_mask) && stack_count > 0u) {
@@ -148,7 +149,7 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             group_base = stack_base[stack_count];
             group_mask = stack_mask[stack_count];
         }
-    } while (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));
+    }
     overrun = overrun || (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));
     return hit;
 }

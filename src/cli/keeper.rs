@@ -81,7 +81,8 @@ impl Keeper {
         Ok(())
     }
 
-    fn write(&mut self) -> Result<()> {
+    /// Writes the last state that is known; the device is left alone, for it may be lost.
+    pub fn write(&mut self) -> Result<()> {
         let Some(Snapshot { checkpoint, .. }) = &self.last else { return Ok(()) };
         let samples = Some(checkpoint.state.samples_done);
         if self.samples_written != samples {

@@ -16,6 +16,7 @@ mod progress;
 mod render;
 mod render_args;
 mod resume;
+mod safety_copy;
 mod stats;
 mod task;
 

@@ -27,6 +27,7 @@ use super::profile::Profiler;
 use super::progress::{Loading, Progress, Status};
 use super::render_args::RenderArgs;
 use super::report;
+use super::safety_copy::{Copied, SafetyCopy};
 use super::stats::{SetupTimes, Stats, Step, Totals, Versions, peak_resident_bytes};
 use super::task::{Before, Beginning, CheckpointFile, History, JobRecord, Length, Start, Task};
 
@@ -106,6 +107,7 @@ struct Job<'a> {
     length: Length,
     film: Film,
     keeper: Option<Keeper>,
+    safety_copy: SafetyCopy,
     profiler: Option<Profiler>,
     /// The files that stand in for built-in kernels.
     kernels: Vec<String>,
@@ -135,6 +137,9 @@ impl<'a> Job<'a> {
         film: Film,
         interrupt: &'a Interrupt,
     ) -> Self {
+        let write_every = subject.task.files.write_every.and_then(|every| Duration::try_from_secs_f64(every).ok());
+        let checkpoint_every = subject.task.checkpoint.as_ref().map(|file| file.every);
+        let safety_copy = SafetyCopy::new(write_every.into_iter().chain(checkpoint_every));
         let profiler = subject.task.files.profile.clone().map(|path| Profiler::start(path, context));
         Self {
             subject,
@@ -144,6 +149,7 @@ impl<'a> Job<'a> {
             length,
             film,
             keeper: None,
+            safety_copy,
             profiler,
             kernels: Vec::new(),
             history: History::default(),
@@ -205,9 +211,10 @@ impl<'a> Job<'a> {
         let mut progress = Progress::new(files.quiet, spp.map(u64::from), seconds);
         let (mut last_write, mut is_writable) = (Instant::now(), true);
         while !self.is_done() {
-            let step = self.step()?;
+            let step = self.step().map_err(|error| error.noting(&self.last_good_step()))?;
             progress.update(&self.status(&step));
             self.history.steps.push(step);
+            self.safety_copy.after_step(&self.film.renderer).map_err(|error| error.noting(&self.last_good_step()))?;
             if !self.film.renderer.is_stopped()
                 && let Err(error) = self.keep(|keeper, renderer, history| keeper.after_step(renderer, history))
             {
@@ -215,7 +222,7 @@ impl<'a> Job<'a> {
             }
             let is_due = files.write_every.is_some_and(|every| last_write.elapsed().as_secs_f64() >= every);
             if is_due && !self.is_done() {
-                let written = self.write_files(&self.film.renderer.picture()?);
+                let written = self.write_files(&self.film.renderer.picture()?, self.film.renderer.samples_done());
                 if let (Err(error), true) = (&written, is_writable) {
                     // The folder may be back, or the disk have room, by the time the render ends.
                     progress.interleave(|| report("warning", &format!("{error}; the render goes on")));
@@ -304,11 +311,11 @@ impl<'a> Job<'a> {
     }
 
     /// Writes the picture's files, with all that is known of it in their headers.
-    fn write_files(&self, picture: &Picture) -> Result<()> {
+    fn write_files(&self, picture: &Picture, samples: u32) -> Result<()> {
         let mut attributes = identity::attributes(&self.subject.scene_hash, &self.settings);
         attributes.extend([
             ("sample_ranges".into(), SampleRanges::of_picture(picture, &self.settings).to_string()),
-            ("spp".into(), self.film.renderer.samples_done().to_string()),
+            ("spp".into(), samples.to_string()),
             ("seconds".into(), format!("{:.3}", self.history.seconds)),
             ("device".into(), self.device_name()),
             ("scene".into(), self.subject.task.scene.display().to_string()),
@@ -321,26 +328,64 @@ impl<'a> Job<'a> {
 
     /// Writes picture, checkpoint and statistics, however the render ended, and returns the first failure.
     fn finish(&mut self, rendered: Result<()>, times: SetupTimes) -> Result<()> {
-        let picture = match &rendered {
-            // It would be wrong: a file of an earlier time is left as it is.
-            Err(Error::Render(_)) => Ok(None),
-            _ => self.film.renderer.picture().map(Some),
-        };
+        let is_lost = matches!(rendered, Err(Error::DeviceLost { .. }));
+        let (picture, rendered) = self.last_picture(rendered);
         let mut errors = None;
         let written = picture.and_then(|picture| {
-            picture.map_or(Ok(()), |picture| {
+            picture.map_or(Ok(()), |Copied { picture, samples }| {
                 let measured = self.measure(&picture).map(|measured| errors = measured);
-                self.write(&picture, rendered.is_ok()).and(measured)
+                self.write(&picture, samples, rendered.is_ok()).and(measured)
             })
         });
-        let kept = self.keep(|keeper, renderer, history| keeper.finish(renderer, history));
+        let kept = self.keep(|keeper, renderer, history| match is_lost {
+            true => keeper.write(),
+            false => keeper.finish(renderer, history),
+        });
         let stats = self.subject.task.files.stats.as_ref();
         let stats = stats.map_or(Ok(()), |path| files::write_json(path, &self.stats(times, errors)));
         rendered.and(written).and(kept).and(stats)
     }
 
+    /// The picture to write: what the device holds, or where it is lost, what was read back last.
+    fn last_picture(&mut self, rendered: Result<()>) -> (Result<Option<Copied>>, Result<()>) {
+        let read = match &rendered {
+            // It would be wrong: a file of an earlier time is left as it is.
+            Err(Error::Render(_)) => return (Ok(None), rendered),
+            Err(Error::DeviceLost { .. }) => None,
+            _ => Some(self.film.renderer.picture()),
+        };
+        let lost = match (read, rendered) {
+            (Some(Ok(picture)), rendered) => {
+                return (Ok(Some(Copied { picture, samples: self.film.renderer.samples_done() })), rendered);
+            }
+            (None, Err(error)) | (Some(Err(error @ Error::DeviceLost { .. })), Ok(())) => error,
+            (Some(Err(error)), rendered) => return (Err(error), rendered),
+            (None, Ok(())) => return (Ok(None), Ok(())),
+        };
+        let copied = self.safety_copy.take();
+        let clause = match &copied {
+            Some(Copied { samples, .. }) => {
+                format!("the picture has the {samples} samples per pixel that were last read back from it")
+            }
+            None => "there is no picture, for none was read back from it yet".to_owned(),
+        };
+        (Ok(copied), Err(lost.noting(&clause)))
+    }
+
+    /// What a fault comes after.
+    fn last_good_step(&self) -> String {
+        let steps = &self.history.steps;
+        match steps.len() {
+            0 => "no step was done yet".to_owned(),
+            count => {
+                let samples: u64 = steps.iter().map(|step| step.spp).sum();
+                format!("the last good step is number {count}, which ended at {samples} samples per pixel")
+            }
+        }
+    }
+
     /// Writes the picture, unless there is nothing on it.
-    fn write(&self, picture: &Picture, is_rendered: bool) -> Result<()> {
+    fn write(&self, picture: &Picture, samples: u32, is_rendered: bool) -> Result<()> {
         let empty = picture.sample_count.iter().filter(|&&count| count == 0).count();
         if empty < picture.sample_count.len() {
             if empty > 0 {
@@ -350,7 +395,7 @@ impl<'a> Job<'a> {
                     &format!("{empty} of {all} pixels are black: the render ended before their first sample"),
                 );
             }
-            return self.write_files(picture);
+            return self.write_files(picture, samples);
         }
         let message = "the render ended before the first sample, so no picture is written";
         match self.interrupt.is_raised() {

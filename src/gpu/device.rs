@@ -8,6 +8,7 @@ use ash::{ext, khr, vk};
 use super::debug::c_name;
 use super::device_info::{DeviceInfo, compute_queue};
 use super::fault::failed;
+use super::fault_injection::{self, May};
 use super::instance::Instance;
 use crate::{Error, Result};
 
@@ -100,7 +101,8 @@ impl Drop for LogicalDevice {
 /// The device, and whether it tells what its driver made of a pipeline.
 fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) -> Result<(ash::Device, bool)> {
     // SAFETY: invariant 1: `physical` comes from the living instance.
-    let offered = unsafe { instance.raw().enumerate_device_extension_properties(physical) }
+    let offered = fault_injection::before(May::RunOutOfMemory)
+        .and_then(|()| unsafe { instance.raw().enumerate_device_extension_properties(physical) })
         .map_err(failed("vkEnumerateDeviceExtensionProperties"))?;
     // A device that implements Vulkan on top of another interface demands that this be enabled.
     let subset = khr::portability_subset::NAME;
@@ -127,8 +129,10 @@ fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) ->
         info = info.push_next(&mut executable_info);
     }
     // SAFETY: invariant 1: `physical` comes from the living instance, and all that `info` points to are locals.
-    let device = unsafe { instance.raw().create_device(physical, &info, None) }.map_err(failed("vkCreateDevice"))?;
-    Ok((device, tells_executables))
+    let device = fault_injection::before(May::DoBoth)
+        .and_then(|()| unsafe { instance.raw().create_device(physical, &info, None) })
+        .map_err(failed("vkCreateDevice"))?;
+    Ok((fault_injection::wrap(device), tells_executables))
 }
 
 /// The feature of VK_KHR_pipeline_executable_properties, to be asked where the extension is offered.

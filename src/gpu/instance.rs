@@ -6,6 +6,7 @@ use ash::{ext, khr, vk};
 
 use super::debug::{Messenger, ValidationLog, c_name};
 use super::fault::failed;
+use super::fault_injection::{May, before};
 use crate::{Error, Result};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -58,8 +59,9 @@ impl Instance {
     /// All devices, in the loader's order: a device's place here is its index.
     pub(super) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>> {
         // SAFETY: invariant 1: the instance is alive.
-        let devices =
-            unsafe { self.raw.enumerate_physical_devices() }.map_err(no_driver_or("vkEnumeratePhysicalDevices"))?;
+        let devices = before(May::RunOutOfMemory)
+            .and_then(|()| unsafe { self.raw.enumerate_physical_devices() })
+            .map_err(no_driver_or("vkEnumeratePhysicalDevices"))?;
         if devices.is_empty() { Err(Error::Device(NO_DRIVER.into())) } else { Ok(devices) }
     }
 }
@@ -149,5 +151,7 @@ fn create(entry: &ash::Entry, offers: &Offers, log: Option<&ValidationLog>) -> R
         info = info.push_next(messenger);
     }
     // SAFETY: invariant 1: all that `info` points to are locals; the log outlives the instance.
-    unsafe { entry.create_instance(&info, None) }.map_err(no_driver_or("vkCreateInstance"))
+    before(May::RunOutOfMemory)
+        .and_then(|()| unsafe { entry.create_instance(&info, None) })
+        .map_err(no_driver_or("vkCreateInstance"))
 }

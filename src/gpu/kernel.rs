@@ -11,6 +11,7 @@ use super::executables::{self, PipelineReport};
 use super::fault::failed;
 use super::interface::KernelSource;
 use super::layout::PipelineLayout;
+use crate::specialization::resolve_branches;
 use crate::{Error, Result};
 
 /// A compute pipeline.
@@ -28,7 +29,7 @@ impl Kernel {
     /// # Errors
     /// Where the driver cannot compile the kernel or is out of memory.
     pub fn new(context: &Arc<Context>, source: &KernelSource, constants: &[(u32, u32)]) -> Result<Self> {
-        let module = ShaderModule::new(context, source)?;
+        let module = ShaderModule::new(context, source, constants)?;
         let layout = PipelineLayout::new(context, source)?;
         let raw = create_pipeline(context, source, constants, &module, &layout, Build::ToRun)?;
         context.logical().name(raw, source.name);
@@ -45,7 +46,7 @@ impl Kernel {
         source: &KernelSource,
         constants: &[(u32, u32)],
     ) -> Result<(Self, PipelineReport)> {
-        let module = ShaderModule::new(context, source)?;
+        let module = ShaderModule::new(context, source, constants)?;
         let layout = PipelineLayout::new(context, source)?;
         let begin = Instant::now();
         let raw = create_pipeline(context, source, constants, &module, &layout, Build::ToExamine)?;
@@ -143,10 +144,11 @@ struct ShaderModule {
 }
 
 impl ShaderModule {
-    fn new(context: &Arc<Context>, source: &KernelSource) -> Result<Self> {
+    fn new(context: &Arc<Context>, source: &KernelSource, constants: &[(u32, u32)]) -> Result<Self> {
         let call = format!("loading the kernel `{}`", source.name);
         let words = ash::util::read_spv(&mut Cursor::new(&source.spirv))
             .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
+        let words = resolve_branches(&words, constants).unwrap_or(words);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: invariant 1: the device is alive and `words` a local; it is SPIR-V by the module's premise.
         let raw = unsafe { context.raw().create_shader_module(&info, None) }.map_err(failed(call))?;

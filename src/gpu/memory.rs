@@ -79,12 +79,13 @@ impl Memory {
     }
 
     fn refusal(&self, name: &str, bytes: u64, error: &AllocationError) -> Error {
-        let what = match error {
-            AllocationError::OutOfMemory => "out of device memory".into(),
-            other => other.to_string(),
+        let (call, note) = (format!("allocating {bytes} bytes for the buffer `{name}`"), String::new());
+        let fault = match error {
+            // What cannot be mapped has no room in the host's address space.
+            AllocationError::OutOfMemory | AllocationError::FailedToMap(_) => Error::OutOfDeviceMemory { call, note },
+            other => Error::Vulkan { call, reason: other.to_string() },
         };
-        let reason = format!("{what}; {} bytes were already in use", self.allocated_bytes());
-        Error::Vulkan { call: format!("allocating {bytes} bytes for the buffer `{name}`"), reason }
+        fault.noting(&format!("{} bytes were already in use", self.allocated_bytes()))
     }
 }
 

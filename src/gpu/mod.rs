@@ -36,6 +36,7 @@ mod device;
 mod device_info;
 mod executables;
 mod fault;
+mod fault_injection;
 mod instance;
 mod interface;
 mod kernel;

@@ -45,9 +45,9 @@ impl Context {
     /// # Errors
     /// Where the device is lost or out of memory.
     pub fn submit<'a>(self: &Arc<Self>, label: &str, record: impl FnOnce(&mut Recorder<'a>)) -> Result<Submission> {
-        let mut recorder = Recorder::begin(self, label)?;
+        let mut recorder = Recorder::begin(self, label).map_err(|error| error.during(label))?;
         record(&mut recorder);
-        let commands = recorder.end()?;
+        let commands = recorder.end().map_err(|error| error.during(label))?;
         let (begin, wall) = self.run(label, commands)?;
         self.timings().add(label, begin, wall, recorder.dispatch_times());
         Ok(Submission { wall, device: recorder.timestamps().and_then(Timestamps::elapsed) })
@@ -55,7 +55,7 @@ impl Context {
 
     /// Runs a closed command buffer that the caller owns. Returns when it was handed over, and how long it took.
     fn run(self: &Arc<Self>, label: &str, commands: vk::CommandBuffer) -> Result<(Instant, Duration)> {
-        let fence = Fence::new(self)?;
+        let fence = Fence::new(self).map_err(|error| error.during(label))?;
         let commands = [commands];
         let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
         let queue = self.logical().idle_queue();

@@ -6,7 +6,7 @@ mod interface;
 mod module;
 pub mod replace;
 mod specialize;
-mod tools;
+pub(crate) mod tools;
 
 use serde::Serialize;
 

@@ -21,7 +21,7 @@ pub fn sample_gaussian(u: DVec2) -> DVec2 {
 }
 
 /// A point of the unit disk, uniformly: the disk's sectors are the square's four triangles (Shirley and Chiu 1997).
-pub fn sample_disk(u: DVec2) -> DVec2 {
+pub fn concentric_disk(u: DVec2) -> DVec2 {
     let p = 2.0 * u - 1.0;
     if p == DVec2::ZERO {
         return p;
@@ -49,7 +49,7 @@ pub fn camera_ray(camera: u32, scene: &SceneConstants, position: DVec2, u: DVec2
         _ => (1.0, 0.0),
     };
     // From a point of the lens to where the ray through its center meets the plane in focus.
-    let lens = (radius * sample_disk(u)).extend(0.0);
+    let lens = (radius * concentric_disk(u)).extend(0.0);
     let local = (focus * on_screen.extend(1.0) - lens).normalize();
     Ray { origin: point(lens + near / local.z * local), direction: vector(local), t_max: (far - near) / local.z }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::Result;
 use crate::film::Picture;
 use crate::film_sums::PixelSums;
-use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceKind};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::layout::{FilmFeatures, FilmRadiance};
 use crate::scene::Crop;
 use crate::settings::Settings;
@@ -35,12 +35,7 @@ pub(super) struct PageBuffers {
 impl PageBuffers {
     /// Buffers for all pages of the window.
     pub fn allocate(context: &Arc<Context>, settings: &Settings) -> Result<Vec<Self>> {
-        let window = settings.window();
-        let pixels = u64::from(window.width.div_ceil(TILE_SIDE))
-            * u64::from(window.height.div_ceil(TILE_SIDE))
-            * u64::from(TILE_PIXELS);
-        check_memory(context, settings, pixels)?;
-        let pixels = u32::try_from(pixels).map_err(|_| too_large(&window))?;
+        let pixels = u32::try_from(padded_pixels(settings)).map_err(|_| too_large(&settings.window()))?;
         let bindable = context.device().limits.max_storage_buffer_bytes / size_of::<FilmRadiance>() as u64;
         let most = bindable.min(u64::from(settings.film_page_pixels.unwrap_or(u32::MAX))).min(1 << 24) as u32;
         let page_pixels = (most / TILE_PIXELS).max(1) * TILE_PIXELS;
@@ -144,35 +139,28 @@ pub(super) fn empty_picture(settings: &Settings) -> Picture {
     Picture::empty(width, height, [x, y], [settings.width, settings.height])
 }
 
-/// Bytes that a pixel takes on the device and, read back, on the host.
-const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64 + 64;
-/// The same of a part of a picture: its sums, in tile order, and those of a picture that is read back, in both orders.
-const PART_PIXEL_BYTES: u64 = PIXEL_BYTES + 3 * size_of::<PixelSums>() as u64;
+/// Bytes that a pixel takes on the device.
+const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64;
+/// Read back, on the host.
+const HOST_PIXEL_BYTES: u64 = 64;
+/// The same of a part of a picture besides: its sums, in tile order, and those of a picture that is read back, in both orders.
+const PART_PIXEL_BYTES: u64 = 3 * size_of::<PixelSums>() as u64;
 
-/// Refuses a film that memory cannot hold, before a system without that memory ends the process.
-fn check_memory(context: &Context, settings: &Settings, pixels: u64) -> Result<()> {
-    let window = settings.window();
-    let on_cpu = context.device().kind == DeviceKind::Cpu;
-    let available = if on_cpu { available_memory() } else { Some(context.device().limits.device_local_bytes) };
-    let pixel_bytes = if on_cpu && settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { PIXEL_BYTES };
-    let needed = pixels.saturating_mul(pixel_bytes);
-    match available {
-        Some(available) if needed > available => Err(crate::Error::Settings(format!(
-            "a film of {} x {} pixels needs {} MiB, but {} MiB are free: render it in parts with --crop",
-            window.width,
-            window.height,
-            needed >> 20,
-            available >> 20
-        ))),
-        _ => Ok(()),
-    }
+/// Bytes of the film on the device.
+pub(super) fn film_bytes(settings: &Settings) -> u64 {
+    padded_pixels(settings).saturating_mul(PIXEL_BYTES)
 }
 
-/// Free memory of the system, where it tells through a file.
-fn available_memory() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+/// Bytes that reading it back takes of the host.
+pub(super) fn host_film_bytes(settings: &Settings) -> u64 {
+    let of_part = if settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { 0 };
+    padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part)
+}
+
+/// Pixels of whole tiles.
+fn padded_pixels(settings: &Settings) -> u64 {
+    let window = settings.window();
+    u64::from(window.width.div_ceil(TILE_SIDE)) * u64::from(window.height.div_ceil(TILE_SIDE)) * u64::from(TILE_PIXELS)
 }
 
 fn too_large(window: &Crop) -> crate::Error {

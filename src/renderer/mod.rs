@@ -7,6 +7,7 @@ mod film_sums;
 mod frame;
 mod geometry;
 mod materials;
+mod memory_needs;
 mod normalization_grid;
 mod plastics;
 mod radiance_grid;
@@ -34,6 +35,7 @@ use film_pages::FilmPage;
 use film_sums::FilmSums;
 use frame::Frame;
 use geometry::Geometry;
+use memory_needs::MemoryNeeds;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
 use slices::{Slice, Slicer};
@@ -53,6 +55,7 @@ pub struct Renderer {
     back_end: BackEnd,
     /// Where the render is one part of several.
     film_sums: Option<FilmSums>,
+    needs: MemoryNeeds,
     samples_done: u32,
     stopped: bool,
 }
@@ -113,15 +116,28 @@ impl Renderer {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
-        let variant = variant(settings, scene, &shading, bvh);
-        let back_end = back_end_for(context, &shading, bvh, settings);
+        let needs = MemoryNeeds::new(&shading, bvh, settings);
+        needs.check(context.device())?;
+        Self::build(context, scene, &shading, bvh, settings, registry).map_err(|error| note_needs(error, &needs))
+    }
+
+    fn build(
+        context: &Arc<Context>,
+        scene: &Scene,
+        shading: &Shading,
+        bvh: &Bvh,
+        settings: &Settings,
+        registry: &Registry,
+    ) -> Result<Self> {
+        let variant = variant(settings, scene, shading, bvh);
+        let back_end = back_end_for(context, shading, bvh, settings);
         let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let build = || -> Result<_> {
             Ok((build(&kernels.path_trace)?, build(&kernels.update_radiance)?, build(&kernels.update_normalization)?))
         };
         let upload = || -> Result<_> {
-            let frame = Frame::new(context, kernels, scene, &shading, bvh, settings)?;
+            let frame = Frame::new(context, kernels, scene, shading, bvh, settings)?;
             let geometry = Geometry::new(context, kernels, bvh)?;
             let radiance_grid = RadianceGrid::new(context, kernels, settings)?;
             Ok((frame, geometry, radiance_grid, NormalizationGrid::new(context, kernels, settings)?))
@@ -143,6 +159,7 @@ impl Renderer {
             context: Arc::clone(context),
             settings: settings.clone(),
             film_sums: None,
+            needs: MemoryNeeds::new(shading, bvh, settings),
             samples_done: 0,
             stopped: false,
         };
@@ -167,9 +184,10 @@ impl Renderer {
         let mut counts = Counts::default();
         // Also where an error ends it.
         self.stopped = true;
-        let complete = self.path_trace(samples, &mut counts, stop)?;
+        let traced = self.path_trace(samples, &mut counts, stop);
+        let complete = traced.map_err(|error| note_needs(error, &self.needs))?;
         if complete && self.settings.sampler != Sampler::Bsdf {
-            self.update_grids()?;
+            self.update_grids().map_err(|error| note_needs(error, &self.needs))?;
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
             sums.take(&self.context, &self.frame)?;
@@ -292,6 +310,16 @@ impl Renderer {
             self.dispatch_path_trace(self.frame.first_page(), slice, 0)?;
         }
         if self.settings.sampler == Sampler::Bsdf { Ok(()) } else { self.update_grids() }
+    }
+}
+
+/// Where memory has run out, what it went to.
+fn note_needs(error: Error, needs: &MemoryNeeds) -> Error {
+    let is_out_of_memory = matches!(error, Error::OutOfDeviceMemory { .. });
+    if is_out_of_memory {
+        error.noting(&format!("bytes that parts of the render need: {}", needs.describe()))
+    } else {
+        error
     }
 }
 

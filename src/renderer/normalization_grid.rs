@@ -28,6 +28,16 @@ impl NormalizationGrid {
         }
     }
 
+    /// Bytes of the grid on the device; a mark is a bit, and the cosine integrals are a number a pair of bins.
+    pub fn bytes(settings: &Settings) -> u64 {
+        let entries = Self::texels(settings);
+        let integrals = match settings.sampler {
+            Sampler::Bsdf => 0,
+            Sampler::RejectionMix => u64::from(settings.directions.pow(2)) * u64::from(settings.normals.pow(2)) * 4,
+        };
+        entries.saturating_mul(size_of::<NormalizationEntry>() as u64).saturating_add(entries / 8 + integrals)
+    }
+
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
         let shape = set_shape(kernels, 3);
         let entries = Self::texels(settings);

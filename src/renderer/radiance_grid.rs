@@ -29,6 +29,12 @@ impl RadianceGrid {
         }
     }
 
+    /// Bytes of the grid on the device.
+    pub fn bytes(settings: &Settings) -> u64 {
+        let bin_bytes = size_of::<f32>() + size_of::<LearnedRadiance>() + size_of::<RadianceSum>();
+        Self::texels(settings).saturating_mul(bin_bytes as u64)
+    }
+
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
         let shape = set_shape(kernels, 2);
         let bins = Self::texels(settings);

@@ -3,6 +3,7 @@
 mod bad_input;
 mod compare;
 mod devices;
+mod faults;
 mod files;
 mod full_disk;
 mod inspect;
@@ -16,3 +17,4 @@ mod signals;
 mod statistics;
 mod streams;
 mod support;
+mod writes;

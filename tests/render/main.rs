@@ -8,6 +8,7 @@ mod choices;
 mod closed;
 mod determinism;
 mod device;
+mod drivers;
 mod estimate;
 mod guide_set;
 mod learning;

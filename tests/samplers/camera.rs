@@ -59,7 +59,7 @@ fn rays_are_those_of_the_twin(camera: u32) {
         let direction = (Vec3::from(ray.direction).as_dvec3() - twin.direction).length();
         origin.max(direction).max((f64::from(ray.t_max) / twin.t_max - 1.0).abs())
     };
-    // The device's sine and cosine, which place a point on the lens, are off by some 1e-5.
+    // A point on the lens comes of a longer calculation.
     let tolerance = if camera == CAMERA_THINLENS { 6.0e-6 } else { 2.0e-6 };
     for (ray, &position) in rays.iter().zip(&positions) {
         assert!(error(ray, position) < tolerance, "{position}: {ray:?}, off by {}", error(ray, position));

@@ -39,6 +39,16 @@ impl Device {
         buffer
     }
 
+    /// Whether texels of so many bytes each fit a texel buffer; says where a test must be passed over.
+    pub fn has_room(&self, name: &str, bytes: usize, texel_bytes: u64) -> bool {
+        let device = self.context.device();
+        let has_room = bytes as u64 <= device.limits.max_texel_elements * texel_bytes;
+        if !has_room {
+            println!("{name}: skipped, for {} has no room for {bytes} bytes in a texel buffer", device.name);
+        }
+        has_room
+    }
+
     pub fn kernel(&self, source: &KernelSource, variant: &Variant) -> Kernel {
         Kernel::new(&self.context, source, &variant.entries()).expect("a pipeline")
     }

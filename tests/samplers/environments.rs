@@ -12,6 +12,7 @@ use lodestar::scene::{
 };
 use serde_json::Value;
 
+use crate::device::Device;
 use crate::lights::{LightInput, LightOutput, d3, draw, draw_from, empty_scene, parse};
 use crate::statistics::{Numbers, chi_square, mean_and_error, pair_uniformity, sidak, within_four_sigma};
 
@@ -75,6 +76,9 @@ fn directions_to_a_map_follow_their_density() {
         let scene = map_scene(width, height, texels, turn());
         let map = EnvironmentMap::new(&scene.images[0]);
         let table = EnvironmentTable::new(&map);
+        if !Device::new().has_room(name, map.texels.len() * 8 + table.entries.len() * 16, 16) {
+            continue;
+        }
         let drawn = draw_from(&scene, DVec3::ZERO, SAMPLES, seed);
         let at = in_blocks(&drawn, &table);
         let p = fit(&at, &table, 1.0);

@@ -243,7 +243,9 @@ fn pages() {
         (0..3).map(|image| bitmap(image, TexelFilter::Bilinear, WrapMode::Repeat, Mat3::IDENTITY)).collect();
     let packed = PackedTextures::new(&textures, &images, vec![0; 100]);
     assert_eq!(packed.words.pages().len(), 3, "{:?}", packed.records);
-    compare(&textures, &images, &points(13, 2000), 0.0).unwrap();
+    if Device::new().has_room("pages", packed.words.longest_page() * 4, 4) {
+        compare(&textures, &images, &points(13, 2000), 0.0).unwrap();
+    }
 }
 
 /// Tables lie in front of the images.

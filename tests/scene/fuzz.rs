@@ -45,7 +45,7 @@ const MESH: &str = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1.5\nvt 0 0\nvt 1 0.5\
 
 /// Overwritten bytes, some runs of bytes repeated or left out, and a cut: with anything, or with what has a meaning in
 /// one of the formats.
-fn mangled(bytes: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
+pub fn mangled(bytes: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
     let length = bytes.len();
     let byte = prop_oneof![any::<u8>(), prop::sample::select(&b"-0123456789.e/$<>\"' \nfvn\0\xff"[..])];
     let edits = prop::collection::vec((0..length, byte), 0..6);
@@ -93,7 +93,7 @@ fn check_image(image: &Image) -> Result<(), TestCaseError> {
 }
 
 /// Tries some thousand inputs, or as many as `LODESTAR_FUZZ_SECONDS` allow.
-fn fuzz<T: std::fmt::Debug>(inputs: impl Strategy<Value = T>, test: impl Fn(T) -> Result<(), TestCaseError>) {
+pub fn fuzz<T: std::fmt::Debug>(inputs: impl Strategy<Value = T>, test: impl Fn(T) -> Result<(), TestCaseError>) {
     let seconds = std::env::var("LODESTAR_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok());
     let limit = Duration::from_secs(seconds.unwrap_or(0));
     let (begin, mut rounds) = (Instant::now(), 0);

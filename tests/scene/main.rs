@@ -3,6 +3,7 @@
 mod accepts;
 mod emitters;
 mod fuzz;
+mod fuzz_renders;
 mod geometry;
 mod materials;
 mod meshes;

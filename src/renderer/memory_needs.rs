@@ -1,0 +1,111 @@
+//! How much memory a render takes, and what to do where a device has less.
+
+use super::film_pages::{film_bytes, host_film_bytes};
+use super::normalization_grid::NormalizationGrid;
+use super::radiance_grid::RadianceGrid;
+use super::{Shading, Surfaces};
+use crate::bvh::Bvh;
+use crate::gpu::{DeviceInfo, DeviceKind};
+use crate::settings::Settings;
+use crate::{Error, Result};
+
+/// Bytes of a render's parts on the device.
+#[derive(Debug, Clone)]
+pub(super) struct MemoryNeeds {
+    parts: [Part; 4],
+    /// What reading the film back takes of the host.
+    host_bytes: u64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    name: &'static str,
+    bytes: u64,
+    /// What makes it smaller.
+    remedy: &'static str,
+}
+
+impl MemoryNeeds {
+    pub fn new(shading: &Shading, bvh: &Bvh, settings: &Settings) -> Self {
+        let Surfaces { materials, textures } = &shading.surfaces;
+        let bvh_bytes =
+            size_of_val(&bvh.nodes[..]) + size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.attributes[..]);
+        let words: usize = textures.words.pages().iter().map(|page| size_of_val(&page[..])).sum();
+        let shading_bytes = words
+            + size_of_val(&textures.records[..])
+            + size_of_val(&materials[..])
+            + shading.lights.texel_count() * size_of::<[u32; 4]>();
+        let grid_bytes = RadianceGrid::bytes(settings).saturating_add(NormalizationGrid::bytes(settings));
+        let part = |name, bytes, remedy| Part { name, bytes, remedy };
+        Self {
+            parts: [
+                part("the film", film_bytes(settings), "smaller with --width, --height or --crop"),
+                part("the BVH", bvh_bytes as u64, "smaller for fewer triangles"),
+                part("textures and lights", shading_bytes as u64, "smaller for smaller images"),
+                part("the grids", grid_bytes, "smaller with --grid, --directions or --normals"),
+            ],
+            host_bytes: host_film_bytes(settings),
+        }
+    }
+
+    /// Refuses what memory cannot hold, before a system without that memory ends the process.
+    pub fn check(&self, device: &DeviceInfo) -> Result<()> {
+        let on_cpu = device.kind == DeviceKind::Cpu;
+        let available = if on_cpu { available_memory() } else { Some(device.limits.device_local_bytes) };
+        let host_bytes = if on_cpu { self.host_bytes } else { 0 };
+        available.map_or(Ok(()), |available| self.check_against(&device.name, host_bytes, available))
+    }
+
+    fn check_against(&self, device: &str, host_bytes: u64, available: u64) -> Result<()> {
+        let bytes = self.parts.iter().map(|part| part.bytes).chain([host_bytes]);
+        let needed = bytes.fold(0, u64::saturating_add);
+        if needed <= available {
+            return Ok(());
+        }
+        let read_back = match host_bytes {
+            0 => String::new(),
+            bytes => format!(", and reading the film back {bytes}"),
+        };
+        Err(Error::Settings(format!(
+            "the render needs {needed} bytes of memory, but {available} are free for {device}: {}{read_back}",
+            self.describe()
+        )))
+    }
+
+    /// What each part needs and what makes it smaller.
+    pub fn describe(&self) -> String {
+        let describe = |Part { name, bytes, remedy }: &Part| format!("{name} {bytes} ({remedy})");
+        let parts: Vec<_> = self.parts.iter().map(describe).collect();
+        parts.join(", ")
+    }
+}
+
+/// Free memory of the system, where it tells through a file.
+fn available_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_the_arithmetic() {
+        let part = |name, bytes| Part { name, bytes, remedy: "smaller so" };
+        let parts =
+            [part("the film", 64), part("the BVH", 1000), part("textures and lights", 0), part("the grids", 36)];
+        let needs = MemoryNeeds { parts, host_bytes: 100 };
+        assert!(needs.check_against("a device", 0, 1100).is_ok());
+        assert!(needs.check_against("a device", 100, 1200).is_ok());
+        assert_eq!(
+            needs.check_against("a device", 100, 1199).expect_err("too little").to_string(),
+            "the render needs 1200 bytes of memory, but 1199 are free for a device: the film 64 (smaller so), \
+             the BVH 1000 (smaller so), textures and lights 0 (smaller so), the grids 36 (smaller so), \
+             and reading the film back 100"
+        );
+        let huge = MemoryNeeds { parts: [part("the film", u64::MAX); 4], host_bytes: 0 };
+        assert!(huge.check_against("a device", 0, 1 << 60).is_err());
+    }
+}

@@ -1,0 +1,110 @@
+//! A device that is lost or out of memory, at any Vulkan call that can say so, costs no file and no more than the interval
+//! between two checkpoints. `LODESTAR_FAULT` has calls fail on purpose (`src/gpu/fault_injection.rs`).
+
+use std::env;
+use std::fs;
+use std::process::Output;
+
+use lodestar::image::exr::read_picture;
+
+use crate::resume::{assert_same_picture, samples_in};
+use crate::support::{Folder, assert_quiet_success};
+
+const SPP: u32 = 64;
+const PICTURE: [&str; 6] = ["--width", "40", "--height", "24", "--seed", "3"];
+const LAST_GOOD: &str = "the last good step is number ";
+
+fn render_with(folder: &Folder, fault: &str) -> Output {
+    let begin = ["render", "scene.xml", "--quiet", "--spp", &SPP.to_string(), "-o", "a.exr"];
+    let keep = ["--checkpoint", "a.ckpt", "--checkpoint-every", "0.000001"];
+    folder.command(&[&begin[..], &keep, &PICTURE].concat()).env("LODESTAR_FAULT", fault).output().unwrap()
+}
+
+/// A folder with a picture from earlier on.
+fn with_old_picture() -> Folder {
+    let folder = Folder::new();
+    folder.write("a.exr", "earlier");
+    folder
+}
+
+/// A number of calls after which no fault is left to inject, at most twice as many as there are.
+fn more_calls_than_there_are(kind: &str) -> u32 {
+    let ends = |calls: &u32| render_with(&with_old_picture(), &format!("{kind}@{calls}")).status.success();
+    (7..20).map(|power| 1 << power).find(ends).expect("an end")
+}
+
+/// Samples that were whole before the fault, by the program's word.
+fn whole_samples(message: &str) -> u32 {
+    let rest = message.split(LAST_GOOD).nth(1).and_then(|rest| rest.split("ended at ").nth(1));
+    rest.map_or(0, |rest| rest.split(' ').next().unwrap().parse().unwrap())
+}
+
+/// Checks what one fault has left, and returns its message; nothing where the program came over it.
+fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
+    let message = String::from_utf8(output.stderr.clone()).unwrap();
+    let strangers = |name: &String| !["a.ckpt", "a.exr", "scene.xml"].contains(&&name[..]);
+    assert_eq!(folder.names().into_iter().filter(strangers).collect::<Vec<_>>(), [""; 0], "{fault}: {message}");
+    if output.status.success() {
+        assert_eq!(samples_in(&folder.path("a.ckpt")), SPP, "{fault}");
+        return None;
+    }
+    assert_eq!(output.status.code(), Some(1), "{fault}: {message}");
+    assert!(message.starts_with("lodestar: error: ") && message.lines().count() == 1, "{fault}: {message}");
+    let word = if fault.starts_with("lost") { "the device was lost" } else { "out of device memory" };
+    assert!(message.contains(word), "{fault}: {message}");
+    let whole = whole_samples(&message);
+    if whole == 0 {
+        assert_eq!(fs::read(folder.path("a.exr")).unwrap(), b"earlier", "{fault}: {message}");
+        return Some(message);
+    }
+    assert!(["path_trace", "update_"].iter().any(|kernel| message.contains(kernel)), "{fault}: {message}");
+    assert_eq!(samples_in(&folder.path("a.ckpt")), whole, "{fault}: {message}");
+    let picture = read_picture(&folder.path("a.exr")).unwrap().0;
+    assert!(picture.radiance.iter().flatten().all(|value| value.is_finite()), "{fault}");
+    assert!(picture.sample_count.iter().all(|&count| count > 0), "{fault}: {message}");
+    Some(message)
+}
+
+#[test]
+fn faults_lose_the_last_interval_at_most_and_no_file() {
+    let is_full = env::var_os("LODESTAR_FULL").is_some();
+    let per_kind = if is_full { 60 } else { 9 };
+    let whole = Folder::new();
+    whole.render(&[&["--spp", &SPP.to_string(), "-o", "whole.exr"][..], &PICTURE].concat());
+    for kind in ["lost", "memory"] {
+        let calls = more_calls_than_there_are(kind);
+        let (mut messages, mut late) = (Vec::new(), 0);
+        for place in 0..per_kind {
+            let at = 1 + place * calls / per_kind;
+            let (fault, folder) = (format!("{kind}@{at}"), with_old_picture());
+            let output = render_with(&folder, &fault);
+            let Some(message) = message_of(&fault, &output, &folder) else { continue };
+            println!("{fault} of at most {calls}: {message}");
+            if whole_samples(&message) > 0 {
+                late += 1;
+                if is_full || late == 1 {
+                    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet"]));
+                    assert_same_picture(&folder.path("a.exr"), &whole.path("whole.exr"));
+                }
+            }
+            messages.push(message);
+        }
+        // At least half of the calls are there; a few come over it by themselves.
+        assert!(messages.len() as u32 >= per_kind / 3 && late > 0, "{kind}: {messages:?}");
+    }
+}
+
+/// The first buffers are allocated early on.
+#[test]
+fn out_of_memory_says_what_needs_how_much_and_what_makes_it_less() {
+    let told = (1..200).find_map(|at| {
+        let message = String::from_utf8(render_with(&Folder::new(), &format!("memory@{at}")).stderr).unwrap();
+        message.contains("allocating").then_some(message)
+    });
+    let message = told.expect("an allocation");
+    // 40 x 24 pixels of 64 bytes.
+    for word in ["the film 61440 (", "--crop", "the BVH ", "triangles", "textures and lights ", "the grids ", "--grid"]
+    {
+        assert!(message.contains(word), "{message} lacks {word}");
+    }
+}
