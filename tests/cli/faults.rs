@@ -54,7 +54,10 @@ fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
     assert!(message.contains(word), "{fault}: {message}");
     let whole = whole_samples(&message);
     if whole == 0 {
-        assert_eq!(fs::read(folder.path("a.exr")).unwrap(), b"earlier", "{fault}: {message}");
+        // Memory that has run out leaves the device with what the first step had done.
+        let is_old = fs::read(folder.path("a.exr")).unwrap() == b"earlier";
+        let is_new = || fault.starts_with("memory") && read_picture(&folder.path("a.exr")).is_ok();
+        assert!(is_old || is_new(), "{fault}: {message}");
         return Some(message);
     }
     assert!(["path_trace", "update_"].iter().any(|kernel| message.contains(kernel)), "{fault}: {message}");
