@@ -71,7 +71,7 @@ GuidedSample sample_rejection_mix(RandomKey key, uint vertex, float choice, Guid
         take_first(taken, first, tries);
         take_first(taken, second, tries);
     }
-    float pdf = guide_density(guide.entry, taken.radiance, dot(taken.wi, guide.nb)) + guide.entry.uniform_density;
+    float pdf = guide_density(guide.entry, taken.radiance, dot(taken.wi, guide.nb)) + uniform_density(guide, taken.wi);
     return GuidedSample(taken.wi, pdf, taken.bin, taken.radiance, tries, !taken.accepted);
 }
 

@@ -9,7 +9,7 @@ use crate::Result;
 use crate::cosine_integrals::cosine_integrals;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::kernels::Kernels;
-use crate::layout::NormalizationEntry;
+use crate::layout::{CosineIntegral, NormalizationEntry};
 use crate::settings::{Sampler, Settings};
 
 /// The grid of Sec. 4, with an entry per cell and normal bin.
@@ -28,13 +28,14 @@ impl NormalizationGrid {
         }
     }
 
-    /// Bytes of the grid on the device; a mark is a bit, and the cosine integrals are a number a pair of bins.
+    /// Bytes of the grid on the device; a mark is a bit, and there is a cosine integral for every pair of bins.
     pub fn bytes(settings: &Settings) -> u64 {
         let entries = Self::texels(settings);
         let integrals = match settings.sampler {
-            Sampler::Bsdf => 0,
-            Sampler::RejectionMix => u64::from(settings.directions.pow(2)) * u64::from(settings.normals.pow(2)) * 4,
+            Sampler::Bsdf | Sampler::SphereInversion => 0,
+            _ => u64::from(settings.directions.pow(2)) * u64::from(settings.normals.pow(2)),
         };
+        let integrals = integrals * size_of::<CosineIntegral>() as u64;
         entries.saturating_mul(size_of::<NormalizationEntry>() as u64).saturating_add(entries / 8 + integrals)
     }
 

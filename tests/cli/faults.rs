@@ -12,6 +12,8 @@ use crate::support::{Folder, assert_quiet_success};
 
 const SPP: u32 = 64;
 const PICTURE: [&str; 6] = ["--width", "40", "--height", "24", "--seed", "3"];
+/// More calls than there are in a row whose failure the program comes over.
+const FORGIVEN: u32 = 128;
 const LAST_GOOD: &str = "the last good step is number ";
 
 fn render_with(folder: &Folder, fault: &str) -> Output {
@@ -27,10 +29,17 @@ fn with_old_picture() -> Folder {
     folder
 }
 
-/// A number of calls after which no fault is left to inject, at most twice as many as there are.
-fn more_calls_than_there_are(kind: &str) -> u32 {
-    let ends = |calls: &u32| render_with(&with_old_picture(), &format!("{kind}@{calls}")).status.success();
-    (7..20).map(|power| 1 << power).find(ends).expect("an end")
+/// About as many calls as a render makes: the last at which a fault was seen to end it.
+fn call_count(kind: &str) -> u32 {
+    let ends = |at: u32| !render_with(&with_old_picture(), &format!("{kind}@{at}")).status.success();
+    let (mut last, mut at) = (1, 1);
+    while at < last + FORGIVEN {
+        if ends(at) {
+            last = at;
+        }
+        at += FORGIVEN / 8;
+    }
+    last
 }
 
 /// Samples that were whole before the fault, by the program's word.
@@ -75,14 +84,14 @@ fn faults_lose_the_last_interval_at_most_and_no_file() {
     let whole = Folder::new();
     whole.render(&[&["--spp", &SPP.to_string(), "-o", "whole.exr"][..], &PICTURE].concat());
     for kind in ["lost", "memory"] {
-        let calls = more_calls_than_there_are(kind);
+        let calls = call_count(kind);
         let (mut messages, mut late) = (Vec::new(), 0);
         for place in 0..per_kind {
             let at = 1 + place * calls / per_kind;
             let (fault, folder) = (format!("{kind}@{at}"), with_old_picture());
             let output = render_with(&folder, &fault);
             let Some(message) = message_of(&fault, &output, &folder) else { continue };
-            println!("{fault} of at most {calls}: {message}");
+            println!("{fault} of about {calls}: {message}");
             if whole_samples(&message) > 0 {
                 late += 1;
                 if is_full || late == 1 {
@@ -92,8 +101,8 @@ fn faults_lose_the_last_interval_at_most_and_no_file() {
             }
             messages.push(message);
         }
-        // At least half of the calls are there; a few come over it by themselves.
-        assert!(messages.len() as u32 >= per_kind / 3 && late > 0, "{kind}: {messages:?}");
+        // Some the program comes over by itself.
+        assert!(messages.len() as u32 >= per_kind / 2 && late > 0, "{kind}: {messages:?}");
     }
 }
 

@@ -29,6 +29,9 @@ fn state_after(device: &Device, scene: &Scene, settings: &Settings, spp: u32) ->
     (renderer.state().expect("a state"), counts)
 }
 
+/// Whether a part of a render's state is of this name.
+type IsPart = fn(&str) -> bool;
+
 #[test]
 fn a_resumed_render_has_the_bits_of_one_never_interrupted() {
     let device = Device::new();
@@ -91,7 +94,7 @@ fn a_state_that_lacks_a_part_is_noticed() {
     let device = Device::new();
     let scene = scene();
     // Only sphere inversion has ends of bins; all of its normals' entries are the same.
-    let cases: [(Sampler, fn(&str) -> bool); 2] =
+    let cases: [(Sampler, IsPart); 2] =
         [(Sampler::RejectionMix, |name| name != "bin ends"), (Sampler::SphereInversion, |name| name == "bin ends")];
     for (sampler, matters) in cases {
         let settings = settings(&scene, SIZE, sampler, 21);
