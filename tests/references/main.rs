@@ -1,4 +1,5 @@
-//! The paper's twelve scenes against the pictures of another renderer, for both samplers, with emitter sampling off and on.
+//! The paper's twelve scenes against the pictures of another renderer, for `bsdf` and `rejection-mix`, with emitter sampling off
+//! and on.
 //!
 //! They are too large to lie here: `LODESTAR_SCENES` names the folder of the scenes and `LODESTAR_REFERENCES` that of the
 //! pictures, `NAME.mean.exr` and `NAME.var.exr`; without them nothing is tested, which is said.
