@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#include "normalization_record.glsl"
 layout(local_size_x = 1) in;
 
 struct PrimitiveRecord {
@@ -75,6 +76,7 @@ layout(scalar, set = 0, binding = 3) restrict buffer Probe3 { LightRecord lights
 layout(scalar, set = 0, binding = 4) restrict buffer Probe4 { EmitterRecord emitters[]; };
 layout(scalar, set = 0, binding = 5) restrict buffer Probe5 { DeltaLightRecord delta_lights[]; };
 
+layout(scalar, set = 0, binding = 6) restrict buffer Probe6 { NormalizationEntry normalization_entries[]; };
 layout(scalar, set = 0, binding = 10) restrict buffer Probe10 { TextureRecord textures[]; };
 
 void main() {
@@ -83,6 +85,7 @@ void main() {
     lights[0].alias = lights[1].threshold;
     emitters[0].texture_index = uint(emitters[1].radiance.x);
     delta_lights[0].cutoff_angle = delta_lights[1].position.x;
+    normalization_entries[0].uniform_share = normalization_entries[1].guide_scale;
     attributes[0].light = attributes[1].normals.x + attributes[1].material + attributes[1].emitter;
     materials[0].relief_scale = materials[1].colors[0].x + materials[1].scalars[0] + materials[1].coating.x;
 }

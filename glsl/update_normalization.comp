@@ -1,23 +1,33 @@
 // Fills the marked entries of the normalization grid from the radiance table: a row of workgroups per cell, an invocation per
-// normal bin. The sampler that has no use for normals has one bin of them, and gets the distribution that it inverts.
+// normal bin. The samplers that have a distribution of their own, whatever the normal, get it here as well: the one that
+// inverts over the sphere, which has one bin of normals, its prefix sums, and the product sampler the trees of the cells.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "bin_distribution.glsl"
 #include "normalization_entry.glsl"
+#include "radiance_tree.glsl"
 
 struct UpdatePush {
     uint first_cell;
 };
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
+uvec4 record_for(uint cell, uint normal_bin, float total) {
+    if (SAMPLER == SAMPLER_PRODUCT) return product_record(cell, normal_bin);
+    return record_of(SAMPLER == SAMPLER_SPHERE_INVERSION ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
+}
+
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
     uint normal_bin = gl_WorkGroupID.y * WORKGROUP_SIZE + gl_LocalInvocationIndex;
     uint index = normalization_index(cell, normal_bin);
     float total = SAMPLER == SAMPLER_SPHERE_INVERSION ? store_bin_ends(cell) : 0.0;
+    if (SAMPLER == SAMPLER_PRODUCT) {
+        uint lanes = gl_NumWorkGroups.y * WORKGROUP_SIZE;
+        for (uint node = normal_bin; node < nodes_per_tree(); node += lanes) store_tree_node(cell, node);
+    }
     if (normal_bin < normal_bin_count() && is_marked(index)) {
-        bool is_sphere = SAMPLER == SAMPLER_SPHERE_INVERSION;
-        store_normalization_entry(index, is_sphere ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
+        store_normalization_record(index, record_for(cell, normal_bin, total));
     }
 }

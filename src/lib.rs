@@ -36,7 +36,7 @@
 //! | `specialization` | code that a variant never reaches taken out of its kernels |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
-//! | [`cosine_integrals`] | the table that normalizers are computed from |
+//! | [`cosine_integrals`], [`cosine_trees`] | the tables that normalizers are computed from, and that the product sampler descends |
 //! | [`plastic_layer`] | what the layers of plastics let through and reflect inside |
 //!
 //! # Paper map
@@ -51,6 +51,7 @@
 //! | normal-aware rejection, plain and mixed (Eq. 8, 9) | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/samplers/guides.rs` (chi-square), `tests/render/ztest.rs` |
 //! | inversion over the sphere | `sample_sphere_inversion`, `pdf_sphere_inversion` in `sphere_inversion.glsl`, `store_bin_ends` in `bin_distribution.glsl` | the same |
 //! | inversion over the hemisphere | `sample_hemisphere_inversion`, `pdf_hemisphere_inversion` in `hemisphere_inversion.glsl` | the same |
+//! | radiance times cosine exactly, by descent (beyond the paper) | `sample_product`, `pdf_product` in `product.glsl`, `product_record` in `radiance_tree.glsl` | the same, `tests/samplers/product.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs` |
@@ -81,6 +82,7 @@
 pub mod bvh;
 pub mod checkpoint;
 pub mod cosine_integrals;
+pub mod cosine_trees;
 pub mod error;
 pub mod files;
 pub mod film;

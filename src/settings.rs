@@ -30,6 +30,8 @@ pub enum Sampler {
     SphereInversion = kernels::SAMPLER_SPHERE_INVERSION,
     /// Inversion of learned radiance times the cosine's integral over each bin, summed for every sample.
     HemisphereInversion = kernels::SAMPLER_HEMISPHERE_INVERSION,
+    /// Learned radiance times cosine by a descent of fixed length, mixed with a share of the cosine.
+    Product = kernels::SAMPLER_PRODUCT,
 }
 
 /// What `rejection-mix` mixes with the uniform share.
@@ -114,7 +116,8 @@ pub struct Settings {
     pub map: DirectionMap,
     /// What `rejection-mix` mixes with the uniform share.
     pub mix: Mix,
-    /// The share e of `rejection-mix`, in [1e-4, 1]; the optimal one (Eq. 8) where `None`.
+    /// The share e of what is mixed with the guide, in [1e-4, 1]: uniform directions with `rejection-mix`, where `None` takes
+    /// the optimal share (Eq. 8), and the cosine with `product`, where it takes 0.25.
     pub epsilon: Option<f32>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
@@ -225,7 +228,7 @@ impl Settings {
         in_range("max-depth", self.max_depth, 1, MAX_DEPTH_LIMIT)?;
         in_range("rr-depth", self.rr_depth, 1, u32::MAX)?;
         in_range("grid", self.grid, 1, 32)?;
-        in_range("directions", self.directions, 4, 64)?;
+        self.validate_directions()?;
         in_range("normals", self.normals, 4, 32)?;
         in_range("spp-per-step", self.spp_per_step, 1, 65_536)?;
         in_range("samples-per-dispatch", self.samples_per_dispatch, 1, 64)?;
@@ -241,12 +244,24 @@ impl Settings {
     }
 
     fn validate_mix(&self) -> Result<()> {
-        let mixes = self.epsilon.is_some() || self.mix != Mix::Density;
-        match self.sampler {
-            Sampler::RejectionMix => Ok(()),
-            _ if !mixes => Ok(()),
-            _ => Err(Error::Settings("--epsilon and --mix are for --sampler rejection-mix only".into())),
+        if self.mix != Mix::Density && self.sampler != Sampler::RejectionMix {
+            return Err(Error::Settings("--mix is for --sampler rejection-mix only".into()));
         }
+        if self.epsilon.is_some() && !matches!(self.sampler, Sampler::RejectionMix | Sampler::Product) {
+            return Err(Error::Settings("--epsilon is for the samplers rejection-mix and product only".into()));
+        }
+        Ok(())
+    }
+
+    fn validate_directions(&self) -> Result<()> {
+        in_range("directions", self.directions, 4, 64)?;
+        if self.sampler == Sampler::Product && ![16, 32, 64].contains(&self.directions) {
+            return Err(Error::Settings(format!(
+                "--sampler product descends in steps of four, so --directions must be 16, 32 or 64, but it is {}",
+                self.directions
+            )));
+        }
+        Ok(())
     }
 
     fn validate_learner(&self) -> Result<()> {

@@ -6,6 +6,7 @@ const uint SAMPLER_REJECTION_MIX = 1u;
 const uint SAMPLER_REJECTION = 2u;
 const uint SAMPLER_SPHERE_INVERSION = 3u;
 const uint SAMPLER_HEMISPHERE_INVERSION = 4u;
+const uint SAMPLER_PRODUCT = 5u;
 
 // What rejection-mix mixes with the uniform share: densities (Eq. 8) or acceptances (Eq. 9).
 const uint MIX_DENSITY = 0u;

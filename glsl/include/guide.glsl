@@ -10,7 +10,8 @@ struct Guide {
     uint normal_bin;
     vec3 nb;  // representative normal of that bin
     vec3 n;   // the true normal
-    NormalizationEntry entry;  // unfilled: there is no guide here yet
+    uvec4 record;  // what the normalization grid holds here; all zeros: there is no guide yet
+    NormalizationEntry entry;  // the same, of the samplers whose record is one
 };
 
 struct GuidedSample {
@@ -22,15 +23,16 @@ struct GuidedSample {
     bool overrun;   // the driver ended the loop before it came to its end
 };
 
-const Guide NO_GUIDE = Guide(0u, 0u, vec3(0.0), vec3(0.0), NormalizationEntry(0.0, 0.0, 0.0, 0.0));
+const Guide NO_GUIDE = Guide(0u, 0u, vec3(0.0), vec3(0.0), uvec4(0u), NormalizationEntry(0.0, 0.0, 0.0, 0.0));
 
 Guide guide_of(uint cell, vec3 n) {
     uint bin = normal_bin(n);
-    return Guide(cell, bin, representative_normal(bin), n, normalization_entry(normalization_index(cell, bin)));
+    uvec4 record = normalization_record(normalization_index(cell, bin));
+    return Guide(cell, bin, representative_normal(bin), n, record, entry_of(record));
 }
 
-bool is_filled(NormalizationEntry entry) {
-    return entry.uniform_density > 0.0;
+bool is_filled(Guide guide) {
+    return any(notEqual(guide.record, uvec4(0u)));
 }
 
 // Asks for a guide here from the next update on.

@@ -2,6 +2,7 @@
 #ifndef GUIDED_DIRECTION_GLSL
 #define GUIDED_DIRECTION_GLSL
 #include "hemisphere_inversion.glsl"
+#include "product.glsl"
 #include "rejection_mix.glsl"
 #include "sphere_inversion.glsl"
 
@@ -9,6 +10,7 @@
 GuidedSample sample_guide(RandomKey key, uint vertex, float choice, Guide guide) {
     if (SAMPLER == SAMPLER_SPHERE_INVERSION) return sample_sphere_inversion(key, vertex, choice, guide);
     if (SAMPLER == SAMPLER_HEMISPHERE_INVERSION) return sample_hemisphere_inversion(key, vertex, choice, guide);
+    if (SAMPLER == SAMPLER_PRODUCT) return sample_product(key, vertex, choice, guide);
     return sample_rejection_mix(key, vertex, choice, guide);
 }
 
@@ -16,6 +18,7 @@ GuidedSample sample_guide(RandomKey key, uint vertex, float choice, Guide guide)
 float pdf_guide(Guide guide, vec3 wi) {
     if (SAMPLER == SAMPLER_SPHERE_INVERSION) return pdf_sphere_inversion(guide, wi);
     if (SAMPLER == SAMPLER_HEMISPHERE_INVERSION) return pdf_hemisphere_inversion(guide, wi);
+    if (SAMPLER == SAMPLER_PRODUCT) return pdf_product(guide, wi);
     return pdf_rejection_mix(guide, wi);
 }
 

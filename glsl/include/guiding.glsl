@@ -52,7 +52,7 @@ Guide guide_at(Scatterer x) {
 }
 
 bool is_guided(Guide guide) {
-    return SAMPLER != SAMPLER_BSDF && is_filled(guide.entry);
+    return SAMPLER != SAMPLER_BSDF && is_filled(guide);
 }
 
 // Density of the local direction `wi` where the diffuse lobe is sampled.

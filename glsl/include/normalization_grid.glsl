@@ -2,16 +2,8 @@
 // Kernels that only read the table do so through texels where the device has enough of them: a view of the same buffer.
 #ifndef NORMALIZATION_GRID_GLSL
 #define NORMALIZATION_GRID_GLSL
+#include "normalization_record.glsl"
 #include "variant.glsl"
-
-// How to sample and to weigh what a sampler follows: L(cell, w), or L(cell, w) max(0, cos(nb, w)) for the bin's
-// representative normal nb. Each sampler says what it multiplies.
-struct NormalizationEntry {
-    float guide_scale;       // times what the sampler follows: density of a guided direction, per steradian
-    float uniform_density;   // density of the uniform share and of the fallback, per steradian; 0 marks an unfilled entry
-    float acceptance_scale;  // times what the sampler follows: a probability, at most 1
-    float uniform_share;     // the share e of Eq. 8 and 9
-};
 
 // Of one (direction bin, normal bin): what the clamped cosine amounts to over the direction bin.
 struct CosineIntegral {
@@ -19,7 +11,7 @@ struct CosineIntegral {
     float maximum;   // upper bound over the bin
 };
 
-layout(scalar, set = 3, binding = 0) restrict buffer NormalizationTable { NormalizationEntry normalization_table[]; };
+layout(scalar, set = 3, binding = 0) restrict buffer NormalizationTable { uvec4 normalization_table[]; };
 layout(scalar, set = 3, binding = 1) restrict buffer NormalizationMarks { uint normalization_marks[]; };
 layout(scalar, set = 3, binding = 2) restrict readonly buffer CosineIntegrals { CosineIntegral cosine_integrals[]; };
 
@@ -31,21 +23,34 @@ uint normalization_index(uint cell, uint normal_bin) {
     return cell * normal_bin_count() + normal_bin;
 }
 
+// What the grid holds of a cell and a normal bin: a NormalizationEntry or, of the product sampler, the weights of the map's
+// blocks. All zeros where it is unfilled.
 #ifdef TEXEL_READS
-layout(set = 3, binding = 3) uniform samplerBuffer normalization_texels;
+layout(set = 3, binding = 3) uniform usamplerBuffer normalization_texels;
+layout(set = 3, binding = 4) uniform usamplerBuffer cosine_nodes;
 
-NormalizationEntry normalization_entry(uint index) {
-    vec4 t = texelFetch(normalization_texels, int(index));
-    return NormalizationEntry(t.x, t.y, t.z, t.w);
+uvec4 normalization_record(uint index) {
+    return texelFetch(normalization_texels, int(index));
+}
+
+// Sixteen weights of the tree of a normal bin. See tree.glsl.
+uvec4 cosine_node(uint index) {
+    return texelFetch(cosine_nodes, int(index));
 }
 #else
-NormalizationEntry normalization_entry(uint index) {
+layout(scalar, set = 3, binding = 4) restrict readonly buffer CosineNodes { uvec4 cosine_nodes[]; };
+
+uvec4 normalization_record(uint index) {
     return normalization_table[index];
+}
+
+uvec4 cosine_node(uint index) {
+    return cosine_nodes[index];
 }
 #endif
 
-void store_normalization_entry(uint index, NormalizationEntry entry) {
-    normalization_table[index] = entry;
+void store_normalization_record(uint index, uvec4 record) {
+    normalization_table[index] = record;
 }
 
 bool is_marked(uint index) {

@@ -23,6 +23,7 @@ layout(scalar, set = 2, binding = 0) restrict buffer RadianceTable { float radia
 layout(scalar, set = 2, binding = 1) restrict buffer LearnedTable { LearnedRadiance learned_table[]; };
 layout(scalar, set = 2, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
 layout(scalar, set = 2, binding = 3) restrict buffer BinEnds { uint bin_ends[]; };
+layout(scalar, set = 2, binding = 4) restrict buffer RadianceNodes { uvec4 radiance_nodes[]; };
 
 // Fixed-point targets: a target of `target_limit` is this many units.
 const float FIXED_POINT_UNITS = 1073741824.0;
@@ -33,16 +34,30 @@ uint radiance_index(uint cell, uint bin) {
 
 // Mean radiance (of RGB) that arrives in the cell from the bin's directions; positive.
 #ifdef TEXEL_READS
-layout(set = 2, binding = 4) uniform samplerBuffer radiance_texels;
+layout(set = 2, binding = 5) uniform samplerBuffer radiance_texels;
+layout(set = 2, binding = 6) uniform usamplerBuffer radiance_node_texels;
 
 float radiance(uint index) {
     return texelFetch(radiance_texels, int(index)).x;
+}
+
+// Sixteen weights of the cell's tree. See tree.glsl.
+uvec4 radiance_node(uint index) {
+    return texelFetch(radiance_node_texels, int(index));
 }
 #else
 float radiance(uint index) {
     return radiance_table[index];
 }
+
+uvec4 radiance_node(uint index) {
+    return radiance_nodes[index];
+}
 #endif
+
+void store_radiance_node(uint index, uvec4 weights) {
+    radiance_nodes[index] = weights;
+}
 
 void store_radiance(uint index, float value) {
     radiance_table[index] = value;

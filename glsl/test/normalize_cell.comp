@@ -1,17 +1,23 @@
-// Fills all entries of cell 0 of the normalization grid.
+// Fills all entries of cell 0 of the normalization grid, and the distributions of its own that a sampler has.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "bin_distribution.glsl"
 #include "normalization_entry.glsl"
+#include "radiance_tree.glsl"
 
 void main() {
     if (SAMPLER == SAMPLER_SPHERE_INVERSION) {
         float total = store_bin_ends(0u);
-        if (gl_GlobalInvocationID.x == 0u) store_normalization_entry(0u, sphere_inversion_factors(total));
+        if (gl_GlobalInvocationID.x == 0u) store_normalization_record(0u, record_of(sphere_inversion_factors(total)));
         return;
     }
+    if (SAMPLER == SAMPLER_PRODUCT) {
+        uint lanes = WORKGROUP_SIZE * gl_NumWorkGroups.x;
+        for (uint node = gl_GlobalInvocationID.x; node < nodes_per_tree(); node += lanes) store_tree_node(0u, node);
+    }
     for (uint bin = gl_GlobalInvocationID.x; bin < normal_bin_count(); bin += WORKGROUP_SIZE * gl_NumWorkGroups.x) {
-        store_normalization_entry(normalization_index(0u, bin), normalize_cell(0u, bin));
+        uvec4 record = SAMPLER == SAMPLER_PRODUCT ? product_record(0u, bin) : record_of(normalize_cell(0u, bin));
+        store_normalization_record(normalization_index(0u, bin), record);
     }
 }

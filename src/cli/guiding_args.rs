@@ -20,7 +20,8 @@ pub struct GuidingArgs {
     /// What rejection-mix mixes with the uniform share: densities (Eq. 8) or acceptances (Eq. 9).
     #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
     pub mix: Mix,
-    /// Uniform share of rejection-mix [default: the optimal one, Eq. 8].
+    /// Share that is mixed with the guide: of uniform directions with rejection-mix [default: the optimal one, Eq. 8], of
+    /// the cosine with product [default: 0.25].
     #[arg(long, value_name = "E", help_heading = "Guiding")]
     pub epsilon: Option<f32>,
     /// Map between directions and their bins.

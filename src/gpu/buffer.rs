@@ -36,8 +36,8 @@ pub enum BufferKind {
     TexelUint1,
     /// Written as storage, and read as storage or as texels of one float.
     StorageTexelFloat1,
-    /// Written as storage, and read as storage or as texels of four floats.
-    StorageTexelFloat,
+    /// Written as storage, and read as storage or as texels of four unsigned integers.
+    StorageTexelUint,
 }
 
 impl BufferKind {
@@ -47,14 +47,14 @@ impl BufferKind {
             BindingKind::StorageBuffer => self.is_storage(),
             BindingKind::UniformBuffer => self == Self::Uniform,
             BindingKind::TexelBufferFloat => {
-                matches!(self, Self::TexelFloat | Self::StorageTexelFloat1 | Self::StorageTexelFloat)
+                matches!(self, Self::TexelFloat | Self::StorageTexelFloat1)
             }
-            BindingKind::TexelBufferUint => matches!(self, Self::TexelUint | Self::TexelUint1),
+            BindingKind::TexelBufferUint => matches!(self, Self::TexelUint | Self::TexelUint1 | Self::StorageTexelUint),
         }
     }
 
     fn is_storage(self) -> bool {
-        matches!(self, Self::Storage | Self::StorageTexelFloat1 | Self::StorageTexelFloat)
+        matches!(self, Self::Storage | Self::StorageTexelFloat1 | Self::StorageTexelUint)
     }
 
     fn usage(self) -> vk::BufferUsageFlags {
@@ -62,7 +62,7 @@ impl BufferKind {
             Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
             Self::Uniform => vk::BufferUsageFlags::UNIFORM_BUFFER,
             Self::TexelFloat | Self::TexelUint | Self::TexelUint1 => vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
-            Self::StorageTexelFloat1 | Self::StorageTexelFloat => {
+            Self::StorageTexelFloat1 | Self::StorageTexelUint => {
                 vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
             }
         };
@@ -72,9 +72,9 @@ impl BufferKind {
     fn texel_format(self) -> Option<vk::Format> {
         match self {
             Self::Storage | Self::Uniform => None,
-            Self::TexelFloat | Self::StorageTexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
+            Self::TexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
             Self::StorageTexelFloat1 => Some(vk::Format::R32_SFLOAT),
-            Self::TexelUint => Some(vk::Format::R32G32B32A32_UINT),
+            Self::TexelUint | Self::StorageTexelUint => Some(vk::Format::R32G32B32A32_UINT),
             Self::TexelUint1 => Some(vk::Format::R32_UINT),
         }
     }
@@ -257,7 +257,7 @@ fn check_size(context: &Context, name: &str, bytes: u64, kind: BufferKind) -> Re
         BufferKind::Uniform => vec![("uniform", MAX_UNIFORM_BYTES)],
         BufferKind::TexelFloat | BufferKind::TexelUint => vec![texels(TEXEL_BYTES)],
         BufferKind::TexelUint1 => vec![texels(TEXEL_BYTES / 4)],
-        BufferKind::StorageTexelFloat => vec![storage, texels(TEXEL_BYTES)],
+        BufferKind::StorageTexelUint => vec![storage, texels(TEXEL_BYTES)],
         BufferKind::StorageTexelFloat1 => vec![storage, texels(TEXEL_BYTES / 4)],
     };
     let device = &context.device().name;

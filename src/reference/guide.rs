@@ -1,9 +1,13 @@
-//! Twin of the densities in `glsl/include/rejection_mix.glsl`, `sphere_inversion.glsl` and `hemisphere_inversion.glsl`.
+//! Twin of the densities in `glsl/include/rejection_mix.glsl`, `sphere_inversion.glsl`,
+//! `hemisphere_inversion.glsl` and `product.glsl`.
+
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
 use super::direction_map::direction_bin;
 use super::normalization_entry::{NormalizationEntry, Rules};
+use super::product::Product;
 use crate::settings::{DirectionMap, Sampler};
 
 /// A cell and a normal, and how they are sampled.
@@ -50,6 +54,7 @@ impl Guide<'_> {
             Sampler::HemisphereInversion => {
                 BinDensity { constant: scale * radiance * self.integrals[bin], ..BinDensity::default() }
             }
+            Sampler::Product => BinDensity { constant: scale * self.product().density(bin), ..BinDensity::default() },
             _ if self.rules.mixes_acceptances() => BinDensity {
                 times_cosine: scale * self.entry.acceptance_scale * radiance,
                 above: scale * self.entry.uniform_share,
@@ -59,12 +64,22 @@ impl Guide<'_> {
         }
     }
 
+    fn product(&self) -> Product<'_> {
+        Product { radiance: self.radiance, integrals: self.integrals }
+    }
+
+    /// Share of the cosine about the true normal.
+    pub fn cosine_share(&self) -> f64 {
+        if self.rules.sampler == Sampler::Product { self.entry.uniform_share } else { 0.0 }
+    }
+
     /// Density of `wi`, per steradian.
     pub fn pdf(&self, wi: DVec3) -> f64 {
         let density = self.bin_density(direction_bin(self.map, wi, self.resolution()) as usize);
         let cosine = wi.dot(self.nb);
         let above = if cosine > 0.0 { density.above } else { 0.0 };
         let uniform = if wi.dot(self.n) > 0.0 { self.entry.uniform_density } else { 0.0 };
-        density.times_cosine * cosine.max(0.0) + density.constant + above + uniform
+        let of_cosine = self.cosine_share() * wi.dot(self.n).max(0.0) / PI;
+        density.times_cosine * cosine.max(0.0) + density.constant + above + uniform + of_cosine
     }
 }

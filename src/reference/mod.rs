@@ -19,6 +19,7 @@ pub mod microfacet;
 pub mod normalization_entry;
 pub mod plastic;
 pub mod principled;
+pub mod product;
 pub mod radiance_grid;
 pub mod random;
 pub mod rejection_mix;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::product::COSINE_SHARE;
 use crate::settings::{Mix, Sampler};
 
 /// What the kernels take as specialization constants.
@@ -112,6 +113,12 @@ pub fn inversion_factors(total: f64, bins: usize, rules: &Rules) -> Normalizatio
         acceptance_scale: 1.0 / total,
         uniform_share: e,
     }
+}
+
+/// What stands for the factors of the product sampler: the share of its descent, and that of the cosine.
+pub fn product_factors(rules: &Rules) -> NormalizationEntry {
+    let e = rules.epsilon.unwrap_or(COSINE_SHARE);
+    NormalizationEntry { guide_scale: 1.0 - e, uniform_density: 0.0, acceptance_scale: 0.0, uniform_share: e }
 }
 
 /// Normalizer and upper bound of a cell's `radiance`, given each bin's integral and maximum of the clamped cosine.

@@ -421,15 +421,16 @@ fn word_buffer_kind(binding: BindingKind) -> BufferKind {
     }
 }
 
-/// A set over storage buffers of which the first, a table, is also seen as texels at the last binding, if there is one.
+/// A set over `buffers`, one for each number of a binding; tables are also seen as texels, at a number of their own, where the
+/// shape has that.
 fn table_set(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: &[&Arc<Buffer>]) -> Result<DescriptorSet> {
-    let texels = (shape.bindings.len() > buffers.len()).then_some(buffers[0]);
-    let buffers: Vec<_> = buffers.iter().copied().chain(texels).collect();
-    DescriptorSet::new(context, name, shape, &buffers)
+    let used: Vec<_> = shape.bindings.iter().map(|binding| buffers[binding.binding as usize]).collect();
+    DescriptorSet::new(context, name, shape, &used)
 }
 
 /// The kind of such a table: `texel` where the set sees it as texels.
 fn table_kind(shape: &SetShape, texel: BufferKind) -> BufferKind {
-    let has_texels = shape.bindings.iter().any(|binding| binding.kind == BindingKind::TexelBufferFloat);
+    let is_texel = |kind| matches!(kind, BindingKind::TexelBufferFloat | BindingKind::TexelBufferUint);
+    let has_texels = shape.bindings.iter().any(|binding| is_texel(binding.kind));
     if has_texels { texel } else { BufferKind::Storage }
 }

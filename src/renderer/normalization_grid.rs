@@ -7,6 +7,7 @@ use super::state::Persistent;
 use super::{set_shape, table_kind, table_set};
 use crate::Result;
 use crate::cosine_integrals::cosine_integrals;
+use crate::cosine_trees::{Node, cosine_trees, nodes_per_tree};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::kernels::Kernels;
 use crate::layout::{CosineIntegral, NormalizationEntry};
@@ -36,7 +37,12 @@ impl NormalizationGrid {
             _ => u64::from(settings.directions.pow(2)) * u64::from(settings.normals.pow(2)),
         };
         let integrals = integrals * size_of::<CosineIntegral>() as u64;
-        entries.saturating_mul(size_of::<NormalizationEntry>() as u64).saturating_add(entries / 8 + integrals)
+        let nodes = match settings.sampler {
+            Sampler::Product => u64::from(nodes_per_tree(settings.directions)) * u64::from(settings.normals.pow(2)),
+            _ => 0,
+        };
+        let tables = integrals + nodes * size_of::<Node>() as u64;
+        entries.saturating_mul(size_of::<NormalizationEntry>() as u64).saturating_add(entries / 8 + tables)
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
@@ -48,10 +54,16 @@ impl NormalizationGrid {
         };
         let buffer = |name: &str, bytes: u64, kind| Buffer::new(context, name, bytes, kind);
         let table_bytes = entries * size_of::<NormalizationEntry>() as u64;
-        let table = buffer("normalizers", table_bytes, table_kind(shape, BufferKind::StorageTexelFloat))?;
+        let table = buffer("normalizers", table_bytes, table_kind(shape, BufferKind::StorageTexelUint))?;
         let marks = buffer("marked normalizers", entries.div_ceil(32) * size_of::<u32>() as u64, BufferKind::Storage)?;
         let integrals = Buffer::with_values(context, "cosine integrals", &cosines, BufferKind::Storage)?;
-        let set = table_set(context, "normalization grid", shape, &[&table, &marks, &integrals])?;
+        let trees = match settings.sampler {
+            Sampler::Product => cosine_trees(&cosines, settings.directions, settings.normals),
+            _ => Vec::new(),
+        };
+        let node_kind = table_kind(shape, BufferKind::TexelUint);
+        let trees = Buffer::with_values(context, "cosine nodes", &trees, node_kind)?;
+        let set = table_set(context, "normalization grid", shape, &[&table, &marks, &integrals, &table, &trees])?;
         Ok(Self { set, table, marks })
     }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::state::Persistent;
 use super::{set_shape, table_kind, table_set};
 use crate::Result;
+use crate::cosine_trees::{Node, nodes_per_tree};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::kernels::Kernels;
 use crate::layout::{LearnedRadiance, RadianceSum};
@@ -17,6 +18,8 @@ pub(super) struct RadianceGrid {
     learned: Arc<Buffer>,
     /// Of sphere inversion alone.
     ends: Arc<Buffer>,
+    /// Of the product sampler alone.
+    nodes: Arc<Buffer>,
     bin_count: usize,
 }
 
@@ -32,7 +35,12 @@ impl RadianceGrid {
     /// Bytes of the grid on the device.
     pub fn bytes(settings: &Settings) -> u64 {
         let bin_bytes = size_of::<f32>() + size_of::<LearnedRadiance>() + size_of::<RadianceSum>();
-        Self::texels(settings).saturating_mul(bin_bytes as u64)
+        Self::texels(settings).saturating_mul(bin_bytes as u64).saturating_add(Self::node_bytes(settings))
+    }
+
+    fn node_bytes(settings: &Settings) -> u64 {
+        let nodes = if settings.sampler == Sampler::Product { nodes_per_tree(settings.directions) } else { 0 };
+        u64::from(settings.grid.pow(3)) * u64::from(nodes) * size_of::<Node>() as u64
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
@@ -44,19 +52,23 @@ impl RadianceGrid {
         let sums = buffer("radiance sums", size_of::<RadianceSum>(), BufferKind::Storage)?;
         let ends = if settings.sampler == Sampler::SphereInversion { bins } else { 0 };
         let ends = Buffer::new(context, "bin ends", ends * size_of::<u32>() as u64, BufferKind::Storage)?;
-        let set = table_set(context, "radiance grid", shape, &[&radiance, &learned, &sums, &ends])?;
-        Ok(Self { set, radiance, learned, ends, bin_count: bins as usize })
+        let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
+        let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings), node_kind)?;
+        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes];
+        let set = table_set(context, "radiance grid", shape, &buffers)?;
+        Ok(Self { set, radiance, learned, ends, nodes, bin_count: bins as usize })
     }
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
     }
 
-    pub fn persistent(&self) -> [Persistent<'_>; 3] {
+    pub fn persistent(&self) -> [Persistent<'_>; 4] {
         [
             Persistent { name: "radiance", buffers: vec![&self.radiance] },
             Persistent { name: "learned radiance", buffers: vec![&self.learned] },
             Persistent { name: "bin ends", buffers: vec![&self.ends] },
+            Persistent { name: "radiance nodes", buffers: vec![&self.nodes] },
         ]
     }
 

@@ -8,8 +8,14 @@ use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
 /// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
 pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
 
-pub const ALL_SAMPLERS: [Sampler; 5] =
-    [Sampler::Bsdf, Sampler::RejectionMix, Sampler::Rejection, Sampler::SphereInversion, Sampler::HemisphereInversion];
+pub const ALL_SAMPLERS: [Sampler; 6] = [
+    Sampler::Bsdf,
+    Sampler::RejectionMix,
+    Sampler::Rejection,
+    Sampler::SphereInversion,
+    Sampler::HemisphereInversion,
+    Sampler::Product,
+];
 
 /// Every sampler that follows a guide with every learner.
 pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
@@ -21,7 +27,7 @@ pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
 type Change = fn(&mut Settings);
 
 /// Every way to follow a guide.
-pub const GUIDED: [(&str, Change); 10] = [
+pub const GUIDED: [(&str, Change); 13] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),
@@ -32,6 +38,9 @@ pub const GUIDED: [(&str, Change); 10] = [
     ("hemisphere-inversion on the cylinder", |s| {
         (s.sampler, s.map) = (Sampler::HemisphereInversion, DirectionMap::Cylindrical);
     }),
+    ("product", |s| s.sampler = Sampler::Product),
+    ("product on the cylinder", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
+    ("product of 32 x 32 directions", |s| (s.sampler, s.directions) = (Sampler::Product, 32)),
     ("expected-sarsa", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::ExpectedSarsa)),
     ("monte-carlo", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::MonteCarlo)),
 ];

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use bytemuck::Pod;
 use lodestar::cosine_integrals::cosine_integrals;
+use lodestar::cosine_trees::{Node, cosine_trees, nodes_per_tree};
 use lodestar::gpu::{
     BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape,
 };
-use lodestar::kernels::{MAP_CYLINDRICAL, Variant, test};
+use lodestar::kernels::{MAP_CYLINDRICAL, SAMPLER_PRODUCT, Variant, test};
 use lodestar::layout::NormalizationEntry;
 use lodestar::settings::DirectionMap;
 
@@ -137,8 +138,10 @@ impl Drop for Device {
 pub struct Cell {
     pub radiance: Arc<Buffer>,
     pub bin_ends: Arc<Buffer>,
+    pub nodes: Arc<Buffer>,
     pub entries: Arc<Buffer>,
     pub integrals: Arc<Buffer>,
+    pub cosine_nodes: Arc<Buffer>,
     normalize: Kernel,
     normals: u32,
 }
@@ -149,11 +152,16 @@ impl Cell {
         let map = if variant.map == MAP_CYLINDRICAL { DirectionMap::Cylindrical } else { DirectionMap::EqualArea };
         let (directions, normals) = (variant.direction_resolution, variant.normal_resolution);
         let entries = (normals * normals) as usize * size_of::<NormalizationEntry>();
+        let integrals = cosine_integrals(map, directions, normals);
+        let is_product = variant.sampler == SAMPLER_PRODUCT;
+        let trees = if is_product { cosine_trees(&integrals, directions, normals) } else { vec![Node::default()] };
         Self {
             radiance: device.storage("radiance", (directions * directions) as usize * size_of::<f32>()),
             bin_ends: device.storage("bin ends", (directions * directions) as usize * size_of::<u32>()),
+            nodes: device.storage("nodes", nodes_per_tree(directions) as usize * size_of::<Node>()),
             entries: device.storage("entries", entries),
-            integrals: device.uploaded("integrals", &cosine_integrals(map, directions, normals)),
+            integrals: device.uploaded("integrals", &integrals),
+            cosine_nodes: device.uploaded("cosine nodes", &trees),
             normalize: device.kernel(&test::NORMALIZE_CELL, variant),
             normals,
         }
@@ -162,7 +170,7 @@ impl Cell {
     /// Sets its radiance and has the device fill all normalizers.
     pub fn fill(&self, device: &Device, radiance: &[f32]) {
         self.radiance.upload(0, radiance).expect("uploaded");
-        let buffers = [&self.radiance, &self.bin_ends, &self.entries, &self.integrals];
+        let buffers = [&self.radiance, &self.bin_ends, &self.nodes, &self.entries, &self.integrals];
         device.dispatch(&self.normalize, &buffers, &[], 4);
     }
 

@@ -7,10 +7,11 @@ use glam::{DVec3, Vec3, dvec2};
 use lodestar::cosine_integrals::cosine_integrals;
 use lodestar::gpu::{Buffer, Kernel};
 use lodestar::kernels::{Variant, test};
+use lodestar::layout::CosineIntegral;
 use lodestar::reference::direction_map::{bin_center, bin_point, direction_bin, normal_bin, representative_normal};
 use lodestar::reference::guide::Guide;
 use lodestar::reference::normalization_entry::{
-    NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, rejection_factors,
+    NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, product_factors, rejection_factors,
 };
 use lodestar::settings::{DirectionMap, Mix, Sampler};
 
@@ -52,9 +53,9 @@ pub struct Density {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct PushedNormal {
-    normal: [f32; 3],
-    seed_or_resolution: u32,
+pub struct PushedNormal {
+    pub normal: [f32; 3],
+    pub seed_or_resolution: u32,
 }
 
 /// A sampler with its constants.
@@ -82,8 +83,9 @@ impl Kind {
         Self { rules: Rules { epsilon: Some(epsilon), ..self.rules }, ..self }
     }
 
-    pub fn is_inversion(&self) -> bool {
-        matches!(self.rules.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion)
+    /// Whether a bin is chosen first, and then a direction anywhere in it, be that below the surface.
+    pub fn chooses_bins(&self) -> bool {
+        matches!(self.rules.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion | Sampler::Product)
     }
 }
 
@@ -132,7 +134,10 @@ pub struct Setting {
     cosines: Vec<f64>,
     visible: Vec<f64>,
     visible_to_guide: Vec<f64>,
+    visible_cosines: Vec<f64>,
     integrals: Vec<f64>,
+    /// The renderer's, whose last digits decide to which of few bits they are rounded.
+    stored_integrals: Vec<f64>,
     maxima: Vec<f64>,
 }
 
@@ -151,12 +156,10 @@ pub fn settings(map: DirectionMap) -> &'static [Setting] {
     })
 }
 
-/// The renderer's upper bounds of the cosine, `[direction bin][normal bin]`.
-fn bounds(map: DirectionMap) -> &'static [f64] {
-    static BOUNDS: [OnceLock<Vec<f64>>; 2] = [OnceLock::new(), OnceLock::new()];
-    BOUNDS[map as usize].get_or_init(|| {
-        cosine_integrals(map, DIRECTIONS, NORMALS).iter().map(|cosine| f64::from(cosine.maximum)).collect()
-    })
+/// The renderer's integrals and upper bounds of the cosine, `[direction bin][normal bin]`.
+fn stored(map: DirectionMap) -> &'static [CosineIntegral] {
+    static STORED: [OnceLock<Vec<CosineIntegral>>; 2] = [OnceLock::new(), OnceLock::new()];
+    STORED[map as usize].get_or_init(|| cosine_integrals(map, DIRECTIONS, NORMALS))
 }
 
 impl Setting {
@@ -169,6 +172,7 @@ impl Setting {
         let cosines = sphere(map).cosine_integrals(HISTOGRAM, nb);
         let mut integrals = vec![0.0; (DIRECTIONS * DIRECTIONS) as usize];
         cosines.iter().enumerate().for_each(|(cell, cosine)| integrals[bin_of_cell(cell)] += cosine);
+        let of_normal = || stored(map).iter().skip(normal_bin as usize).step_by(normals);
         Self {
             name,
             n,
@@ -176,10 +180,12 @@ impl Setting {
             normal_bin,
             map,
             cosines,
+            visible_cosines: sphere(map).cosine_integrals(HISTOGRAM, n),
             visible: sphere(map).visible(HISTOGRAM, n),
             visible_to_guide: sphere(map).visible(HISTOGRAM, nb),
             integrals,
-            maxima: bounds(map).iter().skip(normal_bin as usize).step_by(normals).copied().collect(),
+            stored_integrals: of_normal().map(|cosine| f64::from(cosine.integral)).collect(),
+            maxima: of_normal().map(|cosine| f64::from(cosine.maximum)).collect(),
         }
     }
 
@@ -195,6 +201,7 @@ impl Setting {
         match rules.sampler {
             Sampler::SphereInversion => inversion_factors(off * total, table.len(), rules),
             Sampler::HemisphereInversion => inversion_factors(off * normalizer, table.len(), rules),
+            Sampler::Product => product_factors(rules),
             _ => rejection_factors(off * normalizer, bound, rules),
         }
     }
@@ -206,18 +213,22 @@ impl Setting {
     /// The twin of the sampler, with these factors.
     pub fn guide<'a>(&'a self, table: &'a [f32], rules: &'a Rules, entry: NormalizationEntry) -> Guide<'a> {
         let (nb, n) = (self.nb, self.n);
-        Guide { rules, map: self.map, radiance: table, integrals: &self.integrals, nb, n, entry }
+        let is_product = rules.sampler == Sampler::Product;
+        let integrals = if is_product { &self.stored_integrals } else { &self.integrals };
+        Guide { rules, map: self.map, radiance: table, integrals, nb, n, entry }
     }
 
     /// Probability of every cell of the histogram.
     fn masses(&self, guide: &Guide) -> Vec<f64> {
         let solid_angle = 4.0 * std::f64::consts::PI / f64::from(HISTOGRAM * HISTOGRAM);
+        let densities: Vec<_> = (0..self.integrals.len()).map(|bin| guide.bin_density(bin)).collect();
         let mass = |cell: usize| {
-            let density = guide.bin_density(bin_of_cell(cell));
+            let density = densities[bin_of_cell(cell)];
             density.times_cosine * self.cosines[cell]
                 + density.constant * solid_angle
                 + density.above * self.visible_to_guide[cell]
                 + guide.entry.uniform_density * self.visible[cell]
+                + guide.cosine_share() * self.visible_cosines[cell] / std::f64::consts::PI
         };
         (0..self.cosines.len()).map(mass).collect()
     }
@@ -281,7 +292,8 @@ impl Guided {
     fn run(&self, kernel: &Kernel, out: &Arc<Buffer>, setting: &Setting, last: u32, count: usize) {
         let push = PushedNormal { normal: setting.n.as_vec3().into(), seed_or_resolution: last };
         let cell = &self.cell;
-        let buffers = [out, &cell.radiance, &cell.bin_ends, &cell.entries, &cell.integrals];
+        let buffers =
+            [out, &cell.radiance, &cell.bin_ends, &cell.nodes, &cell.entries, &cell.integrals, &cell.cosine_nodes];
         self.device.dispatch(kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / GROUP);
     }
 }

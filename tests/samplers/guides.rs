@@ -23,8 +23,10 @@ const PLAIN: Kind = Kind::new(Sampler::Rejection, 15, 1.0 / 16.0);
 const SPHERE: Kind = Kind::new(Sampler::SphereInversion, 1, 1.0 / 16.0);
 const HEMISPHERE: Kind = Kind::new(Sampler::HemisphereInversion, 1, 1.0 / 16.0);
 
+const PRODUCT: Kind = Kind::new(Sampler::Product, 1, 1.0 / 16.0);
+
 /// Every sampler with every way to set it.
-const ALL: [Kind; 12] = [
+const ALL: [Kind; 15] = [
     MIX,
     MIX.on_cylinder(),
     MIX.with_epsilon(0.3),
@@ -37,6 +39,9 @@ const ALL: [Kind; 12] = [
     SPHERE.on_cylinder(),
     HEMISPHERE,
     HEMISPHERE.on_cylinder(),
+    PRODUCT,
+    PRODUCT.on_cylinder(),
+    PRODUCT.with_epsilon(0.5),
 ];
 
 /// Those, and what differs only in its tries or least share.
@@ -69,27 +74,26 @@ fn samples_follow_their_density() {
                 let guide = setting.guide(&table, &kind.rules, setting.entry(&table, &kind.rules));
                 let p = setting.fit(&drawn, &guide);
                 assert!(p > level, "{case}: chi-square {p}");
-                check_samples(&drawn, &guide, &case);
+                check_samples(&drawn, &kind, &guide, &case);
                 check_tries(&drawn, setting, &guide, &case);
                 check_estimates(&drawn, setting, 1.0).unwrap_or_else(|e| panic!("{case}: {e}"));
                 noticed += u32::from(check_estimates(&drawn, setting, 1.05).is_err());
             }
         }
         // All but the tables that leave the estimates so noisy that a density 5 % off is within their error.
-        let least = if kind.is_inversion() || kind.rules.epsilon.is_some() { 12 } else { 35 };
+        let least = if kind.chooses_bins() || kind.rules.epsilon.is_some() { 12 } else { 35 };
         assert!(noticed >= least, "{kind:?}: a density 5 % off was noticed {noticed} times of 35");
     }
 }
 
 /// Every sample comes with the density that its direction has, and none of rejection lies below both horizons.
-fn check_samples(drawn: &[Drawn], guide: &Guide, case: &str) {
+fn check_samples(drawn: &[Drawn], kind: &Kind, guide: &Guide, case: &str) {
     let mut at_borders = 0;
     for d in drawn {
         let w = d.direction();
         assert!(d.overrun == 0 && d.pdf.is_finite() && d.pdf >= 0.0, "{case}: {d:?}");
-        let sphere = matches!(guide.rules.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion);
         let below = w.dot(guide.n).max(w.dot(guide.nb)) < -1.0e-6;
-        assert!(sphere || !below, "{case}: {d:?} lies below both horizons");
+        assert!(kind.chooses_bins() || !below, "{case}: {d:?} lies below both horizons");
         if direction_bin(guide.map, w, DIRECTIONS) != d.bin {
             at_borders += 1;
         } else if w.dot(guide.n) > 1.0e-6 {
@@ -220,11 +224,15 @@ fn twins_are_rejected() {
             ..*rules
         };
         // Elsewhere it is Eq. 8 that decides, or the fallback hides a share of a thousandth.
-        let matters = kind.rules.sampler != Sampler::RejectionMix || kind.rules.epsilon.is_some_and(|e| e > 0.01);
+        let decides = !matches!(kind.rules.sampler, Sampler::RejectionMix | Sampler::Product);
+        let matters = decides || kind.rules.epsilon.is_some_and(|e| e > 0.01);
         if matters {
             reject("another share", fit(setting.entry(table, &least_share)));
         }
-        reject("the entry of another table", fit(setting.entry(&all[3].1, rules)));
+        // That of the product sampler is the weights of the table, not factors.
+        if kind.rules.sampler != Sampler::Product {
+            reject("the entry of another table", fit(setting.entry(&all[3].1, rules)));
+        }
         let elsewhere = setting.guide(&all[3].1, rules, setting.entry(&all[3].1, rules));
         reject("another table", setting.fit(&drawn, &elsewhere));
         // The density of another normal whose representative is the same one.

@@ -18,6 +18,7 @@ mod lights;
 mod normalization;
 mod parametrization;
 mod principled;
+mod product;
 mod random;
 mod relief;
 mod scattering;

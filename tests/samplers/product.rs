@@ -1,0 +1,178 @@
+//! `glsl/include/product.glsl` with two or three levels below the first: 32^2 and 64^2 directions
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+use lodestar::cosine_integrals::cosine_integrals;
+use lodestar::kernels::{Variant, test};
+use lodestar::reference::direction_map::{bin_center, direction_bin, normal_bin, representative_normal, sphere_to_map};
+use lodestar::reference::normalization_entry::Rules;
+use lodestar::reference::product::{COSINE_SHARE, Product};
+use lodestar::settings::{DirectionMap, Mix, Sampler};
+
+use crate::device::{Cell, Device, GROUP};
+use crate::guide_cases::{Density, Drawn, NORMALS, PushedNormal, variant};
+use crate::statistics::{Numbers, chi_square, mean_and_error, sidak, within_four_sigma};
+
+/// Probability that any of all chi-squares fails by chance.
+const SIGNIFICANCE: f64 = 0.01;
+const SAMPLES: usize = 1 << 19;
+/// Densities are evaluated at this many points a side.
+const FINE: u32 = 512;
+const RULES: Rules =
+    Rules { sampler: Sampler::Product, mix: Mix::Density, epsilon: None, max_tries: 1, min_uniform_share: 0.0625 };
+
+/// What the twin knows of a cell and a normal.
+struct Case {
+    map: DirectionMap,
+    directions: u32,
+    n: DVec3,
+    /// Density of the descent in every bin.
+    densities: Vec<f64>,
+}
+
+impl Case {
+    fn new(map: DirectionMap, directions: u32, n: DVec3, table: &[f32]) -> Self {
+        let n = n.normalize().as_vec3().as_dvec3();
+        let normals = (NORMALS * NORMALS) as usize;
+        let integrals = cosine_integrals(map, directions, NORMALS);
+        let of_normal = integrals.iter().skip(normal_bin(n, NORMALS) as usize).step_by(normals);
+        let integrals: Vec<_> = of_normal.map(|cosine| f64::from(cosine.integral)).collect();
+        let product = Product { radiance: table, integrals: &integrals };
+        let densities = (0..table.len()).map(|bin| product.density(bin)).collect();
+        Self { map, directions, n, densities }
+    }
+
+    fn pdf(&self, w: DVec3) -> f64 {
+        let bin = direction_bin(self.map, w, self.directions) as usize;
+        (1.0 - COSINE_SHARE) * self.densities[bin] + COSINE_SHARE * w.dot(self.n).max(0.0) / PI
+    }
+
+    /// Distance in bins from the next border between them.
+    fn from_border(&self, w: DVec3) -> f64 {
+        let cells = (0.5 * sphere_to_map(self.map, w) + 0.5) * f64::from(self.directions);
+        (cells - cells.round()).abs().min_element()
+    }
+}
+
+/// The sampler on the device.
+struct Descent {
+    device: Device,
+    cell: Cell,
+    variant: Variant,
+}
+
+impl Descent {
+    fn new(map: DirectionMap, directions: u32) -> Self {
+        let device = Device::new();
+        let variant =
+            Variant { direction_resolution: directions, normal_resolution: NORMALS, ..variant(&RULES, map) };
+        Self { cell: Cell::new(&device, &variant), device, variant }
+    }
+
+    fn run<T: bytemuck::Pod>(&self, source: &lodestar::gpu::KernelSource, n: DVec3, last: u32, count: usize) -> Vec<T> {
+        let push = PushedNormal { normal: n.as_vec3().into(), seed_or_resolution: last };
+        let out = self.device.storage("out", count * size_of::<T>());
+        let cell = &self.cell;
+        let buffers =
+            [&out, &cell.radiance, &cell.bin_ends, &cell.nodes, &cell.entries, &cell.integrals, &cell.cosine_nodes];
+        let kernel = self.device.kernel(source, &self.variant);
+        self.device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / GROUP);
+        out.read(0, count).expect("read")
+    }
+
+    fn draw(&self, n: DVec3, seed: u32) -> Vec<Drawn> {
+        self.run(&test::GUIDED_DIRECTION, n, seed, SAMPLES)
+    }
+
+    fn densities(&self, n: DVec3) -> Vec<Density> {
+        self.run(&test::GUIDED_DENSITY, n, FINE, (FINE * FINE) as usize)
+    }
+}
+
+fn tables(map: DirectionMap, directions: u32) -> Vec<(&'static str, Vec<f32>)> {
+    let bins = directions * directions;
+    let mut numbers = Numbers::new(directions);
+    let noisy = (0..bins).map(|_| 10_f64.powf(numbers.between(-3.0, 3.0)) as f32).collect();
+    let axis = DVec3::new(0.5, 0.3, 0.4).normalize();
+    let lobe = |bin| if bin_center(map, bin, directions).dot(axis) > 0.99 { 200.0 } else { 0.1 };
+    vec![("flat", vec![1.0; bins as usize]), ("noisy", noisy), ("lobe", (0..bins).map(lobe).collect())]
+}
+
+fn normals() -> [DVec3; 3] {
+    [representative_normal(100, NORMALS), DVec3::new(0.3, -0.2, 0.9), DVec3::new(-0.6, 0.1, -0.7)]
+}
+
+/// Every map and resolution that the other tests do not have.
+const SIZES: [(DirectionMap, u32); 3] =
+    [(DirectionMap::EqualArea, 32), (DirectionMap::EqualArea, 64), (DirectionMap::Cylindrical, 64)];
+
+fn fit(case: &Case, drawn: &[Drawn]) -> f64 {
+    let mut counts = vec![0; case.densities.len()];
+    let mut by_cosine = vec![0.0; case.densities.len()];
+    // The cosine share over a bin, by points all over the sphere.
+    let fine = 4 * case.directions;
+    let weight = 4.0 * PI / f64::from(fine * fine);
+    for point in 0..fine * fine {
+        let w = bin_center(case.map, point, fine);
+        by_cosine[direction_bin(case.map, w, case.directions) as usize] += weight * w.dot(case.n).max(0.0) / PI;
+    }
+    drawn.iter().for_each(|d| counts[direction_bin(case.map, d.direction(), case.directions) as usize] += 1);
+    let solid_angle = 4.0 * PI / case.densities.len() as f64;
+    let expected = case.densities.iter().zip(&by_cosine).map(|(density, cosine)| {
+        drawn.len() as f64 * ((1.0 - COSINE_SHARE) * density * solid_angle + COSINE_SHARE * cosine)
+    });
+    chi_square(&counts, &expected.collect::<Vec<_>>())
+}
+
+#[test]
+fn samples_follow_their_density_at_every_resolution() {
+    let level = sidak(SIGNIFICANCE, SIZES.len() * normals().len() * 3);
+    for (map, directions) in SIZES {
+        let descent = Descent::new(map, directions);
+        let tables = tables(map, directions);
+        for (name, table) in &tables {
+            descent.cell.fill(&descent.device, table);
+            for (seed, n) in (0..).zip(normals()) {
+                let title = format!("{map:?} {directions}, {name}, normal {seed}");
+                let case = Case::new(map, directions, n, table);
+                let drawn = descent.draw(case.n, seed);
+                let p = fit(&case, &drawn);
+                assert!(p > level, "{title}: chi-square {p}");
+                let elsewhere = Case::new(map, directions, n, &tables[(seed as usize + 1) % 3].1);
+                let other = if name == &tables[(seed as usize + 1) % 3].0 { 0.0 } else { fit(&elsewhere, &drawn) };
+                assert!(other < 1.0e-9, "{title}: another table {other}");
+                check_estimate(&case, &drawn, &title);
+                check_densities(&case, &descent.densities(case.n), &title);
+            }
+        }
+    }
+}
+
+/// The samples' densities are those of their directions, and estimate the projected solid angle.
+fn check_estimate(case: &Case, drawn: &[Drawn], title: &str) {
+    let mut at_borders = 0;
+    for d in drawn {
+        let (w, twin) = (d.direction(), case.pdf(d.direction()));
+        let known = case.from_border(w) > 1.0e-4;
+        at_borders += u32::from(!known);
+        assert!(!known || (f64::from(d.pdf) / twin - 1.0).abs() < 1.0e-4, "{title}: {d:?}, not {twin}");
+        assert!(!known || (d.pdf_of_wi / d.pdf - 1.0).abs() < 1.0e-4, "{title}: {d:?}");
+    }
+    assert!(f64::from(at_borders) < 1.0e-3 * drawn.len() as f64, "{title}: {at_borders} at borders");
+    let weight = |d: &Drawn| d.direction().dot(case.n).max(0.0) / f64::from(d.pdf);
+    let projected = mean_and_error(drawn.iter().map(weight));
+    assert!(within_four_sigma(projected, PI), "{title}: {projected:?}");
+}
+
+fn check_densities(case: &Case, densities: &[Density], title: &str) {
+    let mean = densities.iter().map(|d| f64::from(d.pdf)).sum::<f64>() / densities.len() as f64;
+    assert!((4.0 * PI * mean - 1.0).abs() < 1.0e-4, "{title}: the integral is {}", 4.0 * PI * mean);
+    for d in densities.iter().step_by(7) {
+        let w = Vec3::from(d.wi).as_dvec3();
+        if case.from_border(w) > 1.0e-4 {
+            let twin = case.pdf(w);
+            assert!((f64::from(d.pdf) / twin - 1.0).abs() < 1.0e-4, "{title}: {}, not {twin} at {w}", d.pdf);
+        }
+    }
+}
