@@ -120,6 +120,8 @@ fn slack(guide: &Guide, w: DVec3) -> f64 {
         Sampler::SphereInversion => 2.0e-5,
         // The twin's points know an integral to 3e-6 sr: see the tests of the normalizers.
         Sampler::HemisphereInversion => guide.entry.guide_scale * f64::from(guide.radiance[bin]) * 3.0e-6,
+        // The cosine about the true normal is a sum of three rounded products.
+        Sampler::Product => guide.cosine_share() * 3.0e-7 / PI,
         // The share of Eq. 8: next to 0, from a normalizer that is right to some 1e-6.
         _ if guide.rules.mixes_acceptances() => guide.entry.guide_scale * 4.0e-6,
         _ => 0.0,
