@@ -134,7 +134,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     if (!x.passes) path.segment = segment_from(x.cell, next);
     // What lies behind a hole is collected by the segment that leads there.
     if (x.passes && keeps_vertices()) path.segment = NO_SEGMENT;
-    float target = target_at(path.key, path.depth, light, x, next);
+    float target = target_at(path.key, path.depth, light, x, guide, next);
     path.throughput *= next.weight;
     path.met.factor = next.weight;
     path.eta *= next.eta;

@@ -78,6 +78,8 @@ pub enum Learner {
     ExpectedSarsa = kernels::LEARNER_EXPECTED_SARSA,
     /// Learns the radiance that the rest of the path has collected.
     MonteCarlo = kernels::LEARNER_MONTE_CARLO,
+    /// Eq. 5 at a constant cost: bootstraps from the irradiance that the product sampler's normalization grid holds.
+    IrradianceSarsa = kernels::LEARNER_IRRADIANCE_SARSA,
 }
 
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
@@ -269,6 +271,9 @@ impl Settings {
             return Err(Error::Settings(
                 "--sampler bsdf learns nothing, so --learner is for the other samplers".into(),
             ));
+        }
+        if self.learner == Learner::IrradianceSarsa && self.sampler != Sampler::Product {
+            return Err(Error::Settings("--learner irradiance-sarsa is for --sampler product only".into()));
         }
         if self.learner != Learner::ExpectedSarsa && self.expected_directions != EXPECTED_DIRECTIONS {
             return Err(Error::Settings("--expected-directions is for --learner expected-sarsa only".into()));

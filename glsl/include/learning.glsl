@@ -3,6 +3,7 @@
 #define LEARNING_GLSL
 #include "expected_sarsa.glsl"
 #include "guiding.glsl"
+#include "irradiance_sarsa.glsl"
 #include "monte_carlo.glsl"
 #include "radiance_grid.glsl"
 
@@ -26,9 +27,10 @@ float target_sarsa(vec3 light, DirectionSample next) {
 
 // What the segment to y learns as soon as the next direction is drawn. With emitter sampling, `light` is the weighted emission
 // and the light sampled at y: the guide leaves to emitter sampling what that finds better.
-float target_at(RandomKey key, uint vertex, vec3 light, Scatterer x, DirectionSample next) {
+float target_at(RandomKey key, uint vertex, vec3 light, Scatterer x, Guide guide, DirectionSample next) {
     if (x.passes || keeps_vertices()) return NO_TARGET;
     if (LEARNER == LEARNER_EXPECTED_SARSA) return target_expected_sarsa(key, vertex, light, x, next);
+    if (LEARNER == LEARNER_IRRADIANCE_SARSA && knows_scattered(x, guide)) return target_irradiance_sarsa(light, x, guide);
     return target_sarsa(light, next);
 }
 
