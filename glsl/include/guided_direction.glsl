@@ -6,11 +6,11 @@
 #include "rejection_mix.glsl"
 #include "sphere_inversion.glsl"
 
-// A direction from a filled guide; `choice` in [0, 1) chooses between it and the uniform share.
+// A direction from a filled guide, of the samplers that are mixed with a uniform share; `choice` in [0, 1) chooses between the
+// two. `product` is mixed with the surface's own sampler instead.
 GuidedSample sample_guide(RandomKey key, uint vertex, float choice, Guide guide) {
     if (SAMPLER == SAMPLER_SPHERE_INVERSION) return sample_sphere_inversion(key, vertex, choice, guide);
     if (SAMPLER == SAMPLER_HEMISPHERE_INVERSION) return sample_hemisphere_inversion(key, vertex, choice, guide);
-    if (SAMPLER == SAMPLER_PRODUCT) return sample_product(key, vertex, choice, guide);
     return sample_rejection_mix(key, vertex, choice, guide);
 }
 

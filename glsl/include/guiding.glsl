@@ -126,13 +126,34 @@ DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice
     return DirectionSample(guided.wi, weight, pdf, eta, guided.bin, guided.radiance, lost, guided.tries, guided.overrun);
 }
 
+BsdfSample sample_scatterer(Scatterer x, vec3 u) {
+    BsdfSample s = sample_bsdf(x.bsdf, x.wo, u);
+    return x.passes ? BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0) : s;
+}
+
+// sample_direction of the product sampler: a diffuse lobe's direction is kept or replaced, in one flow.
+DirectionSample sample_direction_product(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
+    BsdfSample s = sample_scatterer(x, u.xyz);
+    bool guidable = s.lobe == LOBE_DIFFUSE;
+    bool follows = guidable && is_guided(guide);
+    if (guidable && !follows) mark_guide(guide);
+    vec4 u_guide = unit_floats(random_bits(key, vertex, RANDOM_TRIES));
+    GuidedSample guided = sample_product(u_guide, guide, follows, x.frame * s.wi);
+    if (guided.tries > 0u) s.wi = guided.wi * x.frame;
+    float density = is_guided(guide) ? guided.pdf : pdf_cosine_hemisphere(s.wi.z);
+    float pdf = sample_pdf(x, guide, s, density);
+    vec3 weight = sample_weight(x, s, pdf);
+    bool lost = follows && s.wi.z <= 0.0;
+    return DirectionSample(guided.wi, weight, pdf, s.eta, guided.bin, guided.radiance, lost, follows ? 1u : 0u, false);
+}
+
 // Draws the direction in which a path leaves a surface.
 DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
+    if (SAMPLER == SAMPLER_PRODUCT) return sample_direction_product(key, vertex, u, x, guide);
     float share = guided_share(x.bsdf);
     bool replaced = u.z < share;
     if (GUIDE_SET == GUIDE_SET_AUTHORS && is_guided(guide) && share < 1.0) u.z = max(u.z - share, 0.0) / (1.0 - share);
-    BsdfSample s = sample_bsdf(x.bsdf, x.wo, u.xyz);
-    if (x.passes) s = BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0);
+    BsdfSample s = sample_scatterer(x, u.xyz);
     bool guidable = s.lobe == LOBE_DIFFUSE;
     if (GUIDE_SET == GUIDE_SET_AUTHORS && replaced && !x.passes) {
         guidable = true;

@@ -47,32 +47,23 @@ uvec2 bin_coordinates(uint bin) {
     return uvec2(bin % DIRECTION_RESOLUTION, bin / DIRECTION_RESOLUTION);
 }
 
-// In proportion to the cosine: a point on the unit sphere around the tip of the normal.
-vec3 cosine_about(vec3 n, vec2 u) {
-    vec3 w = n + square_to_sphere(2.0 * u - 1.0);
-    float length2 = dot(w, w);
-    return length2 > 1.0e-8 ? w * inversesqrt(length2) : n;
-}
-
 float product_density(Guide guide, vec3 wi, float probability) {
     float e = cosine_share();
     return (1.0 - e) * probability * bin_density() + e * max(dot(wi, guide.n), 0.0) * INV_PI;
 }
 
-GuidedSample sample_product(RandomKey key, uint vertex, float choice, Guide guide) {
-    vec4 u = unit_floats(random_bits(key, vertex, RANDOM_TRIES));
-    bool by_cosine = choice < cosine_share();
-    vec3 wi = guide.n;
-    uint bin = 0u;
-    if (by_cosine) {
-        wi = cosine_about(guide.n, u.xy);
-        bin = direction_bin(wi);
-    }
-    uvec2 at = bin_coordinates(bin);
-    float probability = descend(guide, !by_cosine, at, u.xy);
-    bin = at.y * DIRECTION_RESOLUTION + at.x;
-    if (!by_cosine) wi = map_to_sphere(bin_point(bin, DIRECTION_RESOLUTION, u.zw));
-    return GuidedSample(wi, product_density(guide, wi, probability), bin, bin_radiance(guide, bin), 1u, false);
+// A guided direction, or with probability cosine_share() `own`, which the caller has drawn in proportion to the cosine about n.
+// Where `follows` is false it always is `own`, and its density is of no meaning. One flow for all: lanes that do not need a
+// part of it would wait for it.
+GuidedSample sample_product(vec4 u, Guide guide, bool follows, vec3 own) {
+    float e = cosine_share();
+    bool by_guide = follows && u.x >= e;
+    u.x = min((u.x - e) / (1.0 - e), 1.0 - 1.0 / 16777216.0);
+    uvec2 at = bin_coordinates(direction_bin(own));
+    float probability = descend(guide, by_guide, at, u.xy);
+    uint bin = at.y * DIRECTION_RESOLUTION + at.x;
+    vec3 wi = by_guide ? map_to_sphere(bin_point(bin, DIRECTION_RESOLUTION, u.zw)) : own;
+    return GuidedSample(wi, product_density(guide, wi, probability), bin, bin_radiance(guide, bin), by_guide ? 1u : 0u, false);
 }
 
 float pdf_product(Guide guide, vec3 wi) {

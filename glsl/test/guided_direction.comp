@@ -1,4 +1,4 @@
-// Draws from sample_guide in cell 0 and evaluates pdf_guide, one sample per invocation.
+// Draws from sample_guide, or sample_product, in cell 0 and evaluates pdf_guide, one sample per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -20,11 +20,24 @@ struct TestPush {
 layout(push_constant, scalar) uniform Push { TestPush push; };
 layout(scalar, set = 0, binding = 0) writeonly buffer DrawnSamples { Drawn drawn_samples[]; };
 
+// In proportion to the cosine: a point on the unit sphere around the tip of the normal.
+vec3 cosine_about(vec3 n, vec2 u) {
+    vec3 w = n + square_to_sphere(2.0 * u - 1.0);
+    float length2 = dot(w, w);
+    return length2 > 1.0e-8 ? w * inversesqrt(length2) : n;
+}
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     Guide guide = guide_of(0u, push.normal);
     RandomKey key = RandomKey(index, 0u, push.seed);
     float choice = unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).z;
-    GuidedSample s = sample_guide(key, 1u, choice, guide);
+    GuidedSample s;
+    if (SAMPLER == SAMPLER_PRODUCT) {
+        vec3 own = cosine_about(guide.n, unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).xy);
+        s = sample_product(unit_floats(random_bits(key, 1u, RANDOM_TRIES)), guide, true, own);
+    } else {
+        s = sample_guide(key, 1u, choice, guide);
+    }
     drawn_samples[index] = Drawn(s.wi, s.pdf, pdf_guide(guide, s.wi), s.tries, s.bin, s.overrun ? 1u : 0u);
 }
