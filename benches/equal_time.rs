@@ -1,61 +1,180 @@
-//! Does guiding pay? The paper's error (MAE of the displayed image) of `bsdf` and `rejection-mix` after the same seconds,
-//! interleaved, and the light-hit rate per step (Fig. 7a).
+//! What does guiding bring? Errors after the same seconds on the paper's scenes, of this renderer's methods and of Mitsuba 3.
 //!
-//! `cargo bench --bench equal_time`; needs the shared scenes and references: `LODESTAR_SCENES`, `LODESTAR_REFERENCES`.
+//! `cargo bench --bench equal_time [-- SCENE...]`; needs the shared scenes and references: `LODESTAR_SCENES`,
+//! `LODESTAR_REFERENCES`. `LODESTAR_SECONDS` (40) is what each method has for each scene. It has them in four turns, which
+//! alternate with the others', so that a slow minute hits all of them.
+//!
+//! The error is the paper's, the mean absolute error of the displayed image. Where the noise of the reference itself exceeds a
+//! quarter of the smaller error of two methods, their ratio is that of the mean squared errors, the reference's variance
+//! subtracted.
 
 #[path = "common/mod.rs"]
 mod common;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
 
-use common::{context, load, median, run_for, settings};
+use common::{context, load, run_for, scene_path, settings};
 use lodestar::gpu::Context;
-use lodestar::image::{Image, exr, metrics};
-use lodestar::settings::Sampler;
+use lodestar::image::{Image, exr, metrics, tone};
+use lodestar::renderer::Renderer;
+use lodestar::settings::{Sampler, Settings};
 
-const SCENES: [&str; 2] = ["cornell-box", "cornell-box-hard"];
-const ROUNDS: u32 = 3;
-const SECONDS: f64 = 10.0;
+const SCENES: [&str; 12] = [
+    "bathroom",
+    "bathroom2",
+    "cornell-box",
+    "cornell-box-hard",
+    "kitchen",
+    "living-room",
+    "living-room-2",
+    "living-room-3",
+    "staircase",
+    "staircase2",
+    "veach-ajar",
+    "veach-ajar-2",
+];
+const TURNS: u32 = 4;
+const SECONDS: f64 = 40.0;
+
+/// A way to render: its name, and this renderer's sampler and emitter sampling unless it is Mitsuba.
+const METHODS: [(&str, Option<(Sampler, bool)>); 6] = [
+    ("bsdf", Some((Sampler::Bsdf, false))),
+    ("rejection-mix", Some((Sampler::RejectionMix, false))),
+    ("product", Some((Sampler::Product, false))),
+    ("bsdf, emitters sampled", Some((Sampler::Bsdf, true))),
+    ("product, emitters sampled", Some((Sampler::Product, true))),
+    ("Mitsuba path", None),
+];
+/// Methods whose errors are compared, by their places above.
+const RATIOS: [(usize, usize); 4] = [(2, 0), (2, 1), (4, 3), (4, 5)];
+
+/// Another renderer's picture, and the variance of its pixels.
+struct Reference {
+    mean: Image,
+    variance: Image,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Errors {
+    mae: f64,
+    mse: f64,
+    spp: u32,
+}
 
 fn main() {
     let Some(references) = std::env::var_os("LODESTAR_REFERENCES").map(PathBuf::from) else {
         println!("skipped: LODESTAR_REFERENCES names no folder with reference images");
         return;
     };
+    let seconds = std::env::var("LODESTAR_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(SECONDS);
+    let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let context = context();
-    for name in SCENES {
-        let reference = exr::read_rgb(&references.join(format!("{name}.mean.exr"))).expect("the reference");
-        let rows: Vec<[f64; 2]> = (0..ROUNDS)
-            .map(|round| {
-                [Sampler::Bsdf, Sampler::RejectionMix].map(|sampler| error(&context, name, &reference, sampler, round))
-            })
-            .collect();
-        let ratio = median(rows.iter().map(|[bsdf, guided]| guided / bsdf).collect());
-        println!("{name}: MAE(rejection-mix) / MAE(bsdf) = {ratio:.3} at {SECONDS} s, median of {ROUNDS}");
-        print_hit_rates(&context, name, [reference.width, reference.height]);
+    let mut ratios = vec![Vec::new(); RATIOS.len()];
+    for name in SCENES.iter().filter(|name| asked.is_empty() || asked.iter().any(|asked| asked == *name)) {
+        let read = |layer: &str| exr::read_rgb(&references.join(format!("{name}.{layer}.exr"))).expect("a reference");
+        let reference = Reference { mean: read("mean"), variance: read("var") };
+        let errors = measure(&context, name, &reference, seconds);
+        for ((method, _), e) in METHODS.iter().zip(&errors) {
+            println!("{name}, {method}: {} spp, MAE {:.5}, MSE {:.3e}", e.spp, e.mae, e.mse);
+        }
+        for (ratios, &(a, b)) in ratios.iter_mut().zip(&RATIOS) {
+            let (ratio, by) = ratio(&reference, errors[a], errors[b]);
+            println!("{name}: {} / {} = {ratio:.3} ({by})", METHODS[a].0, METHODS[b].0);
+            ratios.push(ratio);
+        }
+    }
+    for (ratios, &(a, b)) in ratios.iter().zip(&RATIOS) {
+        let known: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
+        let mean = (known.iter().map(|ratio| ratio.ln()).sum::<f64>() / known.len() as f64).exp();
+        let worst = known.iter().copied().fold(0.0, f64::max);
+        println!(
+            "{} / {} at {seconds} s: geometric mean {mean:.3} of {}, largest {worst:.3}",
+            METHODS[a].0,
+            METHODS[b].0,
+            known.len()
+        );
     }
 }
 
-fn error(context: &Arc<Context>, name: &str, reference: &Image, sampler: Sampler, seed: u32) -> f64 {
+/// Errors of all methods on one scene; not a number where a method cannot be had.
+fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f64) -> Vec<Errors> {
     let scene = load(name);
-    let settings =
-        lodestar::settings::Settings { seed, ..settings(&scene, [reference.width, reference.height], sampler) };
-    let mut renderer = common::renderer(context, &scene, &settings, 0);
-    let (spp, _, _) = run_for(&mut renderer, SECONDS, settings.spp_per_step);
-    let picture = renderer.picture().expect("the picture").image();
-    let error = metrics::compare(&picture, reference).expect("same size").mae_ldr;
-    println!("{name} {sampler:?} seed {seed}: {spp} spp, MAE {error:.5}");
-    error
+    let size = [reference.mean.width, reference.mean.height];
+    let renderer = |&(_, method): &(&str, Option<(Sampler, bool)>)| {
+        let (sampler, nee) = method?;
+        let settings = Settings { nee, ..settings(&scene, size, sampler) };
+        Some((common::renderer(context, &scene, &settings, 0), settings.spp_per_step))
+    };
+    let mut renderers: Vec<Option<(Renderer, u32)>> = METHODS.iter().map(renderer).collect();
+    let turn_seconds = seconds / f64::from(TURNS);
+    let mut parts = Vec::new();
+    for turn in 0..TURNS {
+        for (renderer, step) in renderers.iter_mut().flatten() {
+            run_for(renderer, turn_seconds, *step);
+        }
+        parts.extend(mitsuba(&scene_path(name), size, turn_seconds, 1_000_000 * turn));
+    }
+    let pictures = renderers.iter().map(|renderer| {
+        renderer
+            .as_ref()
+            .map(|(renderer, _)| (renderer.picture().expect("the picture").image(), renderer.samples_done()))
+    });
+    let pictures: Vec<_> = pictures.map(|picture| picture.or_else(|| average(&parts))).collect();
+    pictures.into_iter().map(|picture| errors(picture, reference)).collect()
 }
 
-fn print_hit_rates(context: &Arc<Context>, name: &str, size: [u32; 2]) {
-    for sampler in [Sampler::Bsdf, Sampler::RejectionMix] {
-        let scene = load(name);
-        let settings = settings(&scene, size, sampler);
-        let mut renderer = common::renderer(context, &scene, &settings, 0);
-        let mut rate = || renderer.step(settings.spp_per_step, &|| false).expect("a step").counts.light_hit_rate();
-        let rates: Vec<String> = (0..10).map(|_| format!("{:.2}", 100.0 * rate())).collect();
-        println!("{name} {sampler:?}: light-hit rate of steps 1 to 10, %: {}", rates.join(" "));
+fn errors(picture: Option<(Image, u32)>, reference: &Reference) -> Errors {
+    let Some((image, spp)) = picture else { return Errors { mae: f64::NAN, mse: f64::NAN, spp: 0 } };
+    let found = metrics::compare(&image, &reference.mean).expect("the same size");
+    let variances = reference.variance.pixels.iter().flatten().map(|&v| f64::from(v));
+    let noise = variances.sum::<f64>() / (3 * reference.variance.pixels.len()) as f64;
+    Errors { mae: found.mae_ldr, mse: (found.mse - noise).max(0.0), spp }
+}
+
+/// How the error of `a` compares with that of `b`, and by which measure.
+fn ratio(reference: &Reference, a: Errors, b: Errors) -> (f64, &'static str) {
+    if reference_noise(reference) <= 0.25 * a.mae.min(b.mae) {
+        return (a.mae / b.mae, "MAE");
     }
+    (a.mse / b.mse, "MSE")
+}
+
+/// Mean absolute error of the displayed reference, from the variance of its pixels.
+fn reference_noise(reference: &Reference) -> f64 {
+    let pixels = reference.mean.pixels.iter().zip(&reference.variance.pixels);
+    let difference = |(mean, variance): (&[f32; 3], &[f32; 3])| {
+        let shown = tone::paper(mean.map(f64::from));
+        let off = tone::paper(std::array::from_fn(|c| f64::from(mean[c]) + f64::from(variance[c]).sqrt()));
+        (0..3).map(|c| (off[c] - shown[c]).abs()).sum::<f64>()
+    };
+    // The mean of |x| of a standard normal x.
+    let mean_absolute = (2.0 / std::f64::consts::PI).sqrt();
+    mean_absolute * pixels.map(difference).sum::<f64>() / (3 * reference.mean.pixels.len()) as f64
+}
+
+/// A picture of Mitsuba's, and its samples per pixel; none where it is not installed.
+fn mitsuba(scene: &Path, [width, height]: [u32; 2], seconds: f64, seed: u32) -> Option<(Image, u32)> {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_render.py");
+    let out = std::env::temp_dir().join(format!("lodestar-equal-time-{}.exr", std::process::id()));
+    let numbers = [width.to_string(), height.to_string(), seconds.to_string(), seed.to_string()];
+    let output = Command::new("python3").arg(script).arg(scene).args(numbers).arg(&out).output().ok()?;
+    let spp = String::from_utf8(output.stdout).ok()?.split_whitespace().next()?.parse().ok()?;
+    let image = exr::read_rgb(&out).ok();
+    let _ = std::fs::remove_file(&out);
+    image.map(|image| (image, spp))
+}
+
+/// The mean of pictures, weighted by their samples.
+fn average(parts: &[(Image, u32)]) -> Option<(Image, u32)> {
+    let total: u32 = parts.iter().map(|part| part.1).sum();
+    let mut mean = parts.first()?.0.clone();
+    for (i, pixel) in mean.pixels.iter_mut().enumerate() {
+        *pixel = std::array::from_fn(|c| {
+            let weighted = |(image, spp): &(Image, u32)| f64::from(image.pixels[i][c]) * f64::from(*spp);
+            (parts.iter().map(weighted).sum::<f64>() / f64::from(total)) as f32
+        });
+    }
+    Some((mean, total))
 }

@@ -1,4 +1,4 @@
-//! Paths per second of `bsdf` and `rejection-mix`, and of Mitsuba 3 where Python has it, interleaved in one run.
+//! Paths per second of `bsdf`, `rejection-mix` and `product`, and of Mitsuba 3 where Python has it, interleaved in one run.
 //!
 //! `cargo bench --bench speed [-- SCENE...]`: cornell-box and staircase2 unless named; `LODESTAR_SCENES` chooses the shared
 //! scenes, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
@@ -37,30 +37,31 @@ fn measure(context: &Arc<Context>, name: &str) {
     let scene = load(name);
     let size = [WIDTH, WIDTH * scene.film.height / scene.film.width];
     let pixels = f64::from(size[0] * size[1]);
-    let samplers = [Sampler::Bsdf, Sampler::RejectionMix];
+    let samplers = [Sampler::Bsdf, Sampler::RejectionMix, Sampler::Product];
     let mut renderers = samplers.map(|sampler| renderer(context, &scene, &settings(&scene, size, sampler), 4));
-    let mut rates: Vec<[f64; 3]> = Vec::new();
+    let mut rates: Vec<[f64; 4]> = Vec::new();
     for round in 0..ROUNDS {
-        let mut row = [f64::NAN; 3];
+        let mut row = [f64::NAN; 4];
         for (rate, renderer) in row.iter_mut().zip(&mut renderers) {
             let (spp, seconds, counts) = run_for(renderer, SECONDS, 8);
             *rate = f64::from(spp) * pixels / seconds / 1.0e6;
             println!("{name}, round {round}: {rate:.3} Mpaths/s, {:.2} Mrays/s", counts.rays as f64 / seconds / 1.0e6);
         }
-        row[2] = mitsuba_rate(&scene_path(name), size).unwrap_or(f64::NAN);
+        row[3] = mitsuba_rate(&scene_path(name), size).unwrap_or(f64::NAN);
         rates.push(row);
     }
     print_medians(name, size, &rates);
 }
 
-fn print_medians(name: &str, [width, height]: [u32; 2], rates: &[[f64; 3]]) {
+fn print_medians(name: &str, [width, height]: [u32; 2], rates: &[[f64; 4]]) {
     let column = |i: usize| median(rates.iter().map(|row| row[i]).collect());
     let ratio = |a: usize, b: usize| median(rates.iter().map(|row| row[a] / row[b]).collect());
     println!("\n{name}, medians over {ROUNDS} rounds, {width} x {height}, depth 16, roulette after 8, box filter:");
     println!("  bsdf           {:8.3} Mpaths/s", column(0));
     println!("  rejection-mix  {:8.3} Mpaths/s, {:.2} x the time per sample of bsdf", column(1), ratio(0, 1));
-    match rates.iter().all(|row| row[2].is_finite()) {
-        true => println!("  Mitsuba path   {:8.3} Mpaths/s, bsdf is {:.2} x as fast", column(2), ratio(0, 2)),
+    println!("  product        {:8.3} Mpaths/s, {:.2} x the time per sample of bsdf", column(2), ratio(0, 2));
+    match rates.iter().all(|row| row[3].is_finite()) {
+        true => println!("  Mitsuba path   {:8.3} Mpaths/s, bsdf is {:.2} x as fast", column(3), ratio(0, 3)),
         false => println!("  Mitsuba        not found: pip install mitsuba, and name LLVM in DRJIT_LIBLLVM_PATH"),
     }
 }

@@ -23,7 +23,9 @@ pub fn nodes_per_tree(directions: u32) -> u32 {
 /// The trees of all normals, one after the other, from the integrals `[direction bin][normal bin]`.
 pub fn cosine_trees(integrals: &[CosineIntegral], directions: u32, normals: u32) -> Vec<Node> {
     let normals = normals * normals;
-    (0..normals).flat_map(|normal| tree(directions, |bin| integrals[(bin * normals + normal) as usize].integral)).collect()
+    (0..normals)
+        .flat_map(|normal| tree(directions, |bin| integrals[(bin * normals + normal) as usize].integral))
+        .collect()
 }
 
 /// The tree of a non-negative function of the bins.
@@ -90,7 +92,10 @@ mod tests {
                     let expected = if largest > 0.0 { 1.875 * truth / largest } else { 0.0 };
                     assert!(*found > 0.0);
                     let error = (found - expected).abs();
-                    assert!(error <= 0.0626 * expected + 1.0e-9, "normal {normal}, node {last}: {found}, not {expected}");
+                    assert!(
+                        error <= 0.0626 * expected + 1.0e-9,
+                        "normal {normal}, node {last}: {found}, not {expected}"
+                    );
                 }
             }
         }

@@ -27,13 +27,13 @@ pub fn context() -> Arc<Context> {
     context
 }
 
-/// The settings of the references: box filter, depth 16, roulette after 8. `LODESTAR_MAX_TRIES` replaces the default tries.
+/// The settings of the references, box filter, depth 16, roulette after 8, without emitter sampling. `LODESTAR_MAX_TRIES` replaces the default tries.
 pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler) -> Settings {
     let filter = scene::ReconstructionFilter::Box;
     let defaults = Settings::for_scene(scene);
     let max_tries =
         std::env::var("LODESTAR_MAX_TRIES").ok().and_then(|text| text.parse().ok()).unwrap_or(defaults.max_tries);
-    Settings { width, height, max_depth: 16, rr_depth: 8, filter, sampler, max_tries, ..defaults }
+    Settings { width, height, max_depth: 16, rr_depth: 8, filter, sampler, max_tries, nee: false, ..defaults }
 }
 
 /// A renderer that has taken its first steps, so that the guide is at work.

@@ -3,8 +3,8 @@
 #define PARTS_GLSL
 
 float component(vec4 v, uint i) {
-    vec2 pair = i < 2u ? v.xy : v.zw;
-    return (i & 1u) == 0u ? pair.x : pair.y;
+    vec2 pair = (i & 2u) != 0u ? v.zw : v.xy;
+    return (i & 1u) != 0u ? pair.y : pair.x;
 }
 
 float sum_of(vec4 v) {
@@ -12,25 +12,31 @@ float sum_of(vec4 v) {
 }
 
 // One of four by weight. What is left of `u` in [0, 1) is uniform again.
-uint choose_of_four(vec4 weights, inout float u) {
-    vec3 ends = vec3(weights.x, weights.x + weights.y, 0.0);
-    ends.z = ends.y + weights.z;
-    float t = u * sum_of(weights);
-    uint chosen = (t >= ends.x ? 1u : 0u) + (t >= ends.y ? 1u : 0u) + (t >= ends.z ? 1u : 0u);
-    float start = chosen == 0u ? 0.0 : component(vec4(ends, 0.0), chosen - 1u);
-    u = clamp((t - start) / component(weights, chosen), 0.0, 1.0 - 1.0 / 16777216.0);
-    return chosen;
+uint choose_of_four(vec4 weights, float sum, inout float u) {
+    float end0 = weights.x;
+    float end1 = end0 + weights.y;
+    float end2 = end1 + weights.z;
+    float t = u * sum;
+    bool past0 = t >= end0;
+    bool past1 = t >= end1;
+    bool past2 = t >= end2;
+    float start = past2 ? end2 : (past1 ? end1 : (past0 ? end0 : 0.0));
+    float weight = past2 ? weights.w : (past1 ? weights.z : (past0 ? weights.y : weights.x));
+    u = clamp((t - start) / weight, 0.0, 1.0 - 1.0 / 16777216.0);
+    return uint(past0) + uint(past1) + uint(past2);
 }
 
 // Column and row of a part: where `choose` holds, by weights[row][column], the column first; else as they are given. Returns
 // the part's share of the weights.
 float choose_part(mat4 weights, bool choose, inout uvec2 part, inout vec2 u) {
     vec4 columns = (weights[0] + weights[1]) + (weights[2] + weights[3]);
-    if (choose) part.x = choose_of_four(columns, u.x);
-    uint x = part.x;
+    float sum = sum_of(columns);
+    uint chosen_x = choose_of_four(columns, sum, u.x);
+    uint x = choose ? chosen_x : part.x;
     vec4 rows = vec4(component(weights[0], x), component(weights[1], x), component(weights[2], x), component(weights[3], x));
-    if (choose) part.y = choose_of_four(rows, u.y);
-    return component(rows, part.y) / sum_of(columns);
+    uint chosen_y = choose_of_four(rows, sum_of(rows), u.y);
+    part = uvec2(x, choose ? chosen_y : part.y);
+    return component(rows, part.y) / sum;
 }
 
 #endif

@@ -6,7 +6,7 @@ use lodestar::settings::{DirectionMap, GuideSet, Learner, Mix, Sampler, Settings
 #[derive(Debug, clap::Args)]
 pub struct GuidingArgs {
     /// How directions are sampled.
-    #[arg(long, value_enum, default_value_t = Sampler::RejectionMix, help_heading = "Guiding")]
+    #[arg(long, value_enum, default_value_t = Sampler::Product, help_heading = "Guiding")]
     pub sampler: Sampler,
     /// Which surfaces are guided: diffuse lobes, or also rough conductors and dielectrics as in the authors' code.
     #[arg(long, value_enum, default_value_t = GuideSet::Diffuse, help_heading = "Guiding")]

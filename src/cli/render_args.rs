@@ -109,7 +109,7 @@ pub struct ChoiceArgs {
     #[arg(long, value_name = "N", help_heading = "Paths")]
     pub rr_depth: Option<u32>,
     /// Sample emitters at every vertex of a path (next event estimation).
-    #[arg(long, value_enum, default_value_t = Switch::Off, help_heading = "Paths")]
+    #[arg(long, value_enum, default_value_t = Switch::On, help_heading = "Paths")]
     pub nee: Switch,
     /// Seed of the random numbers; the same one gives the same pixels.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]

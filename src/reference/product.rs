@@ -125,8 +125,8 @@ mod tests {
             assert!((sum - 1.0).abs() < 1.0e-12, "{side}: {sum}");
             if side == 16 {
                 let total: f64 = (0..bins).map(|bin| product.radiance(bin) * integrals[bin]).sum();
-                for bin in 0..bins {
-                    let exact = product.radiance(bin) * integrals[bin] / total;
+                for (bin, integral) in integrals.iter().enumerate() {
+                    let exact = product.radiance(bin) * integral / total;
                     let ratio = product.probability(bin) / exact;
                     // Three roundings of a sixteenth, and those of the sums.
                     assert!((0.75..1.33).contains(&ratio), "{bin}: {ratio}");

@@ -52,9 +52,9 @@ pub fn ours(name: &str, defines: &[(&str, &str)]) -> Scene {
     load(&path, &LoadOptions { defines }).expect("a scene")
 }
 
-/// The scene's own settings but for the size, sampler and seed.
+/// The scene's own settings but for the size, sampler and seed, and without emitter sampling.
 pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed: u32) -> Settings {
-    steady(Settings { width, height, sampler, seed, ..Settings::for_scene(scene) })
+    steady(Settings { width, height, sampler, seed, nee: false, ..Settings::for_scene(scene) })
 }
 
 /// Has half of the samples by inversion uniform. Where a table misses light that is there, the few others that find it weigh

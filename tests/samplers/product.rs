@@ -65,8 +65,7 @@ struct Descent {
 impl Descent {
     fn new(map: DirectionMap, directions: u32) -> Self {
         let device = Device::new();
-        let variant =
-            Variant { direction_resolution: directions, normal_resolution: NORMALS, ..variant(&RULES, map) };
+        let variant = Variant { direction_resolution: directions, normal_resolution: NORMALS, ..variant(&RULES, map) };
         Self { cell: Cell::new(&device, &variant), device, variant }
     }
 
