@@ -65,6 +65,8 @@ pub enum GuideSet {
     Diffuse = kernels::GUIDE_SET_DIFFUSE,
     /// These, and as in the code of the paper's authors `roughconductor` and `roughdielectric`.
     Authors = kernels::GUIDE_SET_AUTHORS,
+    /// Also `principled`, and those two by a share that grows with their roughness.
+    All = kernels::GUIDE_SET_ALL,
 }
 
 /// How the radiance grid learns.

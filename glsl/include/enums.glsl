@@ -19,6 +19,7 @@ const uint MAP_CYLINDRICAL = 1u;
 // Which scattering functions a guide is used on.
 const uint GUIDE_SET_DIFFUSE = 0u;
 const uint GUIDE_SET_AUTHORS = 1u;
+const uint GUIDE_SET_ALL = 2u;
 
 // Learner of the radiance grid.
 const uint LEARNER_SARSA = 0u;

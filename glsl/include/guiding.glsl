@@ -55,11 +55,14 @@ bool is_guided(Guide guide) {
     return SAMPLER != SAMPLER_BSDF && is_filled(guide);
 }
 
-// Density of the local direction `wi` where the diffuse lobe is sampled.
-float pdf_diffuse_lobe(Scatterer x, Guide guide, vec3 wi) {
-    if (!is_guided(guide)) return pdf_cosine_hemisphere(wi.z);
-    return pdf_guide(guide, x.frame * wi);
+// Whether scattering functions without a diffuse lobe are guided, too: as a whole, by one-sample multiple importance sampling.
+bool guides_whole() {
+    return GUIDE_SET != GUIDE_SET_DIFFUSE;
 }
+
+// Roughness from which a guide takes a facet distribution as it takes a diffuse lobe. The smoother the surface, the less of
+// what the guide draws lies where it reflects.
+const float GUIDED_ALPHA = 0.4;
 
 // Share of the samples that a guide takes of a scattering function without a diffuse lobe. The authors' code guides two of
 // them; a dielectric keeps a tenth for the side that no hemisphere of the guide reaches.
@@ -67,27 +70,45 @@ float guided_share(Bsdf b) {
     float share = 0.0;
     // A coating reflects into a single direction besides, which no guide draws.
     if (bsdf_flag(b, MATERIAL_COATED)) return share;
-    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_kind(b, BSDF_ROUGH_CONDUCTOR)) share = 1.0;
-    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_kind(b, BSDF_ROUGH_DIELECTRIC)) share = 0.9;
-    return share;
+    float roughness = GUIDE_SET == GUIDE_SET_ALL ? min(max(b.scalars0.x, b.scalars0.y) / GUIDED_ALPHA, 1.0) : 1.0;
+    if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) share = roughness;
+    if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) share = GUIDE_SET == GUIDE_SET_ALL ? 0.5 * roughness : 0.9;
+    if (is_kind(b, BSDF_PRINCIPLED) && GUIDE_SET == GUIDE_SET_ALL) share = 0.5;
+    // The product sampler has no share of its own that covers all directions.
+    return SAMPLER == SAMPLER_PRODUCT ? share * (1.0 - cosine_share()) : share;
 }
 
-// Density of the local direction `wi` where the guide, or else the diffuse lobe's own sampler, has density `guide_density`.
-float pdf_mixture(Scatterer x, Guide guide, vec3 wi, float guide_density) {
-    float pdf = pdf_bsdf(x.bsdf, x.wo, wi, guide_density);
-    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_guided(guide)) pdf = mix(pdf, guide_density, guided_share(x.bsdf));
+// What the guide itself has of a density: that of a mixture, or the descent's.
+struct GuideDensity {
+    float over_lobe;   // where it stands for a diffuse lobe
+    float over_whole;  // where it has a share of a whole scattering function
+};
+
+// Where `density` is what the sampler says of a sample, the descent's or that of a mixture.
+GuideDensity guide_density_of(Scatterer x, Guide guide, vec3 wi, float density) {
+    if (!is_guided(guide)) return GuideDensity(pdf_cosine_hemisphere(wi.z), 0.0);
+    if (SAMPLER == SAMPLER_PRODUCT) return GuideDensity(product_density(guide, x.frame * wi, density), density);
+    return GuideDensity(density, density);
+}
+
+// Density of the local direction `wi` where the guide has this one.
+float pdf_mixture(Scatterer x, Guide guide, vec3 wi, GuideDensity density) {
+    float pdf = pdf_bsdf(x.bsdf, x.wo, wi, density.over_lobe);
+    if (guides_whole() && is_guided(guide)) pdf = mix(pdf, density.over_whole, guided_share(x.bsdf));
     return pdf;
 }
 
 // Density with which sample_direction draws the local direction `wi`, other than by a lobe of single directions.
 float pdf_direction(Scatterer x, Guide guide, vec3 wi) {
-    return pdf_mixture(x, guide, wi, pdf_diffuse_lobe(x, guide, wi));
+    vec3 world = x.frame * wi;
+    float density = SAMPLER == SAMPLER_PRODUCT ? pdf_descent(guide, world) : pdf_guide(guide, world);
+    return pdf_mixture(x, guide, wi, guide_density_of(x, guide, wi, density));
 }
 
 // Density of a sample; likewise.
-float sample_pdf(Scatterer x, Guide guide, BsdfSample s, float guide_density) {
+float sample_pdf(Scatterer x, Guide guide, BsdfSample s, float density) {
     bool spread = s.lobe == LOBE_DIFFUSE || s.lobe == LOBE_GLOSSY;
-    return spread ? pdf_mixture(x, guide, s.wi, guide_density) : 0.0;
+    return spread ? pdf_mixture(x, guide, s.wi, guide_density_of(x, guide, s.wi, density)) : 0.0;
 }
 
 // f cos / pdf of a sample.
@@ -99,7 +120,8 @@ vec3 sample_weight(Scatterer x, BsdfSample s, float pdf) {
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.
 DirectionSample sample_direction_bsdf(Scatterer x, Guide guide, BsdfSample s) {
     vec3 wi = x.frame * s.wi;
-    float pdf = sample_pdf(x, guide, s, pdf_diffuse_lobe(x, guide, s.wi));
+    float density = SAMPLER == SAMPLER_BSDF ? 0.0 : pdf_guide(guide, wi);
+    float pdf = sample_pdf(x, guide, s, density);
     DirectionSample result = DirectionSample(wi, sample_weight(x, s, pdf), pdf, s.eta, 0u, 0.0, false, 0u, false);
     if (SAMPLER != SAMPLER_BSDF) {
         result.bin = direction_bin(wi);
@@ -110,7 +132,7 @@ DirectionSample sample_direction_bsdf(Scatterer x, Guide guide, BsdfSample s) {
 
 // Index of refraction behind a guided direction over that in front.
 float refraction(Scatterer x, vec3 wi) {
-    bool transmits = GUIDE_SET == GUIDE_SET_AUTHORS && is_kind(x.bsdf, BSDF_ROUGH_DIELECTRIC) && x.wo.z * wi.z < 0.0;
+    bool transmits = guides_whole() && is_kind(x.bsdf, BSDF_ROUGH_DIELECTRIC) && x.wo.z * wi.z < 0.0;
     float eta = x.bsdf.scalars0.z;
     return transmits ? (x.wo.z > 0.0 ? eta : 1.0 / eta) : 1.0;
 }
@@ -131,19 +153,22 @@ BsdfSample sample_scatterer(Scatterer x, vec3 u) {
     return x.passes ? BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0) : s;
 }
 
-// sample_direction of the product sampler: a diffuse lobe's direction is kept or replaced, in one flow.
+// sample_direction of the product sampler: the surface's own direction is kept or replaced, in one flow.
 DirectionSample sample_direction_product(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
     BsdfSample s = sample_scatterer(x, u.xyz);
-    bool guidable = s.lobe == LOBE_DIFFUSE;
+    float whole_share = guides_whole() && !x.passes ? guided_share(x.bsdf) : 0.0;
+    bool guidable = s.lobe == LOBE_DIFFUSE || whole_share > 0.0;
     bool follows = guidable && is_guided(guide);
     if (guidable && !follows) mark_guide(guide);
     vec4 u_guide = unit_floats(random_bits(key, vertex, RANDOM_TRIES));
-    GuidedSample guided = sample_product(u_guide, guide, follows, x.frame * s.wi);
-    if (guided.tries > 0u) s.wi = guided.wi * x.frame;
-    float density = is_guided(guide) ? guided.pdf : pdf_cosine_hemisphere(s.wi.z);
-    float pdf = sample_pdf(x, guide, s, density);
+    float own_share = whole_share > 0.0 ? 1.0 - whole_share : cosine_share();
+    GuidedSample guided = sample_product(u_guide, guide, follows, own_share, x.frame * s.wi);
+    bool replaced = guided.tries > 0u;
+    if (replaced) s = BsdfSample(guided.wi * x.frame, whole_share > 0.0 ? LOBE_GLOSSY : s.lobe, vec3(0.0), 1.0);
+    if (replaced) s.eta = refraction(x, s.wi);
+    float pdf = sample_pdf(x, guide, s, guided.pdf);
     vec3 weight = sample_weight(x, s, pdf);
-    bool lost = follows && s.wi.z <= 0.0;
+    bool lost = follows && s.wi.z <= 0.0 && max_component(weight) == 0.0;
     return DirectionSample(guided.wi, weight, pdf, s.eta, guided.bin, guided.radiance, lost, follows ? 1u : 0u, false);
 }
 
@@ -152,10 +177,10 @@ DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x
     if (SAMPLER == SAMPLER_PRODUCT) return sample_direction_product(key, vertex, u, x, guide);
     float share = guided_share(x.bsdf);
     bool replaced = u.z < share;
-    if (GUIDE_SET == GUIDE_SET_AUTHORS && is_guided(guide) && share < 1.0) u.z = max(u.z - share, 0.0) / (1.0 - share);
+    if (guides_whole() && is_guided(guide) && share < 1.0) u.z = max(u.z - share, 0.0) / (1.0 - share);
     BsdfSample s = sample_scatterer(x, u.xyz);
     bool guidable = s.lobe == LOBE_DIFFUSE;
-    if (GUIDE_SET == GUIDE_SET_AUTHORS && replaced && !x.passes) {
+    if (guides_whole() && replaced && !x.passes) {
         guidable = true;
         if (is_guided(guide)) s.lobe = LOBE_GLOSSY;
     }

@@ -47,28 +47,37 @@ uvec2 bin_coordinates(uint bin) {
     return uvec2(bin % DIRECTION_RESOLUTION, bin / DIRECTION_RESOLUTION);
 }
 
-float product_density(Guide guide, vec3 wi, float probability) {
-    float e = cosine_share();
-    return (1.0 - e) * probability * bin_density() + e * max(dot(wi, guide.n), 0.0) * INV_PI;
+// Density of the descent in a bin that it reaches with this probability.
+float descent_density(float probability) {
+    return probability * bin_density();
 }
 
-// A guided direction, or with probability cosine_share() `own`, which the caller has drawn in proportion to the cosine about n.
-// Where `follows` is false it always is `own`, and its density is of no meaning. One flow for all: lanes that do not need a
-// part of it would wait for it.
-GuidedSample sample_product(vec4 u, Guide guide, bool follows, vec3 own) {
-    float e = cosine_share();
-    bool by_guide = follows && u.x >= e;
-    u.x = min((u.x - e) / (1.0 - e), 1.0 - 1.0 / 16777216.0);
+// Density over a diffuse lobe: of the descent's and the share of the cosine.
+float product_density(Guide guide, vec3 wi, float of_descent) {
+    float of_cosine = max(dot(wi, guide.n), 0.0) * INV_PI;
+    return mix(of_descent, of_cosine, cosine_share());
+}
+
+// A direction by descent, or with the probability `own_share`, and where `follows` is false, `own`, which the caller has drawn.
+// With the descent's density of either. One flow for all: lanes that do not need a part of it would wait for it.
+GuidedSample sample_product(vec4 u, Guide guide, bool follows, float own_share, vec3 own) {
+    bool by_guide = follows && u.x >= own_share;
+    u.x = min((u.x - own_share) / (1.0 - own_share), 1.0 - 1.0 / 16777216.0);
     uvec2 at = bin_coordinates(direction_bin(own));
-    float probability = descend(guide, by_guide, at, u.xy);
+    float density = descent_density(descend(guide, by_guide, at, u.xy));
     uint bin = at.y * DIRECTION_RESOLUTION + at.x;
     vec3 wi = by_guide ? map_to_sphere(bin_point(bin, DIRECTION_RESOLUTION, u.zw)) : own;
-    return GuidedSample(wi, product_density(guide, wi, probability), bin, bin_radiance(guide, bin), by_guide ? 1u : 0u, false);
+    return GuidedSample(wi, density, bin, bin_radiance(guide, bin), by_guide ? 1u : 0u, false);
+}
+
+// The descent's density of a direction.
+float pdf_descent(Guide guide, vec3 wi) {
+    uvec2 at = bin_coordinates(direction_bin(wi));
+    return descent_density(descend(guide, false, at, vec2(0.0)));
 }
 
 float pdf_product(Guide guide, vec3 wi) {
-    uvec2 at = bin_coordinates(direction_bin(wi));
-    return product_density(guide, wi, descend(guide, false, at, vec2(0.0)));
+    return product_density(guide, wi, pdf_descent(guide, wi));
 }
 
 #endif

@@ -35,7 +35,8 @@ void main() {
     GuidedSample s;
     if (SAMPLER == SAMPLER_PRODUCT) {
         vec3 own = cosine_about(guide.n, unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).xy);
-        s = sample_product(unit_floats(random_bits(key, 1u, RANDOM_TRIES)), guide, true, own);
+        s = sample_product(unit_floats(random_bits(key, 1u, RANDOM_TRIES)), guide, true, cosine_share(), own);
+        s.pdf = product_density(guide, s.wi, s.pdf);
     } else {
         s = sample_guide(key, 1u, choice, guide);
     }

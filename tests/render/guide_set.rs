@@ -1,4 +1,4 @@
-//! Rough conductors and dielectrics under a guide, as the authors' code has them: the picture stays what it is.
+//! Rough conductors, dielectrics and principled surfaces under a guide: the picture stays what it is.
 
 use glam::Vec3;
 use lodestar::scene::Scene;
@@ -50,7 +50,20 @@ fn guided_conductors_and_dielectrics_leave_the_picture_as_it_is() {
         println!("{name}: {comparison:?}");
         comparison.agrees()
     };
-    assert!(compare("guided", &render(&device, &scene, 2, |_| {})));
-    assert!(compare("guided, emitters sampled", &render(&device, &scene, 3, |s| s.nee = true)));
-    assert!(!compare("density 5 % wrong", &render(&device, &scene, 4, |s| s.pdf_tamper = 1.05)));
+    for (seed, sampler, guide_set) in [
+        (10, Sampler::RejectionMix, GuideSet::Authors),
+        (20, Sampler::Product, GuideSet::Authors),
+        (30, Sampler::Product, GuideSet::All),
+    ] {
+        let name = |what: &str| format!("{sampler:?}, {guide_set:?}, {what}");
+        let render = |seed: u32, change: fn(&mut Settings)| {
+            render(&device, &scene, seed, |s| {
+                (s.sampler, s.guide_set) = (sampler, guide_set);
+                change(s);
+            })
+        };
+        assert!(compare(&name("guided"), &render(seed, |_| {})));
+        assert!(compare(&name("emitters sampled"), &render(seed + 1, |s| s.nee = true)));
+        assert!(!compare(&name("density 5 % wrong"), &render(seed + 2, |s| s.pdf_tamper = 1.05)));
+    }
 }
