@@ -15,7 +15,7 @@ const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 128;
 const EDGES: u32 = 6;
 /// Tests here, times samplers, with emitter sampling and without.
-const CASES: usize = 10 * SAMPLERS.len();
+const CASES: usize = 12 * SAMPLERS.len();
 const EMISSION: f64 = 0.5;
 /// Radiance of what is around the furnace.
 const OUTSIDE: f32 = 0.3;
@@ -91,6 +91,19 @@ fn blends_of_blends_draw_anew() {
     let scene = furnace(vec![blend(0.6, [2, 1]), blend(0.9, [3, 4]), surface(0.1), surface(0.5), surface(0.9)]);
     let albedo = 0.4 * 0.1 + 0.6 * (0.1 * 0.5 + 0.9 * 0.9);
     check("nested blend", &scene, answer(EDGES, albedo, 0.0));
+}
+
+/// As many choices within choices as the kernels follow; each blend takes its surface with probability 1/4.
+#[test]
+fn blends_may_be_as_deep_as_the_loop_that_follows_them() {
+    const DEEPEST: u32 = 8;
+    let albedo = |level: u32| 0.1 + 0.1 * level as f32;
+    let blends = (0..DEEPEST)
+        .map(|level| blend(0.75, [DEEPEST + level, if level + 1 < DEEPEST { level + 1 } else { 2 * DEEPEST }]));
+    let surfaces = (0..=DEEPEST).map(|level| surface(albedo(level)));
+    let share = |level: u32| 0.75_f64.powi(level as i32) * if level < DEEPEST { 0.25 } else { 1.0 };
+    let mean = (0..=DEEPEST).map(|level| share(level) * f64::from(albedo(level))).sum();
+    check("deep blend", &furnace(blends.chain(surfaces).collect()), answer(EDGES, mean, 0.0));
 }
 
 #[test]
