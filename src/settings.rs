@@ -273,6 +273,13 @@ impl Settings {
         if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
     }
 
+    /// Bytes of the vertices that the learner keeps of each path under way: `PathVertex` of `glsl/include/monte_carlo.glsl`,
+    /// seven words each. None where it keeps none.
+    pub fn path_bytes(&self) -> u64 {
+        let keeps_vertices = self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo;
+        if keeps_vertices { u64::from(self.kept_vertices()) * 7 * 4 } else { 0 }
+    }
+
     /// Normal bins along each side of the equal-area square that the sampler tells apart.
     pub(crate) fn normal_resolution(&self) -> u32 {
         if self.sampler == Sampler::SphereInversion { 1 } else { self.normals }

@@ -15,6 +15,7 @@ mod profile;
 mod progress;
 mod render;
 mod render_args;
+mod reproduce;
 mod resume;
 mod safety_copy;
 mod stats;
@@ -49,6 +50,7 @@ enum Command {
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
+    Reproduce(reproduce::ReproduceArgs),
 }
 
 /// Parses the arguments, runs the subcommand and reports its failure as one sentence.
@@ -65,6 +67,7 @@ pub fn run() -> ExitCode {
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         report("error", &error.to_string());

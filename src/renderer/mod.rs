@@ -201,6 +201,11 @@ impl Renderer {
         self.back_end
     }
 
+    /// Bytes of the guide on the device.
+    pub fn guide_bytes(&self) -> u64 {
+        memory_needs::guide_bytes(&self.settings)
+    }
+
     /// Samples per pixel that complete steps and dispatches have taken.
     pub fn samples_done(&self) -> u32 {
         self.samples_done

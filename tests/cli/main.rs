@@ -12,6 +12,7 @@ mod kills;
 mod length;
 mod merge;
 mod profile;
+mod reproduce;
 mod resume;
 mod signals;
 mod statistics;
