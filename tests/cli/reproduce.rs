@@ -7,6 +7,7 @@ use std::time::SystemTime;
 
 use lodestar::image::exr::read_picture;
 
+use crate::resume::assert_same_picture;
 use crate::support::{Folder, assert_quiet_success, assert_sentence};
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
@@ -58,6 +59,13 @@ fn tables_are_measured_once_and_hold_every_method() {
         assert_eq!(number("spp"), 8.0 * record["steps"].as_array().unwrap().len() as f64, "{method}");
         assert!(folder.path(&format!("out/cornell-box/{method}-error.png")).exists());
     }
+
+    // The same bits as a render of as many samples has.
+    let spp = folder.read_json("out/cornell-box/rejection-mix+sarsa.json")["spp"].to_string();
+    let scene = format!("{SCENES}/cornell-box/scene.xml");
+    let how = ["--width", "16", "--height", "16", "--rfilter", "box", "--max-depth", "16", "--rr-depth", "8"];
+    folder.render_scene(&scene, &[&how[..], &["--spp", &spp, "-o", "render.exr"]].concat());
+    assert_same_picture(&folder.path("render.exr"), &folder.path("out/cornell-box/rejection-mix+sarsa.exr"));
 
     let [kept, csv] =
         ["out/cornell-box/rejection-mix+sarsa.json", "out/measurements.csv"].map(|name| folder.path(name));
