@@ -34,7 +34,7 @@
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
 //! | [`mod@inspect`], [`profile`] | SPIR-V as an engineer reads it, and kernels put in place of the built-in ones; where the time goes |
 //! | `specialization` | code that a variant never reaches taken out of its kernels |
-//! | [`reproduce`] | the paper's tables, measured |
+//! | [`reproduce`], [`radiance_map`] | the paper's tables and figures, measured |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`] | the table that normalizers are computed from |
@@ -96,6 +96,7 @@ pub mod lights;
 pub mod merge;
 pub mod plastic_layer;
 pub mod profile;
+pub mod radiance_map;
 pub mod reference;
 pub mod renderer;
 pub mod reproduce;

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
 /// Directions over which `expected-sarsa` takes its mean by default.
-const EXPECTED_DIRECTIONS: u32 = 128;
+pub(crate) const EXPECTED_DIRECTIONS: u32 = 128;
 /// Longest path of which a learner keeps all vertices.
 const MAX_KEPT_VERTICES: u32 = 128;
 /// Most pixels a film may have along a side.

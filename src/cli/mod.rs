@@ -13,6 +13,7 @@ mod merge;
 mod outputs;
 mod profile;
 mod progress;
+mod radiance;
 mod render;
 mod render_args;
 mod reproduce;
@@ -50,6 +51,7 @@ enum Command {
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
+    Radiance(Box<radiance::RadianceArgs>),
     Reproduce(reproduce::ReproduceArgs),
 }
 
@@ -67,6 +69,7 @@ pub fn run() -> ExitCode {
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Radiance(args) => radiance::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
     };
     outcome.unwrap_or_else(|error| {

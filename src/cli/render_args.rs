@@ -222,7 +222,7 @@ fn rescaled_crop(crop: Option<Crop>, [width, height]: [u32; 2], [new_width, new_
     })
 }
 
-fn output_path(text: &str) -> Result<PathBuf, String> {
+pub fn output_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("exr" | "png") => Ok(path),

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use super::methods::Method;
 use super::record::{Memory, StepRecord};
 use crate::bvh::Bvh;
@@ -130,6 +132,14 @@ impl Entrant {
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
         self.renderer.picture()
+    }
+
+    /// What it has learned at a point.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn radiance_at(&self, position: Vec3) -> Result<Vec<f32>> {
+        self.renderer.radiance_at(position)
     }
 
     /// What it takes of the device's memory besides film and scene.

@@ -2,11 +2,14 @@
 
 use std::path::Path;
 
+use super::figure6::MapRecord;
+use super::methods::Method;
 use super::record::Record;
 use super::results::Results;
 use super::sheet::{self, Sheet};
-use super::{figure7, table1, table2};
+use super::{figure1, figure6, figure7, table1, table2};
 use crate::Result;
+use crate::image::{ToneCurve, exr, png};
 use crate::reproduce::paper::PATH_VERTEX_BYTES;
 
 /// Where tables go, and what their captions say.
@@ -51,6 +54,33 @@ impl Writer<'_> {
         self.write("table2.md", &text)
     }
 
+    /// A strip for each scene, from the pictures that are kept beside the records.
+    pub fn write_figure1(&self, results: &Results) -> Result<()> {
+        let methods = figure1::methods();
+        for scene in results.scenes(&methods) {
+            let folder = self.out.join(scene.name);
+            let picture = |method: &Method| exr::read_rgb(&folder.join(format!("{}.exr", method.name())));
+            let mut pictures = methods.iter().map(picture).collect::<Result<Vec<_>>>()?;
+            pictures.push(exr::read_rgb(&folder.join("reference.exr"))?);
+            let (corner, side) = figure1::worst_window(&pictures[0], &pictures[pictures.len() - 1]);
+            let strip = figure1::strip(&pictures, corner, side);
+            png::write(&self.out.join(format!("figure1-{}.png", scene.name)), &strip, ToneCurve::Paper, 0.0)?;
+        }
+        let sheet = figure1::sheet(results);
+        let text = "# Figure 1: insets at equal time\n\nEach strip has these methods from left to right, then the reference: the \
+                    square in which the first of them is furthest from it. The MAE is that of the whole picture.\n\n";
+        self.write("figure1.csv", &sheet.csv())?;
+        self.write("figure1.md", &format!("{text}{}\n{}", self.conditions(), sheet.markdown()))
+    }
+
+    pub fn write_figure6(&self, maps: &[MapRecord]) -> Result<()> {
+        let sheet = figure6::sheet(maps);
+        let text = "# Figure 6: learned radiance at one point\n\nError is the mean absolute difference to the truth over directions \
+                    above the surface, relative to the truth's mean there.\n\n";
+        self.write("figure6.csv", &sheet.csv())?;
+        self.write("figure6.md", &format!("{text}{}\n{}", self.conditions(), sheet.markdown()))
+    }
+
     pub fn write_figure7(&self, results: &Results) -> Result<()> {
         self.write("figure7a.csv", &figure7::steps_sheet(results).csv())?;
         self.write("figure7bc.csv", &figure7::shares_sheet(results).csv())?;
@@ -58,12 +88,16 @@ impl Writer<'_> {
     }
 
     fn caption(&self, scenes: usize) -> String {
-        let Self { seconds, device, .. } = self;
         format!(
-            "Ours on {device}, {seconds} s a picture, means over {scenes} of 12 scenes; in parentheses the paper's over the \
-             same scenes, or over all 12 where it states no others (40 s on an NVIDIA GPU with OptiX). Emitter sampling off, \
-             at most 16 edges, roulette after 8.\n"
+            "{}Means are over {scenes} of 12 scenes; in parentheses stand the paper's over the same scenes, or over all 12 where \
+             it states no others (40 s on an NVIDIA GPU with OptiX).\n",
+            self.conditions()
         )
+    }
+
+    fn conditions(&self) -> String {
+        let Self { seconds, device, .. } = self;
+        format!("On {device}, {seconds} s a picture, emitter sampling off, at most 16 edges, roulette after 8.\n")
     }
 }
 

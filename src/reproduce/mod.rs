@@ -6,6 +6,8 @@
 
 pub mod contest;
 pub mod error_map;
+pub mod figure1;
+pub mod figure6;
 pub mod figure7;
 mod files;
 pub mod methods;
@@ -37,6 +39,10 @@ pub enum Target {
     Table1,
     /// Every sampler with every learner.
     Table2,
+    /// The same inset of the pictures of Table 1's methods.
+    Figure1,
+    /// The radiance that each learner has learned at a point, beside the truth.
+    Figure6,
     /// Light hits as learning goes on, and what a fixed share of uniform directions does.
     Figure7,
     /// All of these.
@@ -51,8 +57,12 @@ impl Target {
     /// The methods to measure, each once.
     fn methods(self) -> Vec<Method> {
         let mut methods = Vec::new();
-        let all =
-            [(Self::Table1, table1::methods()), (Self::Table2, table2::methods()), (Self::Figure7, figure7::methods())];
+        let all = [
+            (Self::Table1, table1::methods()),
+            (Self::Table2, table2::methods()),
+            (Self::Figure1, figure1::methods()),
+            (Self::Figure7, figure7::methods()),
+        ];
         for (target, own) in all {
             if self.includes(target) {
                 methods.extend(own);
@@ -95,6 +105,13 @@ pub struct Watch<'a> {
     pub show: &'a dyn Fn(&Status),
 }
 
+/// What a run has measured so far.
+#[derive(Default)]
+struct Findings {
+    results: Results,
+    maps: Vec<figure6::MapRecord>,
+}
+
 /// How far a run is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Status {
@@ -116,9 +133,9 @@ impl Plan {
         let names = self.scene_names()?;
         self.check_inputs(&names)?;
         let methods = self.target.methods();
-        let mut results = Results::default();
-        let per_scene = self.seconds * methods.len() as f64;
-        let mut total = per_scene * names.len() as f64;
+        let maps = if self.target.includes(Target::Figure6) { figure6::methods().len() } else { 0 };
+        let mut findings = Findings::default();
+        let mut total = self.seconds * ((methods.len() + maps) * names.len()) as f64;
         let mut done = 0.0;
         for name in names {
             let show = |doing: &str, seconds: f64, total: f64| {
@@ -127,13 +144,22 @@ impl Plan {
             show("loading", done, total);
             let stage = SceneStage::load(self, name, context)?;
             let (found, missing) = stage.look_up(&methods)?;
-            total -= self.seconds * found.len() as f64;
-            results.0.extend(found);
+            let map = if maps > 0 { stage.look_up_maps() } else { None };
+            let needs_map = maps > 0 && map.is_none();
+            total -= self.seconds * (found.len() + map.as_ref().map_or(0, |_| maps)) as f64;
+            findings.results.0.extend(found);
+            findings.maps.extend(map);
             let advanced = |doing: &str, seconds: f64| show(doing, done + seconds, total);
-            let Some(measured) = stage.measure(missing, watch.stop, &advanced)? else { return Ok(false) };
+            let Some(measured) = stage.measure(&missing, watch.stop, &advanced)? else { return Ok(false) };
             done += self.seconds * measured.len() as f64;
-            results.0.extend(measured);
-            self.write_tables(&results, context)?;
+            findings.results.0.extend(measured);
+            if needs_map {
+                let advanced = |doing: &str, seconds: f64| show(doing, done + seconds, total);
+                let Some(map) = stage.measure_maps(watch.stop, &advanced)? else { return Ok(false) };
+                done += self.seconds * maps as f64;
+                findings.maps.push(map);
+            }
+            self.write_tables(&findings, context)?;
         }
         Ok(true)
     }
@@ -167,7 +193,8 @@ impl Plan {
         self.references.join(format!("{name}.mean.exr"))
     }
 
-    fn write_tables(&self, results: &Results, context: &Context) -> Result<()> {
+    fn write_tables(&self, findings: &Findings, context: &Context) -> Result<()> {
+        let Findings { results, maps } = findings;
         let writer = files::Writer { out: &self.out, seconds: self.seconds, device: &context.device().name };
         writer.write_records(results)?;
         if self.target.includes(Target::Table1) {
@@ -175,6 +202,12 @@ impl Plan {
         }
         if self.target.includes(Target::Table2) {
             writer.write_table2(results)?;
+        }
+        if self.target.includes(Target::Figure1) {
+            writer.write_figure1(results)?;
+        }
+        if self.target.includes(Target::Figure6) {
+            writer.write_figure6(maps)?;
         }
         if self.target.includes(Target::Figure7) {
             writer.write_figure7(results)?;
@@ -201,10 +234,12 @@ mod tests {
 
     #[test]
     fn every_method_is_measured_once() {
-        let counts = [Target::Table1, Target::Table2, Target::Figure7, Target::All];
+        let figures = [Target::Figure1, Target::Figure6, Target::Figure7];
+        assert_eq!(figures.map(|target| target.methods().len()), [4, 0, 3 + 3 * methods::SHARES.len()]);
+        let counts = [Target::Table1, Target::Table2, Target::All];
         let shares = 3 * methods::SHARES.len();
         let all = methods::METHODS.len() + shares;
-        assert_eq!(counts.map(|target| target.methods().len()), [4, 15, 3 + shares, all]);
+        assert_eq!(counts.map(|target| target.methods().len()), [4, 15, all]);
     }
 
     #[test]

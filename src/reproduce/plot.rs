@@ -9,6 +9,8 @@ use crate::{Error, Result};
 const SIZE: (u32, u32) = (720, 480);
 /// Room at either end of an axis, as a share of it.
 const MARGIN: f64 = 0.04;
+/// Height of the legend, as a share of the axis.
+const LEGEND_SHARE: f64 = 0.3;
 /// Colors that people without full color vision can tell apart (Okabe and Ito 2008).
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 0, 0),
@@ -84,8 +86,8 @@ impl Axis {
         }
         // Lines over linear axes are compared with 0.
         let low = if self.is_logarithmic { low } else { low.min(0.0) };
-        let room = MARGIN * (high - low).max(1.0e-6);
-        low - room..high + room
+        let room = (high - low).max(1.0e-6);
+        low - MARGIN * room..high + MARGIN * room
     }
 }
 
@@ -112,7 +114,7 @@ impl Plot {
             .margin(16)
             .x_label_area_size(44)
             .y_label_area_size(64)
-            .build_cartesian_2d(x.range(values(0)), y.range(values(1)))?;
+            .build_cartesian_2d(x.range(values(0)), with_headroom(y.range(values(1))))?;
         chart
             .configure_mesh()
             .x_desc(x.title)
@@ -138,6 +140,11 @@ impl Plot {
         area.present()?;
         Ok(())
     }
+}
+
+/// Room for the legend above all lines.
+fn with_headroom(range: Range<f64>) -> Range<f64> {
+    range.start..range.end + LEGEND_SHARE * (range.end - range.start)
 }
 
 #[cfg(test)]

@@ -15,8 +15,10 @@ use super::methods::Method;
 use super::protocol;
 use super::record::{Conditions, Record, settings_value};
 use crate::bvh::Bvh;
+use crate::film::Picture;
 use crate::gpu::Context;
 use crate::image::{Image, ToneCurve, exr, metrics, png};
+use crate::radiance_map::Place;
 use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
 use crate::settings::Settings;
@@ -65,6 +67,7 @@ impl<'a> SceneStage<'a> {
         let factor = stage.factor()?;
         stage.reference = protocol::average_down(&stage.reference, factor);
         png::write(&stage.file("reference.png"), &stage.reference, ToneCurve::Paper, 0.0)?;
+        exr::write_picture(&stage.file("reference.exr"), &picture_of(&stage.reference), &[])?;
         Ok(stage)
     }
 
@@ -84,10 +87,22 @@ impl<'a> SceneStage<'a> {
     /// Measures these methods, and tells `advanced` what is done and for how many seconds all have rendered so far.
     pub fn measure(
         &self,
-        mut missing: Vec<Method>,
+        missing: &[Method],
         stop: &dyn Fn() -> bool,
         advanced: &dyn Fn(&str, f64),
     ) -> Result<Option<Vec<Record>>> {
+        let entering = missing.iter().map(|method| (*method, self.settings(method))).collect();
+        self.contest(entering, stop, advanced, &|entrant| self.keep(entrant))
+    }
+
+    /// Lets these methods render, as many at once as there is memory for, and returns what `keep` makes of each.
+    pub fn contest<T>(
+        &self,
+        mut entering: Vec<(Method, Settings)>,
+        stop: &dyn Fn() -> bool,
+        advanced: &dyn Fn(&str, f64),
+        keep: &dyn Fn(&Entrant) -> Result<T>,
+    ) -> Result<Option<Vec<T>>> {
         let done = Cell::new(0.0);
         let note = |method: &str, seconds: f64| {
             done.set(done.get() + seconds);
@@ -102,17 +117,16 @@ impl<'a> SceneStage<'a> {
             stop,
             advanced: &note,
         };
-        let mut records = Vec::new();
-        while !missing.is_empty() {
+        let mut kept = Vec::new();
+        while !entering.is_empty() {
             advanced("building kernels", done.get());
-            let with_settings: Vec<_> = missing.iter().map(|method| (*method, self.settings(method))).collect();
-            let Some(entrants) = stage.run(&with_settings)? else { return Ok(None) };
-            missing.drain(..entrants.len());
+            let Some(entrants) = stage.run(&entering)? else { return Ok(None) };
+            entering.drain(..entrants.len());
             for entrant in entrants {
-                records.push(self.keep(&entrant)?);
+                kept.push(keep(&entrant)?);
             }
         }
-        Ok(Some(records))
+        Ok(Some(kept))
     }
 
     /// Writes a result; the record comes last, for it says that all is there.
@@ -172,25 +186,38 @@ impl<'a> SceneStage<'a> {
         Ok(seconds / (f64::from(width * height) * f64::from(TIMED_STEPS * settings.spp_per_step)))
     }
 
-    fn settings(&self, method: &Method) -> Settings {
+    pub fn settings(&self, method: &Method) -> Settings {
         let mut settings = protocol::settings(&self.scene, [self.reference.width, self.reference.height]);
         method.apply(&mut settings);
         settings
     }
 
-    fn conditions(&self, settings: &Settings) -> Conditions {
+    pub fn conditions(&self, settings: &Settings) -> Conditions {
         Conditions { settings: settings_value(settings), ..self.template.clone() }
+    }
+
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    pub fn place(&self) -> Place<'_> {
+        Place { context: self.context, scene: &self.scene, bvh: &self.bvh }
     }
 
     fn folder(&self) -> PathBuf {
         self.plan.out.join(self.name)
     }
 
-    fn file(&self, name: &str) -> PathBuf {
+    pub fn file(&self, name: &str) -> PathBuf {
         self.folder().join(name)
     }
 }
 
 fn create_folder(folder: &PathBuf) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::write(folder))
+}
+
+fn picture_of(image: &Image) -> Picture {
+    let (width, height) = (image.width, image.height);
+    Picture { radiance: image.pixels.clone(), ..Picture::empty(width, height, [0, 0], [width, height]) }
 }

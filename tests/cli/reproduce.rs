@@ -76,6 +76,15 @@ fn tables_are_measured_once_and_hold_every_method() {
     assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 16 + 3 * 7);
     let table = fs::read_to_string(folder.path("out/table2.md")).unwrap();
     assert!(table.contains("(0.0317)") && table.contains("over 1 of 12 scenes"), "{table}");
+    for name in ["figure1-cornell-box.png", "cornell-box/figure6-truth.exr", "cornell-box/figure6-monte-carlo.png"] {
+        assert!(folder.path(&format!("out/{name}")).exists(), "{name}");
+    }
+    let maps = folder.read_json("out/cornell-box/figure6.json");
+    assert_eq!(maps["learners"].as_array().unwrap().len(), 3);
+    assert!(
+        maps["learners"].as_array().unwrap().iter().all(|map| map["relative_error"].as_f64().unwrap() < 2.0),
+        "{maps}"
+    );
     for part in ["a", "b", "c-hits", "c-samples"] {
         let plot = fs::read_to_string(folder.path(&format!("out/figure7{part}-cornell-box.svg"))).unwrap();
         assert!(plot.contains("polyline") && plot.contains("cornell-box"), "{part}");
