@@ -1,6 +1,8 @@
 //! Blends, two-sided pairs and holes, in a furnace of which the answer is known.
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
+use lodestar::scene::bsdf::Principled;
+use lodestar::scene::texture::{Pattern, Texture};
 use lodestar::scene::{
     Bsdf, Environment, Material, MaterialKind, Scene, SurfaceMaterial, Textured, emitter::AreaEmitter,
 };
@@ -132,4 +134,43 @@ fn light_goes_straight_through_holes() {
     masked.opacity = Textured::constant(0.8);
     let scene = furnace(vec![material(MaterialKind::Surface(masked))]);
     check("mask", &scene, answer(EDGES, 0.8 * 0.7, 0.2));
+}
+
+/// As many textures as a material may have: the loop over them ends by its bound, after the opacity's.
+#[test]
+fn the_last_of_eight_textures_counts() {
+    let gray = |value: f32| Texture {
+        name: String::new(),
+        pattern: Pattern::Checkerboard { color0: Vec3::splat(value), color1: Vec3::splat(value) },
+        to_uv: Mat3::IDENTITY,
+    };
+    let white = |value: f32| Textured { value, texture: Some(0) };
+    let principled = Principled {
+        base_color: Textured::constant(Vec3::splat(0.7)),
+        roughness: white(0.5),
+        anisotropic: white(0.0),
+        metallic: white(0.0),
+        spec_trans: Textured::constant(0.0),
+        eta: 1.5,
+        spec_tint: white(0.0),
+        sheen: white(0.0),
+        sheen_tint: white(0.0),
+        flatness: white(0.0),
+        clearcoat: Textured::constant(0.0),
+        clearcoat_gloss: Textured::constant(0.0),
+    };
+    let device = Device::new();
+    let mean = |opacity: Textured<f32>| {
+        let surface = SurfaceMaterial { opacity, ..SurfaceMaterial::plain(Bsdf::Principled(principled.clone())) };
+        let mut scene = furnace(vec![material(MaterialKind::Surface(surface))]);
+        scene.textures = vec![gray(1.0), gray(0.8)];
+        let settings = settings(&scene, SIZE, Sampler::Bsdf, 9);
+        Estimate::of(&device.render(&scene, &settings, SPP)).gray().0
+    };
+    let (textured, constant) = (mean(Textured { value: 1.0, texture: Some(1) }), mean(Textured::constant(0.8)));
+    let (seventh, whole) = (mean(Textured { value: 1.0, texture: Some(0) }), mean(Textured::constant(1.0)));
+    println!("{textured} {constant}, {seventh} {whole}");
+    // But for the rounding of a texture's luminance, the same paths.
+    assert!((textured / constant - 1.0).abs() < 1.0e-3 && (seventh / whole - 1.0).abs() < 1.0e-3);
+    assert!((textured / whole - 1.0).abs() > 1.0e-2);
 }
