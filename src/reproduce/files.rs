@@ -139,12 +139,15 @@ mod tests {
         writer.write_records(&results).expect("written");
         writer.write_table1(&results).expect("written");
         writer.write_table2(&results).expect("written");
+        let swept = figure7::methods().iter().map(|method| record("kitchen", method, 0.02)).collect();
+        writer.write_figure7(&Results(swept)).expect("written");
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
         let lines: Vec<_> = read("measurements.csv").lines().map(|line| line.split(',').count()).collect();
         assert_eq!(lines.len(), results.0.len() + 1);
         assert!(lines.iter().all(|&count| count == lines[0]), "{lines:?}");
         assert!(read("table1.md").contains("over 1 of 12 scenes") && read("table1.csv").contains("kitchen"));
         assert_eq!(read("table2.md").matches("\n## ").count(), 5);
+        assert!(read("figure7a-kitchen.svg").contains("polyline") && read("figure7bc.csv").contains("kitchen"));
         assert!(read("table2-mae.csv").contains("\"sphere, inversion\""));
     }
 }
