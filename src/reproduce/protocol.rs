@@ -50,8 +50,8 @@ pub fn factor_of_scale(size: [u32; 2], scale: f32) -> Result<u32> {
     })
 }
 
-/// The factor with which a plain path tracer comes to [`TARGET_SPP`] samples per pixel within the budget, if any does, at
-/// this time a path.
+/// The factor with which a plain path tracer comes to a thousand samples per pixel within the budget, if any does, at this
+/// time a path.
 pub fn factor_for(size: [u32; 2], seconds_per_path: f64, budget: f64) -> u32 {
     let spp = |factor: u32| {
         let pixels = f64::from(size[0] / factor) * f64::from(size[1] / factor);
