@@ -24,7 +24,7 @@ pub struct Bvh {
     pub primitives: Vec<PrimitiveRecord>,
     /// Shading attributes in the same order.
     pub attributes: Vec<AttributeRecord>,
-    /// Longest way from the root to a leaf, in nodes: the entries that a traversal stack needs.
+    /// Longest way from the root to a leaf, in nodes: one more than the entries that a traversal stack needs.
     pub depth: u32,
     /// Lower and upper corner of all primitives; a unit box at the origin where there are none.
     pub bounds: (Vec3, Vec3),

@@ -34,6 +34,7 @@
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
 //! | [`mod@inspect`], [`profile`] | SPIR-V as an engineer reads it, and kernels put in place of the built-in ones; where the time goes |
 //! | `specialization` | code that a variant never reaches taken out of its kernels |
+//! | [`reproduce`], [`radiance_map`] | the paper's tables and figures, measured |
 //! | [`settings`] | everything a user may choose |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //! | [`cosine_integrals`], [`cosine_trees`] | the tables that normalizers are computed from, and that the product sampler descends |
@@ -97,8 +98,10 @@ pub mod lights;
 pub mod merge;
 pub mod plastic_layer;
 pub mod profile;
+pub mod radiance_map;
 pub mod reference;
 pub mod renderer;
+pub mod reproduce;
 pub mod sample_ranges;
 pub mod scene;
 pub mod settings;

@@ -9,7 +9,7 @@ use crate::{Error, Result};
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
 /// Directions over which `expected-sarsa` takes its mean by default.
-const EXPECTED_DIRECTIONS: u32 = 128;
+pub(crate) const EXPECTED_DIRECTIONS: u32 = 128;
 /// Longest path of which a learner keeps all vertices.
 const MAX_KEPT_VERTICES: u32 = 128;
 /// Most pixels a film may have along a side.
@@ -293,6 +293,13 @@ impl Settings {
     /// Vertices that a kernel keeps of a path.
     pub(crate) fn kept_vertices(&self) -> u32 {
         if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
+    }
+
+    /// Bytes of the vertices that the learner keeps of each path under way: `PathVertex` of `glsl/include/monte_carlo.glsl`,
+    /// seven words each. None where it keeps none.
+    pub fn path_bytes(&self) -> u64 {
+        let keeps_vertices = self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo;
+        if keeps_vertices { u64::from(self.kept_vertices()) * 7 * 4 } else { 0 }
     }
 
     /// Normal bins along each side of the equal-area square that the sampler tells apart.

@@ -112,7 +112,8 @@ bool has_nodes(uint group_mask) {
     return group_mask > 0x00ffffffu;
 }
 
-// The nearest hit of `ray`, or with `any_hit` some hit. `overrun` is set where a driver ended the loop before its end.
+// The nearest hit of `ray`, or with `any_hit` some hit. `overrun` is set where a driver ended the loop before its end, or the
+// stack was too small.
 Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     Hit hit = Hit(ray.t_max, vec2(0.0), NONE);
     NodeRay nodes = node_ray(ray);
@@ -128,6 +129,9 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
         uint child = group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
         group_mask &= ~(1u << slot);
         if (has_nodes(group_mask)) {
+            // The host sizes the stack by the depth of the tree; a group that finds no room is an error, not lost in silence.
+            overrun = overrun || stack_count == STACK_SIZE;
+            stack_count = min(stack_count, STACK_SIZE - 1u);
             stack_base[stack_count] = group_base;
             stack_mask[stack_count] = group_mask;
             ++stack_count;

@@ -63,7 +63,7 @@ pub struct InspectArgs {
     #[arg(long, value_name = "N", help_heading = "Variant")]
     rr_depth: Option<u32>,
     /// Sample emitters at every vertex of a path (next event estimation).
-    #[arg(long, value_enum, default_value_t = Switch::Off, help_heading = "Variant")]
+    #[arg(long, value_enum, default_value_t = Switch::On, help_heading = "Variant")]
     nee: Switch,
     #[command(flatten)]
     guiding: GuidingArgs,

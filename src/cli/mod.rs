@@ -13,8 +13,10 @@ mod merge;
 mod outputs;
 mod profile;
 mod progress;
+mod radiance;
 mod render;
 mod render_args;
+mod reproduce;
 mod resume;
 mod safety_copy;
 mod stats;
@@ -49,6 +51,8 @@ enum Command {
     Devices(devices::DevicesArgs),
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
+    Radiance(Box<radiance::RadianceArgs>),
+    Reproduce(reproduce::ReproduceArgs),
 }
 
 /// Parses the arguments, runs the subcommand and reports its failure as one sentence.
@@ -65,6 +69,8 @@ pub fn run() -> ExitCode {
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Radiance(args) => radiance::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
     };
     outcome.unwrap_or_else(|error| {
         report("error", &error.to_string());

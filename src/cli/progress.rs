@@ -74,8 +74,28 @@ impl Drop for Loading {
 pub struct Progress {
     spp_target: Option<u64>,
     time_limit: Option<f64>,
-    display: Display,
+    meter: Meter,
 }
+
+impl Progress {
+    /// Starts to show the progress towards `spp_target` samples per pixel or `time_limit` seconds.
+    pub fn new(quiet: bool, spp_target: Option<u64>, time_limit: Option<f64>) -> Self {
+        Self { spp_target, time_limit, meter: Meter::new(quiet) }
+    }
+
+    /// Shows where the render stands.
+    pub fn update(&mut self, status: &Status) {
+        self.meter.update(status.fraction, line(status, self.spp_target, self.time_limit));
+    }
+
+    /// Lets `print` write to standard error without the bar in its way.
+    pub fn interleave(&self, print: impl FnOnce()) {
+        self.meter.interleave(print);
+    }
+}
+
+/// A share of a whole and a text: as a bar, or as lines.
+pub struct Meter(Display);
 
 enum Display {
     Nothing,
@@ -87,24 +107,22 @@ enum Display {
     },
 }
 
-impl Progress {
-    /// Starts to show the progress towards `spp_target` samples per pixel or `time_limit` seconds.
-    pub fn new(quiet: bool, spp_target: Option<u64>, time_limit: Option<f64>) -> Self {
-        let display = match (quiet, io::stderr().is_terminal()) {
+impl Meter {
+    /// Nothing is shown yet.
+    pub fn new(quiet: bool) -> Self {
+        Self(match (quiet, io::stderr().is_terminal()) {
             (true, _) => Display::Nothing,
             (false, true) => Display::Bar(new_bar()),
             (false, false) => Display::Lines { last: None, pending: None },
-        };
-        Self { spp_target, time_limit, display }
+        })
     }
 
-    /// Shows where the render stands.
-    pub fn update(&mut self, status: &Status) {
-        let text = line(status, self.spp_target, self.time_limit);
-        match &mut self.display {
+    /// Shows `text` and the share that is done, in [0, 1].
+    pub fn update(&mut self, fraction: f64, text: String) {
+        match &mut self.0 {
             Display::Nothing => {}
             Display::Bar(bar) => {
-                bar.set_position((status.fraction.clamp(0.0, 1.0) * BAR_STEPS as f64) as u64);
+                bar.set_position((fraction.clamp(0.0, 1.0) * BAR_STEPS as f64) as u64);
                 bar.set_message(text);
             }
             Display::Lines { last, pending } => {
@@ -118,17 +136,16 @@ impl Progress {
         }
     }
 
-    /// Lets `print` write to standard error without the bar in its way.
-    pub fn interleave(&self, print: impl FnOnce()) {
-        match &self.display {
+    fn interleave(&self, print: impl FnOnce()) {
+        match &self.0 {
             Display::Bar(bar) => bar.suspend(print),
             Display::Lines { .. } | Display::Nothing => print(),
         }
     }
 
-    /// Shows the last status and leaves the terminal to what is printed next.
+    /// Shows the last text and leaves the terminal to what is printed next.
     pub fn finish(&mut self) {
-        match std::mem::replace(&mut self.display, Display::Nothing) {
+        match std::mem::replace(&mut self.0, Display::Nothing) {
             Display::Bar(bar) => bar.abandon(),
             Display::Lines { pending: Some(text), .. } => print(&text),
             Display::Lines { .. } | Display::Nothing => {}
@@ -136,8 +153,8 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
-    /// A render that fails must not leave its message behind half a bar.
+impl Drop for Meter {
+    /// What fails must not leave its message behind half a bar.
     fn drop(&mut self) {
         self.finish();
     }
@@ -184,7 +201,7 @@ fn seconds_left(status: &Status, time_limit: Option<f64>) -> Option<f64> {
 }
 
 /// `59 s`, `2 min 05 s`, `3 h 07 min`.
-fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     let seconds = seconds.round() as u64;
     match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
         (0, 0, seconds) => format!("{seconds} s"),

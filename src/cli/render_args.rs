@@ -108,9 +108,9 @@ pub struct ChoiceArgs {
     /// Depth after which Russian roulette is played.
     #[arg(long, value_name = "N", help_heading = "Paths")]
     pub rr_depth: Option<u32>,
-    /// Sample emitters at every vertex of a path (next event estimation).
-    #[arg(long, value_enum, default_value_t = Switch::On, help_heading = "Paths")]
-    pub nee: Switch,
+    /// Sample emitters at every vertex of a path (next event estimation) [default: on].
+    #[arg(long, value_enum, help_heading = "Paths")]
+    pub nee: Option<Switch>,
     /// Seed of the random numbers; the same one gives the same pixels.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
     pub seed: u32,
@@ -190,7 +190,7 @@ impl ChoiceArgs {
         settings.filter = self.rfilter.map_or(settings.filter, Filter::with_default_width);
         settings.max_depth = self.max_depth.unwrap_or(settings.max_depth);
         settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
-        settings.nee = self.nee == Switch::On;
+        settings.nee = self.nee.map_or(settings.nee, |nee| nee == Switch::On);
         settings.seed = self.seed;
         settings.sample_offset = self.sample_offset;
         self.guiding.apply(&mut settings);
@@ -222,7 +222,7 @@ fn rescaled_crop(crop: Option<Crop>, [width, height]: [u32; 2], [new_width, new_
     })
 }
 
-fn output_path(text: &str) -> Result<PathBuf, String> {
+pub fn output_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("exr" | "png") => Ok(path),
@@ -256,7 +256,7 @@ fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+pub fn positive(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|&number| number > 0.0).ok_or_else(|| "give a number above 0".into())
 }
 
@@ -297,7 +297,7 @@ mod tests {
         assert_eq!(args.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
         let RenderArgs { files, choices, .. } = args;
         assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));
-        assert_eq!((choices.guiding.sampler, choices.nee), (Sampler::Bsdf, Switch::On));
+        assert_eq!((choices.guiding.sampler, choices.nee), (Sampler::Bsdf, Some(Switch::On)));
         assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
         assert_eq!((choices.sample_offset, args.checkpoint_every), (Some(64), 5.0));
     }

@@ -87,7 +87,8 @@ impl LogicalDevice {
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
         // A missing name harms nobody.
         // SAFETY: invariant 1: the caller passes a living handle of this device that no other thread has yet seen.
-        let _ = unsafe { debug.set_debug_utils_object_name(&info) };
+        let _ = fault_injection::before(May::RunOutOfMemory)
+            .and_then(|()| unsafe { debug.set_debug_utils_object_name(&info) });
     }
 }
 

@@ -6,6 +6,7 @@ use ash::{khr, vk};
 use serde::Serialize;
 
 use super::fault::failed;
+use super::fault_injection::{May, before};
 use super::kernel::Kernel;
 use crate::Result;
 
@@ -88,7 +89,8 @@ pub(super) fn of_kernel(kernel: &Kernel) -> Result<Option<Vec<Executable>>> {
     let Some(device) = kernel.context().logical().executables() else { return Ok(None) };
     let info = vk::PipelineInfoKHR::default().pipeline(kernel.raw());
     // SAFETY: invariant 1: device and pipeline are alive.
-    let properties = unsafe { device.get_pipeline_executable_properties(&info) }
+    let properties = before(May::RunOutOfMemory)
+        .and_then(|()| unsafe { device.get_pipeline_executable_properties(&info) })
         .map_err(failed("vkGetPipelineExecutablePropertiesKHR"))?;
     let executables = (0..).zip(&properties).map(|(index, properties)| {
         let info = vk::PipelineExecutableInfoKHR::default().pipeline(kernel.raw()).executable_index(index);
@@ -108,7 +110,8 @@ fn statistics(
     info: &vk::PipelineExecutableInfoKHR,
 ) -> Result<Vec<Statistic>> {
     // SAFETY: invariant 1: device and pipeline are alive; the pipeline was built to keep statistics.
-    let statistics = unsafe { device.get_pipeline_executable_statistics(info) }
+    let statistics = before(May::RunOutOfMemory)
+        .and_then(|()| unsafe { device.get_pipeline_executable_statistics(info) })
         .map_err(failed("vkGetPipelineExecutableStatisticsKHR"))?;
     let known = statistics.iter().filter_map(|statistic| {
         Some(Statistic {
@@ -144,7 +147,9 @@ fn representations(
 ) -> Result<Vec<Representation>> {
     let call = "vkGetPipelineExecutableInternalRepresentationsKHR";
     // SAFETY: invariant 1: device and pipeline are alive; the pipeline was built to keep representations.
-    let mut answers = unsafe { device.get_pipeline_executable_internal_representations(info) }.map_err(failed(call))?;
+    let mut answers = before(May::RunOutOfMemory)
+        .and_then(|()| unsafe { device.get_pipeline_executable_internal_representations(info) })
+        .map_err(failed(call))?;
     // The first answer has sizes only; the second fills what they ask for.
     let mut buffers: Vec<Vec<u8>> = answers.iter().map(|answer| vec![0; answer.data_size]).collect();
     for (answer, buffer) in answers.iter_mut().zip(&mut buffers) {
@@ -152,7 +157,7 @@ fn representations(
     }
     let mut count = answers.len() as u32;
     // SAFETY: invariant 1: as above; `answers` has `count` elements, each pointing at a local of the size it states.
-    let code = unsafe {
+    let mut fill = || unsafe {
         (device.fp().get_pipeline_executable_internal_representations_khr)(
             device.device(),
             info,
@@ -160,7 +165,7 @@ fn representations(
             answers.as_mut_ptr(),
         )
     };
-    code.result().map_err(failed(call))?;
+    before(May::RunOutOfMemory).and_then(|()| fill().result()).map_err(failed(call))?;
     let filled = answers.iter().zip(buffers).take(count as usize).map(|(answer, mut bytes)| {
         bytes.truncate(answer.data_size);
         let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());

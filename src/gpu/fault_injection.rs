@@ -2,7 +2,8 @@
 //!
 //! `lost@N` has the N-th of the Vulkan calls that may lose the device lose it, and all later ones find it lost;
 //! `memory@N` has the N-th of those that may run out of device memory do so, once. It counts from 1 and covers every call
-//! that can answer so, the memory allocator's included: the calls are replaced in the device's table of functions.
+//! that can answer so, the memory allocator's included: the calls are replaced in the device's table of functions, and those
+//! of the instance and of extensions ask before they are made.
 
 use std::ffi::c_void;
 use std::sync::OnceLock;
@@ -61,7 +62,7 @@ fn plan() -> Option<&'static Plan> {
     PLAN.get_or_init(|| Plan::parse(&std::env::var(VARIABLE).ok()?)).as_ref()
 }
 
-/// For a call that is in no device's table: its answer, unless it may take its course.
+/// For a call that is not in the device's table: its answer, unless it may take its course.
 pub(super) fn before(may: May) -> Result<(), vk::Result> {
     plan().and_then(|plan| plan.next(may)).map_or(Ok(()), Err)
 }

@@ -85,7 +85,8 @@ impl Offers {
         let mut extensions = extensions_of(entry, None)?;
         if validate {
             // SAFETY: invariant 2: the library is loaded and held.
-            let layers = unsafe { entry.enumerate_instance_layer_properties() }
+            let layers = before(May::RunOutOfMemory)
+                .and_then(|()| unsafe { entry.enumerate_instance_layer_properties() })
                 .map_err(failed("vkEnumerateInstanceLayerProperties"))?;
             if !layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
                 return Err(Error::Device(NO_LAYER.into()));
@@ -102,7 +103,8 @@ impl Offers {
 
 fn extensions_of(entry: &ash::Entry, layer: Option<&CStr>) -> Result<Vec<vk::ExtensionProperties>> {
     // SAFETY: invariant 2: the library is loaded and held; the name ends in a zero.
-    unsafe { entry.enumerate_instance_extension_properties(layer) }
+    before(May::RunOutOfMemory)
+        .and_then(|()| unsafe { entry.enumerate_instance_extension_properties(layer) })
         .map_err(no_driver_or("vkEnumerateInstanceExtensionProperties"))
 }
 

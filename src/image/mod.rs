@@ -1,6 +1,7 @@
 //! Pictures in memory and on disk: EXR, PNG and the error between two of them. CPU only.
 
 pub mod exr;
+pub mod false_color;
 pub mod metrics;
 pub mod png;
 pub mod texels;

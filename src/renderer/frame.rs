@@ -32,6 +32,21 @@ const RETURN_LIMIT: f32 = 1024.0;
 pub(super) struct Frame {
     pages: Vec<FilmPage>,
     counters: Arc<Buffer>,
+    cells: Cells,
+}
+
+/// Where the grids' cells lie.
+struct Cells {
+    origin: Vec3,
+    per_unit: Vec3,
+    resolution: u32,
+}
+
+impl Cells {
+    fn new(bvh: &Bvh, settings: &Settings) -> Self {
+        let extent = (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * 1.0e-6));
+        Self { origin: bvh.bounds.0, per_unit: settings.grid as f32 / extent, resolution: settings.grid }
+    }
 }
 
 impl Frame {
@@ -66,7 +81,7 @@ impl Frame {
             Ok(buffers.with_set(set))
         };
         let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
-        Ok(Self { pages, counters })
+        Ok(Self { pages, counters, cells: Cells::new(bvh, settings) })
     }
 
     pub fn pages(&self) -> std::slice::Iter<'_, FilmPage> {
@@ -76,6 +91,13 @@ impl Frame {
     /// A film has at least one pixel, so at least one page.
     pub fn first_page(&self) -> &FilmPage {
         &self.pages[0]
+    }
+
+    /// `grid_cell` of `glsl/include/guiding.glsl`.
+    pub fn cell_of(&self, position: Vec3) -> usize {
+        let Cells { origin, per_unit, resolution } = self.cells;
+        let cell = ((position - origin) * per_unit).clamp(Vec3::ZERO, Vec3::splat(resolution as f32 - 0.5)).as_uvec3();
+        ((cell.z * resolution + cell.y) * resolution + cell.x) as usize
     }
 
     pub fn counters(&self) -> &Buffer {
@@ -118,7 +140,7 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Setting
         _ => (0.0, 1.0),
     };
     let window = settings.window();
-    let extent = (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * 1.0e-6));
+    let cells = Cells::new(bvh, settings);
     let rows = rows(&camera.world_from_camera);
     let mut constants = layout::SceneConstants {
         world_from_camera: rows,
@@ -127,9 +149,9 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Setting
         principal_point: camera.principal_point.into(),
         near_clip: camera.near_clip,
         far_clip: camera.far_clip,
-        bounds_min: bvh.bounds.0.into(),
+        bounds_min: cells.origin.into(),
         aperture_radius,
-        cells_per_unit: (settings.grid as f32 / extent).into(),
+        cells_per_unit: cells.per_unit.into(),
         target_limit: target_limit(lights, settings.learner),
         seed: settings.seed,
         window_offset: [window.x, window.y],

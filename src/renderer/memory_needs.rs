@@ -35,14 +35,13 @@ impl MemoryNeeds {
             + size_of_val(&textures.records[..])
             + size_of_val(&materials[..])
             + shading.lights.texel_count() * size_of::<[u32; 4]>();
-        let grid_bytes = RadianceGrid::bytes(settings).saturating_add(NormalizationGrid::bytes(settings));
         let part = |name, bytes, remedy| Part { name, bytes, remedy };
         Self {
             parts: [
                 part("the film", film_bytes(settings), "smaller with --width, --height or --crop"),
                 part("the BVH", bvh_bytes as u64, "smaller for fewer triangles"),
                 part("textures and lights", shading_bytes as u64, "smaller for smaller images"),
-                part("the grids", grid_bytes, "smaller with --grid, --directions or --normals"),
+                part("the grids", guide_bytes(settings), "smaller with --grid, --directions or --normals"),
             ],
             host_bytes: host_film_bytes(settings),
         }
@@ -78,6 +77,11 @@ impl MemoryNeeds {
         let parts: Vec<_> = self.parts.iter().map(describe).collect();
         parts.join(", ")
     }
+}
+
+/// Bytes of both grids.
+pub(super) fn guide_bytes(settings: &Settings) -> u64 {
+    RadianceGrid::bytes(settings).saturating_add(NormalizationGrid::bytes(settings))
 }
 
 /// Free memory of the system, where it tells through a file.

@@ -18,6 +18,8 @@ mod statistics;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
+
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 
@@ -201,6 +203,11 @@ impl Renderer {
         self.back_end
     }
 
+    /// Bytes of the guide on the device.
+    pub fn guide_bytes(&self) -> u64 {
+        memory_needs::guide_bytes(&self.settings)
+    }
+
     /// Samples per pixel that complete steps and dispatches have taken.
     pub fn samples_done(&self) -> u32 {
         self.samples_done
@@ -228,6 +235,16 @@ impl Renderer {
     /// Where the device is lost.
     pub fn radiance(&self) -> Result<Vec<f32>> {
         self.radiance_grid.read()
+    }
+
+    /// What it holds of the cell of a point, a bin after the other; nothing without a guide.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn radiance_at(&self, position: Vec3) -> Result<Vec<f32>> {
+        let bins = self.settings.directions.pow(2) as usize;
+        let begin = self.frame.cell_of(position) * bins;
+        Ok(self.radiance()?.into_iter().skip(begin).take(bins).collect())
     }
 
     /// Adds `samples` samples to every pixel, a bounded number per dispatch.

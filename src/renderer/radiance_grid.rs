@@ -34,7 +34,8 @@ impl RadianceGrid {
 
     /// Bytes of the grid on the device.
     pub fn bytes(settings: &Settings) -> u64 {
-        let bin_bytes = size_of::<f32>() + size_of::<LearnedRadiance>() + size_of::<RadianceSum>();
+        let end_bytes = if settings.sampler == Sampler::SphereInversion { size_of::<u32>() } else { 0 };
+        let bin_bytes = size_of::<f32>() + size_of::<LearnedRadiance>() + size_of::<RadianceSum>() + end_bytes;
         Self::texels(settings).saturating_mul(bin_bytes as u64).saturating_add(Self::node_bytes(settings))
     }
 

@@ -44,6 +44,20 @@ fn a_scene_that_is_no_whole_scene() {
     refuse(&folder, &[], 1, &["scene.xml"]);
 }
 
+/// A film of 2^32 pixels: the arithmetic is done before anything is allocated, let alone rendered.
+#[test]
+fn what_memory_cannot_hold_is_refused_before_anything_is_rendered() {
+    let folder = Folder::new();
+    folder.write("a.exr", "earlier");
+    let size = ["--width", "65536", "--height", "65536"];
+    let files = ["-o", "a.exr", "--checkpoint", "a.ckpt", "--stats", "s.json"];
+    let output = folder.run(&[&["render", "scene.xml", "--quiet"], &size[..], &files].concat());
+    let words = ["the render needs ", "bytes of memory, but ", "the film 274877906944 (smaller with --width", "--crop"];
+    assert_sentence(&output, 1, &words);
+    assert_eq!(fs::read(folder.path("a.exr")).unwrap(), b"earlier");
+    assert_eq!(folder.names(), ["a.exr", "scene.xml"]);
+}
+
 #[test]
 fn a_scene_that_asks_for_what_there_is_not() {
     refuse_scene(r#"type="diffuse""#, r#"type="velvet""#, &["scene.xml:14: ", "bsdf plugin `velvet`"]);

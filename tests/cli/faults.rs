@@ -8,7 +8,7 @@ use std::process::Output;
 use lodestar::image::exr::read_picture;
 
 use crate::resume::{assert_same_picture, samples_in};
-use crate::support::{Folder, assert_quiet_success};
+use crate::support::{Folder, assert_quiet_success, assert_sentence};
 
 const SPP: u32 = 64;
 const PICTURE: [&str; 6] = ["--width", "40", "--height", "24", "--seed", "3"];
@@ -119,4 +119,27 @@ fn out_of_memory_says_what_needs_how_much_and_what_makes_it_less() {
     {
         assert!(message.contains(word), "{message} lacks {word}");
     }
+}
+
+/// Another program of the same calls, and those that only it makes.
+#[test]
+fn out_of_memory_while_a_kernel_is_examined_is_said() {
+    let folder = Folder::new();
+    let inspect = |at: u32| {
+        let mut command = folder.command(&["inspect", "update_radiance", "--device", "0", "--json"]);
+        command.env("LODESTAR_FAULT", format!("memory@{at}")).output().unwrap()
+    };
+    let (mut at, mut failures, mut in_a_row) = (1, 0, 0);
+    while in_a_row < 8 {
+        let output = inspect(at);
+        let is_whole = output.status.success();
+        if !is_whole {
+            assert_sentence(&output, 1, &["out of device memory"]);
+            failures += 1;
+        }
+        in_a_row = if is_whole { in_a_row + 1 } else { 0 };
+        at += 1;
+    }
+    println!("{failures} of the first {at} faults end it");
+    assert!(failures >= 5, "{failures}");
 }

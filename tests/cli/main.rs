@@ -12,6 +12,8 @@ mod kills;
 mod length;
 mod merge;
 mod profile;
+mod radiance;
+mod reproduce;
 mod resume;
 mod signals;
 mod statistics;

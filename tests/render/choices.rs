@@ -1,6 +1,8 @@
 //! Blends, two-sided pairs and holes, in a furnace of which the answer is known.
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
+use lodestar::scene::bsdf::Principled;
+use lodestar::scene::texture::{Pattern, Texture};
 use lodestar::scene::{
     Bsdf, Environment, Material, MaterialKind, Scene, SurfaceMaterial, Textured, emitter::AreaEmitter,
 };
@@ -15,7 +17,7 @@ const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 128;
 const EDGES: u32 = 6;
 /// Tests here, times samplers, with emitter sampling and without.
-const CASES: usize = 10 * SAMPLERS.len();
+const CASES: usize = 12 * SAMPLERS.len();
 const EMISSION: f64 = 0.5;
 /// Radiance of what is around the furnace.
 const OUTSIDE: f32 = 0.3;
@@ -93,6 +95,19 @@ fn blends_of_blends_draw_anew() {
     check("nested blend", &scene, answer(EDGES, albedo, 0.0));
 }
 
+/// As many choices within choices as the kernels follow; each blend takes its surface with probability 1/4.
+#[test]
+fn blends_may_be_as_deep_as_the_loop_that_follows_them() {
+    const DEEPEST: u32 = 8;
+    let albedo = |level: u32| 0.1 + 0.1 * level as f32;
+    let blends = (0..DEEPEST)
+        .map(|level| blend(0.75, [DEEPEST + level, if level + 1 < DEEPEST { level + 1 } else { 2 * DEEPEST }]));
+    let surfaces = (0..=DEEPEST).map(|level| surface(albedo(level)));
+    let share = |level: u32| 0.75_f64.powi(level as i32) * if level < DEEPEST { 0.25 } else { 1.0 };
+    let mean = (0..=DEEPEST).map(|level| share(level) * f64::from(albedo(level))).sum();
+    check("deep blend", &furnace(blends.chain(surfaces).collect()), answer(EDGES, mean, 0.0));
+}
+
 #[test]
 fn the_front_has_the_first_material() {
     let scene = furnace(vec![sides(1, 2), surface(0.6), surface(0.2)]);
@@ -119,4 +134,43 @@ fn light_goes_straight_through_holes() {
     masked.opacity = Textured::constant(0.8);
     let scene = furnace(vec![material(MaterialKind::Surface(masked))]);
     check("mask", &scene, answer(EDGES, 0.8 * 0.7, 0.2));
+}
+
+/// As many textures as a material may have: the loop over them ends by its bound, after the opacity's.
+#[test]
+fn the_last_of_eight_textures_counts() {
+    let gray = |value: f32| Texture {
+        name: String::new(),
+        pattern: Pattern::Checkerboard { color0: Vec3::splat(value), color1: Vec3::splat(value) },
+        to_uv: Mat3::IDENTITY,
+    };
+    let white = |value: f32| Textured { value, texture: Some(0) };
+    let principled = Principled {
+        base_color: Textured::constant(Vec3::splat(0.7)),
+        roughness: white(0.5),
+        anisotropic: white(0.0),
+        metallic: white(0.0),
+        spec_trans: Textured::constant(0.0),
+        eta: 1.5,
+        spec_tint: white(0.0),
+        sheen: white(0.0),
+        sheen_tint: white(0.0),
+        flatness: white(0.0),
+        clearcoat: Textured::constant(0.0),
+        clearcoat_gloss: Textured::constant(0.0),
+    };
+    let device = Device::new();
+    let mean = |opacity: Textured<f32>| {
+        let surface = SurfaceMaterial { opacity, ..SurfaceMaterial::plain(Bsdf::Principled(principled.clone())) };
+        let mut scene = furnace(vec![material(MaterialKind::Surface(surface))]);
+        scene.textures = vec![gray(1.0), gray(0.8)];
+        let settings = settings(&scene, SIZE, Sampler::Bsdf, 9);
+        Estimate::of(&device.render(&scene, &settings, SPP)).gray().0
+    };
+    let (textured, constant) = (mean(Textured { value: 1.0, texture: Some(1) }), mean(Textured::constant(0.8)));
+    let (seventh, whole) = (mean(Textured { value: 1.0, texture: Some(0) }), mean(Textured::constant(1.0)));
+    println!("{textured} {constant}, {seventh} {whole}");
+    // But for the rounding of a texture's luminance, the same paths.
+    assert!((textured / constant - 1.0).abs() < 1.0e-3 && (seventh / whole - 1.0).abs() < 1.0e-3);
+    assert!((textured / whole - 1.0).abs() > 1.0e-2);
 }

@@ -91,6 +91,21 @@ fn samplers_agree_on_the_door_ajar() {
     DOOR_AJAR.check();
 }
 
+/// So few samples that a slow driver takes them in seconds; the fault is larger in turn.
+#[test]
+fn a_small_picture_agrees() {
+    let small = Case { size: [16, 16], spp: [1024, 512, 512], sides: &[8, WHOLE], ..CORNELL_BOX };
+    let device = Device::new();
+    let bsdf = small.render(&device, &[], |s| s.seed = 1);
+    let compare = |pdf_tamper| {
+        let set = |s: &mut Settings| (s.sampler, s.seed, s.pdf_tamper) = (Sampler::RejectionMix, 2, pdf_tamper);
+        let comparison = Comparison::new(&bsdf, &small.render(&device, &[], set), small.sides);
+        println!("densities times {pdf_tamper}: {comparison:?}");
+        comparison.agrees()
+    };
+    assert!(compare(1.0) && !compare(1.25));
+}
+
 /// A picture of 16 x 16 pixels of which some deviate by `z` standard deviations.
 fn deviating(z: f32, which: impl Fn(usize) -> bool) -> Estimate {
     let value = |at| 10.0 + if which(at) { 0.1 * z } else { 0.0 };

@@ -1,8 +1,10 @@
 //! `glsl/include/traverse.glsl` and `glsl/include/intersect.glsl`, against trying every primitive.
 
+use std::iter::once;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, vec3};
-use lodestar::bvh::Bvh;
+use lodestar::bvh::{Bvh, NODE_WORDS};
 use lodestar::gpu::BufferKind;
 use lodestar::kernels::{NONE, Variant, test};
 use lodestar::reference::intersect::{Ray, crossings, traverse};
@@ -93,16 +95,26 @@ pub fn rays(count: usize, any_hit: bool) -> Vec<TraceInput> {
     (0..count).map(&mut ray).collect()
 }
 
+/// A hierarchy in which materials tell the primitives' places in the list.
+fn build(primitives: &[Primitive]) -> Bvh {
+    let numbered: Vec<_> = (0..).zip(primitives).map(|(material, &p)| Primitive { material, ..p }).collect();
+    Bvh::build(&numbered)
+}
+
 /// What the device finds, its primitives numbered as in `primitives`.
 fn trace(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
+    let bvh = build(primitives);
+    trace_with_stack(&bvh, bvh.depth, rays)
+}
+
+/// The same of a hierarchy of [`build`], with a stack of so many entries.
+fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<TraceOutput> {
     let device = Device::new();
-    let numbered: Vec<_> = (0..).zip(primitives).map(|(material, &p)| Primitive { material, ..p }).collect();
-    let bvh = Bvh::build(&numbered);
     let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
     nodes.upload(0, &bvh.nodes).expect("uploaded");
     let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelUint);
     records.upload(0, &bvh.primitives).expect("uploaded");
-    let variant = Variant { has_spheres: bvh.has_spheres(), stack_size: bvh.depth, ..Variant::default() };
+    let variant = Variant { has_spheres: bvh.has_spheres(), stack_size, ..Variant::default() };
     let mut found: Vec<TraceOutput> = device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records]);
     // Leaves have an order of their own; the material remembers the other.
     for output in found.iter_mut().filter(|output| output.primitive != NONE) {
@@ -229,4 +241,66 @@ fn degenerate_primitives_are_never_hit_and_hide_nothing() {
     // And where there is nothing else.
     let only = &primitives[100..];
     assert!(trace(only, &rays(512, false)).iter().all(|o| o.primitive == NONE));
+}
+
+/// Nodes of a chain, two inner ones on every level: the chain's next and, visited after all that hangs below that, one that
+/// holds a single primitive. Boxes are all of [0, 1]^3. A ray of positive direction so leaves one group on the stack at every
+/// level but the last, which has no children but its primitive.
+fn chain(primitive_count: u32) -> Vec<[u32; NODE_WORDS]> {
+    // Cells of 2^-7, so that 128 of them are the box.
+    let mut node = [0; NODE_WORDS];
+    node[3] = u32::from_le_bytes([120, 120, 120, 0]);
+    let inner = |child_base: u32| {
+        let mut node = node;
+        node[3] |= 0b11 << 24;
+        node[4] = child_base;
+        node[6] = u32::from_le_bytes([0b001_11000, 0b001_11001, 0, 0]);
+        (2..5).for_each(|axis| node[4 * axis + 2] = 128 | 128 << 8);
+        node
+    };
+    let leaf = |primitive: u32| {
+        let mut node = node;
+        node[5] = primitive;
+        node[6] = 0b001_00000;
+        (2..5).for_each(|axis| node[4 * axis + 2] = 128);
+        node
+    };
+    let last = primitive_count - 2;
+    let next = |level: u32| if level == last { leaf(level + 1) } else { inner(2 * level + 3) };
+    once(inner(1)).chain((0..=last).flat_map(|level| [next(level), leaf(level)])).collect()
+}
+
+/// The nearest primitive hangs at the root and is found last, so nothing that waits on the stack may be lost.
+#[test]
+fn a_stack_is_filled_to_its_last_entry_and_what_does_not_fit_is_an_overrun() {
+    const LEVELS: u32 = 24;
+    let plane = |index: u32| {
+        let height = (index as f32 + 1.0) / (LEVELS as f32 + 2.0);
+        primitive(PrimitiveShape::Parallelogram, height * Vec3::Z, Vec3::X, Vec3::Y)
+    };
+    let primitives: Vec<_> = (0..LEVELS).map(plane).collect();
+    let mut bvh = build(&primitives);
+    bvh.nodes = chain(LEVELS);
+    // In the order of the list, which is that of the chain's leaves.
+    let Bvh { primitives: records, attributes, .. } = &mut bvh;
+    records.sort_by(|a, b| a.origin[2].total_cmp(&b.origin[2]));
+    attributes.sort_by_key(|attributes| attributes.material);
+    let mut numbers = Numbers::new(90);
+    let mut ray = |_| {
+        let mut pair = |least, most| [(); 2].map(|()| numbers.between(least, most) as f32);
+        let ([x, y], [dx, dy]) = (pair(0.0, 0.5), pair(0.01, 0.1));
+        TraceInput::new(vec3(x, y, -0.01), vec3(dx, dy, 1.0).normalize())
+    };
+    let rays: Vec<_> = (0..512).map(&mut ray).collect();
+    for any_hit in [0, 1] {
+        let rays: Vec<_> = rays.iter().map(|&ray| TraceInput { any_hit, ..ray }).collect();
+        // One group waits on every level but the last.
+        let outputs = trace_with_stack(&bvh, LEVELS - 1, &rays);
+        for (input, output) in rays.iter().zip(&outputs) {
+            assert_eq!(fault(&primitives, input, output), None, "{input:?} {output:?}");
+            assert_eq!(output.primitive, if any_hit == 1 { LEVELS - 1 } else { 0 }, "{input:?}");
+        }
+        let outputs = trace_with_stack(&bvh, LEVELS - 2, &rays);
+        assert!(outputs.iter().all(|output| output.overrun == 1));
+    }
 }

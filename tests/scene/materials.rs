@@ -422,3 +422,16 @@ fn more_textures_than_links_are_refused() {
     assert_eq!(scene.textures.len(), 8);
     refuse(&format!(r#"<bsdf type="principled">{eight}{}</bsdf>"#, texture(&"base_color")), &["9 textured", "8"]);
 }
+
+#[test]
+fn deeper_choices_than_the_kernels_follow_are_refused() {
+    let nested = |depth: u32| {
+        let blend = |inner: String| {
+            format!(r#"<bsdf type="blendbsdf"><float name="weight" value="0.5"/><bsdf type="diffuse"/>{inner}</bsdf>"#)
+        };
+        (0..depth).fold(r#"<bsdf type="diffuse"/>"#.to_owned(), |inner, _| blend(inner))
+    };
+    // Eight blends, eight surfaces beside them, and one within.
+    assert_eq!(scene(&nested(8)).materials.len(), 17);
+    refuse(&nested(9), &["more than 8 deep"]);
+}

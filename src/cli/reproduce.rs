@@ -1,0 +1,98 @@
+//! `lodestar reproduce`.
+
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use lodestar::Result;
+use lodestar::gpu::{Context, ContextOptions};
+use lodestar::reproduce::{Plan, Status, Target, Watch};
+
+use super::interrupt::Interrupt;
+use super::print_line;
+use super::progress::{Meter, duration};
+use super::render_args::{positive, seconds};
+
+/// Measures what the paper's tables state, on this device and beside the paper's figures.
+///
+/// Every method renders every scene for the same time, by turns. With 40 seconds a picture, as in the paper, all of it takes
+/// hours. What is in the output folder already, under the same conditions, is not measured again: run the same command again
+/// after Ctrl-C.
+#[derive(Debug, clap::Args)]
+pub struct ReproduceArgs {
+    /// What to reproduce.
+    #[arg(value_enum)]
+    target: Target,
+    /// Folder with the paper's scenes: NAME/scene.xml.
+    #[arg(long, value_name = "DIR")]
+    scenes: PathBuf,
+    /// Folder with their references: NAME.mean.exr.
+    #[arg(long, value_name = "DIR")]
+    references: PathBuf,
+    /// Seconds of rendering for each picture.
+    #[arg(long, value_name = "SECONDS", default_value_t = 40.0, value_parser = seconds)]
+    seconds: f64,
+    /// Size of the pictures, relative to the references' [default: so that a plain path tracer takes 1000 samples per pixel].
+    #[arg(long, value_name = "F", value_parser = positive)]
+    scale: Option<f32>,
+    /// Take this scene only; may be given several times.
+    #[arg(long, value_name = "SCENE")]
+    only: Vec<String>,
+    /// Folder for tables, pictures and measurements.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Vulkan device, by index or by a part of its name, as `lodestar devices` lists them.
+    #[arg(long, value_name = "INDEX|NAME", env = "LODESTAR_DEVICE")]
+    device: Option<String>,
+    /// Show no progress.
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Measures as `args` say.
+pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
+    let interrupt = Interrupt::catch()?;
+    let plan = Plan {
+        target: args.target,
+        scenes: args.scenes.clone(),
+        references: args.references.clone(),
+        seconds: args.seconds,
+        scale: args.scale,
+        only: args.only.clone(),
+        out: args.out.clone(),
+    };
+    let device = args.device.clone().filter(|device| !device.trim().is_empty());
+    let context = Context::new(&ContextOptions { device, validate: false })?;
+    let (begin, meter) = (Instant::now(), RefCell::new(Meter::new(args.quiet)));
+    let show = |status: &Status| {
+        let left = seconds_left(status, begin.elapsed().as_secs_f64());
+        let text = format!("{}, about {} left", status.doing, duration(left));
+        meter.borrow_mut().update(status.done / status.total.max(1.0e-6), text);
+    };
+    let is_whole = plan.run(&context, &Watch { stop: &|| interrupt.is_raised(), show: &show })?;
+    meter.borrow_mut().finish();
+    if is_whole && !args.quiet {
+        print_line(&format!("written to {}", args.out.display()))?;
+    }
+    Ok(interrupt.exit_code())
+}
+
+/// What is left to render, with as much on top as loading and measuring took so far.
+fn seconds_left(status: &Status, elapsed: f64) -> f64 {
+    let overhead = if status.done > 0.0 { (elapsed / status.done).max(1.0) } else { 1.0 };
+    (status.total - status.done).max(0.0) * overhead
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_grows_with_what_is_no_rendering() {
+        let status = |done| Status { doing: String::new(), done, total: 100.0 };
+        assert_eq!(seconds_left(&status(0.0), 3.0), 100.0);
+        assert_eq!(seconds_left(&status(20.0), 30.0), 120.0);
+        assert_eq!(seconds_left(&status(101.0), 300.0), 0.0);
+    }
+}

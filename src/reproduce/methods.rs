@@ -1,0 +1,152 @@
+//! Every way to render that the tables compare.
+
+use clap::ValueEnum;
+
+use crate::settings::{Learner, Mix, Sampler, Settings};
+
+/// How directions are sampled and learned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Method {
+    /// The sampler.
+    pub sampler: Sampler,
+    /// The learner.
+    pub learner: Learner,
+    /// What `rejection-mix` mixes.
+    pub mix: Mix,
+    /// The share e of `rejection-mix`; the optimal one where `None`.
+    pub epsilon: Option<f32>,
+}
+
+/// A method's places in the tables, by the names of the paper's columns, or of ours where it has none.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// The method.
+    pub method: Method,
+    /// Its column in Table 1.
+    pub table1: Option<&'static str>,
+    /// Its sampler's column in Table 2; its learner is the row.
+    pub table2: Option<&'static str>,
+}
+
+const SPHERE: Option<&str> = Some("sphere, inversion");
+const HEMISPHERE: Option<&str> = Some("hemisphere, inversion");
+const REJECTION: Option<&str> = Some("hemisphere, rejection");
+const REJECTION_MIX: Option<&str> = Some("hemisphere, Rej+");
+/// Eq. 9, which the paper states beside Eq. 8 and has no column for.
+const ACCEPTANCE: Option<&str> = Some("hemisphere, Rej+ of acceptances");
+
+/// Beyond the paper.
+const PRODUCT: Option<&str> = Some("product");
+
+use Learner::{ExpectedSarsa, IrradianceSarsa, MonteCarlo, Sarsa};
+
+/// The methods of Tables 1 and 2. A line here is all that another one needs.
+pub const METHODS: [Place; 20] = [
+    place(Method::PLAIN, Some("BRDF"), None),
+    place(Method::new(Sampler::SphereInversion, ExpectedSarsa), None, SPHERE),
+    place(Method::new(Sampler::SphereInversion, MonteCarlo), None, SPHERE),
+    place(Method::new(Sampler::SphereInversion, Sarsa), None, SPHERE),
+    place(Method::new(Sampler::HemisphereInversion, ExpectedSarsa), None, HEMISPHERE),
+    place(Method::new(Sampler::HemisphereInversion, MonteCarlo), None, HEMISPHERE),
+    place(Method::new(Sampler::HemisphereInversion, Sarsa), None, HEMISPHERE),
+    place(Method::new(Sampler::Rejection, ExpectedSarsa), None, REJECTION),
+    place(Method::new(Sampler::Rejection, MonteCarlo), None, REJECTION),
+    place(Method::new(Sampler::Rejection, Sarsa), Some("ours w/o Rej+"), REJECTION),
+    place(Method::new(Sampler::RejectionMix, ExpectedSarsa), Some("ours w/o SARSA"), REJECTION_MIX),
+    place(Method::new(Sampler::RejectionMix, MonteCarlo), None, REJECTION_MIX),
+    place(Method::new(Sampler::RejectionMix, Sarsa), Some("ours"), REJECTION_MIX),
+    place(Method::new(Sampler::RejectionMix, ExpectedSarsa).mixing_acceptances(), None, ACCEPTANCE),
+    place(Method::new(Sampler::RejectionMix, MonteCarlo).mixing_acceptances(), None, ACCEPTANCE),
+    place(Method::new(Sampler::RejectionMix, Sarsa).mixing_acceptances(), None, ACCEPTANCE),
+    place(Method::new(Sampler::Product, ExpectedSarsa), None, PRODUCT),
+    place(Method::new(Sampler::Product, MonteCarlo), None, PRODUCT),
+    place(Method::new(Sampler::Product, Sarsa), PRODUCT, PRODUCT),
+    place(Method::new(Sampler::Product, IrradianceSarsa), Some("product, irradiance"), None),
+];
+
+/// Shares e of Figure 7b and 7c.
+pub const SHARES: [f32; 7] = [1.0e-4, 1.0e-3, 1.0e-2, 0.1, 0.25, 0.5, 1.0];
+
+const fn place(method: Method, table1: Option<&'static str>, table2: Option<&'static str>) -> Place {
+    Place { method, table1, table2 }
+}
+
+impl Method {
+    /// A plain path tracer.
+    pub const PLAIN: Self = Self::new(Sampler::Bsdf, Sarsa);
+
+    /// A sampler with a learner.
+    pub const fn new(sampler: Sampler, learner: Learner) -> Self {
+        Self { sampler, learner, mix: Mix::Density, epsilon: None }
+    }
+
+    /// By Eq. 9.
+    pub const fn mixing_acceptances(self) -> Self {
+        Self { mix: Mix::Acceptance, ..self }
+    }
+
+    /// With a fixed share e.
+    pub const fn with_share(self, share: f32) -> Self {
+        Self { epsilon: Some(share), ..self }
+    }
+
+    /// Its name, also of its files: `rejection-mix+sarsa`.
+    pub fn name(&self) -> String {
+        let mix = if self.mix == Mix::Acceptance { "-acceptance" } else { "" };
+        let share = self.epsilon.map(|share| format!("-e{share}")).unwrap_or_default();
+        match self.sampler {
+            Sampler::Bsdf => word(self.sampler),
+            _ => format!("{}{mix}{share}+{}", word(self.sampler), word(self.learner)),
+        }
+    }
+
+    /// Changes the settings to it.
+    pub fn apply(&self, settings: &mut Settings) {
+        settings.sampler = self.sampler;
+        settings.learner = self.learner;
+        settings.mix = self.mix;
+        settings.epsilon = self.epsilon;
+    }
+}
+
+/// As the command line spells it.
+pub(super) fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduce::paper;
+    use crate::scene::{FilmDescription, IntegratorDescription, ReconstructionFilter};
+
+    #[test]
+    fn every_method_is_valid_and_has_a_name_of_its_own() {
+        let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
+        let mut names: Vec<_> = METHODS.iter().map(|place| place.method.name()).collect();
+        for place in METHODS {
+            let mut settings = Settings::for_film(&film, &IntegratorDescription::default());
+            place.method.apply(&mut settings);
+            settings.validate().expect("a method that can be rendered");
+        }
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), METHODS.len());
+        let fixed = Method::new(Sampler::RejectionMix, Sarsa).with_share(1.0e-4);
+        assert_eq!((Method::PLAIN.name(), fixed.name()), ("bsdf".into(), "rejection-mix-e0.0001+sarsa".into()));
+    }
+
+    /// But for the quadtree, every figure of the paper's tables has one of ours beside it.
+    #[test]
+    fn methods_stand_in_the_papers_columns() {
+        let table1: Vec<_> = METHODS.iter().filter_map(|place| place.table1).collect();
+        assert_eq!(table1, ["BRDF", "ours w/o Rej+", "ours w/o SARSA", "ours"]);
+        assert!(table1.iter().all(|column| paper::table1_column(column).is_some()));
+        for column in paper::TABLE2_COLUMNS {
+            for row in paper::TABLE2 {
+                let found = METHODS.iter().filter(|p| p.table2 == Some(column) && p.method.learner == row.learner);
+                assert_eq!(found.count(), 1, "{column}, {}", row.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! How the paper measures: no emitter sampling, at most 16 edges, roulette after 8, a box filter, pictures so small that a
+//! plain path tracer comes to about a thousand samples per pixel.
+
+use crate::image::Image;
+use crate::scene::{ReconstructionFilter, Scene};
+use crate::settings::{Sampler, Settings};
+use crate::{Error, Result};
+
+const MAX_DEPTH: u32 = 16;
+const RR_DEPTH: u32 = 8;
+/// Samples per pixel that `bsdf` is to reach.
+const TARGET_SPP: f64 = 1000.0;
+/// Pictures are not made smaller than that on either side.
+const LEAST_SIDE: u32 = 32;
+
+/// The settings of all methods, but for the sampler and learner.
+pub fn settings(scene: &Scene, [width, height]: [u32; 2]) -> Settings {
+    Settings {
+        width,
+        height,
+        crop: None,
+        filter: ReconstructionFilter::Box,
+        max_depth: MAX_DEPTH,
+        rr_depth: RR_DEPTH,
+        nee: false,
+        sampler: Sampler::Bsdf,
+        ..Settings::for_scene(scene)
+    }
+}
+
+/// By how much a reference can be averaged down so that every pixel is the mean of whole ones, smallest first.
+pub fn factors([width, height]: [u32; 2]) -> Vec<u32> {
+    (1..=width.min(height)).filter(|&factor| width.is_multiple_of(factor) && height.is_multiple_of(factor)).collect()
+}
+
+/// The factor of pictures of `scale` times the reference's size.
+///
+/// # Errors
+/// Where the reference cannot be averaged down to that.
+pub fn factor_of_scale(size: [u32; 2], scale: f32) -> Result<u32> {
+    let factors = factors(size);
+    let is_meant = |factor: &&u32| (scale * **factor as f32 - 1.0).abs() < 1.0e-3;
+    factors.iter().find(is_meant).copied().ok_or_else(|| {
+        let scales: Vec<_> = factors.iter().map(|&factor| format!("{:.4}", 1.0 / factor as f32)).collect();
+        let [width, height] = size;
+        Error::Settings(format!(
+            "--scale {scale}: a reference of {width} x {height} pixels can be averaged down to {}",
+            scales.join(", ")
+        ))
+    })
+}
+
+/// The factor with which a plain path tracer comes to a thousand samples per pixel within the budget, if any does, at this
+/// time a path.
+pub fn factor_for(size: [u32; 2], seconds_per_path: f64, budget: f64) -> u32 {
+    let spp = |factor: u32| {
+        let pixels = f64::from(size[0] / factor) * f64::from(size[1] / factor);
+        budget / (seconds_per_path * pixels)
+    };
+    let allowed =
+        factors(size).into_iter().filter(|&factor| factor == 1 || size[0].min(size[1]) / factor >= LEAST_SIDE);
+    let allowed: Vec<_> = allowed.collect();
+    let enough = allowed.iter().find(|&&factor| spp(factor) >= TARGET_SPP);
+    enough.or(allowed.last()).copied().unwrap_or(1)
+}
+
+/// Every pixel the mean of `factor` x `factor` of the reference's: exact for a box filter. The factor divides both sides.
+pub fn average_down(reference: &Image, factor: u32) -> Image {
+    let [width, height] = [reference.width / factor, reference.height / factor];
+    let mean = |i: u32| {
+        let (left, top) = (i % width * factor, i / width * factor);
+        let mut sum = [0.0_f64; 3];
+        for at in (0..factor * factor).map(|j| (top + j / factor) * reference.width + left + j % factor) {
+            let pixel = reference.pixels[at as usize];
+            sum = std::array::from_fn(|c| sum[c] + f64::from(pixel[c]));
+        }
+        sum.map(|sum| (sum / f64::from(factor * factor)) as f32)
+    };
+    Image { width, height, pixels: (0..width * height).map(mean).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_whole_pixels_are_averaged() {
+        assert_eq!(factors([320, 180]), [1, 2, 4, 5, 10, 20]);
+        assert_eq!(factor_of_scale([320, 180], 0.25).expect("a factor"), 4);
+        let error = factor_of_scale([320, 180], 0.3).expect_err("a refusal").to_string();
+        assert!(error.contains("320 x 180") && error.contains("0.2500, 0.2000"), "{error}");
+    }
+
+    #[test]
+    fn pictures_are_as_large_as_the_budget_allows() {
+        // 57,600 pixels, of which 10^4 get their thousand samples at a microsecond each in 10 s.
+        assert_eq!(factor_for([320, 180], 1.0e-6, 57.7), 1);
+        assert_eq!(factor_for([320, 180], 1.0e-6, 57.5), 2);
+        assert_eq!(factor_for([320, 180], 1.0e-6, 14.0), 4);
+        // A side of 36 pixels, however long it takes; a small reference is left as it is.
+        assert_eq!(factor_for([320, 180], 1.0, 1.0), 5);
+        assert_eq!(factor_for([20, 20], 1.0, 1.0), 1);
+    }
+
+    #[test]
+    fn means_are_of_the_right_pixels() {
+        let pixels = (0..24).map(|i| [i as f32, 1.0, -(i as f32)]).collect();
+        let small = average_down(&Image { width: 6, height: 4, pixels }, 2);
+        assert_eq!((small.width, small.height), (3, 2));
+        // Pixels 2, 3, 8 and 9; 16, 17, 22 and 23.
+        assert_eq!((small.pixels[1], small.pixels[5]), ([5.5, 1.0, -5.5], [19.5, 1.0, -19.5]));
+    }
+}
