@@ -146,6 +146,11 @@ pub struct Cell {
 impl Cell {
     /// A cell without content.
     pub fn new(device: &Device, variant: &Variant) -> Self {
+        Self::normalized_by(device, variant, &test::NORMALIZE_CELL)
+    }
+
+    /// The same, with another kernel that fills the normalizers.
+    pub fn normalized_by(device: &Device, variant: &Variant, normalize: &KernelSource) -> Self {
         let map = if variant.map == MAP_CYLINDRICAL { DirectionMap::Cylindrical } else { DirectionMap::EqualArea };
         let (directions, normals) = (variant.direction_resolution, variant.normal_resolution);
         let entries = (normals * normals) as usize * size_of::<NormalizationEntry>();
@@ -154,7 +159,7 @@ impl Cell {
             bin_ends: device.storage("bin ends", (directions * directions) as usize * size_of::<u32>()),
             entries: device.storage("entries", entries),
             integrals: device.uploaded("integrals", &cosine_integrals(map, directions, normals)),
-            normalize: device.kernel(&test::NORMALIZE_CELL, variant),
+            normalize: device.kernel(normalize, variant),
             normals,
         }
     }
