@@ -1,6 +1,9 @@
 //! Compiles every kernel under `glsl/` to SPIR-V, reflects it, and writes `kernels.rs`: the typed kernel registry, the
 //! specialization constants as one struct, the shared enum values, and compile-time checks of `layout.rs`.
 
+#[path = "build/compile.rs"]
+mod compile;
+
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,7 +14,6 @@ use spirq::prelude::*;
 use spirq::ty::{DescriptorType, ScalarType, Type};
 use spirq::var::Variable;
 
-const INCLUDE_FOLDERS: [&str; 2] = ["glsl/include", "glsl"];
 /// Kernels that include this file are built once for each of its two back ends.
 const GEOMETRY_FILE: &str = "glsl/include/bvh.glsl";
 /// Declares records and is never dispatched.
@@ -37,6 +39,7 @@ type Bindings = BTreeMap<(u32, u32), (&'static str, String)>;
 fn main() {
     println!("cargo::rerun-if-changed=glsl");
     println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build");
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
     if let Err(message) = run(&out) {
         for line in message.lines() {
@@ -93,61 +96,10 @@ fn compile(file: &str) -> Result<Compiled, String> {
 }
 
 fn compile_one(file: &str, back_end: BackEnd, reads_geometry: &Cell<bool>) -> Result<Vec<u8>, String> {
-    let source = read_text(file)?;
-    let compiler = shaderc::Compiler::new().map_err(|e| e.to_string())?;
-    let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
-    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
-    options.set_target_spirv(shaderc::SpirvVersion::V1_5);
-    options.set_optimization_level(shaderc::OptimizationLevel::Performance);
-    // Debug information is what keeps the names through the optimizer.
-    options.set_generate_debug_info();
-    options.set_warnings_as_errors();
-    if back_end == BackEnd::Texel {
-        options.add_macro_definition("TEXEL_READS", Some("1"));
-    }
-    options.set_include_callback(|name, _, _, _| {
-        let included = resolve_include(name)?;
-        reads_geometry.set(reads_geometry.get() || included.resolved_name == GEOMETRY_FILE);
-        Ok(included)
-    });
-    let kind = shaderc::ShaderKind::Compute;
-    let artifact = compiler
-        .compile_into_spirv(&source, kind, file, "main", Some(&options))
-        .map_err(|e| diagnostics(&e.to_string()))?;
-    Ok(artifact.as_binary_u8().to_vec())
-}
-
-fn resolve_include(name: &str) -> Result<shaderc::ResolvedInclude, String> {
-    for folder in INCLUDE_FOLDERS {
-        let path = format!("{folder}/{name}");
-        if let Ok(content) = fs::read_to_string(&path) {
-            return Ok(shaderc::ResolvedInclude { resolved_name: path, content });
-        }
-    }
-    Err(format!("no file {name} under {}", INCLUDE_FOLDERS.join(" or ")))
-}
-
-/// Turns `file:line: error: text` into the form that rustc gives its own errors.
-fn diagnostics(message: &str) -> String {
-    let mut text = String::new();
-    for line in message.lines() {
-        let mut parts = line.splitn(3, ':');
-        let (file, number, rest) =
-            (parts.next(), parts.next().and_then(|n| n.trim().parse::<usize>().ok()), parts.next());
-        let (Some(file), Some(number), Some(rest)) = (file, number, rest) else {
-            let _ = writeln!(text, "{line}");
-            continue;
-        };
-        let source = fs::read_to_string(file).unwrap_or_default();
-        let source_line = source.lines().nth(number.saturating_sub(1)).unwrap_or_default();
-        let margin = " ".repeat(number.to_string().len());
-        let _ = writeln!(
-            text,
-            "{}\n{margin}--> {file}:{number}\n{margin} |\n{number} | {source_line}\n{margin} |",
-            rest.trim()
-        );
-    }
-    text
+    let macros: &[&str] = if back_end == BackEnd::Texel { &["TEXEL_READS"] } else { &[] };
+    let (spirv, included) = compile::compile(Path::new(""), file, macros)?;
+    reads_geometry.set(reads_geometry.get() || included.iter().any(|file| file == GEOMETRY_FILE));
+    Ok(spirv)
 }
 
 // --------------------------------------------------------------------------------------------- constants and variant

@@ -187,11 +187,11 @@ void main() {
         if (keeps_vertices()) {
             kept_count = keep_vertex(kept_count, path.met);
             if (path.depth == 0u) {
-                record_returns(kept_count, path.key);
+                tally.nonfinite += record_returns(kept_count, path.key);
                 kept_count = 0u;
             }
-        } else if (is_learning()) {
-            record(travelled, target, leftover_float(bits));
+        } else if (is_learning() && record(travelled, target, leftover_float(bits))) {
+            ++tally.nonfinite;
         }
 
         if (path.depth == 0u) add_sample(samples, path.radiance, tally);

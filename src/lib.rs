@@ -43,19 +43,19 @@
 //! # Paper map
 //! | in the paper | GLSL | held by |
 //! |---|---|---|
-//! | radiance grid `L(x, w)`, Sec. 3 | `radiance_grid.glsl`, `grid_cell` in `guiding.glsl` | `tests/samplers/fixed_point.rs` |
+//! | radiance grid `L(x, w)`, Sec. 3 | `radiance_grid.glsl`, `grid_cell` in `guiding.glsl` | `tests/proofs/claims/sums.rs` |
 //! | equal-area and cylindrical directions | `map_to_sphere`, `sphere_to_map` in `direction_map.glsl` | `tests/samplers/direction_map.rs` |
-//! | expected SARSA target, Eq. 5 | `target_expected_sarsa` in `expected_sarsa.glsl` | `tests/render/analytic.rs` (the learned field of a furnace) |
+//! | expected SARSA target, Eq. 5 | `target_expected_sarsa` in `expected_sarsa.glsl` | `tests/proofs/claims/targets.rs`, `tests/render/analytic.rs` (the learned field of a furnace) |
 //! | SARSA target, Eq. 6 | `target_sarsa` in `learning.glsl` | the same |
 //! | Monte-Carlo target | `record_returns` in `monte_carlo.glsl` | the same |
-//! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/samplers/learning.rs` |
-//! | normal-aware rejection, plain and mixed (Eq. 8, 9) | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/samplers/guides.rs` (chi-square), `tests/render/ztest.rs` |
+//! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/proofs/claims/updates.rs` |
+//! | normal-aware rejection, plain and mixed (Eq. 8, 9) | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/proofs/claims/samples.rs` (chi-square), `densities.rs`, `tests/render/ztest.rs` |
 //! | inversion over the sphere | `sample_sphere_inversion`, `pdf_sphere_inversion` in `sphere_inversion.glsl`, `store_bin_ends` in `bin_distribution.glsl` | the same |
 //! | inversion over the hemisphere | `sample_hemisphere_inversion`, `pdf_hemisphere_inversion` in `hemisphere_inversion.glsl` | the same |
 //! | radiance times cosine exactly, by descent (beyond the paper) | `sample_product`, `pdf_product` in `product.glsl`, `product_record` in `radiance_tree.glsl` | the same, `tests/samplers/product.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
-//! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs` |
+//! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs`, `tests/proofs/claims/entries.rs` |
 //! | light-hit rate, Fig. 7a | `tally.glsl` | `tests/render/learning.rs` |
 //! | displayed error (MAE), Table 1 | [`image::metrics`] | unit tests against independent numbers |
 //!

@@ -5,7 +5,6 @@
 #include "frame.glsl"
 #include "guided_direction.glsl"
 #include "relief.glsl"
-#include "surface.glsl"
 
 struct DirectionSample {
     vec3 wi;         // world space

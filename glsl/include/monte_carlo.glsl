@@ -24,15 +24,18 @@ uint keep_vertex(uint count, PathVertex vertex) {
     return at + 1u;
 }
 
-// Records the returns of a path that has ended, from its last vertex back.
-void record_returns(uint count, RandomKey key) {
+// Records the returns of a path that has ended, from its last vertex back. Returns how many had to be dropped.
+uint record_returns(uint count, RandomKey key) {
     vec3 collected = vec3(0.0);
+    uint dropped = 0u;
     while (count > 0u) {
         --count;
         PathVertex vertex = kept_vertices[count];
         collected = vertex.light + ATTENUATION_TAMPER * vertex.factor * collected;
-        record(vertex.segment, mean_rgb(collected), unit_float(random_bits(key, count, RANDOM_LEARNING).x));
+        float u = unit_float(random_bits(key, count, RANDOM_LEARNING).x);
+        if (record(vertex.segment, mean_rgb(collected), u)) ++dropped;
     }
+    return dropped;
 }
 
 #endif

@@ -11,7 +11,7 @@ struct Tally {
     uint guided_samples;
     uint tries;
     uint invalid_samples;  // guided directions below the surface
-    uint nonfinite;        // samples dropped because they were NaN or infinite
+    uint nonfinite;        // samples and learning targets dropped because they were NaN or infinite
     bool overrun;          // a loop was ended before its own end condition held
 };
 

@@ -443,14 +443,15 @@ fn warn(warnings: &[String]) {
     warnings.iter().filter(|warning| seen.insert(*warning)).for_each(|warning| report("warning", warning));
 }
 
-/// What the validation layer said, if it was on.
 /// Dropped samples make a picture too dark; they come from a scene with infinite or undefined values.
 fn warn_of_nonfinite(count: u64) {
     if count > 0 {
-        report("warning", &format!("{count} samples were infinite or not a number and count as black"));
+        let what = "samples and learning targets were infinite or not a number: such samples count as black";
+        report("warning", &format!("{count} {what}"));
     }
 }
 
+/// What the validation layer said, if it was on.
 fn report_validation(context: &Context) -> Result<()> {
     let messages = context.validation_messages();
     messages.iter().for_each(|message| report("validation", message));

@@ -73,6 +73,11 @@ impl Guide<'_> {
         if self.rules.sampler == Sampler::Product { self.entry.uniform_share } else { 0.0 }
     }
 
+    /// Density with which the product sampler's descent alone draws `wi`.
+    pub fn descent(&self, wi: DVec3) -> f64 {
+        self.product().density(direction_bin(self.map, wi, self.resolution()) as usize)
+    }
+
     /// Density of `wi`, per steradian.
     pub fn pdf(&self, wi: DVec3) -> f64 {
         let density = self.bin_density(direction_bin(self.map, wi, self.resolution()) as usize);

@@ -71,12 +71,17 @@ impl Product<'_> {
         std::array::from_fn(|i| if has_part(i) { radiance[i] * cosine[i] } else { 0.0 })
     }
 
+    /// Weights of the map's sixteen blocks, as they are stored.
+    pub fn block_weights(&self) -> [f64; 16] {
+        let products = self.sums([0, 0], 4, self.side() / 4, |bin| self.radiance(bin) * self.integrals[bin]);
+        stored(&products, LEAST_7)
+    }
+
     /// Probability of a bin.
     pub fn probability(&self, bin: usize) -> f64 {
         let at = [bin % self.side(), bin / self.side()];
         let block_side = self.side() / 4;
-        let products = self.sums([0, 0], 4, block_side, |bin| self.radiance(bin) * self.integrals[bin]);
-        let mut probability = share(&stored(&products, LEAST_7), at.map(|x| x / block_side));
+        let mut probability = share(&self.block_weights(), at.map(|x| x / block_side));
         if self.side() > 16 {
             let corner = at.map(|x| x / block_side * block_side);
             let weights = self.node(corner, self.side() / 16, 4);

@@ -27,6 +27,8 @@ const TEXEL_WORDS_BINDING: u32 = 6;
 const TARGET_LIMIT: f32 = 16.0;
 /// The same of collected returns: few paths survive roulette, and these are weighed up.
 const RETURN_LIMIT: f32 = 1024.0;
+/// Nor do targets exceed this, so that no sum of 2^40 of them leaves single precision.
+const MOST_LIMIT: f32 = 1.0e26;
 
 /// The set, once for every film page; all else is shared between them.
 pub(super) struct Frame {
@@ -175,6 +177,7 @@ fn target_limit(lights: &Lights, learner: Learner) -> f32 {
     };
     match lights.brightest() {
         0.0 => multiple,
-        most => multiple * most,
+        // Also of what is no number.
+        most => (multiple * most).min(MOST_LIMIT),
     }
 }

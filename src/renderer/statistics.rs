@@ -20,7 +20,7 @@ pub struct Counts {
     pub tries: u64,
     /// Guided directions below the surface.
     pub invalid_samples: u64,
-    /// Samples dropped because they were NaN or infinite.
+    /// Samples and learning targets dropped because they were NaN or infinite.
     pub nonfinite: u64,
     /// Invocations in which a loop was cut short.
     pub overruns: u64,

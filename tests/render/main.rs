@@ -10,6 +10,7 @@ mod determinism;
 mod device;
 mod drivers;
 mod estimate;
+mod floor;
 mod guide_set;
 mod learning;
 mod nee;

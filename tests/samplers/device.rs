@@ -149,6 +149,11 @@ pub struct Cell {
 impl Cell {
     /// A cell without content.
     pub fn new(device: &Device, variant: &Variant) -> Self {
+        Self::normalized_by(device, variant, &test::NORMALIZE_CELL)
+    }
+
+    /// The same, with another kernel that fills the normalizers.
+    pub fn normalized_by(device: &Device, variant: &Variant, normalize: &KernelSource) -> Self {
         let map = if variant.map == MAP_CYLINDRICAL { DirectionMap::Cylindrical } else { DirectionMap::EqualArea };
         let (directions, normals) = (variant.direction_resolution, variant.normal_resolution);
         let entries = (normals * normals) as usize * size_of::<NormalizationEntry>();
@@ -162,7 +167,7 @@ impl Cell {
             entries: device.storage("entries", entries),
             integrals: device.uploaded("integrals", &integrals),
             cosine_nodes: device.uploaded("cosine nodes", &trees),
-            normalize: device.kernel(&test::NORMALIZE_CELL, variant),
+            normalize: device.kernel(normalize, variant),
             normals,
         }
     }

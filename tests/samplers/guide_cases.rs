@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, dvec2};
 use lodestar::cosine_integrals::cosine_integrals;
-use lodestar::gpu::{Buffer, Kernel};
+use lodestar::gpu::{Buffer, Kernel, KernelSource};
 use lodestar::kernels::{Variant, test};
 use lodestar::layout::CosineIntegral;
 use lodestar::reference::direction_map::{bin_center, bin_point, direction_bin, normal_bin, representative_normal};
@@ -233,11 +233,16 @@ impl Setting {
         (0..self.cosines.len()).map(mass).collect()
     }
 
-    /// Chi-square of samples against a density.
-    pub fn fit(&self, drawn: &[Drawn], guide: &Guide) -> f64 {
+    /// Samples in every cell of the histogram, and how many a density expects there.
+    pub fn histogram(&self, drawn: &[Drawn], guide: &Guide) -> (Vec<u64>, Vec<f64>) {
         let mut counts = vec![0; (HISTOGRAM * HISTOGRAM) as usize];
         drawn.iter().for_each(|d| counts[direction_bin(self.map, d.direction(), HISTOGRAM) as usize] += 1);
-        let expected: Vec<f64> = self.masses(guide).iter().map(|mass| mass * drawn.len() as f64).collect();
+        (counts, self.masses(guide).iter().map(|mass| mass * drawn.len() as f64).collect())
+    }
+
+    /// Chi-square of samples against a density.
+    pub fn fit(&self, drawn: &[Drawn], guide: &Guide) -> f64 {
+        let (counts, expected) = self.histogram(drawn, guide);
         chi_square(&counts, &expected)
     }
 }
@@ -247,9 +252,30 @@ fn bin_of_cell(cell: usize) -> usize {
     (cell / side / ratio) * DIRECTIONS as usize + cell % side / ratio
 }
 
+/// The kernels that a guide is tested with.
+pub struct GuideKernels {
+    pub normalize: KernelSource,
+    pub draw: KernelSource,
+    pub density: KernelSource,
+    /// Invocations of their workgroups.
+    pub group: u32,
+}
+
+impl GuideKernels {
+    pub fn built_in() -> Self {
+        Self {
+            normalize: test::NORMALIZE_CELL.clone(),
+            draw: test::GUIDED_DIRECTION.clone(),
+            density: test::GUIDED_DENSITY.clone(),
+            group: GROUP,
+        }
+    }
+}
+
 /// A sampler on the device.
 pub struct Guided {
     device: Device,
+    group: u32,
     pub cell: Cell,
     draw: Kernel,
     density: Kernel,
@@ -259,14 +285,20 @@ pub struct Guided {
 
 impl Guided {
     pub fn new(kind: Kind) -> Self {
+        Self::with(kind, &GuideKernels::built_in())
+    }
+
+    pub fn with(kind: Kind, kernels: &GuideKernels) -> Self {
         let device = Device::new();
         let sphere = kind.rules.sampler == Sampler::SphereInversion;
         let normal_resolution = if sphere { 1 } else { NORMALS };
-        let variant = Variant { normal_resolution, ..variant(&kind.rules, kind.map) };
+        let workgroup_size = kernels.group;
+        let variant = Variant { normal_resolution, workgroup_size, ..variant(&kind.rules, kind.map) };
         Self {
-            cell: Cell::new(&device, &variant),
-            draw: device.kernel(&test::GUIDED_DIRECTION, &variant),
-            density: device.kernel(&test::GUIDED_DENSITY, &variant),
+            group: kernels.group,
+            cell: Cell::normalized_by(&device, &variant, &kernels.normalize),
+            draw: device.kernel(&kernels.draw, &variant),
+            density: device.kernel(&kernels.density, &variant),
             drawn: device.storage("drawn", MOST_SAMPLES * size_of::<Drawn>()),
             densities: device.storage("densities", (FINE * FINE) as usize * size_of::<Density>()),
             device,
@@ -294,6 +326,6 @@ impl Guided {
         let cell = &self.cell;
         let buffers =
             [out, &cell.radiance, &cell.bin_ends, &cell.nodes, &cell.entries, &cell.integrals, &cell.cosine_nodes];
-        self.device.dispatch(kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / GROUP);
+        self.device.dispatch(kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / self.group);
     }
 }

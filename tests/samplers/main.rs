@@ -8,12 +8,12 @@ mod device;
 mod direction_map;
 mod directions;
 mod environments;
-mod fixed_point;
 mod fixture;
+// `tests/proofs` uses all of it.
+#[allow(dead_code)]
 mod guide_cases;
 mod guides;
 mod intersections;
-mod learning;
 mod lights;
 mod normalization;
 mod parametrization;

@@ -171,7 +171,9 @@ fn check_densities(case: &Case, densities: &[Density], title: &str) {
         let w = Vec3::from(d.wi).as_dvec3();
         if case.from_border(w) > 1.0e-4 {
             let twin = case.pdf(w);
-            assert!((f64::from(d.pdf) / twin - 1.0).abs() < 1.0e-4, "{title}: {}, not {twin} at {w}", d.pdf);
+            // The cosine about the true normal is a sum of three rounded products.
+            let most = 1.0e-4 * twin + COSINE_SHARE * 3.0e-7 / PI;
+            assert!((f64::from(d.pdf) - twin).abs() < most, "{title}: {}, not {twin} at {w}", d.pdf);
         }
     }
 }

@@ -1,12 +1,17 @@
-//! The fixed-point sums of `glsl/include/radiance_grid.glsl`
+//! Sums of fixed-point targets (`glsl/include/radiance_grid.glsl`) are exact in any order, beyond the first word too, and
+//! their rounding is unbiased.
 
 use bytemuck::{Pod, Zeroable};
-use lodestar::kernels::{Variant, test};
+use lodestar::kernels::{Variant, test as kernels};
 use lodestar::layout::RadianceSum;
 use lodestar::reference::radiance_grid::{FIXED_POINT_UNITS, fixed_point};
 
 use crate::device::Device;
-use crate::statistics::{Numbers, within_four_sigma};
+use crate::evidence::{Evidence, Record};
+use crate::rows::Scope;
+use crate::significance::two_sided;
+use crate::statistics::Numbers;
+use crate::subject::Subject;
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -27,14 +32,20 @@ struct TestPush {
 const LIMIT: f32 = 16.0;
 const BINS: usize = 256;
 
+pub fn test(subject: &Subject, _: Scope, evidence: &mut Evidence) {
+    check_sums(subject, evidence);
+    check_saturation(subject, evidence);
+    check_rounding(subject, evidence);
+}
+
 /// Has `groups` workgroups of `group` invocations add the targets up.
-fn add(targets: &[TargetInput], limit: f32, group: u32, groups: u32) -> Vec<RadianceSum> {
+fn add(subject: &Subject, targets: &[TargetInput], limit: f32, group: u32, groups: u32) -> Vec<RadianceSum> {
     let device = Device::new();
     let variant = Variant { workgroup_size: group, ..Variant::default() };
     let inputs = device.uploaded("targets", targets);
     let sums = device.storage("sums", BINS * size_of::<RadianceSum>());
     let push = TestPush { target_count: targets.len() as u32, target_limit: limit };
-    let kernel = device.kernel(&test::ADD_TARGET, &variant);
+    let kernel = device.kernel(&subject.kernel(&kernels::ADD_TARGET), &variant);
     device.dispatch(&kernel, &[&inputs, &sums], bytemuck::bytes_of(&push), groups);
     sums.read(0, BINS).expect("read")
 }
@@ -53,8 +64,8 @@ fn expected(targets: &[TargetInput], limit: f32) -> Vec<(u64, u32)> {
 }
 
 /// Targets over six decades, a few of them beyond the limit, with a hot bin that takes half of all.
-fn wild_targets(count: usize) -> Vec<TargetInput> {
-    let mut numbers = Numbers::new(5);
+fn wild_targets(count: usize, seed: u32) -> Vec<TargetInput> {
+    let mut numbers = Numbers::new(seed);
     let mut target = || TargetInput {
         index: if numbers.unit() < 0.5 { 7 } else { (numbers.unit() * BINS as f64) as u32 },
         target: 10_f64.powf(numbers.between(-4.5, 1.5)) as f32,
@@ -63,31 +74,25 @@ fn wild_targets(count: usize) -> Vec<TargetInput> {
     (0..count).map(|_| target()).collect()
 }
 
-#[test]
-fn sums_are_exact_in_any_order_and_carry() {
-    let targets = wild_targets(1 << 17);
-    let sums = add(&targets, LIMIT, 64, 2048);
-    let twin = expected(&targets, LIMIT);
-    for (bin, (sum, twin)) in sums.iter().zip(&twin).enumerate() {
-        assert_eq!((units(sum), sum.target_count), *twin, "bin {bin}");
-    }
-    assert!(sums[7].high > 1000, "enough to carry often: {:?}", sums[7]);
-    // Other shapes of dispatch, and all targets the other way round.
-    assert_eq!(add(&targets, LIMIT, 32, 3), sums);
+/// Other shapes of dispatch, and all targets the other way round.
+fn check_sums(subject: &Subject, evidence: &mut Evidence) {
+    let targets = wild_targets(1 << 17, subject.seed + 5);
     let reversed: Vec<_> = targets.iter().rev().copied().collect();
-    assert_eq!(add(&reversed, LIMIT, 128, 17), sums);
+    let twin = expected(&targets, LIMIT);
+    for (name, targets, group, groups) in [
+        ("many workgroups", &targets, 64, 2048),
+        ("a few", &targets, 32, 3),
+        ("the other way round", &reversed, 128, 17),
+    ] {
+        let sums = add(subject, targets, LIMIT, group, groups);
+        let wrong = sums.iter().zip(&twin).filter(|(sum, twin)| (units(sum), sum.target_count) != **twin).count();
+        evidence.hold(format!("sums, {name}"), wrong == 0, || format!("{wrong} of {BINS} sums are not the exact ones"));
+    }
+    // The twin: a sum without its second word is another.
+    assert!(twin[7].0 >> 32 > 1000, "enough to carry often: {:?}", twin[7]);
 }
 
-#[test]
-fn a_lost_carry_would_be_noticed() {
-    let targets = [TargetInput { index: 0, target: LIMIT, u: 0.5 }; 9];
-    let sum = add(&targets, LIMIT, 64, 1)[0];
-    assert_eq!((sum.low, sum.high, sum.target_count), (1 << 30, 2, 9));
-    assert_ne!(u64::from(sum.low), expected(&targets, LIMIT)[0].0, "the lower word alone is not the sum");
-}
-
-#[test]
-fn targets_saturate_at_the_limit() {
+fn check_saturation(subject: &Subject, evidence: &mut Evidence) {
     let cases = [
         (LIMIT, 1 << 30),
         (2.0 * LIMIT, 1 << 30),
@@ -99,33 +104,30 @@ fn targets_saturate_at_the_limit() {
         (LIMIT / 2.0, 1 << 29),
     ];
     let targets: Vec<_> = (0..).zip(cases).map(|(index, (target, _))| TargetInput { index, target, u: 0.0 }).collect();
-    let sums = add(&targets, LIMIT, 64, 1);
-    for (sum, (target, expected)) in sums.iter().zip(cases) {
-        assert_eq!(units(sum), expected, "{target}");
+    for (sum, (target, expected)) in add(subject, &targets, LIMIT, 64, 1).iter().zip(cases) {
+        evidence.hold(format!("saturation, {target}"), units(sum) == expected, || {
+            format!("{}, not {expected}", units(sum))
+        });
     }
 }
 
-#[test]
-fn rounding_is_unbiased() {
-    // 64 bins of targets of some share of a unit, far below what rounding to the nearest would see.
+/// 64 bins of targets of some share of a unit, far below what rounding to the nearest would see.
+fn check_rounding(subject: &Subject, evidence: &mut Evidence) {
     let (count, limit) = (1 << 18, 3.0_f32);
     let share = |index: u32| f64::from(index % 64) / 64.0 + 1.0 / 128.0;
-    let mut numbers = Numbers::new(9);
-    let mut target = |i: u32| TargetInput {
+    let mut numbers = Numbers::new(subject.seed + 9);
+    let target = |i: u32| TargetInput {
         index: i % 64,
         target: (share(i) / FIXED_POINT_UNITS * f64::from(limit)) as f32,
         u: numbers.unit() as f32,
     };
-    let targets: Vec<_> = (0..count).map(&mut target).collect();
-    let sums = add(&targets, limit, 64, 64);
+    let targets: Vec<_> = (0..count).map(target).collect();
+    let sums = add(subject, &targets, limit, 64, 64);
     let per_bin = f64::from(count / 64);
-    let mut nearest_rejected = 0;
     for (index, sum) in (0..64).zip(&sums) {
         let p = share(index);
         let error = (p * (1.0 - p) / per_bin).sqrt();
-        let mean = units(sum) as f64 / per_bin;
-        assert!(within_four_sigma((mean, error), p), "bin {index}: {mean}, not {p}");
-        nearest_rejected += u32::from(!within_four_sigma((p.round(), error), p));
+        let z = (units(sum) as f64 / per_bin - p) / error;
+        evidence.test(format!("rounding, {p:.4} units, seed {}", subject.seed + 9), two_sided(z), || Record::Nothing);
     }
-    assert!(nearest_rejected > 55, "rounding to the nearest: {nearest_rejected}");
 }

@@ -1,0 +1,68 @@
+//! GLSL to SPIR-V, for the build scripts of the crate and of `tests/tampered`.
+
+use std::cell::RefCell;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+const INCLUDE_FOLDERS: [&str; 2] = ["glsl/include", "glsl"];
+
+/// Compiles `file`, which lies in the folder `root` with all that it includes. Returns the SPIR-V and what was included.
+pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<(Vec<u8>, Vec<String>), String> {
+    let source = fs::read_to_string(root.join(file)).map_err(|e| format!("{file}: cannot be read: {e}"))?;
+    let included = RefCell::new(Vec::new());
+    let compiler = shaderc::Compiler::new().map_err(|e| e.to_string())?;
+    let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
+    options.set_target_spirv(shaderc::SpirvVersion::V1_5);
+    options.set_optimization_level(shaderc::OptimizationLevel::Performance);
+    // Debug information is what keeps the names through the optimizer.
+    options.set_generate_debug_info();
+    options.set_warnings_as_errors();
+    for name in macros {
+        options.add_macro_definition(name, Some("1"));
+    }
+    options.set_include_callback(|name, _, _, _| {
+        let found = resolve_include(root, name)?;
+        included.borrow_mut().push(found.resolved_name.clone());
+        Ok(found)
+    });
+    let artifact = compiler
+        .compile_into_spirv(&source, shaderc::ShaderKind::Compute, file, "main", Some(&options))
+        .map_err(|e| diagnostics(root, &e.to_string()))?;
+    drop(options);
+    Ok((artifact.as_binary_u8().to_vec(), included.into_inner()))
+}
+
+fn resolve_include(root: &Path, name: &str) -> Result<shaderc::ResolvedInclude, String> {
+    for folder in INCLUDE_FOLDERS {
+        let path = format!("{folder}/{name}");
+        if let Ok(content) = fs::read_to_string(root.join(&path)) {
+            return Ok(shaderc::ResolvedInclude { resolved_name: path, content });
+        }
+    }
+    Err(format!("no file {name} under {}", INCLUDE_FOLDERS.join(" or ")))
+}
+
+/// Turns `file:line: error: text` into the form that rustc gives its own errors.
+fn diagnostics(root: &Path, message: &str) -> String {
+    let mut text = String::new();
+    for line in message.lines() {
+        let mut parts = line.splitn(3, ':');
+        let (file, number, rest) =
+            (parts.next(), parts.next().and_then(|n| n.trim().parse::<usize>().ok()), parts.next());
+        let (Some(file), Some(number), Some(rest)) = (file, number, rest) else {
+            let _ = writeln!(text, "{line}");
+            continue;
+        };
+        let source = fs::read_to_string(root.join(file)).unwrap_or_default();
+        let source_line = source.lines().nth(number.saturating_sub(1)).unwrap_or_default();
+        let margin = " ".repeat(number.to_string().len());
+        let _ = writeln!(
+            text,
+            "{}\n{margin}--> {file}:{number}\n{margin} |\n{number} | {source_line}\n{margin} |",
+            rest.trim()
+        );
+    }
+    text
+}

@@ -1,0 +1,122 @@
+//! 10^9 samples with a guide against 10^9 without: `cargo test --release --test proofs -- --ignored --nocapture billion`.
+//! `LODESTAR_SAMPLES` takes another number.
+
+use std::env;
+use std::io::{Write, stdout};
+use std::time::Instant;
+
+use lodestar::bvh::Bvh;
+use lodestar::gpu::{Context, ContextOptions};
+use lodestar::renderer::Renderer;
+use lodestar::settings::{Sampler, Settings};
+
+use crate::estimate::Estimate;
+use crate::scenes::ours;
+
+const WIDTH: u32 = 256;
+const HEIGHT: u32 = 144;
+/// Intermediate results that a run prints, the last one included.
+const REPORTS: u32 = 20;
+/// Standard errors that the two means may lie apart.
+const MOST_SIGMA: f64 = 4.0;
+
+/// Mean radiance over all pixels and channels, and an upper bound of its standard error.
+type Mean = (f64, f64);
+
+/// What two means say of the second one's bias.
+struct Verdict {
+    difference: f64,
+    error: f64,
+    relative_to: f64,
+}
+
+impl Verdict {
+    fn new((unguided, unguided_error): Mean, (guided, guided_error): Mean) -> Self {
+        let error = unguided_error.hypot(guided_error);
+        Self { difference: guided - unguided, error, relative_to: unguided }
+    }
+
+    fn sigma(&self) -> f64 {
+        self.difference / self.error
+    }
+
+    fn relative_difference(&self) -> f64 {
+        self.difference / self.relative_to
+    }
+
+    /// Of the relative bias, were the difference off by as much as is allowed.
+    fn bound(&self) -> f64 {
+        (self.difference.abs() + MOST_SIGMA * self.error) / self.relative_to
+    }
+}
+
+fn wanted_samples() -> f64 {
+    let text = env::var("LODESTAR_SAMPLES").unwrap_or_else(|_| "1e9".into());
+    text.parse().unwrap_or_else(|_| panic!("LODESTAR_SAMPLES is `{text}`, but must be a number, such as 1e9"))
+}
+
+fn report(renderers: &[Renderer; 2], begin: Instant) -> Verdict {
+    let means = renderers.each_ref().map(|renderer| Estimate::of(&renderer.picture().expect("a picture")).gray());
+    let verdict = Verdict::new(means[0], means[1]);
+    let samples = u64::from(renderers[1].samples_done()) * u64::from(WIDTH * HEIGHT);
+    println!(
+        "{samples} samples each after {:.0} s: bsdf {:.7} +- {:.7}, rejection-mix {:.7} +- {:.7}; \
+         relative difference {:+.2e}, {:+.2} standard errors; relative bias below {:.2e}",
+        begin.elapsed().as_secs_f64(),
+        means[0].0,
+        means[0].1,
+        means[1].0,
+        means[1].1,
+        verdict.relative_difference(),
+        verdict.sigma(),
+        verdict.bound()
+    );
+    stdout().flush().expect("standard output");
+    verdict
+}
+
+/// Both renders go on step by step, one after the other, so that whenever the test is ended both have as many samples.
+/// Samples of different steps are uncorrelated, whatever the guide has learned from the earlier: each step's expectation is
+/// the same.
+#[test]
+#[ignore = "takes hours"]
+fn billion() {
+    let context = Context::new(&ContextOptions { device: None, validate: false }).expect("a Vulkan device");
+    let scene = ours("door-ajar/scene.xml", &[]);
+    let bvh = Bvh::build(&scene.primitives);
+    let settings = |sampler, seed| Settings {
+        width: WIDTH,
+        height: HEIGHT,
+        sampler,
+        seed,
+        nee: false,
+        ..Settings::for_scene(&scene)
+    };
+    let settings = [settings(Sampler::Bsdf, 101), settings(Sampler::RejectionMix, 202)];
+    let mut renderers =
+        settings.each_ref().map(|settings| Renderer::new(&context, &scene, &bvh, settings).expect("a renderer"));
+    let steps = (wanted_samples() / f64::from(WIDTH * HEIGHT * settings[0].spp_per_step)).ceil().max(2.0) as u32;
+    println!("{}, seeds {} and {}, {steps} steps", context.device().name, settings[0].seed, settings[1].seed);
+    let begin = Instant::now();
+    let mut verdict = None;
+    for step in 1..=steps {
+        for (renderer, settings) in renderers.iter_mut().zip(&settings) {
+            let report = renderer.step(settings.spp_per_step, &|| false).expect("a step");
+            assert_eq!((report.counts.nonfinite, report.counts.overruns), (0, 0));
+        }
+        let reports = |step: u32| u64::from(step) * u64::from(REPORTS) / u64::from(steps);
+        if reports(step) > reports(step - 1) {
+            verdict = Some(report(&renderers, begin));
+        }
+    }
+    let verdict = verdict.expect("the last step reports");
+    assert!(verdict.sigma().abs() < MOST_SIGMA, "{} standard errors apart", verdict.sigma());
+}
+
+#[test]
+fn the_verdict_on_two_means_is_their_difference_in_standard_errors() {
+    let verdict = Verdict::new((2.0, 0.003), (2.01, 0.004));
+    assert!((verdict.sigma() - 2.0).abs() < 1.0e-9 && (verdict.bound() - 0.015).abs() < 1.0e-9);
+    // The twin: a guide that is 2 % off.
+    assert!(Verdict::new((2.0, 0.003), (2.04, 0.004)).sigma() > MOST_SIGMA);
+}

@@ -1,0 +1,325 @@
+//! Directions in which paths leave surfaces of every family of scattering functions that a guide has a part in: drawn with
+//! the density of the twins, weighed to the light that they scatter, and leaving out none that they scatter to.
+
+use std::sync::OnceLock;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat3, DVec3, Vec3};
+use lodestar::gpu::{Buffer, Kernel};
+use lodestar::kernels::{self, BSDF_DIFFUSE, Variant, test as sources};
+use lodestar::reference::conductor::Conductor;
+use lodestar::reference::cosine::SphereGrid;
+use lodestar::reference::dielectric::{Dielectric, pdf_bsdf_rough_dielectric};
+use lodestar::reference::direction::basis_from_normal;
+use lodestar::reference::direction_map::direction_bin;
+use lodestar::reference::guide::Guide;
+use lodestar::reference::microfacet::Microfacets;
+use lodestar::reference::plastic::pdf_bsdf_plastic;
+use lodestar::reference::rough_diffuse::RoughDiffuse;
+use lodestar::settings::{DirectionMap, GuideSet, Sampler};
+use std::sync::Arc;
+
+use super::densities::slack;
+use crate::device::{Cell, Device};
+use crate::evidence::{Evidence, Record};
+use crate::guide_cases::{NORMALS, settings, variant};
+use crate::rows::{Row, Scope};
+use crate::scattering_cases::{Base, DeviceBsdf, Surface};
+use crate::significance::two_sided;
+use crate::statistics::{chi_square, mean_and_error};
+use crate::subject::Subject;
+use crate::substances::{Substance, plastic, table_words};
+use crate::tables::tables;
+
+const SAMPLES: usize = 1 << 16;
+/// Cells of histograms a side, and points of the map that the twins are integrated over.
+const HISTOGRAM: u32 = 32;
+const FINE: u32 = 352;
+const SEED: u32 = 200;
+/// The authors' share of a dielectric's samples that a guide takes.
+const DIELECTRIC_SHARE: f64 = 0.9;
+/// Relative deviation of a density that single precision may make.
+const TOLERANCE: f64 = 2.0e-3;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct SurfaceInput {
+    bsdf: DeviceBsdf,
+    wo: [f32; 3],
+    normal: [f32; 3],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct DirectionOutput {
+    wi: [f32; 3],
+    pdf: f32,
+    weight: [f32; 3],
+    pdf_of_wi: f32,
+    given: [f32; 3],
+    pdf_of_given: f32,
+    value_of_given: [f32; 3],
+    reserved: u32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct TestPush {
+    seed: u32,
+    count: u32,
+}
+
+/// A family of scattering functions.
+enum Family {
+    Diffuse(DVec3),
+    Other(Surface),
+}
+
+impl Family {
+    fn name(&self) -> &str {
+        match self {
+            Self::Diffuse(_) => "diffuse",
+            Self::Other(surface) => &surface.name,
+        }
+    }
+
+    /// Guided in the authors' code only.
+    fn guide_set(&self) -> GuideSet {
+        match self {
+            Self::Other(Surface {
+                base: Base::Substance(Substance::RoughConductor(..) | Substance::RoughDielectric(..)),
+                ..
+            }) => GuideSet::Authors,
+            _ => GuideSet::Diffuse,
+        }
+    }
+
+    fn device(&self) -> DeviceBsdf {
+        match self {
+            Self::Diffuse(albedo) => DeviceBsdf::new(BSDF_DIFFUSE, [*albedo, DVec3::ZERO, DVec3::ZERO]),
+            Self::Other(surface) => surface.device(),
+        }
+    }
+
+    /// f cos without single directions.
+    fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let value = match self {
+            Self::Diffuse(albedo) => *albedo * (wi.z.max(0.0) / std::f64::consts::PI),
+            Self::Other(surface) => surface.eval(wo, wi),
+        };
+        value.element_sum() / 3.0
+    }
+
+    /// Whether anything is scattered to directions on this side.
+    fn reaches(&self, wi: DVec3) -> bool {
+        wi.z > 0.0 || matches!(self, Self::Other(surface) if surface.transmits())
+    }
+
+    /// Density of a direction that is reached, given that of the guide. `product` is the density of the product sampler's
+    /// descent alone and the share of the cosine that it is mixed with over a lobe.
+    fn pdf(&self, wo: DVec3, wi: DVec3, guide: f64, product: Option<(f64, f64)>) -> f64 {
+        let is_whole = self.guide_set() == GuideSet::Authors;
+        if let (Some((descent, cosine_share)), true, Self::Other(surface)) = (product, is_whole, self) {
+            let share = (1.0 - cosine_share) * if surface.transmits() { DIELECTRIC_SHARE } else { 1.0 };
+            return (1.0 - share) * surface.pdf(wo, wi) + share * descent;
+        }
+        match self {
+            Self::Other(Surface { base: Base::Substance(substance), .. }) => match substance {
+                Substance::Plastic(b) | Substance::RoughPlastic(b, _) => pdf_bsdf_plastic(b, wo, wi, guide),
+                Substance::RoughDielectric(b, facets) => {
+                    let own = pdf_bsdf_rough_dielectric(b, facets, wo, wi);
+                    (1.0 - DIELECTRIC_SHARE) * own + DIELECTRIC_SHARE * guide
+                }
+                _ => guide,
+            },
+            _ => guide,
+        }
+    }
+}
+
+fn families() -> Vec<Family> {
+    let color = DVec3::new(0.9, 0.5, 0.2);
+    let rough = |alpha| Microfacets::new([alpha; 2], true);
+    let other = |name: &str, base| Family::Other(Surface { name: name.into(), base, coating: None });
+    let oren_nayar = RoughDiffuse { reflectance: color, alpha: 0.4, fast_approximation: false };
+    let metal = Conductor { specular_reflectance: color, eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
+    let glass = Dielectric { eta: 1.5, specular_reflectance: color, specular_transmittance: DVec3::splat(0.8) };
+    vec![
+        Family::Diffuse(color),
+        other("rough diffuse", Base::RoughDiffuse(oren_nayar)),
+        other("plastic", Base::Substance(plastic(1.5, color, DVec3::ONE, false, None))),
+        other("rough plastic", Base::Substance(plastic(1.5, color, DVec3::ONE, true, Some(rough(0.4))))),
+        other("rough conductor", Base::Substance(Substance::RoughConductor(metal, rough(0.5)))),
+        other("rough dielectric", Base::Substance(Substance::RoughDielectric(glass, rough(0.5)))),
+    ]
+}
+
+/// The kernel with the grids of one cell.
+struct Bench {
+    device: Device,
+    cell: Cell,
+    kernel: Kernel,
+    group: u32,
+}
+
+impl Bench {
+    fn new(subject: &Subject, row: &Row, guide_set: GuideSet, families: &[Family]) -> Self {
+        let (device, kind) = (Device::new(), row.kind());
+        let normal_resolution = if kind.rules.sampler == Sampler::SphereInversion { 1 } else { NORMALS };
+        let kinds = families.iter().map(|family| 1 << (family.device().kind_and_flags & kernels::MATERIAL_KIND_MASK));
+        let variant = Variant {
+            normal_resolution,
+            guide_set: guide_set as u32,
+            material_kinds: kinds.fold(0, |all: u32, kind: u32| all | kind),
+            workgroup_size: subject.group,
+            ..variant(&kind.rules, kind.map)
+        };
+        let cell = Cell::normalized_by(&device, &variant, &subject.kernel(&sources::NORMALIZE_CELL));
+        let kernel = device.kernel(&subject.kernel(&sources::SAMPLE_DIRECTION), &variant);
+        Self { device, cell, kernel, group: subject.group }
+    }
+
+    fn draw(&self, family: &Family, wo: DVec3, normal: DVec3, seed: u32) -> Vec<DirectionOutput> {
+        let input = SurfaceInput { bsdf: family.device(), wo: wo.as_vec3().into(), normal: normal.as_vec3().into() };
+        let input = self.device.uploaded("surface", &[input]);
+        let output = self.device.storage("directions", SAMPLES * size_of::<DirectionOutput>());
+        let words: Vec<u32> = table_words().into_iter().chain([0]).collect();
+        let (words, unused) = (self.device.uploaded("tables", &words), self.device.storage("unused", 1024));
+        let bindings = self.kernel.source().sets.iter().flat_map(|set| set.bindings);
+        let buffers = bindings.map(|binding| -> &Arc<Buffer> {
+            match binding.name {
+                "SurfaceInputs" => &input,
+                "DirectionOutputs" => &output,
+                "TexelWords" => &words,
+                "RadianceTable" => &self.cell.radiance,
+                "BinEnds" => &self.cell.bin_ends,
+                "RadianceNodes" => &self.cell.nodes,
+                "NormalizationTable" => &self.cell.entries,
+                "CosineIntegrals" => &self.cell.integrals,
+                "CosineNodes" | "cosine_nodes" => &self.cell.cosine_nodes,
+                _ => &unused,
+            }
+        });
+        let push = TestPush { seed, count: SAMPLES as u32 };
+        let buffers: Vec<_> = buffers.collect();
+        self.device.dispatch(&self.kernel, &buffers, bytemuck::bytes_of(&push), SAMPLES as u32 / self.group);
+        output.read(0, SAMPLES).expect("read")
+    }
+}
+
+pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
+    let (angles, normals) = if scope.full { (&[50.0_f64, 80.0][..], 2) } else { (&[50.0][..], 1) };
+    for row in scope.guided() {
+        for guide_set in [GuideSet::Diffuse, GuideSet::Authors] {
+            let families: Vec<_> = families().into_iter().filter(|family| family.guide_set() == guide_set).collect();
+            let bench = Bench::new(subject, &row, guide_set, &families);
+            let kind = row.kind();
+            // Their horizons lie between the points that the twins are integrated over, and they are not on centers of bins.
+            for setting in [1, 3].iter().take(normals).map(|&index| &settings(kind.map)[index]) {
+                let wanted = ["peaked", "freshly learned", "hot bin at the horizon", "all zero"];
+                let wanted = &wanted[..if scope.full { 4 } else { 2 }];
+                let all = tables(kind.map, setting.nb).into_iter();
+                for (name, table) in all.filter(|(name, _)| wanted.contains(name)) {
+                    bench.cell.fill(&bench.device, &table);
+                    let guide = setting.guide(&table, &kind.rules, setting.entry(&table, &kind.rules));
+                    for (family, angle) in
+                        families.iter().flat_map(|family| angles.iter().map(move |angle| (family, angle)))
+                    {
+                        let (sine, cosine) = angle.to_radians().sin_cos();
+                        let wo = DVec3::new(0.8 * sine, -0.6 * sine, cosine).as_vec3().normalize().as_dvec3();
+                        let case = Case { family, wo, guide: &guide, map: kind.map };
+                        let name = format!(
+                            "{}: {}, {angle} degrees, {name}, normal {}",
+                            row.name,
+                            family.name(),
+                            setting.name
+                        );
+                        case.check(&bench.draw(family, wo, setting.n, SEED + subject.seed), &name, evidence);
+                    }
+                }
+            }
+        }
+    }
+}
+
+struct Case<'a> {
+    family: &'a Family,
+    wo: DVec3,
+    guide: &'a Guide<'a>,
+    map: DirectionMap,
+}
+
+fn fine(map: DirectionMap) -> &'static SphereGrid {
+    static SPHERES: [OnceLock<SphereGrid>; 2] = [OnceLock::new(), OnceLock::new()];
+    SPHERES[map as usize].get_or_init(|| SphereGrid::new(map, FINE))
+}
+
+impl Case<'_> {
+    fn local(&self, w: DVec3) -> DVec3 {
+        let frame: DMat3 = basis_from_normal(self.guide.n);
+        frame.transpose() * w
+    }
+
+    fn pdf(&self, w: DVec3) -> f64 {
+        let is_product = self.guide.rules.sampler == Sampler::Product;
+        let product = is_product.then(|| (self.guide.descent(w), self.guide.cosine_share()));
+        self.family.pdf(self.wo, self.local(w), self.guide.pdf(w), product)
+    }
+
+    fn check(&self, drawn: &[DirectionOutput], name: &str, evidence: &mut Evidence) {
+        let count = drawn.len() as f64;
+        let reached = |w: DVec3| self.family.reaches(self.local(w));
+        let mut observed = vec![0; (HISTOGRAM * HISTOGRAM) as usize];
+        let spread = || drawn.iter().filter(|d| d.pdf > 0.0).map(|d| (unit(d.wi), d)).filter(|(w, _)| reached(*w));
+        spread().for_each(|(w, _)| observed[direction_bin(self.map, w, HISTOGRAM) as usize] += 1);
+        let masses = fine(self.map).integrals(HISTOGRAM, |w| if reached(w) { self.pdf(w) } else { 0.0 });
+        let mut expected: Vec<f64> = masses.iter().map(|mass| mass * count).collect();
+        // Single directions, and what is lost.
+        observed.push(drawn.len() as u64 - observed.iter().sum::<u64>());
+        expected.push((count - expected.iter().sum::<f64>()).max(0.0));
+        evidence.test(format!("chi-square, {name}"), chi_square(&observed, &expected), || {
+            Record::Histogram(observed.clone(), expected.clone())
+        });
+        self.check_densities(drawn, name, evidence);
+        let light: f64 = fine(self.map).integrals(1, |w| self.family.eval(self.wo, self.local(w)))[0];
+        let weight = |d: &DirectionOutput| {
+            if d.pdf > 0.0 { d.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0 } else { 0.0 }
+        };
+        let (mean, error) = mean_and_error(drawn.iter().map(weight));
+        // The light is a sum over points, next to whose horizon the value jumps.
+        let p = two_sided((mean - light) / error.hypot(1.0e-3 * light));
+        evidence.test(format!("light, {name}: {mean:.5} +- {error:.5}, not {light:.5}"), p, || Record::Nothing);
+    }
+
+    fn check_densities(&self, drawn: &[DirectionOutput], name: &str, evidence: &mut Evidence) {
+        let is_off = |w: DVec3, pdf: f32| {
+            let twin = self.pdf(w);
+            (f64::from(pdf) - twin).abs() > TOLERANCE * twin + slack(self.guide, w)
+        };
+        let (mut wrong, mut apart, mut unsupported) = (0, 0, 0);
+        for d in drawn {
+            let (wi, given) = (unit(d.wi), unit(d.given));
+            // Away from the horizon, where rounding decides on the side.
+            let is_clear = |w: DVec3| self.local(w).z.abs() > 1.0e-4 && w.dot(self.guide.nb).abs() > 1.0e-4;
+            if d.pdf > 0.0 && self.family.reaches(self.local(wi)) && is_clear(wi) {
+                wrong += usize::from(is_off(wi, d.pdf));
+                apart += usize::from((d.pdf - d.pdf_of_wi).abs() > TOLERANCE as f32 * d.pdf);
+            }
+            if self.family.reaches(self.local(given)) && is_clear(given) {
+                wrong += usize::from(is_off(given, d.pdf_of_given));
+                unsupported += usize::from(Vec3::from(d.value_of_given).max_element() > 0.0 && d.pdf_of_given <= 0.0);
+            }
+        }
+        // At borders of bins, where rounding decides on the bin.
+        let few = drawn.len() / 2000;
+        evidence.hold(format!("density, {name}"), wrong <= few, || format!("{wrong} differ from the twin's"));
+        evidence
+            .hold(format!("density of samples, {name}"), apart <= few, || format!("{apart} are not their direction's"));
+        evidence
+            .hold(format!("support, {name}"), unsupported == 0, || format!("{unsupported} directions have density 0"));
+    }
+}
+
+fn unit(w: [f32; 3]) -> DVec3 {
+    Vec3::from(w).as_dvec3().normalize()
+}

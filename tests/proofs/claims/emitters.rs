@@ -1,0 +1,41 @@
+//! Light that is sampled and light that is met by chance make up the radiance of a floor in closed form, with a guide and
+//! without.
+
+use lodestar::settings::Settings;
+
+use crate::estimate::Estimate;
+use crate::evidence::{Evidence, Record};
+use crate::floor::{DELTA, SPREAD, floor_radiance};
+use crate::renders::Studio;
+use crate::rows::Scope;
+use crate::scenes::{ours, steady};
+use crate::significance::two_sided;
+use crate::subject::Subject;
+
+const SIDE: u32 = 16;
+const SPP: u32 = 512;
+const SEED: u32 = 900;
+
+pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
+    let studio = Studio::new();
+    let rows = scope.all();
+    let rows = if scope.full || scope.is_narrow() { &rows[..] } else { &rows[..2] };
+    // All of them, sampled and not, are in `tests/render/nee.rs` for two samplers.
+    let few = ["rectangle", "constant"];
+    let is_wanted = |light: &&str| scope.full || few.contains(light);
+    for light in SPREAD.into_iter().chain(DELTA).filter(is_wanted) {
+        let scene = ours("lights/floor.xml", &[("light", light)]);
+        for row in rows {
+            let mut settings =
+                Settings { width: SIDE, height: SIDE, seed: SEED, nee: true, ..Settings::for_scene(&scene) };
+            (row.set)(&mut settings);
+            let (picture, _) = studio.render(subject, &scene, steady(settings), SPP);
+            let (mean, error) = Estimate::of(&picture).gray();
+            let expected = floor_radiance(light);
+            // Single precision, and a camera that sees more than one point.
+            let z = (mean - expected) / error.hypot(1.0e-5 * expected);
+            let case = format!("floor, {light}, {}, seed {SEED}: {mean:.6} +- {error:.6}, not {expected:.6}", row.name);
+            evidence.test(case, two_sided(z), || Record::Pictures(vec![picture.image()]));
+        }
+    }
+}

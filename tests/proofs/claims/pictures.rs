@@ -1,0 +1,104 @@
+//! Pictures made with a guide are those made without one, up to noise: at every scale, with emitters sampled and not.
+
+use std::collections::HashMap;
+use std::sync::{LazyLock, Mutex};
+
+use lodestar::film::Picture;
+use lodestar::scene::Scene;
+use lodestar::settings::{Learner, Sampler, Settings};
+
+use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::evidence::{Evidence, Record};
+use crate::renders::Studio;
+use crate::rows::{LEARNERS, Row, Scope, UNGUIDED};
+use crate::scenes::{ours, steady};
+use crate::subject::{SHIPPED, Subject};
+
+/// A scene and how often its pixels are sampled: without a guide and with one, each without emitter sampling and with it.
+struct Case {
+    file: &'static str,
+    size: [u32; 2],
+    unguided: [u32; 2],
+    guided: [u32; 2],
+    sides: &'static [usize],
+}
+
+const CASES: [Case; 3] = [
+    Case { file: "cornell-box", size: [24, 24], unguided: [2048, 256], guided: [512, 128], sides: &[6, WHOLE] },
+    Case { file: "cornell-box-hard", size: [24, 24], unguided: [2048, 1024], guided: [512, 256], sides: &[12, WHOLE] },
+    Case { file: "door-ajar", size: [32, 18], unguided: [4096, 1024], guided: [1024, 256], sides: &[WHOLE] },
+];
+const UNGUIDED_SEED: u32 = 600;
+const GUIDED_SEED: u32 = 700;
+/// Times as many samples in the full form.
+const FULL: u32 = 2;
+
+pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
+    let studio = Studio::new();
+    let cases = if scope.is_narrow() { &CASES[..1] } else { &CASES };
+    for (index, case) in cases.iter().enumerate() {
+        let scene = ours(&format!("{}/scene.xml", case.file), &[]);
+        for nee in [false, true] {
+            // One scene shows what all samplers and learners do; elsewhere one of them is enough in the short form, which has
+            // the pictures of `tests/render/ztest.rs` besides.
+            let rows = scope.guided();
+            let rows = if scope.full || (index == 0 && nee) { &rows[..] } else { &rows[..1] };
+            let unguided = case.unguided(&studio, &scene, scope, nee);
+            let mut compare = |row: &Row, learner: Learner, name: &str| {
+                let guided = case.render(&studio, subject, &scene, scope, nee, |s| {
+                    (row.set)(s);
+                    (s.seed, s.learner) = (GUIDED_SEED, learner);
+                });
+                let comparison = Comparison::new(&Estimate::of(&unguided), &Estimate::of(&guided), case.sides);
+                let name =
+                    format!("{}, {name}, emitters sampled: {nee}, seeds {UNGUIDED_SEED}, {GUIDED_SEED}", case.file);
+                let is_known = comparison.largest.iter().all(|&(_, count)| count > 0);
+                evidence
+                    .hold(format!("noise, {name}"), is_known, || "the noise is too strong to compare anything".into());
+                evidence.test(format!("picture, {name}: {comparison:?}"), comparison.p, || {
+                    Record::Pictures(vec![guided.image(), unguided.image()])
+                });
+            };
+            rows.iter().for_each(|row| compare(row, Learner::Sarsa, row.name));
+            if (index == 0 && !nee && !scope.is_narrow()) || scope.full {
+                LEARNERS[1..].iter().for_each(|(name, learner)| compare(&rows[0], *learner, name));
+            }
+        }
+    }
+}
+
+/// By file, emitter sampling and length: the same for all subjects.
+type Unguided = HashMap<(&'static str, bool, bool), Picture>;
+
+impl Case {
+    fn unguided(&self, studio: &Studio, scene: &Scene, scope: Scope, nee: bool) -> Picture {
+        static KNOWN: LazyLock<Mutex<Unguided>> = LazyLock::new(Mutex::default);
+        let mut known = KNOWN.lock().expect("no test panics with it");
+        let render = || {
+            self.render(studio, &SHIPPED, scene, scope, nee, |s| {
+                (UNGUIDED.set)(s);
+                s.seed = UNGUIDED_SEED;
+            })
+        };
+        known.entry((self.file, nee, scope.full)).or_insert_with(render).clone()
+    }
+
+    fn render(
+        &self,
+        studio: &Studio,
+        subject: &Subject,
+        scene: &Scene,
+        scope: Scope,
+        nee: bool,
+        change: impl FnOnce(&mut Settings),
+    ) -> Picture {
+        let [width, height] = self.size;
+        let mut settings = Settings { width, height, nee, ..Settings::for_scene(scene) };
+        change(&mut settings);
+        let settings = steady(settings);
+        let guided = settings.sampler != Sampler::Bsdf;
+        let spp = if guided { self.guided } else { self.unguided }[usize::from(nee)];
+        let spp = if scope.full { FULL * spp } else { spp };
+        studio.render(subject, scene, settings, spp).0
+    }
+}

@@ -1,0 +1,42 @@
+//! Russian roulette ends paths without changing the picture's mean.
+
+use lodestar::film::Picture;
+use lodestar::settings::Settings;
+
+use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::evidence::{Evidence, Record};
+use crate::renders::Studio;
+use crate::rows::{Row, Scope, UNGUIDED};
+use crate::scenes::{ours, steady};
+use crate::subject::{SHIPPED, Subject};
+
+const SIDE: u32 = 24;
+const SPP: u32 = 1024;
+const SEED: u32 = 800;
+
+pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
+    let studio = Studio::new();
+    let without = render(&studio, &SHIPPED, &UNGUIDED, u32::MAX, SEED, SPP);
+    let rows = scope.all();
+    let rows = if scope.full || scope.is_narrow() { &rows[..] } else { &rows[..2] };
+    for row in rows {
+        for rr_depth in [1, 3] {
+            let with = render(&studio, subject, row, rr_depth, SEED + rr_depth, SPP);
+            let comparison = Comparison::new(&Estimate::of(&without), &Estimate::of(&with), &[6, WHOLE]);
+            let case = format!(
+                "picture, {}, roulette from edge {rr_depth}, seeds {SEED} and {}: {comparison:?}",
+                row.name,
+                SEED + rr_depth
+            );
+            evidence.test(case, comparison.p, || Record::Pictures(vec![with.image(), without.image()]));
+        }
+    }
+}
+
+fn render(studio: &Studio, subject: &Subject, row: &Row, rr_depth: u32, seed: u32, spp: u32) -> Picture {
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let mut settings =
+        Settings { width: SIDE, height: SIDE, seed, rr_depth, nee: false, ..Settings::for_scene(&scene) };
+    (row.set)(&mut settings);
+    studio.render(subject, &scene, steady(settings), spp).0
+}

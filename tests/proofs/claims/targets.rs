@@ -1,0 +1,104 @@
+//! What is learned in a furnace is the radiance there, in closed form, step by step: for a surface that emits `e` and
+//! reflects a share `a`, the targets of step k are e (1 - a^k) / (1 - a) on average (Eq. 5, Eq. 6), and returns over two
+//! edges e (1 + a).
+
+use lodestar::layout::LearnedRadiance;
+use lodestar::renderer::{RenderState, Renderer};
+use lodestar::settings::{Learner, Sampler, Settings};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use crate::evidence::{Evidence, Record};
+use crate::renders::Studio;
+use crate::rows::{LEARNERS, Row, Scope};
+use crate::scenes::ours;
+use crate::statistics::mean_and_error;
+use crate::subject::Subject;
+
+const SIDE: u32 = 16;
+/// Bins a side, few enough to be reached in every step, in a grid of one cell.
+const DIRECTIONS: u32 = 4;
+/// Old targets are forgotten, so a step's means are of its own.
+const DECAY: f32 = 0.0;
+const STEPS: i32 = 3;
+/// Renders with random numbers of their own, whose spread is the error.
+const REPLICATES: u32 = 16;
+/// Samples a pixel from one to the next.
+const STRIDE: u32 = 10_000;
+const SEED: u32 = 300;
+/// What single precision and fixed-point targets leave, relatively.
+const ROUNDING: f64 = 3.0e-6;
+/// Albedo and emission.
+const FURNACES: [(&str, &str); 2] = [("0.5", "0.5"), ("0.9", "0.1")];
+
+pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
+    let studio = Studio::new();
+    for (index, row) in scope.guided().iter().enumerate() {
+        for (name, learner) in LEARNERS {
+            // One sampler shows them all.
+            if scope.full || index == 0 || *learner == Learner::Sarsa {
+                let furnaces = if scope.full || index == 0 { &FURNACES[..] } else { &FURNACES[..1] };
+                for furnace in furnaces {
+                    test_learner(&studio, subject, row, (name, *learner), *furnace, evidence);
+                }
+            }
+        }
+    }
+}
+
+fn test_learner(
+    studio: &Studio,
+    subject: &Subject,
+    row: &Row,
+    (name, learner): (&str, Learner),
+    (albedo, emission): (&str, &str),
+    evidence: &mut Evidence,
+) {
+    let scene = ours("furnace/scene.xml", &[("albedo", albedo), ("emission", emission)]);
+    // With roulette from the first vertex that may be recorded on.
+    let (max_depth, rr_depth) = if learner == Learner::MonteCarlo { (3, 1) } else { (16, 2) };
+    let mut settings = Settings { seed: SEED, max_depth, rr_depth, nee: false, ..Settings::for_scene(&scene) };
+    (row.set)(&mut settings);
+    (settings.width, settings.height, settings.grid, settings.learner) = (SIDE, SIDE, 1, learner);
+    // No fewer are there for a descent.
+    let directions = if settings.sampler == Sampler::Product { 16 } else { DIRECTIONS };
+    let settings = Settings { directions, decay: DECAY, ..settings };
+    let mut renderer = studio.renderer(subject, &scene, settings.clone());
+    let empty = renderer.state().expect("a state");
+    let [a, e] = [albedo, emission].map(|text| text.parse::<f64>().expect("a number"));
+    let found: Vec<_> = (1..=REPLICATES).map(|k| replicate(&mut renderer, &empty, k, settings.spp_per_step)).collect();
+    for step in 1..=STEPS {
+        let expected = match learner {
+            Learner::MonteCarlo => e * (1.0 + a),
+            _ => e * (1.0 - a.powi(step)) / (1.0 - a),
+        };
+        let case = format!("{}, {name}, albedo {albedo}, step {step}, seed {SEED}", row.name);
+        let of_step = found.iter().map(|steps| steps[step as usize - 1]);
+        // Returns do not depend on the table.
+        let reached = learner == Learner::MonteCarlo || of_step.clone().all(|(_, reached)| reached);
+        evidence.hold(format!("bins, {case}"), reached, || "not every bin has targets".into());
+        let (mean, error) = mean_and_error(of_step.map(|(mean, _)| mean));
+        let t = (mean - expected) / error.hypot(ROUNDING * expected);
+        let p = 2.0 * StudentsT::new(0.0, 1.0, f64::from(REPLICATES - 1)).expect("positive").sf(t.abs());
+        evidence
+            .test(format!("mean target, {case}: {mean:.6} +- {error:.6}, not {expected:.6}"), p, || Record::Nothing);
+    }
+}
+
+/// Renders anew with other samples. Returns the mean of all targets of every step, and whether every bin had one.
+fn replicate(renderer: &mut Renderer, empty: &RenderState, number: u32, spp: u32) -> Vec<(f64, bool)> {
+    renderer.restore(&RenderState { samples_done: number * STRIDE, ..empty.clone() }).expect("restored");
+    let step = |_| {
+        renderer.step(spp, &|| false).expect("a step");
+        mean_target(&renderer.state().expect("a state"))
+    };
+    (0..STEPS).map(step).collect()
+}
+
+fn mean_target(state: &RenderState) -> (f64, bool) {
+    let part = state.parts.iter().find(|part| part.name == "learned radiance").expect("a part");
+    let learned: Vec<LearnedRadiance> = bytemuck::pod_collect_to_vec(&part.bytes);
+    let weighed = |f: &dyn Fn(&LearnedRadiance) -> f32| -> f64 {
+        learned.iter().map(|l| f64::from(l.weight) * f64::from(f(l))).sum()
+    };
+    (weighed(&|l| l.mean) / weighed(&|_| 1.0), learned.iter().all(|l| l.weight > 0.0))
+}

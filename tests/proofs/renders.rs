@@ -1,0 +1,59 @@
+//! Renders of a subject.
+
+use std::sync::Arc;
+
+use lodestar::bvh::Bvh;
+use lodestar::film::Picture;
+use lodestar::gpu::{Context, ContextOptions};
+use lodestar::renderer::{Counts, Renderer, Surfaces};
+use lodestar::scene::Scene;
+use lodestar::settings::Settings;
+
+use crate::subject::Subject;
+
+/// A device under the validation layer.
+pub struct Studio {
+    context: Arc<Context>,
+}
+
+impl Studio {
+    pub fn new() -> Self {
+        Self { context: Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device") }
+    }
+
+    pub fn renderer(&self, subject: &Subject, scene: &Scene, settings: Settings) -> Renderer {
+        let (bvh, settings) = (Bvh::build(&scene.primitives), subject.settings(settings));
+        let registry = subject.registry();
+        Renderer::with_surfaces(&self.context, scene, Surfaces::new(scene), &bvh, &settings, &registry)
+            .expect("a renderer")
+    }
+
+    /// A picture of `spp` samples a pixel, in steps of eight unless the subject has others, and what was counted.
+    pub fn render(&self, subject: &Subject, scene: &Scene, settings: Settings, spp: u32) -> (Picture, Counts) {
+        let per_step = subject.settings(settings.clone()).spp_per_step;
+        let mut renderer = self.renderer(subject, scene, settings);
+        let counts = steps(&mut renderer, per_step, spp);
+        (renderer.picture().expect("a picture"), counts)
+    }
+}
+
+/// Takes `spp` samples more.
+pub fn steps(renderer: &mut Renderer, per_step: u32, spp: u32) -> Counts {
+    let mut counts = Counts::default();
+    let mut left = spp;
+    while left > 0 {
+        let report = renderer.step(per_step.min(left), &|| false).expect("a step");
+        counts.add(&report.counts);
+        left -= report.samples;
+    }
+    counts
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        let messages = self.context.validation_messages();
+        if !std::thread::panicking() {
+            assert!(messages.is_empty(), "{messages:#?}");
+        }
+    }
+}

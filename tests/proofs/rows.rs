@@ -1,0 +1,126 @@
+//! The table of what is proven: every sampler with every way to set it, and every learner. What is added here is tested by
+//! all claims.
+
+use lodestar::reference::normalization_entry::Rules;
+use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
+
+use crate::guide_cases::Kind;
+use crate::scenes::ours;
+use crate::subject::Change;
+
+/// A way to draw directions.
+#[derive(Clone, Copy)]
+pub struct Row {
+    pub name: &'static str,
+    pub set: Change,
+    /// Whether the short form of the suite tests it.
+    pub is_short: bool,
+}
+
+const fn row(name: &'static str, set: Change) -> Row {
+    Row { name, set, is_short: true }
+}
+
+/// Of the full form only.
+const fn more(name: &'static str, set: Change) -> Row {
+    Row { name, set, is_short: false }
+}
+
+/// Everything that follows a guide.
+pub const GUIDED: &[Row] = &[
+    row("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
+    row("rejection-mix, cylindrical", |s| (s.sampler, s.map) = (Sampler::RejectionMix, DirectionMap::Cylindrical)),
+    row("rejection-mix, share 0.3", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.3))),
+    row("acceptance mix", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
+    row("rejection", |s| s.sampler = Sampler::Rejection),
+    row("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
+    row("hemisphere-inversion", |s| s.sampler = Sampler::HemisphereInversion),
+    row("product", |s| s.sampler = Sampler::Product),
+    // With a much smaller share the few uniform samples weigh so much that their sums are far from normally distributed.
+    more("rejection-mix, share 0.05, cylindrical", |s| {
+        (s.sampler, s.epsilon, s.map) = (Sampler::RejectionMix, Some(0.05), DirectionMap::Cylindrical);
+    }),
+    more("rejection-mix, 1 try", |s| (s.sampler, s.max_tries) = (Sampler::RejectionMix, 1)),
+    more("rejection-mix, 2 tries", |s| (s.sampler, s.max_tries) = (Sampler::RejectionMix, 2)),
+    more("rejection-mix, 32 tries", |s| (s.sampler, s.max_tries) = (Sampler::RejectionMix, 32)),
+    more("rejection-mix, half uniform", |s| (s.sampler, s.min_uniform) = (Sampler::RejectionMix, 0.5)),
+    more("acceptance mix, cylindrical", |s| {
+        (s.sampler, s.mix, s.map) = (Sampler::RejectionMix, Mix::Acceptance, DirectionMap::Cylindrical);
+    }),
+    more("acceptance mix, share 0.05, 2 tries", |s| {
+        (s.sampler, s.mix, s.epsilon, s.max_tries) = (Sampler::RejectionMix, Mix::Acceptance, Some(0.05), 2);
+    }),
+    more("rejection, 32 tries, cylindrical", |s| {
+        (s.sampler, s.max_tries, s.map) = (Sampler::Rejection, 32, DirectionMap::Cylindrical);
+    }),
+    more("sphere-inversion, cylindrical", |s| {
+        (s.sampler, s.map) = (Sampler::SphereInversion, DirectionMap::Cylindrical)
+    }),
+    more("hemisphere-inversion, cylindrical", |s| {
+        (s.sampler, s.map) = (Sampler::HemisphereInversion, DirectionMap::Cylindrical);
+    }),
+    more("product, cylindrical", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
+    more("product, half by the cosine", |s| (s.sampler, s.epsilon) = (Sampler::Product, Some(0.5))),
+    more("hemisphere-inversion, half uniform", |s| (s.sampler, s.min_uniform) = (Sampler::HemisphereInversion, 0.5)),
+];
+
+/// A plain path tracer.
+pub const UNGUIDED: Row = row("bsdf", |s| s.sampler = Sampler::Bsdf);
+
+/// Every way to learn.
+pub const LEARNERS: &[(&str, Learner)] =
+    &[("sarsa", Learner::Sarsa), ("expected-sarsa", Learner::ExpectedSarsa), ("monte-carlo", Learner::MonteCarlo)];
+
+impl Row {
+    /// As the kernels of single functions and their twins take it.
+    pub fn kind(&self) -> Kind {
+        let mut s = Settings::for_scene(&ours("furnace/scene.xml", &[]));
+        (self.set)(&mut s);
+        let rules = Rules {
+            sampler: s.sampler,
+            mix: s.mix,
+            epsilon: s.epsilon.map(f64::from),
+            max_tries: s.max_tries,
+            min_uniform_share: f64::from(s.min_uniform),
+        };
+        Kind { rules, map: s.map }
+    }
+}
+
+/// How much of the table is tested.
+#[derive(Clone, Copy)]
+pub struct Scope {
+    /// The full form.
+    pub full: bool,
+    /// This row only.
+    only: Option<&'static str>,
+}
+
+impl Scope {
+    /// `LODESTAR_FULL` chooses the full form.
+    pub fn of_this_run() -> Self {
+        Self { full: std::env::var_os("LODESTAR_FULL").is_some(), only: None }
+    }
+
+    /// The short form with one row of the table.
+    pub const fn only(row: &'static str) -> Self {
+        Self { full: false, only: Some(row) }
+    }
+
+    /// The rows that follow a guide.
+    pub fn guided(&self) -> Vec<Row> {
+        let is_wanted = |row: &&Row| self.only.map_or(row.is_short || self.full, |name| row.name == name);
+        GUIDED.iter().filter(is_wanted).copied().collect()
+    }
+
+    /// Those, and the plain path tracer.
+    pub fn all(&self) -> Vec<Row> {
+        let unguided = self.only.is_none_or(|name| name == UNGUIDED.name).then_some(UNGUIDED);
+        unguided.into_iter().chain(self.guided()).collect()
+    }
+
+    /// Whether it is a single row.
+    pub fn is_narrow(&self) -> bool {
+        self.only.is_some()
+    }
+}

@@ -1,0 +1,173 @@
+//! The proof of the proofs: every known way to be wrong is found by the claim that is there for it, and changes that do not
+//! matter are not. The faulty kernels are those of `tests/tampered`.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use lodestar::kernels::MIS_BLIND_TO_GUIDE;
+use lodestar::settings::{DirectionMap, GuideSet};
+
+use crate::claims::{
+    ALL, Claim, DENSITIES, DIRECTIONS, DOORS, EMITTERS, ENTRIES, FURNACE, PICTURES, ROULETTE, SAMPLES, SUMS, TARGETS,
+    UPDATES,
+};
+use crate::evidence::MOST_TESTS;
+use crate::rows::Scope;
+use crate::subject::{Change, SHIPPED, Subject};
+
+/// A way to be wrong, the claim that must find it, and the row of the table with which it does.
+struct Fault(Subject, Claim, &'static str);
+
+const MIX: &str = "rejection-mix";
+
+const fn kernels(name: &'static str, claim: Claim, row: &'static str) -> Fault {
+    Fault(Subject::mutated(name), claim, row)
+}
+
+const fn settings(name: &'static str, change: Change, claim: Claim, row: &'static str) -> Fault {
+    Fault(Subject::changed(name, change), claim, row)
+}
+
+const FAULTS: &[Fault] = &[
+    kernels("memo keyed by a visitor's normal", DENSITIES, MIX),
+    kernels("maximum over bin centers", SAMPLES, MIX),
+    kernels("clipped acceptance", SAMPLES, MIX),
+    kernels("off-by-one bin", SAMPLES, MIX),
+    kernels("missing cosine", SAMPLES, MIX),
+    kernels("missing uniform share in the density", SAMPLES, MIX),
+    kernels("fallback not in the density", DENSITIES, MIX),
+    kernels("proposals of a pair alike", SAMPLES, MIX),
+    kernels("horizon of the representative normal", DENSITIES, MIX),
+    kernels("inversion forgets the uniform share", DENSITIES, "hemisphere-inversion"),
+    kernels("lobe counted whole", DIRECTIONS, MIX),
+    kernels("stale normalizer", ENTRIES, MIX),
+    kernels("swapped halves of a sum", UPDATES, MIX),
+    kernels("lost carry", SUMS, MIX),
+    kernels("targets rounded down", SUMS, MIX),
+    kernels("learning rate without decay", UPDATES, MIX),
+    kernels("target without attenuation", TARGETS, MIX),
+    kernels("roulette scales the bootstrap target", TARGETS, MIX),
+    kernels("returns without survival", TARGETS, MIX),
+    settings("learning takes surfaces to be 5 % brighter", |s| s.attenuation_tamper = 1.05, TARGETS, MIX),
+    kernels("targets that are no numbers", DOORS, MIX),
+    kernels("missing survival weight", ROULETTE, "bsdf"),
+    kernels("roulette by a used random number", ROULETTE, "bsdf"),
+    kernels("density 0 for the weights", EMITTERS, MIX),
+    kernels("emitters counted twice", EMITTERS, MIX),
+    kernels("missing Jacobian", EMITTERS, MIX),
+    settings("weights blind to the guide", |s| s.mis_fault = MIS_BLIND_TO_GUIDE, EMITTERS, MIX),
+    settings("densities 5 % off", |s| s.pdf_tamper = 1.05, FURNACE, MIX),
+];
+
+/// A change that must not matter, and claims that it touches.
+struct Harmless(Subject, &'static [Claim]);
+
+const RENDERS: &[Claim] = &[FURNACE, PICTURES];
+
+const fn other_settings(name: &'static str, change: Change) -> Harmless {
+    Harmless(Subject::changed(name, change), RENDERS)
+}
+
+const HARMLESS: &[Harmless] = &[
+    Harmless(
+        Subject { name: "another seed", seed: 5000, ..SHIPPED },
+        &[SAMPLES, DIRECTIONS, SUMS, UPDATES, FURNACE, PICTURES],
+    ),
+    Harmless(Subject { name: "yet another seed", seed: 9_999_999, ..SHIPPED }, &[SAMPLES, SUMS, TARGETS, ROULETTE]),
+    Harmless(Subject { name: "workgroups of 32", group: 32, ..SHIPPED }, &[SAMPLES, DENSITIES, DIRECTIONS]),
+    Harmless(Subject { name: "workgroups of 128", group: 128, ..SHIPPED }, &[SAMPLES, DENSITIES]),
+    other_settings("slices of 1 ms", |s| s.slice_milliseconds = Some(1.0)),
+    other_settings("slices of 500 ms", |s| s.slice_milliseconds = Some(500.0)),
+    other_settings("film pages of 256 pixels", |s| s.film_page_pixels = Some(256)),
+    other_settings("reads of storage buffers", |s| s.storage_reads = true),
+    other_settings("3 samples a dispatch", |s| s.samples_per_dispatch = 3),
+    other_settings("16 samples a step", |s| s.spp_per_step = 16),
+    other_settings("5 cells a side", |s| s.grid = 5),
+    other_settings("12 directions a side", |s| s.directions = 12),
+    other_settings("6 normals a side", |s| s.normals = 6),
+    other_settings("old targets kept", |s| s.decay = 1.0),
+    other_settings("4 tries", |s| s.max_tries = 4),
+    other_settings("a quarter uniform", |s| s.min_uniform = 0.25),
+    other_settings("the cylindrical map", |s| s.map = DirectionMap::Cylindrical),
+    other_settings("the authors' guide set", |s| s.guide_set = GuideSet::Authors),
+    Harmless(Subject::mutated("cells in another order"), RENDERS),
+    Harmless(Subject::mutated("normalizers summed backwards"), &[SAMPLES, DENSITIES, ENTRIES, FURNACE]),
+    Harmless(Subject::mutated("workgroups in another order"), RENDERS),
+    Harmless(Subject::mutated("other random blocks"), &[SAMPLES, FURNACE, PICTURES]),
+    Harmless(Subject::mutated("another multiplier of leftover bits"), &[TARGETS, FURNACE]),
+    Harmless(Subject::mutated("roulette ends more paths"), &[ROULETTE, TARGETS]),
+    Harmless(Subject::mutated("the balance heuristic"), &[EMITTERS, FURNACE]),
+];
+
+const DOCUMENT: &str = include_str!("../../docs/proofs.md");
+
+/// Keeps a table below `target/proofs`. The document has its first columns.
+fn write_table(file: &str, heading: &str, rows: &[(String, String)]) {
+    let mut table = format!("{heading}\n");
+    for (documented, measured) in rows {
+        let _ = writeln!(table, "{documented}{measured}");
+    }
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/proofs");
+    fs::create_dir_all(&folder).expect("a folder below target");
+    fs::write(folder.join(file), &table).expect("written");
+    println!("{table}");
+    let missing: Vec<_> = rows.iter().filter(|(row, _)| !DOCUMENT.contains(row.as_str())).map(|(row, _)| row).collect();
+    assert!(missing.is_empty(), "docs/proofs.md lacks what target/proofs/{file} has: {missing:#?}");
+}
+
+#[test]
+fn every_fault_is_caught() {
+    let mut rows = Vec::new();
+    let mut missed = Vec::new();
+    for Fault(subject, claim, row) in FAULTS {
+        let evidence = claim.examine(subject, Scope::only(row));
+        evidence.write();
+        println!("{}: {:?}", subject.name, evidence.finding());
+        let Some(finding) = evidence.finding() else {
+            missed.push(subject.name);
+            continue;
+        };
+        let what = finding.case.split([',', ':']).next().unwrap_or_default();
+        let p = finding.p.map_or("exact".into(), |p| if p > 0.0 { format!("{p:.0e}") } else { "< 1e-300".into() });
+        rows.push((format!("| {} | {} | {what} |", subject.name, claim.name), format!(" {p} |")));
+    }
+    assert!(missed.is_empty(), "not caught: {missed:?}");
+    assert!(rows.len() >= 22);
+    write_table("faults.md", "| fault | claim | test | p |\n|---|---|---|---|", &rows);
+}
+
+#[test]
+fn no_harmless_change_is_flagged() {
+    let mut rows = Vec::new();
+    let mut flagged = Vec::new();
+    let mut tests: usize = ALL.iter().map(|claim| claim.most_tests).sum();
+    for Harmless(subject, claims) in HARMLESS {
+        let mut least = 1.0_f64;
+        for claim in *claims {
+            let evidence = claim.examine(subject, Scope::only(MIX));
+            evidence.write();
+            tests += evidence.tests;
+            least = least.min(evidence.least());
+            println!("{}, {}: least p = {:.1e} of {}", subject.name, claim.name, evidence.least(), evidence.tests);
+            if let Some(finding) = evidence.finding() {
+                flagged.push(format!("{} by {}: {finding:?}", subject.name, claim.name));
+            }
+        }
+        let claims = claims.iter().map(|claim| claim.name).collect::<Vec<_>>().join(", ");
+        rows.push((format!("| {} | {claims} |", subject.name), format!(" {least:.0e} |")));
+    }
+    assert!(flagged.is_empty(), "flagged: {flagged:#?}");
+    assert!(rows.len() >= 20);
+    assert!(tests <= MOST_TESTS, "{tests} tests are more than the level allows for");
+    write_table("harmless.md", "| change | claims | least p |\n|---|---|---|", &rows);
+}
+
+/// What no test uses would prove nothing.
+#[test]
+fn every_mutation_is_a_fault_or_harmless() {
+    let used = FAULTS.iter().map(|fault| &fault.0).chain(HARMLESS.iter().map(|harmless| &harmless.0));
+    let used: Vec<_> = used.filter_map(|subject| subject.mutation).collect();
+    let unused: Vec<_> = tampered::MUTATIONS.iter().map(|m| m.name).filter(|name| !used.contains(name)).collect();
+    assert!(unused.is_empty(), "{unused:?}");
+}

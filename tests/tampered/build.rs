@@ -1,0 +1,90 @@
+//! Compiles kernels of `glsl/` with every mutation of `src/mutations.rs` in them, behind a specialization constant.
+
+#[path = "../../build/compile.rs"]
+mod compile;
+#[path = "src/mutations.rs"]
+mod mutations;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::{env, fs, process};
+
+use mutations::{MUTATIONS, Patch};
+
+const REPOSITORY: &str = "../..";
+/// Reading storage buffers, which every device has.
+const KERNELS: [&str; 8] = [
+    "glsl/path_trace.comp",
+    "glsl/update_radiance.comp",
+    "glsl/update_normalization.comp",
+    "glsl/test/add_target.comp",
+    "glsl/test/guided_density.comp",
+    "glsl/test/guided_direction.comp",
+    "glsl/test/normalize_cell.comp",
+    "glsl/test/sample_direction.comp",
+];
+/// Where every file that a mutation may patch finds the constant.
+const VARIANT: &str = "glsl/include/variant.glsl";
+const CONSTANT: &str = "layout(constant_id = 2000) const uint MUTATION = 0u;";
+
+fn main() {
+    for watched in ["build.rs", "src", "../../build", "../../glsl"] {
+        println!("cargo::rerun-if-changed={watched}");
+    }
+    let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));
+    if let Err(message) = run(&out) {
+        message.lines().for_each(|line| println!("cargo::error={line}"));
+        process::exit(1);
+    }
+}
+
+fn run(out: &Path) -> Result<(), String> {
+    let sources = out.join("sources");
+    for folder in ["glsl", "glsl/include", "glsl/test"] {
+        copy_folder(&Path::new(REPOSITORY).join(folder), &sources.join(folder))?;
+    }
+    edit(&sources, VARIANT, |text| {
+        Ok(text.replacen("layout(local_size", &format!("{CONSTANT}\nlayout(local_size"), 1))
+    })?;
+    for (number, mutation) in (1..).zip(MUTATIONS) {
+        for patch in mutation.patches {
+            edit(&sources, patch.file, |text| apply(mutation.name, number, patch, &text))?;
+        }
+    }
+    let mut code = String::from("// Written by build.rs.\nconst KERNELS: &[(&str, &[u8])] = &[\n");
+    for file in KERNELS {
+        let (spirv, _) = compile::compile(&sources, file, &[])?;
+        let name = Path::new(file).file_stem().expect("a name").to_string_lossy();
+        let path = out.join(format!("{name}.spv"));
+        fs::write(&path, spirv).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+        let _ = writeln!(code, "    ({name:?}, include_bytes!({path:?})),");
+    }
+    code.push_str("];\n");
+    fs::write(out.join("kernels.rs"), code).map_err(|e| format!("kernels.rs: cannot be written: {e}"))
+}
+
+fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {
+    let failed = |e: std::io::Error| format!("{}: cannot be copied: {e}", from.display());
+    fs::create_dir_all(to).map_err(failed)?;
+    for entry in fs::read_dir(from).map_err(failed)?.flatten().filter(|entry| entry.path().is_file()) {
+        fs::copy(entry.path(), to.join(entry.file_name())).map_err(failed)?;
+    }
+    Ok(())
+}
+
+fn edit(root: &Path, file: &str, change: impl FnOnce(String) -> Result<String, String>) -> Result<(), String> {
+    let path = root.join(file);
+    let text = fs::read_to_string(&path).map_err(|e| format!("{file}: cannot be read: {e}"))?;
+    fs::write(&path, change(text)?).map_err(|e| format!("{file}: cannot be written: {e}"))
+}
+
+fn apply(name: &str, number: u32, patch: &Patch, text: &str) -> Result<String, String> {
+    match text.matches(patch.text).count() {
+        1 => Ok(text.replacen(patch.text, &patch.mutated.replace("MUTATED", &format!("(MUTATION == {number}u)")), 1)),
+        count => Err(format!(
+            "{}: the mutation `{name}` of tests/tampered/src/mutations.rs stands in place of `{}`, which must occur once \
+             in the file but occurs {count} times: bring the mutation up to date with the kernel",
+            patch.file, patch.text
+        )),
+    }
+}

@@ -1,0 +1,296 @@
+//! What is changed in which kernel. A text must occur exactly once in its file; in what takes its place, `MUTATED` is true
+//! where the mutation is chosen.
+
+/// One text of one file and what takes its place.
+pub struct Patch {
+    pub file: &'static str,
+    pub text: &'static str,
+    pub mutated: &'static str,
+}
+
+/// A change to the kernels.
+pub struct Mutation {
+    pub name: &'static str,
+    pub patches: &'static [Patch],
+}
+
+const PATH_TRACE: &str = "glsl/path_trace.comp";
+const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
+const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
+const GUIDE: &str = "glsl/include/guide.glsl";
+const GUIDING: &str = "glsl/include/guiding.glsl";
+const LEARNING: &str = "glsl/include/learning.glsl";
+const LIGHT: &str = "glsl/include/light.glsl";
+const LIGHT_SHAPE: &str = "glsl/include/light_shape.glsl";
+const NORMALIZATION: &str = "glsl/include/normalization_entry.glsl";
+const PLASTIC: &str = "glsl/include/bsdf_plastic.glsl";
+const RADIANCE_GRID: &str = "glsl/include/radiance_grid.glsl";
+const RANDOM: &str = "glsl/include/random.glsl";
+const REJECTION: &str = "glsl/include/rejection_mix.glsl";
+const SEGMENT: &str = "glsl/include/segment.glsl";
+
+const fn mutation(name: &'static str, patches: &'static [Patch]) -> Mutation {
+    Mutation { name, patches }
+}
+
+/// All mutations: the faults, then what must not matter.
+pub const MUTATIONS: &[Mutation] = &[
+    mutation(
+        "memo keyed by a visitor's normal",
+        &[Patch {
+            file: GUIDE,
+            text: "return Guide(cell, bin, representative_normal(bin), n,",
+            mutated: "return Guide(cell, bin, MUTATED ? n : representative_normal(bin), n,",
+        }],
+    ),
+    mutation(
+        "maximum over bin centers",
+        &[Patch {
+            file: NORMALIZATION,
+            text: "bin_radiance * cosine.maximum",
+            mutated: "bin_radiance * (MUTATED ? dot(bin_center(bin), representative_normal(normal_bin)) : cosine.maximum)",
+        }],
+    ),
+    mutation(
+        "clipped acceptance",
+        &[Patch {
+            file: NORMALIZATION,
+            text: "entry.acceptance_scale = usable ? 1.0 / bound : 0.0;",
+            mutated: "entry.acceptance_scale = usable ? (MUTATED ? 1.25 : 1.0) / bound : 0.0;",
+        }],
+    ),
+    mutation(
+        "off-by-one bin",
+        &[Patch {
+            file: REJECTION,
+            text: "s.bin = square_bin(p, DIRECTION_RESOLUTION);",
+            mutated: "s.bin = (square_bin(p, DIRECTION_RESOLUTION) + (MUTATED ? 1u : 0u)) % direction_bin_count();",
+        }],
+    ),
+    mutation(
+        "missing cosine",
+        &[Patch {
+            file: REJECTION,
+            text: "acceptance(guide.entry, s.radiance * dot(s.wi, guide.nb))",
+            mutated: "acceptance(guide.entry, s.radiance * (MUTATED ? 1.0 : dot(s.wi, guide.nb)))",
+        }],
+    ),
+    mutation(
+        "missing uniform share in the density",
+        &[Patch {
+            file: REJECTION,
+            text: "+ uniform_density(guide, taken.wi);",
+            mutated: "+ (MUTATED ? 0.0 : uniform_density(guide, taken.wi));",
+        }],
+    ),
+    mutation(
+        "fallback not in the density",
+        &[Patch {
+            file: NORMALIZATION,
+            text: "(unconditional + (1.0 - unconditional) * all_fail)",
+            mutated: "(unconditional + (MUTATED ? 0.0 : 1.0 - unconditional) * all_fail)",
+        }],
+    ),
+    mutation(
+        "proposals of a pair alike",
+        &[Patch {
+            file: REJECTION,
+            text: "Proposal first = propose(random, guide, uniform_share || tries == MAX_TRIES);",
+            mutated: "RandomStream again = random;\n        \
+                  Proposal first = propose(random, guide, uniform_share || tries == MAX_TRIES);\n        \
+                  if (MUTATED) random = again;",
+        }],
+    ),
+    mutation(
+        "horizon of the representative normal",
+        &[Patch {
+            file: GUIDE,
+            text: "return dot(wi, guide.n) > 0.0 ?",
+            mutated: "return dot(wi, MUTATED ? guide.nb : guide.n) > 0.0 ?",
+        }],
+    ),
+    mutation(
+        "inversion forgets the uniform share",
+        &[Patch {
+            file: NORMALIZATION,
+            text: "(1.0 - e) * bin_density() / total",
+            mutated: "(MUTATED ? 1.0 : 1.0 - e) * bin_density() / total",
+        }],
+    ),
+    mutation(
+        "lobe counted whole",
+        &[Patch {
+            file: PLASTIC,
+            text: "return (1.0 - plastic_specular_probability(b, reflectance)) * diffuse_density;",
+            mutated: "return (MUTATED ? 1.0 : 1.0 - plastic_specular_probability(b, reflectance)) * diffuse_density;",
+        }],
+    ),
+    mutation(
+        "stale normalizer",
+        &[Patch {
+            file: UPDATE_NORMALIZATION,
+            text: "&& is_marked(index)",
+            mutated: "&& is_marked(index) && !(MUTATED && any(notEqual(normalization_record(index), uvec4(0u))))",
+        }],
+    ),
+    mutation(
+        "swapped halves of a sum",
+        &[Patch {
+            file: RADIANCE_GRID,
+            text: "(float(s.high) * 4294967296.0 + float(s.low))",
+            mutated: "(float(MUTATED ? s.low : s.high) * 4294967296.0 + float(MUTATED ? s.high : s.low))",
+        }],
+    ),
+    mutation(
+        "lost carry",
+        &[Patch { file: RADIANCE_GRID, text: "if (old + units < old)", mutated: "if (!MUTATED && old + units < old)" }],
+    ),
+    mutation(
+        "targets rounded down",
+        &[Patch {
+            file: RADIANCE_GRID,
+            text: "(u < units - whole ? 1u : 0u)",
+            mutated: "(u < units - whole && !MUTATED ? 1u : 0u)",
+        }],
+    ),
+    mutation(
+        "learning rate without decay",
+        &[Patch {
+            file: UPDATE_RADIANCE,
+            text: "float alpha = target_count / weight;",
+            mutated: "float alpha = target_count / (MUTATED ? before.weight + target_count : weight);",
+        }],
+    ),
+    mutation(
+        "target without attenuation",
+        &[Patch {
+            file: LEARNING,
+            text: "ATTENUATION_TAMPER * mean_rgb(next.weight) * next.radiance",
+            mutated: "(MUTATED ? 1.0 : ATTENUATION_TAMPER * mean_rgb(next.weight)) * next.radiance",
+        }],
+    ),
+    mutation(
+        "roulette scales the bootstrap target",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "float target = target_at(path.key, path.depth, light, x, next);",
+            mutated: "float target = target_at(path.key, path.depth, light, x, next);\n    \
+                  if (MUTATED && path.depth >= RR_DEPTH && target != NO_TARGET) {\n        \
+                  target /= clamp(max_component(path.throughput * next.weight), 0.05, 0.95);\n    }",
+        }],
+    ),
+    mutation(
+        "returns without survival",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "path.met.factor /= max(survival, 1.0e-30);",
+            mutated: "if (!MUTATED) path.met.factor /= max(survival, 1.0e-30);",
+        }],
+    ),
+    mutation(
+        "missing survival weight",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "path.throughput /= max(survival, 1.0e-30);",
+            mutated: "if (!MUTATED) path.throughput /= max(survival, 1.0e-30);",
+        }],
+    ),
+    mutation(
+        "targets that are no numbers",
+        &[Patch {
+            file: SEGMENT,
+            text: "bool finite = is_finite(target);",
+            mutated: "bool finite = MUTATED || is_finite(target);",
+        }],
+    ),
+    mutation(
+        "roulette by a used random number",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "survives_roulette(path, u.w)",
+            mutated: "survives_roulette(path, MUTATED ? u.x : u.w)",
+        }],
+    ),
+    mutation(
+        "density 0 for the weights",
+        &[Patch { file: PATH_TRACE, text: "path.pdf = next.pdf;", mutated: "path.pdf = MUTATED ? 0.0 : next.pdf;" }],
+    ),
+    mutation(
+        "emitters counted twice",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "if (NEE) light *= emission_weight(",
+            mutated: "if (NEE && !MUTATED) light *= emission_weight(",
+        }],
+    ),
+    mutation(
+        "missing Jacobian",
+        &[Patch {
+            file: LIGHT_SHAPE,
+            text: "return squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);",
+            mutated: "return MUTATED ? 1.0 / area : squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);",
+        }],
+    ),
+    // What follows must not matter.
+    mutation(
+        "cells in another order",
+        &[Patch {
+            file: GUIDING,
+            text: "return (cell.z * GRID_RESOLUTION + cell.y) * GRID_RESOLUTION + cell.x;",
+            mutated: "cell = MUTATED ? cell.zyx : cell;\n    \
+                  return (cell.z * GRID_RESOLUTION + cell.y) * GRID_RESOLUTION + cell.x;",
+        }],
+    ),
+    mutation(
+        "normalizers summed backwards",
+        &[Patch {
+            file: NORMALIZATION,
+            text: "for (uint bin = 0u; bin < direction_bin_count(); ++bin) {",
+            mutated: "for (uint place = 0u; place < direction_bin_count(); ++place) {\n        \
+                  uint bin = MUTATED ? direction_bin_count() - 1u - place : place;",
+        }],
+    ),
+    mutation(
+        "workgroups in another order",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "gl_WorkGroupID.x * push.workgroup_stride",
+            mutated: "gl_WorkGroupID.x * (MUTATED ? 1u : push.workgroup_stride)",
+        }],
+    ),
+    mutation(
+        "other random blocks",
+        &[
+            Patch {
+                file: RANDOM,
+                text: "#define RANDOM_GLSL",
+                mutated: "#define RANDOM_GLSL\n#include \"variant.glsl\"",
+            },
+            Patch {
+                file: RANDOM,
+                text: "const uint RANDOM_TRIES = 1u;",
+                mutated: "const uint RANDOM_TRIES = MUTATED ? 9u : 1u;",
+            },
+        ],
+    ),
+    mutation(
+        "another multiplier of leftover bits",
+        &[Patch { file: RANDOM, text: "* 0x9e3779b9u)", mutated: "* (MUTATED ? 0x85ebca6bu : 0x9e3779b9u))" }],
+    ),
+    mutation(
+        "roulette ends more paths",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "path.eta * path.eta, 0.95);",
+            mutated: "path.eta * path.eta, MUTATED ? 0.93 : 0.95);",
+        }],
+    ),
+    mutation(
+        "the balance heuristic",
+        &[Patch {
+            file: LIGHT,
+            text: "return 1.0 / (1.0 + ratio * ratio);",
+            mutated: "return 1.0 / (1.0 + ratio * (MUTATED ? 1.0 : ratio));",
+        }],
+    ),
+];
