@@ -1,4 +1,4 @@
-//! What the benches share: scenes, timed renders, medians.
+//! What the benches share: scenes, timed renders.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -54,9 +54,4 @@ pub fn run_for(renderer: &mut Renderer, seconds: f64, spp_per_step: u32) -> (u32
         counts.add(&renderer.step(spp_per_step, &|| false).expect("a step").counts);
     }
     (renderer.samples_done() - first, begin.elapsed().as_secs_f64(), counts)
-}
-
-pub fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -103,7 +103,8 @@ mod tests {
     fn means_stand_beside_the_papers() {
         let markdown = mae(&results()).markdown();
         let last = markdown.lines().last().expect("a line");
-        let expected = "| SARSA | 0.0300 (0.0340) | 0.0300 (0.0434) | 0.0300 (0.0507) | 0.0300 (0.0317) | 0.0300 |";
+        let expected =
+            "| SARSA | 0.0300 (0.0340) | 0.0300 (0.0434) | 0.0300 (0.0507) | 0.0300 (0.0317) | 0.0300 | 0.0300 |";
         assert_eq!(last, expected);
         assert!(milliseconds(&results()).markdown().contains("62.50 (76.61)"));
     }

@@ -35,6 +35,7 @@ fn learn(map: DirectionMap) -> Learned {
         directions: guide_cases::DIRECTIONS,
         map,
         seed: 3,
+        nee: false,
         ..Settings::for_scene(&scene)
     };
     let studio = Studio::new();

@@ -20,6 +20,7 @@ use crate::subject::{Change, SHIPPED, Subject};
 struct Fault(Subject, Claim, &'static str);
 
 const MIX: &str = "rejection-mix";
+const PRODUCT: &str = "product";
 
 const fn kernels(name: &'static str, claim: Claim, row: &'static str) -> Fault {
     Fault(Subject::mutated(name), claim, row)
@@ -40,6 +41,9 @@ const FAULTS: &[Fault] = &[
     kernels("proposals of a pair alike", SAMPLES, MIX),
     kernels("horizon of the representative normal", DENSITIES, MIX),
     kernels("inversion forgets the uniform share", DENSITIES, "hemisphere-inversion"),
+    kernels("part beside the chosen one", SAMPLES, PRODUCT),
+    kernels("descent counted whole", DENSITIES, PRODUCT),
+    kernels("share of the cosine not in the density", DIRECTIONS, PRODUCT),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
     kernels("swapped halves of a sum", UPDATES, MIX),

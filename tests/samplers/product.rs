@@ -49,7 +49,7 @@ impl Case {
     }
 
     /// Distance in bins from the next border between them.
-    fn from_border(&self, w: DVec3) -> f64 {
+    fn border_distance(&self, w: DVec3) -> f64 {
         let cells = (0.5 * sphere_to_map(self.map, w) + 0.5) * f64::from(self.directions);
         (cells - cells.round()).abs().min_element()
     }
@@ -153,7 +153,7 @@ fn check_estimate(case: &Case, drawn: &[Drawn], title: &str) {
     let mut at_borders = 0;
     for d in drawn {
         let (w, twin) = (d.direction(), case.pdf(d.direction()));
-        let known = case.from_border(w) > 1.0e-4;
+        let known = case.border_distance(w) > 1.0e-4;
         at_borders += u32::from(!known);
         assert!(!known || (f64::from(d.pdf) / twin - 1.0).abs() < 1.0e-4, "{title}: {d:?}, not {twin}");
         assert!(!known || (d.pdf_of_wi / d.pdf - 1.0).abs() < 1.0e-4, "{title}: {d:?}");
@@ -169,7 +169,7 @@ fn check_densities(case: &Case, densities: &[Density], title: &str) {
     assert!((4.0 * PI * mean - 1.0).abs() < 1.0e-4, "{title}: the integral is {}", 4.0 * PI * mean);
     for d in densities.iter().step_by(7) {
         let w = Vec3::from(d.wi).as_dvec3();
-        if case.from_border(w) > 1.0e-4 {
+        if case.border_distance(w) > 1.0e-4 {
             let twin = case.pdf(w);
             // The cosine about the true normal is a sum of three rounded products.
             let most = 1.0e-4 * twin + COSINE_SHARE * 3.0e-7 / PI;

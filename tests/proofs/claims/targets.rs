@@ -59,9 +59,12 @@ fn test_learner(
     let mut settings = Settings { seed: SEED, max_depth, rr_depth, nee: false, ..Settings::for_scene(&scene) };
     (row.set)(&mut settings);
     (settings.width, settings.height, settings.grid, settings.learner) = (SIDE, SIDE, 1, learner);
-    // No fewer are there for a descent.
-    let directions = if settings.sampler == Sampler::Product { 16 } else { DIRECTIONS };
-    let settings = Settings { directions, decay: DECAY, ..settings };
+    // A descent has no fewer bins than 16 a side, which take more samples to be reached.
+    let (directions, spp_per_step) = match settings.sampler {
+        Sampler::Product => (16, 16 * settings.spp_per_step),
+        _ => (DIRECTIONS, settings.spp_per_step),
+    };
+    let settings = Settings { directions, spp_per_step, decay: DECAY, ..settings };
     let mut renderer = studio.renderer(subject, &scene, settings.clone());
     let empty = renderer.state().expect("a state");
     let [a, e] = [albedo, emission].map(|text| text.parse::<f64>().expect("a number"));

@@ -26,6 +26,8 @@ const NORMALIZATION: &str = "glsl/include/normalization_entry.glsl";
 const PLASTIC: &str = "glsl/include/bsdf_plastic.glsl";
 const RADIANCE_GRID: &str = "glsl/include/radiance_grid.glsl";
 const RANDOM: &str = "glsl/include/random.glsl";
+const PARTS: &str = "glsl/include/parts.glsl";
+const PRODUCT: &str = "glsl/include/product.glsl";
 const REJECTION: &str = "glsl/include/rejection_mix.glsl";
 const SEGMENT: &str = "glsl/include/segment.glsl";
 
@@ -118,6 +120,30 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "part beside the chosen one",
+        &[Patch {
+            file: PARTS,
+            text: "uint x = choose ? chosen_x : part.x;",
+            mutated: "uint x = choose ? chosen_x ^ (MUTATED ? 1u : 0u) : part.x;",
+        }],
+    ),
+    mutation(
+        "descent counted whole",
+        &[Patch {
+            file: PRODUCT,
+            text: "return mix(of_descent, of_cosine, cosine_share());",
+            mutated: "return (MUTATED ? of_descent : (1.0 - cosine_share()) * of_descent) + cosine_share() * of_cosine;",
+        }],
+    ),
+    mutation(
+        "share of the cosine not in the density",
+        &[Patch {
+            file: GUIDING,
+            text: "return GuideDensity(product_density(guide, x.frame * wi, density), density);",
+            mutated: "return GuideDensity(MUTATED ? density : product_density(guide, x.frame * wi, density), density);",
+        }],
+    ),
+    mutation(
         "lobe counted whole",
         &[Patch {
             file: PLASTIC,
@@ -173,8 +199,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "roulette scales the bootstrap target",
         &[Patch {
             file: PATH_TRACE,
-            text: "float target = target_at(path.key, path.depth, light, x, next);",
-            mutated: "float target = target_at(path.key, path.depth, light, x, next);\n    \
+            text: "float target = target_at(path.key, path.depth, light, x, guide, next);",
+            mutated: "float target = target_at(path.key, path.depth, light, x, guide, next);\n    \
                   if (MUTATED && path.depth >= RR_DEPTH && target != NO_TARGET) {\n        \
                   target /= clamp(max_component(path.throughput * next.weight), 0.05, 0.95);\n    }",
         }],
