@@ -102,6 +102,8 @@ struct Cosines {
     /// What an integral may be off, sr: see the tests of the normalizers.
     error: f64,
     integrals: Vec<f64>,
+    /// The renderer's, whose last digits decide to which of few bits a sum is rounded.
+    stored: Vec<f64>,
     maxima: Vec<f64>,
 }
 
@@ -110,21 +112,22 @@ impl Cosines {
         let &Settings { map, directions, normals, .. } = settings;
         let nb = representative_normal(normal as u32, normals);
         let bounds = cosine_integrals(map, directions, normals);
-        let of_normal = bounds.iter().skip(normal).step_by(normals.pow(2) as usize);
-        let maxima = of_normal.map(|cosine| f64::from(cosine.maximum)).collect();
+        let of_normal = || bounds.iter().skip(normal).step_by(normals.pow(2) as usize);
+        let maxima = of_normal().map(|cosine| f64::from(cosine.maximum)).collect();
+        let stored = of_normal().map(|cosine| f64::from(cosine.integral)).collect();
         let error = match map {
             DirectionMap::EqualArea => 4.0e-7,
             DirectionMap::Cylindrical => 3.0e-6,
         } * 16.0
             / f64::from(directions);
-        Self { error, integrals: sphere(map).cosine_integrals(directions, nb), maxima }
+        Self { error, integrals: sphere(map).cosine_integrals(directions, nb), stored, maxima }
     }
 }
 
 /// The same between the blocks' weights that the product sampler keeps; 0 where they are those of the twin, or next to them
 /// and rounding may have decided.
 fn block_difference(words: &[u32; 4], radiance: &[f32], cosines: &Cosines) -> f64 {
-    let twin = Product { radiance, integrals: &cosines.integrals }.block_weights();
+    let twin = Product { radiance, integrals: &cosines.stored }.block_weights();
     let code = |i: usize| words[i / 4] >> (7 * (i % 4)) & 127;
     let found = |i: usize| f64::from(f32::from_bits((code(i) << 20) + (112 << 23)));
     let off = |i: usize| (found(i) / twin[i] - 1.0).abs();
