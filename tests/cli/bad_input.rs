@@ -144,7 +144,9 @@ fn settings_out_of_their_ranges() {
 fn combinations_without_meaning() {
     let folder = Folder::new();
     for (arguments, words) in [
-        (&["--sampler", "rejection", "--epsilon", "0.5"][..], ["--epsilon", "rejection-mix only"]),
+        (&["--sampler", "rejection", "--epsilon", "0.5"][..], ["--epsilon", "rejection-mix and product only"]),
+        (&["--sampler", "rejection", "--learner", "irradiance-sarsa"], ["irradiance-sarsa", "product only"]),
+        (&["--directions", "8"], ["--directions", "16, 32 or 64"]),
         (&["--sampler", "sphere-inversion", "--mix", "acceptance"], ["--mix", "rejection-mix only"]),
         (&["--sampler", "bsdf", "--learner", "monte-carlo"], ["--sampler bsdf", "learns nothing"]),
         (&["--expected-directions", "64"], ["--expected-directions", "expected-sarsa only"]),

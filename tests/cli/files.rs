@@ -57,7 +57,7 @@ fn every_output_is_written_and_holds_what_it_should() {
         assert_eq!(attribute(&path, name), value.as_str().map_or_else(|| value.to_string(), str::to_owned), "{name}");
     }
     let expected = [("seed", "7"), ("spp", "8"), ("version", env!("CARGO_PKG_VERSION")), ("scene", scene)];
-    for (name, value) in expected.into_iter().chain([("sampler", "rejection-mix"), ("width", "32")]) {
+    for (name, value) in expected.into_iter().chain([("sampler", "product"), ("width", "32")]) {
         assert_eq!(attribute(&path, name), value);
     }
     assert!(attribute(&path, "device").contains(stats["device"]["name"].as_str().unwrap()));

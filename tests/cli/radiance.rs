@@ -19,6 +19,8 @@ fn map(folder: &Folder, more: &[&str]) -> Vec<f32> {
         FURNACE,
         "--pixel",
         "20,30",
+        "--sampler",
+        "rejection-mix",
         "--directions",
         "8",
         "--width",

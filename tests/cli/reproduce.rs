@@ -64,7 +64,8 @@ fn tables_are_measured_once_and_hold_every_method() {
     let spp = folder.read_json("out/cornell-box/rejection-mix+sarsa.json")["spp"].to_string();
     let scene = format!("{SCENES}/cornell-box/scene.xml");
     let how = ["--width", "16", "--height", "16", "--rfilter", "box", "--max-depth", "16", "--rr-depth", "8"];
-    folder.render_scene(&scene, &[&how[..], &["--spp", &spp, "-o", "render.exr"]].concat());
+    let method = ["--nee", "off", "--sampler", "rejection-mix"];
+    folder.render_scene(&scene, &[&how[..], &method, &["--spp", &spp, "-o", "render.exr"]].concat());
     assert_same_picture(&folder.path("render.exr"), &folder.path("out/cornell-box/rejection-mix+sarsa.exr"));
 
     let [kept, csv] =
@@ -72,21 +73,21 @@ fn tables_are_measured_once_and_hold_every_method() {
     let before = modified(&kept);
     assert_quiet_success(&reproduce(&folder, "table2", "0.5", &small));
     assert_eq!(modified(&kept), before, "measured a second time");
-    assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 15);
+    assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 18);
     let table = fs::read_to_string(folder.path("out/table2.md")).unwrap();
     assert!(table.contains("(0.0317)") && table.contains("over 1 of 12 scenes"), "{table}");
 
     // Other conditions.
     assert_quiet_success(&reproduce(&folder, "table1", "0.3", &small));
     assert!(modified(&kept) > before);
-    assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 4);
+    assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 5);
 }
 
 #[test]
 fn figures_are_drawn() {
     let folder = with_reference();
     let small = ["--scale", "0.25"];
-    // All of it has 40 pictures.
+    // All of it has 43 pictures.
     let targets = if std::env::var_os("LODESTAR_FULL").is_some() { &["all"][..] } else { &["figure1", "figure6"] };
     for target in targets {
         assert_quiet_success(&reproduce(&folder, target, "0.2", &small));

@@ -93,9 +93,12 @@ fn a_resumed_part_has_the_bits_of_one_never_interrupted() {
 fn a_state_that_lacks_a_part_is_noticed() {
     let device = Device::new();
     let scene = scene();
-    // Only sphere inversion has ends of bins; all of its normals' entries are the same.
-    let cases: [(Sampler, IsPart); 2] =
-        [(Sampler::RejectionMix, |name| name != "bin ends"), (Sampler::SphereInversion, |name| name == "bin ends")];
+    // Only sphere inversion has ends of bins; all of its normals' entries are the same. Only the product sampler has nodes.
+    let cases: [(Sampler, IsPart); 3] = [
+        (Sampler::RejectionMix, |name| !["bin ends", "radiance nodes"].contains(&name)),
+        (Sampler::SphereInversion, |name| name == "bin ends"),
+        (Sampler::Product, |name| name == "radiance nodes"),
+    ];
     for (sampler, matters) in cases {
         let settings = settings(&scene, SIZE, sampler, 21);
         let whole = rest(&mut device.renderer(&scene, &settings), &settings).0;
