@@ -1,5 +1,5 @@
 //! The paper's twelve scenes against the pictures of another renderer, for `bsdf` and `rejection-mix`, with emitter sampling off
-//! and on, and for `product` with it on.
+//! and on.
 //!
 //! They are too large to lie here: `LODESTAR_SCENES` names the folder of the scenes and `LODESTAR_REFERENCES` that of the
 //! pictures, `NAME.mean.exr` and `NAME.var.exr`; without them nothing is tested, which is said.
@@ -151,13 +151,8 @@ impl Run {
 }
 
 /// Samplers, and whether emitters are sampled. The last one is shown on the contact sheet.
-const METHODS: [(Sampler, bool); 5] = [
-    (Sampler::Bsdf, false),
-    (Sampler::Bsdf, true),
-    (Sampler::RejectionMix, false),
-    (Sampler::RejectionMix, true),
-    (Sampler::Product, true),
-];
+const METHODS: [(Sampler, bool); 4] =
+    [(Sampler::Bsdf, false), (Sampler::Bsdf, true), (Sampler::RejectionMix, false), (Sampler::RejectionMix, true)];
 
 fn name(sampler: Sampler) -> String {
     sampler.to_possible_value().map_or_else(String::new, |value| value.get_name().into())
