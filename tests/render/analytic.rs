@@ -125,6 +125,13 @@ fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: imp
     (mean, rms)
 }
 
+/// The learner that needs it has as many bins with it as the others have with theirs.
+fn follow_product(s: &mut Settings) {
+    if s.learner == Learner::IrradianceSarsa {
+        (s.sampler, s.directions, s.grid) = (Sampler::Product, 16, 2);
+    }
+}
+
 const LEARNING_STEPS: u32 = 24;
 
 fn is_learned((mean, rms): (f64, f64), expected: f64) -> bool {
@@ -142,13 +149,18 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
         (Learner::Sarsa, 1.0),
         (Learner::ExpectedSarsa, 0.95),
         (Learner::ExpectedSarsa, 1.0),
+        (Learner::IrradianceSarsa, 0.95),
+        (Learner::IrradianceSarsa, 1.0),
     ] {
         let (mut distance, mut weight) = (1.0, 0.0);
         for _ in 0..LEARNING_STEPS {
             weight = weight * f64::from(decay) + 1.0;
             distance *= 1.0 - 0.5 / weight;
         }
-        let found = learned(&device, &[], 1.0 - distance, |s| (s.learner, s.decay) = (learner, decay));
+        let found = learned(&device, &[], 1.0 - distance, |s| {
+            (s.learner, s.decay) = (learner, decay);
+            follow_product(s);
+        });
         assert!(is_learned(found, 1.0 - distance), "{learner:?}, decay {decay}: {found:?}");
     }
 }
