@@ -206,10 +206,16 @@ fn monte_carlo_divides_by_survival() {
 #[test]
 fn a_learner_without_attenuation_is_found() {
     let device = Device::new();
-    for learner in [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo] {
-        let found = learned(&device, &[], 1.0, |s| (s.learner, s.attenuation_tamper, s.decay) = (learner, 2.0, 0.5));
+    for learner in [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo, Learner::IrradianceSarsa] {
+        let tampered = |attenuation_tamper| {
+            learned(&device, &[], 1.0, |s| {
+                (s.learner, s.attenuation_tamper, s.decay) = (learner, attenuation_tamper, 0.5);
+                follow_product(s);
+            })
+        };
+        let found = tampered(2.0);
         assert!(!is_learned(found, 1.0) && found.0 > 1.5, "{learner:?}: {found:?}");
-        let slightly = learned(&device, &[], 1.0, |s| (s.learner, s.attenuation_tamper, s.decay) = (learner, 1.1, 0.5));
+        let slightly = tampered(1.1);
         assert!(!is_learned(slightly, 1.0), "{learner:?}, 10 % off: {slightly:?}");
     }
 }
