@@ -1,10 +1,13 @@
 // One of 4 x 4 parts of a square, chosen by weight or given.
+//
+// Choices are made by mix(), which selects: nested conditional expressions become branches, of which SwiftShader's compiler
+// took tens of gigabytes here.
 #ifndef PARTS_GLSL
 #define PARTS_GLSL
 
 float component(vec4 v, uint i) {
-    vec2 pair = (i & 2u) != 0u ? v.zw : v.xy;
-    return (i & 1u) != 0u ? pair.y : pair.x;
+    vec2 pair = mix(v.xy, v.zw, bvec2((i & 2u) != 0u));
+    return mix(pair.x, pair.y, (i & 1u) != 0u);
 }
 
 float sum_of(vec4 v) {
@@ -20,8 +23,8 @@ uint choose_of_four(vec4 weights, float sum, inout float u) {
     bool past0 = t >= end0;
     bool past1 = t >= end1;
     bool past2 = t >= end2;
-    float start = past2 ? end2 : (past1 ? end1 : (past0 ? end0 : 0.0));
-    float weight = past2 ? weights.w : (past1 ? weights.z : (past0 ? weights.y : weights.x));
+    float start = mix(mix(mix(0.0, end0, past0), end1, past1), end2, past2);
+    float weight = mix(mix(mix(weights.x, weights.y, past0), weights.z, past1), weights.w, past2);
     u = clamp((t - start) / weight, 0.0, 1.0 - 1.0 / 16777216.0);
     return uint(past0) + uint(past1) + uint(past2);
 }
