@@ -99,6 +99,7 @@ mod tests {
             hide_emitters: _,
             nee: _,
             seed: _,
+            pattern: _,
             sample_offset: _,
             sampler: _,
             guide_set: _,
@@ -123,7 +124,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 26);
+        assert_eq!(settings().named().len(), 27);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         assert!(serde_json::from_str::<Settings>(&text.replacen('{', "{\"new\":1,", 1)).is_err());

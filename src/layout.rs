@@ -273,6 +273,8 @@ pub struct PathTracePush {
     pub first_sample: u32,
     /// Samples to take.
     pub sample_count: u32,
+    /// Index of the first sample whose set may reach to these.
+    pub first_of_step: u32,
 }
 
 /// Pushed to `glsl/update_radiance.comp` and `glsl/update_normalization.comp`.

@@ -84,6 +84,18 @@ pub enum Learner {
     IrradianceSarsa = kernels::LEARNER_IRRADIANCE_SARSA,
 }
 
+/// How the samples of a pixel are distributed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum SamplePattern {
+    /// Each for itself.
+    Independent = kernels::PATTERN_INDEPENDENT,
+    /// In sets of eight: Sobol's points in two dimensions, scrambled after Owen, for every decision of a path. A set never
+    /// reaches over an update of the guide, so that every sample is independent of what it is guided by.
+    Sobol = kernels::PATTERN_SOBOL,
+}
+
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -107,6 +119,8 @@ pub struct Settings {
     pub nee: bool,
     /// Seed of every random number.
     pub seed: u32,
+    /// How the samples of a pixel are distributed.
+    pub pattern: SamplePattern,
     /// Index of every pixel's first sample, where the render is one part of several: such renders of the same seed are
     /// independent if their samples do not overlap, and keep sums whose order changes no bit ([`crate::film_sums`]).
     pub sample_offset: Option<u32>,
@@ -184,6 +198,7 @@ impl Settings {
             hide_emitters: integrator.hide_emitters,
             nee: true,
             seed: 0,
+            pattern: SamplePattern::Sobol,
             sample_offset: None,
             sampler: Sampler::Product,
             guide_set: GuideSet::Diffuse,

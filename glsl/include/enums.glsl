@@ -17,6 +17,9 @@ const uint MAP_EQUAL_AREA = 0u;
 const uint MAP_CYLINDRICAL = 1u;
 
 // Which scattering functions a guide is used on.
+const uint PATTERN_INDEPENDENT = 0u;
+const uint PATTERN_SOBOL = 1u;
+
 const uint GUIDE_SET_DIFFUSE = 0u;
 const uint GUIDE_SET_AUTHORS = 1u;
 const uint GUIDE_SET_ALL = 2u;

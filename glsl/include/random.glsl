@@ -1,11 +1,14 @@
 // Random numbers without state: a hash of (pixel, sample, vertex and block, seed), so that no order of work changes a bit.
 #ifndef RANDOM_GLSL
 #define RANDOM_GLSL
+#include "sobol.glsl"
+#include "variant.glsl"
 
 // What does not change along a path.
 struct RandomKey {
     uint pixel;  // index within the whole film
     uint sample_index;
+    uint first_of_set;  // index of the first sample that shares the scrambling of its set
     uint seed;
 };
 
@@ -48,9 +51,17 @@ float leftover_float(uvec4 bits) {
     return unit_float((low.x | (low.y << 8u) | (low.z << 16u) | (low.w << 24u)) * 0x9e3779b9u);
 }
 
-// Four words for `block` of vertex `vertex` (0 is the camera).
+// Tells the hash of a set from that of a sample.
+const uint OF_SET = 0x80000000u;
+
+// Four words for `block` of vertex `vertex` (0 is the camera). With PATTERN_SOBOL the first two of them, and the last two, are
+// well distributed over the samples of a set.
 uvec4 random_bits(RandomKey key, uint vertex, uint block) {
-    return pcg4d(uvec4(key.pixel, key.sample_index, (vertex << 16u) | block, key.seed));
+    uint place = (vertex << 16u) | block;
+    uvec4 bits = pcg4d(uvec4(key.pixel, key.sample_index, place, key.seed));
+    if (PATTERN == PATTERN_INDEPENDENT) return bits;
+    uvec4 of_set = pcg4d(uvec4(key.pixel, key.first_of_set, place | OF_SET, key.seed));
+    return (set_digits(key.sample_index, of_set) << 29u) | (bits >> 3u);
 }
 
 // As many numbers as a loop asks for: xorshift (Marsaglia 2003), started by the hash.

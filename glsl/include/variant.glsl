@@ -29,6 +29,9 @@ layout(constant_id = 10) const float MIN_UNIFORM_SHARE = 0.0625;
 // What one step leaves of a bin's earlier count; 1 is the paper's running mean.
 layout(constant_id = 11) const float DECAY = 1.0;
 
+// How a pixel's samples are distributed.
+layout(constant_id = 55) const uint PATTERN = PATTERN_INDEPENDENT;
+
 layout(constant_id = 12) const uint FILTER = FILTER_BOX;
 // Radius of the tent, or standard deviation of the Gaussian, in pixels.
 layout(constant_id = 13) const float FILTER_WIDTH = 1.0;

@@ -8,6 +8,7 @@
 struct DrawInput {
     uint pixel;
     uint sample_index;
+    uint first_of_set;
     uint seed;
     uint vertex;
     uint block;
@@ -25,7 +26,7 @@ layout(scalar, set = 0, binding = 1) writeonly buffer DrawOutputs { DrawOutput d
 
 void main() {
     DrawInput i = draw_inputs[gl_GlobalInvocationID.x];
-    RandomKey key = RandomKey(i.pixel, i.sample_index, i.seed);
+    RandomKey key = RandomKey(i.pixel, i.sample_index, i.first_of_set, i.seed);
     DrawOutput o;
     o.bits = random_bits(key, i.vertex, i.block);
     o.floats = unit_floats(o.bits);

@@ -11,7 +11,7 @@ use lodestar::inspect::{self, KernelReport};
 use lodestar::kernels::{BackEnd, Registry};
 use lodestar::renderer::{variant_for, variant_of_settings};
 use lodestar::scene::{self, FilmDescription, IntegratorDescription, LoadOptions, ReconstructionFilter};
-use lodestar::settings::Settings;
+use lodestar::settings::{SamplePattern, Settings};
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 
@@ -65,6 +65,9 @@ pub struct InspectArgs {
     /// Sample emitters at every vertex of a path (next event estimation).
     #[arg(long, value_enum, default_value_t = Switch::On, help_heading = "Variant")]
     nee: Switch,
+    /// How the samples of a pixel are distributed.
+    #[arg(long, value_enum, default_value_t = SamplePattern::Sobol, help_heading = "Variant")]
+    pattern: SamplePattern,
     #[command(flatten)]
     guiding: GuidingArgs,
 }
@@ -143,6 +146,7 @@ fn settings(args: &InspectArgs, mut settings: Settings) -> Result<Settings> {
     settings.max_depth = args.max_depth.unwrap_or(settings.max_depth);
     settings.rr_depth = args.rr_depth.unwrap_or(settings.rr_depth);
     settings.nee = args.nee == Switch::On;
+    settings.pattern = args.pattern;
     settings.validate()?;
     Ok(settings)
 }

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use lodestar::Result;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter, Scene};
-use lodestar::settings::Settings;
+use lodestar::settings::{SamplePattern, Settings};
 
 use super::guiding_args::GuidingArgs;
 
@@ -114,6 +114,9 @@ pub struct ChoiceArgs {
     /// Seed of the random numbers; the same one gives the same pixels.
     #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
     pub seed: u32,
+    /// How the samples of a pixel are distributed [default: sobol].
+    #[arg(long, value_enum, help_heading = "Paths")]
+    pub pattern: Option<SamplePattern>,
     /// Begin with sample K of every pixel (0 is the first), for a part of a picture that `lodestar merge` puts together.
     #[arg(long, value_name = "K", help_heading = "Paths")]
     pub sample_offset: Option<u32>,
@@ -192,6 +195,7 @@ impl ChoiceArgs {
         settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
         settings.nee = self.nee.map_or(settings.nee, |nee| nee == Switch::On);
         settings.seed = self.seed;
+        settings.pattern = self.pattern.unwrap_or(settings.pattern);
         settings.sample_offset = self.sample_offset;
         self.guiding.apply(&mut settings);
         settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
@@ -289,7 +293,7 @@ mod tests {
              --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --map equal-area --grid 8 --directions 16 \
              --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
               --nee on --guide-set authors --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1 \
-              --sample-offset 64 --checkpoint a.ckpt --checkpoint-every 5",
+              --sample-offset 64 --pattern independent --checkpoint a.ckpt --checkpoint-every 5",
         )
         .unwrap();
         assert_eq!(args.files.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);

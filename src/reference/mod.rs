@@ -25,4 +25,5 @@ pub mod random;
 pub mod rejection_mix;
 pub mod relief;
 pub mod rough_diffuse;
+pub mod sobol;
 pub mod texture;

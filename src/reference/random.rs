@@ -1,5 +1,7 @@
 //! Twin of `glsl/include/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
 
+use super::sobol::set_digits;
+
 /// `RandomKey` in GLSL: what does not change along a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RandomKey {
@@ -7,6 +9,8 @@ pub struct RandomKey {
     pub pixel: u32,
     /// Index of the pixel's sample.
     pub sample_index: u32,
+    /// Index of the first sample that shares the scrambling of its set; `None` where samples are independent.
+    pub first_of_set: Option<u32>,
     /// The render's seed.
     pub seed: u32,
 }
@@ -39,7 +43,14 @@ pub fn leftover_float(bits: [u32; 4]) -> f64 {
 
 /// Four words for a block of a vertex.
 pub fn random_bits(key: RandomKey, vertex: u32, block: u32) -> [u32; 4] {
-    pcg4d([key.pixel, key.sample_index, vertex << 16 | block, key.seed])
+    let place = vertex << 16 | block;
+    let bits = pcg4d([key.pixel, key.sample_index, place, key.seed]);
+    let Some(first) = key.first_of_set else {
+        return bits;
+    };
+    let of_set = pcg4d([key.pixel, first, place | 1 << 31, key.seed]);
+    let digits = set_digits(key.sample_index, of_set);
+    [0, 1, 2, 3].map(|k| digits[k] << 29 | bits[k] >> 3)
 }
 
 /// Marsaglia's xorshift of four words (2003).

@@ -249,6 +249,7 @@ impl Renderer {
 
     /// Adds `samples` samples to every pixel, a bounded number per dispatch.
     fn path_trace(&mut self, samples: u32, counts: &mut Counts, stop: &dyn Fn() -> bool) -> Result<bool> {
+        let first_of_step = self.first_of_step();
         let mut left = samples;
         while left > 0 {
             let batch = left.min(self.settings.samples_per_dispatch);
@@ -258,7 +259,7 @@ impl Renderer {
                     if stop() {
                         return Ok(false);
                     }
-                    let (elapsed, slice_counts) = self.dispatch_path_trace(page, slice, batch)?;
+                    let (elapsed, slice_counts) = self.dispatch_path_trace(page, slice, batch, first_of_step)?;
                     self.slicer.measured(slice, elapsed);
                     counts.add(&slice_counts);
                     next = slice.end();
@@ -270,14 +271,32 @@ impl Renderer {
         Ok(true)
     }
 
-    fn dispatch_path_trace(&self, page: &FilmPage, slice: Slice, sample_count: u32) -> Result<(Duration, Counts)> {
+    /// Index of the next sample of every pixel.
+    fn next_sample(&self) -> u32 {
+        self.settings.sample_offset.unwrap_or(0).wrapping_add(self.samples_done)
+    }
+
+    /// Index of the first sample whose set may reach into the step that begins now: where steps learn from one another, its
+    /// own first. Without a guide, samples do not depend on how they are split into steps.
+    fn first_of_step(&self) -> u32 {
+        if self.settings.sampler == Sampler::Bsdf { 0 } else { self.next_sample() }
+    }
+
+    fn dispatch_path_trace(
+        &self,
+        page: &FilmPage,
+        slice: Slice,
+        sample_count: u32,
+        first_of_step: u32,
+    ) -> Result<(Duration, Counts)> {
         let push = PathTracePush {
             first_workgroup: slice.first,
             workgroup_count: slice.count,
             workgroup_stride: slice.stride,
             page_first_pixel: page.first_pixel(),
-            first_sample: self.settings.sample_offset.unwrap_or(0).wrapping_add(self.samples_done),
+            first_sample: self.next_sample(),
             sample_count,
+            first_of_step,
         };
         let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
         let label = format!("path_trace, samples {} to {}", push.first_sample, push.first_sample + sample_count);
@@ -324,7 +343,7 @@ impl Renderer {
     /// writes the floor that later updates start from.
     fn warm_up(&self) -> Result<()> {
         if let Some(slice) = self.frame.pages().next().and_then(|page| self.slicer.smallest_slice(page)) {
-            self.dispatch_path_trace(self.frame.first_page(), slice, 0)?;
+            self.dispatch_path_trace(self.frame.first_page(), slice, 0, 0)?;
         }
         if self.settings.sampler == Sampler::Bsdf { Ok(()) } else { self.update_grids() }
     }
@@ -391,6 +410,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         sampler: settings.sampler as u32,
         learner: settings.learner as u32,
         guide_set: settings.guide_set as u32,
+        pattern: settings.pattern as u32,
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,

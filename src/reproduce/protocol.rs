@@ -3,7 +3,7 @@
 
 use crate::image::Image;
 use crate::scene::{ReconstructionFilter, Scene};
-use crate::settings::{Sampler, Settings};
+use crate::settings::{SamplePattern, Sampler, Settings};
 use crate::{Error, Result};
 
 const MAX_DEPTH: u32 = 16;
@@ -23,6 +23,7 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2]) -> Settings {
         max_depth: MAX_DEPTH,
         rr_depth: RR_DEPTH,
         nee: false,
+        pattern: SamplePattern::Independent,
         sampler: Sampler::Bsdf,
         ..Settings::for_scene(scene)
     }

@@ -8,7 +8,7 @@ use std::time::Instant;
 use lodestar::bvh::Bvh;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::Renderer;
-use lodestar::settings::{Sampler, Settings};
+use lodestar::settings::{SamplePattern, Sampler, Settings};
 
 use crate::estimate::Estimate;
 use crate::scenes::ours;
@@ -90,6 +90,7 @@ fn billion() {
         sampler,
         seed,
         nee: false,
+        pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)
     };
     let settings = [settings(Sampler::Bsdf, 101), settings(Sampler::RejectionMix, 202)];

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
-use lodestar::settings::{DirectionMap, Sampler, Settings};
+use lodestar::settings::{DirectionMap, SamplePattern, Sampler, Settings};
 
 use crate::guide_cases;
 use crate::renders::Studio;
@@ -36,6 +36,7 @@ fn learn(map: DirectionMap) -> Learned {
         map,
         seed: 3,
         nee: false,
+        pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)
     };
     let studio = Studio::new();

@@ -25,7 +25,7 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{Image, exr};
 use lodestar::renderer::Renderer;
 use lodestar::scene::{Bsdf, LoadOptions, MaterialKind, ReconstructionFilter, Scene, load};
-use lodestar::settings::{Sampler, Settings};
+use lodestar::settings::{SamplePattern, Sampler, Settings};
 
 /// A scene and the samples per pixel of the short test, for emitter sampling off and on.
 struct Case {
@@ -169,6 +169,7 @@ fn settings(scene: &Scene, reference: &Image, sampler: Sampler, nee: bool, seed:
         sampler,
         nee,
         seed,
+        pattern: SamplePattern::Independent,
         ..Settings::for_scene(scene)
     }
 }

@@ -31,6 +31,11 @@ impl Estimate {
         Self::new(&picture.image(), &picture.variance_image())
     }
 
+    /// Sum over pixels and channels.
+    pub fn total_variance(&self) -> f64 {
+        self.variance.iter().flatten().sum()
+    }
+
     /// Means over blocks of `side` x `side` pixels. Errors of different pixels are independent.
     pub fn blocks(&self, side: usize) -> Self {
         let height = self.mean.len() / self.width;

@@ -14,6 +14,7 @@ mod floor;
 mod guide_set;
 mod learning;
 mod nee;
+mod pattern;
 mod relief;
 mod resume;
 mod scenes;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
-use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
+use lodestar::settings::{DirectionMap, Learner, Mix, SamplePattern, Sampler, Settings};
 
 /// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
 pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
@@ -53,7 +53,15 @@ pub fn ours(name: &str, defines: &[(&str, &str)]) -> Scene {
 
 /// The scene's own settings but for the size, sampler and seed, and without emitter sampling.
 pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed: u32) -> Settings {
-    steady(Settings { width, height, sampler, seed, nee: false, ..Settings::for_scene(scene) })
+    steady(Settings {
+        width,
+        height,
+        sampler,
+        seed,
+        nee: false,
+        pattern: SamplePattern::Independent,
+        ..Settings::for_scene(scene)
+    })
 }
 
 /// Has half of the samples by inversion uniform. Where a table misses light that is there, the few others that find it weigh

@@ -1,7 +1,9 @@
-//! `glsl/include/random.glsl`
+//! `glsl/include/random.glsl` and `glsl/include/sobol.glsl`
+
+use std::collections::{BTreeMap, HashSet};
 
 use bytemuck::{Pod, Zeroable};
-use lodestar::kernels::{Variant, test};
+use lodestar::kernels::{PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
 use lodestar::reference::random as twin;
 use lodestar::reference::random::RandomKey;
 
@@ -16,6 +18,7 @@ const SIGNIFICANCE: f64 = 0.01;
 struct DrawInput {
     pixel: u32,
     sample_index: u32,
+    first_of_set: u32,
     seed: u32,
     vertex: u32,
     block: u32,
@@ -52,17 +55,20 @@ fn keys(first: [u32; 5]) -> Vec<DrawInput> {
             index /= BOX[axis];
         }
         let [pixel, sample_index, seed, vertex, block] = key;
-        DrawInput { pixel, sample_index, seed, vertex, block }
+        DrawInput { pixel, sample_index, first_of_set: sample_index - sample_index % 8, seed, vertex, block }
     };
     (0..count).map(key).collect()
 }
 
-fn draw(inputs: &[DrawInput]) -> Vec<DrawOutput> {
-    Device::new().map(&test::RANDOM, &Variant::default(), inputs)
+const PATTERNS: [u32; 2] = [PATTERN_INDEPENDENT, PATTERN_SOBOL];
+
+fn draw(pattern: u32, inputs: &[DrawInput]) -> Vec<DrawOutput> {
+    Device::new().map(&test::RANDOM, &Variant { pattern, ..Variant::default() }, inputs)
 }
 
-fn of_twin(i: &DrawInput) -> DrawOutput {
-    let key = RandomKey { pixel: i.pixel, sample_index: i.sample_index, seed: i.seed };
+fn of_twin(pattern: u32, i: &DrawInput) -> DrawOutput {
+    let first_of_set = (pattern == PATTERN_SOBOL).then_some(i.first_of_set);
+    let key = RandomKey { pixel: i.pixel, sample_index: i.sample_index, first_of_set, seed: i.seed };
     let bits = twin::random_bits(key, i.vertex, i.block);
     let mut stream = twin::random_stream(key, i.vertex, i.block);
     DrawOutput {
@@ -78,17 +84,19 @@ fn every_bit_is_the_twins() {
     let mut inputs = keys([0; 5]);
     // Far along every axis, where products wrap around.
     inputs.extend(keys([u32::MAX - 63, 1 << 20, 0xdead_beef, 1000, 1]));
-    for (i, o) in inputs.iter().zip(draw(&inputs)) {
-        assert_eq!(o, of_twin(i), "{i:?}");
-        assert!(o.numbers().iter().all(|x| (0.0..1.0).contains(x)), "{o:?}");
+    for pattern in PATTERNS {
+        for (i, o) in inputs.iter().zip(draw(pattern, &inputs)) {
+            assert_eq!(o, of_twin(pattern, i), "{i:?}");
+            assert!(o.numbers().iter().all(|x| (0.0..1.0).contains(x)), "{o:?}");
+        }
     }
 }
 
 #[test]
 fn numbers_are_uniform() {
-    let outputs = draw(&keys([0; 5]));
-    let level = sidak(SIGNIFICANCE, 9);
-    for k in 0..9 {
+    let level = sidak(SIGNIFICANCE, 2 * 9);
+    for (pattern, k) in PATTERNS.into_iter().flat_map(|pattern| (0..9).map(move |k| (pattern, k))) {
+        let outputs = draw(pattern, &keys([0; 5]));
         let p = uniformity(outputs.iter().map(|o| o.numbers()[k]), 256);
         assert!(p > level, "number {k}: {p}");
         let tampered = uniformity(outputs.iter().map(|o| o.numbers()[k].powf(1.05)), 256);
@@ -107,7 +115,7 @@ fn neighbors(numbers: &[[f64; 9]], axis: usize, a: usize, b: usize) -> Vec<(f64,
 #[test]
 fn neighboring_keys_are_independent() {
     let inputs = keys([100, 0, 0, 0, 0]);
-    let numbers: Vec<_> = draw(&inputs).iter().map(DrawOutput::numbers).collect();
+    let numbers: Vec<_> = draw(PATTERN_INDEPENDENT, &inputs).iter().map(DrawOutput::numbers).collect();
     // The cheapest hash that passes the test of uniformity: its neighbors are not independent.
     let weak = inputs.iter().map(|i| {
         let mixed =
@@ -129,7 +137,7 @@ fn neighboring_keys_are_independent() {
 
 #[test]
 fn numbers_of_one_key_are_independent() {
-    let numbers: Vec<_> = draw(&keys([7, 0, 0, 0, 0])).iter().map(DrawOutput::numbers).collect();
+    let numbers: Vec<_> = draw(PATTERN_INDEPENDENT, &keys([7, 0, 0, 0, 0])).iter().map(DrawOutput::numbers).collect();
     let level = sidak(SIGNIFICANCE, 36);
     for a in 0..9 {
         for b in a + 1..9 {
@@ -142,10 +150,75 @@ fn numbers_of_one_key_are_independent() {
     assert!(pair_uniformity(numbers.iter().map(leaning), 16) < level);
 }
 
+/// Numbers of the samples of every set, one set per (pixel, set, seed, vertex, block).
+fn sets(pattern: u32) -> Vec<[[f64; 9]; 8]> {
+    let (inputs, mut sets) = (keys([3, 0, 0, 0, 0]), BTreeMap::new());
+    for (i, o) in inputs.iter().zip(draw(pattern, &inputs)) {
+        let place = (i.pixel, i.first_of_set, i.seed, i.vertex, i.block);
+        sets.entry(place).or_insert_with(|| [[0.0; 9]; 8])[i.sample_index as usize % 8] = o.numbers();
+    }
+    sets.into_values().collect()
+}
+
+/// Whether each rectangle of 1/2^k by 2^k/8, for every k, has one of eight points.
+fn is_net(points: &[(f64, f64)]) -> bool {
+    (0..4).all(|k| {
+        let cell =
+            |&(x, y): &(f64, f64)| (x * f64::from(1 << k)) as usize + ((y * f64::from(8 >> k)) as usize) * (1 << k);
+        points.iter().map(cell).collect::<HashSet<_>>().len() == 8
+    })
+}
+
+#[test]
+fn sets_are_nets_of_eight_points() {
+    let nets = |pattern: u32, a: usize, b: usize| {
+        let sets = sets(pattern);
+        let count = sets.iter().filter(|set| is_net(&set.map(|n| (n[a], n[b])))).count();
+        count as f64 / sets.len() as f64
+    };
+    assert_eq!((nets(PATTERN_SOBOL, 0, 1), nets(PATTERN_SOBOL, 2, 3)), (1.0, 1.0));
+    // Independent samples are no nets, nor are the numbers of two.
+    for (pattern, a, b) in [(PATTERN_INDEPENDENT, 0, 1), (PATTERN_SOBOL, 0, 2), (PATTERN_SOBOL, 1, 3)] {
+        assert!(nets(pattern, a, b) < 0.2, "{pattern}: {a}, {b}");
+    }
+}
+
+/// Of each set one sample, chosen by its place: such numbers are as independent as if there were no sets.
+#[test]
+fn the_numbers_of_a_sample_are_independent_whatever_its_place_in_a_set() {
+    let sets = sets(PATTERN_SOBOL);
+    let level = sidak(SIGNIFICANCE, 8 * 36);
+    for place in 0..8 {
+        for (a, b) in (0..9).flat_map(|a| (a + 1..9).map(move |b| (a, b))) {
+            let p = pair_uniformity(sets.iter().map(|set| (set[place][a], set[place][b])), 16);
+            assert!(p > level, "place {place}, numbers {a} and {b}: {p}");
+        }
+    }
+    // Without shuffling, a sample's place would tell where it lies.
+    let unshuffled = sets.iter().map(|set| (set[0][0] / 2.0, set[0][1]));
+    assert!(pair_uniformity(unshuffled, 16) < level);
+}
+
+#[test]
+fn sets_of_neighboring_keys_are_independent() {
+    let inputs = keys([100, 0, 0, 0, 0]);
+    let numbers: Vec<_> = draw(PATTERN_SOBOL, &inputs).iter().map(DrawOutput::numbers).collect();
+    let level = sidak(SIGNIFICANCE, 4 * 9 * 2);
+    // All but that of the samples.
+    for axis in [0, 2, 3, 4] {
+        for (a, b) in (0..9).flat_map(|a| [(a, a), (a, (a + 1) % 9)]) {
+            let p = pair_uniformity(neighbors(&numbers, axis, a, b), 16);
+            assert!(p > level, "axis {axis}, numbers {a} and {b}: {p}");
+        }
+    }
+    let of_set = |n: &[f64; 9]| (n[0], (n[0] + 0.01).fract());
+    assert!(pair_uniformity(numbers.iter().map(of_set), 16) < level);
+}
+
 #[test]
 fn a_long_stream_is_uniform_in_pairs_and_along_itself() {
     // One stream as the rejection loop reads it: threes of numbers.
-    let mut stream = twin::random_stream(RandomKey { pixel: 3, sample_index: 5, seed: 1 }, 2, 1);
+    let mut stream = twin::random_stream(RandomKey { pixel: 3, sample_index: 5, first_of_set: None, seed: 1 }, 2, 1);
     let values: Vec<f64> = (0..3 << 17).map(|_| twin::next_random(&mut stream)).collect();
     let level = sidak(SIGNIFICANCE, 5);
     assert!(uniformity(values.iter().copied(), 256) > level);

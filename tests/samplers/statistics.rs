@@ -71,7 +71,7 @@ pub struct Numbers(RandomStream);
 
 impl Numbers {
     pub fn new(seed: u32) -> Self {
-        Self(random_stream(RandomKey { pixel: 0, sample_index: 0, seed }, 0, 7))
+        Self(random_stream(RandomKey { pixel: 0, sample_index: 0, first_of_set: None, seed }, 0, 7))
     }
 
     pub fn unit(&mut self) -> f64 {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use lodestar::renderer::Renderer;
 use lodestar::scene::emitter::AreaEmitter;
 use lodestar::scene::{Scene, Textured};
-use lodestar::settings::{Learner, Mix, Sampler, Settings};
+use lodestar::settings::{Learner, Mix, SamplePattern, Sampler, Settings};
 
 use crate::evidence::Evidence;
 use crate::guide_cases::{Guided, settings};
@@ -56,8 +56,15 @@ fn check_emission(
     evidence: &mut Evidence,
 ) {
     let scene = lit_by(emission);
-    let mut settings =
-        Settings { width: SIDE, height: SIDE, seed: SEED, grid: 4, nee: false, ..Settings::for_scene(&scene) };
+    let mut settings = Settings {
+        width: SIDE,
+        height: SIDE,
+        seed: SEED,
+        grid: 4,
+        nee: false,
+        pattern: SamplePattern::Independent,
+        ..Settings::for_scene(&scene)
+    };
     (row.set)(&mut settings);
     settings.learner = learner;
     let case = format!("{}, {learner:?}, a lamp of {emission}", row.name);

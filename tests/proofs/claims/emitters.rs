@@ -1,7 +1,7 @@
 //! Light that is sampled and light that is met by chance make up the radiance of a floor in closed form, with a guide and
 //! without.
 
-use lodestar::settings::Settings;
+use lodestar::settings::{SamplePattern, Settings};
 
 use crate::estimate::Estimate;
 use crate::evidence::{Evidence, Record};
@@ -26,8 +26,14 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     for light in SPREAD.into_iter().chain(DELTA).filter(is_wanted) {
         let scene = ours("lights/floor.xml", &[("light", light)]);
         for row in rows {
-            let mut settings =
-                Settings { width: SIDE, height: SIDE, seed: SEED, nee: true, ..Settings::for_scene(&scene) };
+            let mut settings = Settings {
+                width: SIDE,
+                height: SIDE,
+                seed: SEED,
+                nee: true,
+                pattern: SamplePattern::Independent,
+                ..Settings::for_scene(&scene)
+            };
             (row.set)(&mut settings);
             let (picture, _) = studio.render(subject, &scene, steady(settings), SPP);
             let (mean, error) = Estimate::of(&picture).gray();

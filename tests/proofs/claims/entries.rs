@@ -11,7 +11,7 @@ use lodestar::reference::normalization_entry::{
 };
 use lodestar::reference::product::Product;
 use lodestar::renderer::RenderState;
-use lodestar::settings::{DirectionMap, Sampler, Settings};
+use lodestar::settings::{DirectionMap, SamplePattern, Sampler, Settings};
 
 use crate::evidence::Evidence;
 use crate::renders::Studio;
@@ -38,6 +38,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             grid: 4,
             normals: 8,
             nee: false,
+            pattern: SamplePattern::Independent,
             ..Settings::for_scene(&scene)
         };
         (row.set)(&mut settings);

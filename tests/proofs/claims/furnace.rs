@@ -1,6 +1,6 @@
 //! Inside a surface that emits and reflects alike everywhere, every path of `n` edges sees the same, with any sampler.
 
-use lodestar::settings::Settings;
+use lodestar::settings::{SamplePattern, Settings};
 
 use crate::estimate::Estimate;
 use crate::evidence::{Evidence, Record};
@@ -56,7 +56,15 @@ fn test_case(
 ) {
     let Case { file, rr_depth, nee } = *case;
     let scene = ours(file, &[]);
-    let mut settings = Settings { width: SIDE, height: SIDE, seed: SEED, rr_depth, nee, ..Settings::for_scene(&scene) };
+    let mut settings = Settings {
+        width: SIDE,
+        height: SIDE,
+        seed: SEED,
+        rr_depth,
+        nee,
+        pattern: SamplePattern::Independent,
+        ..Settings::for_scene(&scene)
+    };
     (row.set)(&mut settings);
     change(&mut settings);
     let settings = steady(settings);

@@ -5,7 +5,7 @@ use std::sync::{LazyLock, Mutex};
 
 use lodestar::film::Picture;
 use lodestar::scene::Scene;
-use lodestar::settings::{Learner, Sampler, Settings};
+use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
 
 use crate::estimate::{Comparison, Estimate, WHOLE};
 use crate::evidence::{Evidence, Record};
@@ -93,7 +93,8 @@ impl Case {
         change: impl FnOnce(&mut Settings),
     ) -> Picture {
         let [width, height] = self.size;
-        let mut settings = Settings { width, height, nee, ..Settings::for_scene(scene) };
+        let mut settings =
+            Settings { width, height, nee, pattern: SamplePattern::Independent, ..Settings::for_scene(scene) };
         change(&mut settings);
         let settings = steady(settings);
         let guided = settings.sampler != Sampler::Bsdf;

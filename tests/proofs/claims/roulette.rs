@@ -1,7 +1,7 @@
 //! Russian roulette ends paths without changing the picture's mean.
 
 use lodestar::film::Picture;
-use lodestar::settings::Settings;
+use lodestar::settings::{SamplePattern, Settings};
 
 use crate::estimate::{Comparison, Estimate, WHOLE};
 use crate::evidence::{Evidence, Record};
@@ -35,8 +35,15 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
 
 fn render(studio: &Studio, subject: &Subject, row: &Row, rr_depth: u32, seed: u32, spp: u32) -> Picture {
     let scene = ours("cornell-box/scene.xml", &[]);
-    let mut settings =
-        Settings { width: SIDE, height: SIDE, seed, rr_depth, nee: false, ..Settings::for_scene(&scene) };
+    let mut settings = Settings {
+        width: SIDE,
+        height: SIDE,
+        seed,
+        rr_depth,
+        nee: false,
+        pattern: SamplePattern::Independent,
+        ..Settings::for_scene(&scene)
+    };
     (row.set)(&mut settings);
     studio.render(subject, &scene, steady(settings), spp).0
 }

@@ -4,7 +4,7 @@
 
 use lodestar::layout::LearnedRadiance;
 use lodestar::renderer::{RenderState, Renderer};
-use lodestar::settings::{Learner, Sampler, Settings};
+use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::evidence::{Evidence, Record};
@@ -56,7 +56,14 @@ fn test_learner(
     let scene = ours("furnace/scene.xml", &[("albedo", albedo), ("emission", emission)]);
     // With roulette from the first vertex that may be recorded on.
     let (max_depth, rr_depth) = if learner == Learner::MonteCarlo { (3, 1) } else { (16, 2) };
-    let mut settings = Settings { seed: SEED, max_depth, rr_depth, nee: false, ..Settings::for_scene(&scene) };
+    let mut settings = Settings {
+        seed: SEED,
+        max_depth,
+        rr_depth,
+        nee: false,
+        pattern: SamplePattern::Independent,
+        ..Settings::for_scene(&scene)
+    };
     (row.set)(&mut settings);
     (settings.width, settings.height, settings.grid, settings.learner) = (SIDE, SIDE, 1, learner);
     // A descent has no fewer bins than 16 a side, which take more samples to be reached.

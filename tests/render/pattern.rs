@@ -1,0 +1,123 @@
+//! Samples in sets against independent ones.
+
+use lodestar::film::Picture;
+use lodestar::image::Image;
+use lodestar::scene::Scene;
+use lodestar::settings::{SamplePattern, Sampler, Settings};
+
+use crate::determinism::bits;
+use crate::device::Device;
+use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::scenes::{ours, settings};
+
+const SIZE: [u32; 2] = [24, 24];
+const SPP: u32 = 32;
+const PICTURES: u32 = 24;
+/// Neither divides the size of a set nor is divided by it, so that steps cut sets in two.
+const STEP: u32 = 5;
+
+struct Studio {
+    device: Device,
+    scene: Scene,
+}
+
+impl Studio {
+    fn new() -> Self {
+        Self { device: Device::new(), scene: ours("cornell-box/scene.xml", &[]) }
+    }
+
+    fn settings(&self, sampler: Sampler, pattern: SamplePattern, seed: u32) -> Settings {
+        Settings { pattern, nee: true, spp_per_step: STEP, ..settings(&self.scene, SIZE, sampler, seed) }
+    }
+
+    /// The mean of pictures that differ by their seeds, and its variance by their spread: nothing is assumed of the samples
+    /// of a picture. Pixels are summed up to blocks first, which are all but normally distributed.
+    fn estimate(&self, first_seed: u32, change: &dyn Fn(&mut Settings)) -> Estimate {
+        let picture = |seed| {
+            let mut settings = self.settings(Sampler::Bsdf, SamplePattern::Sobol, first_seed + seed);
+            change(&mut settings);
+            self.device.render(&self.scene, &settings, SPP)
+        };
+        of_spread(&(0..PICTURES).map(picture).collect::<Vec<_>>())
+    }
+}
+
+/// Mean and variance of the mean over pictures.
+fn of_spread(pictures: &[Picture]) -> Estimate {
+    let count = pictures.len() as f64;
+    let [width, height] = SIZE;
+    let moments = |at: usize, channel: usize| {
+        let values = || pictures.iter().map(|picture| f64::from(picture.radiance[at][channel]));
+        let mean = values().sum::<f64>() / count;
+        (mean, values().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0) / count)
+    };
+    let image = |value: &dyn Fn((f64, f64)) -> f64| {
+        let pixel = |at| [0, 1, 2].map(|channel| value(moments(at, channel)) as f32);
+        Image { width, height, pixels: (0..(width * height) as usize).map(pixel).collect() }
+    };
+    Estimate::new(&image(&|(mean, _)| mean), &image(&|(_, variance)| variance))
+}
+
+#[test]
+fn both_patterns_give_the_same_picture() {
+    let studio = Studio::new();
+    for (sampler, seed) in [(Sampler::Bsdf, 0u32), (Sampler::Product, 1000)] {
+        let estimate = |pattern, offset: u32, pdf_tamper| {
+            studio.estimate(seed + offset, &|s| (s.sampler, s.pattern, s.pdf_tamper) = (sampler, pattern, pdf_tamper))
+        };
+        let independent = estimate(SamplePattern::Independent, 0, 1.0);
+        let sets = estimate(SamplePattern::Sobol, 100, 1.0);
+        let comparison = Comparison::new(&independent, &sets, &[12, WHOLE]);
+        println!("{sampler:?}: {comparison:?}");
+        assert!(comparison.agrees(), "{sampler:?}");
+        let wrong = estimate(SamplePattern::Sobol, 200, 1.05);
+        assert!(!Comparison::new(&independent, &wrong, &[12, WHOLE]).agrees(), "{sampler:?}: a density 5 % wrong");
+    }
+}
+
+#[test]
+fn sets_leave_less_noise() {
+    let studio = Studio::new();
+    let variance = |pattern, first_seed| studio.estimate(first_seed, &|s| s.pattern = pattern).total_variance();
+    let independent = variance(SamplePattern::Independent, 0);
+    let [sets, again] = [(SamplePattern::Sobol, 100), (SamplePattern::Independent, 300)]
+        .map(|(pattern, first_seed)| variance(pattern, first_seed) / independent);
+    println!("variance of sets {sets:.3}, of independent samples of other seeds {again:.3}");
+    assert!(sets < 0.7 && again > 0.7);
+}
+
+#[test]
+fn sets_come_out_the_same_however_the_work_is_cut() {
+    let studio = Studio::new();
+    for sampler in [Sampler::Bsdf, Sampler::Product] {
+        let render = |change: &dyn Fn(&mut Settings)| {
+            let mut settings = studio.settings(sampler, SamplePattern::Sobol, 5);
+            change(&mut settings);
+            bits(&studio.device.render(&studio.scene, &settings, SPP))
+        };
+        let first = render(&|_| {});
+        assert!(first == render(&|s| s.slice_milliseconds = Some(1.0)), "{sampler:?}: slices of 1 ms");
+        assert!(first == render(&|s| s.film_page_pixels = Some(256)), "{sampler:?}: film pages");
+        assert!(first != render(&|s| s.seed = 6), "{sampler:?}: another seed");
+        assert!(first != render(&|s| s.pattern = SamplePattern::Independent), "{sampler:?}: independent samples");
+    }
+}
+
+/// Without a guide, sets reach over steps, and parts of a picture that begin within one hold the samples of the whole.
+#[test]
+fn unguided_sets_do_not_depend_on_steps() {
+    let studio = Studio::new();
+    let render = |spp_per_step, sample_offset, spp| {
+        let plain = studio.settings(Sampler::Bsdf, SamplePattern::Sobol, 5);
+        let picture = studio.device.render(&studio.scene, &Settings { spp_per_step, sample_offset, ..plain }, spp);
+        picture.radiance.into_iter().flatten().map(f64::from).collect::<Vec<_>>()
+    };
+    let whole = render(8, None, 20);
+    let [first, second] = [render(8, Some(0), 11), render(8, Some(11), 9)];
+    let parts: Vec<_> = first.iter().zip(&second).map(|(a, b)| (11.0 * a + 9.0 * b) / 20.0).collect();
+    for (a, others) in whole.iter().zip(render(STEP, None, 20).iter().zip(&parts)) {
+        for b in [others.0, others.1] {
+            assert!((a - b).abs() <= 1.0e-5 * a.abs().max(1.0e-3), "{a} {b}");
+        }
+    }
+}
