@@ -54,6 +54,7 @@
 //! | inversion over the hemisphere | `sample_hemisphere_inversion`, `pdf_hemisphere_inversion` in `hemisphere_inversion.glsl` | the same |
 //! | radiance times cosine exactly, by descent (beyond the paper) | `sample_product`, `pdf_product` in `product.glsl`, `product_record` in `radiance_tree.glsl` | the same, `tests/samplers/product.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
+//! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs`, `tests/proofs/claims/entries.rs` |
 //! | light-hit rate, Fig. 7a | `tally.glsl` | `tests/render/learning.rs` |
@@ -65,6 +66,8 @@
 //!    Learned targets saturate (16 times the largest emitted radiance; 1024 times for Monte-Carlo returns, which roulette
 //!    divides by survival), and inversion draws what the table has missed with little more than the least uniform share,
 //!    weighing it by up to 2 / share an edge: that costs variance, never bias.
+//!    The samples of a set are dependent, each alone is uniform; no set reaches over an update of the guide, so what a sample
+//!    is guided by was learned from others.
 //! 2. **The same seed gives the same bits** on a device, however the picture is cut into dispatches or spread over threads:
 //!    random numbers are a hash of (pixel, sample, vertex, block, seed), a pixel's samples of a dispatch belong to one
 //!    invocation, and learned sums are fixed-point integers.
