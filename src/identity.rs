@@ -108,6 +108,8 @@ mod tests {
             epsilon: _,
             expected_directions: _,
             grid: _,
+            fallback: _,
+            jitter: _,
             directions: _,
             normals: _,
             spp_per_step: _,
@@ -123,7 +125,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 26);
+        assert_eq!(settings().named().len(), 28);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         assert!(serde_json::from_str::<Settings>(&text.replacen('{', "{\"new\":1,", 1)).is_err());
