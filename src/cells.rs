@@ -220,10 +220,10 @@ mod tests {
             if pair.iter().any(|entry| entry & BORROWED != 0) {
                 return;
             }
-            for level in 1..4 {
+            for level in 1..4_u32 {
                 pair = pair.map(|cell| parents[cell as usize]);
                 assert_eq!(pair[0] == pair[1], a >> level == b >> level, "{a} {b} {level}");
-                assert!(pair.iter().all(|cell| cells.parent_levels()[level - 1].contains(cell)));
+                assert!(pair.iter().all(|cell| cells.parent_levels()[level as usize - 1].contains(cell)));
             }
             assert_eq!(parents[pair[0] as usize], kernels::NONE);
         };

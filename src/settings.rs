@@ -11,7 +11,7 @@ pub const MAX_DEPTH_LIMIT: u32 = 1024;
 /// Directions over which `expected-sarsa` takes its mean by default.
 pub(crate) const EXPECTED_DIRECTIONS: u32 = 128;
 /// What `--grid auto` sets.
-pub const AUTO_GRID: u32 = 0;
+pub const AUTO_GRID: u32 = u32::MAX;
 /// Longest path of which a learner keeps all vertices.
 const MAX_KEPT_VERTICES: u32 = 128;
 /// Most pixels a film may have along a side.
@@ -127,7 +127,7 @@ pub struct Settings {
     pub epsilon: Option<f32>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
-    /// Cells along each axis of the grids, in [1, 64]; [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB.
+    /// Cells along each axis of the grids, in [1, 32]; [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB.
     #[serde(serialize_with = "number_or_auto", deserialize_with = "from_number_or_auto")]
     pub grid: u32,
     /// Targets that what a cell's parents have learned counts for in each of its bins, in [0, 1e6]; with 0 it stands for itself.
@@ -241,7 +241,9 @@ impl Settings {
         in_range("height", self.height, 1, MAX_FILM_SIDE)?;
         in_range("max-depth", self.max_depth, 1, MAX_DEPTH_LIMIT)?;
         in_range("rr-depth", self.rr_depth, 1, u32::MAX)?;
-        in_range("grid", self.grid, AUTO_GRID, 64)?;
+        if self.grid != AUTO_GRID {
+            in_range("grid", self.grid, 1, 32)?;
+        }
         in_range("fallback", self.fallback, 0.0, 1.0e6)?;
         in_range("jitter", self.jitter, 0.0, 1.0)?;
         self.validate_directions()?;

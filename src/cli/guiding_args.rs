@@ -60,11 +60,7 @@ pub struct GuidingArgs {
 fn number_or_auto(text: &str) -> Result<u32, String> {
     match text {
         "auto" => Ok(AUTO_GRID),
-        _ => text
-            .parse()
-            .ok()
-            .filter(|&cells| cells != AUTO_GRID)
-            .ok_or_else(|| "neither a positive number nor auto".into()),
+        _ => text.parse().map_err(|_| "neither a number nor auto".into()),
     }
 }
 

@@ -87,7 +87,7 @@ impl Blend {
         self.learned.upload(0, learned).expect("uploaded");
         let levels = self.cells.parent_levels();
         levels.iter().for_each(|level| self.dispatch(&STORAGE_BUFFERS.pool_radiance, level.clone()));
-        let from_the_largest = levels.iter().rev().cloned().chain([0..self.cells.count()]);
+        let from_the_largest = levels.iter().rev().cloned().chain(std::iter::once(0..self.cells.count()));
         from_the_largest.for_each(|level| self.dispatch(&STORAGE_BUFFERS.blend_radiance, level));
         self.radiance.read(0, self.cells.count() as usize * BINS).expect("read")
     }
