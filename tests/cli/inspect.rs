@@ -224,7 +224,11 @@ fn a_driver_that_tells_much_is_quoted() {
 #[test]
 fn wrong_wishes_are_refused() {
     let folder = Folder::new();
-    assert_sentence(&folder.run(&["inspect", "path_tracer"]), 1, &["`path_tracer`", "path_trace, update_"]);
+    assert_sentence(
+        &folder.run(&["inspect", "path_tracer"]),
+        1,
+        &["`path_tracer`", "path_trace, pool_radiance, update_"],
+    );
     assert_sentence(&folder.run(&["inspect", "--grid", "99"]), 1, &["--grid is 99"]);
     assert_sentence(&folder.run(&["inspect", "--device", "voodoo"]), 1, &["`voodoo`"]);
     assert_sentence(&folder.run(&["inspect", "--scene", "none.xml"]), 1, &["none.xml"]);
