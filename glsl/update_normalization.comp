@@ -1,5 +1,5 @@
-// Fills the marked entries of the normalization grid from the radiance table: a row of workgroups per cell, an invocation per
-// normal bin. The samplers that have a distribution of their own, whatever the normal, get it here as well: the one that
+// Fills the marked entries of the normalization grid from the radiance table: a workgroup per cell, an invocation per entry that
+// is marked, of which most cells have few. The samplers that have a distribution of their own, whatever the normal, get it here as well: the one that
 // inverts over the sphere, which has one bin of normals, its prefix sums, and the product sampler the trees of the cells.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -20,14 +20,15 @@ uvec4 record_for(uint cell, uint normal_bin, float total) {
 
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
-    uint normal_bin = gl_WorkGroupID.y * WORKGROUP_SIZE + gl_LocalInvocationIndex;
-    uint index = normalization_index(cell, normal_bin);
     float total = SAMPLER == SAMPLER_SPHERE_INVERSION ? store_bin_ends(cell) : 0.0;
     if (SAMPLER == SAMPLER_PRODUCT) {
-        uint lanes = gl_NumWorkGroups.y * WORKGROUP_SIZE;
-        for (uint node = normal_bin; node < nodes_per_tree(); node += lanes) store_tree_node(cell, node);
+        for (uint node = gl_LocalInvocationIndex; node < nodes_per_tree(); node += WORKGROUP_SIZE) store_tree_node(cell, node);
     }
-    if (normal_bin < normal_bin_count() && is_marked(index)) {
-        store_normalization_record(index, record_for(cell, normal_bin, total));
+    uint place = gl_LocalInvocationIndex;
+    uint normal_bin = marked_normal_bin(cell, place);
+    while (normal_bin != NONE) {
+        store_normalization_record(normalization_index(cell, normal_bin), record_for(cell, normal_bin, total));
+        place += WORKGROUP_SIZE;
+        normal_bin = marked_normal_bin(cell, place);
     }
 }

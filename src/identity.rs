@@ -80,6 +80,7 @@ fn distinct<'a>(values: &[&'a str]) -> Vec<&'a str> {
 mod tests {
     use super::*;
     use crate::scene::{LoadOptions, load};
+    use crate::settings::AUTO_GRID;
 
     fn settings() -> Settings {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.xml");
@@ -109,6 +110,8 @@ mod tests {
             epsilon: _,
             expected_directions: _,
             grid: _,
+            fallback: _,
+            jitter: _,
             directions: _,
             normals: _,
             spp_per_step: _,
@@ -124,9 +127,13 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 27);
+        assert_eq!(settings().named().len(), 29);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
+        let auto = Settings { grid: AUTO_GRID, ..settings() };
+        let text_of_auto = serde_json::to_string(&auto).expect("JSON");
+        assert!(text_of_auto.contains("\"grid\":\"auto\""), "{text_of_auto}");
+        assert_eq!(serde_json::from_str::<Settings>(&text_of_auto).expect("settings"), auto);
         assert!(serde_json::from_str::<Settings>(&text.replacen('{', "{\"new\":1,", 1)).is_err());
     }
 

@@ -51,7 +51,7 @@ pub struct SceneConstants {
     pub bounds_min: [f32; 3],
     /// Of a thin lens.
     pub aperture_radius: f32,
-    /// Grid resolution / extent.
+    /// Grid size / extent.
     pub cells_per_unit: [f32; 3],
     /// Learning targets saturate here, W/(m^2 sr).
     pub target_limit: f32,
@@ -81,6 +81,12 @@ pub struct SceneConstants {
     pub environment_light: u32,
     /// Of a thin lens: depth at which it is sharp.
     pub focus_distance: f32,
+    /// Places of the grid along each axis.
+    pub grid_size: [u32; 3],
+    /// Cells that hold surfaces.
+    pub cell_count: u32,
+    /// These and the larger ones that they are part of.
+    pub all_cell_count: u32,
 }
 
 /// `glsl/layout_probe.comp`; what is done with it: `glsl/include/textures.glsl`
@@ -219,8 +225,6 @@ pub struct RadianceSum {
     pub high: u32,
     /// Number of targets.
     pub target_count: u32,
-    /// Unused.
-    pub reserved: u32,
 }
 
 /// `glsl/include/radiance_grid.glsl`
@@ -277,7 +281,7 @@ pub struct PathTracePush {
     pub first_of_step: u32,
 }
 
-/// Pushed to `glsl/update_radiance.comp` and `glsl/update_normalization.comp`.
+/// Pushed to the kernels that update the grids.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct UpdatePush {

@@ -26,6 +26,7 @@
 //! | [`lights`] | every light with the probability that it is sampled with |
 //! | [`textures`] | images as words, and textures' records |
 //! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
+//! | [`cells`] | the cells that a guide learns for: where surfaces are, and what they fall back on |
 //! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
@@ -43,12 +44,13 @@
 //! # Paper map
 //! | in the paper | GLSL | held by |
 //! |---|---|---|
-//! | radiance grid `L(x, w)`, Sec. 3 | `radiance_grid.glsl`, `grid_cell` in `guiding.glsl` | `tests/proofs/claims/sums.rs` |
+//! | radiance grid `L(x, w)`, Sec. 3 | `radiance_grid.glsl`, `grid_cell` in `cells.glsl` | `tests/proofs/claims/sums.rs` |
 //! | equal-area and cylindrical directions | `map_to_sphere`, `sphere_to_map` in `direction_map.glsl` | `tests/samplers/direction_map.rs` |
 //! | expected SARSA target, Eq. 5 | `target_expected_sarsa` in `expected_sarsa.glsl` | `tests/proofs/claims/targets.rs`, `tests/render/analytic.rs` (the learned field of a furnace) |
 //! | SARSA target, Eq. 6 | `target_sarsa` in `learning.glsl` | the same |
 //! | Monte-Carlo target | `record_returns` in `monte_carlo.glsl` | the same |
 //! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/proofs/claims/updates.rs` |
+//! | cells that fall back on their parents (beyond the paper) | `pool_radiance.comp`, `blend_radiance.comp` | `tests/samplers/parents.rs` |
 //! | normal-aware rejection, plain and mixed (Eq. 8, 9) | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/proofs/claims/samples.rs` (chi-square), `densities.rs`, `tests/render/ztest.rs` |
 //! | inversion over the sphere | `sample_sphere_inversion`, `pdf_sphere_inversion` in `sphere_inversion.glsl`, `store_bin_ends` in `bin_distribution.glsl` | the same |
 //! | inversion over the hemisphere | `sample_hemisphere_inversion`, `pdf_hemisphere_inversion` in `hemisphere_inversion.glsl` | the same |
@@ -84,6 +86,7 @@
 #![deny(missing_docs)]
 
 pub mod bvh;
+pub mod cells;
 pub mod checkpoint;
 pub mod cosine_integrals;
 pub mod cosine_trees;

@@ -10,6 +10,8 @@ use crate::{Error, Result};
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
 /// Directions over which `expected-sarsa` takes its mean by default.
 pub(crate) const EXPECTED_DIRECTIONS: u32 = 128;
+/// What `--grid auto` sets.
+pub const AUTO_GRID: u32 = u32::MAX;
 /// Longest path of which a learner keeps all vertices.
 const MAX_KEPT_VERTICES: u32 = 128;
 /// Most pixels a film may have along a side.
@@ -139,8 +141,14 @@ pub struct Settings {
     pub epsilon: Option<f32>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
-    /// Cells along each axis of the grids, in [1, 32].
+    /// Cells along each axis of the grids, in [1, 32]; [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB.
+    #[serde(serialize_with = "number_or_auto", deserialize_with = "from_number_or_auto")]
     pub grid: u32,
+    /// Targets that what a cell's parents have learned counts for in each of its bins, in [0, 1e6]; with 0 it stands for itself.
+    pub fallback: f32,
+    /// How far a vertex looks for its cell along the surface, in [0, 1] cells: it takes the one of a point drawn within half of
+    /// that in either direction.
+    pub jitter: f32,
     /// Direction bins along each side of the map, in [4, 64].
     pub directions: u32,
     /// Normal bins along each side of the equal-area square, in [4, 32].
@@ -208,6 +216,8 @@ impl Settings {
             epsilon: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
+            fallback: 0.0,
+            jitter: 0.0,
             directions: 16,
             normals: 16,
             spp_per_step: 8,
@@ -246,7 +256,11 @@ impl Settings {
         in_range("height", self.height, 1, MAX_FILM_SIDE)?;
         in_range("max-depth", self.max_depth, 1, MAX_DEPTH_LIMIT)?;
         in_range("rr-depth", self.rr_depth, 1, u32::MAX)?;
-        in_range("grid", self.grid, 1, 32)?;
+        if self.grid != AUTO_GRID {
+            in_range("grid", self.grid, 1, 32)?;
+        }
+        in_range("fallback", self.fallback, 0.0, 1.0e6)?;
+        in_range("jitter", self.jitter, 0.0, 1.0)?;
         self.validate_directions()?;
         in_range("normals", self.normals, 4, 32)?;
         in_range("spp-per-step", self.spp_per_step, 1, 65_536)?;
@@ -369,6 +383,24 @@ fn from_on_or_off<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Re
         "on" => Ok(true),
         "off" => Ok(false),
         other => Err(serde::de::Error::custom(format!("`{other}` is neither on nor off"))),
+    }
+}
+
+fn number_or_auto<S: Serializer>(&number: &u32, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    if number == AUTO_GRID { serializer.serialize_str("auto") } else { serializer.serialize_u32(number) }
+}
+
+fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<u32, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum NumberOrWord {
+        Number(u32),
+        Word(String),
+    }
+    match NumberOrWord::deserialize(deserializer)? {
+        NumberOrWord::Number(number) => Ok(number),
+        NumberOrWord::Word(word) if word == "auto" => Ok(AUTO_GRID),
+        NumberOrWord::Word(word) => Err(serde::de::Error::custom(format!("`{word}` is neither a number nor auto"))),
     }
 }
 

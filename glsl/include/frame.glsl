@@ -30,7 +30,7 @@ struct SceneConstants {
     float far_clip;
     vec3 bounds_min;
     float aperture_radius;      // of a thin lens
-    vec3 cells_per_unit;        // grid resolution / extent
+    vec3 cells_per_unit;        // grid size / extent
     float target_limit;         // learning targets saturate here, W/(m^2 sr)
     vec3 environment;           // radiance of a constant environment, factor of a map's texels
     uint seed;
@@ -45,6 +45,9 @@ struct SceneConstants {
     uint first_environment_block;    // likewise the table
     uint environment_light;     // entry of the environment among the lights, or NONE
     float focus_distance;       // of a thin lens: depth at which it is sharp
+    uvec3 grid_size;            // places of the grid along each axis
+    uint cell_count;            // cells that hold surfaces
+    uint all_cell_count;        // these and the larger ones that they are part of
 };
 
 // Texels of a material's record. See material.glsl.

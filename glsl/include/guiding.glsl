@@ -18,13 +18,6 @@ struct DirectionSample {
     bool overrun;
 };
 
-// Cell of a point of the scene.
-uint grid_cell(vec3 position) {
-    vec3 cells = (position - scene().bounds_min) * scene().cells_per_unit;
-    uvec3 cell = uvec3(clamp(cells, vec3(0.0), vec3(float(GRID_RESOLUTION) - 0.5)));
-    return (cell.z * GRID_RESOLUTION + cell.y) * GRID_RESOLUTION + cell.x;
-}
-
 // What a surface is at the point where a path meets it.
 struct Scatterer {
     Bsdf bsdf;

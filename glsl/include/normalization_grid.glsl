@@ -62,6 +62,30 @@ void mark_entry(uint index) {
     if (!is_marked(index)) atomicOr(normalization_marks[index >> 5u], 1u << (index & 31u));
 }
 
+// The marks of up to 32 normal bins of a cell from `first` on, a bit each.
+uint marks_from(uint cell, uint first) {
+    uint index = normalization_index(cell, first);
+    uint shift = index & 31u;
+    uint bits = normalization_marks[index >> 5u] >> shift;
+    uint count = min(normal_bin_count() - first, 32u);
+    if (shift + count > 32u) bits |= normalization_marks[(index >> 5u) + 1u] << (32u - shift);
+    return count < 32u ? bits & ((1u << count) - 1u) : bits;
+}
+
+// The marked normal bin of a cell before which lie `place` others; NONE where there are not so many.
+uint marked_normal_bin(uint cell, uint place) {
+    uint found = NONE;
+    for (uint first = 0u; first < normal_bin_count() && found == NONE; first += 32u) {
+        uint bits = marks_from(cell, first);
+        uint count = uint(bitCount(bits));
+        bool here = place < count;
+        for (uint i = here ? place : 0u; i > 0u; --i) bits &= bits - 1u;
+        found = here ? first + uint(findLSB(bits)) : NONE;
+        place -= count;
+    }
+    return found;
+}
+
 // Neighboring normal bins lie side by side, so that the lanes of an update read one line.
 CosineIntegral cosine_integral(uint bin, uint normal_bin) {
     return cosine_integrals[bin * normal_bin_count() + normal_bin];

@@ -10,7 +10,6 @@ struct RadianceSum {
     uint low;
     uint high;
     uint target_count;
-    uint reserved;
 };
 
 // The estimate itself, before any floor: mean radiance and the (decayed) number of targets behind it.
@@ -24,9 +23,15 @@ layout(scalar, set = 2, binding = 1) restrict buffer LearnedTable { LearnedRadia
 layout(scalar, set = 2, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
 layout(scalar, set = 2, binding = 3) restrict buffer BinEnds { uint bin_ends[]; };
 layout(scalar, set = 2, binding = 4) restrict buffer RadianceNodes { uvec4 radiance_nodes[]; };
+layout(scalar, set = 2, binding = 7) restrict readonly buffer CellTable { uint cell_table[]; };
 
 // Fixed-point targets: a target of `target_limit` is this many units.
 const float FIXED_POINT_UNITS = 1073741824.0;
+
+// A word of the table that cells.glsl reads.
+uint cell_word(uint index) {
+    return cell_table[index];
+}
 
 uint radiance_index(uint cell, uint bin) {
     return cell * direction_bin_count() + bin;
@@ -99,7 +104,7 @@ void add_target(uint index, uint units) {
 // The sum of a bin's targets and their number since the last call.
 void take_targets(uint index, float target_limit, out float sum, out float target_count) {
     RadianceSum s = radiance_sums[index];
-    radiance_sums[index] = RadianceSum(0u, 0u, 0u, 0u);
+    radiance_sums[index] = RadianceSum(0u, 0u, 0u);
     sum = (float(s.high) * 4294967296.0 + float(s.low)) * (target_limit / FIXED_POINT_UNITS);
     target_count = float(s.target_count);
 }

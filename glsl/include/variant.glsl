@@ -16,8 +16,10 @@ layout(constant_id = 3) const uint MAX_DEPTH = 16u;
 layout(constant_id = 4) const uint RR_DEPTH = 8u;
 layout(constant_id = 5) const bool HIDE_EMITTERS = false;
 
-// Cells along each axis of the grids.
-layout(constant_id = 6) const uint GRID_RESOLUTION = 8u;
+// Targets that a cell's parents count for in the mean of each of its bins; 0: it stands for itself.
+layout(constant_id = 60) const float FALLBACK = 0.0;
+// How far, in cells, a vertex looks for its cell along the surface.
+layout(constant_id = 61) const float JITTER = 0.0;
 // Direction bins along each side of the map.
 layout(constant_id = 7) const uint DIRECTION_RESOLUTION = 16u;
 // Normal bins along each side of the equal-area square.

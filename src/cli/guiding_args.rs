@@ -1,6 +1,6 @@
 //! The options that choose and tune a guide.
 
-use lodestar::settings::{DirectionMap, GuideSet, Learner, Mix, Sampler, Settings};
+use lodestar::settings::{AUTO_GRID, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings};
 
 /// How directions are sampled and learned.
 #[derive(Debug, clap::Args)]
@@ -27,9 +27,15 @@ pub struct GuidingArgs {
     /// Map between directions and their bins.
     #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
     pub map: DirectionMap,
-    /// Cells of the guide along each axis [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    /// Cells of the guide along each axis, or `auto`: as many, near to cubes, as 8 MiB hold [default: 8].
+    #[arg(long, value_name = "N|auto", value_parser = number_or_auto, help_heading = "Guiding")]
     pub grid: Option<u32>,
+    /// Targets that what a cell's neighbors have learned counts for in each of its bins; 0: nothing [default: 0].
+    #[arg(long, value_name = "K", help_heading = "Guiding")]
+    pub fallback: Option<f32>,
+    /// How far, in cells, a path looks for its cell along the surface: it blurs borders of cells; 0: not at all [default: 0].
+    #[arg(long, value_name = "J", help_heading = "Guiding")]
+    pub jitter: Option<f32>,
     /// Direction bins of a cell along each axis [default: 16].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub directions: Option<u32>,
@@ -51,6 +57,13 @@ pub struct GuidingArgs {
     pub min_uniform: Option<f32>,
 }
 
+fn number_or_auto(text: &str) -> Result<u32, String> {
+    match text {
+        "auto" => Ok(AUTO_GRID),
+        _ => text.parse().map_err(|_| "neither a number nor auto".into()),
+    }
+}
+
 impl GuidingArgs {
     /// Changes what the options say.
     pub fn apply(&self, settings: &mut Settings) {
@@ -62,6 +75,8 @@ impl GuidingArgs {
         settings.epsilon = self.epsilon;
         settings.map = self.map;
         settings.grid = self.grid.unwrap_or(settings.grid);
+        settings.fallback = self.fallback.unwrap_or(settings.fallback);
+        settings.jitter = self.jitter.unwrap_or(settings.jitter);
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.normals = self.normals.unwrap_or(settings.normals);
         settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);

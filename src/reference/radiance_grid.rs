@@ -37,3 +37,16 @@ pub fn floored(means: &[f64], target_limit: f64) -> Vec<f64> {
     let mean = means.iter().sum::<f64>() / means.len() as f64;
     means.iter().map(|m| m.max(mean * FLOOR_SHARE).max(target_limit * FLOOR_ABSOLUTE)).collect()
 }
+
+/// What a larger cell has learned of a bin: the mean of what its cells have, each by how sure it is, and their weights' sum.
+pub fn pooled(cells: &[LearnedRadiance], fallback: f64) -> LearnedRadiance {
+    let share = |cell: &LearnedRadiance| cell.weight / (cell.weight + fallback);
+    let shares: f64 = cells.iter().map(share).sum();
+    let mean = cells.iter().map(|cell| share(cell) * cell.mean).sum::<f64>() / shares.max(f64::MIN_POSITIVE);
+    LearnedRadiance { mean, weight: cells.iter().map(|cell| cell.weight).sum() }
+}
+
+/// The estimate of a cell that falls back on its parent's, as if that were the mean of `fallback` targets.
+pub fn blended(cell: LearnedRadiance, parent: Option<f64>, fallback: f64) -> f64 {
+    parent.map_or(cell.mean, |parent| (cell.weight * cell.mean + fallback * parent) / (cell.weight + fallback))
+}

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Mat4, Vec3};
+use glam::Mat4;
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::state::Persistent;
@@ -10,7 +10,7 @@ use super::statistics::Counts;
 use super::{Shading, Surfaces};
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
-use crate::bvh::Bvh;
+use crate::cells::Cells;
 use crate::film::Picture;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, SetShape};
 use crate::kernels::{self, Kernels};
@@ -34,21 +34,6 @@ const MOST_LIMIT: f32 = 1.0e26;
 pub(super) struct Frame {
     pages: Vec<FilmPage>,
     counters: Arc<Buffer>,
-    cells: Cells,
-}
-
-/// Where the grids' cells lie.
-struct Cells {
-    origin: Vec3,
-    per_unit: Vec3,
-    resolution: u32,
-}
-
-impl Cells {
-    fn new(bvh: &Bvh, settings: &Settings) -> Self {
-        let extent = (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * 1.0e-6));
-        Self { origin: bvh.bounds.0, per_unit: settings.grid as f32 / extent, resolution: settings.grid }
-    }
 }
 
 impl Frame {
@@ -57,12 +42,12 @@ impl Frame {
         kernels: &Kernels,
         scene: &Scene,
         shading: &Shading,
-        bvh: &Bvh,
+        cells: &Cells,
         settings: &Settings,
     ) -> Result<Self> {
         let Shading { surfaces: Surfaces { materials, textures }, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
-        let constants = scene_constants(scene, bvh, lights, settings);
+        let constants = scene_constants(scene, cells, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
         let shape = set_shape(kernels, 0);
         let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
@@ -83,7 +68,7 @@ impl Frame {
             Ok(buffers.with_set(set))
         };
         let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
-        Ok(Self { pages, counters, cells: Cells::new(bvh, settings) })
+        Ok(Self { pages, counters })
     }
 
     pub fn pages(&self) -> std::slice::Iter<'_, FilmPage> {
@@ -93,13 +78,6 @@ impl Frame {
     /// A film has at least one pixel, so at least one page.
     pub fn first_page(&self) -> &FilmPage {
         &self.pages[0]
-    }
-
-    /// `grid_cell` of `glsl/include/guiding.glsl`.
-    pub fn cell_of(&self, position: Vec3) -> usize {
-        let Cells { origin, per_unit, resolution } = self.cells;
-        let cell = ((position - origin) * per_unit).clamp(Vec3::ZERO, Vec3::splat(resolution as f32 - 0.5)).as_uvec3();
-        ((cell.z * resolution + cell.y) * resolution + cell.x) as usize
     }
 
     pub fn counters(&self) -> &Buffer {
@@ -135,14 +113,13 @@ fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> 
     Ok(std::array::from_fn(|i| Arc::clone(&buffers[i.min(buffers.len() - 1)])))
 }
 
-fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
+fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
     let camera = &scene.camera;
     let (aperture_radius, focus_distance) = match camera.projection {
         Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
         _ => (0.0, 1.0),
     };
     let window = settings.window();
-    let cells = Cells::new(bvh, settings);
     let rows = rows(&camera.world_from_camera);
     let mut constants = layout::SceneConstants {
         world_from_camera: rows,
@@ -151,14 +128,17 @@ fn scene_constants(scene: &Scene, bvh: &Bvh, lights: &Lights, settings: &Setting
         principal_point: camera.principal_point.into(),
         near_clip: camera.near_clip,
         far_clip: camera.far_clip,
-        bounds_min: cells.origin.into(),
+        bounds_min: cells.grid.origin.into(),
         aperture_radius,
-        cells_per_unit: cells.per_unit.into(),
+        cells_per_unit: cells.grid.per_unit.into(),
         target_limit: target_limit(lights, settings.learner),
         seed: settings.seed,
         window_offset: [window.x, window.y],
         window_size: [window.width, window.height],
         focus_distance,
+        grid_size: cells.grid.size.into(),
+        cell_count: cells.count(),
+        all_cell_count: cells.all_count(),
         ..bytemuck::Zeroable::zeroed()
     };
     lights.write_constants(&mut constants);

@@ -5,6 +5,7 @@ use super::normalization_grid::NormalizationGrid;
 use super::radiance_grid::RadianceGrid;
 use super::{Shading, Surfaces};
 use crate::bvh::Bvh;
+use crate::cells::Cells;
 use crate::gpu::{DeviceInfo, DeviceKind};
 use crate::settings::Settings;
 use crate::{Error, Result};
@@ -26,7 +27,7 @@ struct Part {
 }
 
 impl MemoryNeeds {
-    pub fn new(shading: &Shading, bvh: &Bvh, settings: &Settings) -> Self {
+    pub fn new(shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> Self {
         let Surfaces { materials, textures } = &shading.surfaces;
         let bvh_bytes =
             size_of_val(&bvh.nodes[..]) + size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.attributes[..]);
@@ -41,7 +42,7 @@ impl MemoryNeeds {
                 part("the film", film_bytes(settings), "smaller with --width, --height or --crop"),
                 part("the BVH", bvh_bytes as u64, "smaller for fewer triangles"),
                 part("textures and lights", shading_bytes as u64, "smaller for smaller images"),
-                part("the grids", guide_bytes(settings), "smaller with --grid, --directions or --normals"),
+                part("the grids", guide_bytes(settings, cells), "smaller with --grid, --directions or --normals"),
             ],
             host_bytes: host_film_bytes(settings),
         }
@@ -80,8 +81,8 @@ impl MemoryNeeds {
 }
 
 /// Bytes of both grids.
-pub(super) fn guide_bytes(settings: &Settings) -> u64 {
-    RadianceGrid::bytes(settings).saturating_add(NormalizationGrid::bytes(settings))
+pub(super) fn guide_bytes(settings: &Settings, cells: &Cells) -> u64 {
+    RadianceGrid::bytes(settings, cells).saturating_add(NormalizationGrid::bytes(settings, cells))
 }
 
 /// Free memory of the system, where it tells through a file.

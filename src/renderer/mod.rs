@@ -15,22 +15,24 @@ mod slices;
 mod state;
 mod statistics;
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 
 use crate::bvh::Bvh;
+use crate::cells::Cells;
 use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::kernels::{self, BackEnd, Kernels, Registry, Variant};
 use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
 use crate::scene::{Projection, ReconstructionFilter, Scene};
-use crate::settings::{Sampler, Settings};
+use crate::settings::{AUTO_GRID, Sampler, Settings};
 use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use film_pages::FilmPage;
@@ -42,13 +44,16 @@ use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
 use slices::{Slice, Slicer};
 
+/// Bytes of a guide whose grid is chosen by the scene.
+const GUIDE_BYTES: u64 = 8 << 20;
+
 /// Renders one scene on one device, step by step.
 pub struct Renderer {
     context: Arc<Context>,
     settings: Settings,
     path_trace: Kernel,
-    update_radiance: Kernel,
-    update_normalization: Kernel,
+    updates: Updates,
+    cells: Cells,
     frame: Frame,
     geometry: Geometry,
     radiance_grid: RadianceGrid,
@@ -60,6 +65,14 @@ pub struct Renderer {
     needs: MemoryNeeds,
     samples_done: u32,
     stopped: bool,
+}
+
+/// The kernels that end a step.
+struct Updates {
+    radiance: Kernel,
+    /// These two where cells fall back on larger ones.
+    parents: Option<(Kernel, Kernel)>,
+    normalization: Kernel,
 }
 
 /// What surfaces are made of, as it is uploaded: all that can be made ready before the hierarchy is.
@@ -118,9 +131,14 @@ impl Renderer {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
-        let needs = MemoryNeeds::new(&shading, bvh, settings);
+        let cells = match settings.sampler {
+            Sampler::Bsdf => Cells::none(bvh),
+            _ if settings.grid != AUTO_GRID => Cells::new(bvh, UVec3::splat(settings.grid)),
+            _ => Cells::fitting(bvh, |cells| memory_needs::guide_bytes(settings, cells) <= GUIDE_BYTES),
+        };
+        let needs = MemoryNeeds::new(&shading, bvh, &cells, settings);
         needs.check(context.device())?;
-        Self::build(context, scene, &shading, bvh, settings, registry).map_err(|error| note_needs(error, &needs))
+        Self::build(context, scene, &shading, bvh, cells, settings, registry).map_err(|error| note_needs(error, &needs))
     }
 
     fn build(
@@ -128,30 +146,36 @@ impl Renderer {
         scene: &Scene,
         shading: &Shading,
         bvh: &Bvh,
+        cells: Cells,
         settings: &Settings,
         registry: &Registry,
     ) -> Result<Self> {
         let variant = variant(settings, scene, shading, bvh);
-        let back_end = back_end_for(context, shading, bvh, settings);
+        let back_end = back_end_for(context, shading, bvh, &cells, settings);
         let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
         let build = || -> Result<_> {
-            Ok((build(&kernels.path_trace)?, build(&kernels.update_radiance)?, build(&kernels.update_normalization)?))
+            let pool_and_blend = || Ok((build(&kernels.pool_radiance)?, build(&kernels.blend_radiance)?));
+            let updates = Updates {
+                radiance: build(&kernels.update_radiance)?,
+                parents: (settings.fallback > 0.0).then(pool_and_blend).transpose()?,
+                normalization: build(&kernels.update_normalization)?,
+            };
+            Ok((build(&kernels.path_trace)?, updates))
         };
         let upload = || -> Result<_> {
-            let frame = Frame::new(context, kernels, scene, shading, bvh, settings)?;
+            let frame = Frame::new(context, kernels, scene, shading, &cells, settings)?;
             let geometry = Geometry::new(context, kernels, bvh)?;
-            let radiance_grid = RadianceGrid::new(context, kernels, settings)?;
-            Ok((frame, geometry, radiance_grid, NormalizationGrid::new(context, kernels, settings)?))
+            let radiance_grid = RadianceGrid::new(context, kernels, settings, &cells)?;
+            Ok((frame, geometry, radiance_grid, NormalizationGrid::new(context, kernels, settings, &cells)?))
         };
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
-        let (path_trace, update_radiance, update_normalization) = built?;
+        let (path_trace, updates) = built?;
         let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
         let mut renderer = Self {
             path_trace,
-            update_radiance,
-            update_normalization,
+            updates,
             frame,
             geometry,
             radiance_grid,
@@ -161,7 +185,8 @@ impl Renderer {
             context: Arc::clone(context),
             settings: settings.clone(),
             film_sums: None,
-            needs: MemoryNeeds::new(shading, bvh, settings),
+            needs: MemoryNeeds::new(shading, bvh, &cells, settings),
+            cells,
             samples_done: 0,
             stopped: false,
         };
@@ -205,7 +230,7 @@ impl Renderer {
 
     /// Bytes of the guide on the device.
     pub fn guide_bytes(&self) -> u64 {
-        memory_needs::guide_bytes(&self.settings)
+        memory_needs::guide_bytes(&self.settings, &self.cells)
     }
 
     /// Samples per pixel that complete steps and dispatches have taken.
@@ -229,7 +254,7 @@ impl Renderer {
         }
     }
 
-    /// What the radiance grid holds: `[cell][direction bin]`, radiance as the next step will sample it.
+    /// What the radiance grid holds: `[cell][direction bin]` of the cells that hold surfaces, radiance as the next step will sample it.
     ///
     /// # Errors
     /// Where the device is lost.
@@ -243,7 +268,7 @@ impl Renderer {
     /// Where the device is lost.
     pub fn radiance_at(&self, position: Vec3) -> Result<Vec<f32>> {
         let bins = self.settings.directions.pow(2) as usize;
-        let begin = self.frame.cell_of(position) * bins;
+        let begin = self.cells.cell_of(position) * bins;
         Ok(self.radiance()?.into_iter().skip(begin).take(bins).collect())
     }
 
@@ -321,19 +346,33 @@ impl Renderer {
         ))
     }
 
-    /// Moves the radiance grid towards what the step recorded (Eq. 7), then refills the marked normalizers.
+    /// Moves the radiance grid towards what the step recorded (Eq. 7), pools what larger cells know of it, then refills the
+    /// marked normalizers.
     fn update_grids(&self) -> Result<()> {
+        let Updates { radiance, parents, normalization } = &self.updates;
+        let cells = 0..self.cells.count();
+        let Some((pool, blend)) = parents else {
+            return self.update(cells, &[radiance, normalization]);
+        };
+        self.update(cells.clone(), &[radiance])?;
+        let levels = self.cells.parent_levels();
+        levels.iter().try_for_each(|level| self.update(level.clone(), &[pool]))?;
+        levels.iter().rev().try_for_each(|level| self.update(level.clone(), &[blend]))?;
+        self.update(cells, &[blend, normalization])
+    }
+
+    /// Runs kernels one after the other, each with a workgroup per cell.
+    fn update(&self, cells: Range<u32>, kernels: &[&Kernel]) -> Result<()> {
         let page = self.frame.first_page();
         let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
-        for cells in self.slicer.cell_ranges(self.settings.grid) {
-            let push = UpdatePush { first_cell: cells.start };
-            let push = bytemuck::bytes_of(&push);
-            let cells = cells.end - cells.start;
-            let normal_blocks = self.settings.normal_resolution().pow(2).div_ceil(Variant::default().workgroup_size);
-            self.context.submit("update_radiance and update_normalization", |recorder| {
-                recorder.dispatch(&self.update_radiance, &sets, push, [cells, 1, 1]);
-                recorder.barrier();
-                recorder.dispatch(&self.update_normalization, &sets, push, [cells, normal_blocks, 1]);
+        let names: Vec<_> = kernels.iter().map(|kernel| kernel.name()).collect();
+        for range in self.slicer.cell_ranges(cells) {
+            let push = UpdatePush { first_cell: range.start };
+            self.context.submit(&names.join(" and "), |recorder| {
+                for kernel in kernels {
+                    recorder.dispatch(kernel, &sets, bytemuck::bytes_of(&push), [range.end - range.start, 1, 1]);
+                    recorder.barrier();
+                }
             })?;
         }
         Ok(())
@@ -360,8 +399,9 @@ fn note_needs(error: Error, needs: &MemoryNeeds) -> Error {
 }
 
 /// Texel buffers where the device allows the sizes that geometry and tables need, else storage.
-fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, settings: &Settings) -> BackEnd {
-    let texels = Geometry::texels(bvh).max(RadianceGrid::texels(settings)).max(NormalizationGrid::texels(settings));
+fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> BackEnd {
+    let grids = RadianceGrid::texels(settings, cells).max(NormalizationGrid::texels(settings, cells));
+    let texels = Geometry::texels(bvh).max(grids);
     match texels.max(shading.texels()) <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => BackEnd::Texel,
         false => BackEnd::Storage,
@@ -414,7 +454,8 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,
-        grid_resolution: settings.grid,
+        fallback: settings.fallback,
+        jitter: settings.jitter,
         direction_resolution: settings.directions,
         normal_resolution: settings.normal_resolution(),
         max_tries: settings.max_tries,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::state::Persistent;
 use super::{set_shape, table_kind, table_set};
 use crate::Result;
+use crate::cells::Cells;
 use crate::cosine_integrals::cosine_integrals;
 use crate::cosine_trees::{Node, cosine_trees, nodes_per_tree};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
@@ -22,16 +23,13 @@ pub(super) struct NormalizationGrid {
 
 impl NormalizationGrid {
     /// Texels of the table, one an entry.
-    pub fn texels(settings: &Settings) -> u64 {
-        match settings.sampler {
-            Sampler::Bsdf => 0,
-            _ => u64::from(settings.grid.pow(3)) * u64::from(settings.normal_resolution().pow(2)),
-        }
+    pub fn texels(settings: &Settings, cells: &Cells) -> u64 {
+        u64::from(cells.count()) * u64::from(settings.normal_resolution().pow(2))
     }
 
     /// Bytes of the grid on the device; a mark is a bit, and there is a cosine integral for every pair of bins.
-    pub fn bytes(settings: &Settings) -> u64 {
-        let entries = Self::texels(settings);
+    pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
+        let entries = Self::texels(settings, cells);
         let integrals = match settings.sampler {
             Sampler::Bsdf | Sampler::SphereInversion => 0,
             _ => u64::from(settings.directions.pow(2)) * u64::from(settings.normals.pow(2)),
@@ -45,9 +43,9 @@ impl NormalizationGrid {
         entries.saturating_mul(size_of::<NormalizationEntry>() as u64).saturating_add(entries / 8 + tables)
     }
 
-    pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings, cells: &Cells) -> Result<Self> {
         let shape = set_shape(kernels, 3);
-        let entries = Self::texels(settings);
+        let entries = Self::texels(settings, cells);
         let cosines = match settings.sampler {
             Sampler::Bsdf | Sampler::SphereInversion => Vec::new(),
             _ => cosine_integrals(settings.map, settings.directions, settings.normals),

@@ -5,13 +5,14 @@ use std::sync::Arc;
 use super::state::Persistent;
 use super::{set_shape, table_kind, table_set};
 use crate::Result;
+use crate::cells::Cells;
 use crate::cosine_trees::{Node, nodes_per_tree};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::kernels::Kernels;
 use crate::layout::{LearnedRadiance, RadianceSum};
 use crate::settings::{Sampler, Settings};
 
-/// The grid of Sec. 3: `grid^3` cells of `directions^2` bins.
+/// The grid of Sec. 3: cells of `directions^2` bins.
 pub(super) struct RadianceGrid {
     set: DescriptorSet,
     radiance: Arc<Buffer>,
@@ -25,37 +26,45 @@ pub(super) struct RadianceGrid {
 
 impl RadianceGrid {
     /// Texels of the table, one a bin.
-    pub fn texels(settings: &Settings) -> u64 {
-        match settings.sampler {
-            Sampler::Bsdf => 0,
-            _ => u64::from(settings.grid.pow(3)) * u64::from(settings.directions.pow(2)),
-        }
+    pub fn texels(settings: &Settings, cells: &Cells) -> u64 {
+        u64::from(cells.count()) * u64::from(settings.directions.pow(2))
+    }
+
+    /// Bins of which something is learned: also of the larger cells where cells fall back on these.
+    fn learned_bins(settings: &Settings, cells: &Cells) -> u64 {
+        let count = if settings.fallback > 0.0 { cells.all_count() } else { cells.count() };
+        u64::from(count) * u64::from(settings.directions.pow(2))
     }
 
     /// Bytes of the grid on the device.
-    pub fn bytes(settings: &Settings) -> u64 {
+    pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
         let end_bytes = if settings.sampler == Sampler::SphereInversion { size_of::<u32>() } else { 0 };
-        let bin_bytes = size_of::<f32>() + size_of::<LearnedRadiance>() + size_of::<RadianceSum>() + end_bytes;
-        Self::texels(settings).saturating_mul(bin_bytes as u64).saturating_add(Self::node_bytes(settings))
+        let bin_bytes = size_of::<f32>() + size_of::<RadianceSum>() + end_bytes;
+        let learned = Self::learned_bins(settings, cells) * size_of::<LearnedRadiance>() as u64;
+        let table = size_of_val(&cells.table[..]) as u64;
+        Self::texels(settings, cells) * bin_bytes as u64 + learned + Self::node_bytes(settings, cells) + table
     }
 
-    fn node_bytes(settings: &Settings) -> u64 {
+    fn node_bytes(settings: &Settings, cells: &Cells) -> u64 {
         let nodes = if settings.sampler == Sampler::Product { nodes_per_tree(settings.directions) } else { 0 };
-        u64::from(settings.grid.pow(3)) * u64::from(nodes) * size_of::<Node>() as u64
+        u64::from(cells.count()) * u64::from(nodes) * size_of::<Node>() as u64
     }
 
-    pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings, cells: &Cells) -> Result<Self> {
         let shape = set_shape(kernels, 2);
-        let bins = Self::texels(settings);
-        let buffer = |name: &str, size: usize, kind| Buffer::new(context, name, bins * size as u64, kind);
-        let radiance = buffer("radiance", size_of::<f32>(), table_kind(shape, BufferKind::StorageTexelFloat1))?;
-        let learned = buffer("learned radiance", size_of::<LearnedRadiance>(), BufferKind::Storage)?;
-        let sums = buffer("radiance sums", size_of::<RadianceSum>(), BufferKind::Storage)?;
+        let bins = Self::texels(settings, cells);
+        let buffer = |name: &str, bins: u64, size: usize, kind| Buffer::new(context, name, bins * size as u64, kind);
+        let radiance_kind = table_kind(shape, BufferKind::StorageTexelFloat1);
+        let radiance = buffer("radiance", bins, size_of::<f32>(), radiance_kind)?;
+        let learned_bins = Self::learned_bins(settings, cells);
+        let learned = buffer("learned radiance", learned_bins, size_of::<LearnedRadiance>(), BufferKind::Storage)?;
+        let sums = buffer("radiance sums", bins, size_of::<RadianceSum>(), BufferKind::Storage)?;
         let ends = if settings.sampler == Sampler::SphereInversion { bins } else { 0 };
         let ends = Buffer::new(context, "bin ends", ends * size_of::<u32>() as u64, BufferKind::Storage)?;
         let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
-        let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings), node_kind)?;
-        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes];
+        let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings, cells), node_kind)?;
+        let table = Buffer::with_values(context, "cells", &cells.table, BufferKind::Storage)?;
+        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table];
         let set = table_set(context, "radiance grid", shape, &buffers)?;
         Ok(Self { set, radiance, learned, ends, nodes, bin_count: bins as usize })
     }

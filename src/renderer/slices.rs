@@ -75,11 +75,11 @@ impl Slicer {
         self.groups.set(groups.clamp(1.0, f64::from(self.max_groups)) as u32);
     }
 
-    /// Ranges of cells for the updates of a grid of the given resolution.
-    pub fn cell_ranges(&self, grid: u32) -> impl Iterator<Item = Range<u32>> {
-        let cells = grid.pow(3);
+    /// Cuts a range of cells for the updates.
+    pub fn cell_ranges(&self, cells: Range<u32>) -> impl Iterator<Item = Range<u32>> {
         let most = CELLS_PER_DISPATCH.min(self.max_groups);
-        (0..cells).step_by(most as usize).map(move |first| first..cells.min(first + most))
+        let end = cells.end;
+        cells.step_by(most as usize).map(move |first| first..end.min(first + most))
     }
 
     fn workgroups(&self, page: &FilmPage) -> u32 {

@@ -116,6 +116,8 @@ fn settings_out_of_their_ranges() {
     for (option, value) in [
         ("--grid", "0"),
         ("--grid", "33"),
+        ("--fallback", "-1"),
+        ("--jitter", "1.5"),
         ("--directions", "3"),
         ("--normals", "3"),
         ("--decay", "2"),

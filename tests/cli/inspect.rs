@@ -98,10 +98,13 @@ fn layouts_are_those_of_the_glsl() {
 fn options_choose_the_variant() {
     let folder = Folder::new();
     let plain = path_trace(&folder, &["--sampler", "bsdf", "--max-depth", "3", "--rfilter", "gaussian"]);
-    let guided = path_trace(&folder, &["--sampler", "rejection-mix", "--grid", "4"]);
+    let guided = path_trace(&folder, &["--sampler", "rejection-mix", "--directions", "8"]);
     assert_eq!((constant(&plain, "SAMPLER"), constant(&guided, "SAMPLER")), (0.into(), 1.into()));
     assert_eq!((constant(&plain, "MAX_DEPTH"), constant(&plain, "FILTER_WIDTH")), (3.into(), 0.5.into()));
-    assert_eq!((constant(&guided, "GRID_RESOLUTION"), constant(&guided, "HIDE_EMITTERS")), (4.into(), false.into()));
+    assert_eq!(
+        (constant(&guided, "DIRECTION_RESOLUTION"), constant(&guided, "HIDE_EMITTERS")),
+        (8.into(), false.into())
+    );
     if !has_spirv_tools() {
         return;
     }
@@ -221,7 +224,11 @@ fn a_driver_that_tells_much_is_quoted() {
 #[test]
 fn wrong_wishes_are_refused() {
     let folder = Folder::new();
-    assert_sentence(&folder.run(&["inspect", "path_tracer"]), 1, &["`path_tracer`", "path_trace, update_"]);
+    assert_sentence(
+        &folder.run(&["inspect", "path_tracer"]),
+        1,
+        &["`path_tracer`", "path_trace, pool_radiance, update_"],
+    );
     assert_sentence(&folder.run(&["inspect", "--grid", "99"]), 1, &["--grid is 99"]);
     assert_sentence(&folder.run(&["inspect", "--device", "voodoo"]), 1, &["`voodoo`"]);
     assert_sentence(&folder.run(&["inspect", "--scene", "none.xml"]), 1, &["none.xml"]);

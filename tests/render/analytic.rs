@@ -165,6 +165,21 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
     }
 }
 
+/// Neighbors know the same of a furnace, so what cells take from them changes nothing.
+#[test]
+fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
+    let device = Device::new();
+    let fall_back = |s: &mut Settings| (s.grid, s.fallback, s.jitter, s.decay) = (7, 20.0, 1.0, 0.0);
+    let expected = 1.0 - 0.5_f64.powi(LEARNING_STEPS as i32);
+    let found = learned(&device, &[], expected, fall_back);
+    assert!(is_learned(found, expected), "{found:?}");
+    let tampered = learned(&device, &[], expected, |s| {
+        fall_back(s);
+        s.attenuation_tamper = 1.1;
+    });
+    assert!(!is_learned(tampered, expected), "the twin, 10 % off: {tampered:?}");
+}
+
 /// A segment that ends at edge e of 16 collects 1 - 2^-(17 - e); those of edges 2 to 15 are recorded.
 #[test]
 fn monte_carlo_learns_the_mean_return() {

@@ -133,11 +133,12 @@ fn a_guided_crop_window_has_the_whole_picture_s_mean() {
     assert!(comparison.agrees(), "{comparison:?}");
 }
 
-fn render_with_threads(threads: &str, sampler: &str, output: &Path) {
+fn render_with_threads(threads: &str, arguments: &str, output: &Path) {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
     command.arg("render").arg(scene).arg("-o").arg(output);
-    command.args(["--width", "100", "--height", "61", "--spp", "24", "--seed", "5", "--quiet", "--sampler", sampler]);
+    command.args(["--width", "100", "--height", "61", "--spp", "24", "--seed", "5", "--quiet", "--sampler"]);
+    command.args(arguments.split(' '));
     let status = command.env("LP_NUM_THREADS", threads).status().expect("a run");
     assert!(status.success());
 }
@@ -146,7 +147,15 @@ fn render_with_threads(threads: &str, sampler: &str, output: &Path) {
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let folder = tempfile::tempdir().expect("a folder");
-    for sampler in ["bsdf", "rejection-mix", "rejection", "sphere-inversion", "hemisphere-inversion", "product"] {
+    for sampler in [
+        "bsdf",
+        "rejection-mix",
+        "rejection",
+        "sphere-inversion",
+        "hemisphere-inversion",
+        "product",
+        "product --grid auto --fallback 4 --jitter 1",
+    ] {
         let pictures = ["1", "2"].map(|threads| {
             let path = folder.path().join(format!("{sampler}-{threads}.exr"));
             render_with_threads(threads, sampler, &path);

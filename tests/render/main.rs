@@ -4,6 +4,7 @@
 //! that it must find.
 
 mod analytic;
+mod cells;
 mod choices;
 mod closed;
 mod determinism;

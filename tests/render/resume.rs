@@ -2,7 +2,7 @@
 
 use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
-use lodestar::settings::{Sampler, Settings};
+use lodestar::settings::{AUTO_GRID, Sampler, Settings};
 
 use crate::determinism::bits;
 use crate::device::{Device, steps};
@@ -72,6 +72,28 @@ fn every_combination_goes_on_with_the_same_bits() {
         let mut renderer = device.renderer(&scene, &settings);
         renderer.restore(&state).expect("the same settings");
         assert!(render(&mut renderer) == whole, "{sampler:?} and {learner:?}");
+    }
+}
+
+/// What larger cells know is made anew by every step of what the saved cells have learned.
+#[test]
+fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
+    let device = Device::new();
+    let scene = scene();
+    let plain = settings(&scene, SIZE, Sampler::Product, 21);
+    let settings = Settings { grid: AUTO_GRID, fallback: 4.0, jitter: 1.0, ..plain.clone() };
+    let whole = rest(&mut device.renderer(&scene, &settings), &settings);
+    let (state, _) = state_after(&device, &scene, &settings, 16);
+    let mut renderer = device.renderer(&scene, &settings);
+    renderer.restore(&state).expect("the same settings");
+    assert!(rest(&mut renderer, &settings).0 == whole.0);
+    // The twins: each of the settings matters.
+    for other in [
+        Settings { grid: plain.grid, ..settings.clone() },
+        Settings { fallback: 5.0, ..settings.clone() },
+        Settings { jitter: 0.5, ..settings.clone() },
+    ] {
+        assert!(rest(&mut device.renderer(&scene, &other), &other).0 != whole.0, "{other:?}");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
-use lodestar::settings::{DirectionMap, Learner, Mix, SamplePattern, Sampler, Settings};
+use lodestar::settings::{AUTO_GRID, DirectionMap, Learner, Mix, SamplePattern, Sampler, Settings};
 
 /// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
 pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
@@ -27,7 +27,7 @@ pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
 type Change = fn(&mut Settings);
 
 /// Every way to follow a guide.
-pub const GUIDED: [(&str, Change); 12] = [
+pub const GUIDED: [(&str, Change); 14] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),
@@ -40,6 +40,12 @@ pub const GUIDED: [(&str, Change); 12] = [
     }),
     ("product", |s| s.sampler = Sampler::Product),
     ("product on the cylinder", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
+    ("product in cells that fall back on their parents", |s| {
+        (s.sampler, s.grid, s.fallback, s.jitter) = (Sampler::Product, AUTO_GRID, 4.0, 1.0);
+    }),
+    ("rejection-mix in such cells", |s| {
+        (s.sampler, s.grid, s.fallback, s.jitter) = (Sampler::RejectionMix, 13, 16.0, 0.5);
+    }),
     ("expected-sarsa", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::ExpectedSarsa)),
     ("monte-carlo", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::MonteCarlo)),
 ];

@@ -17,6 +17,7 @@ mod intersections;
 mod lights;
 mod normalization;
 mod parametrization;
+mod parents;
 mod principled;
 mod product;
 mod random;

@@ -17,6 +17,7 @@ pub struct Mutation {
 const PATH_TRACE: &str = "glsl/path_trace.comp";
 const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
+const CELLS: &str = "glsl/include/cells.glsl";
 const GUIDE: &str = "glsl/include/guide.glsl";
 const GUIDING: &str = "glsl/include/guiding.glsl";
 const LEARNING: &str = "glsl/include/learning.glsl";
@@ -155,8 +156,9 @@ pub const MUTATIONS: &[Mutation] = &[
         "stale normalizer",
         &[Patch {
             file: UPDATE_NORMALIZATION,
-            text: "&& is_marked(index)",
-            mutated: "&& is_marked(index) && !(MUTATED && any(notEqual(normalization_record(index), uvec4(0u))))",
+            text: "        store_normalization_record(",
+            mutated: "        bool is_kept = any(notEqual(normalization_record(normalization_index(cell, normal_bin)), uvec4(0u)));\n        \
+                      if (!MUTATED || !is_kept) store_normalization_record(",
         }],
     ),
     mutation(
@@ -261,10 +263,9 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "cells in another order",
         &[Patch {
-            file: GUIDING,
-            text: "return (cell.z * GRID_RESOLUTION + cell.y) * GRID_RESOLUTION + cell.x;",
-            mutated: "cell = MUTATED ? cell.zyx : cell;\n    \
-                  return (cell.z * GRID_RESOLUTION + cell.y) * GRID_RESOLUTION + cell.x;",
+            file: CELLS,
+            text: "return cell & ~CELL_BORROWED;",
+            mutated: "cell &= ~CELL_BORROWED;\n    return MUTATED ? scene().cell_count - 1u - cell : cell;",
         }],
     ),
     mutation(

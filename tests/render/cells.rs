@@ -1,0 +1,31 @@
+//! The grid that is chosen by the scene.
+
+use lodestar::settings::{AUTO_GRID, Sampler, Settings};
+
+use crate::device::Device;
+use crate::scenes::{ours, settings};
+
+const BUDGET: u64 = 8 << 20;
+
+#[test]
+fn a_chosen_grid_is_as_fine_as_its_memory_allows() {
+    let device = Device::new();
+    for scene in ["cornell-box/scene.xml", "door-ajar/scene.xml", "furnace/scene.xml"] {
+        let scene = ours(scene, &[]);
+        let settings = Settings { fallback: 4.0, ..settings(&scene, [16, 16], Sampler::Product, 1) };
+        let bytes = |grid| device.renderer(&scene, &Settings { grid, ..settings.clone() }).guide_bytes();
+        let chosen = bytes(AUTO_GRID);
+        println!("{chosen} bytes, {} of 8 cells a side", bytes(8));
+        assert!(chosen <= BUDGET && chosen > BUDGET / 2, "{chosen}");
+        // The twin: a finer grid does not fit.
+        assert!(bytes(32) > BUDGET);
+    }
+}
+
+/// Where nothing is guided no cell is kept.
+#[test]
+fn a_plain_path_tracer_has_no_cells() {
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let settings = settings(&scene, [16, 16], Sampler::Bsdf, 1);
+    assert_eq!(Device::new().renderer(&scene, &settings).guide_bytes(), 0);
+}

@@ -1,0 +1,166 @@
+//! `glsl/pool_radiance.comp` and `glsl/blend_radiance.comp`: what cells fall back on, against the twins and in closed form.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use bytemuck::Zeroable;
+use glam::{UVec3, Vec2, Vec3};
+use lodestar::bvh::Bvh;
+use lodestar::cells::Cells;
+use lodestar::gpu::{Buffer, BufferKind, KernelSource};
+use lodestar::kernels::{STORAGE_BUFFERS, Variant};
+use lodestar::layout::{LearnedRadiance, SceneConstants, UpdatePush};
+use lodestar::reference::radiance_grid as twin;
+use lodestar::scene::{Primitive, PrimitiveShape};
+
+use crate::device::Device;
+use crate::statistics::Numbers;
+
+const LIMIT: f32 = 32.0;
+const FALLBACK: f32 = 6.0;
+const DIRECTIONS: u32 = 8;
+const BINS: usize = (DIRECTIONS * DIRECTIONS) as usize;
+
+/// A ball's cells, on a grid whose sides are no powers of two.
+fn cells() -> Cells {
+    let ball = Primitive {
+        shape: PrimitiveShape::Sphere,
+        origin: Vec3::ZERO,
+        edge_u: Vec3::X,
+        edge_v: Vec3::Z,
+        normals: None,
+        uvs: [Vec2::ONE; 3],
+        flip_normal: false,
+        material: 0,
+        emitter: None,
+    };
+    Cells::new(&Bvh::build(&[ball]), UVec3::new(7, 5, 6))
+}
+
+/// What the device makes of what the cells have learned.
+struct Blend {
+    device: Device,
+    cells: Cells,
+    scene: Arc<Buffer>,
+    table: Arc<Buffer>,
+    learned: Arc<Buffer>,
+    radiance: Arc<Buffer>,
+}
+
+impl Blend {
+    fn new() -> Self {
+        let (device, cells) = (Device::new(), cells());
+        let scene = device.buffer("scene", size_of::<SceneConstants>(), BufferKind::Uniform);
+        let constants = SceneConstants {
+            target_limit: LIMIT,
+            grid_size: cells.grid.size.into(),
+            cell_count: cells.count(),
+            all_cell_count: cells.all_count(),
+            ..SceneConstants::zeroed()
+        };
+        scene.upload(0, &[constants]).expect("uploaded");
+        Self {
+            table: device.uploaded("cells", &cells.table),
+            learned: device.storage("learned", cells.all_count() as usize * BINS * size_of::<LearnedRadiance>()),
+            radiance: device.storage("radiance", cells.count() as usize * BINS * size_of::<f32>()),
+            scene,
+            device,
+            cells,
+        }
+    }
+
+    fn dispatch(&self, kernel: &KernelSource, cells: Range<u32>) {
+        let variant = Variant { fallback: FALLBACK, direction_resolution: DIRECTIONS, ..Variant::default() };
+        let named = [
+            ("Scene", &self.scene),
+            ("CellTable", &self.table),
+            ("LearnedTable", &self.learned),
+            ("RadianceTable", &self.radiance),
+        ];
+        let push = UpdatePush { first_cell: cells.start };
+        let count = cells.end - cells.start;
+        self.device.dispatch_renderers(kernel, &variant, &named, bytemuck::bytes_of(&push), count);
+    }
+
+    /// The table `[cell][bin]` after what `learned` says of the cells.
+    fn radiance(&self, learned: &[LearnedRadiance]) -> Vec<f32> {
+        self.learned.upload(0, learned).expect("uploaded");
+        let levels = self.cells.parent_levels();
+        levels.iter().for_each(|level| self.dispatch(&STORAGE_BUFFERS.pool_radiance, level.clone()));
+        let from_the_largest = levels.iter().rev().cloned().chain(std::iter::once(0..self.cells.count()));
+        from_the_largest.for_each(|level| self.dispatch(&STORAGE_BUFFERS.blend_radiance, level));
+        self.radiance.read(0, self.cells.count() as usize * BINS).expect("read")
+    }
+
+    /// The twins' table.
+    fn expected(&self, learned: &[LearnedRadiance], fallback: f64) -> Vec<f64> {
+        let (count, all) = (self.cells.count() as usize, self.cells.all_count() as usize);
+        let (parents, first_children) =
+            self.cells.table[self.cells.grid.size.element_product() as usize..].split_at(all);
+        let wide = |l: &LearnedRadiance| twin::LearnedRadiance { mean: l.mean.into(), weight: l.weight.into() };
+        let mut table = vec![0.0; count * BINS];
+        for bin in 0..BINS {
+            let mut known: Vec<_> = (0..count).map(|cell| wide(&learned[cell * BINS + bin])).collect();
+            for children in first_children.windows(2) {
+                known.push(twin::pooled(&known[children[0] as usize..children[1] as usize], fallback));
+            }
+            let mut estimates = vec![0.0; all];
+            for cell in (0..all).rev() {
+                let parent = estimates.get(parents[cell] as usize).copied();
+                estimates[cell] = twin::blended(known[cell], parent, fallback);
+            }
+            (0..count).for_each(|cell| table[cell * BINS + bin] = estimates[cell]);
+        }
+        table.chunks(BINS).flat_map(|cell| twin::floored(cell, LIMIT.into())).collect()
+    }
+}
+
+/// Many cells know nothing of a bin, others little or much.
+fn some(cells: &Cells) -> Vec<LearnedRadiance> {
+    let mut numbers = Numbers::new(17);
+    let mut learned = |_| {
+        let weight = if numbers.unit() < 0.4 { 0.0 } else { 10_f64.powf(numbers.between(-1.0, 3.0)) };
+        let mean = if weight == 0.0 { 0.0 } else { 10_f64.powf(numbers.between(-3.0, 1.0)) };
+        LearnedRadiance { mean: mean as f32, weight: weight as f32 }
+    };
+    (0..cells.count() as usize * BINS).map(&mut learned).collect()
+}
+
+fn worst(ours: &[f32], twin: &[f64]) -> f64 {
+    assert_eq!(ours.len(), twin.len());
+    ours.iter().zip(twin).map(|(&a, b)| (f64::from(a) / b - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn cells_fall_back_as_the_twins_do() {
+    let blend = Blend::new();
+    assert!(blend.cells.count() > 50 && blend.cells.parent_levels().len() == 3);
+    let learned = some(&blend.cells);
+    let ours = blend.radiance(&learned);
+    let off = worst(&ours, &blend.expected(&learned, FALLBACK.into()));
+    assert!(off < 1.0e-4, "{off}");
+    // The twin: parents that count for 5 % more.
+    assert!(worst(&ours, &blend.expected(&learned, 1.05 * f64::from(FALLBACK))) > 1.0e-2);
+    // A second time: what parents were blended to does not matter.
+    assert!(blend.radiance(&learned) == ours);
+}
+
+/// Where one cell alone has learned something, all others take it over; where all are sure, each stands for itself.
+#[test]
+fn what_nobody_knows_is_taken_from_who_does() {
+    let blend = Blend::new();
+    let count = blend.cells.count() as usize;
+    let mean = |bin: usize| 1.0 + bin as f32 / 16.0;
+    let mut learned = vec![LearnedRadiance::zeroed(); count * BINS];
+    for bin in 0..BINS {
+        learned[9 * BINS + bin] = LearnedRadiance { mean: mean(bin), weight: 3.0 };
+    }
+    for (i, l) in blend.radiance(&learned).iter().enumerate() {
+        assert!((l / mean(i % BINS) - 1.0).abs() < 1.0e-5, "{i}: {l}");
+    }
+    let sure: Vec<_> =
+        some(&blend.cells).iter().map(|l| LearnedRadiance { mean: l.mean + 0.5, weight: 1.0e9 }).collect();
+    for (l, own) in blend.radiance(&sure).iter().zip(&sure) {
+        assert!((l / own.mean - 1.0).abs() < 1.0e-5, "{l}, not {}", own.mean);
+    }
+}
