@@ -219,8 +219,8 @@ pub struct RadianceSum {
     pub high: u32,
     /// Number of targets.
     pub target_count: u32,
-    /// Unused.
-    pub reserved: u32,
+    /// While quadtrees are refined: of a quarter with all below it.
+    pub flux: f32,
 }
 
 /// `glsl/include/radiance_grid.glsl`
@@ -281,4 +281,14 @@ pub struct PathTracePush {
 pub struct UpdatePush {
     /// Cell of the first workgroup.
     pub first_cell: u32,
+}
+
+/// Pushed to `glsl/refine_quadtrees.comp`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RefinePush {
+    /// `REFINE_*`
+    pub stage: u32,
+    /// Of how many steps, as a power of two.
+    pub iteration: u32,
 }

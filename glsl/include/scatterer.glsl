@@ -94,7 +94,7 @@ Scatterer scatterer_at(Surface s, vec3 wo, RandomKey key, uint vertex) {
         x.upright = upright_in(tilted);
     }
     if (relief_outside) mirror_behind(x);
-    x.cell = SAMPLER != SAMPLER_BSDF ? grid_cell(s.position) : 0u;
+    x.cell = cell_at(s.position);
     return x;
 }
 

@@ -10,6 +10,7 @@ mod materials;
 mod memory_needs;
 mod normalization_grid;
 mod plastics;
+mod quadtrees;
 mod radiance_grid;
 mod slices;
 mod state;
@@ -49,6 +50,8 @@ pub struct Renderer {
     path_trace: Kernel,
     update_radiance: Kernel,
     update_normalization: Kernel,
+    /// Where the sampler has quadtrees.
+    refine_quadtrees: Option<Kernel>,
     frame: Frame,
     geometry: Geometry,
     radiance_grid: RadianceGrid,
@@ -135,8 +138,11 @@ impl Renderer {
         let back_end = back_end_for(context, shading, bvh, settings);
         let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
+        let has_quadtrees = settings.sampler == Sampler::Quadtree;
         let build = || -> Result<_> {
-            Ok((build(&kernels.path_trace)?, build(&kernels.update_radiance)?, build(&kernels.update_normalization)?))
+            let refine_quadtrees = has_quadtrees.then(|| build(&kernels.refine_quadtrees)).transpose()?;
+            let [update_radiance, update_normalization] = [&kernels.update_radiance, &kernels.update_normalization];
+            Ok((build(&kernels.path_trace)?, build(update_radiance)?, build(update_normalization)?, refine_quadtrees))
         };
         let upload = || -> Result<_> {
             let frame = Frame::new(context, kernels, scene, shading, bvh, settings)?;
@@ -146,12 +152,13 @@ impl Renderer {
         };
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
-        let (path_trace, update_radiance, update_normalization) = built?;
+        let (path_trace, update_radiance, update_normalization, refine_quadtrees) = built?;
         let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
         let mut renderer = Self {
             path_trace,
             update_radiance,
             update_normalization,
+            refine_quadtrees,
             frame,
             geometry,
             radiance_grid,
@@ -184,12 +191,13 @@ impl Renderer {
         }
         let begin = Instant::now();
         let mut counts = Counts::default();
+        let steps_before = self.steps_done();
         // Also where an error ends it.
         self.stopped = true;
         let traced = self.path_trace(samples, &mut counts, stop);
         let complete = traced.map_err(|error| note_needs(error, &self.needs))?;
-        if complete && self.settings.sampler != Sampler::Bsdf {
-            self.update_grids().map_err(|error| note_needs(error, &self.needs))?;
+        if complete {
+            self.learn(steps_before).map_err(|error| note_needs(error, &self.needs))?;
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
             sums.take(&self.context, &self.frame)?;
@@ -302,10 +310,38 @@ impl Renderer {
         ))
     }
 
+    /// Steps of the settings' length that have begun.
+    fn steps_done(&self) -> u32 {
+        self.samples_done.div_ceil(self.settings.spp_per_step)
+    }
+
+    /// Has the next step sample what has been learned: grids after each step, quadtrees after an iteration of several.
+    fn learn(&self, steps_before: u32) -> Result<()> {
+        match (&self.refine_quadtrees, self.settings.sampler) {
+            (_, Sampler::Bsdf) => Ok(()),
+            (Some(kernel), _) => match quadtrees::ended_iteration(steps_before, self.steps_done()) {
+                Some(iteration) => self.refine(kernel, iteration),
+                None => Ok(()),
+            },
+            (None, _) => self.update_grids(),
+        }
+    }
+
+    /// The sets of kernels that reach no film.
+    fn sets(&self) -> [&DescriptorSet; 4] {
+        let page = self.frame.first_page();
+        [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()]
+    }
+
+    fn refine(&self, kernel: &Kernel, iteration: u32) -> Result<()> {
+        let sets = self.sets();
+        let refine = |recorder: &mut _| quadtrees::refine(recorder, kernel, &sets, &self.settings, iteration);
+        self.context.submit("refine_quadtrees", refine).map(|_| ())
+    }
+
     /// Moves the radiance grid towards what the step recorded (Eq. 7), then refills the marked normalizers.
     fn update_grids(&self) -> Result<()> {
-        let page = self.frame.first_page();
-        let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
+        let sets = self.sets();
         for cells in self.slicer.cell_ranges(self.settings.grid) {
             let push = UpdatePush { first_cell: cells.start };
             let push = bytemuck::bytes_of(&push);
@@ -326,7 +362,11 @@ impl Renderer {
         if let Some(slice) = self.frame.pages().next().and_then(|page| self.slicer.smallest_slice(page)) {
             self.dispatch_path_trace(self.frame.first_page(), slice, 0)?;
         }
-        if self.settings.sampler == Sampler::Bsdf { Ok(()) } else { self.update_grids() }
+        match (&self.refine_quadtrees, self.settings.sampler) {
+            (_, Sampler::Bsdf) => Ok(()),
+            (Some(kernel), _) => self.refine(kernel, 0),
+            (None, _) => self.update_grids(),
+        }
     }
 }
 

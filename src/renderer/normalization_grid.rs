@@ -24,7 +24,7 @@ impl NormalizationGrid {
     /// Texels of the table, one an entry.
     pub fn texels(settings: &Settings) -> u64 {
         match settings.sampler {
-            Sampler::Bsdf => 0,
+            Sampler::Bsdf | Sampler::Quadtree => 0,
             _ => u64::from(settings.grid.pow(3)) * u64::from(settings.normal_resolution().pow(2)),
         }
     }
@@ -33,7 +33,7 @@ impl NormalizationGrid {
     pub fn bytes(settings: &Settings) -> u64 {
         let entries = Self::texels(settings);
         let integrals = match settings.sampler {
-            Sampler::Bsdf | Sampler::SphereInversion => 0,
+            Sampler::Bsdf | Sampler::SphereInversion | Sampler::Quadtree => 0,
             _ => u64::from(settings.directions.pow(2)) * u64::from(settings.normals.pow(2)),
         };
         let integrals = integrals * size_of::<CosineIntegral>() as u64;
@@ -49,7 +49,7 @@ impl NormalizationGrid {
         let shape = set_shape(kernels, 3);
         let entries = Self::texels(settings);
         let cosines = match settings.sampler {
-            Sampler::Bsdf | Sampler::SphereInversion => Vec::new(),
+            Sampler::Bsdf | Sampler::SphereInversion | Sampler::Quadtree => Vec::new(),
             _ => cosine_integrals(settings.map, settings.directions, settings.normals),
         };
         let buffer = |name: &str, bytes: u64, kind| Buffer::new(context, name, bytes, kind);
