@@ -8,7 +8,7 @@
 // A square of directions with a larger share of its tree's flux has a node.
 const float FLUX_SHARE = 0.01;
 // A leaf of the spatial tree is split where more targets than this times sqrt(2^k) have been recorded in iteration k.
-const float LEAF_TARGETS = 12000.0;
+const float LEAF_TARGETS = 1000.0;
 // Most levels that one refinement adds to a leaf.
 const uint MOST_SPLITS = 12u;
 

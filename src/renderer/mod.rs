@@ -191,13 +191,12 @@ impl Renderer {
         }
         let begin = Instant::now();
         let mut counts = Counts::default();
-        let steps_before = self.steps_done();
         // Also where an error ends it.
         self.stopped = true;
         let traced = self.path_trace(samples, &mut counts, stop);
         let complete = traced.map_err(|error| note_needs(error, &self.needs))?;
-        if complete {
-            self.learn(steps_before).map_err(|error| note_needs(error, &self.needs))?;
+        if complete && self.has_grids() {
+            self.update_grids().map_err(|error| note_needs(error, &self.needs))?;
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
             sums.take(&self.context, &self.frame)?;
@@ -259,7 +258,7 @@ impl Renderer {
     fn path_trace(&mut self, samples: u32, counts: &mut Counts, stop: &dyn Fn() -> bool) -> Result<bool> {
         let mut left = samples;
         while left > 0 {
-            let batch = left.min(self.settings.samples_per_dispatch);
+            let batch = left.min(self.settings.samples_per_dispatch).min(self.samples_of_iteration());
             for page in self.frame.pages() {
                 let mut next = 0;
                 while let Some(slice) = self.slicer.slice(page, next) {
@@ -274,8 +273,18 @@ impl Renderer {
             }
             self.samples_done += batch;
             left -= batch;
+            if let Some((kernel, iteration)) =
+                self.refine_quadtrees.as_ref().zip(quadtrees::ended_iteration(self.samples_done))
+            {
+                self.refine(kernel, iteration)?;
+            }
         }
         Ok(true)
+    }
+
+    /// Samples that may be taken before the guide is to learn from them.
+    fn samples_of_iteration(&self) -> u32 {
+        self.refine_quadtrees.as_ref().map_or(u32::MAX, |_| quadtrees::samples_left(self.samples_done))
     }
 
     fn dispatch_path_trace(&self, page: &FilmPage, slice: Slice, sample_count: u32) -> Result<(Duration, Counts)> {
@@ -310,21 +319,9 @@ impl Renderer {
         ))
     }
 
-    /// Steps of the settings' length that have begun.
-    fn steps_done(&self) -> u32 {
-        self.samples_done.div_ceil(self.settings.spp_per_step)
-    }
-
-    /// Has the next step sample what has been learned: grids after each step, quadtrees after an iteration of several.
-    fn learn(&self, steps_before: u32) -> Result<()> {
-        match (&self.refine_quadtrees, self.settings.sampler) {
-            (_, Sampler::Bsdf) => Ok(()),
-            (Some(kernel), _) => match quadtrees::ended_iteration(steps_before, self.steps_done()) {
-                Some(iteration) => self.refine(kernel, iteration),
-                None => Ok(()),
-            },
-            (None, _) => self.update_grids(),
-        }
+    /// Whether the guide, if there is one, learns by steps.
+    fn has_grids(&self) -> bool {
+        !matches!(self.settings.sampler, Sampler::Bsdf | Sampler::Quadtree)
     }
 
     /// The sets of kernels that reach no film.
@@ -333,6 +330,7 @@ impl Renderer {
         [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()]
     }
 
+    /// Has quadtrees sample what they have learned, after an iteration of as many samples as all before it and one.
     fn refine(&self, kernel: &Kernel, iteration: u32) -> Result<()> {
         let sets = self.sets();
         let refine = |recorder: &mut _| quadtrees::refine(recorder, kernel, &sets, &self.settings, iteration);
@@ -362,10 +360,10 @@ impl Renderer {
         if let Some(slice) = self.frame.pages().next().and_then(|page| self.slicer.smallest_slice(page)) {
             self.dispatch_path_trace(self.frame.first_page(), slice, 0)?;
         }
-        match (&self.refine_quadtrees, self.settings.sampler) {
-            (_, Sampler::Bsdf) => Ok(()),
-            (Some(kernel), _) => self.refine(kernel, 0),
-            (None, _) => self.update_grids(),
+        match &self.refine_quadtrees {
+            Some(kernel) => self.refine(kernel, 0),
+            None if self.has_grids() => self.update_grids(),
+            None => Ok(()),
         }
     }
 }

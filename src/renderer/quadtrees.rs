@@ -36,10 +36,17 @@ pub(super) fn texels(settings: &Settings) -> u64 {
     last_of_trees + 1 + last_of_drafts + 1
 }
 
-/// The iteration of learning, if any, that ended with one of the steps after the first `before` of `after`: iteration k has
-/// 2^k steps.
-pub(super) fn ended_iteration(before: u32, after: u32) -> Option<u32> {
-    (before + 1..=after).rev().find(|step| (step + 1).is_power_of_two()).map(|step| (step + 1).ilog2() - 1)
+/// Iterations of learning have 1, 2, 4, ... samples per pixel. The one that ended after so many samples, if one did.
+pub(super) fn ended_iteration(samples_done: u32) -> Option<u32> {
+    let next = u64::from(samples_done) + 1;
+    if next.is_power_of_two() { next.ilog2().checked_sub(1) } else { None }
+}
+
+/// Samples per pixel that are left of the iteration under way.
+pub(super) fn samples_left(samples_done: u32) -> u32 {
+    let next = u64::from(samples_done) + 1;
+    let end = (1_u64 << (next.ilog2() + 1)) - 1;
+    (end - u64::from(samples_done)).min(u32::MAX.into()) as u32
 }
 
 /// Ends an iteration: what it has learned is sampled from now on, and all sums start anew.
@@ -66,9 +73,14 @@ mod tests {
 
     #[test]
     fn iterations_double() {
-        let ends = |step| ended_iteration(step - 1, step);
-        let ended: Vec<_> = (1..=40).filter_map(|step| ends(step).map(|iteration| (step, iteration))).collect();
-        assert_eq!(ended, [(1, 0), (3, 1), (7, 2), (15, 3), (31, 4)]);
-        assert_eq!((ended_iteration(0, 0), ended_iteration(3, 6), ended_iteration(2, 9)), (None, None, Some(2)));
+        let ended = |done| ended_iteration(done).map(|iteration| (done, iteration));
+        assert_eq!((0..40).filter_map(ended).collect::<Vec<_>>(), [(1, 0), (3, 1), (7, 2), (15, 3), (31, 4)]);
+        for done in 0..40 {
+            let end = done + samples_left(done);
+            assert!(
+                end > done && ended_iteration(end).is_some() && (done + 1..end).all(|at| ended_iteration(at).is_none())
+            );
+        }
+        assert!(samples_left(u32::MAX) > 0);
     }
 }

@@ -146,7 +146,9 @@ fn render_with_threads(threads: &str, sampler: &str, output: &Path) {
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let folder = tempfile::tempdir().expect("a folder");
-    for sampler in ["bsdf", "rejection-mix", "rejection", "sphere-inversion", "hemisphere-inversion", "product"] {
+    for sampler in
+        ["bsdf", "rejection-mix", "rejection", "sphere-inversion", "hemisphere-inversion", "product", "quadtree"]
+    {
         let pictures = ["1", "2"].map(|threads| {
             let path = folder.path().join(format!("{sampler}-{threads}.exr"));
             render_with_threads(threads, sampler, &path);

@@ -19,6 +19,7 @@ mod normalization;
 mod parametrization;
 mod principled;
 mod product;
+mod quadtree;
 mod random;
 mod relief;
 mod scattering;
