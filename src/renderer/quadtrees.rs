@@ -31,7 +31,7 @@ pub(super) fn quarters(settings: &Settings) -> u64 {
 pub(super) fn texels(settings: &Settings) -> u64 {
     let (nodes, leaves) = (node_limit(settings), leaf_limit(settings));
     // `leaf_count_place` and `draft_leaf_count_place` in GLSL.
-    let last_of_trees = nodes + leaves + (2 * leaves + 3) / 4;
+    let last_of_trees = nodes + leaves + (2 * leaves).div_ceil(4);
     let last_of_drafts = nodes + 2 * leaves;
     last_of_trees + 1 + last_of_drafts + 1
 }

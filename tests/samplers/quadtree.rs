@@ -257,7 +257,7 @@ impl Forest {
     }
 
     fn leaves(&self) -> Vec<Leaf> {
-        let spatial = (2 * self.leaf_limit() + 3) / 4;
+        let spatial = (2 * self.leaf_limit()).div_ceil(4);
         let words: Vec<[u32; 4]> = self.nodes.read(0, self.limit + self.leaf_limit() + spatial + 1).expect("read");
         let count = words.last().expect("a count")[0] as usize + 1;
         let of = |[_, level, first, last]: [u32; 4]| {
