@@ -19,7 +19,7 @@ struct PathTracePush {
     uint page_first_pixel;   // pixels (in tile order) before this film page
     uint first_sample;
     uint sample_count;
-    uint first_of_step;      // sample; no set of samples reaches across it
+    uint first_of_sets;      // sample; no set of samples reaches back beyond it
 };
 layout(push_constant, scalar) uniform Push { PathTracePush push; };
 
@@ -47,7 +47,7 @@ uvec2 tile_order_pixel(uint index) {
 Path start_path(uvec2 film_pixel, uint sample_index) {
     Path path;
     uint pixel = film_pixel.y * uint(scene().film_size.x) + film_pixel.x;
-    uint first_of_set = max(sample_index - sample_index % SET_SIZE, push.first_of_step);
+    uint first_of_set = max(sample_index - sample_index % SET_SIZE, push.first_of_sets);
     path.key = RandomKey(pixel, sample_index, first_of_set, scene().seed);
     vec4 u = unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER));
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);

@@ -225,6 +225,8 @@ pub struct RadianceSum {
     pub high: u32,
     /// Number of targets.
     pub target_count: u32,
+    /// While quadtrees are refined: of a quarter with all below it.
+    pub flux: f32,
 }
 
 /// `glsl/include/radiance_grid.glsl`
@@ -278,7 +280,7 @@ pub struct PathTracePush {
     /// Samples to take.
     pub sample_count: u32,
     /// Index of the first sample whose set may reach to these.
-    pub first_of_step: u32,
+    pub first_of_sets: u32,
 }
 
 /// Pushed to the kernels that update the grids.
@@ -287,4 +289,14 @@ pub struct PathTracePush {
 pub struct UpdatePush {
     /// Cell of the first workgroup.
     pub first_cell: u32,
+}
+
+/// Pushed to `glsl/refine_quadtrees.comp`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct RefinePush {
+    /// `REFINE_*`
+    pub stage: u32,
+    /// Of how many steps, as a power of two.
+    pub iteration: u32,
 }

@@ -55,6 +55,7 @@
 //! | inversion over the sphere | `sample_sphere_inversion`, `pdf_sphere_inversion` in `sphere_inversion.glsl`, `store_bin_ends` in `bin_distribution.glsl` | the same |
 //! | inversion over the hemisphere | `sample_hemisphere_inversion`, `pdf_hemisphere_inversion` in `hemisphere_inversion.glsl` | the same |
 //! | radiance times cosine exactly, by descent (beyond the paper) | `sample_product`, `pdf_product` in `product.glsl`, `product_record` in `radiance_tree.glsl` | the same, `tests/samplers/product.rs` |
+//! | the quadtree that it compares with (Müller, Gross and Novák 2017) | `sample_quadtree`, `pdf_quadtree` in `quadtree.glsl`, `refine_quadtrees.comp` | `tests/samplers/quadtree.rs` (chi-square, trees against their twins), `tests/render/ztest.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
 //! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |

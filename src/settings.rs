@@ -34,6 +34,19 @@ pub enum Sampler {
     HemisphereInversion = kernels::SAMPLER_HEMISPHERE_INVERSION,
     /// Learned radiance times cosine by a descent of fixed length, mixed with a share of the cosine.
     Product = kernels::SAMPLER_PRODUCT,
+    /// What the paper compares with: learned flux, whatever the normal, by quadtrees in the leaves of a binary tree (Müller,
+    /// Gross and Novák 2017), half and half with the scattering function.
+    Quadtree = kernels::SAMPLER_QUADTREE,
+}
+
+impl Sampler {
+    /// The learner that it has unless another is asked for.
+    pub const fn default_learner(self) -> Learner {
+        match self {
+            Self::Quadtree => Learner::MonteCarlo,
+            _ => Learner::Sarsa,
+        }
+    }
 }
 
 /// What `rejection-mix` mixes with the uniform share.
@@ -141,7 +154,8 @@ pub struct Settings {
     pub epsilon: Option<f32>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
-    /// Cells along each axis of the grids, in [1, 32]; [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB.
+    /// Cells along each axis of the grids, in [1, 32]; [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB. Quadtrees
+    /// have no more nodes than grids of this size have bins.
     #[serde(serialize_with = "number_or_auto", deserialize_with = "from_number_or_auto")]
     pub grid: u32,
     /// Targets that what a cell's parents have learned counts for in each of its bins, in [0, 1e6]; with 0 it stands for itself.
@@ -303,6 +317,17 @@ impl Settings {
                 "--sampler bsdf learns nothing, so --learner is for the other samplers".into(),
             ));
         }
+        if self.sampler == Sampler::Quadtree && self.learner != Learner::MonteCarlo {
+            return Err(Error::Settings(
+                "--sampler quadtree learns by --learner monte-carlo only: its squares of directions hold flux, not radiance"
+                    .into(),
+            ));
+        }
+        if self.sampler == Sampler::Quadtree && (self.grid == AUTO_GRID || self.fallback > 0.0 || self.jitter > 0.0) {
+            return Err(Error::Settings(
+                "--grid auto, --fallback and --jitter are for samplers with cells, not for --sampler quadtree".into(),
+            ));
+        }
         if self.learner == Learner::IrradianceSarsa && self.sampler != Sampler::Product {
             return Err(Error::Settings("--learner irradiance-sarsa is for --sampler product only".into()));
         }
@@ -325,15 +350,15 @@ impl Settings {
     }
 
     /// Bytes of the vertices that the learner keeps of each path under way: `PathVertex` of `glsl/include/monte_carlo.glsl`,
-    /// seven words each. None where it keeps none.
+    /// eight words each. None where it keeps none.
     pub fn path_bytes(&self) -> u64 {
         let keeps_vertices = self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo;
-        if keeps_vertices { u64::from(self.kept_vertices()) * 7 * 4 } else { 0 }
+        if keeps_vertices { u64::from(self.kept_vertices()) * 8 * 4 } else { 0 }
     }
 
     /// Normal bins along each side of the equal-area square that the sampler tells apart.
     pub(crate) fn normal_resolution(&self) -> u32 {
-        if self.sampler == Sampler::SphereInversion { 1 } else { self.normals }
+        if matches!(self.sampler, Sampler::SphereInversion | Sampler::Quadtree) { 1 } else { self.normals }
     }
 
     /// Checks that every emitter of the scene can be seen.

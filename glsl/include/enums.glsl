@@ -7,6 +7,13 @@ const uint SAMPLER_REJECTION = 2u;
 const uint SAMPLER_SPHERE_INVERSION = 3u;
 const uint SAMPLER_HEMISPHERE_INVERSION = 4u;
 const uint SAMPLER_PRODUCT = 5u;
+const uint SAMPLER_QUADTREE = 6u;
+
+// Stage of the refinement of quadtrees.
+const uint REFINE_MEASURE = 0u;
+const uint REFINE_PLACE = 1u;
+const uint REFINE_DRAFT = 2u;
+const uint REFINE_SETTLE = 3u;
 
 // What rejection-mix mixes with the uniform share: densities (Eq. 8) or acceptances (Eq. 9).
 const uint MIX_DENSITY = 0u;

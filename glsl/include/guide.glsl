@@ -6,18 +6,18 @@
 #include "radiance_grid.glsl"
 
 struct Guide {
-    uint cell;
+    uint cell;  // of the grids; with quadtrees, the first node of a tree
     uint normal_bin;
     vec3 nb;  // representative normal of that bin
     vec3 n;   // the true normal
-    uvec4 record;  // what the normalization grid holds here; all zeros: there is no guide yet
+    uvec4 record;  // what the normalization grid holds here, or the quadtree's first node; all zeros: there is no guide yet
     NormalizationEntry entry;  // the same, of the samplers whose record is one
 };
 
 struct GuidedSample {
     vec3 wi;
     float pdf;      // per steradian; of no meaning where `wi` lies below the surface
-    uint bin;       // direction bin that `wi` lies in
+    uint bin;       // direction bin that `wi` lies in, or what stands for it in a quadtree
     float radiance; // L of that bin
     uint tries;
     bool overrun;   // the driver ended the loop before it came to its end
@@ -25,7 +25,15 @@ struct GuidedSample {
 
 const Guide NO_GUIDE = Guide(0u, 0u, vec3(0.0), vec3(0.0), uvec4(0u), NormalizationEntry(0.0, 0.0, 0.0, 0.0));
 
+// Bit 1 << sampler of those that draw by a descent, which is mixed with the surface's own samples.
+const uint DESCENDING_SAMPLERS = (1u << SAMPLER_PRODUCT) | (1u << SAMPLER_QUADTREE);
+
+bool descends() {
+    return (DESCENDING_SAMPLERS & (1u << SAMPLER)) != 0u;
+}
+
 Guide guide_of(uint cell, vec3 n) {
+    if (SAMPLER == SAMPLER_QUADTREE) return Guide(cell, 0u, n, n, radiance_node(cell), NO_GUIDE.entry);
     uint bin = normal_bin(n);
     uvec4 record = normalization_record(normalization_index(cell, bin));
     return Guide(cell, bin, representative_normal(bin), n, record, entry_of(record));
@@ -35,9 +43,9 @@ bool is_filled(Guide guide) {
     return any(notEqual(guide.record, uvec4(0u)));
 }
 
-// Asks for a guide here from the next update on.
+// Asks for a guide here from the next update on. Quadtrees are all kept.
 void mark_guide(Guide guide) {
-    mark_entry(normalization_index(guide.cell, guide.normal_bin));
+    if (SAMPLER != SAMPLER_QUADTREE) mark_entry(normalization_index(guide.cell, guide.normal_bin));
 }
 
 float bin_radiance(Guide guide, uint bin) {

@@ -2,6 +2,7 @@
 #ifndef GUIDING_GLSL
 #define GUIDING_GLSL
 #include "bsdf.glsl"
+#include "cells.glsl"
 #include "frame.glsl"
 #include "guided_direction.glsl"
 #include "relief.glsl"
@@ -17,6 +18,12 @@ struct DirectionSample {
     uint tries;      // proposals of a guided sample; 0 where the BSDF was sampled
     bool overrun;
 };
+
+// What a guide knows a point of a surface by: its cell, which `u` may choose, or the first node of its quadtree.
+uint cell_at(vec3 position, vec3 normal, vec3 u) {
+    if (SAMPLER == SAMPLER_BSDF) return 0u;
+    return SAMPLER == SAMPLER_QUADTREE ? quadtree_at(position) : grid_cell(position, normal, u);
+}
 
 // What a surface is at the point where a path meets it.
 struct Scatterer {
@@ -66,8 +73,8 @@ float guided_share(Bsdf b) {
     if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) share = roughness;
     if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) share = GUIDE_SET == GUIDE_SET_ALL ? 0.5 * roughness : 0.9;
     if (is_kind(b, BSDF_PRINCIPLED) && GUIDE_SET == GUIDE_SET_ALL) share = 0.5;
-    // The product sampler has no share of its own that covers all directions.
-    return SAMPLER == SAMPLER_PRODUCT ? share * (1.0 - cosine_share()) : share;
+    // A descent has no share of its own that covers all directions.
+    return descends() ? share * (1.0 - cosine_share()) : share;
 }
 
 // What the guide itself has of a density: that of a mixture, or the descent's.
@@ -79,7 +86,7 @@ struct GuideDensity {
 // Where `density` is what the sampler says of a sample, the descent's or that of a mixture.
 GuideDensity guide_density_of(Scatterer x, Guide guide, vec3 wi, float density) {
     if (!is_guided(guide)) return GuideDensity(pdf_cosine_hemisphere(wi.z), 0.0);
-    if (SAMPLER == SAMPLER_PRODUCT) return GuideDensity(product_density(guide, x.frame * wi, density), density);
+    if (descends()) return GuideDensity(product_density(guide, x.frame * wi, density), density);
     return GuideDensity(density, density);
 }
 
@@ -93,7 +100,7 @@ float pdf_mixture(Scatterer x, Guide guide, vec3 wi, GuideDensity density) {
 // Density with which sample_direction draws the local direction `wi`, other than by a lobe of single directions.
 float pdf_direction(Scatterer x, Guide guide, vec3 wi) {
     vec3 world = x.frame * wi;
-    float density = SAMPLER == SAMPLER_PRODUCT ? pdf_descent(guide, world) : pdf_guide(guide, world);
+    float density = descends() ? pdf_descent(guide, world) : pdf_guide(guide, world);
     return pdf_mixture(x, guide, wi, guide_density_of(x, guide, wi, density));
 }
 
@@ -145,8 +152,8 @@ BsdfSample sample_scatterer(Scatterer x, vec3 u) {
     return x.passes ? BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0) : s;
 }
 
-// sample_direction of the product sampler: the surface's own direction is kept or replaced, in one flow.
-DirectionSample sample_direction_product(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
+// sample_direction of samplers that descend: the surface's own direction is kept or replaced, in one flow.
+DirectionSample sample_direction_descent(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
     BsdfSample s = sample_scatterer(x, u.xyz);
     float whole_share = guides_whole() && !x.passes ? guided_share(x.bsdf) : 0.0;
     bool guidable = s.lobe == LOBE_DIFFUSE || whole_share > 0.0;
@@ -154,7 +161,7 @@ DirectionSample sample_direction_product(RandomKey key, uint vertex, vec4 u, Sca
     if (guidable && !follows) mark_guide(guide);
     vec4 u_guide = unit_floats(random_bits(key, vertex, RANDOM_TRIES));
     float own_share = whole_share > 0.0 ? 1.0 - whole_share : cosine_share();
-    GuidedSample guided = sample_product(u_guide, guide, follows, own_share, x.frame * s.wi);
+    GuidedSample guided = sample_descent(u_guide, guide, follows, own_share, x.frame * s.wi);
     bool replaced = guided.tries > 0u;
     if (replaced) s = BsdfSample(guided.wi * x.frame, whole_share > 0.0 ? LOBE_GLOSSY : s.lobe, vec3(0.0), 1.0);
     if (replaced) s.eta = refraction(x, s.wi);
@@ -166,7 +173,7 @@ DirectionSample sample_direction_product(RandomKey key, uint vertex, vec4 u, Sca
 
 // Draws the direction in which a path leaves a surface.
 DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
-    if (SAMPLER == SAMPLER_PRODUCT) return sample_direction_product(key, vertex, u, x, guide);
+    if (descends()) return sample_direction_descent(key, vertex, u, x, guide);
     float share = guided_share(x.bsdf);
     bool replaced = u.z < share;
     if (guides_whole() && is_guided(guide) && share < 1.0) u.z = max(u.z - share, 0.0) / (1.0 - share);

@@ -15,8 +15,10 @@ bool keeps_vertices() {
     return is_learning() && LEARNER == LEARNER_MONTE_CARLO;
 }
 
+// The quadtree does not learn from lobes of single directions: it never draws these.
 Segment segment_from(uint cell, DirectionSample s) {
-    return Segment(radiance_index(cell, s.bin));
+    if (SAMPLER != SAMPLER_QUADTREE) return Segment(radiance_index(cell, s.bin), 1.0);
+    return s.pdf > 0.0 ? Segment(s.bin, 1.0 / s.pdf) : NO_SEGMENT;
 }
 
 // SARSA (Eq. 6): emission towards x plus what y scatters of the radiance that the table expects from the direction that

@@ -15,7 +15,9 @@
 #include "small_floats.glsl"
 #include "tree.glsl"
 
+// Also of the quadtree's samples.
 float cosine_share() {
+    if (SAMPLER == SAMPLER_QUADTREE) return 0.5;
     return EPSILON > 0.0 ? EPSILON : 0.25;
 }
 
@@ -71,13 +73,9 @@ GuidedSample sample_product(vec4 u, Guide guide, bool follows, float own_share, 
 }
 
 // The descent's density of a direction.
-float pdf_descent(Guide guide, vec3 wi) {
+float pdf_product(Guide guide, vec3 wi) {
     uvec2 at = bin_coordinates(direction_bin(wi));
     return descent_density(descend(guide, false, at, vec2(0.0)));
-}
-
-float pdf_product(Guide guide, vec3 wi) {
-    return product_density(guide, wi, pdf_descent(guide, wi));
 }
 
 #endif

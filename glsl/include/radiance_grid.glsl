@@ -10,6 +10,7 @@ struct RadianceSum {
     uint low;
     uint high;
     uint target_count;
+    float flux;  // while quadtrees are refined: of a quarter with all below it
 };
 
 // The estimate itself, before any floor: mean radiance and the (decayed) number of targets behind it.
@@ -46,7 +47,7 @@ float radiance(uint index) {
     return texelFetch(radiance_texels, int(index)).x;
 }
 
-// Sixteen weights of the cell's tree. See tree.glsl.
+// Sixteen weights of the cell's tree, see tree.glsl; or what quadtree_nodes.glsl says.
 uvec4 radiance_node(uint index) {
     return texelFetch(radiance_node_texels, int(index));
 }
@@ -62,6 +63,10 @@ uvec4 radiance_node(uint index) {
 
 void store_radiance_node(uint index, uvec4 weights) {
     radiance_nodes[index] = weights;
+}
+
+void store_radiance_word(uint index, uint word, uint value) {
+    radiance_nodes[index][word] = value;
 }
 
 void store_radiance(uint index, float value) {
@@ -101,12 +106,32 @@ void add_target(uint index, uint units) {
     atomicAdd(radiance_sums[index].target_count, 1u);
 }
 
+float sum_of_targets(uint index, float target_limit) {
+    RadianceSum s = radiance_sums[index];
+    return (float(s.high) * 4294967296.0 + float(s.low)) * (target_limit / FIXED_POINT_UNITS);
+}
+
+float number_of_targets(uint index) {
+    return float(radiance_sums[index].target_count);
+}
+
+void forget_targets(uint index) {
+    radiance_sums[index] = RadianceSum(0u, 0u, 0u, 0.0);
+}
+
 // The sum of a bin's targets and their number since the last call.
 void take_targets(uint index, float target_limit, out float sum, out float target_count) {
-    RadianceSum s = radiance_sums[index];
-    radiance_sums[index] = RadianceSum(0u, 0u, 0u);
-    sum = (float(s.high) * 4294967296.0 + float(s.low)) * (target_limit / FIXED_POINT_UNITS);
-    target_count = float(s.target_count);
+    sum = sum_of_targets(index, target_limit);
+    target_count = number_of_targets(index);
+    forget_targets(index);
+}
+
+float quarter_flux(uint index) {
+    return radiance_sums[index].flux;
+}
+
+void store_quarter_flux(uint index, float flux) {
+    radiance_sums[index].flux = flux;
 }
 
 #endif

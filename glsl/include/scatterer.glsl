@@ -97,7 +97,7 @@ Scatterer scatterer_at(Surface s, vec3 wo, RandomKey key, uint vertex) {
         x.upright = upright_in(tilted);
     }
     if (relief_outside) mirror_behind(x);
-    x.cell = SAMPLER != SAMPLER_BSDF ? grid_cell(s.position, s.geometric_normal, u4.yzw) : 0u;
+    x.cell = cell_at(s.position, s.geometric_normal, u4.yzw);
     return x;
 }
 

@@ -20,6 +20,8 @@ layout(constant_id = 5) const bool HIDE_EMITTERS = false;
 layout(constant_id = 60) const float FALLBACK = 0.0;
 // How far, in cells, a vertex looks for its cell along the surface.
 layout(constant_id = 61) const float JITTER = 0.0;
+// Most nodes of all quadtrees of directions.
+layout(constant_id = 6) const uint QUADTREE_NODES = 131072u;
 // Direction bins along each side of the map.
 layout(constant_id = 7) const uint DIRECTION_RESOLUTION = 16u;
 // Normal bins along each side of the equal-area square.

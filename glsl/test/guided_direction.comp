@@ -1,4 +1,4 @@
-// Draws from sample_guide, or sample_product, in cell 0 and evaluates pdf_guide, one sample per invocation.
+// Draws from sample_guide, or sample_descent, in cell 0 and evaluates pdf_guide, one sample per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -33,9 +33,9 @@ void main() {
     RandomKey key = RandomKey(index, 0u, 0u, push.seed);
     float choice = unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).z;
     GuidedSample s;
-    if (SAMPLER == SAMPLER_PRODUCT) {
+    if (descends()) {
         vec3 own = cosine_about(guide.n, unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).xy);
-        s = sample_product(unit_floats(random_bits(key, 1u, RANDOM_TRIES)), guide, true, cosine_share(), own);
+        s = sample_descent(unit_floats(random_bits(key, 1u, RANDOM_TRIES)), guide, true, cosine_share(), own);
         s.pdf = product_density(guide, s.wi, s.pdf);
     } else {
         s = sample_guide(key, 1u, choice, guide);

@@ -11,9 +11,9 @@ pub struct GuidingArgs {
     /// Which surfaces are guided: diffuse lobes, or also rough conductors and dielectrics as in the authors' code.
     #[arg(long, value_enum, default_value_t = GuideSet::Diffuse, help_heading = "Guiding")]
     pub guide_set: GuideSet,
-    /// How the guide learns.
-    #[arg(long, value_enum, default_value_t = Learner::Sarsa, help_heading = "Guiding")]
-    pub learner: Learner,
+    /// How the guide learns [default: sarsa; with quadtree: monte-carlo].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub learner: Option<Learner>,
     /// Directions over which the learner expected-sarsa takes its mean [default: 128].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub expected_directions: Option<u32>,
@@ -69,7 +69,7 @@ impl GuidingArgs {
     pub fn apply(&self, settings: &mut Settings) {
         settings.sampler = self.sampler;
         settings.guide_set = self.guide_set;
-        settings.learner = self.learner;
+        settings.learner = self.learner.unwrap_or(self.sampler.default_learner());
         settings.expected_directions = self.expected_directions.unwrap_or(settings.expected_directions);
         settings.mix = self.mix;
         settings.epsilon = self.epsilon;

@@ -82,6 +82,9 @@ fn settings(args: &RadianceArgs, scene: &Scene) -> Result<Settings> {
     if settings.sampler == Sampler::Bsdf {
         return Err(Error::Settings("--sampler bsdf learns nothing, so there is no map of it".into()));
     }
+    if settings.sampler == Sampler::Quadtree {
+        return Err(Error::Settings("--sampler quadtree learns flux, not radiance, so there is no map of it".into()));
+    }
     if args.choices.nee == Some(Switch::On) {
         return Err(Error::Settings(
             "--nee on leaves sampled light out of what is learned, so the map would not be radiance: leave it off"

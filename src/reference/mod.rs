@@ -20,6 +20,7 @@ pub mod normalization_entry;
 pub mod plastic;
 pub mod principled;
 pub mod product;
+pub mod quadtree;
 pub mod radiance_grid;
 pub mod random;
 pub mod rejection_mix;

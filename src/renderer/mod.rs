@@ -10,6 +10,7 @@ mod materials;
 mod memory_needs;
 mod normalization_grid;
 mod plastics;
+mod quadtrees;
 mod radiance_grid;
 mod slices;
 mod state;
@@ -53,6 +54,8 @@ pub struct Renderer {
     settings: Settings,
     path_trace: Kernel,
     updates: Updates,
+    /// Where the sampler has quadtrees.
+    refine_quadtrees: Option<Kernel>,
     cells: Cells,
     frame: Frame,
     geometry: Geometry,
@@ -132,7 +135,7 @@ impl Renderer {
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
         let cells = match settings.sampler {
-            Sampler::Bsdf => Cells::none(bvh),
+            Sampler::Bsdf | Sampler::Quadtree => Cells::none(bvh),
             _ if settings.grid != AUTO_GRID => Cells::new(bvh, UVec3::splat(settings.grid)),
             _ => Cells::fitting(bvh, |cells| memory_needs::guide_bytes(settings, cells) <= GUIDE_BYTES),
         };
@@ -154,6 +157,7 @@ impl Renderer {
         let back_end = back_end_for(context, shading, bvh, &cells, settings);
         let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
+        let has_quadtrees = settings.sampler == Sampler::Quadtree;
         let build = || -> Result<_> {
             let pool_and_blend = || Ok((build(&kernels.pool_radiance)?, build(&kernels.blend_radiance)?));
             let updates = Updates {
@@ -161,7 +165,8 @@ impl Renderer {
                 parents: (settings.fallback > 0.0).then(pool_and_blend).transpose()?,
                 normalization: build(&kernels.update_normalization)?,
             };
-            Ok((build(&kernels.path_trace)?, updates))
+            let refine_quadtrees = has_quadtrees.then(|| build(&kernels.refine_quadtrees)).transpose()?;
+            Ok((build(&kernels.path_trace)?, updates, refine_quadtrees))
         };
         let upload = || -> Result<_> {
             let frame = Frame::new(context, kernels, scene, shading, &cells, settings)?;
@@ -171,11 +176,12 @@ impl Renderer {
         };
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
-        let (path_trace, updates) = built?;
+        let (path_trace, updates, refine_quadtrees) = built?;
         let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
         let mut renderer = Self {
             path_trace,
             updates,
+            refine_quadtrees,
             frame,
             geometry,
             radiance_grid,
@@ -213,7 +219,7 @@ impl Renderer {
         self.stopped = true;
         let traced = self.path_trace(samples, &mut counts, stop);
         let complete = traced.map_err(|error| note_needs(error, &self.needs))?;
-        if complete && self.settings.sampler != Sampler::Bsdf {
+        if complete && self.has_grids() {
             self.update_grids().map_err(|error| note_needs(error, &self.needs))?;
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
@@ -274,17 +280,18 @@ impl Renderer {
 
     /// Adds `samples` samples to every pixel, a bounded number per dispatch.
     fn path_trace(&mut self, samples: u32, counts: &mut Counts, stop: &dyn Fn() -> bool) -> Result<bool> {
-        let first_of_step = self.first_of_step();
+        let first_of_step = self.next_sample();
         let mut left = samples;
         while left > 0 {
-            let batch = left.min(self.settings.samples_per_dispatch);
+            let batch = left.min(self.settings.samples_per_dispatch).min(self.samples_of_iteration());
+            let first_of_sets = self.first_of_sets(first_of_step);
             for page in self.frame.pages() {
                 let mut next = 0;
                 while let Some(slice) = self.slicer.slice(page, next) {
                     if stop() {
                         return Ok(false);
                     }
-                    let (elapsed, slice_counts) = self.dispatch_path_trace(page, slice, batch, first_of_step)?;
+                    let (elapsed, slice_counts) = self.dispatch_path_trace(page, slice, batch, first_of_sets)?;
                     self.slicer.measured(slice, elapsed);
                     counts.add(&slice_counts);
                     next = slice.end();
@@ -292,19 +299,37 @@ impl Renderer {
             }
             self.samples_done += batch;
             left -= batch;
+            if let Some((kernel, iteration)) =
+                self.refine_quadtrees.as_ref().zip(quadtrees::ended_iteration(self.samples_done))
+            {
+                self.refine(kernel, iteration)?;
+            }
         }
         Ok(true)
     }
 
     /// Index of the next sample of every pixel.
     fn next_sample(&self) -> u32 {
-        self.settings.sample_offset.unwrap_or(0).wrapping_add(self.samples_done)
+        self.sample_index(self.samples_done)
     }
 
-    /// Index of the first sample whose set may reach into the step that begins now: where steps learn from one another, its
-    /// own first. Without a guide, samples do not depend on how they are split into steps.
-    fn first_of_step(&self) -> u32 {
-        if self.settings.sampler == Sampler::Bsdf { 0 } else { self.next_sample() }
+    fn sample_index(&self, samples_before: u32) -> u32 {
+        self.settings.sample_offset.unwrap_or(0).wrapping_add(samples_before)
+    }
+
+    /// Index of the first sample whose set may reach to the next ones, which belong to the step that began with
+    /// `first_of_step`: the first since the guide has learned. Without a guide, samples do not depend on steps.
+    fn first_of_sets(&self, first_of_step: u32) -> u32 {
+        match self.settings.sampler {
+            Sampler::Bsdf => 0,
+            Sampler::Quadtree => self.sample_index(quadtrees::first_of_iteration(self.samples_done)),
+            _ => first_of_step,
+        }
+    }
+
+    /// Samples that may be taken before the guide is to learn from them.
+    fn samples_of_iteration(&self) -> u32 {
+        self.refine_quadtrees.as_ref().map_or(u32::MAX, |_| quadtrees::samples_left(self.samples_done))
     }
 
     fn dispatch_path_trace(
@@ -312,7 +337,7 @@ impl Renderer {
         page: &FilmPage,
         slice: Slice,
         sample_count: u32,
-        first_of_step: u32,
+        first_of_sets: u32,
     ) -> Result<(Duration, Counts)> {
         let push = PathTracePush {
             first_workgroup: slice.first,
@@ -321,7 +346,7 @@ impl Renderer {
             page_first_pixel: page.first_pixel(),
             first_sample: self.next_sample(),
             sample_count,
-            first_of_step,
+            first_of_sets,
         };
         let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
         let label = format!("path_trace, samples {} to {}", push.first_sample, push.first_sample + sample_count);
@@ -346,6 +371,24 @@ impl Renderer {
         ))
     }
 
+    /// Whether the guide, if there is one, learns by steps.
+    fn has_grids(&self) -> bool {
+        !matches!(self.settings.sampler, Sampler::Bsdf | Sampler::Quadtree)
+    }
+
+    /// The sets of kernels that reach no film.
+    fn sets(&self) -> [&DescriptorSet; 4] {
+        let page = self.frame.first_page();
+        [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()]
+    }
+
+    /// Has quadtrees sample what they have learned, after an iteration of as many samples as all before it and one.
+    fn refine(&self, kernel: &Kernel, iteration: u32) -> Result<()> {
+        let sets = self.sets();
+        let refine = |recorder: &mut _| quadtrees::refine(recorder, kernel, &sets, &self.settings, iteration);
+        self.context.submit("refine_quadtrees", refine).map(|_| ())
+    }
+
     /// Moves the radiance grid towards what the step recorded (Eq. 7), pools what larger cells know of it, then refills the
     /// marked normalizers.
     fn update_grids(&self) -> Result<()> {
@@ -363,8 +406,7 @@ impl Renderer {
 
     /// Runs kernels one after the other, each with a workgroup per cell.
     fn update(&self, cells: Range<u32>, kernels: &[&Kernel]) -> Result<()> {
-        let page = self.frame.first_page();
-        let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
+        let sets = self.sets();
         let names: Vec<_> = kernels.iter().map(|kernel| kernel.name()).collect();
         for range in self.slicer.cell_ranges(cells) {
             let push = UpdatePush { first_cell: range.start };
@@ -384,7 +426,11 @@ impl Renderer {
         if let Some(slice) = self.frame.pages().next().and_then(|page| self.slicer.smallest_slice(page)) {
             self.dispatch_path_trace(self.frame.first_page(), slice, 0, 0)?;
         }
-        if self.settings.sampler == Sampler::Bsdf { Ok(()) } else { self.update_grids() }
+        match &self.refine_quadtrees {
+            Some(kernel) => self.refine(kernel, 0),
+            None if self.has_grids() => self.update_grids(),
+            None => Ok(()),
+        }
     }
 }
 
@@ -456,6 +502,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         hide_emitters: settings.hide_emitters,
         fallback: settings.fallback,
         jitter: settings.jitter,
+        quadtree_nodes: quadtrees::node_limit(settings) as u32,
         direction_resolution: settings.directions,
         normal_resolution: settings.normal_resolution(),
         max_tries: settings.max_tries,

@@ -31,7 +31,7 @@ impl NormalizationGrid {
     pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
         let entries = Self::texels(settings, cells);
         let integrals = match settings.sampler {
-            Sampler::Bsdf | Sampler::SphereInversion => 0,
+            Sampler::Bsdf | Sampler::SphereInversion | Sampler::Quadtree => 0,
             _ => u64::from(settings.directions.pow(2)) * u64::from(settings.normals.pow(2)),
         };
         let integrals = integrals * size_of::<CosineIntegral>() as u64;
@@ -47,7 +47,7 @@ impl NormalizationGrid {
         let shape = set_shape(kernels, 3);
         let entries = Self::texels(settings, cells);
         let cosines = match settings.sampler {
-            Sampler::Bsdf | Sampler::SphereInversion => Vec::new(),
+            Sampler::Bsdf | Sampler::SphereInversion | Sampler::Quadtree => Vec::new(),
             _ => cosine_integrals(settings.map, settings.directions, settings.normals),
         };
         let buffer = |name: &str, bytes: u64, kind| Buffer::new(context, name, bytes, kind);

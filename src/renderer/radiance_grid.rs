@@ -1,9 +1,10 @@
-//! Set 2, RadianceGrid: what has been learned, L(cell, direction bin), and what the step under way adds to it.
+//! Set 2, RadianceGrid: what has been learned, L(cell, direction bin), and what the step under way adds to it. Or quadtrees of
+//! directions, in the same buffers.
 
 use std::sync::Arc;
 
 use super::state::Persistent;
-use super::{set_shape, table_kind, table_set};
+use super::{quadtrees, set_shape, table_kind, table_set};
 use crate::Result;
 use crate::cells::Cells;
 use crate::cosine_trees::{Node, nodes_per_tree};
@@ -17,16 +18,23 @@ pub(super) struct RadianceGrid {
     set: DescriptorSet,
     radiance: Arc<Buffer>,
     learned: Arc<Buffer>,
+    /// Of a step, or with quadtrees of an iteration of steps.
+    sums: Arc<Buffer>,
+    keeps_sums: bool,
     /// Of sphere inversion alone.
     ends: Arc<Buffer>,
-    /// Of the product sampler alone.
+    /// Of the product sampler and of quadtrees alone.
     nodes: Arc<Buffer>,
     bin_count: usize,
 }
 
 impl RadianceGrid {
-    /// Texels of the table, one a bin.
+    /// Texels of the largest table.
     pub fn texels(settings: &Settings, cells: &Cells) -> u64 {
+        Self::bins(settings, cells).max(Self::nodes(settings, cells))
+    }
+
+    fn bins(settings: &Settings, cells: &Cells) -> u64 {
         u64::from(cells.count()) * u64::from(settings.directions.pow(2))
     }
 
@@ -36,29 +44,45 @@ impl RadianceGrid {
         u64::from(count) * u64::from(settings.directions.pow(2))
     }
 
+    fn sums(settings: &Settings, cells: &Cells) -> u64 {
+        match settings.sampler {
+            Sampler::Quadtree => quadtrees::quarters(settings),
+            _ => Self::bins(settings, cells),
+        }
+    }
+
+    fn nodes(settings: &Settings, cells: &Cells) -> u64 {
+        match settings.sampler {
+            Sampler::Product => u64::from(cells.count()) * u64::from(nodes_per_tree(settings.directions)),
+            Sampler::Quadtree => quadtrees::texels(settings),
+            _ => 0,
+        }
+    }
+
     /// Bytes of the grid on the device.
     pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
         let end_bytes = if settings.sampler == Sampler::SphereInversion { size_of::<u32>() } else { 0 };
-        let bin_bytes = size_of::<f32>() + size_of::<RadianceSum>() + end_bytes;
+        let bin_bytes = Self::bins(settings, cells) * (size_of::<f32>() + end_bytes) as u64;
         let learned = Self::learned_bins(settings, cells) * size_of::<LearnedRadiance>() as u64;
+        let sums = Self::sums(settings, cells) * size_of::<RadianceSum>() as u64;
         let table = size_of_val(&cells.table[..]) as u64;
-        Self::texels(settings, cells) * bin_bytes as u64 + learned + Self::node_bytes(settings, cells) + table
+        bin_bytes + learned + sums + Self::node_bytes(settings, cells) + table
     }
 
     fn node_bytes(settings: &Settings, cells: &Cells) -> u64 {
-        let nodes = if settings.sampler == Sampler::Product { nodes_per_tree(settings.directions) } else { 0 };
-        u64::from(cells.count()) * u64::from(nodes) * size_of::<Node>() as u64
+        Self::nodes(settings, cells) * size_of::<Node>() as u64
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings, cells: &Cells) -> Result<Self> {
         let shape = set_shape(kernels, 2);
-        let bins = Self::texels(settings, cells);
-        let buffer = |name: &str, bins: u64, size: usize, kind| Buffer::new(context, name, bins * size as u64, kind);
+        let bins = Self::bins(settings, cells);
+        let buffer = |name: &str, count: u64, size: usize, kind| Buffer::new(context, name, count * size as u64, kind);
         let radiance_kind = table_kind(shape, BufferKind::StorageTexelFloat1);
         let radiance = buffer("radiance", bins, size_of::<f32>(), radiance_kind)?;
         let learned_bins = Self::learned_bins(settings, cells);
         let learned = buffer("learned radiance", learned_bins, size_of::<LearnedRadiance>(), BufferKind::Storage)?;
-        let sums = buffer("radiance sums", bins, size_of::<RadianceSum>(), BufferKind::Storage)?;
+        let sum_count = Self::sums(settings, cells);
+        let sums = buffer("radiance sums", sum_count, size_of::<RadianceSum>(), BufferKind::Storage)?;
         let ends = if settings.sampler == Sampler::SphereInversion { bins } else { 0 };
         let ends = Buffer::new(context, "bin ends", ends * size_of::<u32>() as u64, BufferKind::Storage)?;
         let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
@@ -66,20 +90,24 @@ impl RadianceGrid {
         let table = Buffer::with_values(context, "cells", &cells.table, BufferKind::Storage)?;
         let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table];
         let set = table_set(context, "radiance grid", shape, &buffers)?;
-        Ok(Self { set, radiance, learned, ends, nodes, bin_count: bins as usize })
+        let keeps_sums = settings.sampler == Sampler::Quadtree;
+        Ok(Self { set, radiance, learned, sums, keeps_sums, ends, nodes, bin_count: bins as usize })
     }
 
     pub fn set(&self) -> &DescriptorSet {
         &self.set
     }
 
-    pub fn persistent(&self) -> [Persistent<'_>; 4] {
-        [
+    /// What outlives a step: its sums only where several steps add to them.
+    pub fn persistent(&self) -> Vec<Persistent<'_>> {
+        let sums = self.keeps_sums.then(|| Persistent { name: "radiance sums", buffers: vec![&self.sums] });
+        let tables = [
             Persistent { name: "radiance", buffers: vec![&self.radiance] },
             Persistent { name: "learned radiance", buffers: vec![&self.learned] },
             Persistent { name: "bin ends", buffers: vec![&self.ends] },
             Persistent { name: "radiance nodes", buffers: vec![&self.nodes] },
-        ]
+        ];
+        tables.into_iter().chain(sums).collect()
     }
 
     pub fn read(&self) -> Result<Vec<f32>> {

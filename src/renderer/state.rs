@@ -89,7 +89,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What outlives a step. A complete one leaves no sums in the radiance grid: it has learned from them.
+    /// What outlives a step. A complete one leaves no sums in a radiance grid: it has learned from them.
     fn persistent(&self) -> Vec<Persistent<'_>> {
         let film = self.frame.persistent().into_iter();
         film.chain(self.radiance_grid.persistent()).chain(self.normalization_grid.persistent()).collect()

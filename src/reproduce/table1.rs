@@ -104,10 +104,11 @@ mod tests {
         assert_eq!(markdown.lines().count(), 9, "{markdown}");
         assert_eq!(
             line("| cornell-box"),
-            "| cornell-box | 0.0100 (0.0114) | 0.0200 (0.0093) | 0.0300 (0.0098) | 0.0400 (0.0072) | 0.0500 | 8 x 4 |"
+            "| cornell-box | 0.0100 (0.0114) | 0.0200 (0.0062) | 0.0300 (0.0093) | 0.0400 (0.0098) | 0.0500 (0.0072) | 0.0600 \
+             | 8 x 4 |"
         );
         assert!(
-            line("| **MAE over").contains("| 1.00 (1.00) | 2.00 (0.82) | 3.00 (0.86) | 4.00 (0.63) |"),
+            line("| **MAE over").contains("| 1.00 (1.00) | 2.00 (0.54) | 3.00 (0.82) | 4.00 (0.86) | 5.00 (0.63) |"),
             "{markdown}"
         );
         assert!(line("| **time per sample (ms)").contains("62.50 (10.59)"), "{markdown}");

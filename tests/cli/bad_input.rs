@@ -148,6 +148,7 @@ fn combinations_without_meaning() {
     for (arguments, words) in [
         (&["--sampler", "rejection", "--epsilon", "0.5"][..], ["--epsilon", "rejection-mix and product only"]),
         (&["--sampler", "rejection", "--learner", "irradiance-sarsa"], ["irradiance-sarsa", "product only"]),
+        (&["--sampler", "quadtree", "--learner", "sarsa"], ["quadtree", "monte-carlo only"]),
         (&["--directions", "8"], ["--directions", "16, 32 or 64"]),
         (&["--sampler", "sphere-inversion", "--mix", "acceptance"], ["--mix", "rejection-mix only"]),
         (&["--sampler", "bsdf", "--learner", "monte-carlo"], ["--sampler bsdf", "learns nothing"]),

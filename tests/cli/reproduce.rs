@@ -80,14 +80,14 @@ fn tables_are_measured_once_and_hold_every_method() {
     // Other conditions.
     assert_quiet_success(&reproduce(&folder, "table1", "0.3", &small));
     assert!(modified(&kept) > before);
-    assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 5);
+    assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 6);
 }
 
 #[test]
 fn figures_are_drawn() {
     let folder = with_reference();
     let small = ["--scale", "0.25"];
-    // All of it has 43 pictures.
+    // All of it has 44 pictures.
     let targets = if std::env::var_os("LODESTAR_FULL").is_some() { &["all"][..] } else { &["figure1", "figure6"] };
     for target in targets {
         assert_quiet_success(&reproduce(&folder, target, "0.2", &small));

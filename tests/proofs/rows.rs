@@ -64,6 +64,9 @@ pub const GUIDED: &[Row] = &[
     more("hemisphere-inversion, half uniform", |s| (s.sampler, s.min_uniform) = (Sampler::HemisphereInversion, 0.5)),
 ];
 
+/// What has no table of bins: it stands in pictures only. Of its samples and trees tells `tests/samplers/quadtree.rs`.
+pub const QUADTREE: Row = row("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo));
+
 /// A plain path tracer.
 pub const UNGUIDED: Row = row("bsdf", |s| s.sampler = Sampler::Bsdf);
 
@@ -117,6 +120,16 @@ impl Scope {
     pub fn all(&self) -> Vec<Row> {
         let unguided = self.only.is_none_or(|name| name == UNGUIDED.name).then_some(UNGUIDED);
         unguided.into_iter().chain(self.guided()).collect()
+    }
+
+    /// All that pictures are made with.
+    pub fn rendered(&self) -> Vec<Row> {
+        self.all().into_iter().chain(self.quadtree()).collect()
+    }
+
+    /// The row of quadtrees, if it is wanted.
+    pub fn quadtree(&self) -> Option<Row> {
+        self.only.is_none_or(|name| name == QUADTREE.name).then_some(QUADTREE)
     }
 
     /// Whether it is a single row.

@@ -155,6 +155,7 @@ fn one_thread_and_two_give_the_same_bits() {
         "hemisphere-inversion",
         "product",
         "product --grid auto --fallback 4 --jitter 1",
+        "quadtree",
     ] {
         let pictures = ["1", "2"].map(|threads| {
             let path = folder.path().join(format!("{sampler}-{threads}.exr"));

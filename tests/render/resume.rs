@@ -115,11 +115,13 @@ fn a_resumed_part_has_the_bits_of_one_never_interrupted() {
 fn a_state_that_lacks_a_part_is_noticed() {
     let device = Device::new();
     let scene = scene();
-    // Only sphere inversion has ends of bins; all of its normals' entries are the same. Only the product sampler has nodes.
-    let cases: [(Sampler, IsPart); 3] = [
+    // Only sphere inversion has ends of bins; all of its normals' entries are the same. Only the product sampler and
+    // quadtrees have nodes, and only these learn over several steps.
+    let cases: [(Sampler, IsPart); 4] = [
         (Sampler::RejectionMix, |name| !["bin ends", "radiance nodes"].contains(&name)),
         (Sampler::SphereInversion, |name| name == "bin ends"),
         (Sampler::Product, |name| name == "radiance nodes"),
+        (Sampler::Quadtree, |name| ["radiance nodes", "radiance sums"].contains(&name)),
     ];
     for (sampler, matters) in cases {
         let settings = settings(&scene, SIZE, sampler, 21);

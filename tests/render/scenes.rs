@@ -8,26 +8,28 @@ use lodestar::settings::{AUTO_GRID, DirectionMap, Learner, Mix, SamplePattern, S
 /// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
 pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
 
-pub const ALL_SAMPLERS: [Sampler; 6] = [
+pub const ALL_SAMPLERS: [Sampler; 7] = [
     Sampler::Bsdf,
     Sampler::RejectionMix,
     Sampler::Rejection,
     Sampler::SphereInversion,
     Sampler::HemisphereInversion,
     Sampler::Product,
+    Sampler::Quadtree,
 ];
 
-/// Every sampler that follows a guide with every learner.
+/// Every sampler that follows a guide with every learner that it combines with.
 pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
     let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo];
-    ALL_SAMPLERS[1..].iter().flat_map(move |&sampler| learners.map(|learner| (sampler, learner)))
+    let all = ALL_SAMPLERS[1..].iter().flat_map(move |&sampler| learners.map(|learner| (sampler, learner)));
+    all.filter(|&(sampler, learner)| sampler != Sampler::Quadtree || learner == Learner::MonteCarlo)
 }
 
 /// A change to the settings that a test makes.
 type Change = fn(&mut Settings);
 
 /// Every way to follow a guide.
-pub const GUIDED: [(&str, Change); 14] = [
+pub const GUIDED: [(&str, Change); 16] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),
@@ -45,6 +47,10 @@ pub const GUIDED: [(&str, Change); 14] = [
     }),
     ("rejection-mix in such cells", |s| {
         (s.sampler, s.grid, s.fallback, s.jitter) = (Sampler::RejectionMix, 13, 16.0, 0.5);
+    }),
+    ("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
+    ("quadtree on the cylinder", |s| {
+        (s.sampler, s.learner, s.map) = (Sampler::Quadtree, Learner::MonteCarlo, DirectionMap::Cylindrical);
     }),
     ("expected-sarsa", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::ExpectedSarsa)),
     ("monte-carlo", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::MonteCarlo)),
@@ -72,10 +78,11 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed
 
 /// Has half of the samples by inversion uniform. Where a table misses light that is there, the few others that find it weigh
 /// so much, edge after edge, that sums of a test's size are far from normally distributed: with the default, 64 samples per
-/// pixel of the furnace are five standard errors too dark and 2048 are right.
+/// pixel of the furnace are five standard errors too dark and 2048 are right. And has quadtrees learn as they must.
 pub fn steady(settings: Settings) -> Settings {
     let inverts = matches!(settings.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion);
-    Settings { min_uniform: if inverts { 0.5 } else { settings.min_uniform }, ..settings }
+    let learner = if settings.sampler == Sampler::Quadtree { Learner::MonteCarlo } else { settings.learner };
+    Settings { min_uniform: if inverts { 0.5 } else { settings.min_uniform }, learner, ..settings }
 }
 
 /// The scene with every albedo multiplied.

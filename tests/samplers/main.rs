@@ -20,6 +20,7 @@ mod parametrization;
 mod parents;
 mod principled;
 mod product;
+mod quadtree;
 mod random;
 mod relief;
 mod scattering;

@@ -41,13 +41,13 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         for nee in [false, true] {
             // One scene shows what all samplers and learners do; elsewhere one of them is enough in the short form, which has
             // the pictures of `tests/render/ztest.rs` besides.
-            let rows = scope.guided();
+            let rows: Vec<_> = scope.guided().into_iter().chain(scope.quadtree()).collect();
             let rows = if scope.full || (index == 0 && nee) { &rows[..] } else { &rows[..1] };
             let unguided = case.unguided(&studio, &scene, scope, nee);
-            let mut compare = |row: &Row, learner: Learner, name: &str| {
+            let mut compare = |row: &Row, learner: Option<Learner>, name: &str| {
                 let guided = case.render(&studio, subject, &scene, scope, nee, |s| {
                     (row.set)(s);
-                    (s.seed, s.learner) = (GUIDED_SEED, learner);
+                    (s.seed, s.learner) = (GUIDED_SEED, learner.unwrap_or(s.learner));
                 });
                 let comparison = Comparison::new(&Estimate::of(&unguided), &Estimate::of(&guided), case.sides);
                 let name =
@@ -59,9 +59,9 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
                     Record::Pictures(vec![guided.image(), unguided.image()])
                 });
             };
-            rows.iter().for_each(|row| compare(row, Learner::Sarsa, row.name));
+            rows.iter().for_each(|row| compare(row, None, row.name));
             if (index == 0 && !nee && !scope.is_narrow()) || scope.full {
-                LEARNERS[1..].iter().for_each(|(name, learner)| compare(&rows[0], *learner, name));
+                LEARNERS[1..].iter().for_each(|(name, learner)| compare(&rows[0], Some(*learner), name));
             }
         }
     }

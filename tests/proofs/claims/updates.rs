@@ -90,7 +90,7 @@ impl Grid {
 }
 
 fn sum_of(units: u64, target_count: u32) -> RadianceSum {
-    RadianceSum { low: units as u32, high: (units >> 32) as u32, target_count }
+    RadianceSum { low: units as u32, high: (units >> 32) as u32, target_count, flux: 0.0 }
 }
 
 fn value(sum: &RadianceSum) -> f64 {
