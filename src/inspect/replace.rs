@@ -189,8 +189,8 @@ mod tests {
     fn another_layout_is_refused() {
         let message = refusal(&redecorated(Decoration::ArrayStride, 32, 48));
         assert!(message.contains("`film_radiance` is a struct at offset 0, stride 48, not a struct"), "{message}");
-        let message = refusal(&redecorated(Decoration::Offset, 20, 24));
-        assert!(message.contains("it takes 28 bytes of push constants, not 24"), "{message}");
+        let message = refusal(&redecorated(Decoration::Offset, 24, 28));
+        assert!(message.contains("it takes 32 bytes of push constants, not 28"), "{message}");
     }
 
     #[test]
@@ -233,7 +233,7 @@ mod tests {
         assert!(taken.files.is_empty() && taken.warnings[0].contains("no file has the name of a kernel"));
         let taken = load_one("path_tracer.spv", b"").expect("no kernel");
         assert!(
-            taken.warnings[0].contains("the names are path_trace.spv, path_trace.texel.spv"),
+            taken.warnings[0].contains("the names are blend_radiance.spv, path_trace.spv, path_trace.texel.spv"),
             "{:?}",
             taken.warnings
         );
