@@ -105,14 +105,14 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
     let renderer = |&(_, method): &(&str, Option<(Sampler, bool)>)| {
         let (sampler, nee) = method?;
         let settings = Settings { nee, ..settings(&scene, size, sampler) };
-        Some((common::renderer(context, &scene, &settings, 0), settings.spp_per_step))
+        Some((common::renderer(context, &scene, &settings, 0), settings))
     };
-    let mut renderers: Vec<Option<(Renderer, u32)>> = METHODS.iter().map(renderer).collect();
+    let mut renderers: Vec<Option<(Renderer, Settings)>> = METHODS.iter().map(renderer).collect();
     let turn_seconds = seconds / f64::from(TURNS);
     let mut parts = Vec::new();
     for turn in 0..TURNS {
-        for (renderer, step) in renderers.iter_mut().flatten() {
-            run_for(renderer, turn_seconds, *step);
+        for (renderer, settings) in renderers.iter_mut().flatten() {
+            run_for(renderer, turn_seconds, settings);
         }
         parts.extend(mitsuba(&scene_path(name), size, turn_seconds, 1_000_000 * turn));
     }

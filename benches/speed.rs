@@ -38,12 +38,15 @@ fn measure(context: &Arc<Context>, name: &str) {
     let size = [WIDTH, WIDTH * scene.film.height / scene.film.width];
     let pixels = f64::from(size[0] * size[1]);
     let samplers = [Sampler::Bsdf, Sampler::RejectionMix, Sampler::Product];
-    let mut renderers = samplers.map(|sampler| renderer(context, &scene, &settings(&scene, size, sampler), 4));
+    let mut renderers = samplers.map(|sampler| {
+        let settings = settings(&scene, size, sampler);
+        (renderer(context, &scene, &settings, 4), settings)
+    });
     let mut rates: Vec<[f64; 4]> = Vec::new();
     for round in 0..ROUNDS {
         let mut row = [f64::NAN; 4];
-        for (rate, renderer) in row.iter_mut().zip(&mut renderers) {
-            let (spp, seconds, counts) = run_for(renderer, SECONDS, 8);
+        for (rate, (renderer, settings)) in row.iter_mut().zip(&mut renderers) {
+            let (spp, seconds, counts) = run_for(renderer, SECONDS, settings);
             *rate = f64::from(spp) * pixels / seconds / 1.0e6;
             println!("{name}, round {round}: {rate:.3} Mpaths/s, {:.2} Mrays/s", counts.rays as f64 / seconds / 1.0e6);
         }

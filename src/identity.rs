@@ -115,6 +115,7 @@ mod tests {
             directions: _,
             normals: _,
             spp_per_step: _,
+            steps: _,
             samples_per_dispatch: _,
             max_tries: _,
             min_uniform: _,
@@ -127,7 +128,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 29);
+        assert_eq!(settings().named().len(), 30);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };

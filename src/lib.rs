@@ -111,6 +111,7 @@ pub mod renderer;
 pub mod reproduce;
 pub mod sample_ranges;
 pub mod scene;
+mod schedule;
 pub mod settings;
 mod specialization;
 pub mod textures;

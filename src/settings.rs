@@ -111,6 +111,16 @@ pub enum SamplePattern {
     Sobol = kernels::PATTERN_SOBOL,
 }
 
+/// How many samples per pixel are taken between two updates of the grids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepSchedule {
+    /// Few at first, so that a guide soon knows something: a quarter of those before, at least one, up to the most.
+    Growing,
+    /// Always the most.
+    Even,
+}
+
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -167,8 +177,10 @@ pub struct Settings {
     pub directions: u32,
     /// Normal bins along each side of the equal-area square, in [4, 32].
     pub normals: u32,
-    /// Samples per pixel between two updates of the grids, at least 1.
+    /// Most samples per pixel between two updates of the grids, at least 1.
     pub spp_per_step: u32,
+    /// Whether there are fewer at first. See [`Settings::samples_of_step`].
+    pub steps: StepSchedule,
     /// Most samples per pixel that one dispatch takes, in [1, 64]: a driver may bound the loop iterations of a dispatch.
     pub samples_per_dispatch: u32,
     /// Proposals before a guided sample falls back on the uniform share, in [1, 1024]. They are drawn in pairs, so an odd
@@ -235,6 +247,7 @@ impl Settings {
             directions: 16,
             normals: 16,
             spp_per_step: 8,
+            steps: StepSchedule::Growing,
             samples_per_dispatch: 8,
             max_tries: 15,
             min_uniform: 1.0 / 16.0,

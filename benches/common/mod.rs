@@ -46,12 +46,13 @@ pub fn renderer(context: &Arc<Context>, scene: &Scene, settings: &Settings, step
     renderer
 }
 
-/// Steps for about `seconds`; returns (samples per pixel, seconds, counts).
-pub fn run_for(renderer: &mut Renderer, seconds: f64, spp_per_step: u32) -> (u32, f64, Counts) {
+/// Steps as the settings have them for about `seconds`; returns (samples per pixel, seconds, counts).
+pub fn run_for(renderer: &mut Renderer, seconds: f64, settings: &Settings) -> (u32, f64, Counts) {
     let (begin, first) = (Instant::now(), renderer.samples_done());
     let mut counts = Counts::default();
     while begin.elapsed().as_secs_f64() < seconds {
-        counts.add(&renderer.step(spp_per_step, &|| false).expect("a step").counts);
+        let samples = settings.samples_of_step(renderer.samples_done());
+        counts.add(&renderer.step(samples, &|| false).expect("a step").counts);
     }
     (renderer.samples_done() - first, begin.elapsed().as_secs_f64(), counts)
 }

@@ -1,6 +1,6 @@
 //! The options that choose and tune a guide.
 
-use lodestar::settings::{AUTO_GRID, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings};
+use lodestar::settings::{AUTO_GRID, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings, StepSchedule};
 
 /// How directions are sampled and learned.
 #[derive(Debug, clap::Args)]
@@ -39,9 +39,12 @@ pub struct GuidingArgs {
     /// Direction bins of a cell along each axis [default: 16].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub directions: Option<u32>,
-    /// Samples per pixel between two updates of the guide [default: 8].
+    /// Most samples per pixel between two updates of the guide [default: 8].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub spp_per_step: Option<u32>,
+    /// Whether there are fewer at first: a quarter of the samples so far, from 1 up to the most.
+    #[arg(long, value_enum, default_value_t = StepSchedule::Growing, help_heading = "Guiding")]
+    pub steps: StepSchedule,
     /// Normal bins of a cell along each side [default: 16].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub normals: Option<u32>,
@@ -80,6 +83,7 @@ impl GuidingArgs {
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.normals = self.normals.unwrap_or(settings.normals);
         settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);
+        settings.steps = self.steps;
         settings.decay = self.decay.unwrap_or(settings.decay);
         settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
         settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);

@@ -236,7 +236,7 @@ impl<'a> Job<'a> {
     fn step(&mut self) -> Result<Step> {
         let samples_before = self.film.renderer.samples_done();
         let left = self.length.spp.unwrap_or(u32::MAX - self.settings.sample_offset.unwrap_or(0)) - samples_before;
-        let samples = self.settings.spp_per_step.min(left);
+        let samples = self.settings.samples_of_step(samples_before).min(left);
         self.keep(|keeper, renderer, history| keeper.before_step(renderer, history, samples))?;
         let time_left = self.length.seconds.map(|limit| (limit - self.history.seconds).max(0.0));
         // A time too long to add up never ends.

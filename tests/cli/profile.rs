@@ -6,7 +6,8 @@ use serde_json::Value;
 
 use crate::support::{Folder, assert_sentence};
 
-const RENDER: [&str; 8] = ["render", "scene.xml", "--quiet", "--spp", "12", "--spp-per-step", "4", "--profile"];
+const RENDER: [&str; 10] =
+    ["render", "scene.xml", "--quiet", "--spp", "12", "--spp-per-step", "4", "--steps", "even", "--profile"];
 
 fn profile(folder: &Folder, arguments: &[&str]) -> (Value, String) {
     let output: Output = folder.run(&[&RENDER[..], &["profile.json"], arguments].concat());
@@ -79,7 +80,7 @@ fn a_plain_path_tracer_updates_nothing() {
 fn timing_changes_no_pixel() {
     let folder = Folder::new();
     profile(&folder, &["-o", "timed.exr"]);
-    folder.render(&["--spp", "12", "--spp-per-step", "4", "-o", "plain.exr"]);
+    folder.render(&["--spp", "12", "--spp-per-step", "4", "--steps", "even", "-o", "plain.exr"]);
     let read = |name| lodestar::image::exr::read_rgb(&folder.path(name)).unwrap();
     assert_eq!(read("timed.exr"), read("plain.exr"));
 }

@@ -1,0 +1,89 @@
+//! When a guide learns: how many samples the steps of a render have.
+
+use crate::settings::{Sampler, Settings, StepSchedule};
+
+/// A growing step has one of so many parts of the samples before it.
+const PARTS: u32 = 4;
+
+impl Settings {
+    /// Samples per pixel of the step that begins after so many: at most [`Settings::spp_per_step`], and while steps grow the
+    /// largest power of two that is no more than a quarter of those, at least 1.
+    pub fn samples_of_step(&self, samples_done: u32) -> u32 {
+        if !self.grows() || samples_done >= self.end_of_growth() {
+            return self.spp_per_step;
+        }
+        (samples_done / PARTS).checked_ilog2().map_or(1, |exponent| 1 << exponent)
+    }
+
+    /// Whether a step ends after so many samples per pixel, if none was cut short.
+    pub fn ends_step(&self, samples_done: u32) -> bool {
+        let growth = if self.grows() { self.end_of_growth() } else { 0 };
+        let since = samples_done.checked_sub(growth).unwrap_or(samples_done);
+        since.is_multiple_of(self.samples_of_step(samples_done))
+    }
+
+    /// Where nothing depends on steps, none is short.
+    fn grows(&self) -> bool {
+        self.steps == StepSchedule::Growing && !matches!(self.sampler, Sampler::Bsdf | Sampler::Quadtree)
+    }
+
+    /// Samples after which steps are as long as they may be.
+    fn end_of_growth(&self) -> u32 {
+        PARTS * self.spp_per_step.next_power_of_two()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{FilmDescription, IntegratorDescription, ReconstructionFilter};
+
+    fn settings(sampler: Sampler, steps: StepSchedule, spp_per_step: u32) -> Settings {
+        let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
+        let defaults = Settings::for_film(&film, &IntegratorDescription::default());
+        Settings { sampler, steps, spp_per_step, ..defaults }
+    }
+
+    fn sizes(settings: &Settings, count: usize) -> Vec<u32> {
+        let mut done = 0;
+        let mut next = || {
+            let size = settings.samples_of_step(done);
+            done += size;
+            size
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn steps_grow_to_their_full_length() {
+        let growing = |spp_per_step| sizes(&settings(Sampler::Product, StepSchedule::Growing, spp_per_step), 20);
+        assert_eq!(growing(8), [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 4, 4, 4, 4, 8, 8, 8, 8]);
+        assert_eq!(growing(3), [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3]);
+        assert_eq!(growing(1), [1; 20]);
+    }
+
+    #[test]
+    fn even_steps_and_those_that_nothing_depends_on_do_not_grow() {
+        let of = |sampler, steps| sizes(&settings(sampler, steps, 8), 5);
+        assert_eq!(of(Sampler::Product, StepSchedule::Even), [8; 5]);
+        assert_eq!(of(Sampler::Bsdf, StepSchedule::Growing), [8; 5]);
+        assert_eq!(of(Sampler::Quadtree, StepSchedule::Growing), [8; 5]);
+    }
+
+    #[test]
+    fn steps_end_where_the_next_begins() {
+        for spp_per_step in [1, 2, 3, 5, 8, 13, 64] {
+            for steps in [StepSchedule::Growing, StepSchedule::Even] {
+                let settings = settings(Sampler::Product, steps, spp_per_step);
+                let mut ends = vec![0];
+                ends.extend(sizes(&settings, 100).iter().scan(0, |done, size| {
+                    *done += size;
+                    Some(*done)
+                }));
+                for done in 0..ends[100] {
+                    assert_eq!(settings.ends_step(done), ends.contains(&done), "{done} of {spp_per_step}, {steps:?}");
+                }
+            }
+        }
+    }
+}
