@@ -163,7 +163,7 @@ fn the_text_names_what_a_tuner_asks_for() {
     let folder = Folder::new();
     let said = text(&folder, &["path_trace", "--lines", "3"]);
     for words in
-        ["workgroup 64 (constant 0) x 1 x 1", "push constants: 24 bytes", "MAX_TRIES", "atomics", "transcendental"]
+        ["workgroup 64 (constant 0) x 1 x 1", "push constants: 28 bytes", "MAX_TRIES", "atomics", "transcendental"]
     {
         let known = if words == "transcendental" { "sin, exp, log, pow" } else { words };
         assert!(said.contains(known), "{known} is missing:\n{said}");
@@ -227,7 +227,7 @@ fn wrong_wishes_are_refused() {
     assert_sentence(
         &folder.run(&["inspect", "path_tracer"]),
         1,
-        &["`path_tracer`", "path_trace, pool_radiance, update_"],
+        &["`path_tracer`", "path_trace, pool_radiance, refine_quadtrees, update_"],
     );
     assert_sentence(&folder.run(&["inspect", "--grid", "99"]), 1, &["--grid is 99"]);
     assert_sentence(&folder.run(&["inspect", "--device", "voodoo"]), 1, &["`voodoo`"]);

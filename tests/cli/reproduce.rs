@@ -64,7 +64,7 @@ fn tables_are_measured_once_and_hold_every_method() {
     let spp = folder.read_json("out/cornell-box/rejection-mix+sarsa.json")["spp"].to_string();
     let scene = format!("{SCENES}/cornell-box/scene.xml");
     let how = ["--width", "16", "--height", "16", "--rfilter", "box", "--max-depth", "16", "--rr-depth", "8"];
-    let method = ["--nee", "off", "--sampler", "rejection-mix"];
+    let method = ["--nee", "off", "--sampler", "rejection-mix", "--pattern", "independent", "--steps", "even"];
     folder.render_scene(&scene, &[&how[..], &method, &["--spp", &spp, "-o", "render.exr"]].concat());
     assert_same_picture(&folder.path("render.exr"), &folder.path("out/cornell-box/rejection-mix+sarsa.exr"));
 

@@ -40,7 +40,7 @@ pub fn assert_same_picture(a: &Path, b: &Path) {
 /// Fails unless a render that gets `signal` ends with `code` and can be gone on with to the bits of one that got none.
 fn is_resumed_after(signal: &str, code: i32, sampler: &str) {
     let folder = Folder::new();
-    let what = ["--sampler", sampler, "--seed", "3"];
+    let what = ["--sampler", sampler, "--steps", "even", "--seed", "3"];
     let files = ["-o", "a.exr", "--stats", "a.json", "--checkpoint", "a.ckpt"];
     let mut running = folder.start(&[&["render", "scene.xml"][..], &LARGE, &what, &files].concat());
     running.wait_for_line("/1000000 spp");
@@ -77,13 +77,14 @@ fn a_terminated_render_is_gone_on_with_to_the_same_bits() {
 #[test]
 fn a_finished_render_can_be_made_longer() {
     let folder = Folder::new();
-    folder.render(&["--spp", "12", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
-    assert_eq!(samples_in(&folder.path("a.ckpt")), 8);
-    folder.render(&["--spp", "12", "-o", "twelve.exr"]);
+    // After 8 samples steps have two.
+    folder.render(&["--spp", "13", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
+    assert_eq!(samples_in(&folder.path("a.ckpt")), 12);
+    folder.render(&["--spp", "13", "-o", "thirteen.exr"]);
     fs::remove_file(folder.path("a.exr")).unwrap();
     // As long as it was, to the file that it had.
     assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet"]));
-    assert_same_picture(&folder.path("a.exr"), &folder.path("twelve.exr"));
+    assert_same_picture(&folder.path("a.exr"), &folder.path("thirteen.exr"));
     assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet", "--spp", "40", "-o", "b.exr"]));
     folder.render(&["--spp", "40", "-o", "forty.exr"]);
     assert_same_picture(&folder.path("b.exr"), &folder.path("forty.exr"));
