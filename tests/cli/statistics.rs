@@ -64,7 +64,10 @@ fn steps_add_up_to_the_totals() {
     assert_eq!(keys(&stats), FILE);
     assert_eq!(keys(&stats["totals"]), sorted(STEP.into_iter().chain(TOTALS)));
     let (totals, steps) = (&stats["totals"], stats["steps"].as_array().unwrap());
-    assert_eq!(steps.iter().map(|step| number(step, "spp")).collect::<Vec<_>>(), [&[1.0; 8][..], &[2.0; 4], &[4.0]].concat());
+    assert_eq!(
+        steps.iter().map(|step| number(step, "spp")).collect::<Vec<_>>(),
+        [&[1.0; 8][..], &[2.0; 4], &[4.0]].concat()
+    );
     for step in steps {
         assert_eq!(keys(step), STEP);
         check_rates(step);

@@ -13,9 +13,12 @@ use mutations::{MUTATIONS, Patch};
 
 const REPOSITORY: &str = "../..";
 /// Reading storage buffers, which every device has.
-const KERNELS: [&str; 8] = [
+const KERNELS: [&str; 11] = [
     "glsl/path_trace.comp",
     "glsl/update_radiance.comp",
+    "glsl/pool_radiance.comp",
+    "glsl/blend_radiance.comp",
+    "glsl/refine_quadtrees.comp",
     "glsl/update_normalization.comp",
     "glsl/test/add_target.comp",
     "glsl/test/guided_density.comp",
