@@ -24,7 +24,12 @@ impl Settings {
 
     /// Where nothing depends on steps, none is short.
     fn grows(&self) -> bool {
-        self.steps == StepSchedule::Growing && !matches!(self.sampler, Sampler::Bsdf | Sampler::Quadtree)
+        self.steps == StepSchedule::Growing && self.has_grids()
+    }
+
+    /// Whether there is a guide that learns by steps.
+    pub(crate) fn has_grids(&self) -> bool {
+        !matches!(self.sampler, Sampler::Bsdf | Sampler::Quadtree)
     }
 
     /// Samples after which steps are as long as they may be.

@@ -219,7 +219,7 @@ impl Renderer {
         self.stopped = true;
         let traced = self.path_trace(samples, &mut counts, stop);
         let complete = traced.map_err(|error| note_needs(error, &self.needs))?;
-        if complete && self.has_grids() {
+        if complete && self.settings.has_grids() {
             self.update_grids().map_err(|error| note_needs(error, &self.needs))?;
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
@@ -371,11 +371,6 @@ impl Renderer {
         ))
     }
 
-    /// Whether the guide, if there is one, learns by steps.
-    fn has_grids(&self) -> bool {
-        !matches!(self.settings.sampler, Sampler::Bsdf | Sampler::Quadtree)
-    }
-
     /// The sets of kernels that reach no film.
     fn sets(&self) -> [&DescriptorSet; 4] {
         let page = self.frame.first_page();
@@ -428,7 +423,7 @@ impl Renderer {
         }
         match &self.refine_quadtrees {
             Some(kernel) => self.refine(kernel, 0),
-            None if self.has_grids() => self.update_grids(),
+            None if self.settings.has_grids() => self.update_grids(),
             None => Ok(()),
         }
     }
