@@ -31,6 +31,7 @@ struct Path {
     float eta;        // index of refraction of the medium that the ray travels over the camera's
     uint depth;       // edges so far, the ray's own included; 0: no path is under way
     Segment segment;  // that the ray travels
+    ShareEvidence evidence;  // of its direction
     vec3 from;        // the point of a surface that the ray left
     float pdf;        // density of its direction there; 0 where emitter sampling cannot have drawn it
     PathVertex met;   // the vertex just met, for learners that keep them
@@ -56,6 +57,7 @@ Path start_path(uvec2 film_pixel, uint sample_index) {
     path.eta = 1.0;
     path.depth = 1u;
     path.segment = NO_SEGMENT;
+    path.evidence = NO_EVIDENCE;
     path.from = vec3(0.0);
     path.pdf = 0.0;
     path.met = NO_VERTEX;
@@ -135,6 +137,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     DirectionSample next = sample_direction(path.key, path.depth, u, x, guide);
     count_sample(tally, next.tries, next.lost, next.overrun);
     if (!x.passes) path.segment = segment_from(x.cell, next);
+    if (!x.passes) path.evidence = next.evidence;
     // What lies behind a hole is collected by the segment that leads there.
     if (x.passes && keeps_vertices()) path.segment = NO_SEGMENT;
     float target = target_at(path.key, path.depth, light, x, guide, next);
@@ -174,6 +177,7 @@ void main() {
         Hit hit = traverse(path.ray, false, tally.overrun);
         count_ray(tally, path.depth);
         Segment travelled = path.segment;
+        ShareEvidence evidence = path.evidence;
         path.met.segment = travelled;
         uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
         float target;
@@ -193,8 +197,9 @@ void main() {
                 tally.nonfinite += record_returns(kept_count, path.key);
                 kept_count = 0u;
             }
-        } else if (is_learning() && record(travelled, target, leftover_float(bits))) {
-            ++tally.nonfinite;
+        } else if (is_learning()) {
+            if (record(travelled, target, leftover_float(bits))) ++tally.nonfinite;
+            if (learns_share()) add_evidence(evidence, target, leftover_float(bits));
         }
 
         if (path.depth == 0u) add_sample(samples, path.radiance, tally);

@@ -6,6 +6,7 @@
 #include "floor.glsl"
 #include "frame.glsl"
 #include "radiance_grid.glsl"
+#include "share_learning.glsl"
 
 struct UpdatePush {
     uint first_cell;
@@ -31,6 +32,7 @@ void main() {
         store_learned_radiance(index, learned);
         sum_of_means += learned.mean;
     }
+    if (learns_share() && gl_LocalInvocationIndex < SHARES_PER_CELL) learn_share(share_index(cell, gl_LocalInvocationIndex));
     if (FALLBACK > 0.0) return;
     float least = least_radiance(sum_of_means);
     for (uint bin = gl_LocalInvocationIndex; bin < direction_bin_count(); bin += WORKGROUP_SIZE) {

@@ -108,6 +108,8 @@ mod tests {
             map: _,
             mix: _,
             epsilon: _,
+            bsdf_share: _,
+            candidates: _,
             expected_directions: _,
             grid: _,
             fallback: _,
@@ -128,7 +130,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 30);
+        assert_eq!(settings().named().len(), 32);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };

@@ -84,6 +84,17 @@ pub enum GuideSet {
     All = kernels::GUIDE_SET_ALL,
 }
 
+/// What a surface's own scattering function keeps of the samples where a guide has the rest, with `product`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum BsdfShare {
+    /// As much everywhere: [`Settings::epsilon`].
+    Fixed,
+    /// What each cell learns, apart for diffuse lobes and for scattering functions that are guided as a whole: the share with
+    /// which the mixture comes nearest to f cos L, in Kullback-Leibler divergence, by expectation maximization.
+    Learned,
+}
+
 /// How the radiance grid learns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -162,6 +173,10 @@ pub struct Settings {
     /// The share e of what is mixed with the guide, in [1e-4, 1]: uniform directions with `rejection-mix`, where `None` takes
     /// the optimal share (Eq. 8), and the cosine with `product`, where it takes 0.25.
     pub epsilon: Option<f32>,
+    /// What a scattering function keeps of the samples where `product` has the rest. See [`Settings::learns_share`].
+    pub bsdf_share: BsdfShare,
+    /// Directions of which `product` takes one, by f cos L, in [1, 2].
+    pub candidates: u32,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
     /// Cells along each axis of the grids, in [1, 32]; [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB. Quadtrees
@@ -240,6 +255,8 @@ impl Settings {
             map: DirectionMap::EqualArea,
             mix: Mix::Density,
             epsilon: None,
+            bsdf_share: BsdfShare::Learned,
+            candidates: 1,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
             fallback: 0.0,
@@ -296,6 +313,7 @@ impl Settings {
         in_range("min-uniform", self.min_uniform, 1.0e-4, 1.0)?;
         in_range("decay", self.decay, 0.0, 1.0)?;
         in_range("epsilon", self.epsilon.unwrap_or(1.0), 1.0e-4, 1.0)?;
+        in_range("candidates", self.candidates, 1, 2)?;
         in_range("expected-directions", self.expected_directions, 1, 4096)?;
         self.validate_mix()?;
         self.validate_learner()?;
@@ -309,6 +327,9 @@ impl Settings {
         }
         if self.epsilon.is_some() && !matches!(self.sampler, Sampler::RejectionMix | Sampler::Product) {
             return Err(Error::Settings("--epsilon is for the samplers rejection-mix and product only".into()));
+        }
+        if self.candidates > 1 && self.sampler != Sampler::Product {
+            return Err(Error::Settings("--candidates is for --sampler product only".into()));
         }
         Ok(())
     }
@@ -355,6 +376,13 @@ impl Settings {
             )));
         }
         Ok(())
+    }
+
+    /// Whether cells learn the share of the scattering function: where they shall, and there is none that is fixed. A learner
+    /// that keeps vertices would have to keep what each says of its share.
+    pub fn learns_share(&self) -> bool {
+        let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
+        can && self.bsdf_share == BsdfShare::Learned
     }
 
     /// Vertices that a kernel keeps of a path.

@@ -1,6 +1,7 @@
 // What the grids know about the directions at a point, and what a sampler makes of it.
 #ifndef GUIDE_GLSL
 #define GUIDE_GLSL
+#include "bsdf_share.glsl"
 #include "direction_map.glsl"
 #include "normalization_grid.glsl"
 #include "radiance_grid.glsl"
@@ -12,6 +13,7 @@ struct Guide {
     vec3 n;   // the true normal
     uvec4 record;  // what the normalization grid holds here, or the quadtree's first node; all zeros: there is no guide yet
     NormalizationEntry entry;  // the same, of the samplers whose record is one
+    float bsdf_share;  // what the surface's own scattering function keeps, of the samplers that descend
 };
 
 struct GuidedSample {
@@ -23,7 +25,8 @@ struct GuidedSample {
     bool overrun;   // the driver ended the loop before it came to its end
 };
 
-const Guide NO_GUIDE = Guide(0u, 0u, vec3(0.0), vec3(0.0), uvec4(0u), NormalizationEntry(0.0, 0.0, 0.0, 0.0));
+const NormalizationEntry NO_ENTRY = NormalizationEntry(0.0, 0.0, 0.0, 0.0);
+const Guide NO_GUIDE = Guide(0u, 0u, vec3(0.0), vec3(0.0), uvec4(0u), NO_ENTRY, 1.0);
 
 // Bit 1 << sampler of those that draw by a descent, which is mixed with the surface's own samples.
 const uint DESCENDING_SAMPLERS = (1u << SAMPLER_PRODUCT) | (1u << SAMPLER_QUADTREE);
@@ -32,11 +35,13 @@ bool descends() {
     return (DESCENDING_SAMPLERS & (1u << SAMPLER)) != 0u;
 }
 
-Guide guide_of(uint cell, vec3 n) {
-    if (SAMPLER == SAMPLER_QUADTREE) return Guide(cell, 0u, n, n, radiance_node(cell), NO_GUIDE.entry);
+// `which` of the cell's shares is the surface's.
+Guide guide_of(uint cell, vec3 n, uint which) {
+    float share = bsdf_share(cell, which);
+    if (SAMPLER == SAMPLER_QUADTREE) return Guide(cell, 0u, n, n, radiance_node(cell), NO_ENTRY, share);
     uint bin = normal_bin(n);
     uvec4 record = normalization_record(normalization_index(cell, bin));
-    return Guide(cell, bin, representative_normal(bin), n, record, entry_of(record));
+    return Guide(cell, bin, representative_normal(bin), n, record, entry_of(record), share);
 }
 
 bool is_filled(Guide guide) {

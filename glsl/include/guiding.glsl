@@ -6,6 +6,7 @@
 #include "frame.glsl"
 #include "guided_direction.glsl"
 #include "relief.glsl"
+#include "share_learning.glsl"
 
 struct DirectionSample {
     vec3 wi;         // world space
@@ -17,6 +18,7 @@ struct DirectionSample {
     bool lost;       // a guided direction points below the surface, where nothing is scattered
     uint tries;      // proposals of a guided sample; 0 where the BSDF was sampled
     bool overrun;
+    ShareEvidence evidence;
 };
 
 // What a guide knows a point of a surface by: its cell, which `u` may choose, or the first node of its quadtree.
@@ -45,10 +47,6 @@ vec3 eval_scatterer(Scatterer x, vec3 wi) {
     return has_relief() ? f * relief_shadowing(x.upright, wi) : f;
 }
 
-Guide guide_at(Scatterer x) {
-    if (SAMPLER == SAMPLER_BSDF) return NO_GUIDE;
-    return guide_of(x.cell, x.frame[2]);
-}
 
 bool is_guided(Guide guide) {
     return SAMPLER != SAMPLER_BSDF && is_filled(guide);
@@ -63,9 +61,9 @@ bool guides_whole() {
 // what the guide draws lies where it reflects.
 const float GUIDED_ALPHA = 0.4;
 
-// Share of the samples that a guide takes of a scattering function without a diffuse lobe. The authors' code guides two of
-// them; a dielectric keeps a tenth for the side that no hemisphere of the guide reaches.
-float guided_share(Bsdf b) {
+// Part of the samples of a scattering function without a diffuse lobe that a guide has its share of. The authors' code guides
+// two of them; a dielectric keeps a tenth for the side that no hemisphere of the guide reaches.
+float guided_part(Bsdf b) {
     float share = 0.0;
     // A coating reflects into a single direction besides, which no guide draws.
     if (bsdf_flag(b, MATERIAL_COATED)) return share;
@@ -73,8 +71,18 @@ float guided_share(Bsdf b) {
     if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) share = roughness;
     if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) share = GUIDE_SET == GUIDE_SET_ALL ? 0.5 * roughness : 0.9;
     if (is_kind(b, BSDF_PRINCIPLED) && GUIDE_SET == GUIDE_SET_ALL) share = 0.5;
-    // A descent has no share of its own that covers all directions.
-    return descends() ? share * (1.0 - cosine_share()) : share;
+    return share;
+}
+
+Guide guide_at(Scatterer x) {
+    if (SAMPLER == SAMPLER_BSDF) return NO_GUIDE;
+    bool whole = guides_whole() && guided_part(x.bsdf) > 0.0;
+    return guide_of(x.cell, x.frame[2], whole ? SHARE_OF_WHOLES : SHARE_OF_LOBES);
+}
+
+// Share of the samples that a guide takes of it. A descent has no share of its own that covers all directions.
+float guided_share(Bsdf b, Guide guide) {
+    return descends() ? guided_part(b) * (1.0 - guide.bsdf_share) : guided_part(b);
 }
 
 // What the guide itself has of a density: that of a mixture, or the descent's.
@@ -93,7 +101,7 @@ GuideDensity guide_density_of(Scatterer x, Guide guide, vec3 wi, float density) 
 // Density of the local direction `wi` where the guide has this one.
 float pdf_mixture(Scatterer x, Guide guide, vec3 wi, GuideDensity density) {
     float pdf = pdf_bsdf(x.bsdf, x.wo, wi, density.over_lobe);
-    if (guides_whole() && is_guided(guide)) pdf = mix(pdf, density.over_whole, guided_share(x.bsdf));
+    if (guides_whole() && is_guided(guide)) pdf = mix(pdf, density.over_whole, guided_share(x.bsdf, guide));
     return pdf;
 }
 
@@ -121,7 +129,8 @@ DirectionSample sample_direction_bsdf(Scatterer x, Guide guide, BsdfSample s) {
     vec3 wi = x.frame * s.wi;
     float density = SAMPLER == SAMPLER_BSDF ? 0.0 : pdf_guide(guide, wi);
     float pdf = sample_pdf(x, guide, s, density);
-    DirectionSample result = DirectionSample(wi, sample_weight(x, s, pdf), pdf, s.eta, 0u, 0.0, false, 0u, false);
+    vec3 weight = sample_weight(x, s, pdf);
+    DirectionSample result = DirectionSample(wi, weight, pdf, s.eta, 0u, 0.0, false, 0u, false, NO_EVIDENCE);
     if (SAMPLER != SAMPLER_BSDF) {
         result.bin = direction_bin(wi);
         result.radiance = radiance(radiance_index(x.cell, result.bin));
@@ -144,7 +153,8 @@ DirectionSample sample_direction_guided(RandomKey key, uint vertex, float choice
     vec3 weight = sample_weight(x, s, pdf);
     bool lost = s.wi.z <= 0.0 && max_component(weight) == 0.0;
     float eta = refraction(x, s.wi);
-    return DirectionSample(guided.wi, weight, pdf, eta, guided.bin, guided.radiance, lost, guided.tries, guided.overrun);
+    return DirectionSample(
+        guided.wi, weight, pdf, eta, guided.bin, guided.radiance, lost, guided.tries, guided.overrun, NO_EVIDENCE);
 }
 
 BsdfSample sample_scatterer(Scatterer x, vec3 u) {
@@ -152,15 +162,23 @@ BsdfSample sample_scatterer(Scatterer x, vec3 u) {
     return x.passes ? BsdfSample(-x.wo, LOBE_DELTA, vec3(1.0), 1.0) : s;
 }
 
+// What a sample says of the share that it was drawn by, where `density` is the descent's.
+ShareEvidence evidence_of(Scatterer x, Guide guide, BsdfSample s, float density, bool whole, vec3 weight, float pdf) {
+    float of_both = whole ? pdf : product_density(guide, x.frame * s.wi, density);
+    float part = whole ? guided_part(x.bsdf) : 1.0;
+    float of_guide = of_both > 0.0 ? (1.0 - guide.bsdf_share) * density / of_both : 0.0;
+    uint share = share_index(guide.cell, whole ? SHARE_OF_WHOLES : SHARE_OF_LOBES);
+    return ShareEvidence(share, part * mean_rgb(weight), of_guide);
+}
+
 // sample_direction of samplers that descend: the surface's own direction is kept or replaced, in one flow.
-DirectionSample sample_direction_descent(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
-    BsdfSample s = sample_scatterer(x, u.xyz);
-    float whole_share = guides_whole() && !x.passes ? guided_share(x.bsdf) : 0.0;
+DirectionSample sample_direction_descent(vec3 u, vec4 u_guide, Scatterer x, Guide guide) {
+    BsdfSample s = sample_scatterer(x, u);
+    float whole_share = guides_whole() && !x.passes ? guided_share(x.bsdf, guide) : 0.0;
     bool guidable = s.lobe == LOBE_DIFFUSE || whole_share > 0.0;
     bool follows = guidable && is_guided(guide);
     if (guidable && !follows) mark_guide(guide);
-    vec4 u_guide = unit_floats(random_bits(key, vertex, RANDOM_TRIES));
-    float own_share = whole_share > 0.0 ? 1.0 - whole_share : cosine_share();
+    float own_share = whole_share > 0.0 ? 1.0 - whole_share : guide.bsdf_share;
     GuidedSample guided = sample_descent(u_guide, guide, follows, own_share, x.frame * s.wi);
     bool replaced = guided.tries > 0u;
     if (replaced) s = BsdfSample(guided.wi * x.frame, whole_share > 0.0 ? LOBE_GLOSSY : s.lobe, vec3(0.0), 1.0);
@@ -168,13 +186,48 @@ DirectionSample sample_direction_descent(RandomKey key, uint vertex, vec4 u, Sca
     float pdf = sample_pdf(x, guide, s, guided.pdf);
     vec3 weight = sample_weight(x, s, pdf);
     bool lost = follows && s.wi.z <= 0.0 && max_component(weight) == 0.0;
-    return DirectionSample(guided.wi, weight, pdf, s.eta, guided.bin, guided.radiance, lost, follows ? 1u : 0u, false);
+    ShareEvidence evidence = NO_EVIDENCE;
+    if (learns_share() && follows && pdf > 0.0) evidence = evidence_of(x, guide, s, guided.pdf, whole_share > 0.0, weight, pdf);
+    uint tries = follows ? 1u : 0u;
+    return DirectionSample(guided.wi, weight, pdf, s.eta, guided.bin, guided.radiance, lost, tries, false, evidence);
+}
+
+// The same by resampling (Talbot et al. 2005, "Importance Resampling for Global Illumination"): of two samples of one lobe one
+// is taken in proportion to f cos L / pdf, and weighs as much as makes up for that. Its density is still a candidate's.
+DirectionSample resample_descent(RandomKey key, uint vertex, vec3 u, vec4 u_guide, Scatterer x, Guide guide) {
+    vec3 v = unit_floats(random_bits(key, vertex, RANDOM_CANDIDATE)).xyz;
+    vec4 v_guide = unit_floats(random_bits(key, vertex, RANDOM_CANDIDATE_TRIES));
+    DirectionSample taken;
+    float taken_score = 0.0;
+    float sum = 0.0;
+    uint tries = 0u;
+    for (uint candidate = 0u; candidate < 2u; ++candidate) {
+        bool first = candidate == 0u;
+        vec3 own = first ? u : vec3(v.xy, u.z);
+        DirectionSample s = sample_direction_descent(own, first ? u_guide : v_guide, x, guide);
+        float score = mean_rgb(s.weight) * s.radiance;
+        sum += score;
+        tries += s.tries;
+        if (first || v.z * sum < score) {
+            taken = s;
+            taken_score = score;
+        }
+    }
+    float factor = taken_score > 0.0 ? 0.5 * sum / taken_score : 0.0;
+    taken.weight *= factor;
+    taken.evidence.scattered *= factor;
+    taken.tries = tries;
+    return taken;
 }
 
 // Draws the direction in which a path leaves a surface.
 DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
-    if (descends()) return sample_direction_descent(key, vertex, u, x, guide);
-    float share = guided_share(x.bsdf);
+    if (descends()) {
+        vec4 u_guide = unit_floats(random_bits(key, vertex, RANDOM_TRIES));
+        if (CANDIDATES == 2u) return resample_descent(key, vertex, u.xyz, u_guide, x, guide);
+        return sample_direction_descent(u.xyz, u_guide, x, guide);
+    }
+    float share = guided_share(x.bsdf, guide);
     bool replaced = u.z < share;
     if (guides_whole() && is_guided(guide) && share < 1.0) u.z = max(u.z - share, 0.0) / (1.0 - share);
     BsdfSample s = sample_scatterer(x, u.xyz);

@@ -5,7 +5,7 @@
 // normalization grid; further down the weights of the cell's radiance and of the normal's cosine are multiplied on the way.
 // With 16 bins a side, a bin's probability so is in proportion to its L times the integral of cos+(nb, w) over it, but for the
 // rounding of weights to three bits; and whatever the weights are, the density is what samples are drawn from. It is mixed with
-// a share e of the cosine about the true normal, so that it is positive wherever a surface can reflect:
+// a share e of the cosine about the true normal, see bsdf_share.glsl, so that it is positive wherever a surface can reflect:
 //     pdf = (1 - e) * probability of the bin * bins per steradian + e cos+(n, w) / pi.
 #ifndef PRODUCT_GLSL
 #define PRODUCT_GLSL
@@ -14,12 +14,6 @@
 #include "random.glsl"
 #include "small_floats.glsl"
 #include "tree.glsl"
-
-// Also of the quadtree's samples.
-float cosine_share() {
-    if (SAMPLER == SAMPLER_QUADTREE) return 0.5;
-    return EPSILON > 0.0 ? EPSILON : 0.25;
-}
 
 // Weights of a node's parts: the cell's radiance times the normal's cosine.
 mat4 node_weights(Guide guide, uint node) {
@@ -57,7 +51,7 @@ float descent_density(float probability) {
 // Density over a diffuse lobe: of the descent's and the share of the cosine.
 float product_density(Guide guide, vec3 wi, float of_descent) {
     float of_cosine = max(dot(wi, guide.n), 0.0) * INV_PI;
-    return mix(of_descent, of_cosine, cosine_share());
+    return mix(of_descent, of_cosine, guide.bsdf_share);
 }
 
 // A direction by descent, or with the probability `own_share`, and where `follows` is false, `own`, which the caller has drawn.

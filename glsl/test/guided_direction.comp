@@ -29,13 +29,13 @@ vec3 cosine_about(vec3 n, vec2 u) {
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    Guide guide = guide_of(0u, push.normal);
+    Guide guide = guide_of(0u, push.normal, SHARE_OF_LOBES);
     RandomKey key = RandomKey(index, 0u, 0u, push.seed);
     float choice = unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).z;
     GuidedSample s;
     if (descends()) {
         vec3 own = cosine_about(guide.n, unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).xy);
-        s = sample_descent(unit_floats(random_bits(key, 1u, RANDOM_TRIES)), guide, true, cosine_share(), own);
+        s = sample_descent(unit_floats(random_bits(key, 1u, RANDOM_TRIES)), guide, true, guide.bsdf_share, own);
         s.pdf = product_density(guide, s.wi, s.pdf);
     } else {
         s = sample_guide(key, 1u, choice, guide);

@@ -1,6 +1,7 @@
 //! The options that choose and tune a guide.
 
-use lodestar::settings::{AUTO_GRID, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings, StepSchedule};
+use lodestar::settings::{AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings, StepSchedule};
+use lodestar::{Error, Result};
 
 /// How directions are sampled and learned.
 #[derive(Debug, clap::Args)]
@@ -21,9 +22,15 @@ pub struct GuidingArgs {
     #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
     pub mix: Mix,
     /// Share that is mixed with the guide: of uniform directions with rejection-mix [default: the optimal one, Eq. 8], of
-    /// the cosine with product [default: 0.25].
+    /// the cosine with product, where it stands for --bsdf-share fixed [default: 0.25].
     #[arg(long, value_name = "E", help_heading = "Guiding")]
     pub epsilon: Option<f32>,
+    /// What a surface's own scattering function keeps of product's samples: what each cell learns, or --epsilon.
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub bsdf_share: Option<BsdfShare>,
+    /// Directions that product draws at a vertex; one of them is taken, by f cos L [default: 1].
+    #[arg(long, value_name = "N", help_heading = "Guiding")]
+    pub candidates: Option<u32>,
     /// Map between directions and their bins.
     #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
     pub map: DirectionMap,
@@ -60,7 +67,7 @@ pub struct GuidingArgs {
     pub min_uniform: Option<f32>,
 }
 
-fn number_or_auto(text: &str) -> Result<u32, String> {
+fn number_or_auto(text: &str) -> std::result::Result<u32, String> {
     match text {
         "auto" => Ok(AUTO_GRID),
         _ => text.parse().map_err(|_| "neither a number nor auto".into()),
@@ -69,13 +76,18 @@ fn number_or_auto(text: &str) -> Result<u32, String> {
 
 impl GuidingArgs {
     /// Changes what the options say.
-    pub fn apply(&self, settings: &mut Settings) {
+    ///
+    /// # Errors
+    /// Where a share is to be learned and nothing could learn it.
+    pub fn apply(&self, settings: &mut Settings) -> Result<()> {
         settings.sampler = self.sampler;
         settings.guide_set = self.guide_set;
         settings.learner = self.learner.unwrap_or(self.sampler.default_learner());
         settings.expected_directions = self.expected_directions.unwrap_or(settings.expected_directions);
         settings.mix = self.mix;
         settings.epsilon = self.epsilon;
+        settings.bsdf_share = self.bsdf_share.unwrap_or(settings.bsdf_share);
+        settings.candidates = self.candidates.unwrap_or(settings.candidates);
         settings.map = self.map;
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.fallback = self.fallback.unwrap_or(settings.fallback);
@@ -87,5 +99,11 @@ impl GuidingArgs {
         settings.decay = self.decay.unwrap_or(settings.decay);
         settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
         settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);
+        if self.bsdf_share == Some(BsdfShare::Learned) && !settings.learns_share() {
+            return Err(Error::Settings(
+                "--bsdf-share learned is for --sampler product, without --epsilon and --learner monte-carlo".into(),
+            ));
+        }
+        Ok(())
     }
 }

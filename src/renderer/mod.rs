@@ -134,11 +134,7 @@ impl Renderer {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
-        let cells = match settings.sampler {
-            Sampler::Bsdf | Sampler::Quadtree => Cells::none(bvh),
-            _ if settings.grid != AUTO_GRID => Cells::new(bvh, UVec3::splat(settings.grid)),
-            _ => Cells::fitting(bvh, |cells| memory_needs::guide_bytes(settings, cells) <= GUIDE_BYTES),
-        };
+        let cells = cells_of(settings, bvh);
         let needs = MemoryNeeds::new(&shading, bvh, &cells, settings);
         needs.check(context.device())?;
         Self::build(context, scene, &shading, bvh, cells, settings, registry).map_err(|error| note_needs(error, &needs))
@@ -153,7 +149,7 @@ impl Renderer {
         settings: &Settings,
         registry: &Registry,
     ) -> Result<Self> {
-        let variant = variant(settings, scene, shading, bvh);
+        let variant = variant(settings, scene, shading, bvh, &cells);
         let back_end = back_end_for(context, shading, bvh, &cells, settings);
         let kernels = registry.kernels(back_end);
         let build = |source| Kernel::new(context, source, &variant.entries());
@@ -276,6 +272,15 @@ impl Renderer {
         let bins = self.settings.directions.pow(2) as usize;
         let begin = self.cells.cell_of(position) * bins;
         Ok(self.radiance()?.into_iter().skip(begin).take(bins).collect())
+    }
+
+    /// What each cell has learned that scattering functions keep of the samples: diffuse lobes, and those that are guided as a
+    /// whole. Empty where shares are fixed.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn bsdf_shares(&self) -> Result<Vec<[f32; 2]>> {
+        self.radiance_grid.read_shares()
     }
 
     /// Adds `samples` samples to every pixel, a bounded number per dispatch.
@@ -452,10 +457,19 @@ fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, 
 /// The specialization constants of a render.
 pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
     let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh) };
-    variant(settings, scene, &shading, bvh)
+    variant(settings, scene, &shading, bvh, &cells_of(settings, bvh))
 }
 
-fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> Variant {
+/// The cells of a render's grids.
+fn cells_of(settings: &Settings, bvh: &Bvh) -> Cells {
+    match settings.sampler {
+        Sampler::Bsdf | Sampler::Quadtree => Cells::none(bvh),
+        _ if settings.grid != AUTO_GRID => Cells::new(bvh, UVec3::splat(settings.grid)),
+        _ => Cells::fitting(bvh, |cells| memory_needs::guide_bytes(settings, cells) <= GUIDE_BYTES),
+    }
+}
+
+fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh, cells: &Cells) -> Variant {
     let lights = &shading.lights;
     let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
     Variant {
@@ -476,6 +490,7 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh) -> 
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),
+        shares_at: if settings.learns_share() { RadianceGrid::bins(settings, cells) as u32 } else { 0 },
         ..variant_of_settings(settings)
     }
 }
@@ -506,6 +521,8 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         map: settings.map as u32,
         mix: settings.mix as u32,
         epsilon: settings.epsilon.unwrap_or(0.0),
+        shares_at: shares_at(settings),
+        candidates: settings.candidates,
         expected_directions: settings.expected_directions,
         kept_vertices: settings.kept_vertices(),
         attenuation_tamper: settings.attenuation_tamper,
@@ -516,6 +533,12 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         mis_fault: settings.mis_fault,
         ..Variant::default()
     }
+}
+
+/// Where shares are in a table whose places all hold surfaces.
+fn shares_at(settings: &Settings) -> u32 {
+    let places = if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) };
+    if settings.learns_share() { places * settings.directions.pow(2) } else { 0 }
 }
 
 /// The shape of set `set`, the same for all kernels of a registry.

@@ -13,7 +13,12 @@ use crate::kernels::Kernels;
 use crate::layout::{LearnedRadiance, RadianceSum};
 use crate::settings::{Sampler, Settings};
 
-/// The grid of Sec. 3: cells of `directions^2` bins.
+/// Of each cell: `SHARES_PER_CELL` of `glsl/include/bsdf_share.glsl`, four words and two sums each.
+const SHARES: u64 = 2;
+const SHARE_WORDS: u64 = 4;
+const SHARE_SUMS: u64 = 2;
+
+/// The grid of Sec. 3: cells of `directions^2` bins. What cells learn of the scattering function's share follows their bins.
 pub(super) struct RadianceGrid {
     set: DescriptorSet,
     radiance: Arc<Buffer>,
@@ -26,16 +31,27 @@ pub(super) struct RadianceGrid {
     /// Of the product sampler and of quadtrees alone.
     nodes: Arc<Buffer>,
     bin_count: usize,
+    share_count: usize,
 }
 
 impl RadianceGrid {
     /// Texels of the largest table.
     pub fn texels(settings: &Settings, cells: &Cells) -> u64 {
-        Self::bins(settings, cells).max(Self::nodes(settings, cells))
+        Self::radiances(settings, cells).max(Self::nodes(settings, cells))
     }
 
-    fn bins(settings: &Settings, cells: &Cells) -> u64 {
+    /// Bins of all cells.
+    pub fn bins(settings: &Settings, cells: &Cells) -> u64 {
         u64::from(cells.count()) * u64::from(settings.directions.pow(2))
+    }
+
+    fn shares(settings: &Settings, cells: &Cells) -> u64 {
+        if settings.learns_share() { SHARES * u64::from(cells.count()) } else { 0 }
+    }
+
+    /// Words of the table that is sampled by.
+    fn radiances(settings: &Settings, cells: &Cells) -> u64 {
+        Self::bins(settings, cells) + SHARE_WORDS * Self::shares(settings, cells)
     }
 
     /// Bins of which something is learned: also of the larger cells where cells fall back on these.
@@ -47,7 +63,7 @@ impl RadianceGrid {
     fn sums(settings: &Settings, cells: &Cells) -> u64 {
         match settings.sampler {
             Sampler::Quadtree => quadtrees::quarters(settings),
-            _ => Self::bins(settings, cells),
+            _ => Self::bins(settings, cells) + SHARE_SUMS * Self::shares(settings, cells),
         }
     }
 
@@ -61,12 +77,13 @@ impl RadianceGrid {
 
     /// Bytes of the grid on the device.
     pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
-        let end_bytes = if settings.sampler == Sampler::SphereInversion { size_of::<u32>() } else { 0 };
-        let bin_bytes = Self::bins(settings, cells) * (size_of::<f32>() + end_bytes) as u64;
+        let has_ends = settings.sampler == Sampler::SphereInversion;
+        let ends = if has_ends { Self::bins(settings, cells) } else { 0 };
+        let bytes = Self::radiances(settings, cells) * size_of::<f32>() as u64 + ends * size_of::<u32>() as u64;
         let learned = Self::learned_bins(settings, cells) * size_of::<LearnedRadiance>() as u64;
         let sums = Self::sums(settings, cells) * size_of::<RadianceSum>() as u64;
         let table = size_of_val(&cells.table[..]) as u64;
-        bin_bytes + learned + sums + Self::node_bytes(settings, cells) + table
+        bytes + learned + sums + Self::node_bytes(settings, cells) + table
     }
 
     fn node_bytes(settings: &Settings, cells: &Cells) -> u64 {
@@ -78,7 +95,7 @@ impl RadianceGrid {
         let bins = Self::bins(settings, cells);
         let buffer = |name: &str, count: u64, size: usize, kind| Buffer::new(context, name, count * size as u64, kind);
         let radiance_kind = table_kind(shape, BufferKind::StorageTexelFloat1);
-        let radiance = buffer("radiance", bins, size_of::<f32>(), radiance_kind)?;
+        let radiance = buffer("radiance", Self::radiances(settings, cells), size_of::<f32>(), radiance_kind)?;
         let learned_bins = Self::learned_bins(settings, cells);
         let learned = buffer("learned radiance", learned_bins, size_of::<LearnedRadiance>(), BufferKind::Storage)?;
         let sum_count = Self::sums(settings, cells);
@@ -91,7 +108,8 @@ impl RadianceGrid {
         let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table];
         let set = table_set(context, "radiance grid", shape, &buffers)?;
         let keeps_sums = settings.sampler == Sampler::Quadtree;
-        Ok(Self { set, radiance, learned, sums, keeps_sums, ends, nodes, bin_count: bins as usize })
+        let (bin_count, share_count) = (bins as usize, Self::shares(settings, cells) as usize);
+        Ok(Self { set, radiance, learned, sums, keeps_sums, ends, nodes, bin_count, share_count })
     }
 
     pub fn set(&self) -> &DescriptorSet {
@@ -112,5 +130,12 @@ impl RadianceGrid {
 
     pub fn read(&self) -> Result<Vec<f32>> {
         self.radiance.read(0, self.bin_count)
+    }
+
+    /// Both shares of every cell.
+    pub fn read_shares(&self) -> Result<Vec<[f32; 2]>> {
+        let offset = (self.bin_count * size_of::<f32>()) as u64;
+        let words = self.radiance.read::<[f32; SHARE_WORDS as usize]>(offset, self.share_count)?;
+        Ok(words.chunks_exact(SHARES as usize).map(|of_cell| [of_cell[0][0], of_cell[1][0]]).collect())
     }
 }

@@ -118,6 +118,7 @@ fn settings_out_of_their_ranges() {
         ("--grid", "33"),
         ("--fallback", "-1"),
         ("--jitter", "1.5"),
+        ("--candidates", "3"),
         ("--directions", "3"),
         ("--normals", "3"),
         ("--decay", "2"),

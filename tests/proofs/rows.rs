@@ -2,7 +2,7 @@
 //! all claims.
 
 use lodestar::reference::normalization_entry::Rules;
-use lodestar::settings::{DirectionMap, Learner, Mix, Sampler, Settings};
+use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings};
 
 use crate::guide_cases::Kind;
 use crate::scenes::ours;
@@ -64,8 +64,16 @@ pub const GUIDED: &[Row] = &[
     more("hemisphere-inversion, half uniform", |s| (s.sampler, s.min_uniform) = (Sampler::HemisphereInversion, 0.5)),
 ];
 
-/// What has no table of bins: it stands in pictures only. Of its samples and trees tells `tests/samplers/quadtree.rs`.
-pub const QUADTREE: Row = row("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo));
+/// What stands in pictures only: it has no table of bins, or more parts than the kernels of single functions have. Of samples and
+/// trees of quadtrees tells `tests/samplers/quadtree.rs`, of learned shares and candidates `tests/samplers/shares.rs`.
+pub const RENDERED: &[Row] = &[
+    row("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
+    row("product, two candidates", |s| (s.sampler, s.candidates) = (Sampler::Product, 2)),
+    row("product, every part", |s| {
+        (s.sampler, s.candidates, s.guide_set, s.fallback) = (Sampler::Product, 2, GuideSet::All, 4.0);
+    }),
+    more("product, fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, BsdfShare::Fixed)),
+];
 
 /// A plain path tracer.
 pub const UNGUIDED: Row = row("bsdf", |s| s.sampler = Sampler::Bsdf);
@@ -112,8 +120,7 @@ impl Scope {
 
     /// The rows that follow a guide.
     pub fn guided(&self) -> Vec<Row> {
-        let is_wanted = |row: &&Row| self.only.map_or(row.is_short || self.full, |name| row.name == name);
-        GUIDED.iter().filter(is_wanted).copied().collect()
+        self.wanted(GUIDED)
     }
 
     /// Those, and the plain path tracer.
@@ -124,12 +131,12 @@ impl Scope {
 
     /// All that pictures are made with.
     pub fn rendered(&self) -> Vec<Row> {
-        self.all().into_iter().chain(self.quadtree()).collect()
+        self.all().into_iter().chain(self.wanted(RENDERED)).collect()
     }
 
-    /// The row of quadtrees, if it is wanted.
-    pub fn quadtree(&self) -> Option<Row> {
-        self.only.is_none_or(|name| name == QUADTREE.name).then_some(QUADTREE)
+    fn wanted(&self, rows: &[Row]) -> Vec<Row> {
+        let is_wanted = |row: &&Row| self.only.map_or(row.is_short || self.full, |name| row.name == name);
+        rows.iter().filter(is_wanted).copied().collect()
     }
 
     /// Whether it is a single row.

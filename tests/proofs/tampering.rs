@@ -44,6 +44,8 @@ const FAULTS: &[Fault] = &[
     kernels("part beside the chosen one", SAMPLES, PRODUCT),
     kernels("descent counted whole", DENSITIES, PRODUCT),
     kernels("share of the cosine not in the density", DIRECTIONS, PRODUCT),
+    kernels("another share than the cell's", PICTURES, PRODUCT),
+    kernels("candidates that count alike", PICTURES, "product, two candidates"),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
     kernels("swapped halves of a sum", UPDATES, MIX),

@@ -2,14 +2,16 @@
 
 use std::cell::Cell;
 
-use glam::vec3;
+use glam::{Vec3, vec3};
 use lodestar::Error;
-use lodestar::scene::{Environment, ReconstructionFilter};
-use lodestar::settings::{Sampler, Settings};
+use lodestar::scene::bsdf::{Bsdf, Distribution, Microfacets};
+use lodestar::scene::texture::Textured;
+use lodestar::scene::{Environment, ReconstructionFilter, Scene};
+use lodestar::settings::{GuideSet, Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::Estimate;
-use crate::scenes::{SAMPLERS, combinations, ours, settings};
+use crate::scenes::{SAMPLERS, combinations, ours, settings, surface_mut};
 use crate::significance::{ALPHA, sidak, two_sided};
 
 /// The paper's Fig. 7a.
@@ -49,6 +51,57 @@ fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
         let least = if sampler == Sampler::Rejection { 4.0 } else { 1.0 };
         assert!(tries >= least, "{sampler:?} and {learner:?}: {tries} tries");
     }
+}
+
+/// A guide that knows no more than the surface leaves shares as they are, one that knows where the light is gets most, and one
+/// that is coarser than what metal reflects gets little.
+#[test]
+fn shares_go_to_what_knows_more() {
+    let device = Device::new();
+    let shares = |scene: &Scene, change: fn(&mut Settings)| {
+        let mut settings = settings(scene, [64, 64], Sampler::Product, 1);
+        change(&mut settings);
+        let mut renderer = device.renderer(scene, &settings);
+        assert!(renderer.bsdf_shares().expect("shares").iter().flatten().all(|&share| share == 0.5));
+        steps(&mut renderer, &settings, 96);
+        let shares = renderer.bsdf_shares().expect("shares");
+        assert!(shares.iter().flatten().all(|share| (0.1..=0.9).contains(share)), "{shares:?}");
+        let mean = |which: usize| {
+            let learned = shares.iter().map(|share| share[which]).filter(|&share| share != 0.5);
+            let (sum, count) = learned.fold((0.0, 0), |(sum, count), share| (sum + share, count + 1));
+            (count > 0).then(|| sum / count as f32)
+        };
+        println!("{:?} {:?}", mean(0), mean(1));
+        [mean(0), mean(1)]
+    };
+    let [of_lobes, of_wholes] = shares(&ours("furnace/scene.xml", &[]), |_| {});
+    assert!((of_lobes.expect("a share") - 0.5).abs() < 0.02 && of_wholes.is_none(), "{of_lobes:?}");
+    let [of_lobes, of_wholes] = shares(&ours("cornell-box-hard/scene.xml", &[]), |_| {});
+    assert!(of_lobes.expect("a share") < 0.35 && of_wholes.is_none(), "{of_lobes:?}");
+    let [_, of_wholes] = shares(&polished_box(), |s| s.guide_set = GuideSet::Authors);
+    assert!(of_wholes.expect("a share") > 0.65, "{of_wholes:?}");
+    assert_eq!(shares_where_fixed(&device), []);
+}
+
+/// The Cornell box with a wall of almost polished metal.
+fn polished_box() -> Scene {
+    let mut scene = ours("cornell-box/scene.xml", &[]);
+    let alpha = Textured::constant(0.05);
+    let metal = Bsdf::RoughConductor {
+        microfacets: Microfacets { distribution: Distribution::Ggx, alpha_u: alpha, alpha_v: alpha },
+        eta: Vec3::ZERO,
+        k: Vec3::ZERO,
+        specular_reflectance: Textured::constant(Vec3::splat(0.9)),
+    };
+    let red = scene.materials.iter_mut().find(|material| material.name == "red").expect("a material");
+    surface_mut(red).bsdf = metal;
+    scene
+}
+
+fn shares_where_fixed(device: &Device) -> Vec<[f32; 2]> {
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let settings = Settings { epsilon: Some(0.3), ..settings(&scene, [64, 64], Sampler::Product, 1) };
+    device.renderer(&scene, &settings).bsdf_shares().expect("no shares")
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
-use lodestar::settings::{AUTO_GRID, DirectionMap, Learner, Mix, SamplePattern, Sampler, Settings};
+use lodestar::settings::{
+    AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, SamplePattern, Sampler, Settings,
+};
 
 /// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
 pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
@@ -29,7 +31,7 @@ pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
 type Change = fn(&mut Settings);
 
 /// Every way to follow a guide.
-pub const GUIDED: [(&str, Change); 16] = [
+pub const GUIDED: [(&str, Change); 18] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),
@@ -42,6 +44,10 @@ pub const GUIDED: [(&str, Change); 16] = [
     }),
     ("product", |s| s.sampler = Sampler::Product),
     ("product on the cylinder", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
+    ("product with a fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, BsdfShare::Fixed)),
+    ("product with two candidates on all rough surfaces", |s| {
+        (s.sampler, s.candidates, s.guide_set) = (Sampler::Product, 2, GuideSet::All);
+    }),
     ("product in cells that fall back on their parents", |s| {
         (s.sampler, s.grid, s.fallback, s.jitter) = (Sampler::Product, AUTO_GRID, 4.0, 1.0);
     }),

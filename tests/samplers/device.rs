@@ -144,7 +144,11 @@ pub struct Cell {
     pub cosine_nodes: Arc<Buffer>,
     normalize: Kernel,
     normals: u32,
+    bins: u32,
 }
+
+/// Of each share: `glsl/include/bsdf_share.glsl`.
+const SHARE_WORDS: u32 = 4;
 
 impl Cell {
     /// A cell without content.
@@ -161,7 +165,8 @@ impl Cell {
         let is_product = variant.sampler == SAMPLER_PRODUCT;
         let trees = if is_product { cosine_trees(&integrals, directions, normals) } else { vec![Node::default()] };
         Self {
-            radiance: device.storage("radiance", (directions * directions) as usize * size_of::<f32>()),
+            radiance: device
+                .storage("radiance", (directions * directions + 2 * SHARE_WORDS) as usize * size_of::<f32>()),
             bin_ends: device.storage("bin ends", (directions * directions) as usize * size_of::<u32>()),
             nodes: device.storage("nodes", nodes_per_tree(directions) as usize * size_of::<Node>()),
             entries: device.storage("entries", entries),
@@ -169,7 +174,15 @@ impl Cell {
             cosine_nodes: device.uploaded("cosine nodes", &trees),
             normalize: device.kernel(normalize, variant),
             normals,
+            bins: directions * directions,
         }
+    }
+
+    /// Sets its shares of scattering functions: of diffuse lobes, and of those that are guided as a whole. Variants find them
+    /// where `shares_at` is the number of bins.
+    pub fn set_shares(&self, [of_lobes, of_wholes]: [f32; 2]) {
+        let words = [of_lobes, 0.0, 0.0, 0.0, of_wholes, 0.0, 0.0, 0.0];
+        self.radiance.upload(u64::from(self.bins) * size_of::<f32>() as u64, &words).expect("uploaded");
     }
 
     /// Sets its radiance and has the device fill all normalizers.

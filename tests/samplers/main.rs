@@ -25,6 +25,7 @@ mod random;
 mod relief;
 mod scattering;
 mod scattering_cases;
+mod shares;
 mod statistics;
 mod substances;
 mod surfaces;

@@ -29,6 +29,7 @@ struct Case {
     n: DVec3,
     /// Density of the descent in every bin.
     densities: Vec<f64>,
+    cosine_share: f64,
 }
 
 impl Case {
@@ -40,12 +41,12 @@ impl Case {
         let integrals: Vec<_> = of_normal.map(|cosine| f64::from(cosine.integral)).collect();
         let product = Product { radiance: table, integrals: &integrals };
         let densities = (0..table.len()).map(|bin| product.density(bin)).collect();
-        Self { map, directions, n, densities }
+        Self { map, directions, n, densities, cosine_share: COSINE_SHARE }
     }
 
     fn pdf(&self, w: DVec3) -> f64 {
         let bin = direction_bin(self.map, w, self.directions) as usize;
-        (1.0 - COSINE_SHARE) * self.densities[bin] + COSINE_SHARE * w.dot(self.n).max(0.0) / PI
+        (1.0 - self.cosine_share) * self.densities[bin] + self.cosine_share * w.dot(self.n).max(0.0) / PI
     }
 
     /// Distance in bins from the next border between them.
@@ -119,7 +120,7 @@ fn fit(case: &Case, drawn: &[Drawn]) -> f64 {
     drawn.iter().for_each(|d| counts[direction_bin(case.map, d.direction(), case.directions) as usize] += 1);
     let solid_angle = 4.0 * PI / case.densities.len() as f64;
     let expected = case.densities.iter().zip(&by_cosine).map(|(density, cosine)| {
-        drawn.len() as f64 * ((1.0 - COSINE_SHARE) * density * solid_angle + COSINE_SHARE * cosine)
+        drawn.len() as f64 * ((1.0 - case.cosine_share) * density * solid_angle + case.cosine_share * cosine)
     });
     chi_square(&counts, &expected.collect::<Vec<_>>())
 }
@@ -148,6 +149,32 @@ fn samples_follow_their_density_at_every_resolution() {
     }
 }
 
+/// A cell's own share of the cosine.
+#[test]
+fn samples_follow_the_share_that_their_cell_has_learned() {
+    let (map, directions) = (DirectionMap::EqualArea, 16);
+    let mut descent = Descent::new(map, directions);
+    descent.variant.shares_at = directions * directions;
+    let shares = [0.1_f32, 0.5, 0.85];
+    let level = sidak(SIGNIFICANCE, shares.len() * normals().len());
+    let (_, table) = tables(map, directions).swap_remove(1);
+    descent.cell.fill(&descent.device, &table);
+    for share in shares {
+        descent.cell.set_shares([share, 0.3]);
+        for (seed, n) in (40..).zip(normals()) {
+            let title = format!("share {share}, normal {seed}");
+            let case = Case { cosine_share: share.into(), ..Case::new(map, directions, n, &table) };
+            let drawn = descent.draw(case.n, seed);
+            let p = fit(&case, &drawn);
+            assert!(p > level, "{title}: chi-square {p}");
+            let p = fit(&Case { cosine_share: 0.3, ..Case::new(map, directions, n, &table) }, &drawn);
+            assert!(p < 1.0e-9, "{title}: the other share {p}");
+            check_estimate(&case, &drawn, &title);
+            check_densities(&case, &descent.densities(case.n), &title);
+        }
+    }
+}
+
 /// The samples' densities are those of their directions, and estimate the projected solid angle.
 fn check_estimate(case: &Case, drawn: &[Drawn], title: &str) {
     let mut at_borders = 0;
@@ -172,7 +199,7 @@ fn check_densities(case: &Case, densities: &[Density], title: &str) {
         if case.border_distance(w) > 1.0e-4 {
             let twin = case.pdf(w);
             // The cosine about the true normal is a sum of three rounded products.
-            let most = 1.0e-4 * twin + COSINE_SHARE * 3.0e-7 / PI;
+            let most = 1.0e-4 * twin + case.cosine_share * 3.0e-7 / PI;
             assert!((f64::from(d.pdf) - twin).abs() < most, "{title}: {}, not {twin} at {w}", d.pdf);
         }
     }

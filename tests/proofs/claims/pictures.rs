@@ -41,7 +41,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         for nee in [false, true] {
             // One scene shows what all samplers and learners do; elsewhere one of them is enough in the short form, which has
             // the pictures of `tests/render/ztest.rs` besides.
-            let rows: Vec<_> = scope.guided().into_iter().chain(scope.quadtree()).collect();
+            let rows: Vec<_> = scope.rendered().into_iter().filter(|row| row.name != UNGUIDED.name).collect();
             let rows = if scope.full || (index == 0 && nee) { &rows[..] } else { &rows[..1] };
             let unguided = case.unguided(&studio, &scene, scope, nee);
             let mut compare = |row: &Row, learner: Option<Learner>, name: &str| {

@@ -132,8 +132,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "descent counted whole",
         &[Patch {
             file: PRODUCT,
-            text: "return mix(of_descent, of_cosine, cosine_share());",
-            mutated: "return (MUTATED ? of_descent : (1.0 - cosine_share()) * of_descent) + cosine_share() * of_cosine;",
+            text: "return mix(of_descent, of_cosine, guide.bsdf_share);",
+            mutated: "return (MUTATED ? of_descent : (1.0 - guide.bsdf_share) * of_descent) + guide.bsdf_share * of_cosine;",
         }],
     ),
     mutation(
@@ -142,6 +142,22 @@ pub const MUTATIONS: &[Mutation] = &[
             file: GUIDING,
             text: "return GuideDensity(product_density(guide, x.frame * wi, density), density);",
             mutated: "return GuideDensity(MUTATED ? density : product_density(guide, x.frame * wi, density), density);",
+        }],
+    ),
+    mutation(
+        "another share than the cell's",
+        &[Patch {
+            file: GUIDING,
+            text: "1.0 - whole_share : guide.bsdf_share;",
+            mutated: "1.0 - whole_share : (MUTATED ? 0.25 : guide.bsdf_share);",
+        }],
+    ),
+    mutation(
+        "candidates that count alike",
+        &[Patch {
+            file: GUIDING,
+            text: "taken_score > 0.0 ? 0.5 * sum / taken_score : 0.0;",
+            mutated: "taken_score > 0.0 ? (MUTATED ? 1.0 : 0.5 * sum / taken_score) : 0.0;",
         }],
     ),
     mutation(

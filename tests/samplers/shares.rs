@@ -1,0 +1,310 @@
+//! `glsl/include/share_learning.glsl`: what an update makes of a step's evidence, and how directions are drawn by shares and
+//! resampled from candidates.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+use lodestar::gpu::{Buffer, BufferKind};
+use lodestar::kernels::{BSDF_DIFFUSE, BSDF_ROUGH_CONDUCTOR, GUIDE_SET_AUTHORS, STORAGE_BUFFERS, Variant, test};
+use lodestar::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
+use lodestar::reference::conductor::Conductor;
+use lodestar::reference::direction::basis_from_normal;
+use lodestar::reference::direction_map::bin_center;
+use lodestar::reference::microfacet::Microfacets;
+use lodestar::reference::normalization_entry::Rules;
+use lodestar::reference::radiance_grid::FIXED_POINT_UNITS;
+use lodestar::settings::{DirectionMap, Mix, Sampler};
+
+use crate::device::{Cell, Device, GROUP};
+use crate::guide_cases::{NORMALS, variant};
+use crate::scattering_cases::{Base, DeviceBsdf, Surface};
+use crate::statistics::{Numbers, mean_and_error, within_four_sigma};
+use crate::substances::Substance;
+
+const LIMIT: f32 = 32.0;
+const CELLS: u32 = 3;
+const DIRECTIONS: u32 = 16;
+const BINS: u32 = DIRECTIONS * DIRECTIONS;
+/// Constants of `share_learning.glsl`.
+const FIRST_SHARE: f64 = 0.5;
+const FIRST_SAMPLES: f64 = 256.0;
+const LEAST_SHARE: f64 = 0.1;
+const SHARE_DECAY: f64 = 0.5;
+
+/// What a step records of a share.
+#[derive(Clone, Copy)]
+struct Evidence {
+    scattered: f64,
+    of_guide: f64,
+    samples: u32,
+}
+
+/// Twin of `learn_share`: the share after these steps, the last one last.
+fn learned_share(steps: &[Evidence], decay: f64) -> f64 {
+    let faded = |value: fn(&Evidence) -> f64| -> f64 {
+        steps.iter().rev().zip(0..).map(|(step, age)| value(step) * decay.powi(age)).sum()
+    };
+    let (scattered, of_guide) = (faded(|e| e.scattered), faded(|e| e.of_guide));
+    let samples = faded(|e| f64::from(e.samples));
+    let learned = if scattered > 0.0 { 1.0 - of_guide / scattered } else { FIRST_SHARE };
+    let share = FIRST_SHARE + (learned - FIRST_SHARE) * samples / (samples + FIRST_SAMPLES);
+    share.clamp(LEAST_SHARE, 1.0 - LEAST_SHARE)
+}
+
+/// Tables of a few cells, and the kernel that ends a step.
+struct Grid {
+    device: Device,
+    scene: Arc<Buffer>,
+    radiance: Arc<Buffer>,
+    learned: Arc<Buffer>,
+    sums: Arc<Buffer>,
+}
+
+const SHARES: usize = 2 * CELLS as usize;
+
+impl Grid {
+    fn new() -> Self {
+        let device = Device::new();
+        let (bins, shares) = ((CELLS * BINS) as usize, SHARES);
+        let scene = device.buffer("scene", size_of::<SceneConstants>(), BufferKind::Uniform);
+        scene.upload(0, &[SceneConstants { target_limit: LIMIT, ..SceneConstants::zeroed() }]).expect("uploaded");
+        Self {
+            radiance: device.storage("radiance", (bins + 4 * shares) * size_of::<f32>()),
+            learned: device.storage("learned", bins * size_of::<LearnedRadiance>()),
+            sums: device.storage("sums", (bins + 2 * shares) * size_of::<RadianceSum>()),
+            scene,
+            device,
+        }
+    }
+
+    /// The shares after a step.
+    fn update(&self, step: &[Evidence]) -> Vec<f32> {
+        let units = |value: f64| (value / f64::from(LIMIT) * FIXED_POINT_UNITS) as u64;
+        let sum = |value: f64, target_count| {
+            let units = units(value);
+            RadianceSum { low: units as u32, high: (units >> 32) as u32, target_count, flux: 0.0 }
+        };
+        let sums: Vec<_> =
+            step.iter().flat_map(|e| [sum(e.scattered, e.samples), sum(e.of_guide, e.samples)]).collect();
+        self.sums.upload(u64::from(CELLS * BINS) * size_of::<RadianceSum>() as u64, &sums).expect("uploaded");
+        let named = [
+            ("Scene", &self.scene),
+            ("RadianceTable", &self.radiance),
+            ("LearnedTable", &self.learned),
+            ("RadianceSums", &self.sums),
+        ];
+        let variant = Variant { shares_at: CELLS * BINS, direction_resolution: DIRECTIONS, ..Variant::default() };
+        let push = UpdatePush { first_cell: 0 };
+        let kernel = &STORAGE_BUFFERS.update_radiance;
+        self.device.dispatch_renderers(kernel, &variant, &named, bytemuck::bytes_of(&push), CELLS);
+        let offset = u64::from(CELLS * BINS) * size_of::<f32>() as u64;
+        let words: Vec<[f32; 4]> = self.radiance.read(offset, SHARES).expect("read");
+        words.into_iter().map(|share| share[0]).collect()
+    }
+}
+
+#[test]
+fn shares_are_what_the_evidence_says() {
+    let grid = Grid::new();
+    let none = Evidence { scattered: 0.0, of_guide: 0.0, samples: 0 };
+    assert_eq!(grid.update(&[none; SHARES]), [FIRST_SHARE as f32; SHARES], "without evidence");
+    let mut numbers = Numbers::new(3);
+    let mut steps = Vec::new();
+    let mut differ = 0;
+    for _ in 0..6 {
+        // The last share has no evidence, the first none of its own side.
+        let step: Vec<_> = (0..SHARES)
+            .map(|share| {
+                let samples = if share + 1 == SHARES { 0 } else { numbers.between(1.0, 3000.0) as u32 };
+                let scattered = f64::from(samples) * numbers.between(0.01, 2.0);
+                let part = if share == 0 { 1.0 } else { numbers.unit() };
+                Evidence { scattered, of_guide: part * scattered, samples }
+            })
+            .collect();
+        steps.push(step);
+        let shares = grid.update(&steps[steps.len() - 1]);
+        for (share, value) in shares.iter().enumerate() {
+            let of_share: Vec<_> = steps.iter().map(|step| step[share]).collect();
+            let twin = learned_share(&of_share, SHARE_DECAY);
+            assert!((f64::from(*value) - twin).abs() < 1.0e-4, "share {share}: {value}, not {twin}");
+            differ += usize::from((f64::from(*value) - learned_share(&of_share, 0.6)).abs() > 1.0e-3);
+        }
+    }
+    assert!(differ > SHARES, "hardly a share depends on the decay: {differ}");
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct SurfaceInput {
+    bsdf: DeviceBsdf,
+    wo: [f32; 3],
+    normal: [f32; 3],
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct DirectionOutput {
+    wi: [f32; 3],
+    pdf: f32,
+    weight: [f32; 3],
+    pdf_of_wi: f32,
+    given: [f32; 3],
+    pdf_of_given: f32,
+    value_of_given: [f32; 3],
+    reserved: u32,
+}
+
+const SAMPLES: usize = 1 << 19;
+const RULES: Rules =
+    Rules { sampler: Sampler::Product, mix: Mix::Density, epsilon: None, max_tries: 1, min_uniform_share: 0.0625 };
+
+/// A diffuse surface and one of rough metal, over a table with a lobe.
+struct Surfaces {
+    device: Device,
+    cell: Cell,
+}
+
+const NORMAL: DVec3 = DVec3::new(0.3, -0.2, 0.9);
+const WO: DVec3 = DVec3::new(0.6, 0.0, 0.8);
+
+fn metal() -> Surface {
+    let metal = Conductor { specular_reflectance: DVec3::splat(0.9), eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
+    let facets = Microfacets::new([0.5; 2], true);
+    Surface { name: "metal".into(), base: Base::Substance(Substance::RoughConductor(metal, facets)), coating: None }
+}
+
+impl Surfaces {
+    fn new() -> Self {
+        let device = Device::new();
+        let cell = Cell::new(&device, &Self::variant(1));
+        let mut numbers = Numbers::new(9);
+        let table: Vec<f32> = (0..BINS).map(|_| 10_f64.powf(numbers.between(-1.0, 1.0)) as f32).collect();
+        cell.fill(&device, &table);
+        Self { device, cell }
+    }
+
+    fn variant(candidates: u32) -> Variant {
+        Variant {
+            shares_at: BINS,
+            candidates,
+            normal_resolution: NORMALS,
+            guide_set: GUIDE_SET_AUTHORS,
+            material_kinds: 1 << BSDF_ROUGH_CONDUCTOR | 1 << BSDF_DIFFUSE,
+            ..variant(&RULES, DirectionMap::EqualArea)
+        }
+    }
+
+    fn draw(&self, bsdf: DeviceBsdf, candidates: u32, seed: u32) -> Vec<DirectionOutput> {
+        let normal = NORMAL.normalize();
+        let input = SurfaceInput { bsdf, wo: WO.as_vec3().into(), normal: normal.as_vec3().into() };
+        let named = [
+            ("SurfaceInputs", self.device.uploaded("surface", &[input])),
+            ("DirectionOutputs", self.device.storage("directions", SAMPLES * size_of::<DirectionOutput>())),
+            ("RadianceTable", Arc::clone(&self.cell.radiance)),
+            ("RadianceNodes", Arc::clone(&self.cell.nodes)),
+            ("NormalizationTable", Arc::clone(&self.cell.entries)),
+            ("CosineIntegrals", Arc::clone(&self.cell.integrals)),
+            ("CosineNodes", Arc::clone(&self.cell.cosine_nodes)),
+            ("cosine_nodes", Arc::clone(&self.cell.cosine_nodes)),
+        ];
+        let kernel = self.device.kernel(&test::SAMPLE_DIRECTION, &Self::variant(candidates));
+        let unused = self.device.storage("unused", 1024);
+        let bindings = kernel.source().sets.iter().flat_map(|set| set.bindings);
+        let find = |name: &str| named.iter().find(|(own, _)| *own == name).map_or(&unused, |(_, buffer)| buffer);
+        let buffers: Vec<_> = bindings.map(|binding| find(binding.name)).collect();
+        let push = [seed, SAMPLES as u32];
+        self.device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&push), SAMPLES as u32 / GROUP);
+        named[1].1.read(0, SAMPLES).expect("read")
+    }
+}
+
+fn gray(weight: [f32; 3]) -> f64 {
+    weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0
+}
+
+/// Whether a direction lies in some part of the sphere.
+fn is_inside(w: DVec3) -> bool {
+    w.dot(DVec3::new(0.9, 0.3, 0.2)) > 0.4
+}
+
+/// A surface, and what it scatters in local directions.
+struct Case {
+    name: &'static str,
+    bsdf: DeviceBsdf,
+    eval: Box<dyn Fn(DVec3) -> f64>,
+}
+
+fn cases() -> [Case; 2] {
+    let diffuse = DeviceBsdf::new(BSDF_DIFFUSE, [DVec3::splat(0.7), DVec3::ZERO, DVec3::ZERO]);
+    let metal = metal();
+    [
+        Case { name: "diffuse", bsdf: diffuse, eval: Box::new(|wi| 0.7 * wi.z.max(0.0) / PI) },
+        Case { name: "metal", bsdf: metal.device(), eval: Box::new(move |wi| metal.eval(WO, wi).element_sum() / 3.0) },
+    ]
+}
+
+impl Case {
+    fn value(&self, w: DVec3) -> f64 {
+        (self.eval)(basis_from_normal(NORMAL.normalize()).transpose() * w)
+    }
+
+    /// The light that it scatters to the part of the sphere, by points.
+    fn light(&self) -> f64 {
+        let side = 1024;
+        let points = (0..side * side).map(|point| bin_center(DirectionMap::EqualArea, point, side));
+        let sum: f64 = points.filter(|&w| is_inside(w)).map(|w| self.value(w)).sum();
+        sum * 4.0 * PI / f64::from(side * side)
+    }
+
+    /// The same by samples, of which `weight` says what they stand for.
+    fn estimate(&self, drawn: &[DirectionOutput], weight: impl Fn(&DirectionOutput, DVec3) -> f64) -> (f64, f64) {
+        mean_and_error(drawn.iter().map(|d| {
+            let w = Vec3::from(d.wi).as_dvec3().normalize();
+            if d.pdf > 0.0 && is_inside(w) { weight(d, w) } else { 0.0 }
+        }))
+    }
+}
+
+#[test]
+fn weights_make_up_the_light_whatever_shares_and_candidates_are() {
+    let surfaces = Surfaces::new();
+    for (seed, shares) in (1..).zip([[0.1, 0.9], [0.6, 0.2]]) {
+        surfaces.cell.set_shares(shares);
+        for candidates in [1, 2] {
+            for case in cases() {
+                let title = format!("{}, shares {shares:?}, {candidates} candidates", case.name);
+                let (drawn, light) = (surfaces.draw(case.bsdf, candidates, seed), case.light());
+                let apart = drawn.iter().filter(|d| (d.pdf - d.pdf_of_wi).abs() > 2.0e-3 * d.pdf).count();
+                assert!(apart <= SAMPLES / 2000, "{title}: {apart} densities are not their direction's");
+                let mean = |d: &DirectionOutput, _| d.weight.iter().map(|&weight| f64::from(weight)).sum::<f64>() / 3.0;
+                let estimate = case.estimate(&drawn, mean);
+                assert!(within_four_sigma(estimate, light), "{title}: {estimate:?}, not {light}");
+                // One of two candidates is more often where light comes from than its density says.
+                let naive = case.estimate(&drawn, |d, w| case.value(w) / f64::from(d.pdf));
+                assert_eq!(within_four_sigma(naive, light), candidates == 1, "{title}: {naive:?} by density, {light}");
+            }
+        }
+    }
+}
+
+#[test]
+fn each_kind_of_surface_has_its_own_share() {
+    let surfaces = Surfaces::new();
+    for (own, case) in cases().iter().enumerate() {
+        let densities = |shares| {
+            surfaces.cell.set_shares(shares);
+            let drawn = surfaces.draw(case.bsdf, 1, 7);
+            drawn.iter().map(|d| f64::from(d.pdf_of_given)).collect::<Vec<_>>()
+        };
+        let shares = |own_share, other| if own == 0 { [own_share, other] } else { [other, own_share] };
+        let [few, more, most] = [0.2, 0.5, 0.8].map(|share| densities(shares(share, 0.4)));
+        assert!(few == densities(shares(0.2, 0.9)), "{}: the other share has a part in it", case.name);
+        // Half way between two shares, the density is, too.
+        let is_between = |i: usize| (2.0 * more[i] - few[i] - most[i]).abs() <= 1.0e-4 * more[i];
+        assert!((0..few.len()).all(is_between), "{}", case.name);
+        let changed = few.iter().zip(&most).filter(|(few, most)| few != most).count();
+        assert!(changed > few.len() / 4, "{}: {changed} densities depend on the share", case.name);
+    }
+}
