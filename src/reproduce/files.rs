@@ -7,7 +7,7 @@ use super::methods::Method;
 use super::record::Record;
 use super::results::Results;
 use super::sheet::{self, Sheet};
-use super::{figure1, figure6, figure7, table1, table2};
+use super::{figure1, figure6, figure7, resolution, table1, table2};
 use crate::Result;
 use crate::image::{ToneCurve, exr, png};
 use crate::reproduce::paper::PATH_VERTEX_BYTES;
@@ -87,6 +87,14 @@ impl Writer<'_> {
         figure7::plots(results).iter().try_for_each(|(name, plot)| self.write(name, &plot.svg()?))
     }
 
+    pub fn write_resolution(&self, results: &Results) -> Result<()> {
+        let text = "# Resolution of the grids\n\nError of the displayed image (MAE) at equal time, relative to that of the paper's \
+                    resolution: 8 cells along each axis (grid), 16 x 16 bins of directions.\n\n";
+        let sheet = resolution::sheet(results);
+        self.write("resolution.csv", &resolution::measurements(results).csv())?;
+        self.write("resolution.md", &format!("{text}{}\n{}", self.conditions(), sheet.markdown()))
+    }
+
     fn caption(&self, scenes: usize) -> String {
         format!(
             "{}Means are over {scenes} of 12 scenes; in parentheses stand the paper's over the same scenes, or over all 12 where \
@@ -141,6 +149,8 @@ mod tests {
         writer.write_table2(&results).expect("written");
         let swept = figure7::methods().iter().map(|method| record("kitchen", method, 0.02)).collect();
         writer.write_figure7(&Results(swept)).expect("written");
+        let fine = resolution::methods().iter().map(|method| record("kitchen", method, 0.02)).collect();
+        writer.write_resolution(&Results(fine)).expect("written");
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
         let lines: Vec<_> = read("measurements.csv").lines().map(|line| line.split(',').count()).collect();
         assert_eq!(lines.len(), results.0.len() + 1);
@@ -148,6 +158,9 @@ mod tests {
         assert!(read("table1.md").contains("over 1 of 12 scenes") && read("table1.csv").contains("kitchen"));
         assert_eq!(read("table2.md").matches("\n## ").count(), 5);
         assert!(read("figure7a-kitchen.svg").contains("polyline") && read("figure7bc.csv").contains("kitchen"));
+        assert!(
+            read("resolution.md").contains("| kitchen | 1.000") && read("resolution.csv").contains("kitchen,16,32,")
+        );
         assert!(read("table2-mae.csv").contains("\"sphere, inversion\""));
     }
 }

@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 
+use super::changes::Changes;
 use crate::settings::{Learner, Mix, Sampler, Settings};
 
 /// How directions are sampled and learned.
@@ -15,6 +16,8 @@ pub struct Method {
     pub mix: Mix,
     /// The share e of `rejection-mix`; the optimal one where `None`.
     pub epsilon: Option<f32>,
+    /// What else it changes.
+    pub changes: Changes,
 }
 
 /// A method's places in the tables, by the names of the paper's columns, or of ours where it has none.
@@ -77,7 +80,7 @@ impl Method {
 
     /// A sampler with a learner.
     pub const fn new(sampler: Sampler, learner: Learner) -> Self {
-        Self { sampler, learner, mix: Mix::Density, epsilon: None }
+        Self { sampler, learner, mix: Mix::Density, epsilon: None, changes: Changes::NONE }
     }
 
     /// By Eq. 9.
@@ -90,14 +93,20 @@ impl Method {
         Self { epsilon: Some(share), ..self }
     }
 
+    /// With other settings.
+    pub const fn with(self, changes: Changes) -> Self {
+        Self { changes, ..self }
+    }
+
     /// Its name, also of its files: `rejection-mix+sarsa`.
     pub fn name(&self) -> String {
         let mix = if self.mix == Mix::Acceptance { "-acceptance" } else { "" };
         let share = self.epsilon.map(|share| format!("-e{share}")).unwrap_or_default();
-        match self.sampler {
-            Sampler::Bsdf => word(self.sampler),
-            _ => format!("{}{mix}{share}+{}", word(self.sampler), word(self.learner)),
-        }
+        let learner = match self.sampler {
+            Sampler::Bsdf => String::new(),
+            _ => format!("+{}", word(self.learner)),
+        };
+        format!("{}{mix}{share}{learner}{}", word(self.sampler), self.changes.name())
     }
 
     /// Changes the settings to it.
@@ -106,6 +115,7 @@ impl Method {
         settings.learner = self.learner;
         settings.mix = self.mix;
         settings.epsilon = self.epsilon;
+        self.changes.apply(settings);
     }
 }
 

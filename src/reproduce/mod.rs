@@ -4,6 +4,7 @@
 //! [`Plan::run`] is all of it. A method is a line of [`methods::METHODS`], a scene one of [`paper::SCENES`], and a result a
 //! JSON file in the output folder: what is there already under the same conditions is not measured again.
 
+pub mod changes;
 pub mod contest;
 pub mod error_map;
 pub mod figure1;
@@ -15,6 +16,7 @@ pub mod paper;
 pub mod plot;
 pub mod protocol;
 pub mod record;
+pub mod resolution;
 pub mod results;
 pub mod sheet;
 mod stage;
@@ -45,6 +47,8 @@ pub enum Target {
     Figure6,
     /// Light hits as learning goes on, and what a fixed share of uniform directions does.
     Figure7,
+    /// The paper's method with coarser and finer grids.
+    Resolution,
     /// All of these.
     All,
 }
@@ -62,6 +66,7 @@ impl Target {
             (Self::Table2, table2::methods()),
             (Self::Figure1, figure1::methods()),
             (Self::Figure7, figure7::methods()),
+            (Self::Resolution, resolution::methods()),
         ];
         for (target, own) in all {
             if self.includes(target) {
@@ -212,6 +217,9 @@ impl Plan {
         if self.target.includes(Target::Figure7) {
             writer.write_figure7(results)?;
         }
+        if self.target.includes(Target::Resolution) {
+            writer.write_resolution(results)?;
+        }
         Ok(())
     }
 }
@@ -238,7 +246,9 @@ mod tests {
         assert_eq!(figures.map(|target| target.methods().len()), [6, 0, 3 + 3 * methods::SHARES.len()]);
         let counts = [Target::Table1, Target::Table2, Target::All];
         let shares = 3 * methods::SHARES.len();
-        let all = methods::METHODS.len() + shares;
+        // One of the resolutions is a method of Table 1.
+        assert_eq!(Target::Resolution.methods().len(), 9);
+        let all = methods::METHODS.len() + shares + 8;
         assert_eq!(counts.map(|target| target.methods().len()), [6, 18, all]);
     }
 

@@ -1,19 +1,24 @@
 //! How the paper measures: no emitter sampling, at most 16 edges, roulette after 8, a box filter, pictures so small that a
-//! plain path tracer comes to about a thousand samples per pixel.
+//! plain path tracer comes to about a thousand samples per pixel; samples each for themselves, steps of one length and the
+//! paper's grids.
 
 use crate::image::Image;
 use crate::scene::{ReconstructionFilter, Scene};
-use crate::settings::{SamplePattern, Sampler, Settings};
+use crate::settings::{SamplePattern, Sampler, Settings, StepSchedule};
 use crate::{Error, Result};
 
 const MAX_DEPTH: u32 = 16;
 const RR_DEPTH: u32 = 8;
+/// Cells along each axis.
+pub const GRID: u32 = 8;
+/// Direction bins along each side.
+pub const DIRECTIONS: u32 = 16;
 /// Samples per pixel that `bsdf` is to reach.
 const TARGET_SPP: f64 = 1000.0;
 /// Pictures are not made smaller than that on either side.
 const LEAST_SIDE: u32 = 32;
 
-/// The settings of all methods, but for the sampler and learner.
+/// The settings of all methods, but for the sampler, the learner and what else a method changes.
 pub fn settings(scene: &Scene, [width, height]: [u32; 2]) -> Settings {
     Settings {
         width,
@@ -24,6 +29,9 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2]) -> Settings {
         rr_depth: RR_DEPTH,
         nee: false,
         pattern: SamplePattern::Independent,
+        steps: StepSchedule::Even,
+        grid: GRID,
+        directions: DIRECTIONS,
         sampler: Sampler::Bsdf,
         ..Settings::for_scene(scene)
     }
