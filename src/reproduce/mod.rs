@@ -4,6 +4,7 @@
 //! [`Plan::run`] is all of it. A method is a line of [`methods::METHODS`], a scene one of [`paper::SCENES`], and a result a
 //! JSON file in the output folder: what is there already under the same conditions is not measured again.
 
+pub mod ablation;
 pub mod changes;
 pub mod contest;
 pub mod error_map;
@@ -49,13 +50,15 @@ pub enum Target {
     Figure7,
     /// The paper's method with coarser and finer grids.
     Resolution,
-    /// All of these.
+    /// Beyond the paper, and not a part of `all`: what each part of the default guide brings.
+    Ablation,
+    /// All of these but `ablation`.
     All,
 }
 
 impl Target {
     fn includes(self, other: Self) -> bool {
-        self == other || self == Self::All
+        self == other || (self == Self::All && other != Self::Ablation)
     }
 
     /// The methods to measure, each once.
@@ -67,6 +70,7 @@ impl Target {
             (Self::Figure1, figure1::methods()),
             (Self::Figure7, figure7::methods()),
             (Self::Resolution, resolution::methods()),
+            (Self::Ablation, ablation::methods()),
         ];
         for (target, own) in all {
             if self.includes(target) {
@@ -220,6 +224,9 @@ impl Plan {
         if self.target.includes(Target::Resolution) {
             writer.write_resolution(results)?;
         }
+        if self.target.includes(Target::Ablation) {
+            writer.write_ablation(results)?;
+        }
         Ok(())
     }
 }
@@ -246,8 +253,8 @@ mod tests {
         assert_eq!(figures.map(|target| target.methods().len()), [6, 0, 3 + 3 * methods::SHARES.len()]);
         let counts = [Target::Table1, Target::Table2, Target::All];
         let shares = 3 * methods::SHARES.len();
-        // One of the resolutions is a method of Table 1.
-        assert_eq!(Target::Resolution.methods().len(), 9);
+        assert_eq!([Target::Resolution, Target::Ablation].map(|target| target.methods().len()), [9, 22]);
+        // One of the resolutions is a method of Table 1; the ablation is no part of all.
         let all = methods::METHODS.len() + shares + 8;
         assert_eq!(counts.map(|target| target.methods().len()), [6, 18, all]);
     }
