@@ -110,7 +110,7 @@ impl Entrant {
 
     /// A step; false where it was stopped.
     fn step(&mut self, stage: &Stage) -> Result<bool> {
-        let report = self.renderer.step(self.settings.spp_per_step, stage.stop)?;
+        let report = self.renderer.step(self.settings.samples_of_step(self.spp), stage.stop)?;
         if !report.complete {
             return Ok(false);
         }

@@ -2,9 +2,11 @@
 
 use clap::ValueEnum;
 
+use super::changes::Changes;
+use super::protocol::{self, Base};
 use crate::settings::{Learner, Mix, Sampler, Settings};
 
-/// How directions are sampled and learned.
+/// How directions are sampled and learned, and with which settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Method {
     /// The sampler.
@@ -15,6 +17,12 @@ pub struct Method {
     pub mix: Mix,
     /// The share e of `rejection-mix`; the optimal one where `None`.
     pub epsilon: Option<f32>,
+    /// Where all else comes from.
+    pub base: Base,
+    /// Whether emitters are sampled.
+    pub nee: bool,
+    /// What it changes of that.
+    pub changes: Changes,
 }
 
 /// A method's places in the tables, by the names of the paper's columns, or of ours where it has none.
@@ -77,7 +85,8 @@ impl Method {
 
     /// A sampler with a learner.
     pub const fn new(sampler: Sampler, learner: Learner) -> Self {
-        Self { sampler, learner, mix: Mix::Density, epsilon: None }
+        let (mix, epsilon, base, nee, changes) = (Mix::Density, None, Base::Paper, false, Changes::NONE);
+        Self { sampler, learner, mix, epsilon, base, nee, changes }
     }
 
     /// By Eq. 9.
@@ -90,22 +99,31 @@ impl Method {
         Self { epsilon: Some(share), ..self }
     }
 
-    /// Its name, also of its files: `rejection-mix+sarsa`.
+    /// With other settings.
+    pub const fn with(self, changes: Changes) -> Self {
+        Self { changes, ..self }
+    }
+
+    /// Its name, also of its files: `rejection-mix+sarsa`, `product+sarsa-default-nee-steps-even`.
     pub fn name(&self) -> String {
         let mix = if self.mix == Mix::Acceptance { "-acceptance" } else { "" };
         let share = self.epsilon.map(|share| format!("-e{share}")).unwrap_or_default();
-        match self.sampler {
-            Sampler::Bsdf => word(self.sampler),
-            _ => format!("{}{mix}{share}+{}", word(self.sampler), word(self.learner)),
-        }
+        let learner = match self.sampler {
+            Sampler::Bsdf => String::new(),
+            _ => format!("+{}", word(self.learner)),
+        };
+        let base = if self.base == Base::Defaults { "-default" } else { "" };
+        let nee = if self.nee { "-nee" } else { "" };
+        format!("{}{mix}{share}{learner}{base}{nee}{}", word(self.sampler), self.changes.name())
     }
 
-    /// Changes the settings to it.
-    pub fn apply(&self, settings: &mut Settings) {
-        settings.sampler = self.sampler;
-        settings.learner = self.learner;
-        settings.mix = self.mix;
-        settings.epsilon = self.epsilon;
+    /// Its settings on a scene with these defaults, for a picture of this width and height.
+    pub fn settings(&self, defaults: Settings, size: [u32; 2]) -> Settings {
+        let Self { sampler, learner, mix, epsilon, nee, .. } = *self;
+        let base = protocol::settings(self.base, defaults, size);
+        let mut settings = Settings { sampler, learner, mix, epsilon, nee, ..base };
+        self.changes.apply(&mut settings);
+        settings
     }
 }
 
@@ -117,21 +135,24 @@ pub(super) fn word(value: impl ValueEnum) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduce::paper;
+    use crate::reproduce::{Target, paper};
     use crate::scene::{FilmDescription, IntegratorDescription, ReconstructionFilter};
 
     #[test]
     fn every_method_is_valid_and_has_a_name_of_its_own() {
         let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
-        let mut names: Vec<_> = METHODS.iter().map(|place| place.method.name()).collect();
-        for place in METHODS {
-            let mut settings = Settings::for_film(&film, &IntegratorDescription::default());
-            place.method.apply(&mut settings);
-            settings.validate().expect("a method that can be rendered");
+        let methods: Vec<_> = [Target::All, Target::Ablation].into_iter().flat_map(Target::methods).collect();
+        let mut names: Vec<_> = methods.iter().map(Method::name).collect();
+        let mut settings: Vec<_> = Vec::new();
+        for method in &methods {
+            let own = method.settings(Settings::for_film(&film, &IntegratorDescription::default()), [8, 8]);
+            own.validate().expect("a method that can be rendered");
+            assert!(!settings.contains(&own), "{} is what another method is", method.name());
+            settings.push(own);
         }
         names.sort();
         names.dedup();
-        assert_eq!(names.len(), METHODS.len());
+        assert_eq!(names.len(), methods.len());
         let fixed = Method::new(Sampler::RejectionMix, Sarsa).with_share(1.0e-4);
         assert_eq!((Method::PLAIN.name(), fixed.name()), ("bsdf".into(), "rejection-mix-e0.0001+sarsa".into()));
     }

@@ -4,6 +4,8 @@
 //! [`Plan::run`] is all of it. A method is a line of [`methods::METHODS`], a scene one of [`paper::SCENES`], and a result a
 //! JSON file in the output folder: what is there already under the same conditions is not measured again.
 
+pub mod ablation;
+pub mod changes;
 pub mod contest;
 pub mod error_map;
 pub mod figure1;
@@ -15,6 +17,7 @@ pub mod paper;
 pub mod plot;
 pub mod protocol;
 pub mod record;
+pub mod resolution;
 pub mod results;
 pub mod sheet;
 mod stage;
@@ -45,13 +48,17 @@ pub enum Target {
     Figure6,
     /// Light hits as learning goes on, and what a fixed share of uniform directions does.
     Figure7,
-    /// All of these.
+    /// The paper's method with coarser and finer grids.
+    Resolution,
+    /// Beyond the paper, and not a part of `all`: what each part of the default guide brings.
+    Ablation,
+    /// All of these but `ablation`.
     All,
 }
 
 impl Target {
     fn includes(self, other: Self) -> bool {
-        self == other || self == Self::All
+        self == other || (self == Self::All && other != Self::Ablation)
     }
 
     /// The methods to measure, each once.
@@ -62,6 +69,8 @@ impl Target {
             (Self::Table2, table2::methods()),
             (Self::Figure1, figure1::methods()),
             (Self::Figure7, figure7::methods()),
+            (Self::Resolution, resolution::methods()),
+            (Self::Ablation, ablation::methods()),
         ];
         for (target, own) in all {
             if self.includes(target) {
@@ -212,6 +221,12 @@ impl Plan {
         if self.target.includes(Target::Figure7) {
             writer.write_figure7(results)?;
         }
+        if self.target.includes(Target::Resolution) {
+            writer.write_resolution(results)?;
+        }
+        if self.target.includes(Target::Ablation) {
+            writer.write_ablation(results)?;
+        }
         Ok(())
     }
 }
@@ -238,7 +253,9 @@ mod tests {
         assert_eq!(figures.map(|target| target.methods().len()), [6, 0, 3 + 3 * methods::SHARES.len()]);
         let counts = [Target::Table1, Target::Table2, Target::All];
         let shares = 3 * methods::SHARES.len();
-        let all = methods::METHODS.len() + shares;
+        assert_eq!([Target::Resolution, Target::Ablation].map(|target| target.methods().len()), [9, 22]);
+        // One of the resolutions is a method of Table 1; the ablation is no part of all.
+        let all = methods::METHODS.len() + shares + 8;
         assert_eq!(counts.map(|target| target.methods().len()), [6, 18, all]);
     }
 

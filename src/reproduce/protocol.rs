@@ -1,31 +1,47 @@
 //! How the paper measures: no emitter sampling, at most 16 edges, roulette after 8, a box filter, pictures so small that a
-//! plain path tracer comes to about a thousand samples per pixel.
+//! plain path tracer comes to about a thousand samples per pixel; samples each for themselves, steps of one length and the
+//! paper's grids.
 
 use crate::image::Image;
-use crate::scene::{ReconstructionFilter, Scene};
-use crate::settings::{SamplePattern, Sampler, Settings};
+use crate::scene::ReconstructionFilter;
+use crate::settings::{GuideSet, SamplePattern, Settings, StepSchedule};
 use crate::{Error, Result};
 
 const MAX_DEPTH: u32 = 16;
 const RR_DEPTH: u32 = 8;
+/// Cells along each axis.
+pub const GRID: u32 = 8;
+/// Direction bins along each side.
+pub const DIRECTIONS: u32 = 16;
 /// Samples per pixel that `bsdf` is to reach.
 const TARGET_SPP: f64 = 1000.0;
 /// Pictures are not made smaller than that on either side.
 const LEAST_SIDE: u32 = 32;
 
-/// The settings of all methods, but for the sampler and learner.
-pub fn settings(scene: &Scene, [width, height]: [u32; 2]) -> Settings {
-    Settings {
-        width,
-        height,
-        crop: None,
-        filter: ReconstructionFilter::Box,
-        max_depth: MAX_DEPTH,
-        rr_depth: RR_DEPTH,
-        nee: false,
-        pattern: SamplePattern::Independent,
-        sampler: Sampler::Bsdf,
-        ..Settings::for_scene(scene)
+/// What methods change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Base {
+    /// The settings of the paper's tables.
+    Paper,
+    /// What a render of the scene has unless it is told otherwise; depths and filter are the paper's.
+    Defaults,
+}
+
+/// The settings of all methods with this base on a scene with these defaults, but for what a method says itself.
+pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Settings {
+    let (filter, max_depth, rr_depth) = (ReconstructionFilter::Box, MAX_DEPTH, RR_DEPTH);
+    let common = Settings { width, height, crop: None, filter, max_depth, rr_depth, nee: false, ..defaults };
+    match base {
+        Base::Defaults => common,
+        Base::Paper => Settings {
+            pattern: SamplePattern::Independent,
+            guide_set: GuideSet::Diffuse,
+            steps: StepSchedule::Even,
+            grid: GRID,
+            fallback: 0.0,
+            directions: DIRECTIONS,
+            ..common
+        },
     }
 }
 

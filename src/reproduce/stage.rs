@@ -178,7 +178,7 @@ impl<'a> SceneStage<'a> {
         let factors = protocol::factors(size);
         let factor = factors.get(1).copied().unwrap_or(1);
         let [width, height] = size.map(|side| side / factor);
-        let settings = protocol::settings(&self.scene, [width, height]);
+        let settings = Method::PLAIN.settings(Settings::for_scene(&self.scene), [width, height]);
         let mut renderer = Renderer::new(self.context, &self.scene, &self.bvh, &settings)?;
         let mut step = || renderer.step(settings.spp_per_step, &|| false).map(|report| report.seconds);
         step()?;
@@ -187,9 +187,7 @@ impl<'a> SceneStage<'a> {
     }
 
     pub fn settings(&self, method: &Method) -> Settings {
-        let mut settings = protocol::settings(&self.scene, [self.reference.width, self.reference.height]);
-        method.apply(&mut settings);
-        settings
+        method.settings(Settings::for_scene(&self.scene), [self.reference.width, self.reference.height])
     }
 
     pub fn conditions(&self, settings: &Settings) -> Conditions {

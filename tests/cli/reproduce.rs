@@ -77,6 +77,15 @@ fn tables_are_measured_once_and_hold_every_method() {
     let table = fs::read_to_string(folder.path("out/table2.md")).unwrap();
     assert!(table.contains("(0.0317)") && table.contains("over 1 of 12 scenes"), "{table}");
 
+    // The paper's resolution is a method of Table 1.
+    assert_quiet_success(&reproduce(&folder, "resolution", "0.5", &small));
+    assert_eq!(modified(&kept), before, "measured a second time");
+    let fine = folder.read_json("out/cornell-box/rejection-mix+sarsa-g16-d32.json");
+    assert_eq!([&fine["conditions"]["settings"]["grid"], &fine["conditions"]["settings"]["directions"]], [16, 32]);
+    let table = fs::read_to_string(folder.path("out/resolution.md")).unwrap();
+    let row: Vec<_> = table.lines().find(|line| line.starts_with("| cornell-box")).unwrap().split(" | ").collect();
+    assert_eq!((row.len(), row[5]), (1 + 9, "1.000"), "{table}");
+
     // Other conditions.
     assert_quiet_success(&reproduce(&folder, "table1", "0.3", &small));
     assert!(modified(&kept) > before);
@@ -87,8 +96,9 @@ fn tables_are_measured_once_and_hold_every_method() {
 fn figures_are_drawn() {
     let folder = with_reference();
     let small = ["--scale", "0.25"];
-    // All of it has 44 pictures.
-    let targets = if std::env::var_os("LODESTAR_FULL").is_some() { &["all"][..] } else { &["figure1", "figure6"] };
+    // All of it has 52 pictures, and the ablation 22.
+    let is_full = std::env::var_os("LODESTAR_FULL").is_some();
+    let targets = if is_full { &["all", "ablation"][..] } else { &["figure1", "figure6"] };
     for target in targets {
         assert_quiet_success(&reproduce(&folder, target, "0.2", &small));
     }
@@ -99,7 +109,12 @@ fn figures_are_drawn() {
     let learners = maps["learners"].as_array().unwrap();
     assert_eq!(learners.len(), 3);
     assert!(learners.iter().all(|map| map["relative_error"].as_f64().unwrap() < 2.0), "{maps}");
-    if targets == ["all"] {
+    if is_full {
+        let table = fs::read_to_string(folder.path("out/ablation.md")).unwrap();
+        assert_eq!(table.matches("\n| `product` | ").count(), 2, "{table}");
+        let settings =
+            &folder.read_json("out/cornell-box/product+sarsa-default-nee-steps-even.json")["conditions"]["settings"];
+        assert_eq!([&settings["nee"], &settings["steps"], &settings["pattern"]], ["on", "even", "sobol"]);
         for part in ["a", "b", "c-hits", "c-samples"] {
             let plot = fs::read_to_string(folder.path(&format!("out/figure7{part}-cornell-box.svg"))).unwrap();
             assert!(plot.contains("polyline") && plot.contains("cornell-box"), "{part}");

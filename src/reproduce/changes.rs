@@ -1,0 +1,84 @@
+//! What a method changes of its settings besides the sampler, how it learns and whether emitters are sampled.
+
+use super::methods::word;
+use crate::settings::{AUTO_GRID, GuideSet, SamplePattern, Settings, StepSchedule};
+
+/// Settings in place of others; `None` leaves what is there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Changes {
+    /// [`Settings::grid`].
+    pub grid: Option<u32>,
+    /// [`Settings::fallback`].
+    pub fallback: Option<f32>,
+    /// [`Settings::directions`].
+    pub directions: Option<u32>,
+    /// [`Settings::guide_set`].
+    pub guide_set: Option<GuideSet>,
+    /// [`Settings::steps`].
+    pub steps: Option<StepSchedule>,
+    /// [`Settings::pattern`].
+    pub pattern: Option<SamplePattern>,
+}
+
+impl Changes {
+    /// Leaves everything.
+    pub const NONE: Self =
+        Self { grid: None, fallback: None, directions: None, guide_set: None, steps: None, pattern: None };
+
+    /// Changes the settings.
+    pub fn apply(&self, settings: &mut Settings) {
+        settings.grid = self.grid.unwrap_or(settings.grid);
+        settings.fallback = self.fallback.unwrap_or(settings.fallback);
+        settings.directions = self.directions.unwrap_or(settings.directions);
+        settings.guide_set = self.guide_set.unwrap_or(settings.guide_set);
+        settings.steps = self.steps.unwrap_or(settings.steps);
+        settings.pattern = self.pattern.unwrap_or(settings.pattern);
+    }
+
+    /// As the command line has them: ` --grid auto --fallback 4`.
+    pub fn options(&self) -> String {
+        self.words().map(|(option, value)| format!(" --{option} {value}")).collect()
+    }
+
+    /// The end of a method's name: numbers after their option's first letter, words after the whole of it, as in
+    /// `-g4-d32-steps-even`.
+    pub fn name(&self) -> String {
+        let part = |(option, value): (&str, String)| match value.parse::<f32>() {
+            Ok(_) => format!("-{}{value}", &option[..1]),
+            Err(_) => format!("-{option}-{value}"),
+        };
+        self.words().map(part).collect()
+    }
+
+    /// Options with their values.
+    fn words(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let grid = |grid: u32| if grid == AUTO_GRID { "auto".into() } else { grid.to_string() };
+        let words = [
+            ("grid", self.grid.map(grid)),
+            ("fallback", self.fallback.map(|targets| targets.to_string())),
+            ("directions", self.directions.map(|directions| directions.to_string())),
+            ("guide-set", self.guide_set.map(word)),
+            ("steps", self.steps.map(word)),
+            ("pattern", self.pattern.map(word)),
+        ];
+        words.into_iter().filter_map(|(option, value)| Some((option, value?)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_are_named_as_the_command_line_has_them() {
+        let fine = Changes { grid: Some(4), directions: Some(32), ..Changes::NONE };
+        let adaptive = Changes { grid: Some(AUTO_GRID), fallback: Some(4.0), ..Changes::NONE };
+        let even = Changes { steps: Some(StepSchedule::Even), guide_set: Some(GuideSet::All), ..Changes::NONE };
+        assert_eq!(
+            [fine, adaptive, even].map(|changes| changes.name()),
+            ["-g4-d32", "-grid-auto-f4", "-guide-set-all-steps-even"]
+        );
+        assert_eq!(adaptive.options(), " --grid auto --fallback 4");
+        assert_eq!((Changes::NONE.name(), Changes::NONE.options()), Default::default());
+    }
+}
