@@ -7,7 +7,7 @@ use super::protocol::Base;
 use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
-use crate::settings::{AUTO_GRID, GuideSet, Learner, SamplePattern, Sampler, StepSchedule};
+use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Learner, SamplePattern, Sampler, StepSchedule};
 
 /// A plain path tracer.
 const PLAIN: Method = Method { base: Base::Defaults, ..Method::PLAIN };
@@ -24,6 +24,8 @@ const ROWS: &[Method] = &[
     PRODUCT,
     PRODUCT.with(Changes { steps: Some(StepSchedule::Even), ..NONE }),
     PRODUCT.with(Changes { pattern: Some(SamplePattern::Independent), ..NONE }),
+    PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),
+    PRODUCT.with(Changes { candidates: Some(2), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Authors), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::All), ..NONE }),
     Method { learner: Learner::ExpectedSarsa, ..PRODUCT },

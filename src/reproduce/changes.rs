@@ -1,7 +1,7 @@
 //! What a method changes of its settings besides the sampler, how it learns and whether emitters are sampled.
 
 use super::methods::word;
-use crate::settings::{AUTO_GRID, GuideSet, SamplePattern, Settings, StepSchedule};
+use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, SamplePattern, Settings, StepSchedule};
 
 /// Settings in place of others; `None` leaves what is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,12 +18,24 @@ pub struct Changes {
     pub steps: Option<StepSchedule>,
     /// [`Settings::pattern`].
     pub pattern: Option<SamplePattern>,
+    /// [`Settings::bsdf_share`].
+    pub bsdf_share: Option<BsdfShare>,
+    /// [`Settings::candidates`].
+    pub candidates: Option<u32>,
 }
 
 impl Changes {
     /// Leaves everything.
-    pub const NONE: Self =
-        Self { grid: None, fallback: None, directions: None, guide_set: None, steps: None, pattern: None };
+    pub const NONE: Self = Self {
+        grid: None,
+        fallback: None,
+        directions: None,
+        guide_set: None,
+        steps: None,
+        pattern: None,
+        bsdf_share: None,
+        candidates: None,
+    };
 
     /// Changes the settings.
     pub fn apply(&self, settings: &mut Settings) {
@@ -33,6 +45,8 @@ impl Changes {
         settings.guide_set = self.guide_set.unwrap_or(settings.guide_set);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
+        settings.bsdf_share = self.bsdf_share.unwrap_or(settings.bsdf_share);
+        settings.candidates = self.candidates.unwrap_or(settings.candidates);
     }
 
     /// As the command line has them: ` --grid auto --fallback 4`.
@@ -60,6 +74,8 @@ impl Changes {
             ("guide-set", self.guide_set.map(word)),
             ("steps", self.steps.map(word)),
             ("pattern", self.pattern.map(word)),
+            ("bsdf-share", self.bsdf_share.map(word)),
+            ("candidates", self.candidates.map(|candidates| candidates.to_string())),
         ];
         words.into_iter().filter_map(|(option, value)| Some((option, value?)))
     }

@@ -53,7 +53,7 @@ fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
     }
 }
 
-/// A guide that knows no more than the surface leaves shares as they are, one that knows where the light is gets most, and one
+/// A guide that knows no more than the surface hardly changes shares, and not in its own favor; one that knows where the light is gets more than half, and one
 /// that is coarser than what metal reflects gets little.
 #[test]
 fn shares_go_to_what_knows_more() {
@@ -75,12 +75,12 @@ fn shares_go_to_what_knows_more() {
         [mean(0), mean(1)]
     };
     let [of_lobes, of_wholes] = shares(&ours("furnace/scene.xml", &[]), |_| {});
-    assert!((of_lobes.expect("a share") - 0.5).abs() < 0.02 && of_wholes.is_none(), "{of_lobes:?}");
+    assert!((0.5..0.6).contains(&of_lobes.expect("a share")) && of_wholes.is_none(), "{of_lobes:?}");
     let [of_lobes, of_wholes] = shares(&ours("cornell-box-hard/scene.xml", &[]), |_| {});
-    assert!(of_lobes.expect("a share") < 0.35 && of_wholes.is_none(), "{of_lobes:?}");
+    assert!(of_lobes.expect("a share") < 0.45 && of_wholes.is_none(), "{of_lobes:?}");
     let [_, of_wholes] = shares(&polished_box(), |s| s.guide_set = GuideSet::Authors);
     assert!(of_wholes.expect("a share") > 0.65, "{of_wholes:?}");
-    assert_eq!(shares_where_fixed(&device), []);
+    assert!(shares_where_fixed(&device).is_empty());
 }
 
 /// The Cornell box with a wall of almost polished metal.
