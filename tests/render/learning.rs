@@ -53,8 +53,8 @@ fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
     }
 }
 
-/// A guide that knows no more than the surface hardly changes shares, and not in its own favor; one that knows where the light is gets more than half, and one
-/// that is coarser than what metal reflects gets little.
+/// A guide that knows no more than the surface hardly changes shares, and not in its own favor; one that knows where the light
+/// is gets more than half, and one that is coarser than what metal reflects gets little.
 #[test]
 fn shares_go_to_what_knows_more() {
     let device = Device::new();

@@ -74,7 +74,7 @@ fn check(
     let (bins, normals) = (settings.directions.pow(2) as usize, cosines.len());
     let (mut marked, mut wrong, mut unasked) = (0, None, 0);
     for (normal, cosines) in cosines.iter().enumerate() {
-        for cell in 0..radiance.len() / bins {
+        for cell in 0..entries.len() / normals {
             let index = cell * normals + normal;
             let entry = &entries[index];
             if marks[index / 32] >> (index % 32) & 1 == 0 {
