@@ -9,9 +9,11 @@
 
 // What a cell starts with, and holds on to as if it had learned it from so many samples.
 const float FIRST_SHARE = 0.5;
-const float FIRST_SAMPLES = 256.0;
+const float FIRST_SAMPLES = 64.0;
 // Neither side has less: a share e bounds weights by 1 / e times those of that side alone.
 const float LEAST_SHARE = 0.1;
+// Part of the samples that is asked: all of them would have many lanes add to few words.
+const float ASKED = 0.25;
 // What one update leaves of earlier samples: they were weighed by earlier shares.
 const float SHARE_DECAY = 0.5;
 
@@ -29,10 +31,11 @@ uint share_sum(uint share, uint which) {
     return SHARES_AT + 2u * share + which;
 }
 
-// Adds a sample, whose segment has learned `target`; `u` in [0, 1) rounds.
+// Adds a sample, whose segment has learned `target`; `u` in [0, 1) decides whether, and rounds.
 void add_evidence(ShareEvidence evidence, float target, float u) {
     float scattered = evidence.scattered * target;
-    if (evidence.share == NONE || target < 0.0 || !is_finite(scattered)) return;
+    if (evidence.share == NONE || u >= ASKED || target < 0.0 || !is_finite(scattered)) return;
+    u /= ASKED;
     add_target(share_sum(evidence.share, 0u), fixed_point(scattered, scene().target_limit, u));
     add_target(share_sum(evidence.share, 1u), fixed_point(scattered * evidence.of_guide, scene().target_limit, u));
 }

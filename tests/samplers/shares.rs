@@ -29,7 +29,7 @@ const DIRECTIONS: u32 = 16;
 const BINS: u32 = DIRECTIONS * DIRECTIONS;
 /// Constants of `share_learning.glsl`.
 const FIRST_SHARE: f64 = 0.5;
-const FIRST_SAMPLES: f64 = 256.0;
+const FIRST_SAMPLES: f64 = 64.0;
 const LEAST_SHARE: f64 = 0.1;
 const SHARE_DECAY: f64 = 0.5;
 
