@@ -74,6 +74,7 @@ bool survives_roulette(inout Path path, float u) {
     float survival = min(max_component(path.throughput) * path.eta * path.eta, 0.95);
     path.throughput /= max(survival, 1.0e-30);
     path.met.factor /= max(survival, 1.0e-30);
+    path.evidence.scattered /= max(survival, 1.0e-30);
     return u < survival;
 }
 

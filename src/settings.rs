@@ -91,7 +91,7 @@ pub enum BsdfShare {
     /// As much everywhere: [`Settings::epsilon`].
     Fixed,
     /// What each cell learns, apart for diffuse lobes and for scattering functions that are guided as a whole: the share with
-    /// which the mixture comes nearest to f cos L, in Kullback-Leibler divergence, by expectation maximization.
+    /// which the mixture comes nearest to f cos L, in Kullback-Leibler divergence.
     Learned,
 }
 
@@ -171,10 +171,10 @@ pub struct Settings {
     /// What `rejection-mix` mixes with the uniform share.
     pub mix: Mix,
     /// The share e of what is mixed with the guide, in [1e-4, 1]: uniform directions with `rejection-mix`, where `None` takes
-    /// the optimal share (Eq. 8), and the cosine with `product`, where it takes 0.25.
+    /// the optimal share (Eq. 8), and the scattering function with `product`, where it takes 0.25 if cells do not learn it.
     pub epsilon: Option<f32>,
-    /// What a scattering function keeps of the samples where `product` has the rest. See [`Settings::learns_share`].
-    pub bsdf_share: BsdfShare,
+    /// What a scattering function keeps of the samples where `product` has the rest: where `None`, what cells learn if they can.
+    pub bsdf_share: Option<BsdfShare>,
     /// Directions of which `product` takes one, by f cos L, in [1, 2].
     pub candidates: u32,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
@@ -250,12 +250,12 @@ impl Settings {
             pattern: SamplePattern::Sobol,
             sample_offset: None,
             sampler: Sampler::Product,
-            guide_set: GuideSet::Diffuse,
+            guide_set: GuideSet::All,
             learner: Learner::Sarsa,
             map: DirectionMap::EqualArea,
             mix: Mix::Density,
             epsilon: None,
-            bsdf_share: BsdfShare::Learned,
+            bsdf_share: None,
             candidates: 1,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
@@ -331,6 +331,14 @@ impl Settings {
         if self.candidates > 1 && self.sampler != Sampler::Product {
             return Err(Error::Settings("--candidates is for --sampler product only".into()));
         }
+        if self.bsdf_share.is_some() && self.sampler != Sampler::Product {
+            return Err(Error::Settings("--bsdf-share is for --sampler product only".into()));
+        }
+        if self.bsdf_share == Some(BsdfShare::Learned) && !self.learns_share() {
+            return Err(Error::Settings(
+                "--bsdf-share learned goes with neither --epsilon nor --learner monte-carlo".into(),
+            ));
+        }
         Ok(())
     }
 
@@ -378,11 +386,11 @@ impl Settings {
         Ok(())
     }
 
-    /// Whether cells learn the share of the scattering function: where they shall, and there is none that is fixed. A learner
-    /// that keeps vertices would have to keep what each says of its share.
+    /// Whether cells learn the share of the scattering function: they may, and none is fixed. `monte-carlo` would have to keep
+    /// what each vertex says of its share.
     pub fn learns_share(&self) -> bool {
         let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
-        can && self.bsdf_share == BsdfShare::Learned
+        can && self.bsdf_share != Some(BsdfShare::Fixed)
     }
 
     /// Vertices that a kernel keeps of a path.

@@ -1,5 +1,5 @@
-// The share of samples that a surface's own scattering function keeps where a guide descends: fixed, or what the cell has
-// learned.
+// The share of samples that a surface's own scattering function keeps where a guide descends (the BSDF sampling fraction): fixed,
+// or what the cell has learned.
 #ifndef BSDF_SHARE_GLSL
 #define BSDF_SHARE_GLSL
 #include "radiance_grid.glsl"

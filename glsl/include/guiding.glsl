@@ -7,6 +7,7 @@
 #include "guided_direction.glsl"
 #include "relief.glsl"
 #include "share_learning.glsl"
+#include "small_floats.glsl"
 
 struct DirectionSample {
     vec3 wi;         // world space
@@ -192,8 +193,14 @@ DirectionSample sample_direction_descent(vec3 u, vec4 u_guide, Scatterer x, Guid
     return DirectionSample(guided.wi, weight, pdf, s.eta, guided.bin, guided.radiance, lost, tries, false, evidence);
 }
 
+// What a candidate is taken in proportion to: f cos L / pdf, where the mean of L over the hemisphere, which the normalization
+// grid holds as irradiance, is added to L. So none weighs much more than it does alone, however little its bin has learned.
+float candidate_score(Guide guide, DirectionSample s) {
+    return mean_rgb(s.weight) * max(s.radiance + INV_PI * unpack_scalar(guide.record), 1.0e-30);
+}
+
 // The same by resampling (Talbot et al. 2005, "Importance Resampling for Global Illumination"): of two samples of one lobe one
-// is taken in proportion to f cos L / pdf, and weighs as much as makes up for that. Its density is still a candidate's.
+// is taken in proportion to its score, and weighs as much as makes up for that. Its density is still a candidate's.
 DirectionSample resample_descent(RandomKey key, uint vertex, vec3 u, vec4 u_guide, Scatterer x, Guide guide) {
     vec3 v = unit_floats(random_bits(key, vertex, RANDOM_CANDIDATE)).xyz;
     vec4 v_guide = unit_floats(random_bits(key, vertex, RANDOM_CANDIDATE_TRIES));
@@ -205,7 +212,7 @@ DirectionSample resample_descent(RandomKey key, uint vertex, vec3 u, vec4 u_guid
         bool first = candidate == 0u;
         vec3 own = first ? u : vec3(v.xy, u.z);
         DirectionSample s = sample_direction_descent(own, first ? u_guide : v_guide, x, guide);
-        float score = mean_rgb(s.weight) * s.radiance;
+        float score = candidate_score(guide, s);
         sum += score;
         tries += s.tries;
         if (first || v.z * sum < score) {
@@ -213,7 +220,8 @@ DirectionSample resample_descent(RandomKey key, uint vertex, vec3 u, vec4 u_guid
             taken_score = score;
         }
     }
-    float factor = taken_score > 0.0 ? 0.5 * sum / taken_score : 0.0;
+    // What is no number stays none.
+    float factor = sum > 0.0 ? 0.5 * sum / taken_score : sum;
     taken.weight *= factor;
     taken.evidence.scattered *= factor;
     taken.tries = tries;

@@ -36,6 +36,8 @@ void add_evidence(ShareEvidence evidence, float target, float u) {
     float scattered = evidence.scattered * target;
     if (evidence.share == NONE || u >= ASKED || target < 0.0 || !is_finite(scattered)) return;
     u /= ASKED;
+    // Both sums saturate together.
+    scattered = min(scattered, scene().target_limit);
     add_target(share_sum(evidence.share, 0u), fixed_point(scattered, scene().target_limit, u));
     add_target(share_sum(evidence.share, 1u), fixed_point(scattered * evidence.of_guide, scene().target_limit, u));
 }
@@ -49,12 +51,11 @@ float renewed_word(uint share, uint word, float recorded) {
 
 // Ends a step's learning of a share.
 void learn_share(uint share) {
-    float scattered, of_guide, sample_count, same_count;
-    take_targets(share_sum(share, 0u), scene().target_limit, scattered, sample_count);
-    take_targets(share_sum(share, 1u), scene().target_limit, of_guide, same_count);
-    scattered = renewed_word(share, 1u, scattered);
-    of_guide = renewed_word(share, 2u, of_guide);
-    sample_count = renewed_word(share, 3u, sample_count);
+    float sample_count = renewed_word(share, 3u, number_of_targets(share_sum(share, 0u)));
+    float scattered = renewed_word(share, 1u, sum_of_targets(share_sum(share, 0u), scene().target_limit));
+    float of_guide = renewed_word(share, 2u, sum_of_targets(share_sum(share, 1u), scene().target_limit));
+    forget_targets(share_sum(share, 0u));
+    forget_targets(share_sum(share, 1u));
     float learned = scattered > 0.0 ? 1.0 - of_guide / scattered : FIRST_SHARE;
     float certainty = sample_count / (sample_count + FIRST_SAMPLES);
     store_radiance(share_word(share, 0u), clamp(mix(FIRST_SHARE, learned, certainty), LEAST_SHARE, 1.0 - LEAST_SHARE));

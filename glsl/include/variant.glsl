@@ -28,8 +28,7 @@ layout(constant_id = 7) const uint DIRECTION_RESOLUTION = 16u;
 layout(constant_id = 8) const uint NORMAL_RESOLUTION = 16u;
 // Proposals before a guided sample falls back on the uniform share.
 layout(constant_id = 9) const uint MAX_TRIES = 15u;
-// Words of the table of radiance before what cells learn of a scattering function's share, where a guide descends; 0: that share
-// is fixed.
+// Words of the radiance table before the cells' shares of the scattering function, where a guide descends; 0: fixed shares.
 layout(constant_id = 56) const uint SHARES_AT = 0u;
 // Directions of which one is taken, where a guide descends: 1, or 2.
 layout(constant_id = 57) const uint CANDIDATES = 1u;

@@ -19,7 +19,8 @@ struct DirectionOutput {
     vec3 given;   // some direction, world space
     float pdf_of_given;
     vec3 value_of_given;  // f cos
-    uint reserved;
+    float scattered;  // what is said of the share
+    float of_guide;
 };
 
 struct TestPush {
@@ -46,6 +47,7 @@ void main() {
     o.given = map_to_sphere(2.0 * unit_floats(random_bits(key, 2u, RANDOM_SCATTER)).xy - 1.0);
     o.pdf_of_given = pdf_direction(x, guide, o.given * x.frame);
     o.value_of_given = eval_scatterer(x, o.given * x.frame);
-    o.reserved = 0u;
+    o.scattered = s.evidence.scattered;
+    o.of_guide = s.evidence.of_guide;
     direction_outputs[index] = o;
 }

@@ -1,7 +1,6 @@
 //! The options that choose and tune a guide.
 
 use lodestar::settings::{AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings, StepSchedule};
-use lodestar::{Error, Result};
 
 /// How directions are sampled and learned.
 #[derive(Debug, clap::Args)]
@@ -9,8 +8,8 @@ pub struct GuidingArgs {
     /// How directions are sampled.
     #[arg(long, value_enum, default_value_t = Sampler::Product, help_heading = "Guiding")]
     pub sampler: Sampler,
-    /// Which surfaces are guided: diffuse lobes, or also rough conductors and dielectrics as in the authors' code.
-    #[arg(long, value_enum, default_value_t = GuideSet::Diffuse, help_heading = "Guiding")]
+    /// Which surfaces are guided: diffuse lobes, also rough conductors and dielectrics as in the authors' code, or all.
+    #[arg(long, value_enum, default_value_t = GuideSet::All, help_heading = "Guiding")]
     pub guide_set: GuideSet,
     /// How the guide learns [default: sarsa; with quadtree: monte-carlo].
     #[arg(long, value_enum, help_heading = "Guiding")]
@@ -22,13 +21,14 @@ pub struct GuidingArgs {
     #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
     pub mix: Mix,
     /// Share that is mixed with the guide: of uniform directions with rejection-mix [default: the optimal one, Eq. 8], of
-    /// the cosine with product, where it stands for --bsdf-share fixed [default: 0.25].
+    /// the scattering function with product [default: what each cell learns].
     #[arg(long, value_name = "E", help_heading = "Guiding")]
     pub epsilon: Option<f32>,
-    /// What a surface's own scattering function keeps of product's samples: what each cell learns, or --epsilon.
+    /// What a surface's own scattering function keeps of product's samples, the BSDF sampling fraction: what each cell learns, or
+    /// a fixed share, 0.25 or --epsilon [default: learned; with monte-carlo: fixed].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub bsdf_share: Option<BsdfShare>,
-    /// Directions that product draws at a vertex; one of them is taken, by f cos L [default: 1].
+    /// Directions that product draws at a vertex, of which one is taken by f cos L: resampled importance sampling [default: 1].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub candidates: Option<u32>,
     /// Map between directions and their bins.
@@ -67,7 +67,7 @@ pub struct GuidingArgs {
     pub min_uniform: Option<f32>,
 }
 
-fn number_or_auto(text: &str) -> std::result::Result<u32, String> {
+fn number_or_auto(text: &str) -> Result<u32, String> {
     match text {
         "auto" => Ok(AUTO_GRID),
         _ => text.parse().map_err(|_| "neither a number nor auto".into()),
@@ -76,17 +76,14 @@ fn number_or_auto(text: &str) -> std::result::Result<u32, String> {
 
 impl GuidingArgs {
     /// Changes what the options say.
-    ///
-    /// # Errors
-    /// Where a share is to be learned and nothing could learn it.
-    pub fn apply(&self, settings: &mut Settings) -> Result<()> {
+    pub fn apply(&self, settings: &mut Settings) {
         settings.sampler = self.sampler;
         settings.guide_set = self.guide_set;
         settings.learner = self.learner.unwrap_or(self.sampler.default_learner());
         settings.expected_directions = self.expected_directions.unwrap_or(settings.expected_directions);
         settings.mix = self.mix;
         settings.epsilon = self.epsilon;
-        settings.bsdf_share = self.bsdf_share.unwrap_or(settings.bsdf_share);
+        settings.bsdf_share = self.bsdf_share;
         settings.candidates = self.candidates.unwrap_or(settings.candidates);
         settings.map = self.map;
         settings.grid = self.grid.unwrap_or(settings.grid);
@@ -99,11 +96,5 @@ impl GuidingArgs {
         settings.decay = self.decay.unwrap_or(settings.decay);
         settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
         settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);
-        if self.bsdf_share == Some(BsdfShare::Learned) && !settings.learns_share() {
-            return Err(Error::Settings(
-                "--bsdf-share learned is for --sampler product, without --epsilon and --learner monte-carlo".into(),
-            ));
-        }
-        Ok(())
     }
 }

@@ -141,7 +141,7 @@ fn constants(args: &InspectArgs) -> Result<Vec<(u32, u32)>> {
 }
 
 fn settings(args: &InspectArgs, mut settings: Settings) -> Result<Settings> {
-    args.guiding.apply(&mut settings)?;
+    args.guiding.apply(&mut settings);
     settings.filter = args.rfilter.map_or(settings.filter, Filter::with_default_width);
     settings.max_depth = args.max_depth.unwrap_or(settings.max_depth);
     settings.rr_depth = args.rr_depth.unwrap_or(settings.rr_depth);

@@ -197,7 +197,7 @@ impl ChoiceArgs {
         settings.seed = self.seed;
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
         settings.sample_offset = self.sample_offset;
-        self.guiding.apply(&mut settings)?;
+        self.guiding.apply(&mut settings);
         settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
         settings.validate()?;
         settings.check_lighting(scene)?;

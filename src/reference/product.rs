@@ -8,7 +8,7 @@ const LARGEST: f64 = 1.875;
 const LEAST_7: f64 = 1.0 / 32_768.0;
 const LEAST_8: f64 = 1.0 / 2_147_483_648.0;
 
-/// Share of the cosine where `--epsilon` does not say another: `cosine_share` in GLSL.
+/// Share of the cosine where `--epsilon` does not say another: `bsdf_share` in GLSL.
 pub const COSINE_SHARE: f64 = 0.25;
 
 /// What a descent is made of: a value for every bin of the map, row by row.

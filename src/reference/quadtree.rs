@@ -12,7 +12,7 @@ use crate::settings::DirectionMap;
 pub const LEVELS: u32 = 12;
 /// A square with a larger share of its tree's flux has a node: `FLUX_SHARE` in GLSL.
 pub const FLUX_SHARE: f64 = 0.01;
-/// Share of the cosine that samples are mixed with: `cosine_share` in GLSL.
+/// Share of the cosine that samples are mixed with: `bsdf_share` in GLSL.
 pub const COSINE_SHARE: f64 = 0.5;
 
 /// `LEARNED_LINK`, `LEVEL_SHIFT` and `FIRST_LINK_SHIFT` in GLSL.

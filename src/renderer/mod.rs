@@ -490,7 +490,7 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh, cel
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),
-        shares_at: if settings.learns_share() { RadianceGrid::bins(settings, cells) as u32 } else { 0 },
+        shares_at: shares_at(settings, cells.count()),
         ..variant_of_settings(settings)
     }
 }
@@ -521,7 +521,8 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         map: settings.map as u32,
         mix: settings.mix as u32,
         epsilon: settings.epsilon.unwrap_or(0.0),
-        shares_at: shares_at(settings),
+        // As if surfaces were everywhere.
+        shares_at: shares_at(settings, if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) }),
         candidates: settings.candidates,
         expected_directions: settings.expected_directions,
         kept_vertices: settings.kept_vertices(),
@@ -535,10 +536,9 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
     }
 }
 
-/// Where shares are in a table whose places all hold surfaces.
-fn shares_at(settings: &Settings) -> u32 {
-    let places = if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) };
-    if settings.learns_share() { places * settings.directions.pow(2) } else { 0 }
+/// Where shares are in the table of so many cells.
+fn shares_at(settings: &Settings, cell_count: u32) -> u32 {
+    if settings.learns_share() { cell_count * settings.directions.pow(2) } else { 0 }
 }
 
 /// The shape of set `set`, the same for all kernels of a registry.

@@ -16,6 +16,14 @@ const REJECTION_MIX: Method = Method { base: Base::Defaults, ..Method::new(Sampl
 /// The default.
 const PRODUCT: Method = Method { base: Base::Defaults, ..Method::new(Sampler::Product, Learner::Sarsa) };
 const NONE: Changes = Changes::NONE;
+/// The descent by itself.
+const ALONE: Method = PRODUCT.with(Changes {
+    guide_set: Some(GuideSet::Diffuse),
+    steps: Some(StepSchedule::Even),
+    pattern: Some(SamplePattern::Independent),
+    bsdf_share: Some(BsdfShare::Fixed),
+    ..NONE
+});
 
 /// The rows, without emitter sampling. A line here is all that another one needs.
 const ROWS: &[Method] = &[
@@ -24,14 +32,17 @@ const ROWS: &[Method] = &[
     PRODUCT,
     PRODUCT.with(Changes { steps: Some(StepSchedule::Even), ..NONE }),
     PRODUCT.with(Changes { pattern: Some(SamplePattern::Independent), ..NONE }),
+    ALONE,
     PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),
     PRODUCT.with(Changes { candidates: Some(2), ..NONE }),
+    PRODUCT.with(Changes { guide_set: Some(GuideSet::Diffuse), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Authors), ..NONE }),
-    PRODUCT.with(Changes { guide_set: Some(GuideSet::All), ..NONE }),
     Method { learner: Learner::ExpectedSarsa, ..PRODUCT },
+    Method { learner: Learner::IrradianceSarsa, ..PRODUCT },
     Method { learner: Learner::MonteCarlo, ..PRODUCT },
     PRODUCT.with(Changes { directions: Some(32), ..NONE }),
     PRODUCT.with(Changes { grid: Some(AUTO_GRID), fallback: Some(4.0), ..NONE }),
+    PRODUCT.with(Changes { grid: Some(AUTO_GRID), fallback: Some(4.0), candidates: Some(2), ..NONE }),
 ];
 
 /// The methods that it compares.

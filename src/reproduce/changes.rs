@@ -45,7 +45,7 @@ impl Changes {
         settings.guide_set = self.guide_set.unwrap_or(settings.guide_set);
         settings.steps = self.steps.unwrap_or(settings.steps);
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
-        settings.bsdf_share = self.bsdf_share.unwrap_or(settings.bsdf_share);
+        settings.bsdf_share = self.bsdf_share.or(settings.bsdf_share);
         settings.candidates = self.candidates.unwrap_or(settings.candidates);
     }
 

@@ -39,7 +39,10 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
             steps: StepSchedule::Even,
             grid: GRID,
             fallback: 0.0,
+            jitter: 0.0,
             directions: DIRECTIONS,
+            bsdf_share: None,
+            candidates: 1,
             ..common
         },
     }

@@ -96,7 +96,7 @@ fn tables_are_measured_once_and_hold_every_method() {
 fn figures_are_drawn() {
     let folder = with_reference();
     let small = ["--scale", "0.25"];
-    // All of it has 52 pictures, and the ablation 22.
+    // All of it has 52 pictures, and the ablation 32.
     let is_full = std::env::var_os("LODESTAR_FULL").is_some();
     let targets = if is_full { &["all", "ablation"][..] } else { &["figure1", "figure6"] };
     for target in targets {

@@ -72,7 +72,7 @@ pub const RENDERED: &[Row] = &[
     row("product, every part", |s| {
         (s.sampler, s.candidates, s.guide_set, s.fallback) = (Sampler::Product, 2, GuideSet::All, 4.0);
     }),
-    more("product, fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, BsdfShare::Fixed)),
+    more("product, fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed))),
 ];
 
 /// A plain path tracer.

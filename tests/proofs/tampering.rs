@@ -45,6 +45,7 @@ const FAULTS: &[Fault] = &[
     kernels("descent counted whole", DENSITIES, PRODUCT),
     kernels("share of the cosine not in the density", DIRECTIONS, PRODUCT),
     kernels("another share than the cell's", PICTURES, PRODUCT),
+    kernels("another share of a whole function in the density", DIRECTIONS, PRODUCT),
     kernels("candidates that count alike", PICTURES, "product, two candidates"),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),

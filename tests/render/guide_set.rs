@@ -54,6 +54,7 @@ fn guided_conductors_and_dielectrics_leave_the_picture_as_it_is() {
         (10, Sampler::RejectionMix, GuideSet::Authors),
         (20, Sampler::Product, GuideSet::Authors),
         (30, Sampler::Product, GuideSet::All),
+        (40, Sampler::RejectionMix, GuideSet::All),
     ] {
         let name = |what: &str| format!("{sampler:?}, {guide_set:?}, {what}");
         let render = |seed: u32, change: fn(&mut Settings)| {

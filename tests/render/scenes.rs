@@ -44,7 +44,7 @@ pub const GUIDED: [(&str, Change); 18] = [
     }),
     ("product", |s| s.sampler = Sampler::Product),
     ("product on the cylinder", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
-    ("product with a fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, BsdfShare::Fixed)),
+    ("product with a fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed))),
     ("product with two candidates on all rough surfaces", |s| {
         (s.sampler, s.candidates, s.guide_set) = (Sampler::Product, 2, GuideSet::All);
     }),

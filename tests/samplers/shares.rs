@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use lodestar::gpu::{Buffer, BufferKind};
-use lodestar::kernels::{BSDF_DIFFUSE, BSDF_ROUGH_CONDUCTOR, GUIDE_SET_AUTHORS, STORAGE_BUFFERS, Variant, test};
+use lodestar::kernels::{BSDF_DIFFUSE, BSDF_ROUGH_CONDUCTOR, GUIDE_SET_ALL, STORAGE_BUFFERS, Variant, test};
 use lodestar::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::reference::conductor::Conductor;
 use lodestar::reference::direction::basis_from_normal;
@@ -153,7 +153,8 @@ struct DirectionOutput {
     given: [f32; 3],
     pdf_of_given: f32,
     value_of_given: [f32; 3],
-    reserved: u32,
+    scattered: f32,
+    of_guide: f32,
 }
 
 const SAMPLES: usize = 1 << 19;
@@ -169,9 +170,13 @@ struct Surfaces {
 const NORMAL: DVec3 = DVec3::new(0.3, -0.2, 0.9);
 const WO: DVec3 = DVec3::new(0.6, 0.0, 0.8);
 
+/// Roughness of the metal, and what part of its samples the guide has its share of: `guided_part` in GLSL.
+const ALPHA: f64 = 0.3;
+const PART: f64 = ALPHA / 0.4;
+
 fn metal() -> Surface {
     let metal = Conductor { specular_reflectance: DVec3::splat(0.9), eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
-    let facets = Microfacets::new([0.5; 2], true);
+    let facets = Microfacets::new([ALPHA; 2], true);
     Surface { name: "metal".into(), base: Base::Substance(Substance::RoughConductor(metal, facets)), coating: None }
 }
 
@@ -190,7 +195,7 @@ impl Surfaces {
             shares_at: BINS,
             candidates,
             normal_resolution: NORMALS,
-            guide_set: GUIDE_SET_AUTHORS,
+            guide_set: GUIDE_SET_ALL,
             material_kinds: 1 << BSDF_ROUGH_CONDUCTOR | 1 << BSDF_DIFFUSE,
             ..variant(&RULES, DirectionMap::EqualArea)
         }
@@ -306,5 +311,39 @@ fn each_kind_of_surface_has_its_own_share() {
         assert!((0..few.len()).all(is_between), "{}", case.name);
         let changed = few.iter().zip(&most).filter(|(few, most)| few != most).count();
         assert!(changed > few.len() / 4, "{}: {changed} densities depend on the share", case.name);
+    }
+}
+
+/// What a sample says of its share: with which probability it came from the guide, told by the density of the surface's own
+/// sampler, over the part of the samples that the share is of.
+#[test]
+fn samples_tell_who_has_drawn_them() {
+    let surfaces = Surfaces::new();
+    let shares = [0.3_f32, 0.6];
+    surfaces.cell.set_shares(shares);
+    let metal = metal();
+    for (own, case) in cases().iter().enumerate() {
+        let part = [1.0, PART][own];
+        let frame = basis_from_normal(NORMAL.normalize());
+        let own_density = |w: DVec3| match own {
+            0 => (frame.transpose() * w).z.max(0.0) / PI,
+            _ => metal.pdf(WO, frame.transpose() * w),
+        };
+        let drawn = surfaces.draw(case.bsdf, 1, 11);
+        let scattered: Vec<_> = drawn.iter().filter(|d| d.weight[0] > 0.0).collect();
+        assert!(scattered.len() > SAMPLES / 2);
+        let differences = |kept: f64, factor: f64| {
+            let is_off = |d: &&&DirectionOutput| {
+                let of_own = kept * own_density(Vec3::from(d.wi).as_dvec3().normalize()) / f64::from(d.pdf);
+                let mean = d.weight.iter().map(|&weight| f64::from(weight)).sum::<f64>() / 3.0;
+                let is_known = (1.0 - factor * f64::from(d.of_guide) - of_own).abs() < 5.0e-3;
+                !is_known || (f64::from(d.scattered) - factor * mean).abs() > 1.0e-4 * mean
+            };
+            scattered.iter().filter(is_off).count()
+        };
+        let kept = 1.0 - part * (1.0 - f64::from(shares[own]));
+        let (wrong, few) = (differences(kept, part), SAMPLES / 2000);
+        assert!(wrong <= few, "{}: {wrong} of {} differ", case.name, scattered.len());
+        assert!(differences(1.1 * kept, part) > SAMPLES / 4, "{}: no share is told", case.name);
     }
 }

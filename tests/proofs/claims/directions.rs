@@ -59,7 +59,8 @@ struct DirectionOutput {
     given: [f32; 3],
     pdf_of_given: f32,
     value_of_given: [f32; 3],
-    reserved: u32,
+    scattered: f32,
+    of_guide: f32,
 }
 
 #[repr(C)]

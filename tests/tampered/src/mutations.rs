@@ -153,11 +153,19 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "another share of a whole function in the density",
+        &[Patch {
+            file: GUIDING,
+            text: "pdf = mix(pdf, density.over_whole, guided_share(x.bsdf, guide));",
+            mutated: "pdf = mix(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(x.bsdf, guide));",
+        }],
+    ),
+    mutation(
         "candidates that count alike",
         &[Patch {
             file: GUIDING,
-            text: "taken_score > 0.0 ? 0.5 * sum / taken_score : 0.0;",
-            mutated: "taken_score > 0.0 ? (MUTATED ? 1.0 : 0.5 * sum / taken_score) : 0.0;",
+            text: "sum > 0.0 ? 0.5 * sum / taken_score : sum;",
+            mutated: "sum > 0.0 ? (MUTATED ? 1.0 : 0.5 * sum / taken_score) : sum;",
         }],
     ),
     mutation(
