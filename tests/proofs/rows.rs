@@ -68,7 +68,8 @@ pub const GUIDED: &[Row] = &[
 /// trees of quadtrees tells `tests/samplers/quadtree.rs`, of learned shares and candidates `tests/samplers/shares.rs`.
 pub const RENDERED: &[Row] = &[
     row("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
-    row("product, two candidates", |s| (s.sampler, s.candidates) = (Sampler::Product, 2)),
+    // Mostly by the cosine: the more they differ, the more it matters how they are weighed.
+    row("product, two candidates", |s| (s.sampler, s.candidates, s.epsilon) = (Sampler::Product, 2, Some(0.9))),
     row("product, every part", |s| {
         (s.sampler, s.candidates, s.guide_set, s.fallback) = (Sampler::Product, 2, GuideSet::All, 4.0);
     }),
