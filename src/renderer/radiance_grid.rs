@@ -40,8 +40,7 @@ impl RadianceGrid {
         Self::radiances(settings, cells).max(Self::nodes(settings, cells))
     }
 
-    /// Bins of all cells.
-    pub fn bins(settings: &Settings, cells: &Cells) -> u64 {
+    fn bins(settings: &Settings, cells: &Cells) -> u64 {
         u64::from(cells.count()) * u64::from(settings.directions.pow(2))
     }
 

@@ -1,6 +1,7 @@
 //! Rough conductors, dielectrics and principled surfaces under a guide: the picture stays what it is.
 
 use glam::Vec3;
+use lodestar::image::metrics::compare;
 use lodestar::scene::Scene;
 use lodestar::scene::bsdf::{Bsdf, Distribution, Microfacets};
 use lodestar::scene::texture::Textured;
@@ -13,13 +14,21 @@ use crate::scenes::{ours, settings, surface_mut};
 const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 2048;
 
+fn facets(alpha: f32) -> Microfacets {
+    let alpha = Textured::constant(alpha);
+    Microfacets { distribution: Distribution::Ggx, alpha_u: alpha, alpha_v: alpha }
+}
+
+fn metal(alpha: f32) -> Bsdf {
+    let specular_reflectance = Textured::constant(Vec3::splat(0.9));
+    Bsdf::RoughConductor { microfacets: facets(alpha), eta: Vec3::ZERO, k: Vec3::ZERO, specular_reflectance }
+}
+
 /// The Cornell box with a wall of rough metal on the left and one of rough glass, with nothing behind it, on the right.
 fn rough_box() -> Scene {
     let mut scene = ours("cornell-box/scene.xml", &[]);
-    let alpha = Textured::constant(0.4);
-    let microfacets = Microfacets { distribution: Distribution::Ggx, alpha_u: alpha, alpha_v: alpha };
+    let (microfacets, metal) = (facets(0.4), metal(0.4));
     let white = Textured::constant(Vec3::splat(0.9));
-    let metal = Bsdf::RoughConductor { microfacets, eta: Vec3::ZERO, k: Vec3::ZERO, specular_reflectance: white };
     let glass =
         Bsdf::RoughDielectric { microfacets, eta: 1.5, specular_reflectance: white, specular_transmittance: white };
     for material in &mut scene.materials {
@@ -55,16 +64,47 @@ fn guided_conductors_and_dielectrics_leave_the_picture_as_it_is() {
         (20, Sampler::Product, GuideSet::Authors),
         (30, Sampler::Product, GuideSet::All),
         (40, Sampler::RejectionMix, GuideSet::All),
+        (50, Sampler::Quadtree, GuideSet::All),
     ] {
         let name = |what: &str| format!("{sampler:?}, {guide_set:?}, {what}");
         let render = |seed: u32, change: fn(&mut Settings)| {
             render(&device, &scene, seed, |s| {
-                (s.sampler, s.guide_set) = (sampler, guide_set);
+                (s.sampler, s.learner, s.guide_set) = (sampler, sampler.default_learner(), guide_set);
                 change(s);
             })
         };
         assert!(compare(&name("guided"), &render(seed, |_| {})));
         assert!(compare(&name("emitters sampled"), &render(seed + 1, |s| s.nee = true)));
         assert!(!compare(&name("density 5 % wrong"), &render(seed + 2, |s| s.pdf_tamper = 1.05)));
+    }
+}
+
+/// Light comes from above a shade, and all that is white is rough metal.
+fn metal_box(alpha: f32) -> Scene {
+    let mut scene = ours("cornell-box-hard/scene.xml", &[]);
+    let white = scene.materials.iter_mut().find(|material| material.name == "white").expect("a material");
+    let surface = surface_mut(white);
+    (surface.bsdf, surface.two_sided) = (metal(alpha), true);
+    scene
+}
+
+/// With diffuse lobes guided, and with all surfaces: errors of the displayed pictures.
+#[test]
+fn metal_gains_from_a_guide() {
+    let device = Device::new();
+    for alpha in [0.3, 0.6] {
+        let scene = metal_box(alpha);
+        let render = |sampler, nee, guide_set, spp| {
+            let settings = Settings { nee, guide_set, ..settings(&scene, SIZE, sampler, 5) };
+            device.render(&scene, &settings, spp).image()
+        };
+        let truth = render(Sampler::Bsdf, true, GuideSet::Diffuse, 4096);
+        let error = |guide_set| {
+            let picture = render(Sampler::Product, false, guide_set, 128);
+            compare(&picture, &truth).expect("the same size").mae_ldr
+        };
+        let (diffuse, all) = (error(GuideSet::Diffuse), error(GuideSet::All));
+        println!("alpha {alpha}: {diffuse:.4} with diffuse lobes guided, {all:.4} with all surfaces");
+        assert!(all < 0.75 * diffuse, "alpha {alpha}: {all} against {diffuse}");
     }
 }

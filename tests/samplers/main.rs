@@ -23,6 +23,7 @@ mod product;
 mod quadtree;
 mod random;
 mod relief;
+mod sampled_directions;
 mod scattering;
 mod scattering_cases;
 mod shares;

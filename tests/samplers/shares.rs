@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 use lodestar::gpu::{Buffer, BufferKind};
 use lodestar::kernels::{BSDF_DIFFUSE, BSDF_ROUGH_CONDUCTOR, GUIDE_SET_ALL, STORAGE_BUFFERS, Variant, test};
@@ -19,6 +19,7 @@ use lodestar::settings::{DirectionMap, Mix, Sampler};
 
 use crate::device::{Cell, Device, GROUP};
 use crate::guide_cases::{NORMALS, variant};
+use crate::sampled_directions::{DirectionOutput, SeenSurface, draw};
 use crate::scattering_cases::{Base, DeviceBsdf, Surface};
 use crate::statistics::{Numbers, mean_and_error, within_four_sigma};
 use crate::substances::Substance;
@@ -135,33 +136,11 @@ fn shares_are_what_the_evidence_says() {
     assert!(differ > SHARES, "hardly a share depends on the decay: {differ}");
 }
 
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct SurfaceInput {
-    bsdf: DeviceBsdf,
-    wo: [f32; 3],
-    normal: [f32; 3],
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct DirectionOutput {
-    wi: [f32; 3],
-    pdf: f32,
-    weight: [f32; 3],
-    pdf_of_wi: f32,
-    given: [f32; 3],
-    pdf_of_given: f32,
-    value_of_given: [f32; 3],
-    scattered: f32,
-    of_guide: f32,
-}
-
 const SAMPLES: usize = 1 << 19;
 const RULES: Rules =
     Rules { sampler: Sampler::Product, mix: Mix::Density, epsilon: None, max_tries: 1, min_uniform_share: 0.0625 };
 
-/// A diffuse surface and one of rough metal, over a table with a lobe.
+/// A diffuse surface and one of rough metal, over a noisy table.
 struct Surfaces {
     device: Device,
     cell: Cell,
@@ -202,26 +181,9 @@ impl Surfaces {
     }
 
     fn draw(&self, bsdf: DeviceBsdf, candidates: u32, seed: u32) -> Vec<DirectionOutput> {
-        let normal = NORMAL.normalize();
-        let input = SurfaceInput { bsdf, wo: WO.as_vec3().into(), normal: normal.as_vec3().into() };
-        let named = [
-            ("SurfaceInputs", self.device.uploaded("surface", &[input])),
-            ("DirectionOutputs", self.device.storage("directions", SAMPLES * size_of::<DirectionOutput>())),
-            ("RadianceTable", Arc::clone(&self.cell.radiance)),
-            ("RadianceNodes", Arc::clone(&self.cell.nodes)),
-            ("NormalizationTable", Arc::clone(&self.cell.entries)),
-            ("CosineIntegrals", Arc::clone(&self.cell.integrals)),
-            ("CosineNodes", Arc::clone(&self.cell.cosine_nodes)),
-            ("cosine_nodes", Arc::clone(&self.cell.cosine_nodes)),
-        ];
         let kernel = self.device.kernel(&test::SAMPLE_DIRECTION, &Self::variant(candidates));
-        let unused = self.device.storage("unused", 1024);
-        let bindings = kernel.source().sets.iter().flat_map(|set| set.bindings);
-        let find = |name: &str| named.iter().find(|(own, _)| *own == name).map_or(&unused, |(_, buffer)| buffer);
-        let buffers: Vec<_> = bindings.map(|binding| find(binding.name)).collect();
-        let push = [seed, SAMPLES as u32];
-        self.device.dispatch(&kernel, &buffers, bytemuck::bytes_of(&push), SAMPLES as u32 / GROUP);
-        named[1].1.read(0, SAMPLES).expect("read")
+        let surface = SeenSurface { bsdf, wo: WO, normal: NORMAL.normalize() };
+        draw(&self.device, &self.cell, (&kernel, GROUP), surface, (seed, SAMPLES))
     }
 }
 

@@ -3,9 +3,8 @@
 
 use std::sync::OnceLock;
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
-use lodestar::gpu::{Buffer, Kernel};
+use lodestar::gpu::Kernel;
 use lodestar::kernels::{self, BSDF_DIFFUSE, Variant, test as sources};
 use lodestar::reference::conductor::Conductor;
 use lodestar::reference::cosine::SphereGrid;
@@ -17,18 +16,18 @@ use lodestar::reference::microfacet::Microfacets;
 use lodestar::reference::plastic::pdf_bsdf_plastic;
 use lodestar::reference::rough_diffuse::RoughDiffuse;
 use lodestar::settings::{DirectionMap, GuideSet, Sampler};
-use std::sync::Arc;
 
 use super::densities::slack;
 use crate::device::{Cell, Device};
 use crate::evidence::{Evidence, Record};
 use crate::guide_cases::{NORMALS, settings, variant};
 use crate::rows::{Row, Scope};
+use crate::sampled_directions::{DirectionOutput, SeenSurface, draw};
 use crate::scattering_cases::{Base, DeviceBsdf, Surface};
 use crate::significance::two_sided;
 use crate::statistics::{chi_square, mean_and_error};
 use crate::subject::Subject;
-use crate::substances::{Substance, plastic, table_words};
+use crate::substances::{Substance, plastic};
 use crate::tables::tables;
 
 const SAMPLES: usize = 1 << 16;
@@ -40,35 +39,6 @@ const SEED: u32 = 200;
 const DIELECTRIC_SHARE: f64 = 0.9;
 /// Relative deviation of a density that single precision may make.
 const TOLERANCE: f64 = 2.0e-3;
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct SurfaceInput {
-    bsdf: DeviceBsdf,
-    wo: [f32; 3],
-    normal: [f32; 3],
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct DirectionOutput {
-    wi: [f32; 3],
-    pdf: f32,
-    weight: [f32; 3],
-    pdf_of_wi: f32,
-    given: [f32; 3],
-    pdf_of_given: f32,
-    value_of_given: [f32; 3],
-    scattered: f32,
-    of_guide: f32,
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct TestPush {
-    seed: u32,
-    count: u32,
-}
 
 /// A family of scattering functions.
 enum Family {
@@ -181,30 +151,8 @@ impl Bench {
     }
 
     fn draw(&self, family: &Family, wo: DVec3, normal: DVec3, seed: u32) -> Vec<DirectionOutput> {
-        let input = SurfaceInput { bsdf: family.device(), wo: wo.as_vec3().into(), normal: normal.as_vec3().into() };
-        let input = self.device.uploaded("surface", &[input]);
-        let output = self.device.storage("directions", SAMPLES * size_of::<DirectionOutput>());
-        let words: Vec<u32> = table_words().into_iter().chain([0]).collect();
-        let (words, unused) = (self.device.uploaded("tables", &words), self.device.storage("unused", 1024));
-        let bindings = self.kernel.source().sets.iter().flat_map(|set| set.bindings);
-        let buffers = bindings.map(|binding| -> &Arc<Buffer> {
-            match binding.name {
-                "SurfaceInputs" => &input,
-                "DirectionOutputs" => &output,
-                "TexelWords" => &words,
-                "RadianceTable" => &self.cell.radiance,
-                "BinEnds" => &self.cell.bin_ends,
-                "RadianceNodes" => &self.cell.nodes,
-                "NormalizationTable" => &self.cell.entries,
-                "CosineIntegrals" => &self.cell.integrals,
-                "CosineNodes" | "cosine_nodes" => &self.cell.cosine_nodes,
-                _ => &unused,
-            }
-        });
-        let push = TestPush { seed, count: SAMPLES as u32 };
-        let buffers: Vec<_> = buffers.collect();
-        self.device.dispatch(&self.kernel, &buffers, bytemuck::bytes_of(&push), SAMPLES as u32 / self.group);
-        output.read(0, SAMPLES).expect("read")
+        let surface = SeenSurface { bsdf: family.device(), wo, normal };
+        draw(&self.device, &self.cell, (&self.kernel, self.group), surface, (seed, SAMPLES))
     }
 }
 

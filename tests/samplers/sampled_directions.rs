@@ -1,0 +1,86 @@
+//! What `sample_direction` makes of a surface over the grids of one cell: `glsl/test/sample_direction.comp`.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use lodestar::gpu::{Buffer, Kernel};
+use std::sync::Arc;
+
+use crate::device::{Cell, Device};
+use crate::scattering_cases::DeviceBsdf;
+use crate::substances::table_words;
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct SurfaceInput {
+    bsdf: DeviceBsdf,
+    wo: [f32; 3],
+    normal: [f32; 3],
+}
+
+/// A sample, and the density of some direction.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+pub struct DirectionOutput {
+    pub wi: [f32; 3],
+    pub pdf: f32,
+    pub weight: [f32; 3],
+    pub pdf_of_wi: f32,
+    pub given: [f32; 3],
+    pub pdf_of_given: f32,
+    pub value_of_given: [f32; 3],
+    /// What the sample says of its share.
+    pub scattered: f32,
+    pub of_guide: f32,
+}
+
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+struct TestPush {
+    seed: u32,
+    count: u32,
+}
+
+/// A surface and where it is looked at from.
+#[derive(Clone, Copy)]
+pub struct SeenSurface {
+    pub bsdf: DeviceBsdf,
+    /// Local.
+    pub wo: DVec3,
+    /// World space.
+    pub normal: DVec3,
+}
+
+/// Draws `count` samples by the kernel, whose workgroups have `group` invocations.
+pub fn draw(
+    device: &Device,
+    cell: &Cell,
+    (kernel, group): (&Kernel, u32),
+    surface: SeenSurface,
+    (seed, count): (u32, usize),
+) -> Vec<DirectionOutput> {
+    let SeenSurface { bsdf, wo, normal } = surface;
+    let input = SurfaceInput { bsdf, wo: wo.as_vec3().into(), normal: normal.as_vec3().into() };
+    let input = device.uploaded("surface", &[input]);
+    let output = device.storage("directions", count * size_of::<DirectionOutput>());
+    let words: Vec<u32> = table_words().into_iter().chain([0]).collect();
+    let (words, unused) = (device.uploaded("tables", &words), device.storage("unused", 1024));
+    let bindings = kernel.source().sets.iter().flat_map(|set| set.bindings);
+    let buffers = bindings.map(|binding| -> &Arc<Buffer> {
+        match binding.name {
+            "SurfaceInputs" => &input,
+            "DirectionOutputs" => &output,
+            "TexelWords" => &words,
+            "RadianceTable" => &cell.radiance,
+            "BinEnds" => &cell.bin_ends,
+            "RadianceNodes" => &cell.nodes,
+            "NormalizationTable" => &cell.entries,
+            "CosineIntegrals" => &cell.integrals,
+            "CosineNodes" | "cosine_nodes" => &cell.cosine_nodes,
+            _ => &unused,
+        }
+    });
+    let buffers: Vec<_> = buffers.collect();
+    let push = TestPush { seed, count: count as u32 };
+    device.dispatch(kernel, &buffers, bytemuck::bytes_of(&push), count as u32 / group);
+    output.read(0, count).expect("read")
+}
