@@ -34,6 +34,8 @@ pub enum BufferKind {
     TexelUint,
     /// Read as texels of one unsigned integer.
     TexelUint1,
+    /// Seen by no kernel: copied to, and read by the host where it lies.
+    Readback,
     /// Written as storage, and read as storage or as texels of one float.
     StorageTexelFloat1,
     /// Written as storage, and read as storage or as texels of four unsigned integers.
@@ -60,6 +62,7 @@ impl BufferKind {
     fn usage(self) -> vk::BufferUsageFlags {
         let own = match self {
             Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
+            Self::Readback => vk::BufferUsageFlags::empty(),
             Self::Uniform => vk::BufferUsageFlags::UNIFORM_BUFFER,
             Self::TexelFloat | Self::TexelUint | Self::TexelUint1 => vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER,
             Self::StorageTexelFloat1 | Self::StorageTexelUint => {
@@ -69,9 +72,16 @@ impl BufferKind {
         own | vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST
     }
 
+    fn place(self) -> MemoryLocation {
+        match self {
+            Self::Readback => MemoryLocation::GpuToCpu,
+            _ => MemoryLocation::GpuOnly,
+        }
+    }
+
     fn texel_format(self) -> Option<vk::Format> {
         match self {
-            Self::Storage | Self::Uniform => None,
+            Self::Storage | Self::Uniform | Self::Readback => None,
             Self::TexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
             Self::StorageTexelFloat1 => Some(vk::Format::R32_SFLOAT),
             Self::TexelUint | Self::StorageTexelUint => Some(vk::Format::R32G32B32A32_UINT),
@@ -80,7 +90,7 @@ impl BufferKind {
     }
 }
 
-/// A buffer near the device.
+/// A buffer near the device, or near the host where its kind says so.
 pub struct Buffer {
     /// Null for storage.
     view: vk::BufferView,
@@ -126,7 +136,7 @@ impl Buffer {
     fn allocate(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Self> {
         let bytes = bytes.max(1).checked_next_multiple_of(TEXEL_BYTES).unwrap_or(u64::MAX);
         check_size(context, name, bytes, kind)?;
-        let backing = Backing::new(context, name, bytes, kind.usage(), MemoryLocation::GpuOnly)?;
+        let backing = Backing::new(context, name, bytes, kind.usage(), kind.place())?;
         let mut buffer = Self { view: vk::BufferView::null(), kind, name: name.into(), backing };
         if let Some(format) = kind.texel_format() {
             buffer.create_view(format)?;
@@ -253,6 +263,7 @@ fn check_size(context: &Context, name: &str, bytes: u64, kind: BufferKind) -> Re
     let texels = |texel_bytes| ("texel", limits.max_texel_elements.saturating_mul(texel_bytes));
     let storage = ("storage", limits.max_storage_buffer_bytes);
     let bounds = match kind {
+        BufferKind::Readback => vec![],
         BufferKind::Storage => vec![storage],
         BufferKind::Uniform => vec![("uniform", MAX_UNIFORM_BYTES)],
         BufferKind::TexelFloat | BufferKind::TexelUint => vec![texels(TEXEL_BYTES)],

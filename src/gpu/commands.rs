@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 use std::sync::Arc;
+use std::time::Duration;
 
 use ash::vk;
 
@@ -14,6 +15,7 @@ use super::kernel::Kernel;
 use super::layout::shapes_match;
 use super::queries::Timestamps;
 use super::sets::DescriptorSet;
+use super::slots::Slot;
 use super::timing::{Clock, DispatchTime};
 use crate::Result;
 
@@ -23,11 +25,10 @@ use crate::Result;
 /// than that call.
 pub struct Recorder<'a> {
     // Owned, not borrowed: two recorders that a caller swaps each keep a living command buffer.
-    timestamps: Option<Timestamps>,
+    slot: Slot,
     // Of the dispatches so far, where a record of them is kept.
     dispatches: Option<Vec<DispatchTime>>,
-    pool: CommandPool,
-    commands: vk::CommandBuffer,
+    times_dispatches: bool,
     // Invariant in 'a: no reborrowing of the recorder may shorten it.
     borrows: PhantomData<fn(&'a ()) -> &'a ()>,
 }
@@ -39,42 +40,41 @@ const KERNEL_AND_COPY: vk::PipelineStageFlags = vk::PipelineStageFlags::from_raw
 impl<'a> Recorder<'a> {
     pub(super) fn begin(context: &Arc<Context>, label: &str) -> Result<Self> {
         let record = context.timings().clock();
-        let timestamps = Timestamps::new(context, record == Some(Clock::Device))?;
-        let pool = CommandPool::new(context)?;
-        let commands = pool.allocate()?;
-        context.logical().name(commands, label);
+        let slot = Slot::take(context)?;
+        context.logical().name(slot.commands(), label);
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: invariant 1: the command buffer is new and ours.
-        unsafe { context.raw().begin_command_buffer(commands, &info) }.map_err(failed("vkBeginCommandBuffer"))?;
-        let dispatches = record.map(|_| Vec::new());
-        let recorder = Self { timestamps, dispatches, pool, commands, borrows: PhantomData };
-        if let Some(timestamps) = &recorder.timestamps {
-            timestamps.start(commands);
+        // SAFETY: invariant 1: the command buffer is as good as new and ours.
+        unsafe { context.raw().begin_command_buffer(slot.commands(), &info) }
+            .map_err(failed("vkBeginCommandBuffer"))?;
+        if let Some(timestamps) = slot.timestamps() {
+            timestamps.start(slot.commands());
         }
-        Ok(recorder)
+        let (dispatches, times_dispatches) = (record.map(|_| Vec::new()), record == Some(Clock::Device));
+        Ok(Self { slot, dispatches, times_dispatches, borrows: PhantomData })
     }
 
-    /// Makes all writes visible to the host and to later submissions, and closes the record. The timestamps are the
-    /// caller's until the submission is done.
-    pub(super) fn end(&mut self) -> Result<vk::CommandBuffer> {
+    /// Makes all writes visible to the host and to later submissions, and closes the record.
+    pub(super) fn end(&mut self) -> Result<&Slot> {
         self.memory_barrier(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ | vk::AccessFlags::HOST_WRITE);
-        if let Some(timestamps) = &self.timestamps {
-            timestamps.stop(self.commands);
+        if let Some(timestamps) = self.slot.timestamps() {
+            timestamps.stop(self.commands());
         }
         // SAFETY: invariant 1: the command buffer is ours and being recorded.
-        unsafe { self.device().end_command_buffer(self.commands) }.map_err(failed("vkEndCommandBuffer"))?;
-        Ok(self.commands)
+        unsafe { self.device().end_command_buffer(self.commands()) }.map_err(failed("vkEndCommandBuffer"))?;
+        Ok(&self.slot)
     }
 
-    pub(super) fn timestamps(&self) -> Option<&Timestamps> {
-        self.timestamps.as_ref()
+    /// How long the work took by the device's clock, once the submission is done.
+    pub(super) fn elapsed(&self) -> Option<Duration> {
+        self.slot.timestamps()?.elapsed()
     }
 
     /// The dispatches with their times, once the submission is done; empty where no record is kept.
     pub(super) fn dispatch_times(&mut self) -> Vec<DispatchTime> {
         let mut dispatches = self.dispatches.take().unwrap_or_default();
+        let timestamps = self.slot.timestamps().filter(|_| self.times_dispatches);
         for (place, dispatch) in dispatches.iter_mut().enumerate() {
-            dispatch.span = self.timestamps.as_ref().and_then(|timestamps| timestamps.span(place));
+            dispatch.span = timestamps.as_ref().and_then(|timestamps| timestamps.span(place));
         }
         dispatches
     }
@@ -88,25 +88,25 @@ impl<'a> Recorder<'a> {
     pub fn dispatch(&mut self, kernel: &'a Kernel, sets: &[&'a DescriptorSet], push: &[u8], groups: [u32; 3]) {
         self.check_dispatch(kernel, sets, push, groups);
         self.begin_label(kernel.name());
-        self.time_dispatch(Timestamps::start_dispatch);
+        self.time_dispatch(|timestamps, commands, place| timestamps.start_dispatch(commands, place));
         let (device, layout) = (self.device(), kernel.layout().raw());
         // SAFETY: invariants 1 and 3: all handles are alive until the submission is done; sets, push constants and groups
         // were checked against the pipeline's layout and the device's limits.
         unsafe {
-            device.cmd_bind_pipeline(self.commands, vk::PipelineBindPoint::COMPUTE, kernel.raw());
+            device.cmd_bind_pipeline(self.commands(), vk::PipelineBindPoint::COMPUTE, kernel.raw());
             for (place, set) in (0..).zip(sets).filter(|(_, set)| !set.shape().bindings.is_empty()) {
                 let sets = [set.raw()];
                 if kernel.source().sets.get(place as usize).is_some_and(|shape| !shape.bindings.is_empty()) {
                     let point = vk::PipelineBindPoint::COMPUTE;
-                    device.cmd_bind_descriptor_sets(self.commands, point, layout, place, &sets, &[]);
+                    device.cmd_bind_descriptor_sets(self.commands(), point, layout, place, &sets, &[]);
                 }
             }
             if !push.is_empty() {
-                device.cmd_push_constants(self.commands, layout, vk::ShaderStageFlags::COMPUTE, 0, push);
+                device.cmd_push_constants(self.commands(), layout, vk::ShaderStageFlags::COMPUTE, 0, push);
             }
-            device.cmd_dispatch(self.commands, groups[0], groups[1], groups[2]);
+            device.cmd_dispatch(self.commands(), groups[0], groups[1], groups[2]);
         }
-        self.time_dispatch(Timestamps::stop_dispatch);
+        self.time_dispatch(|timestamps, commands, place| timestamps.stop_dispatch(commands, place));
         if let Some(dispatches) = &mut self.dispatches {
             dispatches.push(DispatchTime { kernel: kernel.name(), workgroups: groups, span: None });
         }
@@ -127,7 +127,7 @@ impl<'a> Recorder<'a> {
     pub fn fill_zero(&mut self, buffer: &'a Buffer) {
         self.check_context(buffer.context(), buffer.name());
         // SAFETY: invariants 1 and 3: the buffer is alive until the submission is done; its size is a multiple of 4.
-        unsafe { self.device().cmd_fill_buffer(self.commands, buffer.backing().raw(), 0, buffer.len_bytes(), 0) }
+        unsafe { self.device().cmd_fill_buffer(self.commands(), buffer.backing().raw(), 0, buffer.len_bytes(), 0) }
     }
 
     /// Copies bytes from one buffer to another.
@@ -149,7 +149,7 @@ impl<'a> Recorder<'a> {
         }
         let region = [vk::BufferCopy { src_offset: at, dst_offset: to_offset, size: bytes }];
         // SAFETY: invariants 1 and 3: both buffers are alive until the submission is done; the ranges are inside them.
-        unsafe { self.device().cmd_copy_buffer(self.commands, from.raw(), to.raw(), &region) }
+        unsafe { self.device().cmd_copy_buffer(self.commands(), from.raw(), to.raw(), &region) }
     }
 
     fn memory_barrier(&mut self, stages: vk::PipelineStageFlags, accesses: vk::AccessFlags) {
@@ -158,7 +158,9 @@ impl<'a> Recorder<'a> {
             .dst_access_mask(accesses)];
         let none = vk::DependencyFlags::empty();
         // SAFETY: invariant 1: the command buffer is ours and being recorded.
-        unsafe { self.device().cmd_pipeline_barrier(self.commands, KERNEL_AND_COPY, stages, none, &barrier, &[], &[]) }
+        unsafe {
+            self.device().cmd_pipeline_barrier(self.commands(), KERNEL_AND_COPY, stages, none, &barrier, &[], &[])
+        }
     }
 
     fn check_dispatch(&self, kernel: &Kernel, sets: &[&DescriptorSet], push: &[u8], groups: [u32; 3]) {
@@ -173,71 +175,42 @@ impl<'a> Recorder<'a> {
         sets.iter().for_each(|set| self.check_context(set.context(), name));
         let (expected, given) = (source.push_constant_bytes as usize, push.len());
         assert!(expected == given, "`{name}` takes {expected} bytes of push constants, not {given}");
-        let most = self.pool.context.device().limits.max_workgroup_count;
+        let most = self.slot.context().device().limits.max_workgroup_count;
         let allowed = groups.iter().zip(most).all(|(&groups, most)| groups <= most);
         assert!(allowed, "{groups:?} workgroups of `{name}` are more than the device's {most:?}");
     }
 
     fn check_context(&self, context: &Arc<Context>, name: &str) {
-        assert!(Arc::ptr_eq(context, &self.pool.context), "`{name}` belongs to another context than this submission");
+        assert!(Arc::ptr_eq(context, self.slot.context()), "`{name}` belongs to another context than this submission");
     }
 
     /// Marks the begin or the end of the dispatch being recorded, where a record is kept.
-    fn time_dispatch(&self, mark: impl FnOnce(&Timestamps, vk::CommandBuffer, usize)) {
-        if let (Some(timestamps), Some(dispatches)) = (&self.timestamps, &self.dispatches) {
-            mark(timestamps, self.commands, dispatches.len());
+    fn time_dispatch(&self, mark: impl FnOnce(&Timestamps<'_>, vk::CommandBuffer, usize)) {
+        let timestamps = self.slot.timestamps().filter(|_| self.times_dispatches);
+        if let (Some(timestamps), Some(dispatches)) = (timestamps, &self.dispatches) {
+            mark(&timestamps, self.commands(), dispatches.len());
         }
     }
 
     fn begin_label(&self, name: &str) {
-        let Some(debug) = self.pool.context.logical().debug() else { return };
+        let Some(debug) = self.slot.context().logical().debug() else { return };
         let name = c_name(name);
         let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
         // SAFETY: invariant 1: the command buffer is ours and being recorded, and `label` is a local.
-        unsafe { debug.cmd_begin_debug_utils_label(self.commands, &label) }
+        unsafe { debug.cmd_begin_debug_utils_label(self.commands(), &label) }
     }
 
     fn end_label(&self) {
-        let Some(debug) = self.pool.context.logical().debug() else { return };
+        let Some(debug) = self.slot.context().logical().debug() else { return };
         // SAFETY: invariant 1: the command buffer is ours and being recorded, with a label open.
-        unsafe { debug.cmd_end_debug_utils_label(self.commands) }
+        unsafe { debug.cmd_end_debug_utils_label(self.commands()) }
+    }
+
+    fn commands(&self) -> vk::CommandBuffer {
+        self.slot.commands()
     }
 
     fn device(&self) -> &ash::Device {
-        self.pool.context.raw()
-    }
-}
-
-/// A pool for one command buffer.
-struct CommandPool {
-    raw: vk::CommandPool,
-    context: Arc<Context>,
-}
-
-impl CommandPool {
-    fn new(context: &Arc<Context>) -> Result<Self> {
-        let info = vk::CommandPoolCreateInfo::default()
-            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
-            .queue_family_index(context.logical().queue_family());
-        // SAFETY: invariant 1: the device is alive, and `info` is a local.
-        let raw = unsafe { context.raw().create_command_pool(&info, None) }.map_err(failed("vkCreateCommandPool"))?;
-        Ok(Self { raw, context: Arc::clone(context) })
-    }
-
-    fn allocate(&self) -> Result<vk::CommandBuffer> {
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.raw)
-            .level(vk::CommandBufferLevel::PRIMARY)
-            .command_buffer_count(1);
-        // SAFETY: invariant 1: the pool is alive and ours alone.
-        let buffers = unsafe { self.context.raw().allocate_command_buffers(&info) };
-        Ok(buffers.map_err(failed("vkAllocateCommandBuffers"))?[0])
-    }
-}
-
-impl Drop for CommandPool {
-    fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: pool and command buffer are ours alone; the submission is done or never began.
-        unsafe { self.context.raw().destroy_command_pool(self.raw, None) }
+        self.slot.context().raw()
     }
 }

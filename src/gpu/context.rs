@@ -11,6 +11,7 @@ use super::instance::Instance;
 use super::memory::Memory;
 use super::pipeline_cache::PipelineCache;
 use super::selection;
+use super::slots::IdleSlots;
 use super::timing::{Clock, SubmissionTime, TimingRecord};
 use crate::Result;
 
@@ -25,9 +26,10 @@ pub struct ContextOptions {
 
 /// A Vulkan device, its memory and its pipelines. All that is made from it holds it.
 pub struct Context {
-    // Both hold the device too; it goes last.
+    // These hold the device too; it goes last.
     pipeline_cache: PipelineCache,
     memory: Memory,
+    idle_slots: IdleSlots,
     timings: TimingRecord,
     device: Arc<LogicalDevice>,
 }
@@ -60,7 +62,8 @@ impl Context {
         let device = Arc::new(LogicalDevice::new(instance, physical[chosen.index], chosen.clone())?);
         let pipeline_cache = PipelineCache::new(Arc::clone(&device))?;
         let memory = Memory::new(Arc::clone(&device))?;
-        Ok(Arc::new(Self { pipeline_cache, memory, timings: TimingRecord::default(), device }))
+        let idle_slots = IdleSlots::new(Arc::clone(&device));
+        Ok(Arc::new(Self { pipeline_cache, memory, idle_slots, timings: TimingRecord::default(), device }))
     }
 
     /// What the device is and allows.
@@ -125,6 +128,10 @@ impl Context {
 
     pub(super) fn memory(&self) -> &Memory {
         &self.memory
+    }
+
+    pub(super) fn idle_slots(&self) -> &IdleSlots {
+        &self.idle_slots
     }
 
     pub(super) fn timings(&self) -> &TimingRecord {

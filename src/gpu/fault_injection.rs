@@ -129,6 +129,8 @@ hooks! {
     RunOutOfMemory create_command_pool(device: vk::Device, info: *const vk::CommandPoolCreateInfo<'_>, callbacks: Allocator<'_>, pool: *mut vk::CommandPool);
     RunOutOfMemory allocate_command_buffers(device: vk::Device, info: *const vk::CommandBufferAllocateInfo<'_>, buffers: *mut vk::CommandBuffer);
     RunOutOfMemory begin_command_buffer(buffer: vk::CommandBuffer, info: *const vk::CommandBufferBeginInfo<'_>);
+    RunOutOfMemory reset_command_pool(device: vk::Device, pool: vk::CommandPool, flags: vk::CommandPoolResetFlags);
+    RunOutOfMemory reset_fences(device: vk::Device, count: u32, fences: *const vk::Fence);
     RunOutOfMemory end_command_buffer(buffer: vk::CommandBuffer);
     RunOutOfMemory create_query_pool(device: vk::Device, info: *const vk::QueryPoolCreateInfo<'_>, callbacks: Allocator<'_>, pool: *mut vk::QueryPool);
     DoBoth queue_submit(queue: vk::Queue, count: u32, submits: *const vk::SubmitInfo<'_>, fence: vk::Fence);

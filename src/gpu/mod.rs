@@ -47,6 +47,7 @@ mod pipeline_cache;
 mod queries;
 mod selection;
 mod sets;
+mod slots;
 mod submission;
 mod timing;
 

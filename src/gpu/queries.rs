@@ -1,41 +1,33 @@
 //! Timestamp queries: the device's own clock.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use ash::vk;
 
 use super::context::Context;
-use super::fault::failed;
-use crate::Result;
 
 /// Most dispatches of one submission that are timed one by one.
 const TIMED_DISPATCHES: u32 = 31;
 
+/// Queries of a pool: two for all work, two for each dispatch.
+pub(super) const QUERY_COUNT: u32 = 2 + 2 * TIMED_DISPATCHES;
+
 /// Timestamps around a command buffer's work, and around each of its first dispatches where these are asked for.
-pub(super) struct Timestamps {
+pub(super) struct Timestamps<'a> {
     raw: vk::QueryPool,
-    query_count: u32,
-    context: Arc<Context>,
+    context: &'a Context,
 }
 
-impl Timestamps {
-    /// Nothing where the queue cannot tell the time.
-    pub(super) fn new(context: &Arc<Context>, of_dispatches: bool) -> Result<Option<Self>> {
-        if context.logical().timestamp_bits() == 0 {
-            return Ok(None);
-        }
-        let query_count = if of_dispatches { 2 + 2 * TIMED_DISPATCHES } else { 2 };
-        let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(query_count);
-        // SAFETY: invariant 1: the device is alive, and `info` is a local.
-        let raw = unsafe { context.raw().create_query_pool(&info, None) }.map_err(failed("vkCreateQueryPool"))?;
-        Ok(Some(Self { raw, query_count, context: Arc::clone(context) }))
+impl<'a> Timestamps<'a> {
+    /// Of a pool of [`QUERY_COUNT`] queries, which is the caller's while this lives.
+    pub(super) fn new(context: &'a Context, raw: vk::QueryPool) -> Self {
+        Self { raw, context }
     }
 
     /// Records the start of all work.
     pub(super) fn start(&self, commands: vk::CommandBuffer) {
         // SAFETY: invariants 1 and 3: the recorder owns the queries and the command buffer, which is being recorded.
-        unsafe { self.context.raw().cmd_reset_query_pool(commands, self.raw, 0, self.query_count) };
+        unsafe { self.context.raw().cmd_reset_query_pool(commands, self.raw, 0, QUERY_COUNT) };
         self.write(commands, vk::PipelineStageFlags::TOP_OF_PIPE, 0);
     }
 
@@ -56,7 +48,7 @@ impl Timestamps {
 
     fn write_dispatch(&self, commands: vk::CommandBuffer, place: usize, end: u32) {
         let query = u32::try_from(place).unwrap_or(TIMED_DISPATCHES).saturating_mul(2).saturating_add(2 + end);
-        if query < self.query_count {
+        if query < QUERY_COUNT {
             self.write(commands, vk::PipelineStageFlags::BOTTOM_OF_PIPE, query);
         }
     }
@@ -77,7 +69,7 @@ impl Timestamps {
     /// was not timed.
     pub(super) fn span(&self, place: usize) -> Option<(Duration, Duration)> {
         let query = u32::try_from(place).ok()?.checked_mul(2)?.checked_add(2)?;
-        if query >= self.query_count {
+        if query >= QUERY_COUNT {
             return None;
         }
         let ([zero, _], [start, end]) = (self.ticks(0)?, self.ticks(query)?);
@@ -98,13 +90,6 @@ impl Timestamps {
         let period = f64::from(self.context.device().limits.timestamp_nanoseconds);
         let ticks = ticks_between([start, end], self.context.logical().timestamp_bits());
         Duration::from_secs_f64(ticks as f64 * period * 1e-9)
-    }
-}
-
-impl Drop for Timestamps {
-    fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and the submission that used it is done or never began.
-        unsafe { self.context.raw().destroy_query_pool(self.raw, None) }
     }
 }
 

@@ -8,7 +8,7 @@ use ash::vk;
 use super::commands::Recorder;
 use super::context::Context;
 use super::fault::failed;
-use super::queries::Timestamps;
+use super::slots::Slot;
 use crate::Result;
 
 /// How long a submission took.
@@ -47,46 +47,30 @@ impl Context {
     pub fn submit<'a>(self: &Arc<Self>, label: &str, record: impl FnOnce(&mut Recorder<'a>)) -> Result<Submission> {
         let mut recorder = Recorder::begin(self, label).map_err(|error| error.during(label))?;
         record(&mut recorder);
-        let commands = recorder.end().map_err(|error| error.during(label))?;
-        let (begin, wall) = self.run(label, commands)?;
+        let slot = recorder.end().map_err(|error| error.during(label))?;
+        let (begin, wall) = self.run(label, slot)?;
         self.timings().add(label, begin, wall, recorder.dispatch_times());
-        Ok(Submission { wall, device: recorder.timestamps().and_then(Timestamps::elapsed) })
+        Ok(Submission { wall, device: recorder.elapsed() })
     }
 
-    /// Runs a closed command buffer that the caller owns. Returns when it was handed over, and how long it took.
-    fn run(self: &Arc<Self>, label: &str, commands: vk::CommandBuffer) -> Result<(Instant, Duration)> {
-        let fence = Fence::new(self).map_err(|error| error.during(label))?;
-        let commands = [commands];
+    /// Runs a closed command buffer. Returns when it was handed over, and how long it took.
+    fn run(self: &Arc<Self>, label: &str, slot: &Slot) -> Result<(Instant, Duration)> {
+        let commands = [slot.commands()];
         let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
         let queue = self.logical().idle_queue();
         let start = Instant::now();
         // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by nobody else; the queue is held.
-        unsafe { self.raw().queue_submit(*queue, &submits, fence.raw) }.map_err(failed(label))?;
-        fence.wait(label)?;
+        unsafe { self.raw().queue_submit(*queue, &submits, slot.fence()) }.map_err(failed(label))?;
+        self.wait(label, slot)?;
         Ok((start, start.elapsed()))
-    }
-}
-
-/// Signalled when a submission is done.
-struct Fence {
-    raw: vk::Fence,
-    context: Arc<Context>,
-}
-
-impl Fence {
-    fn new(context: &Arc<Context>) -> Result<Self> {
-        // SAFETY: invariant 1: the device is alive.
-        let raw = unsafe { context.raw().create_fence(&vk::FenceCreateInfo::default(), None) }
-            .map_err(failed("vkCreateFence"))?;
-        Ok(Self { raw, context: Arc::clone(context) })
     }
 
     /// Returns only when the device no longer works on the submission: it is done, or the device is lost.
-    fn wait(&self, label: &str) -> Result<()> {
+    fn wait(&self, label: &str, slot: &Slot) -> Result<()> {
         // A driver that is out of memory may have some again; one that keeps failing leaves no sound way to go on.
         for _ in 0..1000 {
             // SAFETY: invariant 1: device and fence are alive and ours.
-            match unsafe { self.context.raw().wait_for_fences(&[self.raw], true, u64::MAX) } {
+            match unsafe { self.raw().wait_for_fences(&[slot.fence()], true, u64::MAX) } {
                 Ok(()) => return Ok(()),
                 Err(vk::Result::ERROR_DEVICE_LOST) => return Err(failed(label)(vk::Result::ERROR_DEVICE_LOST)),
                 Err(vk::Result::TIMEOUT) => {}
@@ -98,12 +82,5 @@ impl Fence {
         }
         tracing::error!("{label} is under way and cannot be waited for");
         std::process::abort()
-    }
-}
-
-impl Drop for Fence {
-    fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and the submission is done or never began.
-        unsafe { self.context.raw().destroy_fence(self.raw, None) }
     }
 }

@@ -12,7 +12,7 @@ use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
 use crate::cells::Cells;
 use crate::film::Picture;
-use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, SetShape};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, Recorder, SetShape};
 use crate::kernels::{self, Kernels};
 use crate::layout;
 use crate::lights::Lights;
@@ -34,6 +34,8 @@ const MOST_LIMIT: f32 = 1.0e26;
 pub(super) struct Frame {
     pages: Vec<FilmPage>,
     counters: Arc<Buffer>,
+    /// The counters where the host reads them.
+    counters_read: Arc<Buffer>,
 }
 
 impl Frame {
@@ -53,7 +55,9 @@ impl Frame {
         let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
-        let counters = Buffer::new(context, "counters", u64::from(kernels::COUNTER_COUNT) * 4, BufferKind::Storage)?;
+        let counter_bytes = u64::from(kernels::COUNTER_COUNT) * 4;
+        let counters = Buffer::new(context, "counters", counter_bytes, BufferKind::Storage)?;
+        let counters_read = Buffer::new(context, "counters for the host", counter_bytes, BufferKind::Readback)?;
         let records = bytemuck::cast_slice(&textures.records);
         let records = uploaded("textures", records, buffer_kind(shape.bindings[3].kind))?;
         let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
@@ -68,7 +72,7 @@ impl Frame {
             Ok(buffers.with_set(set))
         };
         let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
-        Ok(Self { pages, counters })
+        Ok(Self { pages, counters, counters_read })
     }
 
     pub fn pages(&self) -> std::slice::Iter<'_, FilmPage> {
@@ -80,12 +84,21 @@ impl Frame {
         &self.pages[0]
     }
 
-    pub fn counters(&self) -> &Buffer {
-        &self.counters
+    /// Records that all counters begin at zero.
+    pub fn clear_counts<'a>(&'a self, recorder: &mut Recorder<'a>) {
+        recorder.fill_zero(&self.counters);
+        recorder.barrier();
     }
 
+    /// Records that the host can [read](Self::read_counts) what was counted.
+    pub fn hand_over_counts<'a>(&'a self, recorder: &mut Recorder<'a>) {
+        recorder.barrier();
+        recorder.copy(&self.counters, 0, &self.counters_read, 0, self.counters.len_bytes());
+    }
+
+    /// What was counted up to the last submission that handed it over.
     pub fn read_counts(&self) -> Result<Counts> {
-        Ok(Counts::from_counters(&self.counters.read(0, kernels::COUNTER_COUNT as usize)?))
+        Ok(Counts::from_counters(&self.counters_read.read(0, kernels::COUNTER_COUNT as usize)?))
     }
 
     pub fn persistent(&self) -> [Persistent<'_>; 2] {

@@ -356,9 +356,9 @@ impl Renderer {
         let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
         let label = format!("path_trace, samples {} to {}", push.first_sample, push.first_sample + sample_count);
         let submission = self.context.submit(&label, |recorder| {
-            recorder.fill_zero(self.frame.counters());
-            recorder.barrier();
+            self.frame.clear_counts(recorder);
             recorder.dispatch(&self.path_trace, &sets, bytemuck::bytes_of(&push), [slice.count, 1, 1]);
+            self.frame.hand_over_counts(recorder);
         })?;
         let counts = self.frame.read_counts()?;
         match counts.overruns {

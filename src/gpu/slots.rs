@@ -1,0 +1,151 @@
+//! What a submission needs of the driver besides its work. It is kept for the next one, for making it costs some drivers as
+//! much time as a small dispatch.
+
+use std::mem;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use ash::vk;
+
+use super::context::Context;
+use super::device::LogicalDevice;
+use super::fault::failed;
+use super::queries::{QUERY_COUNT, Timestamps};
+use crate::Result;
+
+/// A command buffer with its pool, a fence, and timestamp queries where the queue can tell the time (else null).
+#[derive(Default)]
+struct Handles {
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    queries: vk::QueryPool,
+}
+
+impl Handles {
+    /// Makes what is still missing, so that what was made before an error has an owner.
+    fn complete(&mut self, device: &LogicalDevice) -> Result<()> {
+        let raw = device.raw();
+        let pool = vk::CommandPoolCreateInfo::default()
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT)
+            .queue_family_index(device.queue_family());
+        // SAFETY: invariant 1: the device is alive, and `pool` is a local.
+        self.pool = unsafe { raw.create_command_pool(&pool, None) }.map_err(failed("vkCreateCommandPool"))?;
+        let buffer = vk::CommandBufferAllocateInfo::default()
+            .command_pool(self.pool)
+            .level(vk::CommandBufferLevel::PRIMARY)
+            .command_buffer_count(1);
+        // SAFETY: invariant 1: the pool is alive and ours alone.
+        let buffers = unsafe { raw.allocate_command_buffers(&buffer) };
+        self.commands = buffers.map_err(failed("vkAllocateCommandBuffers"))?[0];
+        // SAFETY: invariant 1: the device is alive.
+        self.fence =
+            unsafe { raw.create_fence(&vk::FenceCreateInfo::default(), None) }.map_err(failed("vkCreateFence"))?;
+        if device.timestamp_bits() > 0 {
+            let queries =
+                vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(QUERY_COUNT);
+            // SAFETY: invariant 1: the device is alive, and `queries` is a local.
+            self.queries = unsafe { raw.create_query_pool(&queries, None) }.map_err(failed("vkCreateQueryPool"))?;
+        }
+        Ok(())
+    }
+
+    /// Makes them as good as new.
+    fn reset(&self, device: &LogicalDevice) -> Result<()> {
+        // SAFETY: invariants 1 and 3: ours alone, and no submission that used them is under way.
+        unsafe {
+            device
+                .raw()
+                .reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .map_err(failed("vkResetCommandPool"))?;
+            device.raw().reset_fences(&[self.fence]).map_err(failed("vkResetFences"))
+        }
+    }
+
+    fn destroy(self, device: &LogicalDevice) {
+        // SAFETY: invariants 1 and 3: ours alone (null is allowed), and no submission that used them is under way.
+        unsafe {
+            device.raw().destroy_query_pool(self.queries, None);
+            device.raw().destroy_fence(self.fence, None);
+            device.raw().destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+/// Those that no submission uses.
+pub(super) struct IdleSlots {
+    idle: Mutex<Vec<Handles>>,
+    device: Arc<LogicalDevice>,
+}
+
+impl IdleSlots {
+    pub(super) fn new(device: Arc<LogicalDevice>) -> Self {
+        Self { idle: Mutex::default(), device }
+    }
+
+    fn take(&self) -> Option<Handles> {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop()
+    }
+
+    fn put(&self, handles: Handles) {
+        self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(handles);
+    }
+}
+
+impl Drop for IdleSlots {
+    fn drop(&mut self) {
+        let idle = self.idle.get_mut().unwrap_or_else(PoisonError::into_inner);
+        idle.drain(..).for_each(|handles| handles.destroy(&self.device));
+    }
+}
+
+/// One submission's own, until it is dropped.
+pub(super) struct Slot {
+    handles: Handles,
+    /// Whether it can serve another submission.
+    whole: bool,
+    context: Arc<Context>,
+}
+
+impl Slot {
+    pub(super) fn take(context: &Arc<Context>) -> Result<Self> {
+        let idle = context.idle_slots().take();
+        let is_new = idle.is_none();
+        let mut slot = Self { handles: idle.unwrap_or_default(), whole: false, context: Arc::clone(context) };
+        match is_new {
+            true => slot.handles.complete(context.logical())?,
+            false => slot.handles.reset(context.logical())?,
+        }
+        slot.whole = true;
+        Ok(slot)
+    }
+
+    pub(super) fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// The handle, for a call during which the caller borrows this value.
+    pub(super) fn commands(&self) -> vk::CommandBuffer {
+        self.handles.commands
+    }
+
+    /// The handle, for a call during which the caller borrows this value.
+    pub(super) fn fence(&self) -> vk::Fence {
+        self.handles.fence
+    }
+
+    /// Nothing where the queue cannot tell the time.
+    pub(super) fn timestamps(&self) -> Option<Timestamps<'_>> {
+        let queries = self.handles.queries;
+        (queries != vk::QueryPool::null()).then(|| Timestamps::new(&self.context, queries))
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        let handles = mem::take(&mut self.handles);
+        match self.whole {
+            true => self.context.idle_slots().put(handles),
+            false => handles.destroy(self.context.logical()),
+        }
+    }
+}
