@@ -31,7 +31,9 @@ float store_bin_ends(uint cell) {
     for (uint bin = first; bin < last; ++bin) {
         sum = bin + 1u == last ? most : min(sum + radiance(radiance_index(cell, bin)), most);
         float share = total > 0.0 ? min(sum / total, 1.0) : 1.0;
-        store_bin_end(radiance_index(cell, bin), uint(share * float(SHARE_UNITS)));
+        // The last bin ends with the last unit, however a device rounds the quotient.
+        bool is_last = bin + 1u == direction_bin_count();
+        store_bin_end(radiance_index(cell, bin), is_last ? SHARE_UNITS : uint(share * float(SHARE_UNITS)));
     }
     return total;
 }

@@ -17,7 +17,9 @@ DielectricInterface fresnel_dielectric(float cos_i, float eta) {
     float g = sqrt(max(c * c + (relative - 1.0) * (relative + 1.0), 0.0));
     float s = (c - g) / (c + g);
     float p = (relative * relative * c - g) / (relative * relative * c + g);
-    return DielectricInterface(0.5 * (s * s + p * p), g / relative, relative);
+    // Without a transmitted direction all light is reflected, however a device rounds the quotients.
+    float reflectance = g > 0.0 ? 0.5 * (s * s + p * p) : 1.0;
+    return DielectricInterface(reflectance, g / relative, relative);
 }
 
 // Of a metal with the complex index eta - ik; with eta = 0 all light is reflected.
