@@ -1,0 +1,172 @@
+//! How the time of a ray grows: with triangles, cells of the guide, the picture's size and the driver's threads.
+//!
+//! `cargo bench --bench scaling`: the project's Cornell box, its walls cut into more and more triangles of rough relief. `-- 10000000`
+//! names the most triangles (a million unless named). Threads are those of CPU drivers that heed `LP_NUM_THREADS`. What is
+//! compared takes turns, so that a slow minute hits all of it.
+
+#[path = "common/mod.rs"]
+#[allow(dead_code)] // It loads no scene by name.
+mod common;
+
+use std::process::Command;
+use std::sync::Arc;
+
+use common::{context, renderer, run_for, settings};
+use glam::Vec3;
+use lodestar::gpu::Context;
+use lodestar::renderer::Renderer;
+use lodestar::scene::{self, LoadOptions, Primitive, PrimitiveShape, Scene};
+use lodestar::settings::{Sampler, Settings};
+
+const ROUNDS: usize = 5;
+const SECONDS: f64 = 1.5;
+const SIZE: [u32; 2] = [256, 256];
+const TRIANGLES: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
+/// Relief of a wall, in sides of its triangles.
+const RELIEF: f32 = 0.3;
+/// Has this program measure itself once and print the rate.
+const ALONE: &str = "--one-rate";
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let most = arguments.iter().find_map(|text| text.parse().ok()).unwrap_or(1_000_000);
+    let context = context();
+    if arguments.iter().any(|argument| argument == ALONE) {
+        let (_, rays) = Subject::new(&context, &tessellated(10_000), SIZE, Sampler::Bsdf, 8).rates();
+        return println!("{rays}");
+    }
+    measure("triangles", "rays", TRIANGLES.into_iter().filter(|&count| count <= most), |&count| {
+        Subject::new(&context, &tessellated(count), SIZE, Sampler::Bsdf, 8)
+    });
+    measure("cells along each axis, product", "paths", [4, 8, 16, 32], |&cells| {
+        Subject::new(&context, &tessellated(10_000), SIZE, Sampler::Product, cells)
+    });
+    measure("pixels along each side", "rays", [64, 128, 256, 512, 1024], |&side| {
+        Subject::new(&context, &tessellated(10_000), [side, side], Sampler::Bsdf, 8)
+    });
+    measure_threads();
+}
+
+/// One renderer.
+struct Subject {
+    renderer: Renderer,
+    settings: Settings,
+}
+
+impl Subject {
+    fn new(context: &Arc<Context>, scene: &Scene, size: [u32; 2], sampler: Sampler, grid: u32) -> Self {
+        let settings = Settings { grid, ..settings(scene, size, sampler) };
+        Self { renderer: renderer(context, scene, &settings, 4), settings }
+    }
+
+    /// Millions of paths, and of rays, per second.
+    fn rates(&mut self) -> (f64, f64) {
+        let (spp, seconds, counts) = run_for(&mut self.renderer, SECONDS, &self.settings);
+        let paths = f64::from(spp) * f64::from(self.settings.width * self.settings.height);
+        (paths / seconds / 1.0e6, counts.rays as f64 / seconds / 1.0e6)
+    }
+}
+
+/// Prints medians over rounds of what each value comes to, and the time relative to the first.
+fn measure<T: std::fmt::Display>(
+    title: &str,
+    unit: &str,
+    values: impl IntoIterator<Item = T>,
+    subject: impl Fn(&T) -> Subject,
+) {
+    let mut subjects: Vec<_> = values.into_iter().map(|value| (subject(&value), value)).collect();
+    let mut rates = vec![Vec::new(); subjects.len()];
+    for _ in 0..ROUNDS {
+        for (rates, (subject, _)) in rates.iter_mut().zip(&mut subjects) {
+            let (paths, rays) = subject.rates();
+            rates.push(if unit == "rays" { rays } else { paths });
+        }
+    }
+    println!("\n{title} | M{unit}/s | time of one, relative to the first");
+    for (own, (_, value)) in rates.iter().zip(&subjects) {
+        let ratios = own.iter().zip(&rates[0]).map(|(own, first)| first / own).collect();
+        println!("{value} | {:.2} | {:.2}", median(own.clone()), median(ratios));
+    }
+}
+
+/// The driver reads its number of threads once, so that each is another process.
+fn measure_threads() {
+    println!("\nthreads of the driver | Mrays/s | gain");
+    let rate = |threads: u32| -> Option<f64> {
+        let program = std::env::current_exe().ok()?;
+        let output = Command::new(program).arg(ALONE).env("LP_NUM_THREADS", threads.to_string()).output().ok()?;
+        String::from_utf8(output.stdout).ok()?.lines().last()?.trim().parse().ok()
+    };
+    let rounds: Vec<_> = (0..ROUNDS).filter_map(|_| Some([rate(1)?, rate(2)?, rate(4)?])).collect();
+    for (place, threads) in [1, 2, 4].into_iter().enumerate().filter(|_| !rounds.is_empty()) {
+        let rates = rounds.iter().map(|round| round[place]).collect();
+        let gains = rounds.iter().map(|round| round[place] / round[0]).collect();
+        println!("{threads} | {:.2} | {:.2}", median(rates), median(gains));
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// The Cornell box with about as many triangles.
+fn tessellated(count: usize) -> Scene {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box/scene.xml");
+    let mut scene = scene::load(path.as_ref(), &LoadOptions::default()).expect("the scene loads");
+    let (lamps, walls): (Vec<_>, Vec<_>) = scene.primitives.into_iter().partition(|shape| shape.emitter.is_some());
+    let coarse: Vec<Primitive> = walls.iter().flat_map(triangles).collect();
+    let cuts = (count as f32 / coarse.len() as f32).sqrt().round().max(1.0) as u32;
+    scene.primitives = coarse.iter().flat_map(|triangle| cut(triangle, cuts)).chain(lamps).collect();
+    scene
+}
+
+/// A flat shape in triangles; a parallelogram's sides are given by halves from its center.
+fn triangles(shape: &Primitive) -> Vec<Primitive> {
+    let Primitive { origin, edge_u, edge_v, .. } = *shape;
+    let triangle = |origin, edge_u, edge_v| Primitive {
+        shape: PrimitiveShape::Triangle,
+        normals: None,
+        origin,
+        edge_u,
+        edge_v,
+        ..shape.clone()
+    };
+    match shape.shape {
+        PrimitiveShape::Parallelogram => vec![
+            triangle(origin - edge_u - edge_v, 2.0 * edge_u, 2.0 * edge_v),
+            triangle(origin + edge_u + edge_v, -2.0 * edge_u, -2.0 * edge_v),
+        ],
+        _ => vec![shape.clone()],
+    }
+}
+
+/// A triangle cut into the square of `cuts`, with relief inside and none at its border, so that no light leaks.
+fn cut(triangle: &Primitive, cuts: u32) -> impl Iterator<Item = Primitive> {
+    let Primitive { origin, edge_u, edge_v, .. } = *triangle;
+    let normal = edge_u.cross(edge_v).normalize();
+    let height = RELIEF * edge_u.length().min(edge_v.length()) / cuts as f32;
+    let vertex = move |i: u32, j: u32| -> Vec3 {
+        let inside = i > 0 && j > 0 && i + j < cuts;
+        let relief = if inside { height * noise(i, j) } else { 0.0 };
+        origin + (edge_u * i as f32 + edge_v * j as f32) / cuts as f32 + normal * relief
+    };
+    let pattern = triangle.clone();
+    let at = move |a: Vec3, b: Vec3, c: Vec3| Primitive { origin: a, edge_u: b - a, edge_v: c - a, ..pattern.clone() };
+    (0..cuts).flat_map(move |i| {
+        let (vertex, at) = (vertex, at.clone());
+        (0..cuts - i).flat_map(move |j| {
+            let upright = at(vertex(i, j), vertex(i + 1, j), vertex(i, j + 1));
+            let hanging = (i + j + 1 < cuts).then(|| at(vertex(i + 1, j + 1), vertex(i, j + 1), vertex(i + 1, j)));
+            std::iter::once(upright).chain(hanging)
+        })
+    })
+}
+
+/// In [-0.5, 0.5), from a hash.
+fn noise(i: u32, j: u32) -> f32 {
+    let mut bits = i.wrapping_mul(0x9e37_79b9) ^ j.wrapping_mul(0x85eb_ca6b);
+    bits = (bits ^ (bits >> 15)).wrapping_mul(0x2c1b_3c6d);
+    bits = (bits ^ (bits >> 12)).wrapping_mul(0x297a_2d39);
+    ((bits ^ (bits >> 15)) >> 8) as f32 / 16_777_216.0 - 0.5
+}
