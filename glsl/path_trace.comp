@@ -7,6 +7,7 @@
 #include "guiding.glsl"
 #include "learning.glsl"
 #include "light.glsl"
+#include "roulette.glsl"
 #include "scatterer.glsl"
 #include "surface.glsl"
 #include "tally.glsl"
@@ -34,6 +35,7 @@ struct Path {
     ShareEvidence evidence;  // of its direction
     vec3 from;        // the point of a surface that the ray left
     float pdf;        // density of its direction there; 0 where emitter sampling cannot have drawn it
+    float expected_of_pixel;  // radiance that the path was expected to bring, at the first surface with a guide; 0 before
     PathVertex met;   // the vertex just met, for learners that keep them
 };
 
@@ -60,6 +62,7 @@ Path start_path(uvec2 film_pixel, uint sample_index) {
     path.evidence = NO_EVIDENCE;
     path.from = vec3(0.0);
     path.pdf = 0.0;
+    path.expected_of_pixel = 0.0;
     path.met = NO_VERTEX;
     return path;
 }
@@ -68,10 +71,19 @@ vec3 visible_emission(Path path, vec3 emission) {
     return HIDE_EMITTERS && path.depth == 1u ? vec3(0.0) : emission;
 }
 
-// Russian roulette by throughput; survivors are weighed up. That radiance is less concentrated outside a medium is undone first.
-bool survives_roulette(inout Path path, float u) {
-    if (path.depth < RR_DEPTH) return true;
-    float survival = min(max_component(path.throughput) * path.eta * path.eta, 0.95);
+// The probability with which the path goes on in the direction `next`, by which its throughput is not yet multiplied.
+float survival_of(inout Path path, Scatterer x, Guide guide, DirectionSample next) {
+    if (!knows_contribution(guide, next)) {
+        return survival_by_throughput(path.throughput * next.weight, path.eta * next.eta, path.depth);
+    }
+    if (path.expected_of_pixel == 0.0) {
+        path.expected_of_pixel = mean_rgb(path.radiance) + expected_scattered(path.throughput, x, guide);
+    }
+    return survival_by_contribution(path.throughput, guide, next, path.expected_of_pixel);
+}
+
+// Survivors are weighed up.
+bool survives_roulette(inout Path path, float survival, float u) {
     path.throughput /= max(survival, 1.0e-30);
     path.met.factor /= max(survival, 1.0e-30);
     path.evidence.scattered /= max(survival, 1.0e-30);
@@ -142,10 +154,11 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     // What lies behind a hole is collected by the segment that leads there.
     if (x.passes && keeps_vertices()) path.segment = NO_SEGMENT;
     float target = target_at(path.key, path.depth, light, x, guide, next);
+    float survival = survival_of(path, x, guide, next);
     path.throughput *= next.weight;
     path.met.factor = next.weight;
     path.eta *= next.eta;
-    if (max_component(path.throughput) > 0.0 && survives_roulette(path, u.w)) {
+    if (max_component(path.throughput) > 0.0 && survives_roulette(path, survival, u.w)) {
         path.ray = x.passes ? pass_surface(s, next.wi) : leave_surface(s, next.wi);
         path.from = s.position;
         path.pdf = next.pdf;

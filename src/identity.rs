@@ -110,6 +110,7 @@ mod tests {
             epsilon: _,
             bsdf_share: _,
             candidates: _,
+            roulette: _,
             expected_directions: _,
             grid: _,
             fallback: _,
@@ -130,7 +131,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 32);
+        assert_eq!(settings().named().len(), 33);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };

@@ -122,6 +122,18 @@ pub enum SamplePattern {
     Sobol = kernels::PATTERN_SOBOL,
 }
 
+/// What Russian roulette goes by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum Roulette {
+    /// Throughput, from edge [`Settings::rr_depth`] on.
+    Throughput = kernels::ROULETTE_THROUGHPUT,
+    /// With `product`, what the guide expects the path still to bring, from the first edge on, over what it expects of the pixel
+    /// (Vorba and Křivánek 2016). Where there is no guide, throughput.
+    Contribution = kernels::ROULETTE_CONTRIBUTION,
+}
+
 /// How many samples per pixel are taken between two updates of the grids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -177,6 +189,8 @@ pub struct Settings {
     pub bsdf_share: Option<BsdfShare>,
     /// Directions of which `product` takes one, by f cos L, in [1, 2].
     pub candidates: u32,
+    /// What Russian roulette goes by: where `None`, the expected contribution if there is a guide that knows it.
+    pub roulette: Option<Roulette>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
     /// Cells along each axis of the grids, in [1, 32]; [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB. Quadtrees
@@ -257,6 +271,7 @@ impl Settings {
             epsilon: None,
             bsdf_share: None,
             candidates: 1,
+            roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
             fallback: 0.0,
@@ -331,6 +346,9 @@ impl Settings {
         if self.candidates > 1 && self.sampler != Sampler::Product {
             return Err(Error::Settings("--candidates is for --sampler product only".into()));
         }
+        if self.roulette == Some(Roulette::Contribution) && self.sampler != Sampler::Product {
+            return Err(Error::Settings("--roulette contribution is for --sampler product only".into()));
+        }
         if self.bsdf_share.is_some() && self.sampler != Sampler::Product {
             return Err(Error::Settings("--bsdf-share is for --sampler product only".into()));
         }
@@ -384,6 +402,12 @@ impl Settings {
             )));
         }
         Ok(())
+    }
+
+    /// What Russian roulette goes by. Where a path is too short to meet it by throughput, none is wanted.
+    pub fn roulette(&self) -> Roulette {
+        let knows = self.sampler == Sampler::Product && self.rr_depth < self.max_depth;
+        self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })
     }
 
     /// Whether cells learn the share of the scattering function: they may, and none is fixed. `monte-carlo` would have to keep

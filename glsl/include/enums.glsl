@@ -23,10 +23,15 @@ const uint MIX_ACCEPTANCE = 1u;
 const uint MAP_EQUAL_AREA = 0u;
 const uint MAP_CYLINDRICAL = 1u;
 
-// Which scattering functions a guide is used on.
+// How the samples of a pixel are distributed.
 const uint PATTERN_INDEPENDENT = 0u;
 const uint PATTERN_SOBOL = 1u;
 
+// What Russian roulette goes by.
+const uint ROULETTE_THROUGHPUT = 0u;
+const uint ROULETTE_CONTRIBUTION = 1u;
+
+// Which scattering functions a guide is used on.
 const uint GUIDE_SET_DIFFUSE = 0u;
 const uint GUIDE_SET_AUTHORS = 1u;
 const uint GUIDE_SET_ALL = 2u;

@@ -5,6 +5,7 @@
 #include "direction_map.glsl"
 #include "normalization_grid.glsl"
 #include "radiance_grid.glsl"
+#include "small_floats.glsl"
 
 struct Guide {
     uint cell;  // of the grids; with quadtrees, the first node of a tree
@@ -55,6 +56,11 @@ void mark_guide(Guide guide) {
 
 float bin_radiance(Guide guide, uint bin) {
     return radiance(radiance_index(guide.cell, bin));
+}
+
+// Mean of L over the hemisphere, which the product sampler's records hold as irradiance.
+float mean_radiance(Guide guide) {
+    return INV_PI * unpack_scalar(guide.record);
 }
 
 // Density of the uniform share: there is none below the surface.

@@ -3,7 +3,6 @@
 #ifndef IRRADIANCE_SARSA_GLSL
 #define IRRADIANCE_SARSA_GLSL
 #include "guiding.glsl"
-#include "small_floats.glsl"
 
 bool is_lambertian(Bsdf b) {
     return is_kind(b, BSDF_DIFFUSE) && !is_coated(b);
@@ -15,8 +14,7 @@ bool knows_scattered(Scatterer x, Guide guide) {
 }
 
 float target_irradiance_sarsa(vec3 light, Scatterer x, Guide guide) {
-    float scattered = mean_rgb(x.bsdf.color0) * INV_PI * unpack_scalar(guide.record);
-    return mean_rgb(light) + ATTENUATION_TAMPER * scattered;
+    return mean_rgb(light) + ATTENUATION_TAMPER * mean_rgb(x.bsdf.color0) * mean_radiance(guide);
 }
 
 #endif

@@ -32,6 +32,8 @@ layout(constant_id = 9) const uint MAX_TRIES = 15u;
 layout(constant_id = 56) const uint SHARES_AT = 0u;
 // Directions of which one is taken, where a guide descends: 1, or 2.
 layout(constant_id = 57) const uint CANDIDATES = 1u;
+// What Russian roulette goes by.
+layout(constant_id = 58) const uint ROULETTE = ROULETTE_THROUGHPUT;
 // Least share of uniformly drawn directions.
 layout(constant_id = 10) const float MIN_UNIFORM_SHARE = 0.0625;
 // What one step leaves of a bin's earlier count; 1 is the paper's running mean.

@@ -1,6 +1,8 @@
 //! The options that choose and tune a guide.
 
-use lodestar::settings::{AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings, StepSchedule};
+use lodestar::settings::{
+    AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, Sampler, Settings, StepSchedule,
+};
 
 /// How directions are sampled and learned.
 #[derive(Debug, clap::Args)]
@@ -31,6 +33,11 @@ pub struct GuidingArgs {
     /// Directions that product draws at a vertex, of which one is taken by f cos L: resampled importance sampling [default: 1].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub candidates: Option<u32>,
+    /// What Russian roulette goes by: throughput, after --rr-depth edges; or with product, from the first edge on, what the guide
+    /// expects a path still to bring to its pixel [default: contribution with product, unless --rr-depth is no less than
+    /// --max-depth, which leaves roulette out].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub roulette: Option<Roulette>,
     /// Map between directions and their bins.
     #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
     pub map: DirectionMap,
@@ -85,6 +92,7 @@ impl GuidingArgs {
         settings.epsilon = self.epsilon;
         settings.bsdf_share = self.bsdf_share;
         settings.candidates = self.candidates.unwrap_or(settings.candidates);
+        settings.roulette = self.roulette;
         settings.map = self.map;
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.fallback = self.fallback.unwrap_or(settings.fallback);

@@ -524,6 +524,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         // As if surfaces were everywhere.
         shares_at: shares_at(settings, if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) }),
         candidates: settings.candidates,
+        roulette: settings.roulette() as u32,
         expected_directions: settings.expected_directions,
         kept_vertices: settings.kept_vertices(),
         attenuation_tamper: settings.attenuation_tamper,

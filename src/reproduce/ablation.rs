@@ -7,7 +7,7 @@ use super::protocol::Base;
 use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
-use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Learner, SamplePattern, Sampler, StepSchedule};
+use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, Sampler, StepSchedule};
 
 /// A plain path tracer.
 const PLAIN: Method = Method { base: Base::Defaults, ..Method::PLAIN };
@@ -22,6 +22,7 @@ const ALONE: Method = PRODUCT.with(Changes {
     steps: Some(StepSchedule::Even),
     pattern: Some(SamplePattern::Independent),
     bsdf_share: Some(BsdfShare::Fixed),
+    roulette: Some(Roulette::Throughput),
     ..NONE
 });
 
@@ -35,6 +36,7 @@ const ROWS: &[Method] = &[
     ALONE,
     PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),
     PRODUCT.with(Changes { candidates: Some(2), ..NONE }),
+    PRODUCT.with(Changes { roulette: Some(Roulette::Throughput), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Diffuse), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Authors), ..NONE }),
     Method { learner: Learner::ExpectedSarsa, ..PRODUCT },

@@ -1,7 +1,7 @@
 //! What a method changes of its settings besides the sampler, how it learns and whether emitters are sampled.
 
 use super::methods::word;
-use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, SamplePattern, Settings, StepSchedule};
+use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, Settings, StepSchedule};
 
 /// Settings in place of others; `None` leaves what is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,8 @@ pub struct Changes {
     pub bsdf_share: Option<BsdfShare>,
     /// [`Settings::candidates`].
     pub candidates: Option<u32>,
+    /// [`Settings::roulette`].
+    pub roulette: Option<Roulette>,
 }
 
 impl Changes {
@@ -35,6 +37,7 @@ impl Changes {
         pattern: None,
         bsdf_share: None,
         candidates: None,
+        roulette: None,
     };
 
     /// Changes the settings.
@@ -47,6 +50,7 @@ impl Changes {
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
         settings.bsdf_share = self.bsdf_share.or(settings.bsdf_share);
         settings.candidates = self.candidates.unwrap_or(settings.candidates);
+        settings.roulette = self.roulette.or(settings.roulette);
     }
 
     /// As the command line has them: ` --grid auto --fallback 4`.
@@ -76,6 +80,7 @@ impl Changes {
             ("pattern", self.pattern.map(word)),
             ("bsdf-share", self.bsdf_share.map(word)),
             ("candidates", self.candidates.map(|candidates| candidates.to_string())),
+            ("roulette", self.roulette.map(word)),
         ];
         words.into_iter().filter_map(|(option, value)| Some((option, value?)))
     }

@@ -152,6 +152,7 @@ fn combinations_without_meaning() {
         (&["--sampler", "quadtree", "--learner", "sarsa"], ["quadtree", "monte-carlo only"]),
         (&["--directions", "8"], ["--directions", "16, 32 or 64"]),
         (&["--sampler", "rejection", "--candidates", "2"], ["--candidates", "product only"]),
+        (&["--sampler", "bsdf", "--roulette", "contribution"], ["--roulette", "product only"]),
         (&["--sampler", "bsdf", "--bsdf-share", "fixed"], ["--bsdf-share", "product only"]),
         (&["--epsilon", "0.5", "--bsdf-share", "learned"], ["--bsdf-share learned", "--epsilon"]),
         (&["--learner", "monte-carlo", "--bsdf-share", "learned"], ["--bsdf-share learned", "monte-carlo"]),

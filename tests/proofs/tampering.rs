@@ -60,6 +60,7 @@ const FAULTS: &[Fault] = &[
     kernels("targets that are no numbers", DOORS, MIX),
     kernels("missing survival weight", ROULETTE, "bsdf"),
     kernels("roulette by a used random number", ROULETTE, "bsdf"),
+    kernels("survivors of little hope weigh too little", ROULETTE, PRODUCT),
     kernels("density 0 for the weights", EMITTERS, MIX),
     kernels("emitters counted twice", EMITTERS, MIX),
     kernels("missing Jacobian", EMITTERS, MIX),
@@ -104,6 +105,7 @@ const HARMLESS: &[Harmless] = &[
     Harmless(Subject::mutated("other random blocks"), &[SAMPLES, FURNACE, PICTURES]),
     Harmless(Subject::mutated("another multiplier of leftover bits"), &[TARGETS, FURNACE]),
     Harmless(Subject::mutated("roulette ends more paths"), &[ROULETTE, TARGETS]),
+    Harmless(Subject::mutated("another window of roulette"), &[ROULETTE, TARGETS, FURNACE]),
     Harmless(Subject::mutated("the balance heuristic"), &[EMITTERS, FURNACE]),
 ];
 

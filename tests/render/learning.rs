@@ -178,7 +178,7 @@ fn a_stopped_step_leaves_a_valid_picture() {
     let device = Device::new();
     let scene = ours("cornell-box/scene.xml", &[]);
     for sampler in SAMPLERS {
-        let settings = Settings { slice_milliseconds: Some(1.0), ..settings(&scene, [128, 128], sampler, 4) };
+        let settings = Settings { slice_milliseconds: Some(0.001), ..settings(&scene, [128, 128], sampler, 4) };
         let mut renderer = device.renderer(&scene, &settings);
         steps(&mut renderer, &settings, 16);
         let asked = Cell::new(0);

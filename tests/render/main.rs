@@ -18,6 +18,7 @@ mod nee;
 mod pattern;
 mod relief;
 mod resume;
+mod roulette;
 mod scenes;
 mod significance;
 mod variance;

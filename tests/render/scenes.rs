@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
 use lodestar::settings::{
-    AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, SamplePattern, Sampler, Settings,
+    AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, SamplePattern, Sampler, Settings,
 };
 
 /// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
@@ -44,7 +44,10 @@ pub const GUIDED: [(&str, Change); 18] = [
     }),
     ("product", |s| s.sampler = Sampler::Product),
     ("product on the cylinder", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
-    ("product with a fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed))),
+    ("product with a fixed share and roulette by throughput", |s| {
+        (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed));
+        s.roulette = Some(Roulette::Throughput);
+    }),
     ("product with two candidates on all rough surfaces", |s| {
         (s.sampler, s.candidates, s.guide_set) = (Sampler::Product, 2, GuideSet::All);
     }),

@@ -15,6 +15,7 @@ pub struct Mutation {
 }
 
 const PATH_TRACE: &str = "glsl/path_trace.comp";
+const ROULETTE: &str = "glsl/include/roulette.glsl";
 const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
 const CELLS: &str = "glsl/include/cells.glsl";
@@ -248,6 +249,14 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "survivors of little hope weigh too little",
+        &[Patch {
+            file: PATH_TRACE,
+            text: "path.throughput /= max(survival, 1.0e-30);",
+            mutated: "path.throughput /= max(survival, MUTATED ? 0.25 : 1.0e-30);",
+        }],
+    ),
+    mutation(
         "targets that are no numbers",
         &[Patch {
             file: SEGMENT,
@@ -259,8 +268,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "roulette by a used random number",
         &[Patch {
             file: PATH_TRACE,
-            text: "survives_roulette(path, u.w)",
-            mutated: "survives_roulette(path, MUTATED ? u.x : u.w)",
+            text: "survives_roulette(path, survival, u.w)",
+            mutated: "survives_roulette(path, survival, MUTATED ? u.x : u.w)",
         }],
     ),
     mutation(
@@ -331,9 +340,17 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "roulette ends more paths",
         &[Patch {
-            file: PATH_TRACE,
-            text: "path.eta * path.eta, 0.95);",
-            mutated: "path.eta * path.eta, MUTATED ? 0.93 : 0.95);",
+            file: ROULETTE,
+            text: "const float MOST_SURVIVAL = 0.95;",
+            mutated: "const float MOST_SURVIVAL = MUTATED ? 0.93 : 0.95;",
+        }],
+    ),
+    mutation(
+        "another window of roulette",
+        &[Patch {
+            file: ROULETTE,
+            text: "const float SAFE_PART = 0.4;",
+            mutated: "const float SAFE_PART = MUTATED ? 1.0 : 0.4;",
         }],
     ),
     mutation(
