@@ -130,14 +130,14 @@ fn triangles(shape: &Primitive) -> Vec<Primitive> {
         origin,
         edge_u,
         edge_v,
-        ..shape.clone()
+        ..*shape
     };
     match shape.shape {
         PrimitiveShape::Parallelogram => vec![
             triangle(origin - edge_u - edge_v, 2.0 * edge_u, 2.0 * edge_v),
             triangle(origin + edge_u + edge_v, -2.0 * edge_u, -2.0 * edge_v),
         ],
-        _ => vec![shape.clone()],
+        _ => vec![*shape],
     }
 }
 
@@ -151,10 +151,9 @@ fn cut(triangle: &Primitive, cuts: u32) -> impl Iterator<Item = Primitive> {
         let relief = if inside { height * noise(i, j) } else { 0.0 };
         origin + (edge_u * i as f32 + edge_v * j as f32) / cuts as f32 + normal * relief
     };
-    let pattern = triangle.clone();
-    let at = move |a: Vec3, b: Vec3, c: Vec3| Primitive { origin: a, edge_u: b - a, edge_v: c - a, ..pattern.clone() };
+    let pattern = *triangle;
+    let at = move |a: Vec3, b: Vec3, c: Vec3| Primitive { origin: a, edge_u: b - a, edge_v: c - a, ..pattern };
     (0..cuts).flat_map(move |i| {
-        let (vertex, at) = (vertex, at.clone());
         (0..cuts - i).flat_map(move |j| {
             let upright = at(vertex(i, j), vertex(i + 1, j), vertex(i, j + 1));
             let hanging = (i + j + 1 < cuts).then(|| at(vertex(i + 1, j + 1), vertex(i, j + 1), vertex(i + 1, j)));
