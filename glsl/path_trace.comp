@@ -35,7 +35,7 @@ struct Path {
     ShareEvidence evidence;  // of its direction
     vec3 from;        // the point of a surface that the ray left
     float pdf;        // density of its direction there; 0 where emitter sampling cannot have drawn it
-    float expected_of_pixel;  // radiance that the path was expected to bring, at the first surface with a guide; 0 before
+    float expected_of_pixel;  // what the path had brought and was expected to bring at the first surface that told; 0 before
     PathVertex met;   // the vertex just met, for learners that keep them
 };
 
@@ -72,12 +72,9 @@ vec3 visible_emission(Path path, vec3 emission) {
 }
 
 // The probability with which the path goes on in the direction `next`, by which its throughput is not yet multiplied.
-float survival_of(inout Path path, Scatterer x, Guide guide, DirectionSample next) {
+float survival_of(Path path, Guide guide, DirectionSample next) {
     if (!knows_contribution(guide, next)) {
         return survival_by_throughput(path.throughput * next.weight, path.eta * next.eta, path.depth);
-    }
-    if (path.expected_of_pixel == 0.0) {
-        path.expected_of_pixel = mean_rgb(path.radiance) + expected_scattered(path.throughput, x, guide);
     }
     return survival_by_contribution(path.throughput, guide, next, path.expected_of_pixel);
 }
@@ -154,7 +151,10 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
     // What lies behind a hole is collected by the segment that leads there.
     if (x.passes && keeps_vertices()) path.segment = NO_SEGMENT;
     float target = target_at(path.key, path.depth, light, x, guide, next);
-    float survival = survival_of(path, x, guide, next);
+    if (path.expected_of_pixel == 0.0 && knows_contribution(guide, next)) {
+        path.expected_of_pixel = mean_rgb(path.radiance) + expected_scattered(path.throughput, x, guide);
+    }
+    float survival = survival_of(path, guide, next);
     path.throughput *= next.weight;
     path.met.factor = next.weight;
     path.eta *= next.eta;

@@ -158,7 +158,7 @@ pub struct Settings {
     pub filter: ReconstructionFilter,
     /// Longest path in edges, in [1, 1024]; 1 is emission seen directly.
     pub max_depth: u32,
-    /// Number of edges from which Russian roulette is played, at least 1.
+    /// Number of edges from which Russian roulette by throughput is played, at least 1.
     pub rr_depth: u32,
     /// Whether directly seen emitters are black.
     pub hide_emitters: bool,
@@ -189,7 +189,7 @@ pub struct Settings {
     pub bsdf_share: Option<BsdfShare>,
     /// Directions of which `product` takes one, by f cos L, in [1, 2].
     pub candidates: u32,
-    /// What Russian roulette goes by: where `None`, the expected contribution if there is a guide that knows it.
+    /// What Russian roulette goes by. `None`: see [`Settings::roulette`].
     pub roulette: Option<Roulette>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
@@ -404,7 +404,8 @@ impl Settings {
         Ok(())
     }
 
-    /// What Russian roulette goes by. Where a path is too short to meet it by throughput, none is wanted.
+    /// What Russian roulette goes by: where that is not chosen, the expected contribution with `product`, whose guide knows it,
+    /// unless no path is long enough to meet roulette by throughput: then none is wanted.
     pub fn roulette(&self) -> Roulette {
         let knows = self.sampler == Sampler::Product && self.rr_depth < self.max_depth;
         self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })

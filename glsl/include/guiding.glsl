@@ -7,7 +7,6 @@
 #include "guided_direction.glsl"
 #include "relief.glsl"
 #include "share_learning.glsl"
-#include "small_floats.glsl"
 
 struct DirectionSample {
     vec3 wi;         // world space

@@ -11,8 +11,10 @@ const float MOST_SURVIVAL = 0.95;
 // Simulation"): of what a path may still bring to its pixel over what the pixel is expected to hold. The window is wide, for
 // both are coarse: no path is at risk that is expected to bring this part of its pixel.
 const float SAFE_PART = 0.4;
-// Bounds what a survivor weighs, however wrong the guide is.
+// Bounds what a survivor gains at a vertex, however wrong the guide is.
 const float LEAST_SURVIVAL = 0.05;
+// A record that has met no light yet holds a mean radiance far below this in place of 0.
+const float LEAST_KNOWN = 1.0e-30;
 
 float survival_by_throughput(vec3 throughput, float eta, uint depth) {
     return depth < RR_DEPTH ? 1.0 : min(max_component(throughput) * eta * eta, MOST_SURVIVAL);
@@ -20,7 +22,7 @@ float survival_by_throughput(vec3 throughput, float eta, uint depth) {
 
 // Whether the guide knows what the direction may bring.
 bool knows_contribution(Guide guide, DirectionSample next) {
-    return ROULETTE == ROULETTE_CONTRIBUTION && is_guided(guide) && next.pdf > 0.0;
+    return ROULETTE == ROULETTE_CONTRIBUTION && is_guided(guide) && next.pdf > 0.0 && mean_radiance(guide) > LEAST_KNOWN;
 }
 
 // What a surface scatters of the mean radiance around it, per unit of throughput. Coarse: its albedo stands for the rest.

@@ -12,7 +12,7 @@ layout(constant_id = 2) const uint LEARNER = LEARNER_SARSA;
 layout(constant_id = 54) const uint GUIDE_SET = GUIDE_SET_DIFFUSE;
 // Longest path in edges; 1 is emission seen directly.
 layout(constant_id = 3) const uint MAX_DEPTH = 16u;
-// Number of edges from which Russian roulette is played.
+// Number of edges from which Russian roulette by throughput is played.
 layout(constant_id = 4) const uint RR_DEPTH = 8u;
 layout(constant_id = 5) const bool HIDE_EMITTERS = false;
 

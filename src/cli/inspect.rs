@@ -59,7 +59,7 @@ pub struct InspectArgs {
     /// Longest path in edges; 1 is emission seen directly.
     #[arg(long, value_name = "N", help_heading = "Variant")]
     max_depth: Option<u32>,
-    /// Depth after which Russian roulette is played.
+    /// Depth after which Russian roulette by throughput is played; see --roulette.
     #[arg(long, value_name = "N", help_heading = "Variant")]
     rr_depth: Option<u32>,
     /// Sample emitters at every vertex of a path (next event estimation).

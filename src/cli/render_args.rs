@@ -16,7 +16,7 @@ pub const CHECKPOINT_EVERY: f64 = 60.0;
 /// Renders a Mitsuba scene.
 ///
 /// Whichever of --spp and --time is reached first ends the render, and so does Ctrl-C: the picture so far is written. What
-/// the scene file leaves open and no option gives: 64 samples per pixel, depth 16, roulette after depth 8.
+/// the scene file leaves open and no option gives: 64 samples per pixel, depth 16, roulette (by throughput) after depth 8.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
@@ -105,7 +105,7 @@ pub struct ChoiceArgs {
     /// Longest path in edges; 1 is emission seen directly.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Paths")]
     pub max_depth: Option<u32>,
-    /// Depth after which Russian roulette is played.
+    /// Depth after which Russian roulette by throughput is played; see --roulette.
     #[arg(long, value_name = "N", help_heading = "Paths")]
     pub rr_depth: Option<u32>,
     /// Sample emitters at every vertex of a path (next event estimation) [default: on].

@@ -34,7 +34,7 @@ pub enum BufferKind {
     TexelUint,
     /// Read as texels of one unsigned integer.
     TexelUint1,
-    /// Seen by no kernel: copied to, and read by the host where it lies.
+    /// Seen by no kernel: copied to, and near the host, which reads it where it lies if it has a cache for it.
     Readback,
     /// Written as storage, and read as storage or as texels of one float.
     StorageTexelFloat1,
@@ -92,7 +92,7 @@ impl BufferKind {
 
 /// A buffer near the device, or near the host where its kind says so.
 pub struct Buffer {
-    /// Null for storage.
+    /// Null where kernels do not see texels.
     view: vk::BufferView,
     kind: BufferKind,
     name: String,
@@ -245,7 +245,7 @@ impl Buffer {
         self.backing.context()
     }
 
-    /// The view of its texels, for a call during which the caller borrows this value; null for storage.
+    /// The view of its texels, for a call during which the caller borrows this value; null where there are none.
     pub(super) fn view(&self) -> vk::BufferView {
         self.view
     }

@@ -13,7 +13,8 @@
 //!    logical device, which holds the instance, which holds the loaded library: the system's Vulkan loader, which we trust
 //!    to be one). Rust drops a value's fields after its `Drop` has run and in order of declaration, so children are always
 //!    destroyed first. A descriptor set holds its buffers. Values of two contexts are never mixed: each meeting point
-//!    asserts that both have the same.
+//!    asserts that both have the same. What a submission needs of the driver goes from one to the next: while idle it belongs to
+//!    the context's `IdleSlots`, which holds the device; it is reset before its next use, and destroyed after a failure.
 //! 3. **`submit` waits.** A command buffer is recorded, submitted and waited for inside one call of
 //!    [`Context::submit`]. What it uses is borrowed for a lifetime that the caller chose, hence for longer than that call,
 //!    so nothing in use can drop or move. The queue's lock is held from submission to completion, and by every access of

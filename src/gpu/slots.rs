@@ -1,6 +1,7 @@
 //! What a submission needs of the driver besides its work. It is kept for the next one, for making it costs some drivers as
 //! much time as a small dispatch.
 
+use std::cell::Cell;
 use std::mem;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -22,8 +23,8 @@ struct Handles {
 }
 
 impl Handles {
-    /// Makes what is still missing, so that what was made before an error has an owner.
-    fn complete(&mut self, device: &LogicalDevice) -> Result<()> {
+    /// Makes all of them in place, so that what was made before an error has an owner.
+    fn create(&mut self, device: &LogicalDevice) -> Result<()> {
         let raw = device.raw();
         let pool = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
@@ -101,8 +102,8 @@ impl Drop for IdleSlots {
 /// One submission's own, until it is dropped.
 pub(super) struct Slot {
     handles: Handles,
-    /// Whether it can serve another submission.
-    whole: bool,
+    /// Whether it can serve another submission: not while one is under way, nor after one that has failed.
+    reusable: Cell<bool>,
     context: Arc<Context>,
 }
 
@@ -110,13 +111,19 @@ impl Slot {
     pub(super) fn take(context: &Arc<Context>) -> Result<Self> {
         let idle = context.idle_slots().take();
         let is_new = idle.is_none();
-        let mut slot = Self { handles: idle.unwrap_or_default(), whole: false, context: Arc::clone(context) };
+        let mut slot =
+            Self { handles: idle.unwrap_or_default(), reusable: Cell::new(false), context: Arc::clone(context) };
         match is_new {
-            true => slot.handles.complete(context.logical())?,
+            true => slot.handles.create(context.logical())?,
             false => slot.handles.reset(context.logical())?,
         }
-        slot.whole = true;
+        slot.reusable.set(true);
         Ok(slot)
+    }
+
+    /// To be called before it is submitted, and once that is done.
+    pub(super) fn set_reusable(&self, reusable: bool) {
+        self.reusable.set(reusable);
     }
 
     pub(super) fn context(&self) -> &Arc<Context> {
@@ -143,7 +150,7 @@ impl Slot {
 impl Drop for Slot {
     fn drop(&mut self) {
         let handles = mem::take(&mut self.handles);
-        match self.whole {
+        match self.reusable.get() {
             true => self.context.idle_slots().put(handles),
             false => handles.destroy(self.context.logical()),
         }

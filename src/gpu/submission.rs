@@ -59,9 +59,11 @@ impl Context {
         let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
         let queue = self.logical().idle_queue();
         let start = Instant::now();
+        slot.set_reusable(false);
         // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by nobody else; the queue is held.
         unsafe { self.raw().queue_submit(*queue, &submits, slot.fence()) }.map_err(failed(label))?;
         self.wait(label, slot)?;
+        slot.set_reusable(true);
         Ok((start, start.elapsed()))
     }
 

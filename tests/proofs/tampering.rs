@@ -60,7 +60,7 @@ const FAULTS: &[Fault] = &[
     kernels("targets that are no numbers", DOORS, MIX),
     kernels("missing survival weight", ROULETTE, "bsdf"),
     kernels("roulette by a used random number", ROULETTE, "bsdf"),
-    kernels("survivors of little hope weigh as much as before", FURNACE, PRODUCT),
+    kernels("survivors of little hope weigh too little", FURNACE, PRODUCT),
     kernels("density 0 for the weights", EMITTERS, MIX),
     kernels("emitters counted twice", EMITTERS, MIX),
     kernels("missing Jacobian", EMITTERS, MIX),

@@ -178,6 +178,7 @@ fn a_stopped_step_leaves_a_valid_picture() {
     let device = Device::new();
     let scene = ours("cornell-box/scene.xml", &[]);
     for sampler in SAMPLERS {
+        // Slices of a workgroup, so that a step has several however fast the device is.
         let settings = Settings { slice_milliseconds: Some(0.001), ..settings(&scene, [128, 128], sampler, 4) };
         let mut renderer = device.renderer(&scene, &settings);
         steps(&mut renderer, &settings, 16);

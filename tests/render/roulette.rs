@@ -16,6 +16,26 @@ fn with(scene: &Scene, roulette: Roulette, seed: u32) -> Settings {
     Settings { nee: true, roulette: Some(roulette), ..settings(scene, SIZE, Sampler::Product, seed) }
 }
 
+/// Roulette by contribution is for `product`, and for scenes that want any.
+#[test]
+fn what_is_not_chosen_follows_from_sampler_and_depths() {
+    let (device, scene) = (Device::new(), ours("cornell-box/scene.xml", &[]));
+    let chosen = |sampler, rr_depth| {
+        Settings { rr_depth, roulette: None, max_depth: 8, ..settings(&scene, SIZE, sampler, 1) }.roulette()
+    };
+    assert_eq!(
+        [chosen(Sampler::Product, 7), chosen(Sampler::Product, 8)],
+        [Roulette::Contribution, Roulette::Throughput]
+    );
+    assert_eq!(chosen(Sampler::RejectionMix, 1), Roulette::Throughput);
+    let picture = |roulette| {
+        let settings = Settings { roulette, ..settings(&scene, [24, 24], Sampler::Product, 1) };
+        device.render(&scene, &settings, 16).radiance
+    };
+    let unchosen = picture(None);
+    assert!(unchosen == picture(Some(Roulette::Contribution)) && unchosen != picture(Some(Roulette::Throughput)));
+}
+
 #[test]
 fn by_contribution_a_ray_brings_more() {
     let (device, scene) = (Device::new(), ours("cornell-box/scene.xml", &[]));

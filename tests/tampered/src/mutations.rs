@@ -249,11 +249,11 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "survivors of little hope weigh as much as before",
+        "survivors of little hope weigh too little",
         &[Patch {
             file: PATH_TRACE,
             text: "path.throughput /= max(survival, 1.0e-30);",
-            mutated: "path.throughput /= max(survival, MUTATED ? 1.0 : 1.0e-30);",
+            mutated: "path.throughput /= max(survival, MUTATED ? 0.25 : 1.0e-30);",
         }],
     ),
     mutation(
