@@ -1,7 +1,7 @@
 //! The furnace, of which the answer is known.
 
 use lodestar::renderer::Renderer;
-use lodestar::settings::{Learner, Sampler, Settings};
+use lodestar::settings::{Learner, Roulette, Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::Estimate;
@@ -125,10 +125,12 @@ fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: imp
     (mean, rms)
 }
 
-/// The learner that needs it has as many bins with it as the others have with theirs.
+/// The learner that needs it has as many bins with it as the others have with theirs, and paths as long, so that as much
+/// comes to each in every step.
 fn follow_product(s: &mut Settings) {
     if s.learner == Learner::IrradianceSarsa {
         (s.sampler, s.directions, s.grid) = (Sampler::Product, 16, 2);
+        s.roulette = Some(Roulette::Throughput);
     }
 }
 
