@@ -25,7 +25,8 @@ bool knows_contribution(Guide guide, DirectionSample next) {
     return ROULETTE == ROULETTE_CONTRIBUTION && is_guided(guide) && next.pdf > 0.0 && mean_radiance(guide) > LEAST_KNOWN;
 }
 
-// What a surface scatters of the mean radiance around it, per unit of throughput. Coarse: its albedo stands for the rest.
+// What a path with this throughput gets of a surface that scatters the mean radiance around it. Coarse: the albedo stands for
+// the scattering function.
 float expected_scattered(vec3 throughput, Scatterer x, Guide guide) {
     return mean_rgb(throughput * bsdf_albedo(x.bsdf)) * mean_radiance(guide);
 }
