@@ -1,8 +1,8 @@
 //! What does guiding bring? Errors after the same seconds on the paper's scenes, of this renderer's methods and of Mitsuba 3.
 //!
 //! `cargo bench --bench equal_time [-- SCENE...]`; needs the shared scenes and references: `LODESTAR_SCENES`,
-//! `LODESTAR_REFERENCES`. `LODESTAR_SECONDS` (40) is what each method has for each scene. It has them in four turns, which
-//! alternate with the others', so that a slow minute hits all of them.
+//! `LODESTAR_REFERENCES`. `LODESTAR_SECONDS` (40) is what each method has for each scene. It has them in turns, which alternate
+//! with the others', so that a slow minute hits all of them; after each turn errors are measured, for the curve over time.
 //!
 //! The error is the paper's, the mean absolute error of the displayed image. Where the noise of the reference itself exceeds a
 //! quarter of the smaller error of two methods, their ratio is that of the mean squared errors, the reference's variance
@@ -35,7 +35,8 @@ const SCENES: [&str; 12] = [
     "veach-ajar",
     "veach-ajar-2",
 ];
-const TURNS: u32 = 4;
+/// When turns end, as shares of the seconds.
+const TURN_ENDS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 const SECONDS: f64 = 40.0;
 
 /// A way to render: its name, and this renderer's sampler and emitter sampling unless it is Mitsuba.
@@ -70,35 +71,46 @@ fn main() {
     let seconds = std::env::var("LODESTAR_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(SECONDS);
     let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let context = context();
-    let mut ratios = vec![Vec::new(); RATIOS.len()];
+    // Of each turn, of each pair of methods, of each scene.
+    let mut ratios = vec![vec![Vec::new(); RATIOS.len()]; TURN_ENDS.len()];
     for name in SCENES.iter().filter(|name| asked.is_empty() || asked.iter().any(|asked| asked == *name)) {
         let read = |layer: &str| exr::read_rgb(&references.join(format!("{name}.{layer}.exr"))).expect("a reference");
         let reference = Reference { mean: read("mean"), variance: read("var") };
-        let errors = measure(&context, name, &reference, seconds);
-        for ((method, _), e) in METHODS.iter().zip(&errors) {
-            println!("{name}, {method}: {} spp, MAE {:.5}, MSE {:.3e}", e.spp, e.mae, e.mse);
-        }
-        for (ratios, &(a, b)) in ratios.iter_mut().zip(&RATIOS) {
-            let (ratio, by) = ratio(&reference, errors[a], errors[b]);
-            println!("{name}: {} / {} = {ratio:.3} ({by})", METHODS[a].0, METHODS[b].0);
-            ratios.push(ratio);
+        let curve = measure(&context, name, &reference, seconds);
+        for ((errors, end), ratios) in curve.iter().zip(TURN_ENDS).zip(&mut ratios) {
+            let at = format!("{name} at {} s", end * seconds);
+            for ((method, _), e) in METHODS.iter().zip(errors) {
+                println!("{at}, {method}: {} spp, MAE {:.5}, MSE {:.3e}", e.spp, e.mae, e.mse);
+            }
+            for (ratios, &(a, b)) in ratios.iter_mut().zip(&RATIOS) {
+                let (ratio, by) = ratio(&reference, errors[a], errors[b]);
+                println!("{at}: {} / {} = {ratio:.3} ({by})", METHODS[a].0, METHODS[b].0);
+                ratios.push((ratio, errors[a].mae / errors[b].mae));
+            }
         }
     }
-    for (ratios, &(a, b)) in ratios.iter().zip(&RATIOS) {
-        let known: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
-        let mean = (known.iter().map(|ratio| ratio.ln()).sum::<f64>() / known.len() as f64).exp();
-        let worst = known.iter().copied().fold(0.0, f64::max);
-        println!(
-            "{} / {} at {seconds} s: geometric mean {mean:.3} of {}, largest {worst:.3}",
-            METHODS[a].0,
-            METHODS[b].0,
-            known.len()
-        );
+    for (ratios, end) in ratios.iter().zip(TURN_ENDS) {
+        ratios.iter().zip(&RATIOS).for_each(|(ratios, &pair)| summarize(ratios, pair, end * seconds));
     }
 }
 
-/// Errors of all methods on one scene; not a number where a method cannot be had.
-fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f64) -> Vec<Errors> {
+/// Of the ratios of all scenes: by the measure that suits each, and by the mean absolute error alone.
+fn summarize(ratios: &[(f64, f64)], (a, b): (usize, usize), seconds: f64) {
+    let mean_and_worst = |ratios: &mut dyn Iterator<Item = f64>| {
+        let known: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
+        let mean = (known.iter().map(|ratio| ratio.ln()).sum::<f64>() / known.len() as f64).exp();
+        (mean, known.iter().copied().fold(0.0, f64::max), known.len())
+    };
+    let (mean, worst, count) = mean_and_worst(&mut ratios.iter().map(|ratio| ratio.0));
+    let (mae, worst_mae, _) = mean_and_worst(&mut ratios.iter().map(|ratio| ratio.1));
+    println!(
+        "{} / {} at {seconds} s: geometric mean {mean:.3} of {count}, largest {worst:.3}; by MAE {mae:.3}, largest {worst_mae:.3}",
+        METHODS[a].0, METHODS[b].0
+    );
+}
+
+/// Errors of all methods on one scene after each turn; not a number where a method cannot be had.
+fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f64) -> Vec<Vec<Errors>> {
     let scene = load(name);
     let size = [reference.mean.width, reference.mean.height];
     let renderer = |&(_, method): &(&str, Option<(Sampler, bool)>)| {
@@ -107,21 +119,22 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
         Some((common::renderer(context, &scene, &settings, 0), settings))
     };
     let mut renderers: Vec<Option<(Renderer, Settings)>> = METHODS.iter().map(renderer).collect();
-    let turn_seconds = seconds / f64::from(TURNS);
-    let mut parts = Vec::new();
-    for turn in 0..TURNS {
+    let (mut parts, mut begin) = (Vec::new(), 0.0);
+    let mut turn = |(seed, end): (u32, f64)| {
+        let turn_seconds = (end - begin) * seconds;
+        begin = end;
         for (renderer, settings) in renderers.iter_mut().flatten() {
             run_for(renderer, turn_seconds, settings);
         }
-        parts.extend(mitsuba(&scene_path(name), size, turn_seconds, 1_000_000 * turn));
-    }
-    let pictures = renderers.iter().map(|renderer| {
-        renderer
-            .as_ref()
-            .map(|(renderer, _)| (renderer.picture().expect("the picture").image(), renderer.samples_done()))
-    });
-    let pictures: Vec<_> = pictures.map(|picture| picture.or_else(|| average(&parts))).collect();
-    pictures.into_iter().map(|picture| errors(picture, reference)).collect()
+        parts.extend(mitsuba(&scene_path(name), size, turn_seconds, seed));
+        let picture = |renderer: &Option<(Renderer, Settings)>| {
+            let (renderer, _) = renderer.as_ref()?;
+            Some((renderer.picture().expect("the picture").image(), renderer.samples_done()))
+        };
+        let pictures = renderers.iter().map(|renderer| picture(renderer).or_else(|| average(&parts)));
+        pictures.map(|picture| errors(picture, reference)).collect()
+    };
+    (0..).step_by(1_000_000).zip(TURN_ENDS).map(&mut turn).collect()
 }
 
 fn errors(picture: Option<(Image, u32)>, reference: &Reference) -> Errors {

@@ -14,7 +14,7 @@
 #include "traverse.glsl"
 
 struct PathTracePush {
-    uint first_workgroup;    // of the slice, within the film page
+    uint first_workgroup;    // of the slice, among those of the page's tiles that are sampled
     uint workgroup_count;
     uint workgroup_stride;   // coprime to the count: spreads neighbors over a device that deals out contiguous halves
     uint page_first_pixel;   // pixels (in tile order) before this film page
@@ -171,7 +171,7 @@ float scatter(inout Path path, uint primitive, Surface s, Scatterer x, vec4 u, i
 
 void main() {
     uint workgroup = push.first_workgroup + (gl_WorkGroupID.x * push.workgroup_stride) % push.workgroup_count;
-    uint index = workgroup * WORKGROUP_SIZE + gl_LocalInvocationIndex;
+    uint index = sampled_pixel(workgroup * WORKGROUP_SIZE + gl_LocalInvocationIndex);
     uvec2 pixel = tile_order_pixel(push.page_first_pixel + index);
     bool inside = all(lessThan(pixel, scene().window_size));
     uvec2 film_pixel = scene().window_offset + pixel;
@@ -216,7 +216,7 @@ void main() {
             if (learns_share()) add_evidence(evidence, target, leftover_float(bits));
         }
 
-        if (path.depth == 0u) add_sample(samples, path.radiance, tally);
+        if (path.depth == 0u) add_sample(samples, path.key.sample_index, path.radiance, tally);
         more = path.depth != 0u || next_sample < push.sample_count;
     }
     tally.overrun = tally.overrun || more;

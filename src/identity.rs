@@ -101,6 +101,7 @@ mod tests {
             nee: _,
             seed: _,
             pattern: _,
+            noise: _,
             sample_offset: _,
             sampler: _,
             guide_set: _,
@@ -131,7 +132,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 33);
+        assert_eq!(settings().named().len(), 34);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };

@@ -267,7 +267,7 @@ pub struct CosineIntegral {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PathTracePush {
-    /// First workgroup of the slice within the film page.
+    /// First workgroup of the slice among those of the film page's tiles that are sampled.
     pub first_workgroup: u32,
     /// Workgroups of the slice.
     pub workgroup_count: u32,
@@ -289,6 +289,14 @@ pub struct PathTracePush {
 pub struct UpdatePush {
     /// Cell of the first workgroup.
     pub first_cell: u32,
+}
+
+/// Pushed to `glsl/judge_noise.comp`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct JudgePush {
+    /// Tile of the first workgroup, within the film page.
+    pub first_tile: u32,
 }
 
 /// Pushed to `glsl/refine_quadtrees.comp`.

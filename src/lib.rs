@@ -32,6 +32,7 @@
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
 //! | [`checkpoint`], [`identity`] | renders on disk, to be gone on with; what tells one render from another |
 //! | [`merge`], [`film_sums`], [`sample_ranges`] | pictures put together from parts, to the same bits however they are parted |
+//! | [`noise`] | how noisy tiles of a picture are, and which of them go on |
 //! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
 //! | [`mod@inspect`], [`profile`] | SPIR-V as an engineer reads it, and kernels put in place of the built-in ones; where the time goes |
 //! | `specialization` | code that a variant never reaches taken out of its kernels |
@@ -58,6 +59,7 @@
 //! | the quadtree that it compares with (Müller, Gross and Novák 2017) | `sample_quadtree`, `pdf_quadtree` in `quadtree.glsl`, `refine_quadtrees.comp` | `tests/samplers/quadtree.rs` (chi-square, trees against their twins), `tests/render/ztest.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
 //! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
+//! | adaptive sampling by two halves (beyond the paper) | `halves.glsl`, `judge_noise.comp`, [`noise`] | `tests/render/noise.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs`, `tests/proofs/claims/entries.rs` |
 //! | light-hit rate, Fig. 7a | `tally.glsl` | `tests/render/learning.rs` |
@@ -103,6 +105,7 @@ pub mod kernels;
 pub mod layout;
 pub mod lights;
 pub mod merge;
+pub mod noise;
 pub mod plastic_layer;
 pub mod profile;
 pub mod radiance_map;

@@ -3,7 +3,7 @@
 use crate::settings::{Sampler, Settings, StepSchedule};
 
 /// A growing step has one of so many parts of the samples before it.
-const PARTS: u32 = 4;
+pub(crate) const PARTS: u32 = 4;
 
 impl Settings {
     /// Samples per pixel of the step that begins after so many: at most [`Settings::spp_per_step`], and while steps grow the
@@ -13,13 +13,6 @@ impl Settings {
             return self.spp_per_step;
         }
         (samples_done / PARTS).checked_ilog2().map_or(1, |exponent| 1 << exponent)
-    }
-
-    /// Whether a step ends after so many samples per pixel, if none was cut short.
-    pub fn ends_step(&self, samples_done: u32) -> bool {
-        let growth = if self.grows() { self.end_of_growth() } else { 0 };
-        let since = samples_done.checked_sub(growth).unwrap_or(samples_done);
-        since.is_multiple_of(self.samples_of_step(samples_done))
     }
 
     /// Where nothing depends on steps, none is short.
@@ -73,22 +66,5 @@ mod tests {
         assert_eq!(of(Sampler::Product, StepSchedule::Even), [8; 5]);
         assert_eq!(of(Sampler::Bsdf, StepSchedule::Growing), [8; 5]);
         assert_eq!(of(Sampler::Quadtree, StepSchedule::Growing), [8; 5]);
-    }
-
-    #[test]
-    fn steps_end_where_the_next_begins() {
-        for spp_per_step in [1, 2, 3, 5, 8, 13, 64] {
-            for steps in [StepSchedule::Growing, StepSchedule::Even] {
-                let settings = settings(Sampler::Product, steps, spp_per_step);
-                let mut ends = vec![0];
-                ends.extend(sizes(&settings, 100).iter().scan(0, |done, size| {
-                    *done += size;
-                    Some(*done)
-                }));
-                for done in 0..ends[100] {
-                    assert_eq!(settings.ends_step(done), ends.contains(&done), "{done} of {spp_per_step}, {steps:?}");
-                }
-            }
-        }
     }
 }

@@ -169,6 +169,9 @@ pub struct Settings {
     pub seed: u32,
     /// How the samples of a pixel are distributed.
     pub pattern: SamplePattern,
+    /// Relative error, by estimate, at which a tile of 8 x 8 pixels is no longer sampled, in [1e-4, 1]; the picture is then
+    /// consistent, not unbiased ([`crate::noise`]). Where `None`, all pixels have as many samples.
+    pub noise: Option<f32>,
     /// Index of every pixel's first sample, where the render is one part of several: such renders of the same seed are
     /// independent if their samples do not overlap, and keep sums whose order changes no bit ([`crate::film_sums`]).
     pub sample_offset: Option<u32>,
@@ -262,6 +265,7 @@ impl Settings {
             nee: true,
             seed: 0,
             pattern: SamplePattern::Sobol,
+            noise: None,
             sample_offset: None,
             sampler: Sampler::Product,
             guide_set: GuideSet::All,
@@ -323,6 +327,13 @@ impl Settings {
         self.validate_directions()?;
         in_range("normals", self.normals, 4, 32)?;
         in_range("spp-per-step", self.spp_per_step, 1, 65_536)?;
+        in_range("noise", self.noise.unwrap_or(1.0), 1.0e-4, 1.0)?;
+        if self.noise.is_some() && self.sample_offset.is_some() {
+            return Err(Error::Settings(
+                "--noise ends each part of a picture elsewhere, so it goes not with --sample-offset: give every part an --spp"
+                    .into(),
+            ));
+        }
         in_range("samples-per-dispatch", self.samples_per_dispatch, 1, 64)?;
         in_range("max-tries", self.max_tries, 1, 1024)?;
         in_range("min-uniform", self.min_uniform, 1.0e-4, 1.0)?;

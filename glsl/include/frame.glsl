@@ -76,6 +76,8 @@ layout(scalar, set = 0, binding = 9) restrict readonly buffer TexelWords2 { uint
 layout(scalar, set = 0, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
 #endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
+// Of a film page, a word-quadruple per tile, then one per pixel. See halves.glsl; nearly empty unless ADAPTIVE.
+layout(scalar, set = 0, binding = 11) restrict buffer Adaptive { uvec4 adaptive[]; };
 
 SceneConstants scene() {
     return scene_constants;

@@ -2,6 +2,7 @@
 #ifndef TALLY_GLSL
 #define TALLY_GLSL
 #include "frame.glsl"
+#include "halves.glsl"
 
 struct Tally {
     uint rays;
@@ -68,14 +69,16 @@ void publish_tally(Tally tally) {
 struct PixelSamples {
     FilmRadiance radiance;
     FilmFeatures sums;
+    FilmHalf half_of_them;
 };
 
 PixelSamples no_samples() {
-    return PixelSamples(FilmRadiance(vec3(0.0), 0u, vec3(0.0), 0u), FilmFeatures(vec3(0.0), 0.0, vec3(0.0), 0.0));
+    return PixelSamples(FilmRadiance(vec3(0.0), 0u, vec3(0.0), 0u), FilmFeatures(vec3(0.0), 0.0, vec3(0.0), 0.0),
+                        NO_HALF);
 }
 
-// Welford 1962: one sample more.
-void add_sample(inout PixelSamples s, vec3 radiance, inout Tally tally) {
+// Welford 1962: the radiance of one sample more.
+void add_sample(inout PixelSamples s, uint sample_index, vec3 radiance, inout Tally tally) {
     if (!is_finite(radiance)) {
         radiance = vec3(0.0);
         ++tally.nonfinite;
@@ -84,6 +87,10 @@ void add_sample(inout PixelSamples s, vec3 radiance, inout Tally tally) {
     vec3 delta = radiance - s.radiance.mean;
     s.radiance.mean += delta / float(s.radiance.sample_count);
     s.radiance.squared_deviation += delta * (radiance - s.radiance.mean);
+    if (ADAPTIVE && is_of_half(sample_index)) {
+        s.half_of_them.sum += radiance;
+        ++s.half_of_them.sample_count;
+    }
 }
 
 void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) {
@@ -114,6 +121,10 @@ void merge_into_film(uint index, PixelSamples s) {
     features.normal = features.normal * old_share + s.sums.normal * per_sample;
     features.depth = features.depth * old_hits + s.sums.depth * per_hit;
     store_film(index, after, features);
+    if (ADAPTIVE) {
+        FilmHalf sum = load_half(index);
+        store_half(index, FilmHalf(sum.sum + s.half_of_them.sum, sum.sample_count + s.half_of_them.sample_count));
+    }
 }
 
 #endif

@@ -42,7 +42,7 @@ impl Keeper {
     /// To be called before a step of so many samples: the next state that is kept may be far away.
     pub fn before_step(&mut self, renderer: &Renderer, history: &History, samples: u32) -> Result<()> {
         let is_due = self.last.as_ref().is_none_or(|last| last.taken.elapsed() >= last.cost * READING_SHARE);
-        let is_last = samples < self.template.settings.samples_of_step(renderer.samples_done());
+        let is_last = samples < renderer.samples_of_next_step();
         if is_due || is_last { self.take(renderer, history) } else { Ok(()) }
     }
 
@@ -68,8 +68,7 @@ impl Keeper {
     fn take(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
         let samples = renderer.samples_done();
         let is_known = self.last.as_ref().is_some_and(|last| last.checkpoint.state.samples_done == samples);
-        let is_whole = !renderer.is_stopped() && self.template.settings.ends_step(samples);
-        if is_known || !is_whole {
+        if is_known || !renderer.is_at_step_end() {
             return Ok(());
         }
         let begin = Instant::now();

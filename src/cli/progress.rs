@@ -5,6 +5,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use lodestar::noise::NoiseReport;
 
 /// Least time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -22,6 +23,8 @@ pub struct Status {
     pub paths: u64,
     /// Share of the paths that reached a light, in [0, 1]; of the last step, to show that the guide learns.
     pub light_hit_rate: f64,
+    /// Where noise ends the render: how far it is.
+    pub noise: Option<NoiseReport>,
     /// Share of the render that is done, in [0, 1]: of the samples or of the time, whichever is further.
     pub fraction: f64,
 }
@@ -188,7 +191,14 @@ fn line(status: &Status, spp_target: Option<u64>, time_limit: Option<f64>) -> St
         None => format!("{} so far", duration(status.seconds)),
     };
     let rate = if status.seconds > 0.0 { status.paths as f64 / status.seconds / 1e6 } else { 0.0 };
-    format!("{samples}, {time}, {rate:.2} Mpaths/s, light hit rate {:.1} %", 100.0 * status.light_hit_rate)
+    let noise = status.noise.as_ref().map_or_else(String::new, noise_text);
+    format!("{samples}, {time}, {rate:.2} Mpaths/s, light hit rate {:.1} %{noise}", 100.0 * status.light_hit_rate)
+}
+
+/// `, noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left`.
+fn noise_text(NoiseReport { target, largest, sampled_share, .. }: &NoiseReport) -> String {
+    let largest = largest.map_or_else(|| "not known yet".to_owned(), |largest| format!("up to {largest:.4}"));
+    format!(", noise {largest} ({target} is wanted), {:.1} % of the pixels left", 100.0 * sampled_share)
 }
 
 fn seconds_left(status: &Status, time_limit: Option<f64>) -> Option<f64> {
@@ -214,7 +224,8 @@ pub fn duration(seconds: f64) -> String {
 mod tests {
     use super::*;
 
-    const STATUS: Status = Status { spp: 128, seconds: 12.0, paths: 38_520_000, light_hit_rate: 0.415, fraction: 0.5 };
+    const STATUS: Status =
+        Status { spp: 128, seconds: 12.0, paths: 38_520_000, light_hit_rate: 0.415, noise: None, fraction: 0.5 };
 
     #[test]
     fn a_line_says_it_all() {
@@ -225,8 +236,18 @@ mod tests {
 
     #[test]
     fn nothing_is_made_up_before_the_first_sample() {
-        let start = Status { spp: 0, seconds: 0.0, paths: 0, light_hit_rate: 0.0, fraction: 0.0 };
+        let start = Status { spp: 0, seconds: 0.0, paths: 0, light_hit_rate: 0.0, fraction: 0.0, ..STATUS };
         assert_eq!(line(&start, Some(8), None), "0/8 spp, 0 s so far, 0.00 Mpaths/s, light hit rate 0.0 %");
+    }
+
+    #[test]
+    fn noise_is_told_where_it_ends_the_render() {
+        let noise = |largest| {
+            let noise = NoiseReport { target: 0.05, largest, mean: largest, sampled_share: 0.125 };
+            line(&Status { noise: Some(noise), ..STATUS }, None, None)
+        };
+        assert!(noise(Some(0.08124)).ends_with(", noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left"));
+        assert!(noise(None).ends_with(", noise not known yet (0.05 is wanted), 12.5 % of the pixels left"));
     }
 
     #[test]

@@ -236,7 +236,7 @@ impl<'a> Job<'a> {
     fn step(&mut self) -> Result<Step> {
         let samples_before = self.film.renderer.samples_done();
         let left = self.length.spp.unwrap_or(u32::MAX - self.settings.sample_offset.unwrap_or(0)) - samples_before;
-        let samples = self.settings.samples_of_step(samples_before).min(left);
+        let samples = self.film.renderer.samples_of_next_step().min(left);
         self.keep(|keeper, renderer, history| keeper.before_step(renderer, history, samples))?;
         let time_left = self.length.seconds.map(|limit| (limit - self.history.seconds).max(0.0));
         // A time too long to add up never ends.
@@ -269,7 +269,7 @@ impl<'a> Job<'a> {
     /// The paths of a step that has just ended. One that was cut short has sampled some pixels more often than others.
     fn paths_of(&self, report: &StepReport, spp: u32) -> Result<u64> {
         if report.complete {
-            return Ok(u64::from(spp) * self.pixels());
+            return Ok(u64::from(spp) * report.pixels);
         }
         let sample_count = self.film.renderer.picture()?.sample_count;
         Ok(sample_count.into_iter().map(u64::from).sum::<u64>() - self.history.paths)
@@ -278,6 +278,7 @@ impl<'a> Job<'a> {
     fn is_done(&self) -> bool {
         self.film.renderer.is_stopped()
             || self.interrupt.is_raised()
+            || self.film.renderer.sampled_pixels() == 0
             || self.length.spp.is_some_and(|target| self.film.renderer.samples_done() >= target)
             || self.length.seconds.is_some_and(|limit| self.history.seconds >= limit)
     }
@@ -301,6 +302,7 @@ impl<'a> Job<'a> {
             seconds: self.history.seconds,
             paths: self.history.paths,
             light_hit_rate: step.light_hit_rate,
+            noise: self.film.renderer.noise(),
             fraction: by_samples.max(by_time).min(1.0),
         }
     }
@@ -424,6 +426,7 @@ impl<'a> Job<'a> {
                 sums: Step { errors, ..sums },
                 primitives: times.primitive_count,
                 nonfinite_samples: self.history.counts.nonfinite,
+                noise: self.film.renderer.noise(),
                 peak_bytes: self.context.peak_allocated_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),
             },

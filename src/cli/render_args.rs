@@ -15,7 +15,7 @@ pub const CHECKPOINT_EVERY: f64 = 60.0;
 
 /// Renders a Mitsuba scene.
 ///
-/// Whichever of --spp and --time is reached first ends the render, and so does Ctrl-C: the picture so far is written. What
+/// Whichever of --spp, --time and --noise is reached first ends the render, and so does Ctrl-C: the picture so far is written. What
 /// the scene file leaves open and no option gives: 64 samples per pixel, depth 16, roulette (by throughput) after depth 8.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
@@ -101,6 +101,11 @@ pub struct ChoiceArgs {
     /// Reconstruction filter [default: the scene's].
     #[arg(long, value_enum, value_name = "FILTER", help_heading = "Scene")]
     pub rfilter: Option<Filter>,
+
+    /// Stop where the relative error, by estimate, is below TARGET (0.05, say), and go on where it is not; --spp and --time
+    /// still end the render [default: no pixel is left out].
+    #[arg(long, value_name = "TARGET", help_heading = "Length")]
+    pub noise: Option<f32>,
 
     /// Longest path in edges; 1 is emission seen directly.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Paths")]
@@ -196,6 +201,7 @@ impl ChoiceArgs {
         settings.nee = self.nee.map_or(settings.nee, |nee| nee == Switch::On);
         settings.seed = self.seed;
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
+        settings.noise = self.noise;
         settings.sample_offset = self.sample_offset;
         self.guiding.apply(&mut settings);
         settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);

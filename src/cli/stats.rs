@@ -2,6 +2,7 @@
 
 use lodestar::gpu::DeviceInfo;
 use lodestar::image::metrics::Metrics;
+use lodestar::noise::NoiseReport;
 use lodestar::renderer::Counts;
 use lodestar::settings::Settings;
 use serde::{Deserialize, Serialize};
@@ -54,7 +55,7 @@ impl Versions {
 /// One step, or all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Step {
-    /// Samples that every pixel has taken.
+    /// Samples that every pixel has taken, but those that noise has ended.
     pub spp: u64,
     pub seconds: f64,
     pub paths: u64,
@@ -78,6 +79,9 @@ pub struct Totals {
     pub sums: Step,
     pub primitives: usize,
     pub nonfinite_samples: u64,
+    /// Where noise ends the render.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<NoiseReport>,
     /// The most memory that the device's buffers ever held.
     pub peak_bytes: u64,
     /// The most memory of the process, where the system tells.

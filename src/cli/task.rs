@@ -15,7 +15,7 @@ use super::outputs::Outputs;
 use super::render_args::{DeviceArgs, OutputArgs, RenderArgs};
 use super::stats::Step;
 
-/// Samples per pixel where neither the scene, --spp nor --time says.
+/// Samples per pixel where neither the scene, --spp, --time nor --noise says.
 const DEFAULT_SPP: u32 = 64;
 
 /// A render as the command line asks for it.
@@ -143,7 +143,8 @@ impl Start<'_> {
 
 fn begin_new(args: &RenderArgs, scene: &Scene) -> Result<Beginning> {
     let is_depth_chosen = args.choices.max_depth.is_some() || args.choices.rr_depth.is_some();
-    let default = args.length.time.is_none().then(|| scene.sample_count.unwrap_or(DEFAULT_SPP));
+    let ends_otherwise = args.length.time.is_some() || args.choices.noise.is_some();
+    let default = (!ends_otherwise).then(|| scene.sample_count.unwrap_or(DEFAULT_SPP));
     Ok(Beginning {
         settings: args.choices.settings(scene)?,
         length: Length { spp: args.length.spp.or(default), seconds: args.length.time },

@@ -1,17 +1,21 @@
 //! The film on the device, in pages that one binding can hold. Pixels lie in tile order: 8 x 8 tiles row by row, pixels of a
 //! tile likewise, so that a workgroup's writes are contiguous.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
+use super::state::Span;
 use crate::Result;
 use crate::film::Picture;
 use crate::film_sums::PixelSums;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::layout::{FilmFeatures, FilmRadiance};
+use crate::noise::TileNoise;
 use crate::scene::Crop;
 use crate::settings::Settings;
 
-const TILE_SIDE: u32 = 8;
+/// Pixels along a side of a tile.
+pub(super) const TILE_SIDE: u32 = 8;
 /// Pixels of a tile.
 pub(super) const TILE_PIXELS: u32 = TILE_SIDE * TILE_SIDE;
 
@@ -21,16 +25,23 @@ pub(super) struct FilmPage {
     pixel_count: u32,
     radiance: Arc<Buffer>,
     features: Arc<Buffer>,
+    adaptive: Arc<Buffer>,
+    sampled_tiles: Cell<u32>,
     set: DescriptorSet,
 }
 
-/// The two buffers of a page, before its set is made.
+/// The buffers of a page, before its set is made.
 pub(super) struct PageBuffers {
     first_pixel: u32,
     pixel_count: u32,
     pub radiance: Arc<Buffer>,
     pub features: Arc<Buffer>,
+    /// Of each tile, then of each pixel: see `glsl/include/halves.glsl`. Nearly empty where no noise ends a tile.
+    pub adaptive: Arc<Buffer>,
 }
+
+/// A word-quadruple of the adaptive buffer.
+type Quadruple = [u32; 4];
 
 impl PageBuffers {
     /// Buffers for all pages of the window.
@@ -41,27 +52,33 @@ impl PageBuffers {
         let page_pixels = (most / TILE_PIXELS).max(1) * TILE_PIXELS;
         (0..pixels)
             .step_by(page_pixels as usize)
-            .map(|first| Self::new(context, first, page_pixels.min(pixels - first)))
+            .map(|first| Self::new(context, settings, first, page_pixels.min(pixels - first)))
             .collect()
     }
 
-    fn new(context: &Arc<Context>, first_pixel: u32, pixel_count: u32) -> Result<Self> {
-        let bytes = |size: usize| u64::from(pixel_count) * size as u64;
-        let buffer = |name: &str, size| {
-            Buffer::new(context, &format!("{name} from pixel {first_pixel}"), bytes(size), BufferKind::Storage)
+    fn new(context: &Arc<Context>, settings: &Settings, first_pixel: u32, pixel_count: u32) -> Result<Self> {
+        let buffer_of = |name: &str, elements: u32, size: usize| {
+            let bytes = u64::from(elements) * size as u64;
+            Buffer::new(context, &format!("{name} from pixel {first_pixel}"), bytes, BufferKind::Storage)
         };
+        let buffer = |name, size| buffer_of(name, pixel_count, size);
+        let quadruples = if settings.noise.is_some() { pixel_count / TILE_PIXELS + pixel_count } else { 1 };
         Ok(Self {
             first_pixel,
             pixel_count,
             radiance: buffer("film radiance", size_of::<FilmRadiance>())?,
             features: buffer("film features", size_of::<FilmFeatures>())?,
+            adaptive: buffer_of("halves of the film", quadruples, size_of::<Quadruple>())?,
         })
     }
 
-    /// The page, seen through `set`.
-    pub fn with_set(self, set: DescriptorSet) -> FilmPage {
-        let Self { first_pixel, pixel_count, radiance, features } = self;
-        FilmPage { first_pixel, pixel_count, radiance, features, set }
+    /// The page, seen through `set`. All its tiles are sampled.
+    pub fn with_set(self, set: DescriptorSet) -> Result<FilmPage> {
+        let Self { first_pixel, pixel_count, radiance, features, adaptive } = self;
+        let sampled_tiles = Cell::new(0);
+        let page = FilmPage { first_pixel, pixel_count, radiance, features, adaptive, sampled_tiles, set };
+        page.sample(&(0..page.tile_count()).collect::<Vec<_>>())?;
+        Ok(page)
     }
 }
 
@@ -74,6 +91,46 @@ impl FilmPage {
     /// Pixels of this page, a multiple of a tile's.
     pub fn pixel_count(&self) -> u32 {
         self.pixel_count
+    }
+
+    pub fn tile_count(&self) -> u32 {
+        self.pixel_count / TILE_PIXELS
+    }
+
+    /// Its tiles that are sampled.
+    pub fn sampled_tiles(&self) -> u32 {
+        self.sampled_tiles.get()
+    }
+
+    /// Has these tiles sampled from now on, and no other.
+    pub fn sample(&self, tiles: &[u32]) -> Result<()> {
+        self.sampled_tiles.set(tiles.len() as u32);
+        if !self.is_adaptive() {
+            return Ok(());
+        }
+        let records: Vec<Quadruple> = tiles.iter().map(|&tile| [tile, 0, 0, 0]).collect();
+        self.adaptive.upload(0, &records)
+    }
+
+    /// What `judge_noise` has found out about each tile.
+    pub fn tile_noise(&self) -> Result<Vec<TileNoise>> {
+        let records: Vec<Quadruple> = self.adaptive.read(0, self.tile_count() as usize)?;
+        let noise = |[_, squared_error, radiance, _]: Quadruple| TileNoise {
+            squared_error: f32::from_bits(squared_error).into(),
+            radiance: f32::from_bits(radiance).into(),
+        };
+        Ok(records.into_iter().map(noise).collect())
+    }
+
+    /// The halves of the pixels' samples, which outlive a step.
+    pub fn halves(&self) -> Span<'_> {
+        let first = u64::from(self.tile_count()) * size_of::<Quadruple>() as u64;
+        Span { buffer: &self.adaptive, bytes: first..self.adaptive.len_bytes() }
+    }
+
+    /// Whether noise ends tiles.
+    pub fn is_adaptive(&self) -> bool {
+        self.adaptive.len_bytes() > size_of::<Quadruple>() as u64
     }
 
     pub fn set(&self) -> &DescriptorSet {
@@ -148,7 +205,8 @@ const PART_PIXEL_BYTES: u64 = 3 * size_of::<PixelSums>() as u64;
 
 /// Bytes of the film on the device.
 pub(super) fn film_bytes(settings: &Settings) -> u64 {
-    padded_pixels(settings).saturating_mul(PIXEL_BYTES)
+    let of_half = if settings.noise.is_some() { size_of::<Quadruple>() as u64 } else { 0 };
+    padded_pixels(settings).saturating_mul(PIXEL_BYTES + of_half)
 }
 
 /// Bytes that reading it back takes of the host.

@@ -19,7 +19,7 @@ pub(super) struct FilmSums(Vec<PixelSums>);
 impl FilmSums {
     /// None yet, for every pixel of the film.
     pub fn new(frame: &Frame) -> Self {
-        Self(vec![PixelSums::default(); frame.pages().map(|page| page.pixel_count() as usize).sum()])
+        Self(vec![PixelSums::default(); frame.pages().iter().map(|page| page.pixel_count() as usize).sum()])
     }
 
     /// Takes over what a step has left in the film.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Mat4;
 
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
-use super::state::Persistent;
+use super::state::{Persistent, Span};
 use super::statistics::Counts;
 use super::{Shading, Surfaces};
 use super::{buffer_kind, set_shape, word_buffer_kind};
@@ -64,19 +64,29 @@ impl Frame {
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
             let (radiance, features) = (&buffers.radiance, &buffers.features);
             let all = [
-                radiance, features, &constants, &materials, &emitters, &counters, words0, &records, words1, words2,
+                radiance,
+                features,
+                &constants,
+                &materials,
+                &emitters,
+                &counters,
+                words0,
+                &records,
+                words1,
+                words2,
                 words3,
+                &buffers.adaptive,
             ];
             let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
             let set = DescriptorSet::new(context, "frame", shape, &used)?;
-            Ok(buffers.with_set(set))
+            buffers.with_set(set)
         };
         let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
         Ok(Self { pages, counters, counters_read })
     }
 
-    pub fn pages(&self) -> std::slice::Iter<'_, FilmPage> {
-        self.pages.iter()
+    pub fn pages(&self) -> &[FilmPage] {
+        &self.pages
     }
 
     /// A film has at least one pixel, so at least one page.
@@ -101,11 +111,16 @@ impl Frame {
         Ok(Counts::from_counters(&self.counters_read.read(0, kernels::COUNTER_COUNT as usize)?))
     }
 
-    pub fn persistent(&self) -> [Persistent<'_>; 2] {
-        [
-            Persistent { name: "film radiance", buffers: self.pages().map(FilmPage::radiance).collect() },
-            Persistent { name: "film features", buffers: self.pages().map(FilmPage::features).collect() },
-        ]
+    pub fn persistent(&self) -> Vec<Persistent<'_>> {
+        let spans = |span: fn(&FilmPage) -> Span<'_>| self.pages.iter().map(span).collect();
+        let mut parts = vec![
+            Persistent { name: "film radiance", spans: spans(|page| page.radiance().into()) },
+            Persistent { name: "film features", spans: spans(|page| page.features().into()) },
+        ];
+        if self.first_page().is_adaptive() {
+            parts.push(Persistent { name: "film halves", spans: spans(FilmPage::halves) });
+        }
+        parts
     }
 
     pub fn picture(&self, settings: &Settings) -> Result<Picture> {

@@ -2,6 +2,7 @@
 //!
 //! Read [`Renderer::step`] and `glsl/path_trace.comp`, and the algorithm is understood.
 
+mod adaptive;
 mod film_pages;
 mod film_sums;
 mod frame;
@@ -32,10 +33,12 @@ use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel
 use crate::kernels::{self, BackEnd, Kernels, Registry, Variant};
 use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
 use crate::lights::Lights;
-use crate::scene::{Projection, ReconstructionFilter, Scene};
+use crate::noise::{LEAST_SAMPLES, NoiseReport};
+use crate::scene::{Crop, Projection, ReconstructionFilter, Scene};
 use crate::settings::{AUTO_GRID, Sampler, Settings};
 use crate::textures::PackedTextures;
 use crate::{Error, Result};
+use adaptive::Adaptive;
 use film_pages::FilmPage;
 use film_sums::FilmSums;
 use frame::Frame;
@@ -56,6 +59,8 @@ pub struct Renderer {
     updates: Updates,
     /// Where the sampler has quadtrees.
     refine_quadtrees: Option<Kernel>,
+    /// Where noise ends the render.
+    adaptive: Option<Adaptive>,
     cells: Cells,
     frame: Frame,
     geometry: Geometry,
@@ -68,6 +73,7 @@ pub struct Renderer {
     needs: MemoryNeeds,
     samples_done: u32,
     stopped: bool,
+    at_step_end: bool,
 }
 
 /// The kernels that end a step.
@@ -162,7 +168,9 @@ impl Renderer {
                 normalization: build(&kernels.update_normalization)?,
             };
             let refine_quadtrees = has_quadtrees.then(|| build(&kernels.refine_quadtrees)).transpose()?;
-            Ok((build(&kernels.path_trace)?, updates, refine_quadtrees))
+            let judge = |target| Ok(Adaptive::new(build(&kernels.judge_noise)?, settings, target));
+            let adaptive = settings.noise.map(judge).transpose()?;
+            Ok((build(&kernels.path_trace)?, updates, refine_quadtrees, adaptive))
         };
         let upload = || -> Result<_> {
             let frame = Frame::new(context, kernels, scene, shading, &cells, settings)?;
@@ -172,12 +180,13 @@ impl Renderer {
         };
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
-        let (path_trace, updates, refine_quadtrees) = built?;
+        let (path_trace, updates, refine_quadtrees, adaptive) = built?;
         let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
         let mut renderer = Self {
             path_trace,
             updates,
             refine_quadtrees,
+            adaptive,
             frame,
             geometry,
             radiance_grid,
@@ -191,6 +200,7 @@ impl Renderer {
             cells,
             samples_done: 0,
             stopped: false,
+            at_step_end: true,
         };
         renderer.film_sums = settings.sample_offset.map(|_| FilmSums::new(&renderer.frame));
         renderer.warm_up()?;
@@ -211,6 +221,8 @@ impl Renderer {
         }
         let begin = Instant::now();
         let mut counts = Counts::default();
+        let pixels = self.sampled_pixels();
+        self.at_step_end &= samples == self.samples_of_next_step();
         // Also where an error ends it.
         self.stopped = true;
         let traced = self.path_trace(samples, &mut counts, stop);
@@ -221,8 +233,34 @@ impl Renderer {
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
             sums.take(&self.context, &self.frame)?;
         }
+        if complete {
+            self.judge()?;
+        }
         self.stopped = !complete;
-        Ok(StepReport { samples, complete, seconds: begin.elapsed().as_secs_f64(), counts })
+        Ok(StepReport { samples, pixels, complete, seconds: begin.elapsed().as_secs_f64(), counts })
+    }
+
+    /// Samples per pixel of the next step: by the schedule ([`Settings::samples_of_step`]), and more where noise has ended most
+    /// of the picture.
+    pub fn samples_of_next_step(&self) -> u32 {
+        let usual = self.settings.samples_of_step(self.samples_done);
+        self.adaptive.as_ref().map_or(usual, |adaptive| usual * adaptive.lengthening(self.samples_done, usual))
+    }
+
+    /// Whether every step was as long as it was to be, so that a longer render has been here, too.
+    pub fn is_at_step_end(&self) -> bool {
+        self.at_step_end && !self.stopped
+    }
+
+    /// How noisy the picture is, where noise ends the render ([`Settings::noise`]).
+    pub fn noise(&self) -> Option<NoiseReport> {
+        self.adaptive.as_ref().map(Adaptive::report)
+    }
+
+    /// Pixels that are sampled: all, unless noise has ended some.
+    pub fn sampled_pixels(&self) -> u64 {
+        let Crop { width, height, .. } = self.settings.window();
+        self.adaptive.as_ref().map_or(u64::from(width) * u64::from(height), Adaptive::sampled_pixels)
     }
 
     /// Where its kernels read geometry and tables from.
@@ -332,6 +370,15 @@ impl Renderer {
         }
     }
 
+    /// Where noise ends the render, has the film say which tiles go on.
+    fn judge(&mut self) -> Result<()> {
+        let Some(adaptive) = self.adaptive.as_mut().filter(|_| self.samples_done >= LEAST_SAMPLES) else {
+            return Ok(());
+        };
+        let others = [self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
+        adaptive.judge(&self.context, &self.slicer, self.frame.pages(), others)
+    }
+
     /// Samples that may be taken before the guide is to learn from them.
     fn samples_of_iteration(&self) -> u32 {
         self.refine_quadtrees.as_ref().map_or(u32::MAX, |_| quadtrees::samples_left(self.samples_done))
@@ -408,7 +455,7 @@ impl Renderer {
     fn update(&self, cells: Range<u32>, kernels: &[&Kernel]) -> Result<()> {
         let sets = self.sets();
         let names: Vec<_> = kernels.iter().map(|kernel| kernel.name()).collect();
-        for range in self.slicer.cell_ranges(cells) {
+        for range in self.slicer.ranges(cells) {
             let push = UpdatePush { first_cell: range.start };
             self.context.submit(&names.join(" and "), |recorder| {
                 for kernel in kernels {
@@ -423,7 +470,7 @@ impl Renderer {
     /// Runs every kernel once. The path tracer takes no sample and the grids are still empty: an update of nothing, which
     /// writes the floor that later updates start from.
     fn warm_up(&self) -> Result<()> {
-        if let Some(slice) = self.frame.pages().next().and_then(|page| self.slicer.smallest_slice(page)) {
+        if let Some(slice) = self.frame.pages().first().and_then(|page| self.slicer.smallest_slice(page)) {
             self.dispatch_path_trace(self.frame.first_page(), slice, 0, 0)?;
         }
         match &self.refine_quadtrees {
@@ -507,6 +554,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         learner: settings.learner as u32,
         guide_set: settings.guide_set as u32,
         pattern: settings.pattern as u32,
+        adaptive: settings.noise.is_some(),
         max_depth: settings.max_depth,
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,

@@ -70,9 +70,6 @@ impl NormalizationGrid {
     }
 
     pub fn persistent(&self) -> [Persistent<'_>; 2] {
-        [
-            Persistent { name: "normalizers", buffers: vec![&self.table] },
-            Persistent { name: "marked normalizers", buffers: vec![&self.marks] },
-        ]
+        [Persistent::whole("normalizers", &self.table), Persistent::whole("marked normalizers", &self.marks)]
     }
 }

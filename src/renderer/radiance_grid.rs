@@ -117,12 +117,12 @@ impl RadianceGrid {
 
     /// What outlives a step: its sums only where several steps add to them.
     pub fn persistent(&self) -> Vec<Persistent<'_>> {
-        let sums = self.keeps_sums.then(|| Persistent { name: "radiance sums", buffers: vec![&self.sums] });
+        let sums = self.keeps_sums.then(|| Persistent::whole("radiance sums", &self.sums));
         let tables = [
-            Persistent { name: "radiance", buffers: vec![&self.radiance] },
-            Persistent { name: "learned radiance", buffers: vec![&self.learned] },
-            Persistent { name: "bin ends", buffers: vec![&self.ends] },
-            Persistent { name: "radiance nodes", buffers: vec![&self.nodes] },
+            Persistent::whole("radiance", &self.radiance),
+            Persistent::whole("learned radiance", &self.learned),
+            Persistent::whole("bin ends", &self.ends),
+            Persistent::whole("radiance nodes", &self.nodes),
         ];
         tables.into_iter().chain(sums).collect()
     }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::time::Duration;
 
-use super::film_pages::FilmPage;
+use super::film_pages::{FilmPage, TILE_PIXELS};
 use crate::gpu::{DeviceInfo, DeviceKind};
 use crate::settings::Settings;
 
@@ -15,7 +15,7 @@ const GPU_SLICE: f64 = 0.05;
 const CPU_SLICE: f64 = 0.15;
 /// Workgroups of the first, unmeasured dispatch.
 const FIRST_GROUPS: u32 = 64;
-/// Cells that one dispatch of the updates takes.
+/// Cells or tiles that one dispatch takes.
 const CELLS_PER_DISPATCH: u32 = 4096;
 
 /// A range of a page's workgroups and the stride in which they are visited.
@@ -75,15 +75,15 @@ impl Slicer {
         self.groups.set(groups.clamp(1.0, f64::from(self.max_groups)) as u32);
     }
 
-    /// Cuts a range of cells for the updates.
-    pub fn cell_ranges(&self, cells: Range<u32>) -> impl Iterator<Item = Range<u32>> {
+    /// Cuts a range of cells or tiles that have a workgroup each.
+    pub fn ranges(&self, cells: Range<u32>) -> impl Iterator<Item = Range<u32>> {
         let most = CELLS_PER_DISPATCH.min(self.max_groups);
         let end = cells.end;
         cells.step_by(most as usize).map(move |first| first..end.min(first + most))
     }
 
     fn workgroups(&self, page: &FilmPage) -> u32 {
-        page.pixel_count().div_ceil(self.workgroup_size)
+        (page.sampled_tiles() * TILE_PIXELS).div_ceil(self.workgroup_size)
     }
 
     /// CPU drivers deal out contiguous parts of a dispatch to their threads; visiting workgroups by a stride near the golden

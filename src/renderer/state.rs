@@ -1,5 +1,7 @@
 //! What a renderer must keep to go on later as if it had never stopped: the memory that outlives a step.
 
+use std::ops::Range;
+
 use super::Renderer;
 use crate::gpu::Buffer;
 use crate::{Error, Result};
@@ -24,27 +26,56 @@ pub struct StatePart {
     pub bytes: Vec<u8>,
 }
 
-/// Buffers that hold, one after the other, something that outlives a step.
+/// Parts of buffers that hold, one after the other, something that outlives a step.
 pub(super) struct Persistent<'a> {
     pub name: &'static str,
-    pub buffers: Vec<&'a Buffer>,
+    pub spans: Vec<Span<'a>>,
+}
+
+/// A part of a buffer.
+pub(super) struct Span<'a> {
+    pub buffer: &'a Buffer,
+    pub bytes: Range<u64>,
+}
+
+impl<'a> From<&'a Buffer> for Span<'a> {
+    /// All of it.
+    fn from(buffer: &'a Buffer) -> Self {
+        Self { buffer, bytes: 0..buffer.len_bytes() }
+    }
+}
+
+impl Span<'_> {
+    fn len_bytes(&self) -> u64 {
+        self.bytes.end - self.bytes.start
+    }
+
+    fn read(&self) -> Result<Vec<u8>> {
+        self.buffer.read(self.bytes.start, self.len_bytes() as usize)
+    }
+}
+
+impl<'a> Persistent<'a> {
+    /// One buffer.
+    pub fn whole(name: &'static str, buffer: &'a Buffer) -> Self {
+        Self { name, spans: vec![buffer.into()] }
+    }
 }
 
 impl Persistent<'_> {
     fn len_bytes(&self) -> u64 {
-        self.buffers.iter().map(|buffer| buffer.len_bytes()).sum()
+        self.spans.iter().map(Span::len_bytes).sum()
     }
 
     fn read(&self) -> Result<StatePart> {
-        let pages: Vec<Vec<u8>> =
-            self.buffers.iter().map(|buffer| buffer.read(0, buffer.len_bytes() as usize)).collect::<Result<_>>()?;
+        let pages: Vec<Vec<u8>> = self.spans.iter().map(Span::read).collect::<Result<_>>()?;
         Ok(StatePart { name: self.name.into(), bytes: pages.concat() })
     }
 
     fn write(&self, mut bytes: &[u8]) -> Result<()> {
-        for buffer in &self.buffers {
-            let (page, rest) = bytes.split_at(buffer.len_bytes() as usize);
-            buffer.upload(0, page)?;
+        for span in &self.spans {
+            let (page, rest) = bytes.split_at(span.len_bytes() as usize);
+            span.buffer.upload(span.bytes.start, page)?;
             bytes = rest;
         }
         Ok(())
@@ -85,8 +116,8 @@ impl Renderer {
         if let (Some(sums), Some(saved)) = (&mut self.film_sums, state.parts.last()) {
             sums.restore(&saved.bytes);
         }
-        (self.samples_done, self.stopped) = (state.samples_done, false);
-        Ok(())
+        (self.samples_done, self.stopped, self.at_step_end) = (state.samples_done, false, true);
+        self.judge()
     }
 
     /// What outlives a step. A complete one leaves no sums in a radiance grid: it has learned from them.

@@ -81,6 +81,8 @@ fn ratio(a: u64, b: u64) -> f64 {
 pub struct StepReport {
     /// Samples per pixel that were asked for.
     pub samples: u32,
+    /// Pixels that were to take them.
+    pub pixels: u64,
     /// Whether all of them were taken; else the step was stopped.
     pub complete: bool,
     /// Wall time, updates of the grids included.

@@ -54,6 +54,24 @@ fn a_step_that_is_cut_short_counts_what_it_did() {
     assert!(steps.iter().all(|step| step["rays"].as_u64() >= step["paths"].as_u64()));
 }
 
+/// A target alone takes no notice of the scene's samples either.
+#[test]
+fn noise_ends_a_render() {
+    let folder = Folder::new();
+    let stats = folder.render(&["--noise", "0.1", "-o", "a.exr", "--checkpoint", "a.ckpt"]);
+    let noise = &stats["totals"]["noise"];
+    assert_eq!((noise["target"].as_f64(), noise["sampled_share"].as_f64()), (Some(f64::from(0.1_f32)), Some(0.0)));
+    assert!(noise["largest"].as_f64().unwrap() <= 0.1, "{noise}");
+    let samples = read_layer(&folder.path("a.exr"), "samples").unwrap().pixels;
+    let paths: f64 = samples.iter().map(|pixel| f64::from(pixel[0])).sum();
+    assert_eq!(stats["totals"]["paths"].as_f64().unwrap(), paths);
+    assert!(samples.iter().all(|pixel| (32.0..=spp(&stats) as f64).contains(&f64::from(pixel[0]))));
+    let again = folder.run(&["resume", "a.ckpt", "-o", "b.exr", "--stats", "s.json", "--quiet"]);
+    assert!(again.status.success(), "{}", String::from_utf8_lossy(&again.stderr));
+    assert_eq!(spp(&folder.read_json("s.json")), spp(&stats), "nothing is left to do");
+    assert_eq!(spp(&folder.render(&["--noise", "0.0001", "--spp", "40"])), 40);
+}
+
 #[test]
 fn whichever_is_reached_first_ends_it() {
     let folder = Folder::new();

@@ -15,6 +15,7 @@ mod floor;
 mod guide_set;
 mod learning;
 mod nee;
+mod noise;
 mod pattern;
 mod relief;
 mod resume;

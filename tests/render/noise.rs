@@ -1,0 +1,177 @@
+//! Renders that end by noise: whether they have the error that was asked for, and where their samples go.
+
+use std::sync::OnceLock;
+
+use lodestar::film::Picture;
+use lodestar::noise::{TileNoise, Tiles};
+use lodestar::renderer::{RenderState, Renderer};
+use lodestar::scene::Scene;
+use lodestar::settings::{Sampler, Settings};
+
+use crate::determinism::bits;
+use crate::device::Device;
+use crate::scenes::{ours, settings};
+
+const SIDE: u32 = 48;
+/// Pixels along a side of a tile.
+const TILE: u32 = 8;
+const TARGET: f32 = 0.1;
+/// More than any tile of the scene needs.
+const MOST: u32 = 1 << 14;
+
+struct Studio {
+    device: Device,
+    scene: Scene,
+}
+
+impl Studio {
+    fn new() -> Self {
+        Self { device: Device::new(), scene: ours("cornell-box/scene.xml", &[]) }
+    }
+
+    fn settings(&self, noise: Option<f32>) -> Settings {
+        Settings { noise, nee: true, ..settings(&self.scene, [SIDE, SIDE], Sampler::Product, 5) }
+    }
+
+    fn renderer(&self, settings: &Settings) -> Renderer {
+        self.device.renderer(&self.scene, settings)
+    }
+
+    /// To its end.
+    fn render(&self, target: f32) -> Picture {
+        let mut renderer = self.renderer(&self.settings(Some(target)));
+        while renderer.sampled_pixels() > 0 {
+            step(&mut renderer);
+            assert!(renderer.samples_done() < MOST, "{:?}", renderer.noise());
+        }
+        renderer.picture().expect("a picture")
+    }
+
+    /// A picture with a tenth of the error that is asked for, made once.
+    fn truth(&self) -> &'static Picture {
+        static TRUTH: OnceLock<Picture> = OnceLock::new();
+        let settings = Settings { sampler: Sampler::Bsdf, seed: 77, spp_per_step: 64, ..self.settings(None) };
+        TRUTH.get_or_init(|| self.device.render(&self.scene, &settings, 8192))
+    }
+}
+
+fn step(renderer: &mut Renderer) {
+    let report = renderer.step(renderer.samples_of_next_step(), &|| false).expect("a step");
+    assert!(report.complete);
+}
+
+fn tiles() -> Tiles {
+    Tiles::new(SIDE, SIDE, TILE)
+}
+
+fn mean_rgb(color: [f32; 3]) -> f64 {
+    color.into_iter().map(f64::from).sum::<f64>() / 3.0
+}
+
+/// The relative error of every tile against a picture that has hardly any, by the definition that estimates have.
+fn true_errors(picture: &Picture, truth: &Picture) -> Vec<f64> {
+    let columns = SIDE / TILE;
+    let pixels = |tile: u32| {
+        let (x, y) = (tile % columns * TILE, tile / columns * TILE);
+        (0..TILE * TILE).map(move |i| ((y + i / TILE) * SIDE + x + i % TILE) as usize)
+    };
+    let noise = |tile: u32| {
+        let radiance: f64 = pixels(tile).map(|at| mean_rgb(truth.radiance[at])).sum();
+        let of_tile = radiance / f64::from(TILE * TILE);
+        let squared_error = |at: usize| {
+            let difference = [0, 1, 2].map(|c| (picture.radiance[at][c] - truth.radiance[at][c]).powi(2));
+            mean_rgb(difference) / mean_rgb(truth.radiance[at]).max(of_tile).powi(2)
+        };
+        TileNoise { squared_error: pixels(tile).map(squared_error).sum(), radiance }
+    };
+    tiles().relative_errors(&(0..columns * columns).map(noise).collect::<Vec<_>>())
+}
+
+fn root_mean_square(errors: &[f64]) -> f64 {
+    (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Whether a picture has about the error that was asked for: no more, but for what the estimates of single tiles miss, and not
+/// much less.
+fn is_as_asked(errors: &[f64], target: f64) -> bool {
+    (0.5 * target..1.1 * target).contains(&root_mean_square(errors)) && errors.iter().all(|&error| error < 2.0 * target)
+}
+
+#[test]
+fn the_error_that_is_asked_for_is_reached() {
+    let studio = Studio::new();
+    let truth = studio.truth();
+    let errors = true_errors(&studio.render(TARGET), truth);
+    println!("{:.4}, the largest {:.4}", root_mean_square(&errors), errors.iter().copied().fold(0.0, f64::max));
+    assert!(is_as_asked(&errors, TARGET.into()));
+    let too_noisy = true_errors(&studio.render(2.0 * TARGET), truth);
+    assert!(!is_as_asked(&too_noisy, TARGET.into()), "{:.4}", root_mean_square(&too_noisy));
+    let too_good = true_errors(&studio.render(0.4 * TARGET), truth);
+    assert!(!is_as_asked(&too_good, TARGET.into()), "{:.4}", root_mean_square(&too_good));
+}
+
+#[test]
+fn samples_go_where_they_are_needed() {
+    let studio = Studio::new();
+    let truth = studio.truth();
+    let picture = studio.render(TARGET);
+    let counts = &picture.sample_count;
+    let (least, most) = (counts.iter().min().expect("pixels"), counts.iter().max().expect("pixels"));
+    assert!(*least >= 32 && *most >= 2 * least, "{least} to {most}");
+    // As many paths, shared out evenly: the noisiest tile is noisier.
+    let mean = counts.iter().map(|&count| u64::from(count)).sum::<u64>() / counts.len() as u64;
+    let mut renderer = studio.renderer(&studio.settings(None));
+    while u64::from(renderer.samples_done()) < mean {
+        step(&mut renderer);
+    }
+    let even = renderer.picture().expect("a picture");
+    let largest = |picture| true_errors(picture, truth).into_iter().fold(0.0, f64::max);
+    let (by_need, evenly) = (largest(&picture), largest(&even));
+    println!("{mean} samples: {by_need:.4} by need, {evenly:.4} evenly");
+    assert!(by_need < 0.8 * evenly);
+}
+
+/// Judging alone does nothing to the picture.
+#[test]
+fn a_target_out_of_reach_changes_no_bit() {
+    let studio = Studio::new();
+    let render = |noise| {
+        let mut renderer = studio.renderer(&studio.settings(noise));
+        while renderer.samples_done() < 64 {
+            step(&mut renderer);
+        }
+        bits(&renderer.picture().expect("a picture"))
+    };
+    let plain = render(None);
+    assert!(render(Some(1.0e-4)) == plain);
+    assert!(render(Some(0.3)) != plain, "tiles end before");
+}
+
+/// Neither pages nor slices nor a break change a bit, also where few tiles are left and steps are long.
+#[test]
+fn the_same_seed_ends_with_the_same_bits() {
+    let studio = Studio::new();
+    let settings = studio.settings(Some(TARGET));
+    let rest = |mut renderer: Renderer| {
+        let mut longest = 0;
+        while renderer.sampled_pixels() > 0 {
+            longest = longest.max(renderer.samples_of_next_step());
+            step(&mut renderer);
+        }
+        (bits(&renderer.picture().expect("a picture")), renderer.samples_done(), longest)
+    };
+    let whole = rest(studio.renderer(&settings));
+    assert!(whole.2 > settings.spp_per_step, "no step was longer than usual");
+    for (pages, slice, share) in [(Some(256), None, 1.0), (None, Some(1.0), 0.5), (Some(512), Some(5.0), 0.1)] {
+        let cut = Settings { film_page_pixels: pages, slice_milliseconds: slice, ..settings.clone() };
+        let mut renderer = studio.renderer(&cut);
+        while renderer.noise().expect("noise").sampled_share > share {
+            step(&mut renderer);
+        }
+        let state: RenderState = renderer.state().expect("a state");
+        let mut renderer = studio.renderer(&settings);
+        renderer.restore(&state).expect("the same settings");
+        assert!(renderer.state().expect("a state") == state, "{pages:?}");
+        assert!(rest(renderer).0 == whole.0, "{pages:?}, {slice:?}, {share}");
+    }
+}
