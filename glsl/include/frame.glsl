@@ -138,6 +138,18 @@ void count(uint counter, uint amount) {
     if (amount != 0u) atomicAdd(counters[counter], amount);
 }
 
+uint adaptive_count() {
+    return uint(adaptive.length());
+}
+
+uvec4 load_adaptive(uint index) {
+    return adaptive[index];
+}
+
+void store_adaptive(uint index, uvec4 value) {
+    adaptive[index] = value;
+}
+
 FilmRadiance load_film_radiance(uint index) {
     return film_radiance[index];
 }

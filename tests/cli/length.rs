@@ -60,7 +60,7 @@ fn noise_ends_a_render() {
     let folder = Folder::new();
     let stats = folder.render(&["--noise", "0.1", "-o", "a.exr", "--checkpoint", "a.ckpt"]);
     let noise = &stats["totals"]["noise"];
-    assert_eq!((noise["target"].as_f64(), noise["sampled_share"].as_f64()), (Some(f64::from(0.1_f32)), Some(0.0)));
+    assert_eq!((noise["target"].as_f64(), noise["sampled_share"].as_f64()), (Some(0.1), Some(0.0)));
     assert!(noise["largest"].as_f64().unwrap() <= 0.1, "{noise}");
     let samples = read_layer(&folder.path("a.exr"), "samples").unwrap().pixels;
     let paths: f64 = samples.iter().map(|pixel| f64::from(pixel[0])).sum();
