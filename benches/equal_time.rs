@@ -171,7 +171,7 @@ fn mitsuba(scene: &Path, [width, height]: [u32; 2], seconds: f64, seed: u32) -> 
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_render.py");
     let out = std::env::temp_dir().join(format!("lodestar-equal-time-{}.exr", std::process::id()));
     let numbers = [width.to_string(), height.to_string(), seconds.to_string(), seed.to_string()];
-    let output = Command::new("python3").arg(script).arg(scene).args(numbers).arg(&out).output().ok()?;
+    let output = Command::new("python3").arg("-B").arg(script).arg(scene).args(numbers).arg(&out).output().ok()?;
     let spp = String::from_utf8(output.stdout).ok()?.split_whitespace().next()?.parse().ok()?;
     let image = exr::read_rgb(&out).ok();
     let _ = std::fs::remove_file(&out);

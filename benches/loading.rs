@@ -4,8 +4,14 @@
 //! `cargo bench --bench loading`; `LODESTAR_SCENES` chooses the shared scene, `LODESTAR_LOADING_SCENE` another file,
 //! `DRJIT_LIBLLVM_PATH` serves Mitsuba.
 
+#[path = "common/mod.rs"]
+#[allow(dead_code)] // It renders by the command.
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use common::median;
 
 const ROUNDS: usize = 7;
 const VARIANTS: [&str; 2] = ["llvm_ad_rgb", "scalar_rgb"];
@@ -67,12 +73,7 @@ fn first_sample_seconds(scene: &Path, folder: &Path) -> f64 {
 /// NaN where Mitsuba is not to be had.
 fn mitsuba_seconds(scene: &Path, variant: &str) -> f64 {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_loading.py");
-    let output = Command::new("python3").args([script.as_ref(), scene.as_os_str()]).arg(variant).output();
+    let output = Command::new("python3").arg("-B").args([script.as_ref(), scene.as_os_str()]).arg(variant).output();
     let text = output.ok().and_then(|output| String::from_utf8(output.stdout).ok()).unwrap_or_default();
     text.split_whitespace().next().and_then(|seconds| seconds.parse().ok()).unwrap_or(f64::NAN)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -3,6 +3,7 @@ import sys
 import time
 
 import mitsuba as mi
+import mitsuba_scene
 import numpy as np
 
 SECONDS, SPP = 3.0, 16
@@ -10,15 +11,8 @@ SECONDS, SPP = 3.0, 16
 mi.set_variant("llvm_ad_rgb")
 scene = mi.load_file(sys.argv[1])
 width, height = int(sys.argv[2]), int(sys.argv[3])
-params = mi.traverse(scene.sensors()[0])
-sensor = mi.load_dict({
-    "type": "perspective", "fov_axis": "x", "fov": float(np.ravel(params["x_fov"])[0]),
-    "to_world": mi.ScalarTransform4f(np.array(params["to_world"].matrix, dtype=np.float64).reshape(4, 4)),
-    "near_clip": float(np.ravel(params["near_clip"])[0]), "far_clip": float(np.ravel(params["far_clip"])[0]),
-    "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, "pixel_format": "rgb"},
-    "sampler": {"type": "independent"},
-})
-integrator = mi.load_dict({"type": "path", "max_depth": 16, "rr_depth": 8})
+sensor = mitsuba_scene.sensor(scene, width, height)
+integrator = mitsuba_scene.integrator()
 
 
 def render(seed):

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
-use common::{context, load, renderer, run_for, scene_path, settings};
+use common::{context, load, median, renderer, run_for, scene_path, settings};
 use lodestar::gpu::Context;
 use lodestar::settings::Sampler;
 
@@ -73,11 +73,6 @@ fn print_medians(name: &str, [width, height]: [u32; 2], rates: &[[f64; 4]]) {
 fn mitsuba_rate(scene: &Path, [width, height]: [u32; 2]) -> Option<f64> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_speed.py");
     let size = [width.to_string(), height.to_string()];
-    let output = Command::new("python3").arg(script).arg(scene).args(size).output().ok()?;
+    let output = Command::new("python3").arg("-B").arg(script).arg(scene).args(size).output().ok()?;
     String::from_utf8(output.stdout).ok()?.trim().parse().ok()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

@@ -1,4 +1,4 @@
-//! What the benches share: scenes, timed renders.
+//! What the benches share: scenes, timed renders, medians.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -55,4 +55,10 @@ pub fn run_for(renderer: &mut Renderer, seconds: f64, settings: &Settings) -> (u
         counts.add(&renderer.step(samples, &|| false).expect("a step").counts);
     }
     (renderer.samples_done() - first, begin.elapsed().as_secs_f64(), counts)
+}
+
+/// The middle one, of an even number the upper.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
 }

@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use lodestar::cosine_integrals::cosine_integrals;
 use lodestar::cosine_trees::{Node, cosine_trees, nodes_per_tree};
 use lodestar::gpu::{
-    BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape,
+    BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape, Submission,
 };
 use lodestar::kernels::{MAP_CYLINDRICAL, SAMPLER_PRODUCT, Variant, test};
 use lodestar::layout::NormalizationEntry;
@@ -55,7 +55,7 @@ impl Device {
     }
 
     /// Dispatches a kernel; `buffers` are its buffers in order of set and binding.
-    pub fn dispatch(&self, kernel: &Kernel, buffers: &[&Arc<Buffer>], push: &[u8], groups: u32) {
+    pub fn dispatch(&self, kernel: &Kernel, buffers: &[&Arc<Buffer>], push: &[u8], groups: u32) -> Submission {
         let mut rest = buffers;
         let sets = kernel.source().sets.iter().map(|shape| {
             let (own, others) = rest.split_at(shape.bindings.len());
@@ -65,7 +65,7 @@ impl Device {
         let sets: Vec<DescriptorSet> = sets.collect();
         let sets: Vec<_> = sets.iter().collect();
         let name = kernel.name();
-        self.context.submit(name, |recorder| recorder.dispatch(kernel, &sets, push, [groups, 1, 1])).expect("done");
+        self.context.submit(name, |recorder| recorder.dispatch(kernel, &sets, push, [groups, 1, 1])).expect("done")
     }
 
     /// Builds a kernel of the renderer and dispatches it with the buffers that are named in it; it reaches no others.

@@ -1,0 +1,51 @@
+//! Seconds that loading takes and the hierarchy's build, of scenes that are large enough to tell.
+
+use std::rc::Rc;
+use std::time::Instant;
+
+use lodestar::bvh::Bvh;
+use lodestar::scene::{self, LoadOptions};
+use serde_json::json;
+
+use crate::quantity::{Place, Quantity, Unit};
+use crate::subjects::Subject;
+
+/// Smaller scenes load in no time.
+const LEAST_PRIMITIVES: usize = 10_000;
+
+pub fn quantities(subjects: &[Rc<Subject>]) -> Vec<Quantity> {
+    let large: Vec<_> = subjects.iter().filter(|subject| subject.scene.primitives.len() >= LEAST_PRIMITIVES).collect();
+    let loads = large.iter().filter_map(|subject| load(subject));
+    loads.chain(large.iter().map(|subject| build(subject))).collect()
+}
+
+fn load(subject: &Subject) -> Option<Quantity> {
+    let file = subject.file.clone()?;
+    let request = Some(json!(["load", file]));
+    let run = move || {
+        let begin = Instant::now();
+        let scene = scene::load(&file, &LoadOptions::default()).expect("the scene loads");
+        let seconds = begin.elapsed().as_secs_f64();
+        drop(scene);
+        seconds
+    };
+    Some(quantity(format!("load: {}", subject.name), Box::new(run), request))
+}
+
+/// Mitsuba's loading holds that of its hierarchy, so that it is compared with nothing here.
+fn build(subject: &Rc<Subject>) -> Quantity {
+    let subject = Rc::clone(subject);
+    let name = format!("BVH: {}", subject.name);
+    let run = move || {
+        let begin = Instant::now();
+        let bvh = Bvh::build(&subject.scene.primitives);
+        let seconds = begin.elapsed().as_secs_f64();
+        drop(bvh);
+        seconds
+    };
+    quantity(name, Box::new(run), None)
+}
+
+fn quantity(name: String, run: Box<dyn FnMut() -> f64>, request: Option<serde_json::Value>) -> Quantity {
+    Quantity { name, unit: Unit::Seconds, place: Place::Host, run, request }
+}

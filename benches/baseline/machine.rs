@@ -1,0 +1,69 @@
+//! What a number was measured on, and by which build.
+
+use std::process::Command;
+
+use lodestar::gpu::DeviceInfo;
+use serde::{Deserialize, Serialize};
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    pub device: String,
+    pub driver: String,
+    pub processor: String,
+    /// Of the processor, that this process may use.
+    pub threads: usize,
+    /// Of the build, `-changed` where files differ from it.
+    pub commit: String,
+}
+
+impl Machine {
+    pub fn here(device: &DeviceInfo) -> Self {
+        Self {
+            device: device.name.clone(),
+            driver: format!("{} {}", device.driver_name, device.driver_info),
+            processor: processor(),
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            commit: commit(),
+        }
+    }
+
+    pub fn print(&self) {
+        println!("driver: {}", self.driver);
+        println!("processor: {}, {} threads", self.processor, self.threads);
+        let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
+        let load = load.split_whitespace().next().unwrap_or("unknown").to_owned();
+        println!("build: {}; load of the machine before: {load}", self.commit);
+    }
+
+    /// Device, processor and threads as the name of a file.
+    pub fn file_name(&self) -> String {
+        let text = format!("{} {} {} threads", self.device, self.processor, self.threads).to_lowercase();
+        let words = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+        words.collect::<Vec<_>>().join("-") + ".json"
+    }
+}
+
+/// The processor's name, family and model; of several products of one name, these tell.
+fn processor() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let field = |name: &str| {
+        let line = text.lines().find(|line| line.split(':').next().is_some_and(|key| key.trim() == name))?;
+        line.split(':').nth(1).map(|value| value.trim().to_owned())
+    };
+    match (field("model name"), field("cpu family"), field("model")) {
+        (Some(name), Some(family), Some(model)) => format!("{name}, family {family}, model {model}"),
+        (Some(name), ..) => name,
+        _ => std::env::consts::ARCH.into(),
+    }
+}
+
+fn commit() -> String {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    let Some(commit) = git(&["rev-parse", "--short=10", "HEAD"]) else { return "unknown".into() };
+    let built_from = ["src", "glsl", "build", "build.rs", "Cargo.toml", "Cargo.lock"];
+    let changed = git(&[&["status", "--porcelain", "--"], &built_from[..]].concat());
+    if changed.is_some_and(|text| text.is_empty()) { commit } else { commit + "-changed" }
+}

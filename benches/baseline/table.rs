@@ -1,0 +1,54 @@
+//! The table, in Markdown.
+
+use crate::mitsuba::Mitsuba;
+use crate::store::{Baseline, Line};
+
+/// All lines, beside the stored ones.
+pub fn print(now: &Baseline, stored: Option<&Baseline>, mitsuba: &Mitsuba) {
+    if let Some(stored) = stored {
+        println!("\nbaseline: build {}, {} rounds", stored.machine.commit, stored.rounds);
+    }
+    println!("beside: {}", mitsuba.description);
+    println!("medians of {} rounds; ratios are of speeds: above 1 is faster now, or faster than Mitsuba\n", now.rounds);
+    println!("| quantity | unit | value | spread | baseline | ratio | corrected | Mitsuba | ratio |");
+    println!("|---|---|---:|---:|---:|---:|---:|---:|---:|");
+    let lines = stored.map(Baseline::lines).unwrap_or_default();
+    for line in &now.quantities {
+        println!("{}", row(line, lines.get(line.name.as_str()).copied()));
+    }
+    let gone = lines.keys().filter(|name| !now.quantities.iter().any(|line| line.name == **name)).count();
+    if gone > 0 {
+        println!("\n{gone} quantities of the baseline were not measured");
+    }
+}
+
+fn row(line: &Line, stored: Option<&Line>) -> String {
+    let spread = || Some(100.0 * (line.most? - line.least?) / line.value?);
+    let cells = [
+        line.name.clone(),
+        line.unit.clone(),
+        number(line.value),
+        spread().map_or_else(none, |percent| format!("{percent:.0} %")),
+        number(stored.and_then(|stored| stored.value)),
+        ratio(stored.and_then(|stored| line.speed_ratio(stored))),
+        ratio(stored.and_then(|stored| line.corrected_ratio(stored))),
+        number(line.mitsuba),
+        ratio(line.relative_to_mitsuba),
+    ];
+    format!("| {} |", cells.join(" | "))
+}
+
+fn none() -> String {
+    "-".into()
+}
+
+/// Three digits.
+fn number(value: Option<f64>) -> String {
+    let Some(value) = value else { return none() };
+    let places = (2.0 - value.abs().max(1.0e-9).log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{value:.places$}")
+}
+
+fn ratio(value: Option<f64>) -> String {
+    value.map_or_else(none, |value| format!("{value:.2}"))
+}

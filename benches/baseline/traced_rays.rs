@@ -1,0 +1,47 @@
+//! Rays per second of the traversal alone (`glsl/test/traverse.comp`), and of Mitsuba's on the same rays.
+
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use lodestar::gpu::DeviceKind;
+use lodestar::kernels::test;
+use serde_json::json;
+
+use crate::device::Device;
+use crate::quantity::{Place, Quantity, Unit};
+use crate::rates::{mean_seconds, seconds_of};
+use crate::rays::{Batch, KINDS, Tracer, make};
+use crate::subjects::Subject;
+
+/// Each is repeated for at least so long.
+const SECONDS: f64 = 0.15;
+
+pub fn quantities(device: &Arc<Device>, subjects: &[Rc<Subject>], folder: &Path) -> Vec<Quantity> {
+    let fitting = subjects.iter().filter(|subject| Tracer::fits(device, &subject.bvh));
+    fitting.flat_map(|subject| of_scene(device, subject, folder)).collect()
+}
+
+/// Pixels along each side of the picture that rays are made for: as many as keep the device busy.
+fn side(device: &Device) -> u32 {
+    if device.context.device().kind == DeviceKind::Cpu { 512 } else { 2048 }
+}
+
+fn of_scene(device: &Arc<Device>, subject: &Subject, folder: &Path) -> Vec<Quantity> {
+    let tracer = Rc::new(Tracer::new(device, &subject.bvh, &test::TRAVERSE));
+    let kinds = make(device, &subject.scene, &subject.bvh, [side(device); 2]).into_iter().zip(KINDS);
+    let quantity = |(rays, (kind, any_hit)): (Vec<_>, (&str, bool))| {
+        let file = folder.join(format!("{}-{kind}.bin", subject.name));
+        std::fs::write(&file, bytemuck::cast_slice(&rays)).expect("rays are written");
+        let unit = Unit::MillionsPerSecond(rays.len() as f64 / 1.0e6, "rays");
+        let (tracer, batch) = (Rc::clone(&tracer), Batch::new(device, rays));
+        Quantity {
+            name: format!("rays: {kind}, {}", subject.name),
+            unit,
+            place: Place::Device,
+            run: Box::new(move || mean_seconds(SECONDS, || seconds_of(tracer.trace(&batch)))),
+            request: subject.file.as_ref().map(|scene| json!(["rays", scene, file, any_hit])),
+        }
+    };
+    kinds.filter(|(rays, _)| !rays.is_empty()).map(quantity).collect()
+}

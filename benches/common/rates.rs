@@ -1,0 +1,64 @@
+//! How long work takes, and what a device can do at most: tiny kernels of one kind of work each.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use bytemuck::{Pod, Zeroable};
+use lodestar::gpu::{Buffer, Kernel, Submission};
+use lodestar::kernels::{Variant, test};
+
+use crate::device::{Device, GROUP};
+
+/// Products and sums of a round of `glsl/test/arithmetic.comp`.
+const OPERATIONS_PER_ROUND: u32 = 192;
+const ARITHMETIC_ROUNDS: u32 = 128;
+const ARITHMETIC_GROUPS: u32 = 1024;
+
+/// By the device's clock where it has one.
+pub fn seconds_of(submission: Submission) -> f64 {
+    submission.device.unwrap_or(submission.wall).as_secs_f64()
+}
+
+/// Runs something for at least so many seconds, and returns the mean of the seconds that it says it took.
+pub fn mean_seconds(at_least: f64, mut once: impl FnMut() -> f64) -> f64 {
+    let (begin, mut sum, mut runs) = (Instant::now(), 0.0, 0);
+    while runs == 0 || begin.elapsed().as_secs_f64() < at_least {
+        sum += once();
+        runs += 1;
+    }
+    sum / f64::from(runs)
+}
+
+/// What the tiny kernels are pushed.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    rounds: u32,
+    other: u32,
+}
+
+/// Sums and products of single precision, as many as a device does.
+pub struct Arithmetic {
+    device: Arc<Device>,
+    kernel: Kernel,
+    results: Arc<Buffer>,
+}
+
+impl Arithmetic {
+    pub fn new(device: &Arc<Device>) -> Self {
+        let results = device.storage("results", (ARITHMETIC_GROUPS * GROUP) as usize * 4);
+        let kernel = device.kernel(&test::ARITHMETIC, &Variant::default());
+        Self { device: Arc::clone(device), kernel, results }
+    }
+
+    /// Operations per second, measured for at least so long.
+    pub fn rate(&self, seconds: f64) -> f64 {
+        let push = ARITHMETIC_ROUNDS;
+        let once = || {
+            let bytes = bytemuck::bytes_of(&push);
+            seconds_of(self.device.dispatch(&self.kernel, &[&self.results], bytes, ARITHMETIC_GROUPS))
+        };
+        let operations = f64::from(ARITHMETIC_GROUPS * GROUP) * f64::from(ARITHMETIC_ROUNDS * OPERATIONS_PER_ROUND);
+        operations / mean_seconds(seconds, once)
+    }
+}

@@ -1,0 +1,20 @@
+// Copies words from one buffer to another, neighbors side by side: what a device reads and writes in a second.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "variant.glsl"
+
+struct TestPush {
+    uint rounds;  // words that each invocation copies
+    uint stride;  // words between two of these: the number of invocations
+};
+layout(push_constant, scalar) uniform Push { TestPush push; };
+layout(scalar, set = 0, binding = 0) readonly buffer From { uint from_words[]; };
+layout(scalar, set = 0, binding = 1) writeonly buffer To { uint to_words[]; };
+
+void main() {
+    for (uint i = 0u; i < push.rounds; ++i) {
+        uint index = i * push.stride + gl_GlobalInvocationID.x;
+        to_words[index] = from_words[index];
+    }
+}
