@@ -9,6 +9,7 @@
 //! subtracted.
 
 #[path = "common/mod.rs"]
+#[allow(dead_code)] // It needs no medians.
 mod common;
 
 use std::path::{Path, PathBuf};

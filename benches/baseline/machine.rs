@@ -5,6 +5,9 @@ use std::process::Command;
 use lodestar::gpu::DeviceInfo;
 use serde::{Deserialize, Serialize};
 
+/// More tasks than this share of the threads make a machine busy.
+const MOST_LOAD: f64 = 0.5;
+
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
     pub device: String,
@@ -30,9 +33,18 @@ impl Machine {
     pub fn print(&self) {
         println!("driver: {}", self.driver);
         println!("processor: {}, {} threads", self.processor, self.threads);
-        let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
-        let load = load.split_whitespace().next().unwrap_or("unknown").to_owned();
-        println!("build: {}; load of the machine before: {load}", self.commit);
+        println!("build: {}", self.commit);
+    }
+
+    /// Says where others are at work, too.
+    pub fn warn_of_load(&self, load: Option<f64>) {
+        match load {
+            Some(load) if load > MOST_LOAD * self.threads as f64 => {
+                println!("the machine is busy: {load} tasks wanted its {} threads in the last minute", self.threads);
+            }
+            Some(load) => println!("tasks that wanted the machine's threads in the last minute: {load}"),
+            None => {}
+        }
     }
 
     /// Device, processor and threads as the name of a file.
@@ -41,6 +53,11 @@ impl Machine {
         let words = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
         words.collect::<Vec<_>>().join("-") + ".json"
     }
+}
+
+/// The mean number of tasks that wanted a thread in the last minute, where the system tells.
+pub fn load() -> Option<f64> {
+    std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
 
 /// The processor's name, family and model; of several products of one name, these tell.

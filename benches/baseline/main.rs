@@ -91,6 +91,8 @@ fn main() {
     let context = common::context();
     let machine = Machine::here(context.device());
     machine.print();
+    let load = machine::load();
+    machine.warn_of_load(load);
     let device = Arc::new(Device { context });
     let folder = tempfile::tempdir().expect("a folder");
     let mut quantities = all(&device, folder.path());
@@ -98,7 +100,7 @@ fn main() {
     let mut mitsuba = Mitsuba::start(device.context.device());
     let calibration = Calibration::new(&device);
     let measured = rounds::measure(&mut quantities, &calibration, &mut mitsuba, options.rounds);
-    let now = Baseline::new(machine, options.rounds, &measured);
+    let now = Baseline::new(machine, load, options.rounds, &measured);
     let stored = Baseline::of_machine(&now.machine);
     table::print(&now, stored.as_ref(), &mitsuba);
     if options.store {

@@ -34,8 +34,11 @@ const QUADTREE_LEVELS: u32 = 7;
 /// Of what `guided_direction.comp` writes of a sample.
 const DRAWN_BYTES: usize = 32;
 
-/// Radiance of a direction: smooth, or a lamp of about 4 % of the sphere.
-const TABLES: [(&str, fn(DVec3) -> f64); 2] =
+/// Radiance of a direction.
+type Radiance = fn(DVec3) -> f64;
+
+/// Smooth, or a lamp of about 4 % of the sphere.
+const TABLES: [(&str, Radiance); 2] =
     [("smooth", |w| 1.0 + 0.5 * w.dot(lamp())), ("peaked", |w| if w.dot(lamp()) > 0.93 { 50.0 } else { 0.1 })];
 
 fn lamp() -> DVec3 {
@@ -61,7 +64,7 @@ struct Subject {
 
 pub fn quantities(device: &Arc<Device>) -> Vec<Quantity> {
     let pairs = SAMPLERS.iter().flat_map(|sampler| TABLES.iter().map(move |table| (sampler, table)));
-    let quantity = |(&(name, sampler), &(of_table, radiance)): (&(&str, Sampler), &(&str, fn(DVec3) -> f64))| {
+    let quantity = |(&(name, sampler), &(of_table, radiance)): (&(&str, Sampler), &(&str, Radiance))| {
         let subject = Rc::new(Subject::new(device, sampler, radiance));
         Quantity {
             name: format!("samples: {name}, {of_table}"),
@@ -75,7 +78,7 @@ pub fn quantities(device: &Arc<Device>) -> Vec<Quantity> {
 }
 
 impl Subject {
-    fn new(device: &Arc<Device>, sampler: Sampler, radiance: fn(DVec3) -> f64) -> Self {
+    fn new(device: &Arc<Device>, sampler: Sampler, radiance: Radiance) -> Self {
         let count = if device.context.device().kind == DeviceKind::Cpu { 1 << 17 } else { 1 << 22 };
         let normal_resolution = if sampler == Sampler::SphereInversion { 1 } else { NORMALS };
         let variant = Variant {
@@ -114,7 +117,7 @@ impl Subject {
 type Named = Vec<(&'static str, Arc<Buffer>)>;
 
 /// The grids of one cell that holds the radiance of its bins' centers.
-fn cell_buffers(device: &Device, variant: &Variant, radiance: fn(DVec3) -> f64) -> Named {
+fn cell_buffers(device: &Device, variant: &Variant, radiance: Radiance) -> Named {
     let center = |bin: u32| bin_center(DirectionMap::EqualArea, bin, DIRECTIONS);
     let table: Vec<f32> = (0..DIRECTIONS * DIRECTIONS).map(|bin| radiance(center(bin)) as f32).collect();
     let cell = Cell::new(device, variant);
@@ -130,8 +133,8 @@ fn cell_buffers(device: &Device, variant: &Variant, radiance: fn(DVec3) -> f64) 
 }
 
 /// A tree that has learned the radiance.
-fn quadtree_buffers(device: &Device, radiance: fn(DVec3) -> f64) -> Named {
-    fn square(radiance: fn(DVec3) -> f64, corner: DVec2, side: f64, levels: u32) -> Square {
+fn quadtree_buffers(device: &Device, radiance: Radiance) -> Named {
+    fn square(radiance: Radiance, corner: DVec2, side: f64, levels: u32) -> Square {
         if levels == 0 {
             let middle = map_to_sphere(DirectionMap::EqualArea, 2.0 * (corner + 0.5 * side) - 1.0);
             return Square::leaf(side * side * radiance(middle));

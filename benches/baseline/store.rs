@@ -14,6 +14,8 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/baselines");
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Baseline {
     pub machine: Machine,
+    /// [`crate::machine::load`] before the first round.
+    pub load: Option<f64>,
     pub rounds: usize,
     /// In the order of the table.
     pub quantities: Vec<Line>,
@@ -71,8 +73,8 @@ impl From<&Measured> for Line {
 }
 
 impl Baseline {
-    pub fn new(machine: Machine, rounds: usize, measured: &[Measured]) -> Self {
-        Self { machine, rounds, quantities: measured.iter().map(Line::from).collect() }
+    pub fn new(machine: Machine, load: Option<f64>, rounds: usize, measured: &[Measured]) -> Self {
+        Self { machine, load, rounds, quantities: measured.iter().map(Line::from).collect() }
     }
 
     /// What is stored for such a machine. Says why there is nothing to compare with, or what else differs.
@@ -87,6 +89,8 @@ impl Baseline {
         if stored.machine.driver != machine.driver {
             println!("\nthe baseline was measured with another driver: {}", stored.machine.driver);
         }
+        println!("\nthe baseline was measured with build {}:", stored.machine.commit);
+        stored.machine.warn_of_load(stored.load);
         Some(stored)
     }
 

@@ -5,9 +5,6 @@ use crate::store::{Baseline, Line};
 
 /// All lines, beside the stored ones.
 pub fn print(now: &Baseline, stored: Option<&Baseline>, mitsuba: &Mitsuba) {
-    if let Some(stored) = stored {
-        println!("\nbaseline: build {}, {} rounds", stored.machine.commit, stored.rounds);
-    }
     println!("beside: {}", mitsuba.description);
     println!("medians of {} rounds; ratios are of speeds: above 1 is faster now, or faster than Mitsuba\n", now.rounds);
     println!("| quantity | unit | value | spread | baseline | ratio | corrected | Mitsuba | ratio |");

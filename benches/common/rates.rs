@@ -62,3 +62,64 @@ impl Arithmetic {
         operations / mean_seconds(seconds, once)
     }
 }
+
+/// Bytes of a node of the hierarchy.
+pub const NODE_BYTES: u32 = 80;
+const FETCH_ROUNDS: u32 = 64;
+const FETCH_GROUPS: u32 = 256;
+
+/// Reads of whole nodes, as the traversal reads them, but none of which waits for another.
+pub struct Fetches {
+    device: Arc<Device>,
+    kernel: Kernel,
+    results: Arc<Buffer>,
+}
+
+impl Fetches {
+    pub fn new(device: &Arc<Device>) -> Self {
+        let results = device.storage("results", (FETCH_GROUPS * GROUP) as usize * 4);
+        let kernel = device.kernel(&test::GATHER, &Variant::default());
+        Self { device: Arc::clone(device), kernel, results }
+    }
+
+    /// Bytes per second, of random nodes among the first `node_count` of a buffer, measured for at least so long.
+    pub fn rate(&self, nodes: &Arc<Buffer>, node_count: u32, seconds: f64) -> f64 {
+        let push = Push { rounds: FETCH_ROUNDS, other: node_count };
+        let once = || {
+            let bytes = bytemuck::bytes_of(&push);
+            seconds_of(self.device.dispatch(&self.kernel, &[&self.results, nodes], bytes, FETCH_GROUPS))
+        };
+        f64::from(FETCH_GROUPS * GROUP) * f64::from(FETCH_ROUNDS * NODE_BYTES) / mean_seconds(seconds, once)
+    }
+}
+
+const COPY_ROUNDS: u32 = 16;
+
+/// Copies of words from one buffer to another.
+pub struct Copies {
+    device: Arc<Device>,
+    kernel: Kernel,
+    from: Arc<Buffer>,
+    to: Arc<Buffer>,
+    groups: u32,
+}
+
+impl Copies {
+    /// That read and write about so many bytes, both together.
+    pub fn new(device: &Arc<Device>, bytes: u64) -> Self {
+        let groups = (bytes / 2).div_ceil(u64::from(4 * COPY_ROUNDS * GROUP)) as u32;
+        let buffer = |name| device.storage(name, (groups * GROUP * COPY_ROUNDS * 4) as usize);
+        let kernel = device.kernel(&test::COPY, &Variant::default());
+        Self { device: Arc::clone(device), kernel, from: buffer("from"), to: buffer("to"), groups }
+    }
+
+    /// Bytes per second, read and written, measured for at least so long.
+    pub fn rate(&self, seconds: f64) -> f64 {
+        let push = Push { rounds: COPY_ROUNDS, other: self.groups * GROUP };
+        let once = || {
+            let bytes = bytemuck::bytes_of(&push);
+            seconds_of(self.device.dispatch(&self.kernel, &[&self.from, &self.to], bytes, self.groups))
+        };
+        2.0 * self.from.len_bytes() as f64 / mean_seconds(seconds, once)
+    }
+}

@@ -41,7 +41,7 @@ struct Found {
 
 /// What `TraceCounts` of `glsl/test/traverse_counts.comp` is.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Counts {
     pub nodes: u32,
     pub primitives: u32,

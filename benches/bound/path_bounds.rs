@@ -1,0 +1,101 @@
+//! Rays of `path_trace` with the sampler `bsdf`, shading included: geometry and operations, and how long they take.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use lodestar::gpu::Context;
+use lodestar::kernels::TEXEL_BUFFERS;
+use lodestar::renderer::{Renderer, variant_for};
+use lodestar::settings::{Sampler, Settings};
+
+use crate::Limits;
+use crate::common::{median, renderer, run_for, settings};
+use crate::operations::Operations;
+use crate::ray_bounds::RayBound;
+use crate::subjects::Subject;
+
+const SIZE: [u32; 2] = [256, 256];
+/// Each is repeated for at least so long.
+const SECONDS: f64 = 0.3;
+const FIRST_STEPS: u32 = 2;
+
+/// A renderer and what its rays take.
+pub struct PathBound {
+    scene: String,
+    settings: Settings,
+    renderer: Renderer,
+    rays_per_path: f64,
+    bytes: f64,
+    operations: f64,
+    /// Of these, the traversal's.
+    traversal_operations: f64,
+    turns: Vec<Turn>,
+}
+
+/// Nanoseconds of a ray.
+#[derive(Clone, Copy)]
+struct Turn {
+    computing: f64,
+    measured: f64,
+}
+
+/// Of the scenes whose rays are in `rays`. Rays beyond the first bounce are taken to be like those of the first.
+pub fn all(context: &Arc<Context>, subjects: &[Rc<Subject>], rays: &[RayBound]) -> Vec<PathBound> {
+    let row = |subject: &Rc<Subject>| {
+        let of_kind = |kind: &str| rays.iter().find(|row| row.scene == subject.name && row.kind == kind);
+        let (primary, bounce) = (of_kind("primary")?, of_kind("bounce")?);
+        let settings = settings(&subject.scene, SIZE, Sampler::Bsdf);
+        let mut renderer = renderer(context, &subject.scene, &settings, FIRST_STEPS);
+        let (spp, _, counts) = run_for(&mut renderer, SECONDS, &settings);
+        let rays_per_path = counts.rays as f64 / (f64::from(spp) * f64::from(SIZE[0] * SIZE[1]));
+        let mean = |of: &dyn Fn(&RayBound) -> f64| (of(primary) + (rays_per_path - 1.0) * of(bounce)) / rays_per_path;
+        let variant = variant_for(&settings, &subject.scene, &subject.bvh);
+        let operations = Operations::of(&TEXEL_BUFFERS.path_trace, &variant);
+        let traversal_operations =
+            mean(&|row: &RayBound| operations.per_node * row.nodes + operations.per_primitive * row.primitives);
+        Some(PathBound {
+            scene: subject.name.clone(),
+            settings,
+            renderer,
+            rays_per_path,
+            bytes: mean(&RayBound::bytes),
+            operations: traversal_operations + operations.rest,
+            traversal_operations,
+            turns: Vec::new(),
+        })
+    };
+    subjects.iter().filter_map(row).collect()
+}
+
+impl PathBound {
+    pub fn measure(&mut self, limits: &Limits, is_counted: bool) {
+        let computing = 1.0e9 * self.operations / limits.arithmetic.rate(SECONDS / 3.0);
+        let (_, seconds, counts) = run_for(&mut self.renderer, SECONDS, &self.settings);
+        if is_counted {
+            self.turns.push(Turn { computing, measured: 1.0e9 * seconds / counts.rays as f64 });
+        }
+    }
+}
+
+pub fn print(rows: &[PathBound]) {
+    println!("\n`path_trace`, `bsdf`, no emitter sampling, of one ray with what is shaded at its end\n");
+    println!(
+        "| scene | rays of a path | bytes of geometry | operations | of the traversal | computing, ns | measured, ns \
+         | share of the bound |"
+    );
+    println!("|---|---:|---:|---:|---:|---:|---:|---:|");
+    for row in rows {
+        let of = |number: fn(&Turn) -> f64| median(row.turns.iter().map(number).collect());
+        println!(
+            "| {} | {:.1} | {:.0} | {:.0} | {:.0} | {:.1} | {:.1} | {:.2} |",
+            row.scene,
+            row.rays_per_path,
+            row.bytes,
+            row.operations,
+            row.traversal_operations,
+            of(|turn| turn.computing),
+            of(|turn| turn.measured),
+            of(|turn| turn.computing / turn.measured),
+        );
+    }
+}

@@ -1,0 +1,168 @@
+//! Rays of the traversal alone: what they read and compute on the way, and how long that takes.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use lodestar::gpu::DeviceKind;
+use lodestar::kernels::{Variant, test};
+
+use crate::Limits;
+use crate::common::median;
+use crate::device::Device;
+use crate::operations::Operations;
+use crate::rates::{NODE_BYTES, mean_seconds, seconds_of};
+use crate::rays::{Batch, Counts, KINDS, Ray, Tracer, make};
+use crate::subjects::Subject;
+
+/// Each is repeated for at least so long.
+const SECONDS: f64 = 0.1;
+/// So many nodes lie in the nearest cache.
+const NEAR_NODES: u32 = 128;
+/// An odd number.
+const STRIDE: usize = 40_503;
+const PRIMITIVE_BYTES: f64 = 48.0;
+
+/// Rays of one kind in one scene.
+pub struct RayBound {
+    pub scene: String,
+    pub kind: &'static str,
+    /// Means of a ray.
+    pub nodes: f64,
+    pub primitives: f64,
+    pub operations: f64,
+    /// Of the lanes of a subgroup, while any of them visits a node.
+    busy_lanes: f64,
+    tracer: Rc<Tracer>,
+    batch: Batch,
+    node_count: u32,
+    turns: Vec<Turn>,
+}
+
+/// Nanoseconds of a ray.
+#[derive(Clone, Copy)]
+struct Turn {
+    computing: f64,
+    fetching: f64,
+    fetching_at_random: f64,
+    measured: f64,
+}
+
+pub fn all(device: &Arc<Device>, subjects: &[Rc<Subject>]) -> Vec<RayBound> {
+    let fitting = subjects.iter().filter(|subject| Tracer::fits(device, &subject.bvh));
+    fitting.flat_map(|subject| of_scene(device, subject)).collect()
+}
+
+fn of_scene(device: &Arc<Device>, subject: &Subject) -> Vec<RayBound> {
+    let bvh = &subject.bvh;
+    let tracer = Rc::new(Tracer::new(device, bvh, &test::TRAVERSE));
+    let counter = Tracer::new(device, bvh, &test::TRAVERSE_COUNTS);
+    let variant = Variant { has_spheres: bvh.has_spheres(), stack_size: bvh.depth, ..Variant::default() };
+    let operations = Operations::of(&test::TRAVERSE, &variant);
+    let Operations { per_node, per_primitive, rest } = operations;
+    println!(
+        "{}: operations of a node {per_node}, of a primitive {per_primitive}, of a ray besides {rest}",
+        subject.name
+    );
+    let lanes = device.context.device().limits.subgroup_size.max(1) as usize;
+    let side = if device.context.device().kind == DeviceKind::Cpu { 512 } else { 2048 };
+    let kinds = make(device, &subject.scene, bvh, [side; 2]).into_iter().zip(KINDS);
+    let row = |(rays, (kind, _)): (Vec<Ray>, (&'static str, bool))| {
+        let counts = counts_of(device, &counter, &rays);
+        let batch = Batch::new(device, rays);
+        let mean = |of: fn(&Counts) -> u32| {
+            counts.iter().map(|counts| f64::from(of(counts))).sum::<f64>() / counts.len() as f64
+        };
+        let (nodes, primitives) = (mean(|counts| counts.nodes), mean(|counts| counts.primitives));
+        RayBound {
+            scene: subject.name.clone(),
+            kind,
+            nodes,
+            primitives,
+            operations: per_node * nodes + per_primitive * primitives + rest,
+            busy_lanes: busy_lanes(&counts, lanes),
+            tracer: Rc::clone(&tracer),
+            batch,
+            node_count: bvh.nodes.len() as u32,
+            turns: Vec::new(),
+        }
+    };
+    kinds.filter(|(rays, _)| !rays.is_empty()).map(row).collect()
+}
+
+/// What each ray fetches. Among other neighbors it must be the same.
+fn counts_of(device: &Device, counter: &Tracer, rays: &[Ray]) -> Vec<Counts> {
+    let counts: Vec<Counts> = counter.outputs(&Batch::new(device, rays.to_vec()));
+    assert!(counts.iter().all(|counts| counts.overrun == 0), "a ray was not followed to its end");
+    // The number of rays is a power of two, so that this meets all of them.
+    let other = |place: usize| place * STRIDE % rays.len();
+    let strewn = (0..rays.len()).map(|place| rays[other(place)]).collect();
+    let others: Vec<Counts> = counter.outputs(&Batch::new(device, strewn));
+    let is_same = |(place, count): (usize, &Counts)| *count == counts[other(place)];
+    assert!(others.iter().enumerate().all(is_same), "a ray's counts depend on its neighbors");
+    counts
+}
+
+/// Nodes over those that a subgroup visits until its last lane is done.
+fn busy_lanes(counts: &[Counts], lanes: usize) -> f64 {
+    let visited: u64 = counts.iter().map(|counts| u64::from(counts.nodes)).sum();
+    let most = |group: &[Counts]| group.iter().map(|counts| u64::from(counts.nodes)).max().unwrap_or(0);
+    let held: u64 = counts.chunks(lanes).map(|group| group.len() as u64 * most(group)).sum();
+    visited as f64 / held as f64
+}
+
+impl RayBound {
+    /// Of geometry.
+    pub fn bytes(&self) -> f64 {
+        f64::from(NODE_BYTES) * self.nodes + PRIMITIVE_BYTES * self.primitives
+    }
+
+    pub fn nodes_buffer(&self) -> &Arc<lodestar::gpu::Buffer> {
+        self.tracer.nodes()
+    }
+
+    /// Bytes per second from the nearest cache.
+    pub fn near_rate(&self, limits: &Limits) -> f64 {
+        limits.fetches.rate(self.nodes_buffer(), NEAR_NODES.min(self.node_count), SECONDS)
+    }
+
+    pub fn measure(&mut self, limits: &Limits, counts: bool) {
+        let count = self.batch.rays.len() as f64;
+        let random = limits.fetches.rate(self.nodes_buffer(), self.node_count, SECONDS);
+        let turn = Turn {
+            computing: 1.0e9 * self.operations / limits.arithmetic.rate(SECONDS),
+            fetching: 1.0e9 * self.bytes() / self.near_rate(limits),
+            fetching_at_random: 1.0e9 * self.bytes() / random,
+            measured: 1.0e9 * mean_seconds(SECONDS, || seconds_of(self.tracer.trace(&self.batch))) / count,
+        };
+        if counts {
+            self.turns.push(turn);
+        }
+    }
+}
+
+pub fn print(rows: &[RayBound]) {
+    println!("\nTraversal alone (`glsl/test/traverse.comp`), of one ray; ns are of the whole device\n");
+    println!(
+        "| scene | ray | nodes | primitives | bytes | operations | computing, ns | fetching, ns | at random, ns \
+         | measured, ns | share of the bound | lanes busy |"
+    );
+    println!("|---|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
+    for row in rows {
+        let of = |number: fn(&Turn) -> f64| median(row.turns.iter().map(number).collect());
+        println!(
+            "| {} | {} | {:.1} | {:.1} | {:.0} | {:.0} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} | {:.2} |",
+            row.scene,
+            row.kind,
+            row.nodes,
+            row.primitives,
+            row.bytes(),
+            row.operations,
+            of(|turn| turn.computing),
+            of(|turn| turn.fetching),
+            of(|turn| turn.fetching_at_random),
+            of(|turn| turn.measured),
+            of(|turn| turn.computing.max(turn.fetching) / turn.measured),
+            row.busy_lanes,
+        );
+    }
+}
