@@ -1,8 +1,8 @@
 """Measures Mitsuba 3 on request, compiled and warm: mitsuba_baseline.py VARIANT.
 
-Reads requests from standard input, a JSON array a line, and answers each with a line: seconds, or `none` where it fails.
+Reads requests from standard input, a JSON array a line, and answers each with a line: seconds, or `none`.
   ["load", SCENE]                      loading the scene
-  ["rays", SCENE, RAYS, ANY_HIT]       all rays of a file once: records of 8 words, origin, direction, length and one unused
+  ["rays", SCENE, RAYS, ANY_HIT]       all rays of a file once: records of 8 words, origin, direction, length, unused
   ["render", SCENE, WIDTH, HEIGHT, SPP]
 """
 import json

@@ -1,4 +1,4 @@
-"""The sensor and the integrator that pictures of Mitsuba 3 are compared by: box filter, `path` of depth 16, roulette after 8."""
+"""The sensor and the integrator of Mitsuba 3 for comparisons: box filter, `path` of depth 16, roulette after 8."""
 import mitsuba as mi
 import numpy as np
 

@@ -1,14 +1,14 @@
 //! Everything that decides how fast a render is, in one table beside what it was: rays, samplers, updates, loading and
 //! hierarchies, whole renders, and beside Mitsuba 3 where Python has it.
 //!
-//! `cargo bench --bench baseline [-- WORD... --rounds N --store]`: the quantities whose names hold one of the words, or all.
-//! `--store` writes the baseline that later runs on such a device are compared with, `benches/baselines/DEVICE.json`.
-//! The project's own scenes are always measured, the shared ones as well where `LODESTAR_SCENES` names their folder;
-//! `LODESTAR_DEVICE` chooses the device, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
+//! `cargo bench --bench baseline [-- WORD... --rounds N --store]`: the quantities whose names hold one of the words, or
+//! all. `--store` writes the baseline that later runs on such a device are compared with,
+//! `benches/baselines/DEVICE.json`. The project's own scenes are always measured, the shared ones as well where
+//! `LODESTAR_SCENES` names their folder; `LODESTAR_DEVICE` chooses the device, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
 //!
-//! Every number is the median of rounds, in each of which every quantity has its turn. Right before each, a fixed piece of
-//! work is timed: on the device for what runs there, else on the processor's threads. The corrected ratio is that of speeds
-//! relative to this work, so that a machine that is slower on the day does not pass for a slower build.
+//! Every number is the median of rounds, in each of which every quantity has its turn. Right before each, a fixed piece
+//! of work is timed: on the device for what runs there, else on the processor's threads. The corrected ratio is that of
+//! speeds relative to this work, so that a machine that is slower on the day does not pass for a slower build.
 
 mod calibration;
 mod hierarchies;

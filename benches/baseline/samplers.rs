@@ -1,5 +1,5 @@
-//! Samples per second of the guides' samplers (`glsl/test/guided_direction.comp`): a direction is drawn from one cell, and its
-//! density is evaluated anew, as emitter sampling does.
+//! Samples per second of the guides' samplers (`glsl/test/guided_direction.comp`): a direction is drawn from one cell,
+//! and its density is evaluated anew, as emitter sampling does.
 
 use std::rc::Rc;
 use std::sync::Arc;

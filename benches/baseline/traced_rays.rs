@@ -4,14 +4,13 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use lodestar::gpu::DeviceKind;
 use lodestar::kernels::test;
 use serde_json::json;
 
 use crate::device::Device;
 use crate::quantity::{Place, Quantity, Unit};
 use crate::rates::{mean_seconds, seconds_of};
-use crate::rays::{Batch, KINDS, Tracer, make};
+use crate::rays::{Batch, KINDS, Tracer, make, picture};
 use crate::subjects::Subject;
 
 /// Each is repeated for at least so long.
@@ -22,14 +21,9 @@ pub fn quantities(device: &Arc<Device>, subjects: &[Rc<Subject>], folder: &Path)
     fitting.flat_map(|subject| of_scene(device, subject, folder)).collect()
 }
 
-/// Pixels along each side of the picture that rays are made for: as many as keep the device busy.
-fn side(device: &Device) -> u32 {
-    if device.context.device().kind == DeviceKind::Cpu { 512 } else { 2048 }
-}
-
 fn of_scene(device: &Arc<Device>, subject: &Subject, folder: &Path) -> Vec<Quantity> {
     let tracer = Rc::new(Tracer::new(device, &subject.bvh, &test::TRAVERSE));
-    let kinds = make(device, &subject.scene, &subject.bvh, [side(device); 2]).into_iter().zip(KINDS);
+    let kinds = make(device, &subject.scene, &subject.bvh, picture(device)).into_iter().zip(KINDS);
     let quantity = |(rays, (kind, any_hit)): (Vec<_>, (&str, bool))| {
         let file = folder.join(format!("{}-{kind}.bin", subject.name));
         std::fs::write(&file, bytemuck::cast_slice(&rays)).expect("rays are written");

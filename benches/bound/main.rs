@@ -1,14 +1,14 @@
-//! Where the time goes: what rays and updates read and compute, counted; how fast the device does either, measured; and which
-//! share of the time that follows the kernels take.
+//! Where the time goes: what rays and updates read and compute, counted; how fast the device does either, measured; and
+//! which share of the time that follows the kernels take.
 //!
-//! `cargo bench --bench bound [-- --rounds N]`: the project's own scenes, and the shared ones where `LODESTAR_SCENES` names
-//! their folder. `LODESTAR_DEVICE` chooses the device.
+//! `cargo bench --bench bound [-- --rounds N]`: the project's own scenes, and the shared ones where `LODESTAR_SCENES`
+//! names their folder. `LODESTAR_DEVICE` chooses the device.
 //!
-//! A bound is the longer of two times: of the operations at the rate of `glsl/test/arithmetic.comp`, and of the bytes at that
-//! of `glsl/test/gather.comp` in the nearest cache (of updates: at that of `glsl/test/copy.comp`). It supposes that nothing
-//! waits for anything and that lanes never idle. Beside it stands what the bytes would take if every node came from a random
-//! place of the whole hierarchy: no bound, for neighbors' rays read the same nodes. Lanes are idle while others of their
-//! subgroup still have nodes to visit; how many are busy is counted.
+//! A bound is the longer of two times: of the operations at the rate of `glsl/test/arithmetic.comp`, and of the bytes
+//! at that of `glsl/test/gather.comp` in the nearest cache (of updates: at that of `glsl/test/copy.comp`). It supposes
+//! that nothing waits for anything and that lanes never idle. Beside it stands what the bytes would take if every node
+//! came from a random place of the whole hierarchy: no bound, for neighbors' rays read the same nodes. Lanes are idle
+//! while others of their subgroup still have nodes to visit; how many are busy is counted.
 
 mod operations;
 mod path_bounds;

@@ -3,7 +3,6 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use lodestar::gpu::DeviceKind;
 use lodestar::kernels::{Variant, test};
 
 use crate::Limits;
@@ -11,7 +10,7 @@ use crate::common::median;
 use crate::device::Device;
 use crate::operations::Operations;
 use crate::rates::{NODE_BYTES, mean_seconds, seconds_of};
-use crate::rays::{Batch, Counts, KINDS, Ray, Tracer, make};
+use crate::rays::{Batch, Counts, KINDS, Ray, Tracer, make, picture};
 use crate::subjects::Subject;
 
 /// Each is repeated for at least so long.
@@ -64,8 +63,7 @@ fn of_scene(device: &Arc<Device>, subject: &Subject) -> Vec<RayBound> {
         subject.name
     );
     let lanes = device.context.device().limits.subgroup_size.max(1) as usize;
-    let side = if device.context.device().kind == DeviceKind::Cpu { 512 } else { 2048 };
-    let kinds = make(device, &subject.scene, bvh, [side; 2]).into_iter().zip(KINDS);
+    let kinds = make(device, &subject.scene, bvh, picture(device)).into_iter().zip(KINDS);
     let row = |(rays, (kind, _)): (Vec<Ray>, (&'static str, bool))| {
         let counts = counts_of(device, &counter, &rays);
         let batch = Batch::new(device, rays);

@@ -75,8 +75,8 @@ pub fn all(device: &Arc<Device>) -> Vec<UpdateBound> {
     rows.collect()
 }
 
-/// What a kernel asks for in a step, in the order of its source; shares of scattering functions and marks, a few words of a
-/// cell, are left out.
+/// What a kernel asks for in a step, in the order of its source; shares of scattering functions and marks, a few words
+/// of a cell, are left out.
 fn bytes_of(kernel: &str, sampler: Sampler, cells: &Cells, entries: u64) -> u64 {
     let count = u64::from(cells.count());
     let parents = u64::from(cells.all_count()) - count;
@@ -91,7 +91,7 @@ fn bytes_of(kernel: &str, sampler: Sampler, cells: &Cells, entries: u64) -> u64 
         "update_normalization" => entries * (BINS * (RADIANCE + size_of::<CosineIntegral>() as u64) + ENTRY),
         // Every cell but the largest is read once.
         "pool_radiance" => BINS * LEARNED * (count + parents - 1 + parents),
-        // What is learned, the parent's, and the estimate; of cells the estimate is read once more and written with the floor.
+        // What is learned, the parent's, and the estimate, which cells read once more and write with the floor.
         "blend_radiance" => BINS * (parents * 4 * LEARNED + count * (2 * LEARNED + 3 * RADIANCE)),
         _ => unreachable!("{kernel} has no count of bytes"),
     }

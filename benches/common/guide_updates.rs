@@ -1,5 +1,5 @@
-//! Renderers whose steps are short, to time the kernels that end a step: the grids of the Cornell box of relief, 16 cells along
-//! each axis, of which those count that hold surfaces.
+//! Renderers whose steps are short, to time the kernels that end a step: the grids of the Cornell box of relief, 16
+//! cells along each axis, of which those count that hold surfaces.
 
 use std::rc::Rc;
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec3, dvec2};
 use lodestar::bvh::Bvh;
-use lodestar::gpu::{Buffer, BufferKind, Kernel, KernelSource, Submission};
+use lodestar::gpu::{Buffer, BufferKind, DeviceKind, Kernel, KernelSource, Submission};
 use lodestar::kernels::{
     CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, CAMERA_THINLENS, NONE, PRIMITIVE_SHAPE_MASK, SHAPE_SPHERE, Variant, test,
 };
@@ -119,9 +119,14 @@ impl Tracer {
     }
 }
 
-/// Rays of [`KINDS`] for a picture of so many pixels: from the camera, tile by tile; from where these hit, on in proportion to
-/// the cosine; and from there towards points of area lights, or in any direction where there are none. Rays that do not hit,
-/// or would start downwards, are left out, and others stand in for them.
+/// Size of the picture that rays are made for: as many pixels as keep the device busy.
+pub fn picture(device: &Device) -> [u32; 2] {
+    if device.context.device().kind == DeviceKind::Cpu { [512; 2] } else { [1024; 2] }
+}
+
+/// Rays of [`KINDS`] for a picture of so many pixels: from the camera, tile by tile; from where these hit, on in
+/// proportion to the cosine; and from there towards points of area lights, or in any direction where there are none.
+/// Rays that do not hit, or would start downwards, are left out, and others stand in for them.
 pub fn make(device: &Arc<Device>, scene: &Scene, bvh: &Bvh, [width, height]: [u32; 2]) -> [Vec<Ray>; 3] {
     let mut random = random_stream(RandomKey { pixel: 0, sample_index: 0, first_of_set: None, seed: 7 }, 0, 0);
     let primary = primary_rays(scene, [width, height], &mut random);
