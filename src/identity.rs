@@ -111,6 +111,7 @@ mod tests {
             epsilon: _,
             bsdf_share: _,
             candidates: _,
+            target_density: _,
             roulette: _,
             expected_directions: _,
             grid: _,

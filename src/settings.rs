@@ -134,6 +134,17 @@ pub enum Roulette {
     Contribution = kernels::ROULETTE_CONTRIBUTION,
 }
 
+/// What a guide's directions are drawn in proportion to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum TargetDensity {
+    /// The mean of what a bin has learned.
+    Mean,
+    /// The root of its second moment, which also counts how much what it has learned varies over the cell and from path to path
+    /// (Rath et al. 2020, "Variance-Aware Path Guiding"). All that is learned from the table is still learned from the mean.
+    SecondMoment,
+}
+
 /// How many samples per pixel are taken between two updates of the grids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -192,6 +203,8 @@ pub struct Settings {
     pub bsdf_share: Option<BsdfShare>,
     /// Directions of which `product` takes one, by f cos L, in [1, 2].
     pub candidates: u32,
+    /// What a guide's directions are drawn in proportion to.
+    pub target_density: TargetDensity,
     /// What Russian roulette goes by. `None`: see [`Settings::roulette`].
     pub roulette: Option<Roulette>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
@@ -275,6 +288,7 @@ impl Settings {
             epsilon: None,
             bsdf_share: None,
             candidates: 1,
+            target_density: TargetDensity::Mean,
             roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
@@ -342,6 +356,7 @@ impl Settings {
         in_range("candidates", self.candidates, 1, 2)?;
         in_range("expected-directions", self.expected_directions, 1, 4096)?;
         self.validate_mix()?;
+        self.validate_target_density()?;
         self.validate_learner()?;
         in_range("slice-ms", self.slice_milliseconds.unwrap_or(1.0), 0.001, 60_000.0)?;
         self.validate_crop()
@@ -366,6 +381,23 @@ impl Settings {
         if self.bsdf_share == Some(BsdfShare::Learned) && !self.learns_share() {
             return Err(Error::Settings(
                 "--bsdf-share learned goes with neither --epsilon nor --learner monte-carlo".into(),
+            ));
+        }
+        Ok(())
+    }
+
+    fn validate_target_density(&self) -> Result<()> {
+        if !self.keeps_second_moments() {
+            return Ok(());
+        }
+        if matches!(self.sampler, Sampler::Bsdf | Sampler::Quadtree) {
+            return Err(Error::Settings(
+                "--target-density second-moment is for samplers with cells, not for bsdf or quadtree".into(),
+            ));
+        }
+        if self.fallback > 0.0 {
+            return Err(Error::Settings(
+                "--target-density second-moment does not go with --fallback: larger cells keep means only".into(),
             ));
         }
         Ok(())
@@ -427,6 +459,11 @@ impl Settings {
     pub fn learns_share(&self) -> bool {
         let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
         can && self.bsdf_share != Some(BsdfShare::Fixed)
+    }
+
+    /// Whether cells keep the second moments of what they learn.
+    pub fn keeps_second_moments(&self) -> bool {
+        self.target_density == TargetDensity::SecondMoment
     }
 
     /// Vertices that a kernel keeps of a path.

@@ -195,7 +195,8 @@ DirectionSample sample_direction_descent(vec3 u, vec4 u_guide, Scatterer x, Guid
 // What a candidate is taken in proportion to: f cos L / pdf, where the mean of L over the hemisphere is added to L. So none
 // weighs much more than it does alone, however little its bin has learned.
 float candidate_score(Guide guide, DirectionSample s) {
-    return mean_rgb(s.weight) * max(s.radiance + mean_radiance(guide), 1.0e-30);
+    float incident = keeps_second_moments() ? bin_target_density(guide, s.bin) : s.radiance;
+    return mean_rgb(s.weight) * max(incident + mean_radiance(guide), 1.0e-30);
 }
 
 // The same by resampling (Talbot et al. 2005, "Importance Resampling for Global Illumination"): of two samples of one lobe one

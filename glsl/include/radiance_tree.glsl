@@ -12,27 +12,29 @@ uint bin_of_square(uvec2 corner, uint side, uint i) {
     return at.y * DIRECTION_RESOLUTION + at.x;
 }
 
-float sum_of_radiance(uint cell, uvec2 corner, uint side) {
+float sum_of_densities(uint cell, uvec2 corner, uint side) {
     float sum = 0.0;
-    for (uint i = 0u; i < side * side; ++i) sum += radiance(radiance_index(cell, bin_of_square(corner, side, i)));
+    for (uint i = 0u; i < side * side; ++i) sum += target_density(radiance_index(cell, bin_of_square(corner, side, i)));
     return sum;
 }
 
-float sum_of_products(uint cell, uint normal_bin, uvec2 corner, uint side) {
-    float sum = 0.0;
+// Times the normal's cosine: what the bins are drawn in proportion to, and their mean radiance.
+vec2 sums_of_products(uint cell, uint normal_bin, uvec2 corner, uint side) {
+    vec2 sums = vec2(0.0);
     for (uint i = 0u; i < side * side; ++i) {
         uint bin = bin_of_square(corner, side, i);
-        sum += radiance(radiance_index(cell, bin)) * cosine_integral(bin, normal_bin).integral;
+        uint index = radiance_index(cell, bin);
+        sums += vec2(target_density(index), radiance(index)) * cosine_integral(bin, normal_bin).integral;
     }
-    return sum;
+    return sums;
 }
 
-// Radiance of a node's parts, each `side` bins wide; of parts_per_side^2 of them.
-mat4 radiance_of_parts(uint cell, uvec2 corner, uint parts_per_side, uint side) {
+// What a node's parts are drawn in proportion to, each `side` bins wide; of parts_per_side^2 of them.
+mat4 densities_of_parts(uint cell, uvec2 corner, uint parts_per_side, uint side) {
     mat4 weights = mat4(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     for (uint i = 0u; i < parts_per_side * parts_per_side; ++i) {
         uvec2 part = uvec2(i % parts_per_side, i / parts_per_side);
-        weights[part.y][part.x] = sum_of_radiance(cell, corner + part * side, side);
+        weights[part.y][part.x] = sum_of_densities(cell, corner + part * side, side);
     }
     return weights;
 }
@@ -43,21 +45,21 @@ void store_tree_node(uint cell, uint node) {
     uint index = middle ? node : node - middle_node_count();
     uint row = middle ? 4u : last_level_side();
     uvec2 at = uvec2(index % row, index / row);
-    mat4 weights = middle ? radiance_of_parts(cell, at * middle_parts() * 4u, middle_parts(), 4u)
-                          : radiance_of_parts(cell, at * 4u, 4u, 1u);
+    mat4 weights = middle ? densities_of_parts(cell, at * middle_parts() * 4u, middle_parts(), 4u)
+                          : densities_of_parts(cell, at * 4u, 4u, 1u);
     store_radiance_node(cell * nodes_per_tree() + node, pack_weights_8(weights));
 }
 
-// What the tree's first level holds for a normal, and its sum: the irradiance E(cell, nb).
+// What the tree's first level holds for a normal, and the irradiance E(cell, nb).
 uvec4 product_record(uint cell, uint normal_bin) {
     uint side = DIRECTION_RESOLUTION / 4u;
     mat4 products = mat4(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     float irradiance = 0.0;
     for (uint block = 0u; block < 16u; ++block) {
         uvec2 at = uvec2(block % 4u, block / 4u);
-        float product = sum_of_products(cell, normal_bin, at * side, side);
-        products[at.y][at.x] = product;
-        irradiance += product;
+        vec2 sums = sums_of_products(cell, normal_bin, at * side, side);
+        products[at.y][at.x] = sums.x;
+        irradiance += sums.y;
     }
     return pack_weights_7(products, irradiance);
 }

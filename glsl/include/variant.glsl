@@ -30,6 +30,8 @@ layout(constant_id = 8) const uint NORMAL_RESOLUTION = 16u;
 layout(constant_id = 9) const uint MAX_TRIES = 15u;
 // Words of the radiance table before the cells' shares of the scattering function, where a guide descends; 0: fixed shares.
 layout(constant_id = 56) const uint SHARES_AT = 0u;
+// Words of the radiance table before the roots of the bins' second moments, which directions then are drawn by; 0: by the means.
+layout(constant_id = 59) const uint SECOND_MOMENTS_AT = 0u;
 // Directions of which one is taken, where a guide descends: 1, or 2.
 layout(constant_id = 57) const uint CANDIDATES = 1u;
 // What Russian roulette goes by.

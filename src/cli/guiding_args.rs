@@ -2,6 +2,7 @@
 
 use lodestar::settings::{
     AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, Sampler, Settings, StepSchedule,
+    TargetDensity,
 };
 
 /// How directions are sampled and learned.
@@ -33,6 +34,10 @@ pub struct GuidingArgs {
     /// Directions that product draws at a vertex, of which one is taken by f cos L: resampled importance sampling [default: 1].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub candidates: Option<u32>,
+    /// What guided directions are drawn in proportion to: the mean of what a bin has learned, or the root of its second moment,
+    /// which is larger where that varies.
+    #[arg(long, value_enum, default_value_t = TargetDensity::Mean, help_heading = "Guiding")]
+    pub target_density: TargetDensity,
     /// What Russian roulette goes by: throughput, after --rr-depth edges; or with product, from the first edge on, what the guide
     /// expects a path still to bring to its pixel [default: contribution with product, unless --rr-depth is no less than
     /// --max-depth, which leaves roulette out].
@@ -92,6 +97,7 @@ impl GuidingArgs {
         settings.epsilon = self.epsilon;
         settings.bsdf_share = self.bsdf_share;
         settings.candidates = self.candidates.unwrap_or(settings.candidates);
+        settings.target_density = self.target_density;
         settings.roulette = self.roulette;
         settings.map = self.map;
         settings.grid = self.grid.unwrap_or(settings.grid);

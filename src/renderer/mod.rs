@@ -538,6 +538,7 @@ fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh, cel
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),
         shares_at: shares_at(settings, cells.count()),
+        second_moments_at: radiance_grid::second_moments_at(settings, cells.count()),
         ..variant_of_settings(settings)
     }
 }
@@ -549,6 +550,8 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
         ReconstructionFilter::Gaussian { stddev } => (kernels::FILTER_GAUSSIAN, stddev),
     };
+    // As if surfaces were everywhere.
+    let cell_count = if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) };
     Variant {
         sampler: settings.sampler as u32,
         learner: settings.learner as u32,
@@ -569,8 +572,8 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         map: settings.map as u32,
         mix: settings.mix as u32,
         epsilon: settings.epsilon.unwrap_or(0.0),
-        // As if surfaces were everywhere.
-        shares_at: shares_at(settings, if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) }),
+        shares_at: shares_at(settings, cell_count),
+        second_moments_at: radiance_grid::second_moments_at(settings, cell_count),
         candidates: settings.candidates,
         roulette: settings.roulette() as u32,
         expected_directions: settings.expected_directions,

@@ -18,6 +18,15 @@ const SHARES: u64 = 2;
 const SHARE_WORDS: u64 = 4;
 const SHARE_SUMS: u64 = 2;
 
+/// Of a bin's squared targets, in fixed point: its low and its high word.
+type SquareSum = [u32; 2];
+
+/// Where roots of second moments are in the table of so many cells; 0 where none are kept.
+pub(super) fn second_moments_at(settings: &Settings, cell_count: u32) -> u32 {
+    let shares = if settings.learns_share() { (SHARES * SHARE_WORDS) as u32 } else { 0 };
+    if settings.keeps_second_moments() { cell_count * (settings.directions.pow(2) + shares) } else { 0 }
+}
+
 /// The grid of Sec. 3: cells of `directions^2` bins. What cells learn of the scattering function's share follows their bins.
 pub(super) struct RadianceGrid {
     set: DescriptorSet,
@@ -48,9 +57,16 @@ impl RadianceGrid {
         if settings.learns_share() { SHARES * u64::from(cells.count()) } else { 0 }
     }
 
-    /// Words of the table that is sampled by.
+    /// Bins whose second moments are kept.
+    fn second_moments(settings: &Settings, cells: &Cells) -> u64 {
+        if settings.keeps_second_moments() { Self::bins(settings, cells) } else { 0 }
+    }
+
+    /// Words of the table that is sampled by: means, shares, and roots of second moments.
     fn radiances(settings: &Settings, cells: &Cells) -> u64 {
-        Self::bins(settings, cells) + SHARE_WORDS * Self::shares(settings, cells)
+        Self::bins(settings, cells)
+            + SHARE_WORDS * Self::shares(settings, cells)
+            + Self::second_moments(settings, cells)
     }
 
     /// Bins of which something is learned: also of the larger cells where cells fall back on these.
@@ -79,10 +95,11 @@ impl RadianceGrid {
         let has_ends = settings.sampler == Sampler::SphereInversion;
         let ends = if has_ends { Self::bins(settings, cells) } else { 0 };
         let bytes = Self::radiances(settings, cells) * size_of::<f32>() as u64 + ends * size_of::<u32>() as u64;
+        let squares = Self::second_moments(settings, cells) * size_of::<SquareSum>() as u64;
         let learned = Self::learned_bins(settings, cells) * size_of::<LearnedRadiance>() as u64;
         let sums = Self::sums(settings, cells) * size_of::<RadianceSum>() as u64;
         let table = size_of_val(&cells.table[..]) as u64;
-        bytes + learned + sums + Self::node_bytes(settings, cells) + table
+        bytes + learned + sums + squares + Self::node_bytes(settings, cells) + table
     }
 
     fn node_bytes(settings: &Settings, cells: &Cells) -> u64 {
@@ -104,7 +121,9 @@ impl RadianceGrid {
         let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
         let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings, cells), node_kind)?;
         let table = Buffer::with_values(context, "cells", &cells.table, BufferKind::Storage)?;
-        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table];
+        let square_count = Self::second_moments(settings, cells);
+        let squares = buffer("sums of squares", square_count, size_of::<SquareSum>(), BufferKind::Storage)?;
+        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table, &squares];
         let set = table_set(context, "radiance grid", shape, &buffers)?;
         let keeps_sums = settings.sampler == Sampler::Quadtree;
         let (bin_count, share_count) = (bins as usize, Self::shares(settings, cells) as usize);

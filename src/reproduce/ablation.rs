@@ -7,7 +7,9 @@ use super::protocol::Base;
 use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
-use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, Sampler, StepSchedule};
+use crate::settings::{
+    AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, Sampler, StepSchedule, TargetDensity,
+};
 
 /// A plain path tracer.
 const PLAIN: Method = Method { base: Base::Defaults, ..Method::PLAIN };
@@ -36,6 +38,7 @@ const ROWS: &[Method] = &[
     ALONE,
     PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),
     PRODUCT.with(Changes { candidates: Some(2), ..NONE }),
+    PRODUCT.with(Changes { target_density: Some(TargetDensity::SecondMoment), ..NONE }),
     PRODUCT.with(Changes { roulette: Some(Roulette::Throughput), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Diffuse), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Authors), ..NONE }),

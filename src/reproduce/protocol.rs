@@ -4,7 +4,7 @@
 
 use crate::image::Image;
 use crate::scene::ReconstructionFilter;
-use crate::settings::{GuideSet, Roulette, SamplePattern, Settings, StepSchedule};
+use crate::settings::{GuideSet, Roulette, SamplePattern, Settings, StepSchedule, TargetDensity};
 use crate::{Error, Result};
 
 const MAX_DEPTH: u32 = 16;
@@ -43,6 +43,7 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
             directions: DIRECTIONS,
             bsdf_share: None,
             candidates: 1,
+            target_density: TargetDensity::Mean,
             roulette: Some(Roulette::Throughput),
             ..common
         },
