@@ -156,6 +156,11 @@ fn combinations_without_meaning() {
         (&["--noise", "0.1", "--sample-offset", "0"], ["--noise", "--sample-offset"]),
         (&["--sampler", "rejection", "--candidates", "2"], ["--candidates", "product only"]),
         (&["--sampler", "bsdf", "--roulette", "contribution"], ["--roulette", "product only"]),
+        (&["--sampler", "bsdf", "--target-density", "second-moment"], ["--target-density", "not for bsdf or quadtree"]),
+        (
+            &["--fallback", "4", "--target-density", "second-moment"],
+            ["--target-density", "does not go with --fallback"],
+        ),
         (&["--sampler", "bsdf", "--bsdf-share", "fixed"], ["--bsdf-share", "product only"]),
         (&["--epsilon", "0.5", "--bsdf-share", "learned"], ["--bsdf-share learned", "--epsilon"]),
         (&["--learner", "monte-carlo", "--bsdf-share", "learned"], ["--bsdf-share learned", "monte-carlo"]),

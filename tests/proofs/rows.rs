@@ -2,7 +2,7 @@
 //! all claims.
 
 use lodestar::reference::normalization_entry::Rules;
-use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings};
+use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings, TargetDensity};
 
 use crate::guide_cases::Kind;
 use crate::scenes::ours;
@@ -36,6 +36,12 @@ pub const GUIDED: &[Row] = &[
     row("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
     row("hemisphere-inversion", |s| s.sampler = Sampler::HemisphereInversion),
     row("product", |s| s.sampler = Sampler::Product),
+    row("rejection-mix, second moments", |s| {
+        (s.sampler, s.target_density) = (Sampler::RejectionMix, TargetDensity::SecondMoment);
+    }),
+    row("product, second moments", |s| {
+        (s.sampler, s.target_density) = (Sampler::Product, TargetDensity::SecondMoment);
+    }),
     // With a much smaller share the few uniform samples weigh so much that their sums are far from normally distributed.
     more("rejection-mix, share 0.05, cylindrical", |s| {
         (s.sampler, s.epsilon, s.map) = (Sampler::RejectionMix, Some(0.05), DirectionMap::Cylindrical);
@@ -58,6 +64,12 @@ pub const GUIDED: &[Row] = &[
     }),
     more("hemisphere-inversion, cylindrical", |s| {
         (s.sampler, s.map) = (Sampler::HemisphereInversion, DirectionMap::Cylindrical);
+    }),
+    more("sphere-inversion, second moments", |s| {
+        (s.sampler, s.target_density) = (Sampler::SphereInversion, TargetDensity::SecondMoment);
+    }),
+    more("hemisphere-inversion, second moments", |s| {
+        (s.sampler, s.target_density) = (Sampler::HemisphereInversion, TargetDensity::SecondMoment);
     }),
     more("product, cylindrical", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
     more("product, half by the cosine", |s| (s.sampler, s.epsilon) = (Sampler::Product, Some(0.5))),
@@ -95,7 +107,7 @@ impl Row {
             max_tries: s.max_tries,
             min_uniform_share: f64::from(s.min_uniform),
         };
-        Kind { rules, map: s.map }
+        Kind { rules, map: s.map, second_moments: s.keeps_second_moments() }
     }
 }
 

@@ -41,6 +41,7 @@ const FAULTS: &[Fault] = &[
     kernels("proposals of a pair alike", SAMPLES, MIX),
     kernels("horizon of the representative normal", DENSITIES, MIX),
     kernels("inversion forgets the uniform share", DENSITIES, "hemisphere-inversion"),
+    kernels("density of the mean, directions by the second moment", DENSITIES, "rejection-mix, second moments"),
     kernels("part beside the chosen one", SAMPLES, PRODUCT),
     kernels("descent counted whole", DENSITIES, PRODUCT),
     kernels("share of the cosine not in the density", DIRECTIONS, PRODUCT),
@@ -54,6 +55,8 @@ const FAULTS: &[Fault] = &[
     kernels("targets rounded down", SUMS, MIX),
     kernels("learning rate without decay", UPDATES, MIX),
     kernels("target without attenuation", TARGETS, MIX),
+    // What is lost below the surface has its second moments far above its means.
+    kernels("bootstrap from the second moment", TARGETS, "sphere-inversion, second moments"),
     kernels("roulette scales the bootstrap target", TARGETS, MIX),
     kernels("returns without survival", TARGETS, MIX),
     settings("learning takes surfaces to be 5 % brighter", |s| s.attenuation_tamper = 1.05, TARGETS, MIX),

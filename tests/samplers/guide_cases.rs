@@ -63,16 +63,22 @@ pub struct PushedNormal {
 pub struct Kind {
     pub rules: Rules,
     pub map: DirectionMap,
+    /// Whether directions are drawn in proportion to roots of second moments.
+    pub second_moments: bool,
 }
 
 impl Kind {
     pub const fn new(sampler: Sampler, max_tries: u32, min_uniform_share: f64) -> Self {
         let rules = Rules { sampler, mix: Mix::Density, epsilon: None, max_tries, min_uniform_share };
-        Self { rules, map: DirectionMap::EqualArea }
+        Self { rules, map: DirectionMap::EqualArea, second_moments: false }
     }
 
     pub const fn on_cylinder(self) -> Self {
         Self { map: DirectionMap::Cylindrical, ..self }
+    }
+
+    pub const fn by_second_moments(self) -> Self {
+        Self { second_moments: true, ..self }
     }
 
     pub const fn mixing_acceptances(self) -> Self {
@@ -81,6 +87,12 @@ impl Kind {
 
     pub const fn with_epsilon(self, epsilon: f64) -> Self {
         Self { rules: Rules { epsilon: Some(epsilon), ..self.rules }, ..self }
+    }
+
+    /// The constants of the kernels.
+    pub fn variant(&self) -> Variant {
+        let second_moments_at = if self.second_moments { DIRECTIONS * DIRECTIONS } else { 0 };
+        Variant { second_moments_at, ..variant(&self.rules, self.map) }
     }
 
     /// Whether a bin is chosen first, and then a direction anywhere in it, be that below the surface.
@@ -293,7 +305,7 @@ impl Guided {
         let sphere = kind.rules.sampler == Sampler::SphereInversion;
         let normal_resolution = if sphere { 1 } else { NORMALS };
         let workgroup_size = kernels.group;
-        let variant = Variant { normal_resolution, workgroup_size, ..variant(&kind.rules, kind.map) };
+        let variant = Variant { normal_resolution, workgroup_size, ..kind.variant() };
         Self {
             group: kernels.group,
             cell: Cell::normalized_by(&device, &variant, &kernels.normalize),

@@ -20,7 +20,7 @@ use lodestar::settings::{DirectionMap, GuideSet, Sampler};
 use super::densities::slack;
 use crate::device::{Cell, Device};
 use crate::evidence::{Evidence, Record};
-use crate::guide_cases::{NORMALS, settings, variant};
+use crate::guide_cases::{NORMALS, settings};
 use crate::rows::{Row, Scope};
 use crate::sampled_directions::{DirectionOutput, SeenSurface, draw};
 use crate::scattering_cases::{Base, DeviceBsdf, Surface};
@@ -143,7 +143,7 @@ impl Bench {
             guide_set: guide_set as u32,
             material_kinds: kinds.fold(0, |all: u32, kind: u32| all | kind),
             workgroup_size: subject.group,
-            ..variant(&kind.rules, kind.map)
+            ..kind.variant()
         };
         let cell = Cell::normalized_by(&device, &variant, &subject.kernel(&sources::NORMALIZE_CELL));
         let kernel = device.kernel(&subject.kernel(&sources::SAMPLE_DIRECTION), &variant);

@@ -67,11 +67,12 @@ fn check(
     case: &str,
     evidence: &mut Evidence,
 ) {
-    let radiance: Vec<f32> = part(state, "radiance");
+    let table: Vec<f32> = part(state, "radiance");
     let entries: Vec<layout::NormalizationEntry> = part(state, "normalizers");
     let marks: Vec<u32> = part(state, "marked normalizers");
     let words: &[[u32; 4]] = bytemuck::cast_slice(&entries);
     let (bins, normals) = (settings.directions.pow(2) as usize, cosines.len());
+    let radiance = target_density(&table, entries.len() / normals * bins, settings);
     let (mut marked, mut wrong, mut unasked) = (0, None, 0);
     for (normal, cosines) in cosines.iter().enumerate() {
         for cell in 0..entries.len() / normals {
@@ -96,6 +97,14 @@ fn check(
     evidence.hold(format!("unmarked entries, {case}"), unasked == 0, || format!("{unasked} of them are filled"));
     evidence
         .hold(format!("marked entries, {case}"), wrong.is_none(), || format!("(cell, normal, deviation): {wrong:?}"));
+}
+
+/// What the cells' bins are sampled by: means, or where roots of second moments stand at the table's end, the larger of the two.
+fn target_density(table: &[f32], bins: usize, settings: &Settings) -> Vec<f32> {
+    match settings.keeps_second_moments() {
+        false => table[..bins].to_vec(),
+        true => table.iter().zip(&table[table.len() - bins..]).take(bins).map(|(mean, root)| mean.max(*root)).collect(),
+    }
 }
 
 /// Of all direction bins, for one normal bin.

@@ -28,7 +28,7 @@ pub struct Claim {
 
 pub const SAMPLES: Claim = Claim { name: "samples", test: samples::test, most_tests: 8000 };
 pub const DENSITIES: Claim = Claim { name: "densities", test: densities::test, most_tests: 0 };
-pub const DIRECTIONS: Claim = Claim { name: "directions", test: directions::test, most_tests: 4000 };
+pub const DIRECTIONS: Claim = Claim { name: "directions", test: directions::test, most_tests: 5000 };
 pub const SUMS: Claim = Claim { name: "sums", test: sums::test, most_tests: 100 };
 pub const UPDATES: Claim = Claim { name: "updates", test: updates::test, most_tests: 0 };
 pub const ENTRIES: Claim = Claim { name: "entries", test: entries::test, most_tests: 0 };

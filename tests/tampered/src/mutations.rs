@@ -122,6 +122,14 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "density of the mean, directions by the second moment",
+        &[Patch {
+            file: REJECTION,
+            text: "float radiance = bin_target_density(guide, direction_bin(wi));",
+            mutated: "float radiance = MUTATED ? bin_radiance(guide, direction_bin(wi)) : bin_target_density(guide, direction_bin(wi));",
+        }],
+    ),
+    mutation(
         "part beside the chosen one",
         &[Patch {
             file: PARTS,
@@ -220,6 +228,14 @@ pub const MUTATIONS: &[Mutation] = &[
             file: LEARNING,
             text: "ATTENUATION_TAMPER * mean_rgb(next.weight) * next.radiance",
             mutated: "(MUTATED ? 1.0 : ATTENUATION_TAMPER * mean_rgb(next.weight)) * next.radiance",
+        }],
+    ),
+    mutation(
+        "bootstrap from the second moment",
+        &[Patch {
+            file: GUIDE,
+            text: "return radiance(radiance_index(guide.cell, bin));",
+            mutated: "return MUTATED ? target_density(radiance_index(guide.cell, bin)) : radiance(radiance_index(guide.cell, bin));",
         }],
     ),
     mutation(
