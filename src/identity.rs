@@ -133,7 +133,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 34);
+        assert_eq!(settings().named().len(), 35);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };

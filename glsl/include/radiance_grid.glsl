@@ -22,11 +22,11 @@ struct LearnedRadiance {
 layout(scalar, set = 2, binding = 0) restrict buffer RadianceTable { float radiance_table[]; };
 layout(scalar, set = 2, binding = 1) restrict buffer LearnedTable { LearnedRadiance learned_table[]; };
 layout(scalar, set = 2, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
+// Of sphere-inversion; then, where second moments are kept, sums of the squares of a step's targets: in fixed point, two words
+// each, low and high. One binding, for devices have few.
 layout(scalar, set = 2, binding = 3) restrict buffer BinEnds { uint bin_ends[]; };
 layout(scalar, set = 2, binding = 4) restrict buffer RadianceNodes { uvec4 radiance_nodes[]; };
 layout(scalar, set = 2, binding = 7) restrict readonly buffer CellTable { uint cell_table[]; };
-// Of the squares of a step's targets: fixed-point sums in two words, low and high.
-layout(scalar, set = 2, binding = 8) restrict buffer SquareSums { uvec2 square_sums[]; };
 
 // Fixed-point targets: a target of `target_limit` is this many units.
 const float FIXED_POINT_UNITS = 1073741824.0;
@@ -131,6 +131,12 @@ void add_target(uint index, uint units) {
     atomicAdd(radiance_sums[index].target_count, 1u);
 }
 
+// Where the two words of a bin's squares are.
+uint square_sum_place(uint index) {
+    uint first = SAMPLER == SAMPLER_SPHERE_INVERSION ? SECOND_MOMENTS_AT : 0u;
+    return first + 2u * index;
+}
+
 // Adds the square of a target, in units of the limit's; saturated and rounded likewise.
 void add_square(uint index, float target, float target_limit, float u) {
     float share = clamp(target / target_limit, 0.0, 1.0);
@@ -138,15 +144,18 @@ void add_square(uint index, float target, float target_limit, float u) {
     float high = floor(square * (1.0 / WORD_UNITS));
     float low = square - high * WORD_UNITS;
     uint low_units = uint(floor(low)) + (u < fract(low) ? 1u : 0u);
-    uint old = atomicAdd(square_sums[index].x, low_units);
+    uint place = square_sum_place(index);
+    uint old = atomicAdd(bin_ends[place], low_units);
     uint high_units = uint(high) + (old + low_units < old ? 1u : 0u);
-    if (high_units != 0u) atomicAdd(square_sums[index].y, high_units);
+    if (high_units != 0u) atomicAdd(bin_ends[place + 1u], high_units);
 }
 
 // The sum of a bin's squares since the last call, in units of the limit's.
 float take_squares(uint index) {
-    vec2 words = vec2(square_sums[index]);
-    square_sums[index] = uvec2(0u);
+    uint place = square_sum_place(index);
+    vec2 words = vec2(bin_ends[place], bin_ends[place + 1u]);
+    bin_ends[place] = 0u;
+    bin_ends[place + 1u] = 0u;
     return (words.y * WORD_UNITS + words.x) * (1.0 / SQUARE_UNITS);
 }
 

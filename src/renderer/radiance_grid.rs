@@ -18,8 +18,8 @@ const SHARES: u64 = 2;
 const SHARE_WORDS: u64 = 4;
 const SHARE_SUMS: u64 = 2;
 
-/// Of a bin's squared targets, in fixed point: its low and its high word.
-type SquareSum = [u32; 2];
+/// Words of the sum of a bin's squared targets, in fixed point.
+const SQUARE_WORDS: u64 = 2;
 
 /// Where roots of second moments are in the table of so many cells; 0 where none are kept.
 pub(super) fn second_moments_at(settings: &Settings, cell_count: u32) -> u32 {
@@ -35,7 +35,7 @@ pub(super) struct RadianceGrid {
     /// Of a step, or with quadtrees of an iteration of steps.
     sums: Arc<Buffer>,
     keeps_sums: bool,
-    /// Of sphere inversion alone.
+    /// Of sphere inversion; sums of squares where second moments are kept.
     ends: Arc<Buffer>,
     /// Of the product sampler and of quadtrees alone.
     nodes: Arc<Buffer>,
@@ -60,6 +60,12 @@ impl RadianceGrid {
     /// Bins whose second moments are kept.
     fn second_moments(settings: &Settings, cells: &Cells) -> u64 {
         if settings.keeps_second_moments() { Self::bins(settings, cells) } else { 0 }
+    }
+
+    /// Words of bins' ends and sums of squares.
+    fn end_words(settings: &Settings, cells: &Cells) -> u64 {
+        let ends = if settings.sampler == Sampler::SphereInversion { Self::bins(settings, cells) } else { 0 };
+        ends + SQUARE_WORDS * Self::second_moments(settings, cells)
     }
 
     /// Words of the table that is sampled by: means, shares, and roots of second moments.
@@ -92,14 +98,11 @@ impl RadianceGrid {
 
     /// Bytes of the grid on the device.
     pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
-        let has_ends = settings.sampler == Sampler::SphereInversion;
-        let ends = if has_ends { Self::bins(settings, cells) } else { 0 };
-        let bytes = Self::radiances(settings, cells) * size_of::<f32>() as u64 + ends * size_of::<u32>() as u64;
-        let squares = Self::second_moments(settings, cells) * size_of::<SquareSum>() as u64;
+        let words = Self::radiances(settings, cells) + Self::end_words(settings, cells);
         let learned = Self::learned_bins(settings, cells) * size_of::<LearnedRadiance>() as u64;
         let sums = Self::sums(settings, cells) * size_of::<RadianceSum>() as u64;
         let table = size_of_val(&cells.table[..]) as u64;
-        bytes + learned + sums + squares + Self::node_bytes(settings, cells) + table
+        words * size_of::<u32>() as u64 + learned + sums + Self::node_bytes(settings, cells) + table
     }
 
     fn node_bytes(settings: &Settings, cells: &Cells) -> u64 {
@@ -116,14 +119,12 @@ impl RadianceGrid {
         let learned = buffer("learned radiance", learned_bins, size_of::<LearnedRadiance>(), BufferKind::Storage)?;
         let sum_count = Self::sums(settings, cells);
         let sums = buffer("radiance sums", sum_count, size_of::<RadianceSum>(), BufferKind::Storage)?;
-        let ends = if settings.sampler == Sampler::SphereInversion { bins } else { 0 };
-        let ends = Buffer::new(context, "bin ends", ends * size_of::<u32>() as u64, BufferKind::Storage)?;
+        let end_words = Self::end_words(settings, cells);
+        let ends = buffer("bin ends", end_words, size_of::<u32>(), BufferKind::Storage)?;
         let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
         let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings, cells), node_kind)?;
         let table = Buffer::with_values(context, "cells", &cells.table, BufferKind::Storage)?;
-        let square_count = Self::second_moments(settings, cells);
-        let squares = buffer("sums of squares", square_count, size_of::<SquareSum>(), BufferKind::Storage)?;
-        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table, &squares];
+        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table];
         let set = table_set(context, "radiance grid", shape, &buffers)?;
         let keeps_sums = settings.sampler == Sampler::Quadtree;
         let (bin_count, share_count) = (bins as usize, Self::shares(settings, cells) as usize);

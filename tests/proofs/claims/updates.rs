@@ -70,7 +70,7 @@ impl Grid {
             ("RadianceTable", &self.radiance),
             ("LearnedTable", &self.learned),
             ("RadianceSums", &self.sums),
-            ("SquareSums", &self.squares),
+            ("BinEnds", &self.squares),
             ("Scene", &self.scene),
         ];
         for (name, _) in named {
