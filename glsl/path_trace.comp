@@ -49,9 +49,8 @@ uvec2 tile_order_pixel(uint index) {
 
 Path start_path(uvec2 film_pixel, uint sample_index) {
     Path path;
-    uint pixel = film_pixel.y * uint(scene().film_size.x) + film_pixel.x;
     uint first_of_set = max(sample_index - sample_index % SET_SIZE, push.first_of_sets);
-    path.key = RandomKey(pixel, sample_index, first_of_set, scene().seed);
+    path.key = random_key(film_pixel, uint(scene().film_size.x), sample_index, first_of_set, scene().seed);
     vec4 u = unit_floats(random_bits(path.key, 0u, RANDOM_SCATTER));
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);
     path.throughput = vec3(1.0);

@@ -16,7 +16,7 @@ pub struct Picture {
     pub full_size: [u32; 2],
     /// Mean radiance, linear sRGB.
     pub radiance: Vec<[f32; 3]>,
-    /// Variance of that mean, were its samples independent (those of `SamplePattern::Sobol` leave less); 0 where fewer than two
+    /// Variance of that mean, were its samples independent (those in sets leave less); 0 where fewer than two
     /// were taken.
     pub variance: Vec<[f32; 3]>,
     /// Samples taken.

@@ -60,6 +60,7 @@
 //! | the quadtree that it compares with (Müller, Gross and Novák 2017) | `sample_quadtree`, `pdf_quadtree` in `quadtree.glsl`, `refine_quadtrees.comp` | `tests/samplers/quadtree.rs` (chi-square, trees against their twins), `tests/render/ztest.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
 //! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
+//! | these across the pixels of a tile: blue noise (beyond the paper) | `tile_digits` in `blue_noise.glsl` | the same, `tests/render/blue_noise.rs` |
 //! | adaptive sampling by two halves (beyond the paper) | `halves.glsl`, `judge_noise.comp`, [`noise`] | `tests/render/noise.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs`, `tests/proofs/claims/entries.rs` |

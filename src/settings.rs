@@ -120,6 +120,9 @@ pub enum SamplePattern {
     /// In sets of eight: Sobol's points in two dimensions, scrambled after Owen, for every decision of a path. A set never
     /// reaches over an update of the guide, so that every sample is independent of what it is guided by.
     Sobol = kernels::PATTERN_SOBOL,
+    /// In sets of eight as well, those of all pixels of a tile being one large set: what a pixel errs its neighbors make up
+    /// for, so that the noise of a picture is blue.
+    BlueNoise = kernels::PATTERN_BLUE_NOISE,
 }
 
 /// What Russian roulette goes by.

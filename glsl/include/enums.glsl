@@ -26,6 +26,7 @@ const uint MAP_CYLINDRICAL = 1u;
 // How the samples of a pixel are distributed.
 const uint PATTERN_INDEPENDENT = 0u;
 const uint PATTERN_SOBOL = 1u;
+const uint PATTERN_BLUE_NOISE = 2u;
 
 // What Russian roulette goes by.
 const uint ROULETTE_THROUGHPUT = 0u;

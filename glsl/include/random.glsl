@@ -1,6 +1,7 @@
 // Random numbers without state: a hash of (pixel, sample, vertex and block, seed), so that no order of work changes a bit.
 #ifndef RANDOM_GLSL
 #define RANDOM_GLSL
+#include "blue_noise.glsl"
 #include "sobol.glsl"
 #include "variant.glsl"
 
@@ -10,7 +11,15 @@ struct RandomKey {
     uint sample_index;
     uint first_of_set;  // index of the first sample that shares the scrambling of its set
     uint seed;
+    // Of PATTERN_BLUE_NOISE: the pixel's tile, and its place along that tile's curve.
+    uint tile;
+    uint reversed_place;
 };
+
+RandomKey random_key(uvec2 film_pixel, uint film_width, uint sample_index, uint first_of_set, uint seed) {
+    uint pixel = film_pixel.y * film_width + film_pixel.x;
+    return RandomKey(pixel, sample_index, first_of_set, seed, tile_of(film_pixel), reversed_place_in_tile(film_pixel));
+}
 
 // Blocks of random numbers that a vertex may draw.
 const uint RANDOM_SCATTER = 0u;
@@ -58,13 +67,15 @@ float leftover_float(uvec4 bits) {
 const uint OF_SET = 0x80000000u;
 
 // Four words for `block` of vertex `vertex` (0 is the camera). With PATTERN_SOBOL the first two of them, and the last two, are
-// well distributed over the samples of a set.
+// well distributed over the samples of a set; with PATTERN_BLUE_NOISE also over the pixels of a square.
 uvec4 random_bits(RandomKey key, uint vertex, uint block) {
     uint place = (vertex << 16u) | block;
     uvec4 bits = pcg4d(uvec4(key.pixel, key.sample_index, place, key.seed));
     if (PATTERN == PATTERN_INDEPENDENT) return bits;
-    uvec4 of_set = pcg4d(uvec4(key.pixel, key.first_of_set, place | OF_SET, key.seed));
-    return (set_digits(key.sample_index, of_set) << 29u) | (bits >> 3u);
+    uint shared_by = PATTERN == PATTERN_SOBOL ? key.pixel : key.tile;
+    uvec4 of_set = pcg4d(uvec4(shared_by, key.first_of_set, place | OF_SET, key.seed));
+    if (PATTERN == PATTERN_SOBOL) return (set_digits(key.sample_index, of_set) << 29u) | (bits >> 3u);
+    return (tile_digits(key.reversed_place, key.sample_index - key.first_of_set, of_set) << 19u) | (bits >> 13u);
 }
 
 // As many numbers as a loop asks for: xorshift (Marsaglia 2003), started by the hash.

@@ -16,6 +16,9 @@ uvec4 owen_scramble(uvec4 x, uvec4 flips) {
     return x ^ ((flip0 << 2u) | (flip1 << 1u) | flip2);
 }
 
+// Of those seven bits, the ones that the digits of 0 meet.
+const uint FLIPS_OF_ZERO = 0xbu;
+
 // The first three binary digits of both coordinates of the points of these numbers in [0, 8): of x.xy, then of x.zw.
 uvec4 sobol_digits(uvec2 i) {
     // Of the first dimension, the number's digits in reverse (van der Corput).

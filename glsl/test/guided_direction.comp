@@ -30,7 +30,7 @@ vec3 cosine_about(vec3 n, vec2 u) {
 void main() {
     uint index = gl_GlobalInvocationID.x;
     Guide guide = guide_of(0u, push.normal, SHARE_OF_LOBES);
-    RandomKey key = RandomKey(index, 0u, 0u, push.seed);
+    RandomKey key = random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed);
     float choice = unit_floats(random_bits(key, 1u, RANDOM_SCATTER)).z;
     GuidedSample s;
     if (descends()) {

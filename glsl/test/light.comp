@@ -47,7 +47,7 @@ Met meet(vec3 from, vec3 direction) {
 void main() {
     uint index = gl_GlobalInvocationID.x;
     LightInput i = light_inputs[index];
-    LightSample s = sample_light(RandomKey(index, 0u, 0u, push.seed), 1u, i.from);
+    LightSample s = sample_light(random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed), 1u, i.from);
     light_outputs[index] = LightOutput(s.wi, s.target, s.radiance, s.pdf, s.infinite ? 1u : 0u, s.delta ? 1u : 0u,
                                        meet(i.from, s.wi), meet(i.from, i.direction));
 }

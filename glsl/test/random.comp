@@ -6,7 +6,8 @@
 #include "variant.glsl"
 
 struct DrawInput {
-    uint pixel;
+    uvec2 film_pixel;
+    uint film_width;
     uint sample_index;
     uint first_of_set;
     uint seed;
@@ -26,7 +27,7 @@ layout(scalar, set = 0, binding = 1) writeonly buffer DrawOutputs { DrawOutput d
 
 void main() {
     DrawInput i = draw_inputs[gl_GlobalInvocationID.x];
-    RandomKey key = RandomKey(i.pixel, i.sample_index, i.first_of_set, i.seed);
+    RandomKey key = random_key(i.film_pixel, i.film_width, i.sample_index, i.first_of_set, i.seed);
     DrawOutput o;
     o.bits = random_bits(key, i.vertex, i.block);
     o.floats = unit_floats(o.bits);

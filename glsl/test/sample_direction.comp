@@ -37,7 +37,7 @@ void main() {
     SurfaceInput i = surface_inputs[0];
     Scatterer x = Scatterer(i.bsdf, basis_from_normal(i.normal), i.wo, vec3(0.0, 0.0, 1.0), false, 0u);
     Guide guide = guide_at(x);
-    RandomKey key = RandomKey(index, 0u, 0u, push.seed);
+    RandomKey key = random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed);
     DirectionSample s = sample_direction(key, 1u, unit_floats(random_bits(key, 1u, RANDOM_SCATTER)), x, guide);
     DirectionOutput o;
     o.wi = s.wi;

@@ -1,6 +1,7 @@
 //! Slow, obvious twins of the pure GLSL functions, in double precision and under the same names. Tests hold the kernels
 //! against them.
 
+pub mod blue_noise;
 pub mod camera;
 pub mod coating;
 pub mod conductor;

@@ -1,5 +1,6 @@
 //! Twin of `glsl/include/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
 
+use super::blue_noise::{tile_digits, tile_of};
 use super::sobol::set_digits;
 
 /// `RandomKey` in GLSL: what does not change along a path.
@@ -9,10 +10,21 @@ pub struct RandomKey {
     pub pixel: u32,
     /// Index of the pixel's sample.
     pub sample_index: u32,
-    /// Index of the first sample that shares the scrambling of its set; `None` where samples are independent.
-    pub first_of_set: Option<u32>,
+    /// What the sample is well distributed with.
+    pub set: SampleSet,
     /// The render's seed.
     pub seed: u32,
+}
+
+/// Samples that share a scrambling, from one of this index on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleSet {
+    /// The sample alone.
+    Alone,
+    /// Those of its pixel.
+    OfPixel(u32),
+    /// Those of all pixels of the tile that holds this pixel of the film.
+    OfTile(u32, [u32; 2]),
 }
 
 /// Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
@@ -45,12 +57,16 @@ pub fn leftover_float(bits: [u32; 4]) -> f64 {
 pub fn random_bits(key: RandomKey, vertex: u32, block: u32) -> [u32; 4] {
     let place = vertex << 16 | block;
     let bits = pcg4d([key.pixel, key.sample_index, place, key.seed]);
-    let Some(first) = key.first_of_set else {
-        return bits;
+    let of_set = |shared_by, first| pcg4d([shared_by, first, place | 1 << 31, key.seed]);
+    let (digits, count) = match key.set {
+        SampleSet::Alone => return bits,
+        SampleSet::OfPixel(first) => (set_digits(key.sample_index, of_set(key.pixel, first)), 3),
+        SampleSet::OfTile(first, film_pixel) => {
+            let within_set = key.sample_index.wrapping_sub(first);
+            (tile_digits(film_pixel, within_set, of_set(tile_of(film_pixel), first)), 13)
+        }
     };
-    let of_set = pcg4d([key.pixel, first, place | 1 << 31, key.seed]);
-    let digits = set_digits(key.sample_index, of_set);
-    [0, 1, 2, 3].map(|k| digits[k] << 29 | bits[k] >> 3)
+    [0, 1, 2, 3].map(|k| digits[k] << (32 - count) | bits[k] >> count)
 }
 
 /// Marsaglia's xorshift of four words (2003).

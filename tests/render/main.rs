@@ -4,6 +4,7 @@
 //! that it must find.
 
 mod analytic;
+mod blue_noise;
 mod cells;
 mod choices;
 mod closed;

@@ -13,6 +13,8 @@ use crate::scenes::{ours, settings};
 const SIZE: [u32; 2] = [24, 24];
 const SPP: u32 = 32;
 const PICTURES: u32 = 24;
+/// With sets of samples.
+const SETS: [SamplePattern; 2] = [SamplePattern::Sobol, SamplePattern::BlueNoise];
 /// Neither divides the size of a set nor is divided by it, so that steps cut sets in two.
 const STEP: u32 = 5;
 
@@ -59,19 +61,20 @@ fn of_spread(pictures: &[Picture]) -> Estimate {
 }
 
 #[test]
-fn both_patterns_give_the_same_picture() {
+fn all_patterns_give_the_same_picture() {
     let studio = Studio::new();
     for (sampler, seed) in [(Sampler::Bsdf, 0u32), (Sampler::Product, 1000)] {
         let estimate = |pattern, offset: u32, pdf_tamper| {
             studio.estimate(seed + offset, &|s| (s.sampler, s.pattern, s.pdf_tamper) = (sampler, pattern, pdf_tamper))
         };
         let independent = estimate(SamplePattern::Independent, 0, 1.0);
-        let sets = estimate(SamplePattern::Sobol, 100, 1.0);
-        let comparison = Comparison::new(&independent, &sets, &[12, WHOLE]);
-        println!("{sampler:?}: {comparison:?}");
-        assert!(comparison.agrees(), "{sampler:?}");
-        let wrong = estimate(SamplePattern::Sobol, 200, 1.05);
-        assert!(!Comparison::new(&independent, &wrong, &[12, WHOLE]).agrees(), "{sampler:?}: a density 5 % wrong");
+        for pattern in SETS {
+            let comparison = Comparison::new(&independent, &estimate(pattern, 100, 1.0), &[12, WHOLE]);
+            println!("{sampler:?}, {pattern:?}: {comparison:?}");
+            assert!(comparison.agrees(), "{sampler:?}, {pattern:?}");
+            let wrong = Comparison::new(&independent, &estimate(pattern, 200, 1.05), &[12, WHOLE]);
+            assert!(!wrong.agrees(), "{sampler:?}, {pattern:?}: a density 5 % wrong");
+        }
     }
 }
 
@@ -80,26 +83,31 @@ fn sets_leave_less_noise() {
     let studio = Studio::new();
     let variance = |pattern, first_seed| studio.estimate(first_seed, &|s| s.pattern = pattern).total_variance();
     let independent = variance(SamplePattern::Independent, 0);
-    let [sets, again] = [(SamplePattern::Sobol, 100), (SamplePattern::Independent, 300)]
-        .map(|(pattern, first_seed)| variance(pattern, first_seed) / independent);
-    println!("variance of sets {sets:.3}, of independent samples of other seeds {again:.3}");
-    assert!(sets < 0.7 && again > 0.7);
+    let relative = |pattern, first_seed| variance(pattern, first_seed) / independent;
+    let (sets, again) = (SETS.map(|pattern| relative(pattern, 100)), relative(SamplePattern::Independent, 300));
+    println!("variance of sets {sets:.3?}, of independent samples of other seeds {again:.3}");
+    assert!(sets.iter().all(|&sets| sets < 0.7) && again > 0.7);
 }
 
 #[test]
 fn sets_come_out_the_same_however_the_work_is_cut() {
     let studio = Studio::new();
-    for sampler in [Sampler::Bsdf, Sampler::Product] {
+    for (pattern, sampler) in
+        SETS.into_iter().flat_map(|pattern| [(pattern, Sampler::Bsdf), (pattern, Sampler::Product)])
+    {
         let render = |change: &dyn Fn(&mut Settings)| {
-            let mut settings = studio.settings(sampler, SamplePattern::Sobol, 5);
+            let mut settings = studio.settings(sampler, pattern, 5);
             change(&mut settings);
             bits(&studio.device.render(&studio.scene, &settings, SPP))
         };
         let first = render(&|_| {});
-        assert!(first == render(&|s| s.slice_milliseconds = Some(1.0)), "{sampler:?}: slices of 1 ms");
-        assert!(first == render(&|s| s.film_page_pixels = Some(256)), "{sampler:?}: film pages");
-        assert!(first != render(&|s| s.seed = 6), "{sampler:?}: another seed");
-        assert!(first != render(&|s| s.pattern = SamplePattern::Independent), "{sampler:?}: independent samples");
+        assert!(first == render(&|s| s.slice_milliseconds = Some(1.0)), "{pattern:?}, {sampler:?}: slices of 1 ms");
+        assert!(first == render(&|s| s.film_page_pixels = Some(256)), "{pattern:?}, {sampler:?}: film pages");
+        assert!(first != render(&|s| s.seed = 6), "{pattern:?}, {sampler:?}: another seed");
+        assert!(
+            first != render(&|s| s.pattern = SamplePattern::Independent),
+            "{pattern:?}, {sampler:?}: independent samples"
+        );
     }
 }
 
@@ -107,17 +115,19 @@ fn sets_come_out_the_same_however_the_work_is_cut() {
 #[test]
 fn unguided_sets_do_not_depend_on_steps() {
     let studio = Studio::new();
-    let render = |spp_per_step, sample_offset, spp| {
-        let plain = studio.settings(Sampler::Bsdf, SamplePattern::Sobol, 5);
-        let picture = studio.device.render(&studio.scene, &Settings { spp_per_step, sample_offset, ..plain }, spp);
-        picture.radiance.into_iter().flatten().map(f64::from).collect::<Vec<_>>()
-    };
-    let whole = render(8, None, 20);
-    let [first, second] = [render(8, Some(0), 11), render(8, Some(11), 9)];
-    let parts: Vec<_> = first.iter().zip(&second).map(|(a, b)| (11.0 * a + 9.0 * b) / 20.0).collect();
-    for (a, others) in whole.iter().zip(render(STEP, None, 20).iter().zip(&parts)) {
-        for b in [others.0, others.1] {
-            assert!((a - b).abs() <= 1.0e-5 * a.abs().max(1.0e-3), "{a} {b}");
+    for pattern in SETS {
+        let render = |spp_per_step, sample_offset, spp| {
+            let plain = studio.settings(Sampler::Bsdf, pattern, 5);
+            let picture = studio.device.render(&studio.scene, &Settings { spp_per_step, sample_offset, ..plain }, spp);
+            picture.radiance.into_iter().flatten().map(f64::from).collect::<Vec<_>>()
+        };
+        let whole = render(8, None, 20);
+        let [first, second] = [render(8, Some(0), 11), render(8, Some(11), 9)];
+        let parts: Vec<_> = first.iter().zip(&second).map(|(a, b)| (11.0 * a + 9.0 * b) / 20.0).collect();
+        for (a, others) in whole.iter().zip(render(STEP, None, 20).iter().zip(&parts)) {
+            for b in [others.0, others.1] {
+                assert!((a - b).abs() <= 1.0e-5 * a.abs().max(1.0e-3), "{pattern:?}: {a} {b}");
+            }
         }
     }
 }

@@ -1,11 +1,12 @@
-//! `glsl/include/random.glsl` and `glsl/include/sobol.glsl`
+//! `glsl/include/random.glsl`, `glsl/include/sobol.glsl` and `glsl/include/blue_noise.glsl`
 
 use std::collections::{BTreeMap, HashSet};
+use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use lodestar::kernels::{PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
+use lodestar::kernels::{PATTERN_BLUE_NOISE, PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
 use lodestar::reference::random as twin;
-use lodestar::reference::random::RandomKey;
+use lodestar::reference::random::{RandomKey, SampleSet};
 
 use crate::device::Device;
 use crate::statistics::{pair_uniformity, sidak, uniformity};
@@ -16,7 +17,8 @@ const SIGNIFICANCE: f64 = 0.01;
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct DrawInput {
-    pixel: u32,
+    film_pixel: [u32; 2],
+    film_width: u32,
     sample_index: u32,
     first_of_set: u32,
     seed: u32,
@@ -42,6 +44,15 @@ impl DrawOutput {
     }
 }
 
+impl DrawInput {
+    fn pixel(&self) -> u32 {
+        self.film_pixel[1] * self.film_width + self.film_pixel[0]
+    }
+}
+
+/// Pixels of a row of the film that the box of keys is part of.
+const FILM_WIDTH: u32 = 8;
+
 /// Extents of a box of keys: pixel, sample, seed, vertex, block.
 const BOX: [u32; 5] = [64, 16, 4, 8, 2];
 
@@ -55,20 +66,34 @@ fn keys(first: [u32; 5]) -> Vec<DrawInput> {
             index /= BOX[axis];
         }
         let [pixel, sample_index, seed, vertex, block] = key;
-        DrawInput { pixel, sample_index, first_of_set: sample_index - sample_index % 8, seed, vertex, block }
+        let film_pixel = [pixel % FILM_WIDTH, pixel / FILM_WIDTH];
+        let first_of_set = sample_index - sample_index % 8;
+        DrawInput { film_pixel, film_width: FILM_WIDTH, sample_index, first_of_set, seed, vertex, block }
     };
     (0..count).map(key).collect()
 }
 
-const PATTERNS: [u32; 2] = [PATTERN_INDEPENDENT, PATTERN_SOBOL];
+/// The same with every pixel in a tile of its own.
+fn keys_of_tiles(first: [u32; 5]) -> Vec<DrawInput> {
+    let apart = |i: DrawInput| DrawInput { film_pixel: i.film_pixel.map(|x| x << 5), film_width: FILM_WIDTH << 5, ..i };
+    keys(first).into_iter().map(apart).collect()
+}
+
+const PATTERNS: [u32; 3] = [PATTERN_INDEPENDENT, PATTERN_SOBOL, PATTERN_BLUE_NOISE];
+/// Those with sets.
+const SETS: [u32; 2] = [PATTERN_SOBOL, PATTERN_BLUE_NOISE];
 
 fn draw(pattern: u32, inputs: &[DrawInput]) -> Vec<DrawOutput> {
     Device::new().map(&test::RANDOM, &Variant { pattern, ..Variant::default() }, inputs)
 }
 
 fn of_twin(pattern: u32, i: &DrawInput) -> DrawOutput {
-    let first_of_set = (pattern == PATTERN_SOBOL).then_some(i.first_of_set);
-    let key = RandomKey { pixel: i.pixel, sample_index: i.sample_index, first_of_set, seed: i.seed };
+    let set = match pattern {
+        PATTERN_INDEPENDENT => SampleSet::Alone,
+        PATTERN_SOBOL => SampleSet::OfPixel(i.first_of_set),
+        _ => SampleSet::OfTile(i.first_of_set, i.film_pixel),
+    };
+    let key = RandomKey { pixel: i.pixel(), sample_index: i.sample_index, set, seed: i.seed };
     let bits = twin::random_bits(key, i.vertex, i.block);
     let mut stream = twin::random_stream(key, i.vertex, i.block);
     DrawOutput {
@@ -94,13 +119,13 @@ fn every_bit_is_the_twins() {
 
 #[test]
 fn numbers_are_uniform() {
-    let level = sidak(SIGNIFICANCE, 2 * 9);
+    let level = sidak(SIGNIFICANCE, 3 * 9);
     for (pattern, k) in PATTERNS.into_iter().flat_map(|pattern| (0..9).map(move |k| (pattern, k))) {
-        let outputs = draw(pattern, &keys([0; 5]));
+        let outputs = draw(pattern, &keys_of_tiles([0; 5]));
         let p = uniformity(outputs.iter().map(|o| o.numbers()[k]), 256);
-        assert!(p > level, "number {k}: {p}");
+        assert!(p > level, "pattern {pattern}, number {k}: {p}");
         let tampered = uniformity(outputs.iter().map(|o| o.numbers()[k].powf(1.05)), 256);
-        assert!(tampered < level, "number {k} of the twin: {tampered}");
+        assert!(tampered < level, "pattern {pattern}, number {k} of the twin: {tampered}");
     }
 }
 
@@ -119,7 +144,7 @@ fn neighboring_keys_are_independent() {
     // The cheapest hash that passes the test of uniformity: its neighbors are not independent.
     let weak = inputs.iter().map(|i| {
         let mixed =
-            i.pixel.wrapping_mul(0x9e37_79b9) ^ (i.sample_index + 16 * (i.vertex + 8 * i.seed) + 512 * i.block) << 22;
+            i.pixel().wrapping_mul(0x9e37_79b9) ^ (i.sample_index + 16 * (i.vertex + 8 * i.seed) + 512 * i.block) << 22;
         [twin::unit_float(mixed); 9]
     });
     let weak: Vec<_> = weak.collect();
@@ -150,22 +175,23 @@ fn numbers_of_one_key_are_independent() {
     assert!(pair_uniformity(numbers.iter().map(leaning), 16) < level);
 }
 
-/// Numbers of the samples of every set, one set per (pixel, set, seed, vertex, block).
+/// Numbers of the samples of every set, one set per (pixel, set, seed, vertex, block), none of two in the same tile.
 fn sets(pattern: u32) -> Vec<[[f64; 9]; 8]> {
-    let (inputs, mut sets) = (keys([3, 0, 0, 0, 0]), BTreeMap::new());
+    let (inputs, mut sets) = (keys_of_tiles([3, 0, 0, 0, 0]), BTreeMap::new());
     for (i, o) in inputs.iter().zip(draw(pattern, &inputs)) {
-        let place = (i.pixel, i.first_of_set, i.seed, i.vertex, i.block);
+        let place = (i.film_pixel, i.first_of_set, i.seed, i.vertex, i.block);
         sets.entry(place).or_insert_with(|| [[0.0; 9]; 8])[i.sample_index as usize % 8] = o.numbers();
     }
     sets.into_values().collect()
 }
 
-/// Whether each rectangle of 1/2^k by 2^k/8, for every k, has one of eight points.
+/// Whether each rectangle of 1/2^k by 2^k/n, for every k, has one of so many points, a power of two.
 fn is_net(points: &[(f64, f64)]) -> bool {
-    (0..4).all(|k| {
-        let cell =
-            |&(x, y): &(f64, f64)| (x * f64::from(1 << k)) as usize + ((y * f64::from(8 >> k)) as usize) * (1 << k);
-        points.iter().map(cell).collect::<HashSet<_>>().len() == 8
+    let count = points.len();
+    (0..=count.ilog2()).all(|k| {
+        let (columns, rows) = (1 << k, count >> k);
+        let cell = |&(x, y): &(f64, f64)| (x * columns as f64) as usize + ((y * rows as f64) as usize) * columns;
+        points.iter().map(cell).collect::<HashSet<_>>().len() == count
     })
 }
 
@@ -176,49 +202,103 @@ fn sets_are_nets_of_eight_points() {
         let count = sets.iter().filter(|set| is_net(&set.map(|n| (n[a], n[b])))).count();
         count as f64 / sets.len() as f64
     };
-    assert_eq!((nets(PATTERN_SOBOL, 0, 1), nets(PATTERN_SOBOL, 2, 3)), (1.0, 1.0));
-    // Independent samples are no nets, nor are the numbers of two.
-    for (pattern, a, b) in [(PATTERN_INDEPENDENT, 0, 1), (PATTERN_SOBOL, 0, 2), (PATTERN_SOBOL, 1, 3)] {
-        assert!(nets(pattern, a, b) < 0.2, "{pattern}: {a}, {b}");
+    for pattern in SETS {
+        assert_eq!((nets(pattern, 0, 1), nets(pattern, 2, 3)), (1.0, 1.0), "{pattern}");
+        // The numbers of two nets are none.
+        assert!(nets(pattern, 0, 2) < 0.2 && nets(pattern, 1, 3) < 0.2, "{pattern}");
     }
+    assert!(nets(PATTERN_INDEPENDENT, 0, 1) < 0.2);
 }
 
 /// Of each set one sample, chosen by its place: such numbers are as independent as if there were no sets.
 #[test]
 fn the_numbers_of_a_sample_are_independent_whatever_its_place_in_a_set() {
-    let sets = sets(PATTERN_SOBOL);
-    let level = sidak(SIGNIFICANCE, 8 * 36);
-    for place in 0..8 {
-        for (a, b) in (0..9).flat_map(|a| (a + 1..9).map(move |b| (a, b))) {
-            let p = pair_uniformity(sets.iter().map(|set| (set[place][a], set[place][b])), 16);
-            assert!(p > level, "place {place}, numbers {a} and {b}: {p}");
+    let level = sidak(SIGNIFICANCE, 2 * 8 * 36);
+    for pattern in SETS {
+        let sets = sets(pattern);
+        for place in 0..8 {
+            for (a, b) in (0..9).flat_map(|a| (a + 1..9).map(move |b| (a, b))) {
+                let p = pair_uniformity(sets.iter().map(|set| (set[place][a], set[place][b])), 16);
+                assert!(p > level, "{pattern}: place {place}, numbers {a} and {b}: {p}");
+            }
         }
+        // Without shuffling, a sample's place would tell where it lies.
+        let unshuffled = sets.iter().map(|set| (set[0][0] / 2.0, set[0][1]));
+        assert!(pair_uniformity(unshuffled, 16) < level, "{pattern}");
     }
-    // Without shuffling, a sample's place would tell where it lies.
-    let unshuffled = sets.iter().map(|set| (set[0][0] / 2.0, set[0][1]));
-    assert!(pair_uniformity(unshuffled, 16) < level);
 }
 
 #[test]
 fn sets_of_neighboring_keys_are_independent() {
-    let inputs = keys([100, 0, 0, 0, 0]);
-    let numbers: Vec<_> = draw(PATTERN_SOBOL, &inputs).iter().map(DrawOutput::numbers).collect();
-    let level = sidak(SIGNIFICANCE, 4 * 9 * 2);
-    // All but that of the samples.
-    for axis in [0, 2, 3, 4] {
-        for (a, b) in (0..9).flat_map(|a| [(a, a), (a, (a + 1) % 9)]) {
-            let p = pair_uniformity(neighbors(&numbers, axis, a, b), 16);
-            assert!(p > level, "axis {axis}, numbers {a} and {b}: {p}");
+    let inputs = keys_of_tiles([100, 0, 0, 0, 0]);
+    let level = sidak(SIGNIFICANCE, 2 * 4 * 9 * 2);
+    for pattern in SETS {
+        let numbers: Vec<_> = draw(pattern, &inputs).iter().map(DrawOutput::numbers).collect();
+        // All but that of the samples.
+        for axis in [0, 2, 3, 4] {
+            for (a, b) in (0..9).flat_map(|a| [(a, a), (a, (a + 1) % 9)]) {
+                let p = pair_uniformity(neighbors(&numbers, axis, a, b), 16);
+                assert!(p > level, "{pattern}: axis {axis}, numbers {a} and {b}: {p}");
+            }
+        }
+        let of_set = |n: &[f64; 9]| (n[0], (n[0] + 0.01).fract());
+        assert!(pair_uniformity(numbers.iter().map(of_set), 16) < level, "{pattern}");
+    }
+}
+
+/// Numbers of these samples of the pixels of a square, at one vertex.
+fn square(pattern: u32, side: u32, samples: Range<u32>) -> Vec<[f64; 9]> {
+    // No square lies in two tiles.
+    let corner = [3 * side, 5 * side];
+    let key = |at: u32, sample_index| DrawInput {
+        film_pixel: [corner[0] + at % side, corner[1] + at / side],
+        film_width: 1000,
+        sample_index,
+        first_of_set: 8,
+        seed: 1,
+        vertex: 2,
+        block: 0,
+    };
+    let inputs: Vec<_> = (0..side * side).flat_map(|at| samples.clone().map(move |index| key(at, index))).collect();
+    draw(pattern, &inputs).iter().map(DrawOutput::numbers).collect()
+}
+
+#[test]
+fn squares_of_pixels_share_a_net() {
+    for side in [2, 4, 8, 16, 32] {
+        let is_net = |pattern, samples: Range<u32>, a: usize, b: usize| {
+            is_net(&square(pattern, side, samples).iter().map(|n| (n[a], n[b])).collect::<Vec<_>>())
+        };
+        // All of a set, and whichever sample a pixel takes first.
+        for samples in [8..16, 8..9] {
+            for (a, b) in [(0, 1), (2, 3)] {
+                assert!(is_net(PATTERN_BLUE_NOISE, samples.clone(), a, b), "{side}: {samples:?}, {a} and {b}");
+                assert!(!is_net(PATTERN_SOBOL, samples.clone(), a, b), "{side}: {samples:?}, {a} and {b}");
+            }
+            // Four numbers of two nets are one by chance often.
+            let is_mixed_net = samples.len() as u32 * side > 2 && is_net(PATTERN_BLUE_NOISE, samples.clone(), 0, 2);
+            assert!(!is_mixed_net, "{side}: {samples:?}");
         }
     }
-    let of_set = |n: &[f64; 9]| (n[0], (n[0] + 0.01).fract());
-    assert!(pair_uniformity(numbers.iter().map(of_set), 16) < level);
+}
+
+/// The pixels of a tile take their points of two nets in orders that tell nothing of each other.
+#[test]
+fn the_nets_of_a_tile_are_independent() {
+    let numbers = square(PATTERN_BLUE_NOISE, 32, 8..16);
+    let level = sidak(SIGNIFICANCE, 4);
+    for (a, b) in [(0, 2), (0, 3), (1, 2), (1, 3)] {
+        let p = pair_uniformity(numbers.iter().map(|n| (n[a], n[b])), 16);
+        assert!(p > level, "numbers {a} and {b}: {p}");
+    }
+    // In the same order, two nets lie on few lines.
+    assert!(pair_uniformity(numbers.iter().map(|n| (n[0], (3.0 * n[0]).fract())), 16) < level);
 }
 
 #[test]
 fn a_long_stream_is_uniform_in_pairs_and_along_itself() {
     // One stream as the rejection loop reads it: threes of numbers.
-    let mut stream = twin::random_stream(RandomKey { pixel: 3, sample_index: 5, first_of_set: None, seed: 1 }, 2, 1);
+    let mut stream = twin::random_stream(RandomKey { pixel: 3, sample_index: 5, set: SampleSet::Alone, seed: 1 }, 2, 1);
     let values: Vec<f64> = (0..3 << 17).map(|_| twin::next_random(&mut stream)).collect();
     let level = sidak(SIGNIFICANCE, 5);
     assert!(uniformity(values.iter().copied(), 256) > level);

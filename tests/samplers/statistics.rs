@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use glam::{DVec3, dvec3};
 use lodestar::reference::cosine::SphereGrid;
-use lodestar::reference::random::{RandomKey, RandomStream, next_random, random_stream};
+use lodestar::reference::random::{RandomKey, RandomStream, SampleSet, next_random, random_stream};
 use lodestar::settings::DirectionMap;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -71,7 +71,7 @@ pub struct Numbers(RandomStream);
 
 impl Numbers {
     pub fn new(seed: u32) -> Self {
-        Self(random_stream(RandomKey { pixel: 0, sample_index: 0, first_of_set: None, seed }, 0, 7))
+        Self(random_stream(RandomKey { pixel: 0, sample_index: 0, set: SampleSet::Alone, seed }, 0, 7))
     }
 
     pub fn unit(&mut self) -> f64 {

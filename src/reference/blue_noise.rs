@@ -1,0 +1,83 @@
+//! Twin of `glsl/include/blue_noise.glsl`, digit by digit.
+
+use super::sobol::owen_scramble;
+
+/// Pixels along a side of a tile.
+const SIDE: u32 = 32;
+/// Binary digits of a pixel's place along the curve through its tile.
+const PLACE_DIGITS: u32 = 10;
+/// Those of the numbers of a set's points.
+const POINT_DIGITS: u32 = 13;
+/// x^3 + x + 1, over GF(2).
+const POLYNOMIAL: u32 = 0b1011;
+
+/// Tells tiles apart.
+pub fn tile_of([x, y]: [u32; 2]) -> u32 {
+    (y / SIDE) << 16 | x / SIDE
+}
+
+/// The place of a pixel along Morton's curve (1966) through its tile.
+pub fn place_in_tile([x, y]: [u32; 2]) -> u32 {
+    (0..PLACE_DIGITS / 2).fold(0, |place, bit| place | (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1))
+}
+
+fn reversed(x: u32, digits: u32) -> u32 {
+    (0..digits).fold(0, |reversed, bit| reversed << 1 | (x >> bit & 1))
+}
+
+/// Owen's scrambling by a hash (Laine and Karras 2011): the word that it leaves, with the digits of `x` as its lowest bits, the
+/// most significant the lowest.
+fn hashed_owen_scramble(x: u32, digits: u32, seed: u32) -> u32 {
+    let step = |x: u32, factor: u32| x ^ x.wrapping_mul(factor);
+    let x = step(reversed(x, digits), 0x3d20_adea).wrapping_add(seed).wrapping_mul(seed >> 16 | 1);
+    step(step(x, 0x0552_6c56), 0x53a2_2864)
+}
+
+/// The first digits of a coordinate of a point of Sobol's sequence (Sobol' 1967).
+pub fn sobol(number: u32, dimension: usize, digits: u32) -> u32 {
+    let first = 1 << (digits - 1);
+    let next = |v: &u32| Some(if dimension == 0 { v >> 1 } else { v ^ (v >> 1) });
+    let directions = std::iter::successors(Some(first), next);
+    (0..digits).zip(directions).filter(|(bit, _)| number >> bit & 1 == 1).fold(0, |x, (_, direction)| x ^ direction)
+}
+
+/// A product of polynomials over GF(2).
+fn product(a: u32, b: u32) -> u32 {
+    (0..u32::BITS).filter(|bit| a >> bit & 1 == 1).fold(0, |sum, bit| sum ^ (b << bit))
+}
+
+/// The first 13 digits of four numbers of the sample at this place of its pixel's part of a set; `bits` are those of the set.
+pub fn tile_digits(film_pixel: [u32; 2], within_set: u32, bits: [u32; 4]) -> [u32; 4] {
+    let number = |pair: usize| {
+        let [mine, other] = [bits[2 * pair], bits[2 * pair + 1]];
+        let hash = hashed_owen_scramble(place_in_tile(film_pixel), PLACE_DIGITS, mine >> 16 | other & 0xffff_0000);
+        // Of the seven bits, 0, 1 and 3 are those that the digits of 0 meet.
+        let sample = owen_scramble(within_set, (hash >> 25) & 0b111_0100);
+        product(reversed(hash, PLACE_DIGITS), POLYNOMIAL) ^ sample
+    };
+    [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(pair, dimension)| {
+        let x = sobol(number(pair), dimension, POINT_DIGITS);
+        reversed(hashed_owen_scramble(x, POINT_DIGITS, bits[2 * pair + dimension]), POINT_DIGITS)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_digits_are_those_of_sets_of_eight() {
+        for (number, dimension) in (0..8).flat_map(|number| [(number, 0), (number, 1)]) {
+            assert_eq!(sobol(number, dimension, 3), super::super::sobol::sobol_digits(number, dimension));
+        }
+    }
+
+    #[test]
+    fn the_curve_goes_through_every_pixel_of_a_tile() {
+        let mut places: Vec<_> = (0..SIDE * SIDE).map(|at| place_in_tile([at % SIDE, at / SIDE])).collect();
+        assert_eq!(places[..3], [0, 1, 4]);
+        places.sort_unstable();
+        assert!(places.into_iter().eq(0..SIDE * SIDE));
+        assert_eq!([tile_of([31, 31]), tile_of([32, 0]), tile_of([0, 32])], [0, 1, 1 << 16]);
+    }
+}
