@@ -13,7 +13,7 @@ const POLYNOMIAL: u32 = 0b1011;
 
 /// Tells tiles apart.
 pub fn tile_of([x, y]: [u32; 2]) -> u32 {
-    (y / SIDE) << 16 | x / SIDE
+    ((y / SIDE) << 16) | (x / SIDE)
 }
 
 /// The place of a pixel along Morton's curve (1966) through its tile.
