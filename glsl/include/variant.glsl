@@ -44,7 +44,7 @@ layout(constant_id = 11) const float DECAY = 1.0;
 // How a pixel's samples are distributed.
 layout(constant_id = 55) const uint PATTERN = PATTERN_INDEPENDENT;
 // Whether tiles of the film are sampled as long as they are noisy.
-layout(constant_id = 59) const bool ADAPTIVE = false;
+layout(constant_id = 62) const bool ADAPTIVE = false;
 
 layout(constant_id = 12) const uint FILTER = FILTER_BOX;
 // Radius of the tent, or standard deviation of the Gaussian, in pixels.
