@@ -133,8 +133,9 @@ void add_target(uint index, uint units) {
 
 // Where the two words of a bin's squares are.
 uint square_sum_place(uint index) {
-    uint first = SAMPLER == SAMPLER_SPHERE_INVERSION ? SECOND_MOMENTS_AT : 0u;
-    return first + 2u * index;
+    uint place = 2u * index;
+    if (SAMPLER == SAMPLER_SPHERE_INVERSION) place += SECOND_MOMENTS_AT;
+    return place;
 }
 
 // Adds the square of a target, in units of the limit's; saturated and rounded likewise.
