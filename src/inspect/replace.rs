@@ -233,7 +233,8 @@ mod tests {
         assert!(taken.files.is_empty() && taken.warnings[0].contains("no file has the name of a kernel"));
         let taken = load_one("path_tracer.spv", b"").expect("no kernel");
         assert!(
-            taken.warnings[0].contains("the names are blend_radiance.spv, path_trace.spv, path_trace.texel.spv"),
+            taken.warnings[0]
+                .contains("the names are blend_radiance.spv, judge_noise.spv, path_trace.spv, path_trace.texel.spv"),
             "{:?}",
             taken.warnings
         );

@@ -13,7 +13,8 @@ use mutations::{MUTATIONS, Patch};
 
 const REPOSITORY: &str = "../..";
 /// Reading storage buffers, which every device has.
-const KERNELS: [&str; 11] = [
+const KERNELS: [&str; 12] = [
+    "glsl/judge_noise.comp",
     "glsl/path_trace.comp",
     "glsl/update_radiance.comp",
     "glsl/pool_radiance.comp",
