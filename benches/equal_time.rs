@@ -62,6 +62,8 @@ struct Errors {
     mae: f64,
     mse: f64,
     spp: u32,
+    /// What it took: a step or a pass begun in time is finished.
+    seconds: f64,
 }
 
 fn main() {
@@ -81,7 +83,7 @@ fn main() {
         for ((errors, end), ratios) in curve.iter().zip(TURN_ENDS).zip(&mut ratios) {
             let at = format!("{name} at {} s", end * seconds);
             for ((method, _), e) in METHODS.iter().zip(errors) {
-                println!("{at}, {method}: {} spp, MAE {:.5}, MSE {:.3e}", e.spp, e.mae, e.mse);
+                println!("{at}, {method}: {} spp in {:.2} s, MAE {:.5}, MSE {:.3e}", e.spp, e.seconds, e.mae, e.mse);
             }
             for (ratios, &(a, b)) in ratios.iter_mut().zip(&RATIOS) {
                 let (ratio, by) = ratio(&reference, errors[a], errors[b]);
@@ -120,30 +122,35 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
         Some((common::renderer(context, &scene, &settings, 0), settings))
     };
     let mut renderers: Vec<Option<(Renderer, Settings)>> = METHODS.iter().map(renderer).collect();
-    let (mut parts, mut begin) = (Vec::new(), 0.0);
+    let (mut parts, mut elapsed) = (Vec::new(), [0.0; METHODS.len()]);
     let mut turn = |(seed, end): (u32, f64)| {
-        let turn_seconds = (end - begin) * seconds;
-        begin = end;
-        for (renderer, settings) in renderers.iter_mut().flatten() {
-            run_for(renderer, turn_seconds, settings);
+        for (renderer, elapsed) in renderers.iter_mut().zip(&mut elapsed) {
+            let seconds = (end * seconds - *elapsed).max(0.0);
+            *elapsed += match renderer {
+                Some((renderer, settings)) => run_for(renderer, seconds, settings).1,
+                None => mitsuba(&scene_path(name), size, seconds, seed).map_or(f64::NAN, |(part, seconds)| {
+                    parts.push(part);
+                    seconds
+                }),
+            };
         }
-        parts.extend(mitsuba(&scene_path(name), size, turn_seconds, seed));
         let picture = |renderer: &Option<(Renderer, Settings)>| {
             let (renderer, _) = renderer.as_ref()?;
             Some((renderer.picture().expect("the picture").image(), renderer.samples_done()))
         };
         let pictures = renderers.iter().map(|renderer| picture(renderer).or_else(|| average(&parts)));
-        pictures.map(|picture| errors(picture, reference)).collect()
+        let measured = pictures.map(|picture| errors(picture, reference)).zip(elapsed);
+        measured.map(|(errors, seconds)| Errors { seconds, ..errors }).collect()
     };
     (0..).step_by(1_000_000).zip(TURN_ENDS).map(&mut turn).collect()
 }
 
 fn errors(picture: Option<(Image, u32)>, reference: &Reference) -> Errors {
-    let Some((image, spp)) = picture else { return Errors { mae: f64::NAN, mse: f64::NAN, spp: 0 } };
+    let Some((image, spp)) = picture else { return Errors { mae: f64::NAN, mse: f64::NAN, ..Errors::default() } };
     let found = metrics::compare(&image, &reference.mean).expect("the same size");
     let variances = reference.variance.pixels.iter().flatten().map(|&v| f64::from(v));
     let noise = variances.sum::<f64>() / (3 * reference.variance.pixels.len()) as f64;
-    Errors { mae: found.mae_ldr, mse: (found.mse - noise).max(0.0), spp }
+    Errors { mae: found.mae_ldr, mse: (found.mse - noise).max(0.0), spp, seconds: 0.0 }
 }
 
 /// How the error of `a` compares with that of `b`, and by which measure.
@@ -167,16 +174,17 @@ fn reference_noise(reference: &Reference) -> f64 {
     mean_absolute * pixels.map(difference).sum::<f64>() / (3 * reference.mean.pixels.len()) as f64
 }
 
-/// A picture of Mitsuba's, and its samples per pixel; none where it is not installed.
-fn mitsuba(scene: &Path, [width, height]: [u32; 2], seconds: f64, seed: u32) -> Option<(Image, u32)> {
+/// A picture of Mitsuba's with its samples per pixel, and the seconds it took; none where it is not installed.
+fn mitsuba(scene: &Path, [width, height]: [u32; 2], seconds: f64, seed: u32) -> Option<((Image, u32), f64)> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_render.py");
     let out = std::env::temp_dir().join(format!("lodestar-equal-time-{}.exr", std::process::id()));
     let numbers = [width.to_string(), height.to_string(), seconds.to_string(), seed.to_string()];
     let output = Command::new("python3").arg("-B").arg(script).arg(scene).args(numbers).arg(&out).output().ok()?;
-    let spp = String::from_utf8(output.stdout).ok()?.split_whitespace().next()?.parse().ok()?;
-    let image = exr::read_rgb(&out).ok();
+    let text = String::from_utf8(output.stdout).ok()?;
+    let (spp, seconds) = text.trim().split_once(' ')?;
+    let image = exr::read_rgb(&out).ok()?;
     let _ = std::fs::remove_file(&out);
-    image.map(|image| (image, spp))
+    Some(((image, spp.parse().ok()?), seconds.parse().ok()?))
 }
 
 /// The mean of pictures, weighted by their samples.

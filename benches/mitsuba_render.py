@@ -24,7 +24,7 @@ def render(seed):
 
 render(int(first_seed))
 total, passes, begin = 0.0, 0, time.perf_counter()
-while time.perf_counter() - begin < float(seconds):
+while passes == 0 or time.perf_counter() - begin < float(seconds):
     passes += 1
     total = total + render(int(first_seed) + passes)
 elapsed = time.perf_counter() - begin

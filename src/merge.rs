@@ -42,6 +42,7 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
     let mut all = SampleRanges::default();
     for (at, (ranges, part)) in ranged.iter().enumerate() {
         check_same(part, ranged[0].1)?;
+        check_even(part)?;
         if let Some(overlap) = all.overlap(ranges) {
             let other = ranged[..at].iter().find(|(other, _)| other.overlap(ranges).is_some());
             let other = other.map(|(_, other)| other.path.display().to_string()).unwrap_or_default();
@@ -54,6 +55,16 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
     let parts: Vec<_> = ranged.into_iter().map(|(_, part)| part).collect();
     let attributes = merged_attributes(&parts.iter().map(|part| &part.attributes[..]).collect::<Vec<_>>(), &all);
     Ok((average(&parts.iter().map(|part| &part.picture).collect::<Vec<_>>()), attributes))
+}
+
+/// A pixel's weight must not depend on what its samples are: the average would be biased however many parts it had.
+fn check_even(part: &PartialPicture) -> Result<()> {
+    let noise = part.attributes.iter().find(|(name, value)| name == "noise" && value != "null");
+    noise.map_or(Ok(()), |(_, target)| {
+        Err(part.error(format!(
+            "its pixels ended by --noise {target}, each after its own samples; give every part an --spp"
+        )))
+    })
 }
 
 fn check_same(part: &PartialPicture, first: &PartialPicture) -> Result<()> {

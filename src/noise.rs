@@ -33,6 +33,13 @@ pub struct NoiseReport {
     pub sampled_share: f64,
 }
 
+impl NoiseReport {
+    /// Of a picture whose noise is not estimated yet.
+    pub fn unknown(target: f32) -> Self {
+        Self { target, largest: None, mean: None, sampled_share: 1.0 }
+    }
+}
+
 /// The tiles of a window, row by row.
 #[derive(Debug, Clone, Copy)]
 pub struct Tiles {
@@ -70,21 +77,25 @@ impl Tiles {
     /// less, by the root of what their mean radiance is of the picture's: else dark corners would never end (Dammertz et al.
     /// 2010 divide by the root of radiance likewise).
     ///
-    /// A black tile has none, as long as no light has been seen in it.
+    /// A black tile has none, as long as no light has been seen in it; what is no number is infinite.
     pub fn relative_errors(&self, noise: &[TileNoise]) -> Vec<f64> {
         let of_picture = noise.iter().map(|tile| tile.radiance).sum::<f64>() / self.all_pixels() as f64;
         let error = |(index, tile): (usize, &TileNoise)| {
             let pixels = f64::from(self.pixels(index));
             let brightness = (tile.radiance / pixels / of_picture).min(1.0);
-            if tile.squared_error == 0.0 { 0.0 } else { (tile.squared_error / pixels * brightness).sqrt() }
+            let error = (tile.squared_error / pixels * brightness).sqrt();
+            match tile.squared_error {
+                0.0 => 0.0,
+                _ if error.is_nan() => f64::INFINITY,
+                _ => error,
+            }
         };
         noise.iter().enumerate().map(error).collect()
     }
 
-    /// Which go on: those above the target, and their neighbors, whose estimates may have missed what they have met. What is no
-    /// number goes on.
+    /// Which go on: those above the target, and their neighbors, whose estimates may have missed what they have met.
     pub fn going_on(&self, errors: &[f64], target: f64) -> Vec<bool> {
-        let is_noisy: Vec<bool> = errors.iter().map(|&error| error.is_nan() || error > target).collect();
+        let is_noisy: Vec<bool> = errors.iter().map(|&error| error > target).collect();
         let around = |at: usize, end: usize| -> Range<usize> { at.saturating_sub(1)..(at + 2).min(end) };
         let goes_on = |tile: usize| {
             let (column, row) = (tile % self.columns(), tile / self.columns());

@@ -13,7 +13,7 @@ use lodestar::kernels::{
 use lodestar::layout::SceneConstants;
 use lodestar::reference::camera::camera_ray;
 use lodestar::reference::equal_area::square_to_sphere;
-use lodestar::reference::random::{RandomKey, RandomStream, next_random, random_stream};
+use lodestar::reference::random::{RandomKey, RandomStream, SampleSet, next_random, random_stream};
 use lodestar::scene::{Primitive, PrimitiveShape, Projection, Scene};
 
 use crate::device::{Device, GROUP};
@@ -128,7 +128,7 @@ pub fn picture(device: &Device) -> [u32; 2] {
 /// proportion to the cosine; and from there towards points of area lights, or in any direction where there are none.
 /// Rays that do not hit, or would start downwards, are left out, and others stand in for them.
 pub fn make(device: &Arc<Device>, scene: &Scene, bvh: &Bvh, [width, height]: [u32; 2]) -> [Vec<Ray>; 3] {
-    let mut random = random_stream(RandomKey { pixel: 0, sample_index: 0, first_of_set: None, seed: 7 }, 0, 0);
+    let mut random = random_stream(RandomKey { pixel: 0, sample_index: 0, set: SampleSet::Alone, seed: 7 }, 0, 0);
     let primary = primary_rays(scene, [width, height], &mut random);
     let tracer = Tracer::new(device, bvh, &test::TRAVERSE);
     let batch = Batch::new(device, primary);

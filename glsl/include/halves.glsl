@@ -1,6 +1,6 @@
-// What adaptive sampling keeps of a film page: which tiles are sampled, how noisy each is, and of every pixel the sum of one
-// half of its samples. Halves are independent, which samples of one set are not: they part after every two sets (Dammertz et
-// al. 2010, "A Hierarchical Automatic Stopping Condition for Monte Carlo Global Illumination", has two buffers likewise).
+// What adaptive sampling keeps of a film page: which tiles are sampled, how noisy each is, and of every pixel the mean of one
+// half of its samples. Halves are independent, which samples of one set are not: they have whole sets in turns (Dammertz et al.
+// 2010, "A Hierarchical Automatic Stopping Condition for Monte Carlo Global Illumination", has two buffers likewise).
 #ifndef HALVES_GLSL
 #define HALVES_GLSL
 #include "frame.glsl"
@@ -9,7 +9,7 @@
 const uint TILE_PIXELS = 64u;
 
 struct FilmHalf {
-    vec3 sum;
+    vec3 mean;
     uint sample_count;
 };
 
@@ -35,7 +35,7 @@ FilmHalf load_half(uint pixel) {
 }
 
 void store_half(uint pixel, FilmHalf h) {
-    store_adaptive(tile_count() + pixel, uvec4(floatBitsToUint(h.sum), h.sample_count));
+    store_adaptive(tile_count() + pixel, uvec4(floatBitsToUint(h.mean), h.sample_count));
 }
 
 // Sums over the pixels of a tile: of squared relative errors, and of mean radiance. Which tiles are sampled is to be said anew.
@@ -43,14 +43,24 @@ void store_tile_noise(uint tile, float squared_error, float radiance) {
     store_adaptive(tile, uvec4(0u, floatBitsToUint(squared_error), floatBitsToUint(radiance), 0u));
 }
 
-// Of the mean of all of a pixel's samples: by how much both halves differ. Nothing where one of them is empty.
-float variance_by_halves(FilmRadiance all, FilmHalf first) {
-    float count = float(all.sample_count);
-    float first_count = float(first.sample_count);
-    float second_count = count - first_count;
-    if (first_count == 0.0 || second_count == 0.0) return 0.0;
-    vec3 difference = first.sum / first_count - (all.mean * count - first.sum) / second_count;
-    return mean_rgb(difference * difference) * (first_count * second_count / (count * count));
+FilmHalf merge_halves(FilmHalf a, FilmHalf b) {
+    uint sample_count = a.sample_count + b.sample_count;
+    float share = float(b.sample_count) / float(max(sample_count, 1u));
+    return FilmHalf(a.mean + (b.mean - a.mean) * share, sample_count);
+}
+
+// The samples that are not of the first half.
+FilmHalf other_half(FilmRadiance all, FilmHalf first) {
+    uint sample_count = all.sample_count - first.sample_count;
+    float ratio = float(first.sample_count) / float(max(sample_count, 1u));
+    return FilmHalf(all.mean + (all.mean - first.mean) * ratio, sample_count);
+}
+
+// The error of the mean of both, by how much they differ: the expectation of its square is the variance of that mean. Nothing
+// where one of them is empty.
+vec3 error_by_halves(FilmHalf a, FilmHalf b) {
+    float product = float(a.sample_count) * float(b.sample_count);
+    return (a.mean - b.mean) * (sqrt(product) / float(max(a.sample_count + b.sample_count, 1u)));
 }
 
 #endif

@@ -88,8 +88,8 @@ void add_sample(inout PixelSamples s, uint sample_index, vec3 radiance, inout Ta
     s.radiance.mean += delta / float(s.radiance.sample_count);
     s.radiance.squared_deviation += delta * (radiance - s.radiance.mean);
     if (ADAPTIVE && is_of_half(sample_index)) {
-        s.half_of_them.sum += radiance;
         ++s.half_of_them.sample_count;
+        s.half_of_them.mean += (radiance - s.half_of_them.mean) / float(s.half_of_them.sample_count);
     }
 }
 
@@ -121,10 +121,7 @@ void merge_into_film(uint index, PixelSamples s) {
     features.normal = features.normal * old_share + s.sums.normal * per_sample;
     features.depth = features.depth * old_hits + s.sums.depth * per_hit;
     store_film(index, after, features);
-    if (ADAPTIVE) {
-        FilmHalf sum = load_half(index);
-        store_half(index, FilmHalf(sum.sum + s.half_of_them.sum, sum.sample_count + s.half_of_them.sample_count));
-    }
+    if (ADAPTIVE) store_half(index, merge_halves(load_half(index), s.half_of_them));
 }
 
 #endif

@@ -235,8 +235,7 @@ impl<'a> Job<'a> {
 
     fn step(&mut self) -> Result<Step> {
         let samples_before = self.film.renderer.samples_done();
-        let left = self.length.spp.unwrap_or(u32::MAX - self.settings.sample_offset.unwrap_or(0)) - samples_before;
-        let samples = self.film.renderer.samples_of_next_step().min(left);
+        let samples = self.film.renderer.samples_of_next_step().min(self.samples_left());
         self.keep(|keeper, renderer, history| keeper.before_step(renderer, history, samples))?;
         let time_left = self.length.seconds.map(|limit| (limit - self.history.seconds).max(0.0));
         // A time too long to add up never ends.
@@ -279,8 +278,14 @@ impl<'a> Job<'a> {
         self.film.renderer.is_stopped()
             || self.interrupt.is_raised()
             || self.film.renderer.sampled_pixels() == 0
-            || self.length.spp.is_some_and(|target| self.film.renderer.samples_done() >= target)
+            || self.samples_left() == 0
             || self.length.seconds.is_some_and(|limit| self.history.seconds >= limit)
+    }
+
+    /// Samples per pixel until the render ends, or their numbers do, which have 32 bits.
+    fn samples_left(&self) -> u32 {
+        let most = u32::MAX - self.settings.sample_offset.unwrap_or(0);
+        self.length.spp.unwrap_or(most).saturating_sub(self.film.renderer.samples_done())
     }
 
     fn pixels(&self) -> u64 {

@@ -102,8 +102,8 @@ pub struct ChoiceArgs {
     #[arg(long, value_enum, value_name = "FILTER", help_heading = "Scene")]
     pub rfilter: Option<Filter>,
 
-    /// Stop where the relative error, by estimate, is below TARGET (0.05, say), and go on where it is not; --spp and --time
-    /// still end the render [default: no pixel is left out].
+    /// Sample each tile of 8 x 8 pixels until its relative error, and that of its neighbors, is at most TARGET by estimate (0.05,
+    /// say): the picture is then consistent, not unbiased. --spp and --time still end it [default: all pixels alike].
     #[arg(long, value_name = "TARGET", help_heading = "Length")]
     pub noise: Option<f32>,
 

@@ -89,7 +89,8 @@ pub struct Totals {
 }
 
 impl Step {
-    /// Of `paths` paths, `spp` for every pixel of the window and, where the step was cut short, some more for a few.
+    /// Of `paths` paths, `spp` for every pixel of the window that noise has not ended and, where the step was cut short, some more
+    /// for a few.
     pub fn new(spp: u64, paths: u64, pixels: u64, seconds: f64, counts: &Counts) -> Self {
         let mean_spp = paths as f64 / pixels as f64;
         Self {

@@ -24,8 +24,13 @@ impl Adaptive {
     pub fn new(kernel: Kernel, settings: &Settings, target: f32) -> Self {
         let window = settings.window();
         let tiles = Tiles::new(window.width, window.height, TILE_SIDE);
-        let report = NoiseReport { target, largest: None, mean: None, sampled_share: 1.0 };
-        Self { kernel, tiles, sampled_pixels: tiles.all_pixels(), report }
+        Self { kernel, tiles, sampled_pixels: tiles.all_pixels(), report: NoiseReport::unknown(target) }
+    }
+
+    /// Has all tiles sampled, as at the beginning.
+    pub fn restart(&mut self, pages: &[FilmPage]) -> Result<()> {
+        (self.sampled_pixels, self.report) = (self.tiles.all_pixels(), NoiseReport::unknown(self.report.target));
+        pages.iter().try_for_each(FilmPage::sample_all)
     }
 
     /// Pixels that are sampled.
@@ -45,7 +50,7 @@ impl Adaptive {
         wanted.min(most.into()).max(1) as u32
     }
 
-    /// Decides anew which tiles are sampled, by nothing but the film. A kernel has the `others` after a page's set.
+    /// Decides anew which tiles are sampled, by nothing but the film. The kernel is dispatched with each page's set and these of the renderer's.
     pub fn judge(
         &mut self,
         context: &Arc<Context>,

@@ -77,7 +77,7 @@ impl PageBuffers {
         let Self { first_pixel, pixel_count, radiance, features, adaptive } = self;
         let sampled_tiles = Cell::new(0);
         let page = FilmPage { first_pixel, pixel_count, radiance, features, adaptive, sampled_tiles, set };
-        page.sample(&(0..page.tile_count()).collect::<Vec<_>>())?;
+        page.sample_all()?;
         Ok(page)
     }
 }
@@ -100,6 +100,11 @@ impl FilmPage {
     /// Its tiles that are sampled.
     pub fn sampled_tiles(&self) -> u32 {
         self.sampled_tiles.get()
+    }
+
+    /// Has all tiles sampled from now on.
+    pub fn sample_all(&self) -> Result<()> {
+        self.sample(&(0..self.tile_count()).collect::<Vec<_>>())
     }
 
     /// Has these tiles sampled from now on, and no other.

@@ -372,9 +372,14 @@ impl Renderer {
 
     /// Where noise ends the render, has the film say which tiles go on.
     fn judge(&mut self) -> Result<()> {
-        let Some(adaptive) = self.adaptive.as_mut().filter(|_| self.samples_done >= LEAST_SAMPLES) else {
-            return Ok(());
-        };
+        match &mut self.adaptive {
+            Some(adaptive) if self.samples_done < LEAST_SAMPLES => adaptive.restart(self.frame.pages()),
+            _ => self.judge_film(),
+        }
+    }
+
+    fn judge_film(&mut self) -> Result<()> {
+        let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         let others = [self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
         adaptive.judge(&self.context, &self.slicer, self.frame.pages(), others)
     }
@@ -469,10 +474,13 @@ impl Renderer {
 
     /// Runs every kernel once. The path tracer takes no sample and the grids are still empty: an update of nothing, which
     /// writes the floor that later updates start from.
-    fn warm_up(&self) -> Result<()> {
+    fn warm_up(&mut self) -> Result<()> {
         if let Some(slice) = self.frame.pages().first().and_then(|page| self.slicer.smallest_slice(page)) {
             self.dispatch_path_trace(self.frame.first_page(), slice, 0, 0)?;
         }
+        // An empty film would end it.
+        self.judge_film()?;
+        self.judge()?;
         match &self.refine_quadtrees {
             Some(kernel) => self.refine(kernel, 0),
             None if self.settings.has_grids() => self.update_grids(),

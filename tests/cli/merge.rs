@@ -179,6 +179,18 @@ fn what_does_not_belong_together_is_refused() {
     fs::remove_file(folder.path("a.exr")).unwrap();
 }
 
+/// How many samples a pixel has depends on what they are.
+#[test]
+fn pictures_that_ended_by_noise_are_refused() {
+    let folder = Folder::new();
+    for (name, seed) in [("a.exr", "5"), ("b.exr", "6")] {
+        folder.render(&["--sampler", "bsdf", "--noise", "1", "--seed", seed, "-o", name]);
+    }
+    let output = folder.run(&["merge", "a.exr", "b.exr", "-o", "c.exr"]);
+    assert_sentence(&output, 1, &["a.exr: ", "--noise 1.0", "--spp"]);
+    assert!(!folder.path("c.exr").exists());
+}
+
 #[test]
 fn samples_are_numbered_in_32_bits() {
     let folder = Folder::new();
