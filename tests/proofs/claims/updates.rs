@@ -186,9 +186,9 @@ fn check_second_moments(subject: &Subject, evidence: &mut Evidence) {
     for sums in &steps {
         // Of a bin without targets, none; else a mean square of 1e-12 to 1 times that of the limit.
         let of_bin = |sum: &RadianceSum| 10_f64.powf(numbers.between(-12.0, 0.0)) * f64::from(sum.target_count);
-        let of_step: Vec<f64> = sums.iter().map(of_bin).collect();
-        let units = of_step.iter().map(|square| (square * twin::SQUARE_UNITS) as u64);
-        let words: Vec<[u32; 2]> = units.map(|units| [units as u32, (units >> 32) as u32]).collect();
+        let units: Vec<u64> = sums.iter().map(of_bin).map(|square| (square * twin::SQUARE_UNITS) as u64).collect();
+        let words: Vec<[u32; 2]> = units.iter().map(|&units| [units as u32, (units >> 32) as u32]).collect();
+        let of_step = units.iter().map(|&units| units as f64 / twin::SQUARE_UNITS);
         grid.squares.upload(0, &words).expect("uploaded");
         [&plain, &grid].iter().for_each(|grid| grid.update(sums, 0, CELLS as u32));
         for ((faded, square), sum) in squares.iter_mut().zip(of_step).zip(sums) {
