@@ -97,13 +97,6 @@ fn root_mean_square(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Of the noisiest tenth of all tiles.
-fn of_noisiest(picture: &Picture, truth: &Picture) -> f64 {
-    let mut errors = true_errors(picture, truth);
-    errors.sort_by(|a, b| b.total_cmp(a));
-    root_mean_square(&errors[..errors.len() / 10])
-}
-
 /// Whether a picture has about the error that was asked for: no more, but for what the estimates of single tiles miss, and not
 /// much less.
 fn is_as_asked(errors: &[f64], target: f64) -> bool {
@@ -152,16 +145,18 @@ fn samples_go_where_they_are_needed() {
     let counts = &picture.sample_count;
     let (least, most) = (counts.iter().min().expect("pixels"), counts.iter().max().expect("pixels"));
     assert!(*least >= 32 && *most >= 2 * least, "{least} to {most}");
-    // As many paths, shared out evenly: the noisiest tiles are noisier.
-    let mean = counts.iter().map(|&count| u64::from(count)).sum::<u64>() / counts.len() as u64;
-    let mut renderer = studio.renderer(&studio.settings(None));
-    while u64::from(renderer.samples_done()) < mean {
-        step(&mut renderer);
-    }
-    let even = renderer.picture().expect("a picture");
-    let (by_need, evenly) = (of_noisiest(&picture, truth), of_noisiest(&even, truth));
-    println!("{mean} samples: {by_need:.4} by need, {evenly:.4} evenly");
-    assert!(by_need < 0.8 * evenly);
+    // What a tile would need for an error of 1, by its own error and samples: those that have the most need the most.
+    let errors = true_errors(&picture, truth);
+    let samples = |tile: usize| f64::from(counts[pixels_of(tile)[0]]);
+    let mut tiles: Vec<usize> = (0..errors.len()).collect();
+    tiles.sort_by(|&a, &b| samples(a).total_cmp(&samples(b)));
+    let need = |tiles: &[usize]| {
+        tiles.iter().map(|&tile| errors[tile].powi(2) * samples(tile)).sum::<f64>() / tiles.len() as f64
+    };
+    let third = tiles.len() / 3;
+    let (little, much) = (need(&tiles[..third]), need(&tiles[tiles.len() - third..]));
+    println!("{least} to {most} samples; needed for an error of 1: {little:.2} and {much:.2}");
+    assert!(much > 2.0 * little);
 }
 
 /// Judging alone does nothing to the picture.
