@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use lodestar::film::Picture;
-use lodestar::noise::{TileNoise, Tiles};
+use lodestar::noise::{LEAST_SAMPLES, TileNoise, Tiles};
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{SamplePattern, Sampler, Settings};
@@ -137,26 +137,35 @@ fn estimates_are_right_for_every_pattern() {
     }
 }
 
+/// The tiles around one, itself included.
+fn around(tile: usize) -> impl Iterator<Item = usize> {
+    let [columns, rows] = SIZE.map(|size| size.div_ceil(TILE) as usize);
+    let (column, row) = (tile % columns, tile / columns);
+    let range = |at: usize, end: usize| at.saturating_sub(1)..(at + 2).min(end);
+    range(row, rows).flat_map(move |y| range(column, columns).map(move |x| y * columns + x))
+}
+
 #[test]
 fn samples_go_where_they_are_needed() {
-    let studio = Studio::new();
-    let truth = studio.truth();
+    let mut studio = Studio::new();
+    // Half of the picture lies beside the box, where nothing is and no estimate has an error.
+    studio.scene.camera.principal_point.x += 0.5;
     let picture = studio.render(TARGET);
-    let counts = &picture.sample_count;
-    let (least, most) = (counts.iter().min().expect("pixels"), counts.iter().max().expect("pixels"));
-    assert!(*least >= 32 && *most >= 2 * least, "{least} to {most}");
-    // What a tile would need for an error of 1, by its own error and samples: those that have the most need the most.
-    let errors = true_errors(&picture, truth);
-    let samples = |tile: usize| f64::from(counts[pixels_of(tile)[0]]);
-    let mut tiles: Vec<usize> = (0..errors.len()).collect();
-    tiles.sort_by(|&a, &b| samples(a).total_cmp(&samples(b)));
-    let need = |tiles: &[usize]| {
-        tiles.iter().map(|&tile| errors[tile].powi(2) * samples(tile)).sum::<f64>() / tiles.len() as f64
-    };
-    let third = tiles.len() / 3;
-    let (little, much) = (need(&tiles[..third]), need(&tiles[tiles.len() - third..]));
-    println!("{least} to {most} samples; needed for an error of 1: {little:.2} and {much:.2}");
-    assert!(much > 1.1 * little);
+    let is_lit = |tile: usize| pixels_of(tile).iter().any(|&at| mean_rgb(picture.radiance[at]) > 0.0);
+    let (mut dark_tiles, mut lit_tiles) = (0, 0);
+    for tile in 0..tiles().count() {
+        let pixels = pixels_of(tile);
+        let samples = picture.sample_count[pixels[0]];
+        assert!(pixels.iter().all(|&at| picture.sample_count[at] == samples), "a tile has as many everywhere");
+        if around(tile).all(is_lit) {
+            assert!(samples > LEAST_SAMPLES, "tile {tile}: {samples}");
+            lit_tiles += 1;
+        } else if !around(tile).any(is_lit) {
+            assert_eq!(samples, LEAST_SAMPLES, "tile {tile}");
+            dark_tiles += 1;
+        }
+    }
+    assert!(lit_tiles >= 6 && dark_tiles >= 6, "{lit_tiles} and {dark_tiles}");
 }
 
 /// Judging alone does nothing to the picture.
