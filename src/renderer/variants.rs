@@ -1,0 +1,93 @@
+//! The specialization constants of a render: what settings and scene make of the kernels.
+
+use super::{Shading, Surfaces, cells_of, materials, quadtrees, radiance_grid};
+use crate::bvh::Bvh;
+use crate::cells::Cells;
+use crate::kernels::{self, Variant};
+use crate::lights::Lights;
+use crate::scene::{Projection, ReconstructionFilter, Scene};
+use crate::settings::{AUTO_GRID, Settings};
+
+/// The specialization constants of a render.
+pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
+    let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh) };
+    variant(settings, scene, &shading, bvh, &cells_of(settings, bvh))
+}
+
+/// Those of a render whose shading and cells are known.
+pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh, cells: &Cells) -> Variant {
+    let lights = &shading.lights;
+    let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
+    Variant {
+        stack_size: bvh.depth,
+        has_spheres: bvh.has_spheres(),
+        has_vertex_normals: bvh.has_vertex_normals(),
+        camera: match scene.camera.projection {
+            Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
+            Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,
+            Projection::Orthographic => kernels::CAMERA_ORTHOGRAPHIC,
+        },
+        material_kinds: materials::kinds(scene),
+        surface_features: materials::features(scene),
+        texture_kinds: shading.surfaces.textures.kinds,
+        textured_parameters,
+        max_texture_links,
+        texel_pages: shading.surfaces.textures.words.pages().len() as u32,
+        nee: settings.nee && !lights.is_empty(),
+        light_kinds: lights.kinds(),
+        environment: lights.environment_kind(),
+        shares_at: shares_at(settings, cells.count()),
+        second_moments_at: radiance_grid::second_moments_at(settings, cells.count()),
+        ..variant_of_settings(settings)
+    }
+}
+
+/// The specialization constants that settings alone decide; what a scene decides is left at its default.
+pub fn variant_of_settings(settings: &Settings) -> Variant {
+    let (filter, filter_width) = match settings.filter {
+        ReconstructionFilter::Box => (kernels::FILTER_BOX, 1.0),
+        ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
+        ReconstructionFilter::Gaussian { stddev } => (kernels::FILTER_GAUSSIAN, stddev),
+    };
+    // As if surfaces were everywhere.
+    let cell_count = if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) };
+    Variant {
+        sampler: settings.sampler as u32,
+        learner: settings.learner as u32,
+        guide_set: settings.guide_set as u32,
+        pattern: settings.pattern as u32,
+        adaptive: settings.noise.is_some(),
+        max_depth: settings.max_depth,
+        rr_depth: settings.rr_depth,
+        hide_emitters: settings.hide_emitters,
+        fallback: settings.fallback,
+        jitter: settings.jitter,
+        quadtree_nodes: quadtrees::node_limit(settings) as u32,
+        direction_resolution: settings.directions,
+        normal_resolution: settings.normal_resolution(),
+        max_tries: settings.max_tries,
+        min_uniform_share: settings.min_uniform,
+        decay: settings.decay,
+        map: settings.map as u32,
+        mix: settings.mix as u32,
+        epsilon: settings.epsilon.unwrap_or(0.0),
+        shares_at: shares_at(settings, cell_count),
+        second_moments_at: radiance_grid::second_moments_at(settings, cell_count),
+        candidates: settings.candidates,
+        roulette: settings.roulette() as u32,
+        expected_directions: settings.expected_directions,
+        kept_vertices: settings.kept_vertices(),
+        attenuation_tamper: settings.attenuation_tamper,
+        filter,
+        filter_width,
+        nee: settings.nee,
+        pdf_tamper: settings.pdf_tamper,
+        mis_fault: settings.mis_fault,
+        ..Variant::default()
+    }
+}
+
+/// Where shares are in the table of so many cells.
+fn shares_at(settings: &Settings, cell_count: u32) -> u32 {
+    if settings.learns_share() { cell_count * settings.directions.pow(2) } else { 0 }
+}
