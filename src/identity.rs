@@ -5,11 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::sample_ranges::SampleRanges;
 use crate::settings::Settings;
 
-/// A setting that changes how long a dispatch takes and no bit of the picture.
-const FREE_SETTING: &str = "slice_milliseconds";
+/// Settings that change how long dispatches take and no bit of the picture.
+const FREE_SETTINGS: [&str; 2] = ["slice_milliseconds", "execution"];
 /// Attributes of a picture that say which samples it holds and how they came about, not what they estimate.
-const FREE_ATTRIBUTES: [&str; 8] =
-    [FREE_SETTING, "seed", "sample_offset", "sample_ranges", "spp", "seconds", "device", "scene"];
+const FREE_ATTRIBUTES: [&str; 9] =
+    [FREE_SETTINGS[0], FREE_SETTINGS[1], "seed", "sample_offset", "sample_ranges", "spp", "seconds", "device", "scene"];
 
 /// Version, scene and settings of a render: name to value.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,7 +18,7 @@ pub struct Identity(BTreeMap<String, String>);
 impl Identity {
     /// Of the render of a scene of that fingerprint with these settings by this version.
     pub fn of_render(scene_hash: &str, settings: &Settings) -> Self {
-        Self(attributes(scene_hash, settings).into_iter().filter(|(name, _)| name != FREE_SETTING).collect())
+        Self(attributes(scene_hash, settings).into_iter().filter(|(name, _)| !FREE_SETTINGS.contains(&&name[..])).collect())
     }
 
     /// Of a picture with these attributes: what its samples estimate, whichever they are. A name that is not known is part
@@ -80,7 +80,7 @@ fn distinct<'a>(values: &[&'a str]) -> Vec<&'a str> {
 mod tests {
     use super::*;
     use crate::scene::{LoadOptions, load};
-    use crate::settings::AUTO_GRID;
+    use crate::settings::{AUTO_GRID, Execution};
 
     fn settings() -> Settings {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.xml");
@@ -126,6 +126,7 @@ mod tests {
             min_uniform: _,
             decay: _,
             slice_milliseconds: _,
+            execution: _,
             // Hidden: where data lies, which changes no bit, and faults for the tests.
             film_page_pixels: _,
             storage_reads: _,
@@ -133,7 +134,7 @@ mod tests {
             pdf_tamper: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 35);
+        assert_eq!(settings().named().len(), 36);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };
@@ -175,6 +176,7 @@ mod tests {
         };
         assert_eq!(with(&|_| {}), None);
         assert_eq!(with(&|s| s.slice_milliseconds = Some(3.0)), None);
+        assert_eq!(with(&|s| s.execution = Execution::Wavefront), None);
         assert_eq!(with(&|s| s.seed = 5).as_deref(), Some("seed (5 there, 0 here)"));
         let two = with(&|s| (s.sample_offset, s.decay) = (Some(8), 0.5));
         assert_eq!(two.as_deref(), Some("decay (0.5 there, 0.95 here), sample_offset (8 there, null here)"));

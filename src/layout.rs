@@ -263,7 +263,7 @@ pub struct CosineIntegral {
     pub maximum: f32,
 }
 
-/// Pushed to `glsl/path_trace.comp`.
+/// Pushed to `glsl/path_trace.comp`: a slice of a film page and its next samples.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PathTracePush {
@@ -281,6 +281,16 @@ pub struct PathTracePush {
     pub sample_count: u32,
     /// Index of the first sample whose set may reach to these.
     pub first_of_sets: u32,
+}
+
+/// Pushed to the kernels of a wave: `glsl/include/wavefront.glsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct WavePush {
+    /// Whose samples the wave takes.
+    pub slice: PathTracePush,
+    /// That the paths travel: 0 from the camera.
+    pub edge: u32,
 }
 
 /// Pushed to the kernels that update the grids.

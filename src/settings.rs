@@ -158,6 +158,18 @@ pub enum StepSchedule {
     Even,
 }
 
+/// How paths are traced, which changes no bit of the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Execution {
+    /// On a GPU the faster of the two, as measured while rendering; on a CPU `megakernel`.
+    Auto,
+    /// One kernel follows each path to its end.
+    Megakernel,
+    /// All paths travel an edge, then the next: a kernel for rays, one for what they meet. Takes memory for the paths.
+    Wavefront,
+}
+
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -240,6 +252,8 @@ pub struct Settings {
     pub decay: f32,
     /// How long one dispatch should take, in milliseconds; `None` chooses by the kind of device.
     pub slice_milliseconds: Option<f64>,
+    /// How paths are traced.
+    pub execution: Execution,
     /// Most pixels of one film page; `None` takes what the device can bind.
     #[serde(skip)]
     #[doc(hidden)]
@@ -306,6 +320,7 @@ impl Settings {
             min_uniform: 1.0 / 16.0,
             decay: 0.95,
             slice_milliseconds: None,
+            execution: Execution::Auto,
             film_page_pixels: None,
             storage_reads: false,
             attenuation_tamper: exact_attenuation(),
@@ -362,7 +377,24 @@ impl Settings {
         self.validate_target_density()?;
         self.validate_learner()?;
         in_range("slice-ms", self.slice_milliseconds.unwrap_or(1.0), 0.001, 60_000.0)?;
+        if self.execution == Execution::Wavefront {
+            self.check_wavefront()?;
+        }
         self.validate_crop()
+    }
+
+    /// Whether paths can be traced as waves.
+    pub(crate) fn check_wavefront(&self) -> Result<()> {
+        let refused = |what: &str| {
+            Err(Error::Settings(format!("--execution wavefront does not go with {what}: take --execution megakernel")))
+        };
+        if self.noise.is_some() {
+            return refused("--noise");
+        }
+        if self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo {
+            return refused("--learner monte-carlo, which keeps all vertices of a path");
+        }
+        Ok(())
     }
 
     fn validate_mix(&self) -> Result<()> {

@@ -76,8 +76,9 @@ layout(scalar, set = 0, binding = 9) restrict readonly buffer TexelWords2 { uint
 layout(scalar, set = 0, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
 #endif
 layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
-// Of a film page, a word-quadruple per tile, then one per pixel. See halves.glsl; nearly empty unless ADAPTIVE.
-layout(scalar, set = 0, binding = 11) restrict buffer Adaptive { uvec4 adaptive[]; };
+// What adaptive sampling keeps of a film page (halves.glsl), or the paths of a wave (wavefront.glsl): one binding, for devices
+// have few. Nearly empty without either.
+layout(scalar, set = 0, binding = 11) restrict buffer Scratch { uvec4 scratch[]; };
 
 SceneConstants scene() {
     return scene_constants;
@@ -138,16 +139,34 @@ void count(uint counter, uint amount) {
     if (amount != 0u) atomicAdd(counters[counter], amount);
 }
 
-uint adaptive_count() {
-    return uint(adaptive.length());
+// Adds to a counter that all invocations share. Returns what it held.
+uint reserve(uint counter, uint amount) {
+    return atomicAdd(counters[counter], amount);
 }
 
-uvec4 load_adaptive(uint index) {
-    return adaptive[index];
+// What a counter holds that no invocation of this dispatch adds to.
+uint counted(uint counter) {
+    return counters[counter];
 }
 
-void store_adaptive(uint index, uvec4 value) {
-    adaptive[index] = value;
+uint scratch_count() {
+    return uint(scratch.length());
+}
+
+uvec4 load_scratch(uint index) {
+    return scratch[index];
+}
+
+void store_scratch(uint index, uvec4 value) {
+    scratch[index] = value;
+}
+
+uint load_scratch_word(uint index) {
+    return scratch[index / 4u][index % 4u];
+}
+
+void store_scratch_word(uint index, uint value) {
+    scratch[index / 4u][index % 4u] = value;
 }
 
 FilmRadiance load_film_radiance(uint index) {

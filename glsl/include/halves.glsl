@@ -16,12 +16,12 @@ struct FilmHalf {
 const FilmHalf NO_HALF = FilmHalf(vec3(0.0), 0u);
 
 uint tile_count() {
-    return adaptive_count() / (TILE_PIXELS + 1u);
+    return scratch_count() / (TILE_PIXELS + 1u);
 }
 
 // The pixel, in tile order, that stands at this place of the pixels to be sampled.
 uint sampled_pixel(uint place) {
-    if (ADAPTIVE) return load_adaptive(place / TILE_PIXELS).x * TILE_PIXELS + place % TILE_PIXELS;
+    if (ADAPTIVE) return load_scratch(place / TILE_PIXELS).x * TILE_PIXELS + place % TILE_PIXELS;
     return place;
 }
 
@@ -30,17 +30,17 @@ bool is_of_half(uint sample_index) {
 }
 
 FilmHalf load_half(uint pixel) {
-    uvec4 bits = load_adaptive(tile_count() + pixel);
+    uvec4 bits = load_scratch(tile_count() + pixel);
     return FilmHalf(uintBitsToFloat(bits.xyz), bits.w);
 }
 
 void store_half(uint pixel, FilmHalf h) {
-    store_adaptive(tile_count() + pixel, uvec4(floatBitsToUint(h.mean), h.sample_count));
+    store_scratch(tile_count() + pixel, uvec4(floatBitsToUint(h.mean), h.sample_count));
 }
 
 // Sums over the pixels of a tile: of squared relative errors, and of mean radiance. Which tiles are sampled is to be said anew.
 void store_tile_noise(uint tile, float squared_error, float radiance) {
-    store_adaptive(tile, uvec4(0u, floatBitsToUint(squared_error), floatBitsToUint(radiance), 0u));
+    store_scratch(tile, uvec4(0u, floatBitsToUint(squared_error), floatBitsToUint(radiance), 0u));
 }
 
 FilmHalf merge_halves(FilmHalf a, FilmHalf b) {

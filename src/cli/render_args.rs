@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use lodestar::Result;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter, Scene};
-use lodestar::settings::{SamplePattern, Settings};
+use lodestar::settings::{Execution, SamplePattern, Settings};
 
 use super::guiding_args::GuidingArgs;
 
@@ -142,6 +142,9 @@ pub struct DeviceArgs {
     /// How long a dispatch should take, in milliseconds [default: 50 on a GPU, 150 on a CPU].
     #[arg(long, value_name = "MS", value_parser = seconds, help_heading = "Device")]
     pub slice_ms: Option<f64>,
+    /// How paths are traced, which changes no bit of the picture: by one kernel each, as waves, or as what turns out faster.
+    #[arg(long, value_enum, default_value_t = Execution::Auto, help_heading = "Device")]
+    pub execution: Execution,
     /// Take kernels from the .spv files of this folder, which `lodestar inspect --out` writes and a person has edited.
     #[arg(long, value_name = "DIR", help_heading = "Device")]
     pub kernel_dir: Option<PathBuf>,

@@ -135,6 +135,7 @@ impl Start<'_> {
             Self::Resumed(path, checkpoint) => begin_resumed(path, *checkpoint, scene_hash)?,
         };
         beginning.settings.slice_milliseconds = device.slice_ms;
+        beginning.settings.execution = device.execution;
         beginning.settings.validate()?;
         check_sample_range(&beginning)?;
         Ok(beginning)

@@ -77,6 +77,8 @@ pub struct Limits {
     pub max_push_constant_bytes: u32,
     /// Invocations that run in lockstep.
     pub subgroup_size: u32,
+    /// Whether a subgroup's invocations can ask which of them are active in a kernel.
+    pub has_subgroup_ballot: bool,
     /// Bytes of memory near the device. Drivers on the CPU may report less than there is.
     pub device_local_bytes: u64,
     /// Host reads and writes of memory that is not coherent are rounded to this many bytes.
@@ -136,6 +138,8 @@ impl DeviceInfo {
         // SAFETY: invariant 1: `device` comes from the living `instance`, and is of version 1.2 or later.
         unsafe { instance.get_physical_device_properties2(device, &mut properties) };
         self.limits.subgroup_size = subgroup.subgroup_size;
+        self.limits.has_subgroup_ballot = subgroup.supported_stages.contains(vk::ShaderStageFlags::COMPUTE)
+            && subgroup.supported_operations.contains(vk::SubgroupFeatureFlags::BALLOT);
         self.limits.max_allocation_bytes = maintenance.max_memory_allocation_size;
         self.driver_name = string(driver.driver_name_as_c_str().ok());
         self.driver_info = string(driver.driver_info_as_c_str().ok());
@@ -182,6 +186,7 @@ fn limits(limits: &vk::PhysicalDeviceLimits) -> Limits {
         max_bound_sets: limits.max_bound_descriptor_sets,
         max_push_constant_bytes: limits.max_push_constants_size,
         subgroup_size: 0,
+        has_subgroup_ballot: false,
         device_local_bytes: 0,
         non_coherent_atom_bytes: limits.non_coherent_atom_size,
         timestamp_nanoseconds: limits.timestamp_period,

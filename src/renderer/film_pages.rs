@@ -221,7 +221,7 @@ pub(super) fn host_film_bytes(settings: &Settings) -> u64 {
 }
 
 /// Pixels of whole tiles.
-fn padded_pixels(settings: &Settings) -> u64 {
+pub(super) fn padded_pixels(settings: &Settings) -> u64 {
     let window = settings.window();
     u64::from(window.width.div_ceil(TILE_SIDE)) * u64::from(window.height.div_ceil(TILE_SIDE)) * u64::from(TILE_PIXELS)
 }

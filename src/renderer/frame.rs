@@ -7,6 +7,7 @@ use glam::Mat4;
 use super::film_pages::{FilmPage, PageBuffers, empty_picture};
 use super::state::{Persistent, Span};
 use super::statistics::Counts;
+use super::wavefront::wave_buffer;
 use super::{Shading, Surfaces};
 use super::{buffer_kind, set_shape, word_buffer_kind};
 use crate::Result;
@@ -47,6 +48,7 @@ impl Frame {
         cells: &Cells,
         settings: &Settings,
     ) -> Result<Self> {
+        let wave = wave_buffer(context, settings)?;
         let Shading { surfaces: Surfaces { materials, textures }, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
         let constants = scene_constants(scene, cells, lights, settings);
@@ -55,7 +57,8 @@ impl Frame {
         let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
-        let counter_bytes = u64::from(kernels::COUNTER_COUNT) * 4;
+        // After the counters, the lengths of a wave's queues.
+        let counter_bytes = u64::from(kernels::COUNTER_COUNT + settings.max_depth) * 4;
         let counters = Buffer::new(context, "counters", counter_bytes, BufferKind::Storage)?;
         let counters_read = Buffer::new(context, "counters for the host", counter_bytes, BufferKind::Readback)?;
         let records = bytemuck::cast_slice(&textures.records);
@@ -75,7 +78,7 @@ impl Frame {
                 words1,
                 words2,
                 words3,
-                &buffers.adaptive,
+                wave.as_ref().unwrap_or(&buffers.adaptive),
             ];
             let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
             let set = DescriptorSet::new(context, "frame", shape, &used)?;
@@ -109,6 +112,12 @@ impl Frame {
     /// What was counted up to the last submission that handed it over.
     pub fn read_counts(&self) -> Result<Counts> {
         Ok(Counts::from_counters(&self.counters_read.read(0, kernels::COUNTER_COUNT as usize)?))
+    }
+
+    /// Paths that were queued for an edge, likewise.
+    pub fn read_queued(&self, edge: u32) -> Result<u32> {
+        let length: Vec<u32> = self.counters_read.read(u64::from(kernels::COUNTER_COUNT + edge) * 4, 1)?;
+        Ok(length[0])
     }
 
     pub fn persistent(&self) -> Vec<Persistent<'_>> {

@@ -3,6 +3,7 @@
 use super::film_pages::{film_bytes, host_film_bytes};
 use super::normalization_grid::NormalizationGrid;
 use super::radiance_grid::RadianceGrid;
+use super::wavefront::wave_bytes;
 use super::{Shading, Surfaces};
 use crate::bvh::Bvh;
 use crate::cells::Cells;
@@ -13,7 +14,7 @@ use crate::{Error, Result};
 /// Bytes of a render's parts on the device.
 #[derive(Debug, Clone)]
 pub(super) struct MemoryNeeds {
-    parts: [Part; 4],
+    parts: [Part; 5],
     /// What reading the film back takes of the host.
     host_bytes: u64,
 }
@@ -27,7 +28,7 @@ struct Part {
 }
 
 impl MemoryNeeds {
-    pub fn new(shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> Self {
+    pub fn new(device: &DeviceInfo, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> Self {
         let Surfaces { materials, textures } = &shading.surfaces;
         let bvh_bytes =
             size_of_val(&bvh.nodes[..]) + size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.attributes[..]);
@@ -43,6 +44,7 @@ impl MemoryNeeds {
                 part("the BVH", bvh_bytes as u64, "smaller for fewer triangles"),
                 part("textures and lights", shading_bytes as u64, "smaller for smaller images"),
                 part("the grids", guide_bytes(settings, cells), "smaller with --grid, --directions or --normals"),
+                part("paths under way", wave_bytes(device, settings), "none with --execution megakernel"),
             ],
             host_bytes: host_film_bytes(settings),
         }
@@ -133,17 +135,19 @@ mod tests {
     fn what_does_not_fit_is_refused_with_the_arithmetic() {
         let part = |name, bytes| Part { name, bytes, remedy: "smaller so" };
         let parts =
-            [part("the film", 64), part("the BVH", 1000), part("textures and lights", 0), part("the grids", 36)];
+            [("the film", 64), ("the BVH", 900), ("textures and lights", 0), ("the grids", 36), ("paths under way", 100)];
+        let parts = parts.map(|(name, bytes)| part(name, bytes));
         let needs = MemoryNeeds { parts, host_bytes: 100 };
         assert!(needs.check_against("a device", 0, 1100).is_ok());
         assert!(needs.check_against("a device", 100, 1200).is_ok());
         assert_eq!(
             needs.check_against("a device", 100, 1199).expect_err("too little").to_string(),
             "the render needs 1200 bytes of memory, but 1199 are free for a device: the film 64 (smaller so), \
-             the BVH 1000 (smaller so), textures and lights 0 (smaller so), the grids 36 (smaller so), \
+             the BVH 900 (smaller so), textures and lights 0 (smaller so), the grids 36 (smaller so), \
+             paths under way 100 (smaller so), \
              and reading the film back 100"
         );
-        let huge = MemoryNeeds { parts: [part("the film", u64::MAX); 4], host_bytes: 0 };
+        let huge = MemoryNeeds { parts: [part("the film", u64::MAX); 5], host_bytes: 0 };
         assert!(huge.check_against("a device", 0, 1 << 60).is_err());
     }
 }

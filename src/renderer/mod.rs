@@ -3,6 +3,7 @@
 //! Read [`Renderer::step`] and `glsl/path_trace.comp`, and the algorithm is understood.
 
 mod adaptive;
+mod execution;
 mod film_pages;
 mod film_sums;
 mod frame;
@@ -16,7 +17,9 @@ mod radiance_grid;
 mod slices;
 mod state;
 mod statistics;
+mod tracing;
 mod variants;
+mod wavefront;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -48,7 +51,10 @@ use geometry::Geometry;
 use memory_needs::MemoryNeeds;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
-use slices::{Slice, Slicer};
+use execution::Way;
+use slices::Slice;
+use tracing::Tracing;
+use wavefront::check_wavefront;
 
 /// Bytes of a guide whose grid is chosen by the scene.
 const GUIDE_BYTES: u64 = 8 << 20;
@@ -57,7 +63,7 @@ const GUIDE_BYTES: u64 = 8 << 20;
 pub struct Renderer {
     context: Arc<Context>,
     settings: Settings,
-    path_trace: Kernel,
+    tracing: Tracing,
     updates: Updates,
     /// Where the sampler has quadtrees.
     refine_quadtrees: Option<Kernel>,
@@ -68,7 +74,6 @@ pub struct Renderer {
     geometry: Geometry,
     radiance_grid: RadianceGrid,
     normalization_grid: NormalizationGrid,
-    slicer: Slicer,
     back_end: BackEnd,
     /// Where the render is one part of several.
     film_sums: Option<FilmSums>,
@@ -143,7 +148,8 @@ impl Renderer {
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
         let cells = cells_of(settings, bvh);
-        let needs = MemoryNeeds::new(&shading, bvh, &cells, settings);
+        check_wavefront(context.device(), settings)?;
+        let needs = MemoryNeeds::new(context.device(), &shading, bvh, &cells, settings);
         needs.check(context.device())?;
         Self::build(context, scene, &shading, bvh, cells, settings, registry).map_err(|error| note_needs(error, &needs))
     }
@@ -172,7 +178,7 @@ impl Renderer {
             let refine_quadtrees = has_quadtrees.then(|| build(&kernels.refine_quadtrees)).transpose()?;
             let judge = |target| Ok(Adaptive::new(build(&kernels.judge_noise)?, settings, target));
             let adaptive = settings.noise.map(judge).transpose()?;
-            Ok((build(&kernels.path_trace)?, updates, refine_quadtrees, adaptive))
+            Ok((Tracing::new(context, kernels, &variant, settings)?, updates, refine_quadtrees, adaptive))
         };
         let upload = || -> Result<_> {
             let frame = Frame::new(context, kernels, scene, shading, &cells, settings)?;
@@ -182,10 +188,10 @@ impl Renderer {
         };
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
-        let (path_trace, updates, refine_quadtrees, adaptive) = built?;
+        let (tracing, updates, refine_quadtrees, adaptive) = built?;
         let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
         let mut renderer = Self {
-            path_trace,
+            tracing,
             updates,
             refine_quadtrees,
             adaptive,
@@ -193,12 +199,11 @@ impl Renderer {
             geometry,
             radiance_grid,
             normalization_grid,
-            slicer: Slicer::new(context.device(), settings, variant.workgroup_size),
             back_end,
             context: Arc::clone(context),
             settings: settings.clone(),
             film_sums: None,
-            needs: MemoryNeeds::new(shading, bvh, &cells, settings),
+            needs: MemoryNeeds::new(context.device(), shading, bvh, &cells, settings),
             cells,
             samples_done: 0,
             stopped: false,
@@ -330,18 +335,22 @@ impl Renderer {
         while left > 0 {
             let batch = left.min(self.settings.samples_per_dispatch).min(self.samples_of_iteration());
             let first_of_sets = self.first_of_sets(first_of_step);
+            let way = self.tracing.way(batch);
+            let mut of_batch = Duration::ZERO;
             for page in self.frame.pages() {
                 let mut next = 0;
-                while let Some(slice) = self.slicer.slice(page, next) {
+                while let Some(slice) = self.tracing.slicer(way).slice(page, next) {
                     if stop() {
                         return Ok(false);
                     }
-                    let (elapsed, slice_counts) = self.dispatch_path_trace(page, slice, batch, first_of_sets)?;
-                    self.slicer.measured(slice, elapsed);
+                    let (elapsed, slice_counts) = self.trace(way, page, slice, batch, first_of_sets)?;
+                    self.tracing.slicer(way).measured(slice, elapsed);
+                    of_batch += elapsed;
                     counts.add(&slice_counts);
                     next = slice.end();
                 }
             }
+            self.tracing.measured(way, batch, of_batch);
             self.samples_done += batch;
             left -= batch;
             if let Some((kernel, iteration)) =
@@ -383,7 +392,7 @@ impl Renderer {
     fn judge_film(&mut self) -> Result<()> {
         let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         let others = [self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
-        adaptive.judge(&self.context, &self.slicer, self.frame.pages(), others)
+        adaptive.judge(&self.context, self.tracing.slicer(Way::Megakernel), self.frame.pages(), others)
     }
 
     /// Samples that may be taken before the guide is to learn from them.
@@ -391,8 +400,9 @@ impl Renderer {
         self.refine_quadtrees.as_ref().map_or(u32::MAX, |_| quadtrees::samples_left(self.samples_done))
     }
 
-    fn dispatch_path_trace(
+    fn trace(
         &self,
+        way: Way,
         page: &FilmPage,
         slice: Slice,
         sample_count: u32,
@@ -407,16 +417,10 @@ impl Renderer {
             sample_count,
             first_of_sets,
         };
-        let sets = [page.set(), self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
-        let label = format!("path_trace, samples {} to {}", push.first_sample, push.first_sample + sample_count);
-        let submission = self.context.submit(&label, |recorder| {
-            self.frame.clear_counts(recorder);
-            recorder.dispatch(&self.path_trace, &sets, bytemuck::bytes_of(&push), [slice.count, 1, 1]);
-            self.frame.hand_over_counts(recorder);
-        })?;
-        let counts = self.frame.read_counts()?;
+        let others = [self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
+        let (elapsed, counts) = self.tracing.trace(way, &self.context, &self.frame, page, others, push)?;
         match counts.overruns {
-            0 => Ok((submission.wall, counts)),
+            0 => Ok((elapsed, counts)),
             _ => Err(self.overrun_error()),
         }
     }
@@ -462,7 +466,7 @@ impl Renderer {
     fn update(&self, cells: Range<u32>, kernels: &[&Kernel]) -> Result<()> {
         let sets = self.sets();
         let names: Vec<_> = kernels.iter().map(|kernel| kernel.name()).collect();
-        for range in self.slicer.ranges(cells) {
+        for range in self.tracing.slicer(Way::Megakernel).ranges(cells) {
             let push = UpdatePush { first_cell: range.start };
             self.context.submit(&names.join(" and "), |recorder| {
                 for kernel in kernels {
@@ -477,8 +481,11 @@ impl Renderer {
     /// Runs every kernel once. The path tracer takes no sample and the grids are still empty: an update of nothing, which
     /// writes the floor that later updates start from.
     fn warm_up(&mut self) -> Result<()> {
-        if let Some(slice) = self.frame.pages().first().and_then(|page| self.slicer.smallest_slice(page)) {
-            self.dispatch_path_trace(self.frame.first_page(), slice, 0, 0)?;
+        let page = self.frame.first_page();
+        for &way in self.tracing.ways() {
+            if let Some(slice) = self.tracing.slicer(way).smallest_slice(page) {
+                self.trace(way, page, slice, 0, 0)?;
+            }
         }
         // An empty film would end it.
         self.judge_film()?;

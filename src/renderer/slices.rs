@@ -42,13 +42,14 @@ pub(super) struct Slicer {
 }
 
 impl Slicer {
-    pub fn new(device: &DeviceInfo, settings: &Settings, workgroup_size: u32) -> Self {
+    /// For dispatches of at most so many workgroups.
+    pub fn new(device: &DeviceInfo, settings: &Settings, workgroup_size: u32, most_groups: u32) -> Self {
         let is_cpu = device.kind == DeviceKind::Cpu;
         let default = if is_cpu { CPU_SLICE } else { GPU_SLICE };
         Self {
             target_seconds: settings.slice_milliseconds.map_or(default, |ms| ms / 1000.0),
             workgroup_size,
-            max_groups: max_groups(device, settings, workgroup_size),
+            max_groups: max_groups(device, settings, workgroup_size).min(most_groups),
             spreads: is_cpu,
             groups: Cell::new(FIRST_GROUPS),
         }

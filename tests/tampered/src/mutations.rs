@@ -14,7 +14,7 @@ pub struct Mutation {
     pub patches: &'static [Patch],
 }
 
-const PATH_TRACE: &str = "glsl/path_trace.comp";
+const PATH: &str = "glsl/include/path.glsl";
 const ROULETTE: &str = "glsl/include/roulette.glsl";
 const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
@@ -241,7 +241,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "roulette scales the bootstrap target",
         &[Patch {
-            file: PATH_TRACE,
+            file: PATH,
             text: "float target = target_at(path.key, path.depth, light, x, guide, next);",
             mutated: "float target = target_at(path.key, path.depth, light, x, guide, next);\n    \
                   if (MUTATED && path.depth >= RR_DEPTH && target != NO_TARGET) {\n        \
@@ -251,7 +251,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "returns without survival",
         &[Patch {
-            file: PATH_TRACE,
+            file: PATH,
             text: "path.met.factor /= max(survival, 1.0e-30);",
             mutated: "if (!MUTATED) path.met.factor /= max(survival, 1.0e-30);",
         }],
@@ -259,7 +259,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "missing survival weight",
         &[Patch {
-            file: PATH_TRACE,
+            file: PATH,
             text: "path.throughput /= max(survival, 1.0e-30);",
             mutated: "if (!MUTATED) path.throughput /= max(survival, 1.0e-30);",
         }],
@@ -267,7 +267,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "survivors of little hope weigh too little",
         &[Patch {
-            file: PATH_TRACE,
+            file: PATH,
             text: "path.throughput /= max(survival, 1.0e-30);",
             mutated: "path.throughput /= max(survival, MUTATED ? 0.25 : 1.0e-30);",
         }],
@@ -283,19 +283,19 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "roulette by a used random number",
         &[Patch {
-            file: PATH_TRACE,
+            file: PATH,
             text: "survives_roulette(path, survival, u.w)",
             mutated: "survives_roulette(path, survival, MUTATED ? u.x : u.w)",
         }],
     ),
     mutation(
         "density 0 for the weights",
-        &[Patch { file: PATH_TRACE, text: "path.pdf = next.pdf;", mutated: "path.pdf = MUTATED ? 0.0 : next.pdf;" }],
+        &[Patch { file: PATH, text: "path.pdf = next.pdf;", mutated: "path.pdf = MUTATED ? 0.0 : next.pdf;" }],
     ),
     mutation(
         "emitters counted twice",
         &[Patch {
-            file: PATH_TRACE,
+            file: PATH,
             text: "if (NEE) light *= emission_weight(",
             mutated: "if (NEE && !MUTATED) light *= emission_weight(",
         }],
@@ -329,7 +329,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "workgroups in another order",
         &[Patch {
-            file: PATH_TRACE,
+            file: PATH,
             text: "gl_WorkGroupID.x * push.workgroup_stride",
             mutated: "gl_WorkGroupID.x * (MUTATED ? 1u : push.workgroup_stride)",
         }],

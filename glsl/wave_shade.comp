@@ -1,0 +1,32 @@
+// What happens where the rays of a wave's queue have led: paths end, or are queued for another edge.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#include "wavefront.glsl"
+
+void shade(uint slot, inout Tally tally) {
+    Path path = load_path(slot);
+    Segment travelled = path.segment;
+    ShareEvidence evidence = path.evidence;
+    uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
+    FirstHit first = NO_FIRST_HIT;
+    float target = meet(path, load_hit(slot), unit_floats(bits), first, tally);
+    if (push.edge == 0u) store_first_hit(slot, first);
+    learn(travelled, evidence, target, leftover_float(bits), tally);
+    store_path(slot, path);
+    if (path.depth != 0u) enqueue(slot);
+}
+
+void main() {
+    Tally tally = no_tally();
+    uint place = gl_GlobalInvocationID.x;
+    while (place < queue_length()) {
+        uint slot = queued_slot(place);
+        if (slot != NONE) shade(slot, tally);
+        place += lane_count();
+    }
+    tally.overrun = tally.overrun || place < queue_length();
+    publish_tally(tally);
+}

@@ -1,0 +1,131 @@
+//! Paths as waves (Laine, Karras and Aila 2013, "Megakernels Considered Harmful"): all of a slice's paths travel an edge, then all
+//! that go on travel the next. The pictures are those of the one kernel that follows each path to its end, bit for bit.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::film_pages::{FilmPage, TILE_PIXELS, padded_pixels};
+use super::frame::Frame;
+use super::statistics::Counts;
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceInfo, DeviceKind, Kernel};
+use crate::kernels::{Kernels, Variant};
+use crate::layout::{PathTracePush, WavePush};
+use crate::settings::{Execution, Settings};
+use crate::{Error, Result};
+
+/// Bytes of a slot: `SLOT_QUADRUPLES` of `glsl/include/wavefront.glsl`, and a word in each of two queues.
+const SLOT_BYTES: u64 = 9 * 16 + 2 * 4;
+/// Most bytes of a wave, and the most of the device's memory, as a part of it. More paths at once keep a device busy to the end
+/// of a wave; from some millions on it makes no difference.
+const WAVE_BYTES: u64 = 640 << 20;
+const PART_OF_MEMORY: u64 = 8;
+/// Workgroups of a dispatch over a queue, whatever its length: its entries are dealt out to their lanes.
+const QUEUE_GROUPS: u32 = 4096;
+/// Edges between two looks at how many paths are left.
+const EDGES_PER_SUBMISSION: u32 = 8;
+
+/// Refuses waves on a device that cannot count who goes on.
+pub(super) fn check_wavefront(device: &DeviceInfo, settings: &Settings) -> Result<()> {
+    if settings.execution == Execution::Wavefront && !device.limits.has_subgroup_ballot {
+        return Err(Error::Settings(format!(
+            "--execution wavefront needs subgroup ballots, which {} lacks: take --execution megakernel",
+            device.name
+        )));
+    }
+    Ok(())
+}
+
+/// Workgroups of pixels whose samples make up the largest wave; none where paths are not traced as waves.
+pub(super) fn wave_groups(device: &DeviceInfo, settings: &Settings) -> Option<u32> {
+    let can_trace = || device.limits.has_subgroup_ballot && settings.check_wavefront().is_ok();
+    let wanted = match settings.execution {
+        Execution::Megakernel => false,
+        Execution::Wavefront => true,
+        Execution::Auto => device.kind != DeviceKind::Cpu && can_trace(),
+    };
+    let most_bytes = WAVE_BYTES.min(device.limits.max_storage_buffer_bytes);
+    let most_bytes = most_bytes.min(device.limits.device_local_bytes / PART_OF_MEMORY);
+    let most = (most_bytes / group_bytes(settings)).max(1);
+    wanted.then(|| most.min(padded_pixels(settings) / u64::from(TILE_PIXELS)) as u32)
+}
+
+/// Bytes of the paths of a workgroup of pixels.
+fn group_bytes(settings: &Settings) -> u64 {
+    u64::from(TILE_PIXELS * settings.samples_per_dispatch) * SLOT_BYTES
+}
+
+/// Bytes of a wave's paths.
+pub(super) fn wave_bytes(device: &DeviceInfo, settings: &Settings) -> u64 {
+    wave_groups(device, settings).map_or(0, |groups| u64::from(groups) * group_bytes(settings))
+}
+
+/// Where a wave's paths are kept.
+pub(super) fn wave_buffer(context: &Arc<Context>, settings: &Settings) -> Result<Option<Arc<Buffer>>> {
+    let bytes = wave_bytes(context.device(), settings);
+    let buffer = || Buffer::new(context, "paths of a wave", bytes, BufferKind::Storage);
+    (bytes > 0).then(buffer).transpose()
+}
+
+/// The kernels of a wave.
+pub(super) struct Wavefront {
+    extend: Kernel,
+    shade: Kernel,
+    film: Kernel,
+    max_depth: u32,
+}
+
+impl Wavefront {
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, variant: &Variant) -> Result<Self> {
+        let build = |source| Kernel::new(context, source, &variant.entries());
+        Ok(Self {
+            extend: build(&kernels.wave_extend)?,
+            shade: build(&kernels.wave_shade)?,
+            film: build(&kernels.wave_film)?,
+            max_depth: variant.max_depth,
+        })
+    }
+
+    /// Traces the slice's samples and adds them to the film. Returns how long that took.
+    pub fn trace(
+        &self,
+        context: &Arc<Context>,
+        frame: &Frame,
+        page: &FilmPage,
+        others: [&DescriptorSet; 3],
+        slice: PathTracePush,
+    ) -> Result<(Duration, Counts)> {
+        let [geometry, radiance_grid, normalization_grid] = others;
+        let sets = [page.set(), geometry, radiance_grid, normalization_grid];
+        let slots = slice.workgroup_count * slice.sample_count.max(1);
+        let groups = [slots.min(QUEUE_GROUPS), 1, 1];
+        let mut elapsed = Duration::ZERO;
+        let mut edge = 0;
+        loop {
+            let end = self.max_depth.min(edge + EDGES_PER_SUBMISSION);
+            let submission = context.submit("wave", |recorder| {
+                if edge == 0 {
+                    frame.clear_counts(recorder);
+                }
+                for edge in edge..end {
+                    let push = WavePush { slice, edge };
+                    for kernel in [&self.extend, &self.shade] {
+                        recorder.dispatch(kernel, &sets, bytemuck::bytes_of(&push), groups);
+                        recorder.barrier();
+                    }
+                }
+                frame.hand_over_counts(recorder);
+            })?;
+            elapsed += submission.wall;
+            edge = end;
+            if edge == self.max_depth || frame.read_queued(edge)? == 0 {
+                break;
+            }
+        }
+        let push = WavePush { slice, edge };
+        let submission = context.submit("wave_film", |recorder| {
+            recorder.dispatch(&self.film, &sets, bytemuck::bytes_of(&push), [slice.workgroup_count, 1, 1]);
+            frame.hand_over_counts(recorder);
+        })?;
+        Ok((elapsed + submission.wall, frame.read_counts()?))
+    }
+}
