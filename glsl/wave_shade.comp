@@ -7,7 +7,8 @@
 #include "wavefront.glsl"
 
 void shade(uint slot, inout Tally tally) {
-    Path path = load_path(slot);
+    uvec2 film_pixel;
+    Path path = load_path(slot, film_pixel);
     Segment travelled = path.segment;
     ShareEvidence evidence = path.evidence;
     uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
@@ -15,7 +16,7 @@ void shade(uint slot, inout Tally tally) {
     float target = meet(path, load_hit(slot), unit_floats(bits), first, tally);
     if (push.edge == 0u) store_first_hit(slot, first);
     learn(travelled, evidence, target, leftover_float(bits), tally);
-    store_path(slot, path);
+    store_path(slot, film_pixel, path);
     if (path.depth != 0u) enqueue(slot);
 }
 

@@ -11,12 +11,12 @@ struct WavePush {
 };
 layout(push_constant, scalar) uniform Push { WavePush push; };
 
-// Word-quadruples of a slot: from 0 on the path's state, its radiance among it, then what its ray has hit and what its camera
-// ray has hit. Those of one kind lie side by side, so that neighboring lanes read neighboring memory.
-const uint RADIANCE_AT = 3u;
-const uint HIT_AT = 6u;
-const uint FIRST_HIT_AT = 7u;
-const uint SLOT_QUADRUPLES = 9u;
+// Word-quadruples of a slot: its path's state, which lies together, then what its ray has hit, then what its camera ray has.
+const uint STATE_QUADRUPLES = 6u;
+const uint FIRST_HIT_QUADRUPLES = 2u;
+const uint SLOT_QUADRUPLES = STATE_QUADRUPLES + 1u + FIRST_HIT_QUADRUPLES;
+// Of the state: ray, throughput, radiance, and what a guide or emitter sampling wants to know.
+const uint RADIANCE = 3u;
 
 uint pixel_count() {
     return push.slice.workgroup_count * WORKGROUP_SIZE;
@@ -48,17 +48,21 @@ uvec2 film_pixel_of(uint slot) {
     return scene().window_offset + window_pixel(slot);
 }
 
-RandomKey key_of_slot(uint slot) {
+RandomKey key_of_slot(uint slot, uvec2 film_pixel) {
     uint sample_index = push.slice.first_sample + slot / pixel_count();
-    return key_of_sample(film_pixel_of(slot), sample_index, push.slice.first_of_sets);
+    return key_of_sample(film_pixel, sample_index, push.slice.first_of_sets);
 }
 
-uvec4 load_slot(uint slot, uint quadruple) {
-    return load_scratch(quadruple * slot_count() + slot);
+Path path_from_camera(uint slot, uvec2 film_pixel) {
+    return start_path(film_pixel, key_of_slot(slot, film_pixel));
 }
 
-void store_slot(uint slot, uint quadruple, uvec4 value) {
-    store_scratch(quadruple * slot_count() + slot, value);
+uvec4 load_state(uint slot, uint quadruple) {
+    return load_scratch(slot * STATE_QUADRUPLES + quadruple);
+}
+
+void store_state(uint slot, uint quadruple, uvec4 value) {
+    store_scratch(slot * STATE_QUADRUPLES + quadruple, value);
 }
 
 // Queues of even and odd edges take turns.
@@ -90,35 +94,43 @@ uint lane_count() {
     return gl_NumWorkGroups.x * WORKGROUP_SIZE;
 }
 
+uint hit_at(uint slot) {
+    return STATE_QUADRUPLES * slot_count() + slot;
+}
+
 void store_hit(uint slot, Hit hit) {
-    store_slot(slot, HIT_AT, uvec4(floatBitsToUint(vec3(hit.t, hit.uv)), hit.primitive));
+    store_scratch(hit_at(slot), uvec4(floatBitsToUint(vec3(hit.t, hit.uv)), hit.primitive));
 }
 
 Hit load_hit(uint slot) {
-    uvec4 hit = load_slot(slot, HIT_AT);
+    uvec4 hit = load_scratch(hit_at(slot));
     return Hit(uintBitsToFloat(hit.x), uintBitsToFloat(hit.yz), hit.w);
 }
 
+uint first_hit_at(uint slot) {
+    return (STATE_QUADRUPLES + 1u) * slot_count() + FIRST_HIT_QUADRUPLES * slot;
+}
+
 void store_first_hit(uint slot, FirstHit first) {
-    store_slot(slot, FIRST_HIT_AT, floatBitsToUint(vec4(first.albedo, first.depth)));
-    store_slot(slot, FIRST_HIT_AT + 1u, uvec4(floatBitsToUint(first.normal), uint(first.known)));
+    store_scratch(first_hit_at(slot), floatBitsToUint(vec4(first.albedo, first.depth)));
+    store_scratch(first_hit_at(slot) + 1u, uvec4(floatBitsToUint(first.normal), uint(first.known)));
 }
 
 FirstHit load_first_hit(uint slot) {
-    vec4 albedo = uintBitsToFloat(load_slot(slot, FIRST_HIT_AT));
-    uvec4 normal = load_slot(slot, FIRST_HIT_AT + 1u);
+    vec4 albedo = uintBitsToFloat(load_scratch(first_hit_at(slot)));
+    uvec4 normal = load_scratch(first_hit_at(slot) + 1u);
     return FirstHit(normal.w != 0u, albedo.xyz, uintBitsToFloat(normal.xyz), albedo.w);
 }
 
 // The ray that a path travels now.
 Ray load_ray(uint slot) {
-    if (push.edge == 0u) return start_path(film_pixel_of(slot), key_of_slot(slot)).ray;
-    vec4 origin = uintBitsToFloat(load_slot(slot, 0u));
-    return Ray(origin.xyz, uintBitsToFloat(load_slot(slot, 1u)).xyz, origin.w);
+    if (push.edge == 0u) return path_from_camera(slot, film_pixel_of(slot)).ray;
+    vec4 origin = uintBitsToFloat(load_state(slot, 0u));
+    return Ray(origin.xyz, uintBitsToFloat(load_state(slot, 1u)).xyz, origin.w);
 }
 
 vec3 load_path_radiance(uint slot) {
-    return uintBitsToFloat(load_slot(slot, RADIANCE_AT).xyz);
+    return uintBitsToFloat(load_state(slot, RADIANCE).xyz);
 }
 
 // Whether a path has more to remember than its ray, its throughput and its radiance.
@@ -127,38 +139,43 @@ bool keeps_origin() {
     return SAMPLER != SAMPLER_BSDF;
 }
 
-// What the next edges need of a path, or only its radiance where it has ended.
-void store_path(uint slot, Path path) {
-    store_slot(slot, RADIANCE_AT, uvec4(floatBitsToUint(path.radiance), floatBitsToUint(path.segment.scale)));
+// What the next edges need of a path, or only its radiance where it has ended. Pixels have coordinates of 16 bits.
+void store_path(uint slot, uvec2 film_pixel, Path path) {
+    store_state(slot, RADIANCE, uvec4(floatBitsToUint(path.radiance), film_pixel.x | (film_pixel.y << 16u)));
     if (path.depth == 0u) return;
-    store_slot(slot, 0u, uvec4(floatBitsToUint(path.ray.origin), floatBitsToUint(path.ray.t_max)));
-    store_slot(slot, 1u, uvec4(floatBitsToUint(path.ray.direction), floatBitsToUint(path.evidence.of_guide)));
-    store_slot(slot, 2u, uvec4(floatBitsToUint(path.throughput), floatBitsToUint(path.eta)));
+    store_state(slot, 0u, uvec4(floatBitsToUint(path.ray.origin), floatBitsToUint(path.ray.t_max)));
+    store_state(slot, 1u, uvec4(floatBitsToUint(path.ray.direction), floatBitsToUint(path.evidence.of_guide)));
+    store_state(slot, 2u, uvec4(floatBitsToUint(path.throughput), floatBitsToUint(path.eta)));
     if (keeps_origin()) {
         vec2 floats = vec2(path.pdf, path.expected_of_pixel);
-        store_slot(slot, 4u, uvec4(path.segment.index, floatBitsToUint(floats), path.evidence.share));
-        store_slot(slot, 5u, uvec4(floatBitsToUint(path.from), floatBitsToUint(path.evidence.scattered)));
+        store_state(slot, 4u, uvec4(path.segment.index, floatBitsToUint(floats), path.evidence.share));
+        store_state(slot, 5u, uvec4(floatBitsToUint(path.from), floatBitsToUint(path.evidence.scattered)));
     }
 }
 
-Path load_path(uint slot) {
-    if (push.edge == 0u) return start_path(film_pixel_of(slot), key_of_slot(slot));
-    Path path = new_path(key_of_slot(slot));
-    vec4 throughput = uintBitsToFloat(load_slot(slot, 2u));
-    vec4 radiance = uintBitsToFloat(load_slot(slot, RADIANCE_AT));
+// The path of a slot, and its pixel. A segment's scale is 1 with all samplers but `quadtree`, which is not for waves.
+Path load_path(uint slot, out uvec2 film_pixel) {
+    if (push.edge == 0u) {
+        film_pixel = film_pixel_of(slot);
+        return path_from_camera(slot, film_pixel);
+    }
+    uvec4 radiance = load_state(slot, RADIANCE);
+    film_pixel = uvec2(radiance.w & 0xffffu, radiance.w >> 16u);
+    vec4 direction = uintBitsToFloat(load_state(slot, 1u));
+    vec4 throughput = uintBitsToFloat(load_state(slot, 2u));
+    Path path = new_path(key_of_slot(slot, film_pixel));
     path.ray = load_ray(slot);
     path.throughput = throughput.xyz;
     path.eta = throughput.w;
-    path.radiance = radiance.xyz;
+    path.radiance = uintBitsToFloat(radiance.xyz);
     path.depth = push.edge + 1u;
     if (keeps_origin()) {
-        uvec4 segment = load_slot(slot, 4u);
-        vec4 from = uintBitsToFloat(load_slot(slot, 5u));
-        float of_guide = uintBitsToFloat(load_slot(slot, 1u).w);
-        path.segment = Segment(segment.x, radiance.w);
+        uvec4 segment = load_state(slot, 4u);
+        vec4 from = uintBitsToFloat(load_state(slot, 5u));
+        path.segment.index = segment.x;
         path.pdf = uintBitsToFloat(segment.y);
         path.expected_of_pixel = uintBitsToFloat(segment.z);
-        path.evidence = ShareEvidence(segment.w, from.w, of_guide);
+        path.evidence = ShareEvidence(segment.w, from.w, direction.w);
         path.from = from.xyz;
     }
     return path;

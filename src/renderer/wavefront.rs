@@ -20,7 +20,7 @@ const SLOT_BYTES: u64 = 9 * 16 + 2 * 4;
 const WAVE_BYTES: u64 = 640 << 20;
 const PART_OF_MEMORY: u64 = 8;
 /// Workgroups of a dispatch over a queue, whatever its length: its entries are dealt out to their lanes.
-const QUEUE_GROUPS: u32 = 4096;
+const QUEUE_GROUPS: u32 = 32_768;
 /// Edges between two looks at how many paths are left.
 const EDGES_PER_SUBMISSION: u32 = 8;
 
