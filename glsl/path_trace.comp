@@ -3,10 +3,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "path.glsl"
 #include "slice.glsl"
+#include "traverse.glsl"
+#include "vertex.glsl"
 
 layout(push_constant, scalar) uniform Push { PathTracePush push; };
+
+vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally tally) {
+    Connection connection = connect(path, s, x, guide);
+    if (!brings_light(connection)) return vec3(0.0);
+    ++tally.shadow_rays;
+    Hit blocker = traverse(connection.ray, true, tally.overrun);
+    return blocker.primitive == NONE ? connection.light : vec3(0.0);
+}
 
 void main() {
     uint index = pixel_of_slice(push, gl_WorkGroupID.x, gl_LocalInvocationIndex);

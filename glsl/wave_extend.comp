@@ -4,6 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#include "traverse.glsl"
 #include "wavefront.glsl"
 
 void main() {

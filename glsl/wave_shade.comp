@@ -4,9 +4,18 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#include "vertex.glsl"
 #include "wavefront.glsl"
 
+uint shaded_slot;
+
+// wave_connect and wave_shadow have found out.
+vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally tally) {
+    return load_connected_light(shaded_slot);
+}
+
 void shade(uint slot, inout Tally tally) {
+    shaded_slot = slot;
     uvec2 film_pixel;
     Path path = load_path(slot, film_pixel);
     Segment travelled = path.segment;
@@ -17,7 +26,7 @@ void shade(uint slot, inout Tally tally) {
     if (push.edge == 0u) store_first_hit(slot, first);
     learn(travelled, evidence, target, leftover_float(bits), tally);
     store_path(slot, film_pixel, path);
-    if (path.depth != 0u) enqueue(slot);
+    if (path.depth != 0u) enqueue_path(slot);
 }
 
 void main() {

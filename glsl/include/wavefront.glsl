@@ -2,6 +2,7 @@
 // that go on. The only file that says where in the scratch memory and the counters they are.
 #ifndef WAVEFRONT_GLSL
 #define WAVEFRONT_GLSL
+#include "connection.glsl"
 #include "path.glsl"
 #include "slice.glsl"
 
@@ -11,10 +12,12 @@ struct WavePush {
 };
 layout(push_constant, scalar) uniform Push { WavePush push; };
 
-// Word-quadruples of a slot: its path's state, which lies together, then what its ray has hit, then what its camera ray has.
+// Word-quadruples of a slot: its path's state, which lies together, its connection to a light, what its camera ray has hit, and
+// what its ray has.
 const uint STATE_QUADRUPLES = 6u;
+const uint CONNECTION_QUADRUPLES = 3u;
 const uint FIRST_HIT_QUADRUPLES = 2u;
-const uint SLOT_QUADRUPLES = STATE_QUADRUPLES + 1u + FIRST_HIT_QUADRUPLES;
+const uint SLOT_QUADRUPLES = STATE_QUADRUPLES + CONNECTION_QUADRUPLES + FIRST_HIT_QUADRUPLES + 1u;
 // Of the state: ray, throughput, radiance, and what a guide or emitter sampling wants to know.
 const uint RADIANCE = 3u;
 
@@ -65,37 +68,92 @@ void store_state(uint slot, uint quadruple, uvec4 value) {
     store_scratch(slot * STATE_QUADRUPLES + quadruple, value);
 }
 
-// Queues of even and odd edges take turns.
-uint queue_at(uint edge) {
-    return 4u * SLOT_QUADRUPLES * slot_count() + (edge % 2u) * slot_count();
+// Queues: of paths, those of even and odd edges in turns; then of connections.
+const uint CONNECTIONS = 2u;
+
+uint queue_at(uint queue) {
+    return (4u * SLOT_QUADRUPLES + queue) * slot_count();
+}
+
+// Counters of how many paths travel an edge, and how many connections to lights are made at its end.
+uint path_counter(uint edge) {
+    return COUNTER_COUNT + edge;
+}
+
+uint connection_counter(uint edge) {
+    return COUNTER_COUNT + MAX_DEPTH + edge;
 }
 
 // Paths that travel this edge.
 uint queue_length() {
-    return push.edge == 0u ? slot_count() : counted(COUNTER_COUNT + push.edge);
+    return push.edge == 0u ? slot_count() : counted(path_counter(push.edge));
 }
 
-// The slot at a place of the queue; NONE where that is a pixel beyond the picture's border.
+// The slot at a place of their queue; NONE where that is a pixel beyond the picture's border.
 uint queued_slot(uint place) {
-    if (push.edge != 0u) return load_scratch_word(queue_at(push.edge) + place);
+    if (push.edge != 0u) return load_scratch_word(queue_at(push.edge % 2u) + place);
     return is_inside(window_pixel(place)) ? place : NONE;
 }
 
-// Has a path travel the next edge. One lane reserves places for all of its subgroup that go on together.
-void enqueue(uint slot) {
+// One lane reserves places for all of its subgroup that are queued together.
+void enqueue(uint queue, uint counter, uint slot) {
     uvec4 together = subgroupBallot(true);
     uint first = 0u;
-    if (subgroupElect()) first = reserve(COUNTER_COUNT + push.edge + 1u, subgroupBallotBitCount(together));
+    if (subgroupElect()) first = reserve(counter, subgroupBallotBitCount(together));
     uint place = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(together);
-    store_scratch_word(queue_at(push.edge + 1u) + place, slot);
+    store_scratch_word(queue_at(queue) + place, slot);
+}
+
+// Has a path travel the next edge.
+void enqueue_path(uint slot) {
+    enqueue((push.edge + 1u) % 2u, path_counter(push.edge + 1u), slot);
+}
+
+void enqueue_connection(uint slot) {
+    enqueue(CONNECTIONS, connection_counter(push.edge), slot);
+}
+
+uint connection_count() {
+    return counted(connection_counter(push.edge));
+}
+
+uint queued_connection(uint place) {
+    return load_scratch_word(queue_at(CONNECTIONS) + place);
 }
 
 uint lane_count() {
     return gl_NumWorkGroups.x * WORKGROUP_SIZE;
 }
 
+uint connection_at(uint slot) {
+    return STATE_QUADRUPLES * slot_count() + CONNECTION_QUADRUPLES * slot;
+}
+
+void store_connection(uint slot, Connection connection) {
+    uint at = connection_at(slot);
+    store_scratch(at, uvec4(floatBitsToUint(connection.light), 0u));
+    if (!brings_light(connection)) return;
+    store_scratch(at + 1u, floatBitsToUint(vec4(connection.ray.origin, connection.ray.t_max)));
+    store_scratch(at + 2u, uvec4(floatBitsToUint(connection.ray.direction), 0u));
+}
+
+Ray load_connection_ray(uint slot) {
+    vec4 origin = uintBitsToFloat(load_scratch(connection_at(slot) + 1u));
+    vec4 direction = uintBitsToFloat(load_scratch(connection_at(slot) + 2u));
+    return Ray(origin.xyz, direction.xyz, origin.w);
+}
+
+// Something is in a connection's way.
+void block_connection(uint slot) {
+    store_scratch(connection_at(slot), uvec4(0u));
+}
+
+vec3 load_connected_light(uint slot) {
+    return uintBitsToFloat(load_scratch(connection_at(slot)).xyz);
+}
+
 uint hit_at(uint slot) {
-    return STATE_QUADRUPLES * slot_count() + slot;
+    return (SLOT_QUADRUPLES - 1u) * slot_count() + slot;
 }
 
 void store_hit(uint slot, Hit hit) {
@@ -108,7 +166,7 @@ Hit load_hit(uint slot) {
 }
 
 uint first_hit_at(uint slot) {
-    return (STATE_QUADRUPLES + 1u) * slot_count() + FIRST_HIT_QUADRUPLES * slot;
+    return (STATE_QUADRUPLES + CONNECTION_QUADRUPLES) * slot_count() + FIRST_HIT_QUADRUPLES * slot;
 }
 
 void store_first_hit(uint slot, FirstHit first) {

@@ -7,7 +7,7 @@ use ash::vk;
 use super::context::Context;
 
 /// Most dispatches of one submission that are timed one by one.
-const TIMED_DISPATCHES: u32 = 31;
+const TIMED_DISPATCHES: u32 = 32;
 
 /// Queries of a pool: two for all work, two for each dispatch.
 pub(super) const QUERY_COUNT: u32 = 2 + 2 * TIMED_DISPATCHES;

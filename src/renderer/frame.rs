@@ -57,8 +57,8 @@ impl Frame {
         let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
-        // After the counters, the lengths of a wave's queues.
-        let counter_bytes = u64::from(kernels::COUNTER_COUNT + settings.max_depth) * 4;
+        // After the counters, the lengths of a wave's queues: of paths and of connections, for every edge.
+        let counter_bytes = u64::from(kernels::COUNTER_COUNT + 2 * settings.max_depth) * 4;
         let counters = Buffer::new(context, "counters", counter_bytes, BufferKind::Storage)?;
         let counters_read = Buffer::new(context, "counters for the host", counter_bytes, BufferKind::Readback)?;
         let records = bytemuck::cast_slice(&textures.records);

@@ -13,11 +13,11 @@ use crate::layout::{PathTracePush, WavePush};
 use crate::settings::{Execution, Settings};
 use crate::{Error, Result};
 
-/// Bytes of a slot: `SLOT_QUADRUPLES` of `glsl/include/wavefront.glsl`, and a word in each of two queues.
-const SLOT_BYTES: u64 = 9 * 16 + 2 * 4;
+/// Bytes of a slot: `SLOT_QUADRUPLES` of `glsl/include/wavefront.glsl`, and a word in each of three queues.
+const SLOT_BYTES: u64 = 12 * 16 + 3 * 4;
 /// Most bytes of a wave, and the most of the device's memory, as a part of it. More paths at once keep a device busy to the end
 /// of a wave; from some millions on it makes no difference.
-const WAVE_BYTES: u64 = 640 << 20;
+const WAVE_BYTES: u64 = 800 << 20;
 const PART_OF_MEMORY: u64 = 8;
 /// Workgroups of a dispatch over a queue, whatever its length: its entries are dealt out to their lanes.
 const QUEUE_GROUPS: u32 = 32_768;
@@ -68,8 +68,8 @@ pub(super) fn wave_buffer(context: &Arc<Context>, settings: &Settings) -> Result
 
 /// The kernels of a wave.
 pub(super) struct Wavefront {
-    extend: Kernel,
-    shade: Kernel,
+    /// Of each edge, in this order.
+    stages: Vec<Kernel>,
     film: Kernel,
     max_depth: u32,
 }
@@ -77,9 +77,12 @@ pub(super) struct Wavefront {
 impl Wavefront {
     pub fn new(context: &Arc<Context>, kernels: &Kernels, variant: &Variant) -> Result<Self> {
         let build = |source| Kernel::new(context, source, &variant.entries());
+        let stages = match variant.nee {
+            true => vec![&kernels.wave_extend, &kernels.wave_connect, &kernels.wave_shadow, &kernels.wave_shade],
+            false => vec![&kernels.wave_extend, &kernels.wave_shade],
+        };
         Ok(Self {
-            extend: build(&kernels.wave_extend)?,
-            shade: build(&kernels.wave_shade)?,
+            stages: stages.into_iter().map(build).collect::<Result<_>>()?,
             film: build(&kernels.wave_film)?,
             max_depth: variant.max_depth,
         })
@@ -108,7 +111,7 @@ impl Wavefront {
                 }
                 for edge in edge..end {
                     let push = WavePush { slice, edge };
-                    for kernel in [&self.extend, &self.shade] {
+                    for kernel in &self.stages {
                         recorder.dispatch(kernel, &sets, bytemuck::bytes_of(&push), groups);
                         recorder.barrier();
                     }
