@@ -1,5 +1,6 @@
 //! The table, in Markdown.
 
+use crate::digits::three_digits;
 use crate::mitsuba::Mitsuba;
 use crate::store::{Baseline, Line};
 
@@ -39,11 +40,8 @@ fn none() -> String {
     "-".into()
 }
 
-/// Three digits.
 fn number(value: Option<f64>) -> String {
-    let Some(value) = value else { return none() };
-    let places = (2.0 - value.abs().max(1.0e-9).log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{value:.places$}")
+    value.map_or_else(none, three_digits)
 }
 
 fn ratio(value: Option<f64>) -> String {

@@ -21,6 +21,8 @@ mod common;
 #[path = "../../tests/samplers/device.rs"]
 #[allow(dead_code)]
 mod device;
+#[path = "../common/digits.rs"]
+mod digits;
 #[path = "../common/guide_updates.rs"]
 #[allow(dead_code)] // It refines no quadtrees.
 mod guide_updates;

@@ -10,6 +10,7 @@ use lodestar::settings::{Sampler, Settings};
 
 use crate::Limits;
 use crate::common::{median, renderer, run_for, settings};
+use crate::digits::three_digits;
 use crate::operations::Operations;
 use crate::ray_bounds::RayBound;
 use crate::subjects::Subject;
@@ -87,14 +88,14 @@ pub fn print(rows: &[PathBound]) {
     for row in rows {
         let of = |number: fn(&Turn) -> f64| median(row.turns.iter().map(number).collect());
         println!(
-            "| {} | {:.1} | {:.0} | {:.0} | {:.0} | {:.1} | {:.1} | {:.2} |",
+            "| {} | {:.1} | {:.0} | {:.0} | {:.0} | {} | {} | {:.2} |",
             row.scene,
             row.rays_per_path,
             row.bytes,
             row.operations,
             row.traversal_operations,
-            of(|turn| turn.computing),
-            of(|turn| turn.measured),
+            three_digits(of(|turn| turn.computing)),
+            three_digits(of(|turn| turn.measured)),
             of(|turn| turn.computing / turn.measured),
         );
     }

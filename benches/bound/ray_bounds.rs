@@ -8,6 +8,7 @@ use lodestar::kernels::{Variant, test};
 use crate::Limits;
 use crate::common::median;
 use crate::device::Device;
+use crate::digits::three_digits;
 use crate::operations::Operations;
 use crate::rates::{NODE_BYTES, mean_seconds, seconds_of};
 use crate::rays::{Batch, Counts, KINDS, Ray, Tracer, make, picture};
@@ -148,17 +149,17 @@ pub fn print(rows: &[RayBound]) {
     for row in rows {
         let of = |number: fn(&Turn) -> f64| median(row.turns.iter().map(number).collect());
         println!(
-            "| {} | {} | {:.1} | {:.1} | {:.0} | {:.0} | {:.1} | {:.1} | {:.1} | {:.1} | {:.2} | {:.2} |",
+            "| {} | {} | {:.1} | {:.1} | {:.0} | {:.0} | {} | {} | {} | {} | {:.2} | {:.2} |",
             row.scene,
             row.kind,
             row.nodes,
             row.primitives,
             row.bytes(),
             row.operations,
-            of(|turn| turn.computing),
-            of(|turn| turn.fetching),
-            of(|turn| turn.fetching_at_random),
-            of(|turn| turn.measured),
+            three_digits(of(|turn| turn.computing)),
+            three_digits(of(|turn| turn.fetching)),
+            three_digits(of(|turn| turn.fetching_at_random)),
+            three_digits(of(|turn| turn.measured)),
             of(|turn| turn.computing.max(turn.fetching) / turn.measured),
             row.busy_lanes,
         );

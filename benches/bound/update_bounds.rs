@@ -11,6 +11,7 @@ use lodestar::settings::Sampler;
 
 use crate::common::median;
 use crate::device::Device;
+use crate::digits::three_digits;
 use crate::guide_updates::{Ground, Stepper, steppers};
 use crate::rates::Copies;
 
@@ -114,13 +115,13 @@ pub fn print(rows: &[UpdateBound]) {
     for row in rows {
         let of = |number: fn(&Turn) -> f64| median(row.turns.iter().map(number).collect());
         println!(
-            "| {} | {} | {} | {} | {:.2} | {:.2} | {:.2} |",
+            "| {} | {} | {} | {} | {} | {} | {:.2} |",
             row.name,
             row.cells,
             row.entries,
             row.bytes / row.cells,
-            of(|turn| turn.copying),
-            of(|turn| turn.measured),
+            three_digits(of(|turn| turn.copying)),
+            three_digits(of(|turn| turn.measured)),
             of(|turn| turn.copying / turn.measured),
         );
     }

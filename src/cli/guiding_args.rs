@@ -11,18 +11,19 @@ pub struct GuidingArgs {
     /// How directions are sampled.
     #[arg(long, value_enum, default_value_t = Sampler::Product, help_heading = "Guiding")]
     pub sampler: Sampler,
-    /// Which surfaces are guided: diffuse lobes, also rough conductors and dielectrics as in the authors' code, or all.
-    #[arg(long, value_enum, default_value_t = GuideSet::All, help_heading = "Guiding")]
-    pub guide_set: GuideSet,
+    /// Which surfaces are guided: diffuse lobes, also rough conductors and dielectrics as in the authors' code, or all
+    /// [default: all].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub guide_set: Option<GuideSet>,
     /// How the guide learns [default: sarsa; with quadtree: monte-carlo].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub learner: Option<Learner>,
     /// Directions over which the learner expected-sarsa takes its mean [default: 128].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub expected_directions: Option<u32>,
-    /// What rejection-mix mixes with the uniform share: densities (Eq. 8) or acceptances (Eq. 9).
-    #[arg(long, value_enum, default_value_t = Mix::Density, help_heading = "Guiding")]
-    pub mix: Mix,
+    /// What rejection-mix mixes with the uniform share: densities (Eq. 8) or acceptances (Eq. 9) [default: density].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub mix: Option<Mix>,
     /// Share that is mixed with the guide: of uniform directions with rejection-mix [default: the optimal one, Eq. 8], of
     /// the scattering function with product [default: what each cell learns].
     #[arg(long, value_name = "E", help_heading = "Guiding")]
@@ -35,17 +36,17 @@ pub struct GuidingArgs {
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub candidates: Option<u32>,
     /// What guided directions are drawn in proportion to: the mean of what a bin has learned, or the root of its second moment,
-    /// which is larger where that varies.
-    #[arg(long, value_enum, default_value_t = TargetDensity::Mean, help_heading = "Guiding")]
-    pub target_density: TargetDensity,
+    /// which is larger where that varies [default: mean].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub target_density: Option<TargetDensity>,
     /// What Russian roulette goes by: throughput, after --rr-depth edges; or with product, from the first edge on, what the guide
     /// expects a path still to bring to its pixel [default: contribution with product, unless --rr-depth is no less than
     /// --max-depth, which leaves roulette out].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub roulette: Option<Roulette>,
-    /// Map between directions and their bins.
-    #[arg(long, value_enum, default_value_t = DirectionMap::EqualArea, help_heading = "Guiding")]
-    pub map: DirectionMap,
+    /// Map between directions and their bins [default: equal-area].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub map: Option<DirectionMap>,
     /// Cells of the guide along each axis, or `auto`: as many, near to cubes, as 8 MiB hold [default: 8].
     #[arg(long, value_name = "N|auto", value_parser = number_or_auto, help_heading = "Guiding")]
     pub grid: Option<u32>,
@@ -61,9 +62,9 @@ pub struct GuidingArgs {
     /// Most samples per pixel between two updates of the guide [default: 8].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub spp_per_step: Option<u32>,
-    /// Whether there are fewer at first: a quarter of the samples so far, from 1 up to the most.
-    #[arg(long, value_enum, default_value_t = StepSchedule::Growing, help_heading = "Guiding")]
-    pub steps: StepSchedule,
+    /// Whether there are fewer at first: a quarter of the samples so far, from 1 up to the most [default: growing].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub steps: Option<StepSchedule>,
     /// Normal bins of a cell along each side [default: 16].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub normals: Option<u32>,
@@ -90,23 +91,23 @@ impl GuidingArgs {
     /// Changes what the options say.
     pub fn apply(&self, settings: &mut Settings) {
         settings.sampler = self.sampler;
-        settings.guide_set = self.guide_set;
+        settings.guide_set = self.guide_set.unwrap_or(settings.guide_set);
         settings.learner = self.learner.unwrap_or(self.sampler.default_learner());
         settings.expected_directions = self.expected_directions.unwrap_or(settings.expected_directions);
-        settings.mix = self.mix;
+        settings.mix = self.mix.unwrap_or(settings.mix);
         settings.epsilon = self.epsilon;
         settings.bsdf_share = self.bsdf_share;
         settings.candidates = self.candidates.unwrap_or(settings.candidates);
-        settings.target_density = self.target_density;
+        settings.target_density = self.target_density.unwrap_or(settings.target_density);
         settings.roulette = self.roulette;
-        settings.map = self.map;
+        settings.map = self.map.unwrap_or(settings.map);
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.fallback = self.fallback.unwrap_or(settings.fallback);
         settings.jitter = self.jitter.unwrap_or(settings.jitter);
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.normals = self.normals.unwrap_or(settings.normals);
         settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);
-        settings.steps = self.steps;
+        settings.steps = self.steps.unwrap_or(settings.steps);
         settings.decay = self.decay.unwrap_or(settings.decay);
         settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
         settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);

@@ -148,6 +148,7 @@ fn settings(args: &InspectArgs, mut settings: Settings) -> Result<Settings> {
     settings.nee = args.nee == Switch::On;
     settings.pattern = args.pattern;
     settings.validate()?;
+    args.guiding.check_uses(&settings)?;
     Ok(settings)
 }
 

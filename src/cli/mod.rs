@@ -4,6 +4,7 @@
 mod compare;
 mod devices;
 mod guiding_args;
+mod guiding_uses;
 mod inspect;
 mod inspect_text;
 mod interrupt;

@@ -10,7 +10,7 @@ use lodestar::image::{ToneCurve, exr, png};
 use lodestar::radiance_map::{Place, SurfacePoint, false_colors};
 use lodestar::renderer::Renderer;
 use lodestar::scene::{self, LoadOptions, Scene};
-use lodestar::settings::{Sampler, Settings};
+use lodestar::settings::{Sampler, Settings, StepSchedule};
 use lodestar::{Error, Result, files, identity};
 
 use super::render_args::{ChoiceArgs, Switch, define, output_path};
@@ -84,6 +84,11 @@ fn settings(args: &RadianceArgs, scene: &Scene) -> Result<Settings> {
     }
     if settings.sampler == Sampler::Quadtree {
         return Err(Error::Settings("--sampler quadtree learns flux, not radiance, so there is no map of it".into()));
+    }
+    if args.choices.guiding.steps == Some(StepSchedule::Growing) {
+        return Err(Error::Settings(
+            "--steps growing is for a picture: steps of a map have all --spp-per-step samples".into(),
+        ));
     }
     if args.choices.nee == Some(Switch::On) {
         return Err(Error::Settings(

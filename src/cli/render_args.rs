@@ -209,6 +209,7 @@ impl ChoiceArgs {
         self.guiding.apply(&mut settings);
         settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
         settings.validate()?;
+        self.guiding.check_uses(&settings)?;
         settings.check_lighting(scene)?;
         Ok(settings)
     }

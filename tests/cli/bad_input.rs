@@ -174,6 +174,57 @@ fn combinations_without_meaning() {
 }
 
 #[test]
+fn options_given_in_vain() {
+    let folder = Folder::new();
+    let guided = "for samplers that follow a guide, not for bsdf";
+    let with_cells = "for samplers with cells, not for bsdf or quadtree";
+    let by_rejection = "for the samplers rejection and rejection-mix only";
+    for (sampler, option, value, of) in [
+        ("bsdf", "--learner", "sarsa", guided),
+        ("bsdf", "--guide-set", "all", guided),
+        ("bsdf", "--map", "equal-area", guided),
+        ("bsdf", "--grid", "8", guided),
+        ("bsdf", "--directions", "16", guided),
+        ("bsdf", "--fallback", "4", with_cells),
+        ("bsdf", "--jitter", "1", with_cells),
+        ("quadtree", "--target-density", "mean", with_cells),
+        ("quadtree", "--decay", "0.9", with_cells),
+        ("quadtree", "--steps", "growing", with_cells),
+        ("sphere-inversion", "--normals", "8", "for samplers that tell normals apart"),
+        ("product", "--mix", "density", "for --sampler rejection-mix only"),
+        ("product", "--max-tries", "15", by_rejection),
+        ("hemisphere-inversion", "--max-tries", "31", by_rejection),
+        ("product", "--min-uniform", "0.25", "for the samplers by rejection and inversion, not for bsdf, product"),
+        ("rejection", "--expected-directions", "128", "for --learner expected-sarsa only"),
+    ] {
+        refuse(&folder, &["--sampler", sampler, option, value], 1, &[option, of]);
+    }
+    let fixed_share = ["--sampler", "rejection-mix", "--epsilon", "0.5", "--min-uniform", "0.1"];
+    refuse(&folder, &fixed_share, 1, &["--min-uniform", "not for a share that --epsilon fixes"]);
+    let output = folder.run(&["inspect", "path_trace", "--sampler", "product", "--max-tries", "15"]);
+    assert_sentence(&output, 1, &["--max-tries", by_rejection]);
+}
+
+/// All that is missed is a device.
+#[test]
+fn options_of_use_and_those_that_ask_for_nothing_are_taken() {
+    let folder = Folder::new();
+    for arguments in [
+        "bsdf --fallback 0 --jitter 0 --candidates 1 --steps even --spp-per-step 4 --roulette throughput",
+        "rejection-mix --mix density --max-tries 15 --min-uniform 0.25 --normals 8 --decay 1 --steps growing",
+        "rejection-mix --mix acceptance --epsilon 0.5 --min-uniform 0.25",
+        "rejection --max-tries 31 --min-uniform 0.25 --target-density mean --learner expected-sarsa --expected-directions 128",
+        "sphere-inversion --min-uniform 0.25 --map cylindrical --jitter 1",
+        "hemisphere-inversion --min-uniform 0.25 --normals 8 --fallback 4",
+        "product --grid auto --fallback 4 --normals 8 --decay 0.9 --target-density mean --epsilon 0.5",
+        "quadtree --grid 4 --directions 8 --map cylindrical --guide-set diffuse --learner monte-carlo --steps even",
+    ] {
+        let arguments: Vec<_> = ["--sampler"].into_iter().chain(arguments.split(' ')).collect();
+        refuse(&folder, &arguments, 1, &["no Vulkan driver"]);
+    }
+}
+
+#[test]
 fn wrong_usage_exits_with_2() {
     let folder = Folder::new();
     for (arguments, word) in [

@@ -90,6 +90,8 @@ fn what_has_no_map_is_said() {
     refuse(&["--pixel", "64,0", "--width", "64", "--height", "64"], &["--pixel 64,0", "64 x 64"]);
     refuse(&["--pixel", "0,0", "--sampler", "bsdf"], &["--sampler bsdf learns nothing"]);
     refuse(&["--pixel", "0,0", "--nee", "on"], &["--nee on"]);
+    refuse(&["--pixel", "0,0", "--steps", "growing"], &["--steps growing is for a picture"]);
+    refuse(&["--pixel", "0,0", "--decay", "0.9", "--sampler", "quadtree"], &["--decay is for samplers with cells"]);
     let output = folder.run(&["radiance", "scene.xml", "--pixel", "0,0", "-o", "a.exr"]);
     assert_sentence(&output, 1, &["--pixel 0,0", "nothing to be seen"]);
     let output = folder.run(&["radiance", FURNACE, "-o", "a.exr", "--pixel", "1;2"]);

@@ -6,11 +6,11 @@ use std::fs;
 use std::path::Path;
 
 use lodestar::kernels::MIS_BLIND_TO_GUIDE;
-use lodestar::settings::{DirectionMap, GuideSet};
+use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use crate::claims::{
-    ALL, Claim, DENSITIES, DIRECTIONS, DOORS, EMITTERS, ENTRIES, FURNACE, PICTURES, ROULETTE, SAMPLES, SUMS, TARGETS,
-    UPDATES,
+    ALL, Claim, DENSITIES, DIRECTIONS, DOORS, EMITTERS, ENTRIES, FURNACE, PATTERNS, PICTURES, ROULETTE, SAMPLES, SUMS,
+    TARGETS, TREES, UPDATES,
 };
 use crate::evidence::MOST_TESTS;
 use crate::rows::Scope;
@@ -21,6 +21,7 @@ struct Fault(Subject, Claim, &'static str);
 
 const MIX: &str = "rejection-mix";
 const PRODUCT: &str = "product";
+const QUADTREE: &str = "quadtree";
 
 const fn kernels(name: &'static str, claim: Claim, row: &'static str) -> Fault {
     Fault(Subject::mutated(name), claim, row)
@@ -64,6 +65,11 @@ const FAULTS: &[Fault] = &[
     kernels("missing survival weight", ROULETTE, "bsdf"),
     kernels("roulette by a used random number", ROULETTE, "bsdf"),
     kernels("survivors of little hope weigh too little", FURNACE, PRODUCT),
+    kernels("points of a set not scrambled", PATTERNS, "bsdf"),
+    kernels("digits of points of a tile lost", PATTERNS, "bsdf"),
+    kernels("what a choice leaves of a number not stretched", PICTURES, QUADTREE),
+    kernels("left and right of a square exchanged", TREES, QUADTREE),
+    kernels("halves of a leaf in one tree", TREES, QUADTREE),
     kernels("density 0 for the weights", EMITTERS, MIX),
     kernels("emitters counted twice", EMITTERS, MIX),
     kernels("missing Jacobian", EMITTERS, MIX),
@@ -107,6 +113,14 @@ const HARMLESS: &[Harmless] = &[
     Harmless(Subject::mutated("workgroups in another order"), RENDERS),
     Harmless(Subject::mutated("other random blocks"), &[SAMPLES, FURNACE, PICTURES]),
     Harmless(Subject::mutated("another multiplier of leftover bits"), &[TARGETS, FURNACE]),
+    Harmless(Subject::mutated("digits flipped whatever comes before"), &[PATTERNS]),
+    Harmless(
+        Subject {
+            change: |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo),
+            ..Subject::mutated("coarser squares of directions")
+        },
+        RENDERS,
+    ),
     Harmless(Subject::mutated("roulette ends more paths"), &[ROULETTE, TARGETS]),
     Harmless(Subject::mutated("another window of roulette"), &[ROULETTE, TARGETS, FURNACE]),
     Harmless(Subject::mutated("the balance heuristic"), &[EMITTERS, FURNACE]),

@@ -6,11 +6,13 @@ pub mod doors;
 pub mod emitters;
 pub mod entries;
 pub mod furnace;
+pub mod patterns;
 pub mod pictures;
 pub mod roulette;
 pub mod samples;
 pub mod sums;
 pub mod targets;
+pub mod trees;
 pub mod updates;
 
 use crate::evidence::Evidence;
@@ -33,14 +35,18 @@ pub const SUMS: Claim = Claim { name: "sums", test: sums::test, most_tests: 100 
 pub const UPDATES: Claim = Claim { name: "updates", test: updates::test, most_tests: 0 };
 pub const ENTRIES: Claim = Claim { name: "entries", test: entries::test, most_tests: 0 };
 pub const DOORS: Claim = Claim { name: "doors", test: doors::test, most_tests: 0 };
+pub const TREES: Claim = Claim { name: "trees", test: trees::test, most_tests: 0 };
 pub const TARGETS: Claim = Claim { name: "targets", test: targets::test, most_tests: 1000 };
 pub const FURNACE: Claim = Claim { name: "furnace", test: furnace::test, most_tests: 500 };
 pub const PICTURES: Claim = Claim { name: "pictures", test: pictures::test, most_tests: 500 };
+pub const PATTERNS: Claim = Claim { name: "patterns", test: patterns::test, most_tests: 100 };
 pub const ROULETTE: Claim = Claim { name: "roulette", test: roulette::test, most_tests: 100 };
 pub const EMITTERS: Claim = Claim { name: "emitters", test: emitters::test, most_tests: 500 };
 
-pub const ALL: [Claim; 12] =
-    [SAMPLES, DENSITIES, DIRECTIONS, SUMS, UPDATES, ENTRIES, DOORS, TARGETS, FURNACE, PICTURES, ROULETTE, EMITTERS];
+pub const ALL: [Claim; 14] = [
+    SAMPLES, DENSITIES, DIRECTIONS, SUMS, UPDATES, ENTRIES, DOORS, TREES, TARGETS, FURNACE, PICTURES, PATTERNS,
+    ROULETTE, EMITTERS,
+];
 
 impl Claim {
     pub fn examine(&self, subject: &Subject, scope: Scope) -> Evidence {
@@ -91,6 +97,11 @@ fn doors() {
 }
 
 #[test]
+fn trees() {
+    prove(TREES);
+}
+
+#[test]
 fn targets() {
     prove(TARGETS);
 }
@@ -103,6 +114,11 @@ fn furnace() {
 #[test]
 fn pictures() {
     prove(PICTURES);
+}
+
+#[test]
+fn patterns() {
+    prove(PATTERNS);
 }
 
 #[test]

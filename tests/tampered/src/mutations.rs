@@ -18,6 +18,7 @@ const PATH: &str = "glsl/include/path.glsl";
 const ROULETTE: &str = "glsl/include/roulette.glsl";
 const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
+const BLUE_NOISE: &str = "glsl/include/blue_noise.glsl";
 const CELLS: &str = "glsl/include/cells.glsl";
 const GUIDE: &str = "glsl/include/guide.glsl";
 const GUIDING: &str = "glsl/include/guiding.glsl";
@@ -30,8 +31,17 @@ const RADIANCE_GRID: &str = "glsl/include/radiance_grid.glsl";
 const RANDOM: &str = "glsl/include/random.glsl";
 const PARTS: &str = "glsl/include/parts.glsl";
 const PRODUCT: &str = "glsl/include/product.glsl";
+const QUADTREE: &str = "glsl/include/quadtree.glsl";
+const QUADTREE_NODES: &str = "glsl/include/quadtree_nodes.glsl";
+const QUADTREE_REFINEMENT: &str = "glsl/include/quadtree_refinement.glsl";
+const REFINE_QUADTREES: &str = "glsl/refine_quadtrees.comp";
 const REJECTION: &str = "glsl/include/rejection_mix.glsl";
 const SEGMENT: &str = "glsl/include/segment.glsl";
+const SOBOL: &str = "glsl/include/sobol.glsl";
+
+/// Where the file of sets of samples finds the constant; that of blue noise includes it.
+const SOBOL_FINDS_CONSTANT: Patch =
+    Patch { file: SOBOL, text: "#define SOBOL_GLSL", mutated: "#define SOBOL_GLSL\n#include \"variant.glsl\"" };
 
 const fn mutation(name: &'static str, patches: &'static [Patch]) -> Mutation {
     Mutation { name, patches }
@@ -308,7 +318,66 @@ pub const MUTATIONS: &[Mutation] = &[
             mutated: "return MUTATED ? 1.0 / area : squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);",
         }],
     ),
+    mutation(
+        "points of a set not scrambled",
+        &[
+            SOBOL_FINDS_CONSTANT,
+            Patch {
+                file: SOBOL,
+                text: "owen_scramble(sobol_digits(shuffled.xy), bits >> 25u)",
+                mutated: "owen_scramble(sobol_digits(shuffled.xy), (MUTATED ? uvec4(0u) : bits) >> 25u)",
+            },
+        ],
+    ),
+    mutation(
+        "digits of points of a tile lost",
+        &[Patch {
+            file: BLUE_NOISE,
+            text: ">> (32u - POINT_DIGITS)",
+            mutated: ">> (32u - (MUTATED ? PLACE_DIGITS : POINT_DIGITS))",
+        }],
+    ),
+    mutation(
+        "what a choice leaves of a number not stretched",
+        &[Patch {
+            file: QUADTREE,
+            text: "/ max(probability, 1.0e-30)",
+            mutated: "/ (MUTATED ? 1.0 : max(probability, 1.0e-30))",
+        }],
+    ),
+    mutation(
+        "left and right of a square exchanged",
+        &[Patch {
+            file: QUADTREE_NODES,
+            text: "share_of(flux.x, flux.y)",
+            mutated: "(MUTATED ? share_of(flux.y, flux.x) : share_of(flux.x, flux.y))",
+        }],
+    ),
+    mutation(
+        "halves of a leaf in one tree",
+        &[Patch {
+            file: REFINE_QUADTREES,
+            text: "plan.first + copy * plan.nodes",
+            mutated: "plan.first + (MUTATED ? 0u : copy * plan.nodes)",
+        }],
+    ),
     // What follows must not matter.
+    mutation(
+        "digits flipped whatever comes before",
+        &[
+            SOBOL_FINDS_CONSTANT,
+            Patch { file: SOBOL, text: "(1u + (x >> 2u))", mutated: "(1u + (MUTATED ? uvec4(0u) : x >> 2u))" },
+            Patch { file: SOBOL, text: "(3u + (x >> 1u))", mutated: "(3u + (MUTATED ? uvec4(0u) : x >> 1u))" },
+        ],
+    ),
+    mutation(
+        "coarser squares of directions",
+        &[Patch {
+            file: QUADTREE_REFINEMENT,
+            text: "const float FLUX_SHARE = 0.01;",
+            mutated: "const float FLUX_SHARE = MUTATED ? 0.03 : 0.01;",
+        }],
+    ),
     mutation(
         "cells in another order",
         &[Patch {
