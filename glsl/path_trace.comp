@@ -18,6 +18,7 @@ struct PathTracePush {
     uint workgroup_count;
     uint workgroup_stride;   // coprime to the count: spreads neighbors over a device that deals out contiguous halves
     uint page_first_pixel;   // pixels (in tile order) before this film page
+    SampleWeights weights;
     uint first_sample;
     uint sample_count;
     uint first_of_sets;      // sample; no set of samples reaches back beyond it
@@ -220,6 +221,6 @@ void main() {
     }
     tally.overrun = tally.overrun || more;
 
-    if (inside) merge_into_film(index, samples);
+    if (inside) merge_into_film(index, samples, push.weights);
     publish_tally(tally);
 }

@@ -121,6 +121,7 @@ mod tests {
             normals: _,
             spp_per_step: _,
             steps: _,
+            sample_weights: _,
             samples_per_dispatch: _,
             max_tries: _,
             min_uniform: _,
@@ -131,9 +132,10 @@ mod tests {
             storage_reads: _,
             attenuation_tamper: _,
             pdf_tamper: _,
+            own_weights: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 35);
+        assert_eq!(settings().named().len(), 36);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };

@@ -158,6 +158,19 @@ pub enum StepSchedule {
     Even,
 }
 
+/// What the samples of a pixel count for in its mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum SampleWeights {
+    /// All the same.
+    Even,
+    /// Those that an early guide has drawn less than later ones, by a schedule that is fixed before the render begins
+    /// ([`crate::sample_weights`]).
+    Growing,
+    /// The noisier their steps were, the less: such a picture is consistent, not unbiased ([`crate::measured_weights`]).
+    Measured,
+}
+
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -229,6 +242,8 @@ pub struct Settings {
     pub spp_per_step: u32,
     /// Whether there are fewer at first. See [`Settings::samples_of_step`].
     pub steps: StepSchedule,
+    /// What samples count for in the picture. `None`: see [`Settings::sample_weights`].
+    pub sample_weights: Option<SampleWeights>,
     /// Most samples per pixel that one dispatch takes, in [1, 64]: a driver may bound the loop iterations of a dispatch.
     pub samples_per_dispatch: u32,
     /// Proposals before a guided sample falls back on the uniform share, in [1, 1024]. They are drawn in pairs, so an odd
@@ -256,6 +271,10 @@ pub struct Settings {
     #[serde(skip, default = "exact_pdf")]
     #[doc(hidden)]
     pub pdf_tamper: f32,
+    /// Has the variance of the very samples decide their measured weights: a fault that the tests must detect.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub own_weights: bool,
     /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
     #[serde(skip, default = "exact_mis")]
     #[doc(hidden)]
@@ -301,6 +320,7 @@ impl Settings {
             normals: 16,
             spp_per_step: 8,
             steps: StepSchedule::Growing,
+            sample_weights: None,
             samples_per_dispatch: 8,
             max_tries: 15,
             min_uniform: 1.0 / 16.0,
@@ -310,6 +330,7 @@ impl Settings {
             storage_reads: false,
             attenuation_tamper: exact_attenuation(),
             pdf_tamper: exact_pdf(),
+            own_weights: false,
             mis_fault: exact_mis(),
         }
     }
@@ -358,11 +379,37 @@ impl Settings {
         in_range("epsilon", self.epsilon.unwrap_or(1.0), 1.0e-4, 1.0)?;
         in_range("candidates", self.candidates, 1, 2)?;
         in_range("expected-directions", self.expected_directions, 1, 4096)?;
+        self.validate_sample_weights()?;
         self.validate_mix()?;
         self.validate_target_density()?;
         self.validate_learner()?;
         in_range("slice-ms", self.slice_milliseconds.unwrap_or(1.0), 0.001, 60_000.0)?;
         self.validate_crop()
+    }
+
+    fn validate_sample_weights(&self) -> Result<()> {
+        let is_measured = match self.sample_weights() {
+            SampleWeights::Even => return Ok(()),
+            SampleWeights::Growing => false,
+            SampleWeights::Measured => true,
+        };
+        let refused = [
+            (self.sampler == Sampler::Bsdf, "--sampler bsdf: without a guide, no sample is better than another"),
+            (self.noise.is_some(), "--noise, which is estimated from samples that all count the same"),
+            (
+                self.sample_offset.is_some(),
+                "--sample-offset: parts of a picture are averaged by their numbers of samples",
+            ),
+            (
+                is_measured && self.pattern == SamplePattern::BlueNoise,
+                "--pattern blue-noise: no half of the pixels may depend on the other",
+            ),
+        ];
+        let word = if is_measured { "measured" } else { "growing" };
+        let refusal = refused.iter().find(|(is_refused, _)| *is_refused);
+        refusal.map_or(Ok(()), |(_, with)| {
+            Err(Error::Settings(format!("--sample-weights {word} does not go with {with}")))
+        })
     }
 
     fn validate_mix(&self) -> Result<()> {
@@ -462,6 +509,16 @@ impl Settings {
     pub fn learns_share(&self) -> bool {
         let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
         can && self.bsdf_share != Some(BsdfShare::Fixed)
+    }
+
+    /// What samples count for: all the same where nothing else is chosen.
+    pub fn sample_weights(&self) -> SampleWeights {
+        self.sample_weights.unwrap_or(SampleWeights::Even)
+    }
+
+    /// Whether steps are weighed by their measured variance.
+    pub(crate) fn measures_weights(&self) -> bool {
+        self.sample_weights() == SampleWeights::Measured
     }
 
     /// Whether cells keep the second moments of what they learn.

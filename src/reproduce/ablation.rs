@@ -8,7 +8,8 @@ use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{
-    AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, Sampler, StepSchedule, TargetDensity,
+    AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule,
+    TargetDensity,
 };
 
 /// A plain path tracer.
@@ -34,6 +35,8 @@ const ROWS: &[Method] = &[
     REJECTION_MIX,
     PRODUCT,
     PRODUCT.with(Changes { steps: Some(StepSchedule::Even), ..NONE }),
+    PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Growing), ..NONE }),
+    PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Measured), ..NONE }),
     PRODUCT.with(Changes { pattern: Some(SamplePattern::Independent), ..NONE }),
     ALONE,
     PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),

@@ -24,4 +24,5 @@ mod roulette;
 mod scenes;
 mod significance;
 mod variance;
+mod weights;
 mod ztest;

@@ -16,6 +16,7 @@ pub struct Mutation {
 
 const PATH_TRACE: &str = "glsl/path_trace.comp";
 const ROULETTE: &str = "glsl/include/roulette.glsl";
+const TALLY: &str = "glsl/include/tally.glsl";
 const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
 const CELLS: &str = "glsl/include/cells.glsl";
@@ -175,6 +176,14 @@ pub const MUTATIONS: &[Mutation] = &[
             file: GUIDING,
             text: "sum > 0.0 ? 0.5 * sum / taken_score : sum;",
             mutated: "sum > 0.0 ? (MUTATED ? 1.0 : 0.5 * sum / taken_score) : sum;",
+        }],
+    ),
+    mutation(
+        "what is brighter counts for less",
+        &[Patch {
+            file: TALLY,
+            text: "float weight = w.of_sample * count;",
+            mutated: "float weight = w.of_sample * count * (MUTATED && mean_rgb(b.mean) > mean_rgb(a.mean) ? 0.75 : 1.0);",
         }],
     ),
     mutation(
