@@ -183,7 +183,7 @@ pub const MUTATIONS: &[Mutation] = &[
         &[Patch {
             file: TALLY,
             text: "float weight = w.of_sample * count;",
-            mutated: "float weight = w.of_sample * count * (MUTATED && mean_rgb(b.mean) > mean_rgb(a.mean) ? 0.75 : 1.0);",
+            mutated: "float weight = w.of_sample * count * (MUTATED && mean_rgb(b.mean) > mean_rgb(a.mean) ? 0.25 : 1.0);",
         }],
     ),
     mutation(
