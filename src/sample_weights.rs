@@ -75,6 +75,7 @@ fn block_of(samples_before: u32) -> u32 {
 mod tests {
     use super::*;
     use crate::scene::{FilmDescription, IntegratorDescription, ReconstructionFilter};
+    use crate::settings::Sampler;
 
     fn settings(sample_weights: SampleWeights) -> Settings {
         let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
@@ -95,6 +96,19 @@ mod tests {
         }
         assert_eq!((growing.weight_of_sample(16), growing.samples_of_same_weight(16)), (1.0, u32::MAX));
         assert_eq!((growing.weight_of_sample(u32::MAX), growing.samples_of_same_weight(u32::MAX)), (1.0, u32::MAX));
+    }
+
+    #[test]
+    fn product_has_the_schedule_unless_it_does_not_go_with_the_rest() {
+        let product = Settings { sample_weights: None, ..settings(SampleWeights::Even) };
+        assert_eq!(product.sample_weights(), SampleWeights::Growing);
+        let part = Settings { sample_offset: Some(0), ..product.clone() };
+        let by_noise = Settings { noise: Some(0.1), ..product.clone() };
+        let other = Settings { sampler: Sampler::RejectionMix, ..product };
+        for settings in [part, by_noise, other] {
+            assert_eq!(settings.sample_weights(), SampleWeights::Even);
+            settings.validate().expect("what goes together");
+        }
     }
 
     #[test]

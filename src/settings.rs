@@ -511,9 +511,11 @@ impl Settings {
         can && self.bsdf_share != Some(BsdfShare::Fixed)
     }
 
-    /// What samples count for: all the same where nothing else is chosen.
+    /// What samples count for: where that is not chosen, those of an early guide less with `product`, of which it is known that it
+    /// pays, but all the same where parts of a picture are rendered or noise ends it.
     pub fn sample_weights(&self) -> SampleWeights {
-        self.sample_weights.unwrap_or(SampleWeights::Even)
+        let grow = self.sampler == Sampler::Product && self.noise.is_none() && self.sample_offset.is_none();
+        self.sample_weights.unwrap_or(if grow { SampleWeights::Growing } else { SampleWeights::Even })
     }
 
     /// Whether steps are weighed by their measured variance.

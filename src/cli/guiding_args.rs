@@ -65,7 +65,8 @@ pub struct GuidingArgs {
     #[arg(long, value_enum, default_value_t = StepSchedule::Growing, help_heading = "Guiding")]
     pub steps: StepSchedule,
     /// What samples count for: all the same; those of an early guide less, by a fixed schedule; or the less, the noisier their
-    /// steps were, as measured: such a picture is consistent, not unbiased [default: even].
+    /// steps were, as measured: such a picture is consistent, not unbiased [default: growing with product,
+    /// but for --noise and --sample-offset; else even].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub sample_weights: Option<SampleWeights>,
     /// Normal bins of a cell along each side [default: 16].

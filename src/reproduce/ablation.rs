@@ -23,6 +23,7 @@ const NONE: Changes = Changes::NONE;
 const ALONE: Method = PRODUCT.with(Changes {
     guide_set: Some(GuideSet::Diffuse),
     steps: Some(StepSchedule::Even),
+    sample_weights: Some(SampleWeights::Even),
     pattern: Some(SamplePattern::Independent),
     bsdf_share: Some(BsdfShare::Fixed),
     roulette: Some(Roulette::Throughput),
@@ -35,7 +36,7 @@ const ROWS: &[Method] = &[
     REJECTION_MIX,
     PRODUCT,
     PRODUCT.with(Changes { steps: Some(StepSchedule::Even), ..NONE }),
-    PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Growing), ..NONE }),
+    PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Even), ..NONE }),
     PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Measured), ..NONE }),
     PRODUCT.with(Changes { pattern: Some(SamplePattern::Independent), ..NONE }),
     ALONE,
