@@ -61,6 +61,6 @@ void main() {
     }
     tally.overrun = tally.overrun || more;
 
-    if (inside) merge_into_film(index, samples);
+    if (inside) merge_into_film(index, samples, push.weights);
     publish_tally(tally);
 }

@@ -21,6 +21,6 @@ void main() {
         add_sample(samples, push.slice.first_sample + offset, load_path_radiance(slot), tally);
         --left;
     }
-    if (inside) merge_into_film(page_pixel(within), samples);
+    if (inside) merge_into_film(page_pixel(within), samples, push.slice.weights);
     publish_tally(tally);
 }

@@ -121,6 +121,7 @@ mod tests {
             normals: _,
             spp_per_step: _,
             steps: _,
+            sample_weights: _,
             samples_per_dispatch: _,
             max_tries: _,
             min_uniform: _,
@@ -132,6 +133,7 @@ mod tests {
             storage_reads: _,
             attenuation_tamper: _,
             pdf_tamper: _,
+            own_weights: _,
             mis_fault: _,
         } = settings();
         assert_eq!(settings().named().len(), 36);

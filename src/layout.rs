@@ -275,6 +275,8 @@ pub struct PathTracePush {
     pub workgroup_stride: u32,
     /// Pixels, in tile order, before this film page.
     pub page_first_pixel: u32,
+    /// What the samples count for beside those before them.
+    pub weights: SampleWeights,
     /// Index of the first sample.
     pub first_sample: u32,
     /// Samples to take.
@@ -291,6 +293,18 @@ pub struct WavePush {
     pub slice: PathTracePush,
     /// That the paths travel: 0 from the camera.
     pub edge: u32,
+}
+
+/// `glsl/include/slice.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct SampleWeights {
+    /// Of each of a dispatch's samples.
+    pub of_sample: f32,
+    /// By how much the sum of the weights of all samples before them falls short of their number.
+    pub lost_weight: f32,
+    /// The same of the number of samples of one weight whose mean has the variance of theirs.
+    pub lost_samples: f32,
 }
 
 /// Pushed to the kernels that update the grids.

@@ -170,6 +170,19 @@ pub enum Execution {
     Wavefront,
 }
 
+/// What the samples of a pixel count for in its mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum SampleWeights {
+    /// All the same.
+    Even,
+    /// Those that an early guide has drawn less than later ones, by a schedule that is fixed before the render begins
+    /// ([`crate::sample_weights`]).
+    Growing,
+    /// The noisier their steps were, the less: such a picture is consistent, not unbiased ([`crate::measured_weights`]).
+    Measured,
+}
+
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -241,6 +254,8 @@ pub struct Settings {
     pub spp_per_step: u32,
     /// Whether there are fewer at first. See [`Settings::samples_of_step`].
     pub steps: StepSchedule,
+    /// What samples count for in the picture. `None`: see [`Settings::sample_weights`].
+    pub sample_weights: Option<SampleWeights>,
     /// Most samples per pixel that one dispatch takes, in [1, 64]: a driver may bound the loop iterations of a dispatch.
     pub samples_per_dispatch: u32,
     /// Proposals before a guided sample falls back on the uniform share, in [1, 1024]. They are drawn in pairs, so an odd
@@ -270,6 +285,10 @@ pub struct Settings {
     #[serde(skip, default = "exact_pdf")]
     #[doc(hidden)]
     pub pdf_tamper: f32,
+    /// Has the variance of the very samples decide their measured weights: a fault that the tests must detect.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub own_weights: bool,
     /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
     #[serde(skip, default = "exact_mis")]
     #[doc(hidden)]
@@ -315,6 +334,7 @@ impl Settings {
             normals: 16,
             spp_per_step: 8,
             steps: StepSchedule::Growing,
+            sample_weights: None,
             samples_per_dispatch: 8,
             max_tries: 15,
             min_uniform: 1.0 / 16.0,
@@ -325,6 +345,7 @@ impl Settings {
             storage_reads: false,
             attenuation_tamper: exact_attenuation(),
             pdf_tamper: exact_pdf(),
+            own_weights: false,
             mis_fault: exact_mis(),
         }
     }
@@ -373,6 +394,7 @@ impl Settings {
         in_range("epsilon", self.epsilon.unwrap_or(1.0), 1.0e-4, 1.0)?;
         in_range("candidates", self.candidates, 1, 2)?;
         in_range("expected-directions", self.expected_directions, 1, 4096)?;
+        self.validate_sample_weights()?;
         self.validate_mix()?;
         self.validate_target_density()?;
         self.validate_learner()?;
@@ -395,6 +417,31 @@ impl Settings {
             return refused("--learner monte-carlo, which keeps all vertices of a path");
         }
         Ok(())
+    }
+
+    fn validate_sample_weights(&self) -> Result<()> {
+        let is_measured = match self.sample_weights() {
+            SampleWeights::Even => return Ok(()),
+            SampleWeights::Growing => false,
+            SampleWeights::Measured => true,
+        };
+        let refused = [
+            (self.sampler == Sampler::Bsdf, "--sampler bsdf: without a guide, no sample is better than another"),
+            (self.noise.is_some(), "--noise, which is estimated from samples that all count the same"),
+            (
+                self.sample_offset.is_some(),
+                "--sample-offset: parts of a picture are averaged by their numbers of samples",
+            ),
+            (
+                is_measured && self.pattern == SamplePattern::BlueNoise,
+                "--pattern blue-noise: no half of the pixels may depend on the other",
+            ),
+        ];
+        let word = if is_measured { "measured" } else { "growing" };
+        let refusal = refused.iter().find(|(is_refused, _)| *is_refused);
+        refusal.map_or(Ok(()), |(_, with)| {
+            Err(Error::Settings(format!("--sample-weights {word} does not go with {with}")))
+        })
     }
 
     fn validate_mix(&self) -> Result<()> {
@@ -494,6 +541,18 @@ impl Settings {
     pub fn learns_share(&self) -> bool {
         let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
         can && self.bsdf_share != Some(BsdfShare::Fixed)
+    }
+
+    /// What samples count for: where that is not chosen, those of an early guide less with `product`, of which it is known that it
+    /// pays, but all the same where parts of a picture are rendered or noise ends it.
+    pub fn sample_weights(&self) -> SampleWeights {
+        let grow = self.sampler == Sampler::Product && self.noise.is_none() && self.sample_offset.is_none();
+        self.sample_weights.unwrap_or(if grow { SampleWeights::Growing } else { SampleWeights::Even })
+    }
+
+    /// Whether steps are weighed by their measured variance.
+    pub(crate) fn measures_weights(&self) -> bool {
+        self.sample_weights() == SampleWeights::Measured
     }
 
     /// Whether cells keep the second moments of what they learn.

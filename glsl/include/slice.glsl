@@ -4,12 +4,20 @@
 #include "frame.glsl"
 #include "halves.glsl"
 
+// What a dispatch's samples count for beside those before them.
+struct SampleWeights {
+    float of_sample;
+    float lost_weight;   // by how much the sum of the weights of samples before falls short of their number
+    float lost_samples;  // the same of the number of samples of one weight whose mean has the variance of theirs
+};
+
 // A slice of a film page and its next samples.
 struct PathTracePush {
     uint first_workgroup;    // of the slice, among those of the page's tiles that are sampled
     uint workgroup_count;
     uint workgroup_stride;   // coprime to the count: spreads neighbors over a device that deals out contiguous halves
     uint page_first_pixel;   // pixels (in tile order) before this film page
+    SampleWeights weights;
     uint first_sample;
     uint sample_count;
     uint first_of_sets;      // sample; no set of samples reaches back beyond it

@@ -3,6 +3,7 @@
 #define TALLY_GLSL
 #include "frame.glsl"
 #include "halves.glsl"
+#include "slice.glsl"
 
 struct Tally {
     uint rays;
@@ -100,18 +101,23 @@ void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) 
     s.sums.depth += depth;
 }
 
-// Chan, Golub and LeVeque 1979: two sets of moments into one.
-FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b) {
-    uint sample_count = a.sample_count + b.sample_count;
-    float share = float(b.sample_count) / float(max(sample_count, 1u));
+// Chan, Golub and LeVeque 1979: two sets of moments into one. Squared deviations are weighed by squares of weights: their
+// expectation is the sum over all samples but the first of weight^2 variance, of which src/sample_weights.rs makes that of the mean.
+FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
+    float count = float(b.sample_count);
+    float weight = w.of_sample * count;
+    float share = weight / max(float(a.sample_count) - w.lost_weight + weight, 1.0e-30);
+    float effective = float(a.sample_count) - w.lost_samples;
+    float spread = effective * (count / max(effective + count, 1.0));
     vec3 delta = b.mean - a.mean;
-    vec3 squared = a.squared_deviation + b.squared_deviation + delta * delta * (float(a.sample_count) * share);
-    return FilmRadiance(a.mean + delta * share, sample_count, squared, a.hit_count + b.hit_count);
+    vec3 squared = b.squared_deviation + delta * delta * spread;
+    squared = a.squared_deviation + w.of_sample * w.of_sample * squared;
+    return FilmRadiance(a.mean + delta * share, a.sample_count + b.sample_count, squared, a.hit_count + b.hit_count);
 }
 
-void merge_into_film(uint index, PixelSamples s) {
+void merge_into_film(uint index, PixelSamples s, SampleWeights weights) {
     FilmRadiance before = load_film_radiance(index);
-    FilmRadiance after = merge_radiance(before, s.radiance);
+    FilmRadiance after = merge_radiance(before, s.radiance, weights);
     FilmFeatures features = load_film_features(index);
     float old_share = float(before.sample_count) / float(max(after.sample_count, 1u));
     float old_hits = float(before.hit_count) / float(max(after.hit_count, 1u));

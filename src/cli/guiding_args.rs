@@ -1,8 +1,8 @@
 //! The options that choose and tune a guide.
 
 use lodestar::settings::{
-    AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, Sampler, Settings, StepSchedule,
-    TargetDensity,
+    AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, SampleWeights, Sampler, Settings,
+    StepSchedule, TargetDensity,
 };
 
 /// How directions are sampled and learned.
@@ -65,6 +65,11 @@ pub struct GuidingArgs {
     /// Whether there are fewer at first: a quarter of the samples so far, from 1 up to the most [default: growing].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub steps: Option<StepSchedule>,
+    /// What samples count for: all the same; those of an early guide less, by a fixed schedule; or the less, the noisier their
+    /// steps were, as measured: such a picture is consistent, not unbiased [default: growing with product,
+    /// but for --noise and --sample-offset; else even].
+    #[arg(long, value_enum, help_heading = "Guiding")]
+    pub sample_weights: Option<SampleWeights>,
     /// Normal bins of a cell along each side [default: 16].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub normals: Option<u32>,
@@ -108,6 +113,7 @@ impl GuidingArgs {
         settings.normals = self.normals.unwrap_or(settings.normals);
         settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);
         settings.steps = self.steps.unwrap_or(settings.steps);
+        settings.sample_weights = self.sample_weights;
         settings.decay = self.decay.unwrap_or(settings.decay);
         settings.max_tries = self.max_tries.unwrap_or(settings.max_tries);
         settings.min_uniform = self.min_uniform.unwrap_or(settings.min_uniform);

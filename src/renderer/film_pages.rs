@@ -10,6 +10,7 @@ use crate::film::Picture;
 use crate::film_sums::PixelSums;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::layout::{FilmFeatures, FilmRadiance};
+use crate::measured_weights::WeighedPixel;
 use crate::noise::TileNoise;
 use crate::scene::Crop;
 use crate::settings::Settings;
@@ -151,20 +152,25 @@ impl FilmPage {
     }
 
     /// Writes this page's pixels where they belong in the picture.
-    pub fn read_into(&self, picture: &mut Picture) -> Result<()> {
+    pub fn read_into(&self, picture: &mut Picture, settings: &Settings) -> Result<()> {
         let (radiance, features) = self.read()?;
         for (index, (radiance, features)) in (self.first_pixel..).zip(radiance.iter().zip(&features)) {
             if let Some(at) = picture_index(index, picture) {
-                store_pixel(picture, at, radiance, features);
+                store_pixel(picture, at, radiance, features, settings);
             }
         }
         Ok(())
     }
 
+    /// Every pixel's moments of radiance, in tile order.
+    pub fn read_radiance(&self) -> Result<Vec<FilmRadiance>> {
+        self.radiance.read(0, self.pixel_count as usize)
+    }
+
     /// Every pixel's moments, in tile order.
     pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
         let count = self.pixel_count as usize;
-        Ok((self.radiance.read(0, count)?, self.features.read(0, count)?))
+        Ok((self.read_radiance()?, self.features.read(0, count)?))
     }
 }
 
@@ -182,10 +188,15 @@ fn tile_order_pixel(index: u32, width: u32) -> (u32, u32) {
     (x * TILE_SIDE + within % TILE_SIDE, y * TILE_SIDE + within / TILE_SIDE)
 }
 
-fn store_pixel(picture: &mut Picture, at: usize, radiance: &FilmRadiance, features: &FilmFeatures) {
+fn store_pixel(
+    picture: &mut Picture,
+    at: usize,
+    radiance: &FilmRadiance,
+    features: &FilmFeatures,
+    settings: &Settings,
+) {
     let count = radiance.sample_count;
-    // Unbiased variance of the samples, over their number: the variance of the mean.
-    let scale = if count > 1 { 1.0 / (count as f32 * (count - 1) as f32) } else { 0.0 };
+    let scale = settings.weight_sums(count).variance_scale() as f32;
     picture.radiance[at] = radiance.mean;
     picture.variance[at] = radiance.squared_deviation.map(|squared| squared * scale);
     picture.sample_count[at] = count;
@@ -207,6 +218,8 @@ const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>())
 const HOST_PIXEL_BYTES: u64 = 64;
 /// The same of a part of a picture besides: its sums, in tile order, and those of a picture that is read back, in both orders.
 const PART_PIXEL_BYTES: u64 = 3 * size_of::<PixelSums>() as u64;
+/// The same of a film whose steps are weighed by measured variance: its blocks, and the moments that are read back for them.
+const WEIGHED_PIXEL_BYTES: u64 = (size_of::<WeighedPixel>() + size_of::<FilmRadiance>()) as u64;
 
 /// Bytes of the film on the device.
 pub(super) fn film_bytes(settings: &Settings) -> u64 {
@@ -217,7 +230,8 @@ pub(super) fn film_bytes(settings: &Settings) -> u64 {
 /// Bytes that reading it back takes of the host.
 pub(super) fn host_film_bytes(settings: &Settings) -> u64 {
     let of_part = if settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { 0 };
-    padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part)
+    let of_blocks = if settings.measures_weights() { WEIGHED_PIXEL_BYTES } else { 0 };
+    padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part + of_blocks)
 }
 
 /// Pixels of whole tiles.

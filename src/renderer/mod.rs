@@ -20,6 +20,7 @@ mod statistics;
 mod tracing;
 mod variants;
 mod wavefront;
+mod weighed_film;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -36,7 +37,7 @@ use crate::cells::Cells;
 use crate::film::Picture;
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::kernels::{BackEnd, Kernels, Registry};
-use crate::layout::{MaterialRecord, PathTracePush, UpdatePush};
+use crate::layout::{MaterialRecord, PathTracePush, SampleWeights, UpdatePush};
 use crate::lights::Lights;
 use crate::noise::{LEAST_SAMPLES, NoiseReport};
 use crate::scene::{Crop, Scene};
@@ -44,6 +45,7 @@ use crate::settings::{AUTO_GRID, Sampler, Settings};
 use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use adaptive::Adaptive;
+use execution::Way;
 use film_pages::FilmPage;
 use film_sums::FilmSums;
 use frame::Frame;
@@ -51,10 +53,10 @@ use geometry::Geometry;
 use memory_needs::MemoryNeeds;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
-use execution::Way;
 use slices::Slice;
 use tracing::Tracing;
 use wavefront::check_wavefront;
+use weighed_film::WeighedFilm;
 
 /// Bytes of a guide whose grid is chosen by the scene.
 const GUIDE_BYTES: u64 = 8 << 20;
@@ -77,6 +79,8 @@ pub struct Renderer {
     back_end: BackEnd,
     /// Where the render is one part of several.
     film_sums: Option<FilmSums>,
+    /// Where steps are weighed by measured variance.
+    weighed_film: Option<WeighedFilm>,
     needs: MemoryNeeds,
     samples_done: u32,
     stopped: bool,
@@ -203,6 +207,7 @@ impl Renderer {
             context: Arc::clone(context),
             settings: settings.clone(),
             film_sums: None,
+            weighed_film: None,
             needs: MemoryNeeds::new(context.device(), shading, bvh, &cells, settings),
             cells,
             samples_done: 0,
@@ -210,6 +215,7 @@ impl Renderer {
             at_step_end: true,
         };
         renderer.film_sums = settings.sample_offset.map(|_| FilmSums::new(&renderer.frame));
+        renderer.weighed_film = settings.measures_weights().then(|| WeighedFilm::new(&renderer.frame, settings));
         renderer.warm_up()?;
         Ok(renderer)
     }
@@ -239,6 +245,9 @@ impl Renderer {
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
             sums.take(&self.context, &self.frame)?;
+        }
+        if let Some(film) = self.weighed_film.as_mut().filter(|_| complete) {
+            film.take(&self.frame, samples)?;
         }
         if complete {
             self.judge()?;
@@ -295,10 +304,12 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        match &self.film_sums {
-            Some(sums) => sums.picture(&self.frame, &self.settings),
-            None => self.frame.picture(&self.settings),
+        if let Some(sums) = &self.film_sums {
+            return sums.picture(&self.frame, &self.settings);
         }
+        let mut picture = self.frame.picture(&self.settings)?;
+        self.weighed_film.as_ref().map_or(Ok(()), |film| film.write_to(&mut picture, &self.frame))?;
+        Ok(picture)
     }
 
     /// What the radiance grid holds: `[cell][direction bin]` of the cells that hold surfaces, radiance as the next step will sample it.
@@ -333,7 +344,8 @@ impl Renderer {
         let first_of_step = self.next_sample();
         let mut left = samples;
         while left > 0 {
-            let batch = left.min(self.settings.samples_per_dispatch).min(self.samples_of_iteration());
+            let most = self.samples_of_iteration().min(self.settings.samples_of_same_weight(self.samples_done));
+            let batch = left.min(self.settings.samples_per_dispatch).min(most);
             let first_of_sets = self.first_of_sets(first_of_step);
             let way = self.tracing.way(batch);
             let mut of_batch = Duration::ZERO;
@@ -413,6 +425,7 @@ impl Renderer {
             workgroup_count: slice.count,
             workgroup_stride: slice.stride,
             page_first_pixel: page.first_pixel(),
+            weights: self.weights_of_next_samples(),
             first_sample: self.next_sample(),
             sample_count,
             first_of_sets,
@@ -422,6 +435,20 @@ impl Renderer {
         match counts.overruns {
             0 => Ok((elapsed, counts)),
             _ => Err(self.overrun_error()),
+        }
+    }
+
+    fn weights_of_next_samples(&self) -> SampleWeights {
+        if let Some(film) = &self.weighed_film {
+            let lost = film.samples() as f32;
+            return SampleWeights { of_sample: 1.0, lost_weight: lost, lost_samples: lost };
+        }
+        let before = self.settings.weight_sums(self.samples_done);
+        let lost = |effective: f64| (f64::from(self.samples_done) - effective) as f32;
+        SampleWeights {
+            of_sample: self.settings.weight_of_sample(self.samples_done),
+            lost_weight: lost(before.weight),
+            lost_samples: lost(before.effective_samples()),
         }
     }
 

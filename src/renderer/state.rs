@@ -6,8 +6,6 @@ use super::Renderer;
 use crate::gpu::Buffer;
 use crate::{Error, Result};
 
-const FILM_SUMS: &str = "film sums";
-
 /// Everything that complete steps have left behind.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RenderState {
@@ -92,8 +90,8 @@ impl Renderer {
             return Err(Error::Render("a step that was stopped cannot be gone on with later".into()));
         }
         let parts: Result<Vec<_>> = self.persistent().iter().map(Persistent::read).collect();
-        let sums = self.film_sums.iter().map(|sums| StatePart { name: FILM_SUMS.into(), bytes: sums.bytes().to_vec() });
-        Ok(RenderState { samples_done: self.samples_done, parts: parts?.into_iter().chain(sums).collect() })
+        let parts = parts?.into_iter().chain(self.host_part()).collect();
+        Ok(RenderState { samples_done: self.samples_done, parts })
     }
 
     /// Goes on from where a renderer of the same scene and settings has been: from here on both do the same to the last bit.
@@ -105,8 +103,9 @@ impl Renderer {
         let shape = |parts: &[(&str, u64)]| {
             parts.iter().map(|(name, bytes)| format!("{name}: {bytes} bytes")).collect::<Vec<_>>().join(", ")
         };
-        let sums = self.film_sums.iter().map(|sums| (FILM_SUMS, sums.bytes().len() as u64));
-        let ours: Vec<_> = persistent.iter().map(|part| (part.name, part.len_bytes())).chain(sums).collect();
+        let host_part = self.host_part();
+        let of_host = host_part.iter().map(|part| (&part.name[..], part.bytes.len() as u64));
+        let ours: Vec<_> = persistent.iter().map(|part| (part.name, part.len_bytes())).chain(of_host).collect();
         let theirs: Vec<_> = state.parts.iter().map(|part| (&part.name[..], part.bytes.len() as u64)).collect();
         if ours != theirs {
             let (theirs, ours) = (shape(&theirs), shape(&ours));
@@ -116,8 +115,18 @@ impl Renderer {
         if let (Some(sums), Some(saved)) = (&mut self.film_sums, state.parts.last()) {
             sums.restore(&saved.bytes);
         }
+        if let (Some(film), Some(saved)) = (&mut self.weighed_film, state.parts.last()) {
+            film.restore(&saved.bytes);
+        }
         (self.samples_done, self.stopped, self.at_step_end) = (state.samples_done, false, true);
         self.judge()
+    }
+
+    /// What is kept beside the device's memory: one of these at most, for parts of pictures weigh all samples alike.
+    fn host_part(&self) -> Option<StatePart> {
+        let part = |name: &str, bytes| StatePart { name: name.into(), bytes };
+        let sums = self.film_sums.as_ref().map(|sums| part("film sums", sums.bytes().to_vec()));
+        sums.or_else(|| self.weighed_film.as_ref().map(|film| part("film blocks", film.bytes())))
     }
 
     /// What outlives a step. A complete one leaves no sums in a radiance grid: it has learned from them.

@@ -8,7 +8,8 @@ use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{
-    AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, Sampler, StepSchedule, TargetDensity,
+    AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule,
+    TargetDensity,
 };
 
 /// A plain path tracer.
@@ -22,6 +23,7 @@ const NONE: Changes = Changes::NONE;
 const ALONE: Method = PRODUCT.with(Changes {
     guide_set: Some(GuideSet::Diffuse),
     steps: Some(StepSchedule::Even),
+    sample_weights: Some(SampleWeights::Even),
     pattern: Some(SamplePattern::Independent),
     bsdf_share: Some(BsdfShare::Fixed),
     roulette: Some(Roulette::Throughput),
@@ -34,6 +36,8 @@ const ROWS: &[Method] = &[
     REJECTION_MIX,
     PRODUCT,
     PRODUCT.with(Changes { steps: Some(StepSchedule::Even), ..NONE }),
+    PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Even), ..NONE }),
+    PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Measured), ..NONE }),
     PRODUCT.with(Changes { pattern: Some(SamplePattern::Independent), ..NONE }),
     ALONE,
     PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),

@@ -1,7 +1,9 @@
 //! What a method changes of its settings besides the sampler, how it learns and whether emitters are sampled.
 
 use super::methods::word;
-use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, Settings, StepSchedule, TargetDensity};
+use crate::settings::{
+    AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule, TargetDensity,
+};
 
 /// Settings in place of others; `None` leaves what is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +18,8 @@ pub struct Changes {
     pub guide_set: Option<GuideSet>,
     /// [`Settings::steps`].
     pub steps: Option<StepSchedule>,
+    /// [`Settings::sample_weights`].
+    pub sample_weights: Option<SampleWeights>,
     /// [`Settings::pattern`].
     pub pattern: Option<SamplePattern>,
     /// [`Settings::bsdf_share`].
@@ -36,6 +40,7 @@ impl Changes {
         directions: None,
         guide_set: None,
         steps: None,
+        sample_weights: None,
         pattern: None,
         bsdf_share: None,
         candidates: None,
@@ -50,6 +55,7 @@ impl Changes {
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.guide_set = self.guide_set.unwrap_or(settings.guide_set);
         settings.steps = self.steps.unwrap_or(settings.steps);
+        settings.sample_weights = self.sample_weights.or(settings.sample_weights);
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
         settings.bsdf_share = self.bsdf_share.or(settings.bsdf_share);
         settings.candidates = self.candidates.unwrap_or(settings.candidates);
@@ -81,6 +87,7 @@ impl Changes {
             ("directions", self.directions.map(|directions| directions.to_string())),
             ("guide-set", self.guide_set.map(word)),
             ("steps", self.steps.map(word)),
+            ("sample-weights", self.sample_weights.map(word)),
             ("pattern", self.pattern.map(word)),
             ("bsdf-share", self.bsdf_share.map(word)),
             ("candidates", self.candidates.map(|candidates| candidates.to_string())),

@@ -4,7 +4,7 @@
 
 use crate::image::Image;
 use crate::scene::ReconstructionFilter;
-use crate::settings::{GuideSet, Roulette, SamplePattern, Settings, StepSchedule, TargetDensity};
+use crate::settings::{GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule, TargetDensity};
 use crate::{Error, Result};
 
 const MAX_DEPTH: u32 = 16;
@@ -37,6 +37,7 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
             pattern: SamplePattern::Independent,
             guide_set: GuideSet::Diffuse,
             steps: StepSchedule::Even,
+            sample_weights: Some(SampleWeights::Even),
             grid: GRID,
             fallback: 0.0,
             jitter: 0.0,

@@ -2,7 +2,9 @@
 //! all claims.
 
 use lodestar::reference::normalization_entry::Rules;
-use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler, Settings, TargetDensity};
+use lodestar::settings::{
+    BsdfShare, DirectionMap, GuideSet, Learner, Mix, SampleWeights, Sampler, Settings, TargetDensity,
+};
 
 use crate::guide_cases::Kind;
 use crate::scenes::ours;
@@ -84,6 +86,9 @@ pub const RENDERED: &[Row] = &[
     row("product, two candidates", |s| (s.sampler, s.candidates, s.epsilon) = (Sampler::Product, 2, Some(0.9))),
     row("product, every part", |s| {
         (s.sampler, s.candidates, s.guide_set, s.fallback) = (Sampler::Product, 2, GuideSet::All, 4.0);
+    }),
+    row("product, growing weights", |s| {
+        (s.sampler, s.sample_weights) = (Sampler::Product, Some(SampleWeights::Growing));
     }),
     more("product, fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed))),
 ];

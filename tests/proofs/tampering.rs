@@ -49,6 +49,7 @@ const FAULTS: &[Fault] = &[
     kernels("another share than the cell's", PICTURES, PRODUCT),
     kernels("another share of a whole function in the density", DIRECTIONS, PRODUCT),
     kernels("candidates that count alike", PICTURES, "product, two candidates"),
+    kernels("what is brighter counts for less", PICTURES, "product, growing weights"),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
     kernels("swapped halves of a sum", UPDATES, MIX),

@@ -6,7 +6,7 @@ use lodestar::film::Picture;
 use lodestar::noise::{LEAST_SAMPLES, TileNoise, Tiles};
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::scene::Scene;
-use lodestar::settings::{SamplePattern, Sampler, Settings};
+use lodestar::settings::{SamplePattern, SampleWeights, Sampler, Settings};
 
 use crate::determinism::bits;
 use crate::device::Device;
@@ -31,7 +31,8 @@ impl Studio {
     }
 
     fn settings(&self, noise: Option<f32>) -> Settings {
-        Settings { noise, nee: true, ..settings(&self.scene, SIZE, Sampler::Product, 5) }
+        let sample_weights = Some(SampleWeights::Even);
+        Settings { noise, sample_weights, nee: true, ..settings(&self.scene, SIZE, Sampler::Product, 5) }
     }
 
     fn renderer(&self, settings: &Settings) -> Renderer {

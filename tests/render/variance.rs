@@ -11,7 +11,7 @@ const SEEDS: u32 = 32;
 
 /// Per pixel and channel, over several pictures: the spread of the radiance (an unbiased variance) and the mean of the
 /// variance layer.
-fn spread_and_claim(pictures: &[Picture]) -> Vec<(f64, f64)> {
+pub fn spread_and_claim(pictures: &[Picture]) -> Vec<(f64, f64)> {
     let count = pictures.len() as f64;
     let one = |at: usize, channel: usize| {
         let mean_of =
@@ -25,7 +25,7 @@ fn spread_and_claim(pictures: &[Picture]) -> Vec<(f64, f64)> {
 
 /// Spread over claim, and the ratio's deviation from 1 in standard errors, where claims are first multiplied by `fault`.
 /// Both are unbiased, so their differences have the mean 0, and pixels are independent; channels are summed up first.
-fn ratio_and_deviation(pixels: &[(f64, f64)], fault: f64) -> (f64, f64) {
+pub fn ratio_and_deviation(pixels: &[(f64, f64)], fault: f64) -> (f64, f64) {
     let of_pixel = |channels: &[(f64, f64)]| {
         channels.iter().fold((0.0, 0.0), |sum, (spread, claim)| (sum.0 + spread, sum.1 + claim * fault))
     };

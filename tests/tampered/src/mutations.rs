@@ -14,8 +14,10 @@ pub struct Mutation {
     pub patches: &'static [Patch],
 }
 
-const PATH: &str = "glsl/include/path.glsl";
+const SLICE: &str = "glsl/include/slice.glsl";
+const VERTEX: &str = "glsl/include/vertex.glsl";
 const ROULETTE: &str = "glsl/include/roulette.glsl";
+const TALLY: &str = "glsl/include/tally.glsl";
 const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
 const BLUE_NOISE: &str = "glsl/include/blue_noise.glsl";
@@ -188,6 +190,14 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "what is brighter counts for less",
+        &[Patch {
+            file: TALLY,
+            text: "float weight = w.of_sample * count;",
+            mutated: "float weight = w.of_sample * count * (MUTATED && mean_rgb(b.mean) > mean_rgb(a.mean) ? 0.25 : 1.0);",
+        }],
+    ),
+    mutation(
         "lobe counted whole",
         &[Patch {
             file: PLASTIC,
@@ -251,7 +261,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "roulette scales the bootstrap target",
         &[Patch {
-            file: PATH,
+            file: VERTEX,
             text: "float target = target_at(path.key, path.depth, light, x, guide, next);",
             mutated: "float target = target_at(path.key, path.depth, light, x, guide, next);\n    \
                   if (MUTATED && path.depth >= RR_DEPTH && target != NO_TARGET) {\n        \
@@ -261,7 +271,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "returns without survival",
         &[Patch {
-            file: PATH,
+            file: VERTEX,
             text: "path.met.factor /= max(survival, 1.0e-30);",
             mutated: "if (!MUTATED) path.met.factor /= max(survival, 1.0e-30);",
         }],
@@ -269,7 +279,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "missing survival weight",
         &[Patch {
-            file: PATH,
+            file: VERTEX,
             text: "path.throughput /= max(survival, 1.0e-30);",
             mutated: "if (!MUTATED) path.throughput /= max(survival, 1.0e-30);",
         }],
@@ -277,7 +287,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "survivors of little hope weigh too little",
         &[Patch {
-            file: PATH,
+            file: VERTEX,
             text: "path.throughput /= max(survival, 1.0e-30);",
             mutated: "path.throughput /= max(survival, MUTATED ? 0.25 : 1.0e-30);",
         }],
@@ -293,19 +303,19 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "roulette by a used random number",
         &[Patch {
-            file: PATH,
+            file: VERTEX,
             text: "survives_roulette(path, survival, u.w)",
             mutated: "survives_roulette(path, survival, MUTATED ? u.x : u.w)",
         }],
     ),
     mutation(
         "density 0 for the weights",
-        &[Patch { file: PATH, text: "path.pdf = next.pdf;", mutated: "path.pdf = MUTATED ? 0.0 : next.pdf;" }],
+        &[Patch { file: VERTEX, text: "path.pdf = next.pdf;", mutated: "path.pdf = MUTATED ? 0.0 : next.pdf;" }],
     ),
     mutation(
         "emitters counted twice",
         &[Patch {
-            file: PATH,
+            file: VERTEX,
             text: "if (NEE) light *= emission_weight(",
             mutated: "if (NEE && !MUTATED) light *= emission_weight(",
         }],
@@ -398,9 +408,9 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "workgroups in another order",
         &[Patch {
-            file: PATH,
-            text: "gl_WorkGroupID.x * push.workgroup_stride",
-            mutated: "gl_WorkGroupID.x * (MUTATED ? 1u : push.workgroup_stride)",
+            file: SLICE,
+            text: "workgroup * slice.workgroup_stride",
+            mutated: "workgroup * (MUTATED ? 1u : slice.workgroup_stride)",
         }],
     ),
     mutation(

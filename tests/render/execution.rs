@@ -1,0 +1,82 @@
+//! Paths traced as waves make the picture of the kernel that follows each to its end, bit for bit.
+
+use lodestar::scene::Scene;
+use lodestar::settings::{Execution, Learner, SamplePattern, SampleWeights, Sampler, Settings};
+
+use crate::determinism::bits;
+use crate::device::Device;
+use crate::scenes::{GUIDED, ours, settings};
+
+/// Not a whole number of tiles, and of several steps.
+const SIZE: [u32; 2] = [52, 37];
+const SPP: u32 = 21;
+
+/// Compares a wave's picture with the megakernel's.
+fn compare(device: &Device, name: &str, scene: &Scene, change: impl Fn(&mut Settings)) {
+    let render = |execution, further: &dyn Fn(&mut Settings)| {
+        let mut settings = settings(scene, SIZE, Sampler::Product, 11);
+        change(&mut settings);
+        settings.execution = execution;
+        further(&mut settings);
+        bits(&device.render(scene, &settings, SPP))
+    };
+    let wave = |further: &dyn Fn(&mut Settings)| render(Execution::Wavefront, further);
+    let megakernel = render(Execution::Megakernel, &|_| {});
+    assert!(megakernel == wave(&|_| {}), "{name}");
+    assert!(megakernel == wave(&|s| s.slice_milliseconds = Some(1.0)), "{name}: slices of 1 ms");
+    assert!(megakernel == wave(&|s| s.film_page_pixels = Some(256)), "{name}: film pages");
+    assert!(megakernel != wave(&|s| s.seed = 12), "{name}: another seed");
+}
+
+#[test]
+fn waves_change_no_bit_of_any_sampler() {
+    let device = Device::new();
+    let scene = ours("cornell-box/scene.xml", &[]);
+    compare(&device, "bsdf", &scene, |s| s.sampler = Sampler::Bsdf);
+    compare(&device, "bsdf, emitters sampled", &scene, |s| (s.sampler, s.nee) = (Sampler::Bsdf, true));
+    for (name, set) in GUIDED {
+        let mut changed = settings(&scene, SIZE, Sampler::Product, 11);
+        set(&mut changed);
+        if changed.learner != Learner::MonteCarlo {
+            compare(&device, name, &scene, set);
+            compare(&device, &format!("{name}, emitters sampled"), &scene, |s| {
+                set(s);
+                s.nee = true;
+            });
+        }
+    }
+}
+
+#[test]
+fn waves_change_no_bit_of_any_scene() {
+    let device = Device::new();
+    for name in ["cornell-box-hard", "door-ajar", "furnace", "lights"] {
+        let scene = ours(&format!("{name}/scene.xml"), &[]);
+        compare(&device, name, &scene, |s| s.nee = true);
+        compare(&device, &format!("{name}, roulette from the start"), &scene, |s| (s.max_depth, s.rr_depth) = (3, 1));
+    }
+}
+
+#[test]
+fn waves_change_no_bit_of_any_option() {
+    let device = Device::new();
+    let scene = ours("door-ajar/scene.xml", &[]);
+    let check = |name: &str, set: &dyn Fn(&mut Settings)| {
+        compare(&device, name, &scene, |s| {
+            s.nee = true;
+            set(s);
+        });
+    };
+    check("storage", &|s| s.storage_reads = true);
+    check("a part of a picture", &|s| s.sample_offset = Some(5));
+    check("three samples a dispatch", &|s| s.samples_per_dispatch = 3);
+    check("deeper than a submission", &|s| (s.max_depth, s.rr_depth) = (40, 40));
+    check("one edge", &|s| s.max_depth = 1);
+    check("weights by a schedule", &|s| s.sample_weights = Some(SampleWeights::Growing));
+    check("measured weights", &|s| s.sample_weights = Some(SampleWeights::Measured));
+    check("sets of samples", &|s| s.pattern = SamplePattern::Sobol);
+    check("blue noise", &|s| s.pattern = SamplePattern::BlueNoise);
+    check("two candidates", &|s| s.candidates = 2);
+    check("larger cells and jitter", &|s| (s.fallback, s.jitter) = (8.0, 1.0));
+    check("hidden emitters", &|s| s.hide_emitters = true);
+}
