@@ -18,7 +18,12 @@ pub struct Identity(BTreeMap<String, String>);
 impl Identity {
     /// Of the render of a scene of that fingerprint with these settings by this version.
     pub fn of_render(scene_hash: &str, settings: &Settings) -> Self {
-        Self(attributes(scene_hash, settings).into_iter().filter(|(name, _)| !FREE_SETTINGS.contains(&&name[..])).collect())
+        Self(
+            attributes(scene_hash, settings)
+                .into_iter()
+                .filter(|(name, _)| !FREE_SETTINGS.contains(&&name[..]))
+                .collect(),
+        )
     }
 
     /// Of a picture with these attributes: what its samples estimate, whichever they are. A name that is not known is part
@@ -136,7 +141,7 @@ mod tests {
             own_weights: _,
             mis_fault: _,
         } = settings();
-        assert_eq!(settings().named().len(), 36);
+        assert_eq!(settings().named().len(), 37);
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
         let auto = Settings { grid: AUTO_GRID, ..settings() };

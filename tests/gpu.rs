@@ -236,7 +236,7 @@ fn dispatches_are_timed_where_asked() {
         let timings = context.take_timings();
         assert_eq!((timings.len(), timings[0].dispatches.len()), (1, 40));
         let spans: Vec<_> = timings[0].dispatches.iter().filter_map(|dispatch| dispatch.span).collect();
-        assert_eq!(spans.len(), if clock == Clock::Device { 31 } else { 0 }, "the first dispatches have queries");
+        assert_eq!(spans.len(), if clock == Clock::Device { 32 } else { 0 }, "the first dispatches have queries");
         assert!(spans.iter().all(|(from, to)| from <= to) && spans.windows(2).all(|pair| pair[0].1 <= pair[1].0));
         assert_eq!(context.record_timings_by(Clock::Host), Clock::Host);
         dispatch();

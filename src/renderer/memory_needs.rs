@@ -134,8 +134,13 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_with_the_arithmetic() {
         let part = |name, bytes| Part { name, bytes, remedy: "smaller so" };
-        let parts =
-            [("the film", 64), ("the BVH", 900), ("textures and lights", 0), ("the grids", 36), ("paths under way", 100)];
+        let parts = [
+            ("the film", 64),
+            ("the BVH", 900),
+            ("textures and lights", 0),
+            ("the grids", 36),
+            ("paths under way", 100),
+        ];
         let parts = parts.map(|(name, bytes)| part(name, bytes));
         let needs = MemoryNeeds { parts, host_bytes: 100 };
         assert!(needs.check_against("a device", 0, 1100).is_ok());

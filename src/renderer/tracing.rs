@@ -89,7 +89,8 @@ impl Tracing {
         }
         let [geometry, radiance_grid, normalization_grid] = others;
         let sets = [page.set(), geometry, radiance_grid, normalization_grid];
-        let label = format!("path_trace, samples {} to {}", slice.first_sample, slice.first_sample + slice.sample_count);
+        let label =
+            format!("path_trace, samples {} to {}", slice.first_sample, slice.first_sample + slice.sample_count);
         let submission = context.submit(&label, |recorder| {
             frame.clear_counts(recorder);
             recorder.dispatch(&self.path_trace, &sets, bytemuck::bytes_of(&slice), [slice.workgroup_count, 1, 1]);

@@ -154,6 +154,11 @@ fn combinations_without_meaning() {
         (&["--sampler", "quadtree", "--learner", "sarsa"], ["quadtree", "monte-carlo only"]),
         (&["--directions", "8"], ["--directions", "16, 32 or 64"]),
         (&["--noise", "0.1", "--sample-offset", "0"], ["--noise", "--sample-offset"]),
+        (&["--noise", "0.1", "--execution", "wavefront"], ["--execution wavefront", "--noise"]),
+        (
+            &["--learner", "monte-carlo", "--execution", "wavefront"],
+            ["--execution wavefront does not go with --learner monte-carlo", "take --execution megakernel"],
+        ),
         (&["--sampler", "rejection", "--candidates", "2"], ["--candidates", "product only"]),
         (&["--sampler", "bsdf", "--roulette", "contribution"], ["--roulette", "product only"]),
         (&["--sampler", "bsdf", "--target-density", "second-moment"], ["--target-density", "not for bsdf or quadtree"]),
