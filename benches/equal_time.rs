@@ -3,6 +3,7 @@
 //! `cargo bench --bench equal_time [-- SCENE...]`; needs the shared scenes and references: `LODESTAR_SCENES`,
 //! `LODESTAR_REFERENCES`. `LODESTAR_SECONDS` (40) is what each method has for each scene. It has them in turns, which alternate
 //! with the others', so that a slow minute hits all of them; after each turn errors are measured, for the curve over time.
+//! `LODESTAR_METHODS=product,quadtree` takes only these.
 //!
 //! The error is the paper's, the mean absolute error of the displayed image. Where the noise of the reference itself exceeds a
 //! quarter of the smaller error of two methods, their ratio is that of the mean squared errors, the reference's variance
@@ -20,7 +21,7 @@ use common::{context, load, run_for, scene_path, settings};
 use lodestar::gpu::Context;
 use lodestar::image::{Image, exr, metrics, tone};
 use lodestar::renderer::Renderer;
-use lodestar::settings::{Sampler, Settings};
+use lodestar::settings::{Learner, Sampler, Settings};
 
 const SCENES: [&str; 12] = [
     "bathroom",
@@ -40,16 +41,19 @@ const SCENES: [&str; 12] = [
 const TURN_ENDS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 const SECONDS: f64 = 40.0;
 
+const MITSUBA: &str = "Mitsuba path";
+
 /// A way to render: its name, and this renderer's sampler and emitter sampling unless it is Mitsuba.
-const METHODS: [(&str, Option<(Sampler, bool)>); 5] = [
+const METHODS: [(&str, Option<(Sampler, bool)>); 6] = [
     ("bsdf", Some((Sampler::Bsdf, false))),
     ("rejection-mix", Some((Sampler::RejectionMix, false))),
     ("product", Some((Sampler::Product, false))),
     ("product, emitters sampled", Some((Sampler::Product, true))),
-    ("Mitsuba path", None),
+    (MITSUBA, None),
+    ("quadtree", Some((Sampler::Quadtree, false))),
 ];
 /// Methods whose errors are compared, by their places above.
-const RATIOS: [(usize, usize); 4] = [(2, 0), (2, 1), (3, 2), (3, 4)];
+const RATIOS: [(usize, usize); 5] = [(2, 0), (2, 1), (2, 5), (3, 2), (3, 4)];
 
 /// Another renderer's picture, and the variance of its pixels.
 struct Reference {
@@ -82,10 +86,11 @@ fn main() {
         let curve = measure(&context, name, &reference, seconds);
         for ((errors, end), ratios) in curve.iter().zip(TURN_ENDS).zip(&mut ratios) {
             let at = format!("{name} at {} s", end * seconds);
-            for ((method, _), e) in METHODS.iter().zip(errors) {
+            for ((method, _), e) in METHODS.iter().zip(errors).filter(|((method, _), _)| is_asked(method)) {
                 println!("{at}, {method}: {} spp in {:.2} s, MAE {:.5}, MSE {:.3e}", e.spp, e.seconds, e.mae, e.mse);
             }
-            for (ratios, &(a, b)) in ratios.iter_mut().zip(&RATIOS) {
+            let asked = |(a, b): (usize, usize)| is_asked(METHODS[a].0) && is_asked(METHODS[b].0);
+            for (ratios, &(a, b)) in ratios.iter_mut().zip(&RATIOS).filter(|(_, pair)| asked(**pair)) {
                 let (ratio, by) = ratio(&reference, errors[a], errors[b]);
                 println!("{at}: {} / {} = {ratio:.3} ({by})", METHODS[a].0, METHODS[b].0);
                 ratios.push((ratio, errors[a].mae / errors[b].mae));
@@ -93,7 +98,8 @@ fn main() {
         }
     }
     for (ratios, end) in ratios.iter().zip(TURN_ENDS) {
-        ratios.iter().zip(&RATIOS).for_each(|(ratios, &pair)| summarize(ratios, pair, end * seconds));
+        let known = ratios.iter().zip(&RATIOS).filter(|(ratios, _)| !ratios.is_empty());
+        known.for_each(|(ratios, &pair)| summarize(ratios, pair, end * seconds));
     }
 }
 
@@ -116,18 +122,22 @@ fn summarize(ratios: &[(f64, f64)], (a, b): (usize, usize), seconds: f64) {
 fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f64) -> Vec<Vec<Errors>> {
     let scene = load(name);
     let size = [reference.mean.width, reference.mean.height];
-    let renderer = |&(_, method): &(&str, Option<(Sampler, bool)>)| {
-        let (sampler, nee) = method?;
-        let settings = Settings { nee, ..settings(&scene, size, sampler) };
+    let renderer = |&(name, method): &(&str, Option<(Sampler, bool)>)| {
+        let (sampler, nee) = method.filter(|_| is_asked(name))?;
+        let mut settings = Settings { nee, ..settings(&scene, size, sampler) };
+        if sampler == Sampler::Quadtree {
+            settings.learner = Learner::MonteCarlo;
+        }
         Some((common::renderer(context, &scene, &settings, 0), settings))
     };
     let mut renderers: Vec<Option<(Renderer, Settings)>> = METHODS.iter().map(renderer).collect();
     let (mut parts, mut elapsed) = (Vec::new(), [0.0; METHODS.len()]);
     let mut turn = |(seed, end): (u32, f64)| {
-        for (renderer, elapsed) in renderers.iter_mut().zip(&mut elapsed) {
+        for ((renderer, elapsed), (method, _)) in renderers.iter_mut().zip(&mut elapsed).zip(METHODS) {
             let seconds = (end * seconds - *elapsed).max(0.0);
             *elapsed += match renderer {
                 Some((renderer, settings)) => run_for(renderer, seconds, settings).1,
+                None if method != MITSUBA || !is_asked(method) => f64::NAN,
                 None => mitsuba(&scene_path(name), size, seconds, seed).map_or(f64::NAN, |(part, seconds)| {
                     parts.push(part);
                     seconds
@@ -138,11 +148,18 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
             let (renderer, _) = renderer.as_ref()?;
             Some((renderer.picture().expect("the picture").image(), renderer.samples_done()))
         };
-        let pictures = renderers.iter().map(|renderer| picture(renderer).or_else(|| average(&parts)));
+        let of_mitsuba = |method| if method == MITSUBA { average(&parts) } else { None };
+        let pictures = renderers.iter().zip(METHODS);
+        let pictures = pictures.map(|(renderer, (method, _))| picture(renderer).or_else(|| of_mitsuba(method)));
         let measured = pictures.map(|picture| errors(picture, reference)).zip(elapsed);
         measured.map(|(errors, seconds)| Errors { seconds, ..errors }).collect()
     };
     (0..).step_by(1_000_000).zip(TURN_ENDS).map(&mut turn).collect()
+}
+
+/// Whether a method is to be measured.
+fn is_asked(method: &str) -> bool {
+    std::env::var("LODESTAR_METHODS").map_or(true, |asked| asked.split(',').any(|asked| asked == method))
 }
 
 fn errors(picture: Option<(Image, u32)>, reference: &Reference) -> Errors {

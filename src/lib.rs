@@ -53,6 +53,7 @@
 //! | Monte-Carlo target | `record_returns` in `monte_carlo.glsl` | the same |
 //! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/proofs/claims/updates.rs` |
 //! | directions by the root of second moments (beyond the paper) | `target_density` and `add_square` in `radiance_grid.glsl`, `learn_second_moment` in `update_radiance.comp` | the same, `tests/proofs/claims/sums.rs` |
+//! | ray queues in place of one kernel (beyond the paper) | `wavefront.glsl`, `wave_extend.comp`, `wave_connect.comp`, `wave_shadow.comp`, `wave_shade.comp`, `wave_film.comp` | `tests/render/execution.rs` |
 //! | cells that fall back on their parents (beyond the paper) | `pool_radiance.comp`, `blend_radiance.comp` | `tests/samplers/parents.rs` |
 //! | normal-aware rejection, plain and mixed (Eq. 8, 9) | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/proofs/claims/samples.rs` (chi-square), `densities.rs`, `tests/render/ztest.rs` |
 //! | inversion over the sphere | `sample_sphere_inversion`, `pdf_sphere_inversion` in `sphere_inversion.glsl`, `store_bin_ends` in `bin_distribution.glsl` | the same |
