@@ -3,7 +3,7 @@
 //! `cargo bench --bench equal_time [-- SCENE...]`; needs the shared scenes and references: `LODESTAR_SCENES`,
 //! `LODESTAR_REFERENCES`. `LODESTAR_SECONDS` (40) is what each method has for each scene. It has them in turns, which alternate
 //! with the others', so that a slow minute hits all of them; after each turn errors are measured, for the curve over time.
-//! `LODESTAR_METHODS=product,quadtree` takes only these.
+//! `LODESTAR_METHODS='product;quadtree'` takes only these.
 //!
 //! The error is the paper's, the mean absolute error of the displayed image. Where the noise of the reference itself exceeds a
 //! quarter of the smaller error of two methods, their ratio is that of the mean squared errors, the reference's variance
@@ -77,6 +77,10 @@ fn main() {
     };
     let seconds = std::env::var("LODESTAR_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(SECONDS);
     let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
+    for asked in std::env::var("LODESTAR_METHODS").unwrap_or_default().split(';').filter(|asked| !asked.is_empty()) {
+        let names = METHODS.map(|(name, _)| name);
+        assert!(names.contains(&asked), "LODESTAR_METHODS names `{asked}`; there are {names:?}");
+    }
     let context = context();
     // Of each turn, of each pair of methods, of each scene.
     let mut ratios = vec![vec![Vec::new(); RATIOS.len()]; TURN_ENDS.len()];
@@ -159,7 +163,7 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
 
 /// Whether a method is to be measured.
 fn is_asked(method: &str) -> bool {
-    std::env::var("LODESTAR_METHODS").map_or(true, |asked| asked.split(',').any(|asked| asked == method))
+    std::env::var("LODESTAR_METHODS").map_or(true, |asked| asked.split(';').any(|asked| asked == method))
 }
 
 fn errors(picture: Option<(Image, u32)>, reference: &Reference) -> Errors {

@@ -134,6 +134,7 @@ mod tests {
             slice_milliseconds: _,
             execution: _,
             // Hidden: where data lies, which changes no bit, and faults for the tests.
+            queue_groups: _,
             film_page_pixels: _,
             storage_reads: _,
             attenuation_tamper: _,

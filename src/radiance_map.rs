@@ -54,7 +54,7 @@ fn plain(settings: &Settings, width: u32, height: u32) -> Settings {
     let defaults = Settings { width, height, crop: None, filter: ReconstructionFilter::Box, ..settings.clone() };
     let expected_directions = EXPECTED_DIRECTIONS;
     let guide = Settings { learner: Learner::Sarsa, mix: Mix::Density, epsilon: None, expected_directions, ..defaults };
-    Settings { sampler: Sampler::Bsdf, hide_emitters: false, ..guide }
+    Settings { sampler: Sampler::Bsdf, hide_emitters: false, sample_weights: None, ..guide }
 }
 
 impl Place<'_> {

@@ -162,11 +162,12 @@ pub enum StepSchedule {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Execution {
-    /// On a GPU the faster of the two, as measured while rendering; on a CPU `megakernel`.
+    /// On a GPU `wavefront` for emitter sampling among 10,000 primitives and more, if its memory allows; else `megakernel`.
     Auto,
     /// One kernel follows each path to its end.
     Megakernel,
-    /// All paths travel an edge, then the next: a kernel for rays, one for what they meet. Takes memory for the paths.
+    /// All paths travel an edge, then the next, by kernels for rays, for lights and for what is met. Takes memory for the
+    /// paths: at most 800 MiB or an eighth of the device's.
     Wavefront,
 }
 
@@ -269,6 +270,10 @@ pub struct Settings {
     pub slice_milliseconds: Option<f64>,
     /// How paths are traced.
     pub execution: Execution,
+    /// Most workgroups of a dispatch over a queue of a wave; `None` takes as many as suit a large GPU.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub queue_groups: Option<u32>,
     /// Most pixels of one film page; `None` takes what the device can bind.
     #[serde(skip)]
     #[doc(hidden)]
@@ -341,6 +346,7 @@ impl Settings {
             decay: 0.95,
             slice_milliseconds: None,
             execution: Execution::Auto,
+            queue_groups: None,
             film_page_pixels: None,
             storage_reads: false,
             attenuation_tamper: exact_attenuation(),

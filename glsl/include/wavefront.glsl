@@ -131,7 +131,8 @@ uint connection_at(uint slot) {
 
 void store_connection(uint slot, Connection connection) {
     uint at = connection_at(slot);
-    store_scratch(at, uvec4(floatBitsToUint(connection.light), 0u));
+    // Also what is no number brings none.
+    store_scratch(at, brings_light(connection) ? uvec4(floatBitsToUint(connection.light), 0u) : uvec4(0u));
     if (!brings_light(connection)) return;
     store_scratch(at + 1u, floatBitsToUint(vec4(connection.ray.origin, connection.ray.t_max)));
     store_scratch(at + 2u, uvec4(floatBitsToUint(connection.ray.direction), 0u));

@@ -90,6 +90,11 @@ fn settings(args: &RadianceArgs, scene: &Scene) -> Result<Settings> {
             "--steps growing is for a picture: steps of a map have all --spp-per-step samples".into(),
         ));
     }
+    if args.choices.guiding.sample_weights.is_some() {
+        return Err(Error::Settings(
+            "--sample-weights is for a picture: a map is learned from all samples alike".into(),
+        ));
+    }
     if args.choices.nee == Some(Switch::On) {
         return Err(Error::Settings(
             "--nee on leaves sampled light out of what is learned, so the map would not be radiance: leave it off"

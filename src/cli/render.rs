@@ -16,7 +16,7 @@ use lodestar::image::{Image, metrics};
 use lodestar::renderer::{RenderState, Renderer, StepReport, Surfaces};
 use lodestar::sample_ranges::SampleRanges;
 use lodestar::scene::{self, LoadOptions, LoadProgress};
-use lodestar::settings::Settings;
+use lodestar::settings::{Execution, Settings};
 use lodestar::{Error, Result, files};
 
 use super::interrupt::Interrupt;
@@ -25,7 +25,7 @@ use super::kernel_dir::KernelDir;
 use super::outputs::{Outputs, read_reference, whole_path};
 use super::profile::Profiler;
 use super::progress::{Loading, Progress, Status};
-use super::render_args::RenderArgs;
+use super::render_args::{DeviceArgs, RenderArgs};
 use super::report;
 use super::safety_copy::{Copied, SafetyCopy};
 use super::stats::{SetupTimes, Stats, Step, Totals, Versions, peak_resident_bytes};
@@ -63,6 +63,7 @@ pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
     let scene_hash = scene::fingerprint(&scene)?;
     let Beginning { settings, length, before, warning } = start.begin(&scene, &scene_hash, &task.device)?;
     loading.interleave(|| warn(warning.as_slice()));
+    let settings = with_replaced_kernels(settings, &task.device);
     let outputs = Outputs::new(&task.files, before.as_ref().map(|before| &before.outputs), &scene)?;
     if let Some(file) = &task.checkpoint {
         file.check(before.is_some(), &Identity::of_render(&scene_hash, &settings))?;
@@ -96,6 +97,14 @@ pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
     warn_of_nonfinite(job.history.counts.nonfinite);
     finished.and(report_validation(&context))?;
     Ok(interrupt.exit_code())
+}
+
+/// An edited kernel is to be the one that runs.
+fn with_replaced_kernels(mut settings: Settings, device: &DeviceArgs) -> Settings {
+    if device.kernel_dir.is_some() && settings.execution == Execution::Auto {
+        settings.execution = Execution::Megakernel;
+    }
+    settings
 }
 
 /// A render under way.

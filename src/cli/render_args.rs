@@ -142,7 +142,8 @@ pub struct DeviceArgs {
     /// How long a dispatch should take, in milliseconds [default: 50 on a GPU, 150 on a CPU].
     #[arg(long, value_name = "MS", value_parser = seconds, help_heading = "Device")]
     pub slice_ms: Option<f64>,
-    /// How paths are traced, which changes no bit of the picture: by one kernel each, as waves, or as what turns out faster.
+    /// How paths are traced: by one kernel, or as waves, which takes memory for the paths (at most 800 MiB). With --kernel-dir,
+    /// auto is megakernel.
     #[arg(long, value_enum, default_value_t = Execution::Auto, help_heading = "Device")]
     pub execution: Execution,
     /// Take kernels from the .spv files of this folder, which `lodestar inspect --out` writes and a person has edited.

@@ -3,7 +3,6 @@
 //! Read [`Renderer::step`], `glsl/path_trace.comp` and `glsl/include/vertex.glsl`, and the algorithm is understood.
 
 mod adaptive;
-mod execution;
 mod film_pages;
 mod film_sums;
 mod frame;
@@ -41,11 +40,10 @@ use crate::layout::{MaterialRecord, PathTracePush, SampleWeights, UpdatePush};
 use crate::lights::Lights;
 use crate::noise::{LEAST_SAMPLES, NoiseReport};
 use crate::scene::{Crop, Scene};
-use crate::settings::{AUTO_GRID, Sampler, Settings};
+use crate::settings::{AUTO_GRID, Execution, Sampler, Settings};
 use crate::textures::PackedTextures;
 use crate::{Error, Result};
 use adaptive::Adaptive;
-use execution::Way;
 use film_pages::FilmPage;
 use film_sums::FilmSums;
 use frame::Frame;
@@ -53,9 +51,9 @@ use geometry::Geometry;
 use memory_needs::MemoryNeeds;
 use normalization_grid::NormalizationGrid;
 use radiance_grid::RadianceGrid;
-use slices::Slice;
+use slices::{Slice, Slicer};
 use tracing::Tracing;
-use wavefront::check_wavefront;
+use wavefront::{check_wavefront, chosen};
 use weighed_film::WeighedFilm;
 
 /// Bytes of a guide whose grid is chosen by the scene.
@@ -66,6 +64,7 @@ pub struct Renderer {
     context: Arc<Context>,
     settings: Settings,
     tracing: Tracing,
+    slicer: Slicer,
     updates: Updates,
     /// Where the sampler has quadtrees.
     refine_quadtrees: Option<Kernel>,
@@ -153,9 +152,19 @@ impl Renderer {
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
         let cells = cells_of(settings, bvh);
         check_wavefront(context.device(), settings)?;
-        let needs = MemoryNeeds::new(context.device(), &shading, bvh, &cells, settings);
+        let needs_by = |execution| {
+            let settings = Settings { execution, ..settings.clone() };
+            (MemoryNeeds::new(context.device(), &shading, bvh, &cells, &settings), settings)
+        };
+        let samples_lights = settings.nee && !shading.lights.is_empty();
+        let chosen = chosen(context.device(), settings, samples_lights, bvh.primitives.len());
+        let (mut needs, mut resolved) = needs_by(chosen);
+        if settings.execution == Execution::Auto && needs.check(context.device()).is_err() {
+            (needs, resolved) = needs_by(Execution::Megakernel);
+        }
         needs.check(context.device())?;
-        Self::build(context, scene, &shading, bvh, cells, settings, registry).map_err(|error| note_needs(error, &needs))
+        Self::build(context, scene, &shading, bvh, cells, &resolved, registry)
+            .map_err(|error| note_needs(error, &needs))
     }
 
     fn build(
@@ -192,10 +201,11 @@ impl Renderer {
         };
         // Drivers compile on one core, and the other has time to copy.
         let (built, uploaded) = rayon::join(build, upload);
-        let (tracing, updates, refine_quadtrees, adaptive) = built?;
+        let ((tracing, slicer), updates, refine_quadtrees, adaptive) = built?;
         let (frame, geometry, radiance_grid, normalization_grid) = uploaded?;
         let mut renderer = Self {
             tracing,
+            slicer,
             updates,
             refine_quadtrees,
             adaptive,
@@ -347,22 +357,18 @@ impl Renderer {
             let most = self.samples_of_iteration().min(self.settings.samples_of_same_weight(self.samples_done));
             let batch = left.min(self.settings.samples_per_dispatch).min(most);
             let first_of_sets = self.first_of_sets(first_of_step);
-            let way = self.tracing.way(batch);
-            let mut of_batch = Duration::ZERO;
             for page in self.frame.pages() {
                 let mut next = 0;
-                while let Some(slice) = self.tracing.slicer(way).slice(page, next) {
+                while let Some(slice) = self.slicer.slice(page, next) {
                     if stop() {
                         return Ok(false);
                     }
-                    let (elapsed, slice_counts) = self.trace(way, page, slice, batch, first_of_sets)?;
-                    self.tracing.slicer(way).measured(slice, elapsed);
-                    of_batch += elapsed;
+                    let (elapsed, slice_counts) = self.trace(page, slice, batch, first_of_sets)?;
+                    self.slicer.measured(slice, elapsed);
                     counts.add(&slice_counts);
                     next = slice.end();
                 }
             }
-            self.tracing.measured(way, batch, of_batch);
             self.samples_done += batch;
             left -= batch;
             if let Some((kernel, iteration)) =
@@ -404,7 +410,7 @@ impl Renderer {
     fn judge_film(&mut self) -> Result<()> {
         let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         let others = [self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
-        adaptive.judge(&self.context, self.tracing.slicer(Way::Megakernel), self.frame.pages(), others)
+        adaptive.judge(&self.context, &self.slicer, self.frame.pages(), others)
     }
 
     /// Samples that may be taken before the guide is to learn from them.
@@ -414,7 +420,6 @@ impl Renderer {
 
     fn trace(
         &self,
-        way: Way,
         page: &FilmPage,
         slice: Slice,
         sample_count: u32,
@@ -431,7 +436,7 @@ impl Renderer {
             first_of_sets,
         };
         let others = [self.geometry.set(), self.radiance_grid.set(), self.normalization_grid.set()];
-        let (elapsed, counts) = self.tracing.trace(way, &self.context, &self.frame, page, others, push)?;
+        let (elapsed, counts) = self.tracing.trace(&self.context, &self.frame, page, others, push)?;
         match counts.overruns {
             0 => Ok((elapsed, counts)),
             _ => Err(self.overrun_error()),
@@ -454,7 +459,7 @@ impl Renderer {
 
     fn overrun_error(&self) -> Error {
         Error::Render(format!(
-            "the driver of {} ended a loop of path_trace before its end, so pixels would come out dark: render again with \
+            "the driver of {} ended a loop of a kernel before its end, so pixels would come out dark: render again with \
              --samples-per-dispatch below {} or a smaller --max-depth",
             self.context.device().name,
             self.settings.samples_per_dispatch
@@ -493,7 +498,7 @@ impl Renderer {
     fn update(&self, cells: Range<u32>, kernels: &[&Kernel]) -> Result<()> {
         let sets = self.sets();
         let names: Vec<_> = kernels.iter().map(|kernel| kernel.name()).collect();
-        for range in self.tracing.slicer(Way::Megakernel).ranges(cells) {
+        for range in self.slicer.ranges(cells) {
             let push = UpdatePush { first_cell: range.start };
             self.context.submit(&names.join(" and "), |recorder| {
                 for kernel in kernels {
@@ -508,11 +513,8 @@ impl Renderer {
     /// Runs every kernel once. The path tracer takes no sample and the grids are still empty: an update of nothing, which
     /// writes the floor that later updates start from.
     fn warm_up(&mut self) -> Result<()> {
-        let page = self.frame.first_page();
-        for &way in self.tracing.ways() {
-            if let Some(slice) = self.tracing.slicer(way).smallest_slice(page) {
-                self.trace(way, page, slice, 0, 0)?;
-            }
+        if let Some(slice) = self.frame.pages().first().and_then(|page| self.slicer.smallest_slice(page)) {
+            self.trace(self.frame.first_page(), slice, 0, 0)?;
         }
         // An empty film would end it.
         self.judge_film()?;

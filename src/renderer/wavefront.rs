@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::film_pages::{FilmPage, TILE_PIXELS, padded_pixels};
+use super::film_pages::{TILE_PIXELS, padded_pixels};
 use super::frame::Frame;
 use super::statistics::Counts;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceInfo, DeviceKind, Kernel};
@@ -21,8 +21,22 @@ const WAVE_BYTES: u64 = 800 << 20;
 const PART_OF_MEMORY: u64 = 8;
 /// Workgroups of a dispatch over a queue, whatever its length: its entries are dealt out to their lanes.
 const QUEUE_GROUPS: u32 = 32_768;
+/// Primitives from which on `auto` takes waves: among 18 they were slower, among 28,000 faster.
+const LEAST_PRIMITIVES: usize = 10_000;
 /// Edges between two looks at how many paths are left.
 const EDGES_PER_SUBMISSION: u32 = 8;
+
+/// What `auto` comes to: waves on a GPU, for emitter sampling in a scene that is not tiny, which is where they were faster. It
+/// depends on nothing that varies from run to run, for a driver may round the arithmetic of other kernels otherwise.
+pub(super) fn chosen(device: &DeviceInfo, settings: &Settings, samples_lights: bool, primitives: usize) -> Execution {
+    let can_trace = || device.limits.has_subgroup_ballot && settings.check_wavefront().is_ok();
+    let pays = device.kind != DeviceKind::Cpu && samples_lights && primitives >= LEAST_PRIMITIVES;
+    match settings.execution {
+        Execution::Auto if pays && can_trace() => Execution::Wavefront,
+        Execution::Auto => Execution::Megakernel,
+        asked => asked,
+    }
+}
 
 /// Refuses waves on a device that cannot count who goes on.
 pub(super) fn check_wavefront(device: &DeviceInfo, settings: &Settings) -> Result<()> {
@@ -37,18 +51,13 @@ pub(super) fn check_wavefront(device: &DeviceInfo, settings: &Settings) -> Resul
 
 /// Workgroups of pixels whose samples make up the largest wave; none where paths are not traced as waves.
 pub(super) fn wave_groups(device: &DeviceInfo, settings: &Settings) -> Option<u32> {
-    let can_trace = || device.limits.has_subgroup_ballot && settings.check_wavefront().is_ok();
-    let wanted = match settings.execution {
-        Execution::Megakernel => false,
-        Execution::Wavefront => true,
-        Execution::Auto => device.kind != DeviceKind::Cpu && can_trace(),
-    };
     let limits = &device.limits;
     let bounds =
         [limits.max_storage_buffer_bytes, limits.max_allocation_bytes, limits.device_local_bytes / PART_OF_MEMORY];
     let most_bytes = bounds.into_iter().fold(WAVE_BYTES, u64::min);
     let most = (most_bytes / group_bytes(settings)).max(1);
-    wanted.then(|| most.min(padded_pixels(settings) / u64::from(TILE_PIXELS)) as u32)
+    let groups = most.min(padded_pixels(settings) / u64::from(TILE_PIXELS)) as u32;
+    (settings.execution == Execution::Wavefront).then_some(groups)
 }
 
 /// Bytes of the paths of a workgroup of pixels.
@@ -74,10 +83,11 @@ pub(super) struct Wavefront {
     stages: Vec<Kernel>,
     film: Kernel,
     max_depth: u32,
+    queue_groups: u32,
 }
 
 impl Wavefront {
-    pub fn new(context: &Arc<Context>, kernels: &Kernels, variant: &Variant) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, variant: &Variant, settings: &Settings) -> Result<Self> {
         let build = |source| Kernel::new(context, source, &variant.entries());
         let stages = match variant.nee {
             true => vec![&kernels.wave_extend, &kernels.wave_connect, &kernels.wave_shadow, &kernels.wave_shade],
@@ -87,6 +97,7 @@ impl Wavefront {
             stages: stages.into_iter().map(build).collect::<Result<_>>()?,
             film: build(&kernels.wave_film)?,
             max_depth: variant.max_depth,
+            queue_groups: settings.queue_groups.unwrap_or(QUEUE_GROUPS),
         })
     }
 
@@ -95,19 +106,21 @@ impl Wavefront {
         &self,
         context: &Arc<Context>,
         frame: &Frame,
-        page: &FilmPage,
-        others: [&DescriptorSet; 3],
+        sets: [&DescriptorSet; 4],
         slice: PathTracePush,
     ) -> Result<(Duration, Counts)> {
-        let [geometry, radiance_grid, normalization_grid] = others;
-        let sets = [page.set(), geometry, radiance_grid, normalization_grid];
         let slots = slice.workgroup_count * slice.sample_count.max(1);
-        let groups = [slots.min(QUEUE_GROUPS), 1, 1];
+        let groups = [slots.min(self.queue_groups), 1, 1];
         let mut elapsed = Duration::ZERO;
         let mut edge = 0;
         loop {
             let end = self.max_depth.min(edge + EDGES_PER_SUBMISSION);
-            let submission = context.submit("wave", |recorder| {
+            let end_of_samples = slice.first_sample + slice.sample_count;
+            let label = format!(
+                "wave_extend to wave_shade, edges {edge} to {end}, samples {} to {end_of_samples}",
+                slice.first_sample
+            );
+            let submission = context.submit(&label, |recorder| {
                 if edge == 0 {
                     frame.clear_counts(recorder);
                 }

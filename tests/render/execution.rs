@@ -1,6 +1,9 @@
 //! Paths traced as waves make the picture of the kernel that follows each to its end, bit for bit.
 
-use lodestar::scene::Scene;
+use glam::Vec3;
+use lodestar::renderer::Counts;
+use lodestar::scene::emitter::AreaEmitter;
+use lodestar::scene::{Scene, Textured};
 use lodestar::settings::{Execution, Learner, SamplePattern, SampleWeights, Sampler, Settings};
 
 use crate::determinism::bits;
@@ -11,16 +14,27 @@ use crate::scenes::{GUIDED, ours, settings};
 const SIZE: [u32; 2] = [52, 37];
 const SPP: u32 = 21;
 
-/// Compares a wave's picture, of small slices and pages, with the megakernel's.
+/// The picture's bits, and what was counted.
+fn rendered(device: &Device, scene: &Scene, settings: &Settings) -> (Vec<u32>, Counts) {
+    let mut renderer = device.renderer(scene, settings);
+    let mut counts = Counts::default();
+    while renderer.samples_done() < SPP {
+        let samples = settings.spp_per_step.min(SPP - renderer.samples_done());
+        counts.add(&renderer.step(samples, &|| false).expect("a step").counts);
+    }
+    (bits(&renderer.picture().expect("a picture")), counts)
+}
+
+/// Compares a wave, of small slices and pages, of queues that few workgroups go through, with the megakernel.
 fn compare(device: &Device, name: &str, scene: &Scene, change: impl Fn(&mut Settings)) {
     let render = |further: &dyn Fn(&mut Settings)| {
         let mut settings = settings(scene, SIZE, Sampler::Product, 11);
         change(&mut settings);
         further(&mut settings);
-        bits(&device.render(scene, &settings, SPP))
+        rendered(device, scene, &settings)
     };
     let wave = |s: &mut Settings| {
-        s.execution = Execution::Wavefront;
+        (s.execution, s.queue_groups) = (Execution::Wavefront, Some(3));
         (s.slice_milliseconds, s.film_page_pixels) = (Some(1.0), Some(1024));
     };
     assert!(render(&|s| s.execution = Execution::Megakernel) == render(&wave), "{name}");
@@ -34,13 +48,28 @@ fn however_waves_are_cut_they_change_no_bit() {
         let mut settings = settings(&scene, SIZE, Sampler::Product, 11);
         (settings.nee, settings.execution) = (true, Execution::Wavefront);
         further(&mut settings);
-        bits(&device.render(&scene, &settings, SPP))
+        rendered(&device, &scene, &settings)
     };
     let megakernel = render(&|s| s.execution = Execution::Megakernel);
     assert!(megakernel == render(&|_| {}));
     assert!(megakernel == render(&|s| s.slice_milliseconds = Some(1.0)), "slices of 1 ms");
     assert!(megakernel == render(&|s| s.film_page_pixels = Some(256)), "film pages");
+    assert!(megakernel == render(&|s| s.queue_groups = Some(1)), "queues of one workgroup");
     assert!(megakernel != render(&|s| s.seed = 12), "another seed");
+}
+
+#[test]
+fn light_that_is_no_number_is_lost_alike() {
+    let device = Device::new();
+    for radiance in [f32::NAN, f32::INFINITY] {
+        let mut scene = ours("cornell-box/scene.xml", &[]);
+        for emitter in &mut scene.emitters {
+            *emitter = AreaEmitter::new(Textured::constant(Vec3::new(1.0, radiance, 1.0)));
+        }
+        for sampler in [Sampler::Bsdf, Sampler::Product] {
+            compare(&device, &format!("{sampler:?}, {radiance}"), &scene, |s| (s.sampler, s.nee) = (sampler, true));
+        }
+    }
 }
 
 #[test]

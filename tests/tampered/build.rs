@@ -13,9 +13,14 @@ use mutations::{MUTATIONS, Patch};
 
 const REPOSITORY: &str = "../..";
 /// Reading storage buffers, which every device has.
-const KERNELS: [&str; 12] = [
+const KERNELS: [&str; 17] = [
     "glsl/judge_noise.comp",
     "glsl/path_trace.comp",
+    "glsl/wave_extend.comp",
+    "glsl/wave_connect.comp",
+    "glsl/wave_shadow.comp",
+    "glsl/wave_shade.comp",
+    "glsl/wave_film.comp",
     "glsl/update_radiance.comp",
     "glsl/pool_radiance.comp",
     "glsl/blend_radiance.comp",
