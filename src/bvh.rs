@@ -1,11 +1,12 @@
 //! Builds the bounding volume hierarchy and lays geometry out as the kernels read it. The only module that names `obvhs`.
 
+mod split;
 mod wide;
 
-use glam::{Vec3, Vec3A};
-use obvhs::aabb::Aabb;
+use glam::Vec3;
 use rayon::prelude::*;
 
+use self::split::Boxes;
 use crate::kernels;
 use crate::layout::{AttributeRecord, PrimitiveRecord};
 use crate::scene::{Primitive, PrimitiveShape};
@@ -20,7 +21,7 @@ const BOX_MARGIN: f32 = 1.0e-6;
 pub struct Bvh {
     /// Compressed wide nodes; at least one.
     pub nodes: Vec<[u32; NODE_WORDS]>,
-    /// Primitives in the order of the leaves.
+    /// Primitives in the order of the leaves. A triangle of which several boxes hold a part is there several times.
     pub primitives: Vec<PrimitiveRecord>,
     /// Shading attributes in the same order.
     pub attributes: Vec<AttributeRecord>,
@@ -35,8 +36,10 @@ impl Bvh {
     pub fn build(primitives: &[Primitive]) -> Self {
         let bounds = scene_bounds(primitives);
         let margin = BOX_MARGIN * largest_coordinate(bounds);
-        let boxes: Vec<Aabb> = primitives.par_iter().map(|p| padded_box(p, margin)).collect();
-        let (nodes, order) = if boxes.is_empty() { (vec![[0; NODE_WORDS]], Vec::new()) } else { build_nodes(boxes) };
+        let (nodes, order) = match primitives {
+            [] => (vec![[0; NODE_WORDS]], Vec::new()),
+            _ => build_nodes(Boxes::new(primitives, margin)),
+        };
         let records = order.par_iter().map(|&index| {
             let primitive = widest_corner_first(&primitives[index as usize]);
             (primitive_record(&primitive), attribute_record(&primitive))
@@ -63,8 +66,8 @@ impl Bvh {
     }
 }
 
-/// Nodes, and the boxes' indices in the order of the leaves.
-fn build_nodes(boxes: Vec<Aabb>) -> (Vec<[u32; NODE_WORDS]>, Vec<u32>) {
+/// Nodes, and the primitives' indices in the order of the leaves.
+fn build_nodes(boxes: Boxes) -> (Vec<[u32; NODE_WORDS]>, Vec<u32>) {
     let wide = wide::build(boxes);
     (bytemuck::cast_vec(wide.nodes), wide.order)
 }
@@ -76,11 +79,6 @@ fn scene_bounds(primitives: &[Primitive]) -> (Vec3, Vec3) {
 
 fn largest_coordinate(bounds: (Vec3, Vec3)) -> f32 {
     bounds.0.abs().max(bounds.1.abs()).max_element()
-}
-
-fn padded_box(primitive: &Primitive, margin: f32) -> Aabb {
-    let (min, max) = primitive.bounds();
-    Aabb::new(Vec3A::from(min - margin), Vec3A::from(max + margin))
 }
 
 /// Nodes on the longest way down, by the children's indices that every node holds.

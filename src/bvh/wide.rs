@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
@@ -11,6 +10,8 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
+
+use super::split::Boxes;
 
 /// Children of a wide node at most.
 const WIDTH: usize = 8;
@@ -29,14 +30,14 @@ const COUNTS: [u8; LEAF_SIZE + 1] = [0b000_00000, 0b001_00000, 0b011_00000, 0b11
 const INNER: u8 = COUNTS[1] | 24;
 const FIRST: u8 = 0b000_11111;
 
-/// Nodes, the root first, and the boxes' indices in the order of the leaves.
+/// Nodes, the root first, and the primitives' indices in the order of the leaves.
 pub(super) struct Wide {
     pub nodes: Vec<CwBvhNode>,
     pub order: Vec<u32>,
 }
 
 /// Builds the hierarchy over at least one box.
-pub(super) fn build(boxes: Vec<Aabb>) -> Wide {
+pub(super) fn build(boxes: Boxes) -> Wide {
     let binary = build_binary(boxes);
     if binary.primitive_indices.len() <= SUBTREE_SIZE {
         return widen(&binary);
@@ -49,10 +50,10 @@ pub(super) fn build(boxes: Vec<Aabb>) -> Wide {
 }
 
 /// By locally ordered clustering (Meister and Bittner 2018).
-fn build_binary(boxes: Vec<Aabb>) -> Bvh2 {
-    let indices = (0..boxes.len() as u32).collect();
-    let mut binary = PlocBuilder::new().build(PlocSearchDistance::VeryLow, &boxes, indices, SortPrecision::U64, 2);
+fn build_binary(Boxes { boxes, primitives }: Boxes) -> Bvh2 {
+    let mut binary = PlocBuilder::new().build(PlocSearchDistance::VeryLow, &boxes, primitives, SortPrecision::U64, 2);
     drop(boxes);
+    binary.uses_spatial_splits = true;
     ReinsertionOptimizer::default().run(&mut binary, REINSERTED_SHARE, None);
     binary
 }

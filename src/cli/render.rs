@@ -75,12 +75,11 @@ pub fn render(task: &Task, start: Start) -> Result<ExitCode> {
     let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
     let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
     // From here on the device's copy is the one that is used.
-    scene.primitives = Vec::new();
+    let primitive_count = std::mem::take(&mut scene.primitives).len();
     loading.show("building the kernels");
     let registry = kernels.registry();
     let build = || Renderer::with_surfaces(&context, &scene, surfaces, &bvh, &settings, registry);
     let (renderer, pipeline_seconds) = timed(build)?;
-    let primitive_count = bvh.primitives.len();
     drop(bvh);
     drop(loading);
     kernels.warn_of_unused(renderer.back_end());
