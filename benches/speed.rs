@@ -12,7 +12,8 @@ use std::sync::Arc;
 
 use common::{context, load, median, renderer, run_for, scene_path, settings};
 use lodestar::gpu::Context;
-use lodestar::settings::Sampler;
+use lodestar::scene::Scene;
+use lodestar::settings::{Sampler, Settings};
 
 const WIDTH: u32 = 512;
 const ROUNDS: usize = 5;
@@ -43,28 +44,43 @@ fn measure(context: &Arc<Context>, name: &str) {
         (renderer(context, &scene, &settings, 4), settings)
     });
     let mut rates: Vec<[f64; 4]> = Vec::new();
+    let mut rays_of_paths = [f64::NAN; 4];
+    rays_of_paths[3] = rays_with_emitters_sampled(context, &scene, size);
     for round in 0..ROUNDS {
         let mut row = [f64::NAN; 4];
-        for (rate, (renderer, settings)) in row.iter_mut().zip(&mut renderers) {
+        for (method, (renderer, settings)) in renderers.iter_mut().enumerate() {
             let (spp, seconds, counts) = run_for(renderer, SECONDS, settings);
-            *rate = f64::from(spp) * pixels / seconds / 1.0e6;
-            println!("{name}, round {round}: {rate:.3} Mpaths/s, {:.2} Mrays/s", counts.rays as f64 / seconds / 1.0e6);
+            let paths = f64::from(spp) * pixels;
+            row[method] = paths / seconds / 1.0e6;
+            rays_of_paths[method] = counts.rays as f64 / paths;
+            println!("{name}, round {round}: {:.3} Mpaths/s", row[method]);
         }
         row[3] = mitsuba_rate(&scene_path(name), size).unwrap_or(f64::NAN);
         rates.push(row);
     }
-    print_medians(name, size, &rates);
+    print_medians(name, size, &rates, &rays_of_paths);
 }
 
-fn print_medians(name: &str, [width, height]: [u32; 2], rates: &[[f64; 4]]) {
-    let column = |i: usize| median(rates.iter().map(|row| row[i]).collect());
+/// Rays that a plain path takes with a shadow ray at each vertex that a light may add to: about as many as Mitsuba's.
+fn rays_with_emitters_sampled(context: &Arc<Context>, scene: &Scene, size: [u32; 2]) -> f64 {
+    let settings = Settings { nee: true, ..settings(scene, size, Sampler::Bsdf) };
+    let samples = settings.spp_per_step;
+    let counts = renderer(context, scene, &settings, 0).step(samples, &|| false).expect("a step").counts;
+    (counts.rays + counts.shadow_rays) as f64 / (f64::from(samples) * f64::from(size[0] * size[1]))
+}
+
+fn print_medians(name: &str, [width, height]: [u32; 2], rates: &[[f64; 4]], rays_of_paths: &[f64; 4]) {
     let ratio = |a: usize, b: usize| median(rates.iter().map(|row| row[a] / row[b]).collect());
+    let speed = |i: usize| {
+        let paths = median(rates.iter().map(|row| row[i]).collect());
+        format!("{paths:8.3} Mpaths/s, {:6.2} Mrays/s", paths * rays_of_paths[i])
+    };
     println!("\n{name}, medians over {ROUNDS} rounds, {width} x {height}, depth 16, roulette after 8, box filter:");
-    println!("  bsdf           {:8.3} Mpaths/s", column(0));
-    println!("  rejection-mix  {:8.3} Mpaths/s, {:.2} x the time per sample of bsdf", column(1), ratio(0, 1));
-    println!("  product        {:8.3} Mpaths/s, {:.2} x the time per sample of bsdf", column(2), ratio(0, 2));
+    println!("  bsdf           {}", speed(0));
+    println!("  rejection-mix  {}, {:.2} x the time per sample of bsdf", speed(1), ratio(0, 1));
+    println!("  product        {}, {:.2} x the time per sample of bsdf", speed(2), ratio(0, 2));
     match rates.iter().all(|row| row[3].is_finite()) {
-        true => println!("  Mitsuba path   {:8.3} Mpaths/s, bsdf is {:.2} x as fast", column(3), ratio(0, 3)),
+        true => println!("  Mitsuba path   {} with shadow rays, bsdf is {:.2} x as fast", speed(3), ratio(0, 3)),
         false => println!("  Mitsuba        not found: pip install mitsuba, and name LLVM in DRJIT_LIBLLVM_PATH"),
     }
 }
