@@ -81,6 +81,7 @@ mod tests {
     use glam::{Vec3, vec3};
 
     use super::*;
+    use crate::bvh::BOX_MARGIN;
 
     const MARGIN: f32 = 1.0e-5;
 
@@ -145,16 +146,25 @@ mod tests {
         }
     }
 
-    /// Far from the origin, where coordinates are rounded, and of no extent along an axis.
+    /// Also far from the origin, where coordinates are rounded.
     #[test]
-    fn boxes_are_never_inside_out() {
-        let mut primitives = among_small_ones(primitive(PrimitiveShape::Triangle, None, 1.0));
-        for p in &mut primitives {
-            p.origin = vec3(1000.0, -3000.0, 7.0);
-            (p.edge_u.z, p.edge_v.z) = (0.0, 0.0);
+    fn parts_of_any_slender_triangle_hold_it() {
+        let mut state = 1_u32;
+        let mut coordinate = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut split_count = 0;
+        for round in 0..20_000_u16 {
+            let [edge_u, apart] = [(); 2].map(|()| vec3(coordinate(), coordinate(), coordinate()));
+            let edge_v = edge_u + 0.2 * apart;
+            let origin = f32::from(round) * vec3(1.0, -0.3, 0.01);
+            let large = Primitive { origin, edge_u, edge_v, ..primitive(PrimitiveShape::Triangle, None, 1.0) };
+            let grown = Boxes::new(&among_small_ones(large), BOX_MARGIN * f32::from(round).max(2.0));
+            split_count += usize::from(grown.boxes.len() > 100);
+            let point = origin + 0.5 * (coordinate() + 1.0) * edge_u.lerp(edge_v, 0.5 * (coordinate() + 1.0));
+            assert!(parts(&grown, 50).iter().any(|part| holds(part, point.into())), "{large:?} at {point}");
         }
-        let boxes = Boxes::new(&primitives, 3.0e-3);
-        assert!(boxes.boxes.len() > 100);
-        assert!(boxes.boxes.iter().all(|part| part.min.cmple(part.max).all()));
+        assert!(split_count > 1000, "{split_count}");
     }
 }
