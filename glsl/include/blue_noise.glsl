@@ -25,26 +25,6 @@ uint reversed_place_in_tile(uvec2 film_pixel) {
     return bitfieldReverse(v.x | (v.y << 1u)) >> (32u - PLACE_DIGITS);
 }
 
-// Owen's scrambling by a hash of which no bit depends on higher ones (Laine and Karras 2011; constants: Vegdahl 2021), of
-// numbers whose most significant digit is the lowest bit. Each is uniform if the lower half of `seed` is, given the upper.
-uvec4 hashed_owen_scramble(uvec4 x, uvec4 seed) {
-    x ^= x * 0x3d20adeau;
-    x += seed;
-    x *= (seed >> 16u) | 1u;
-    x ^= x * 0x05526c56u;
-    return x ^ (x * 0x53a22864u);
-}
-
-// Both coordinates of the points of these numbers, below 2^16, digits in reverse: of i.x, then of i.y.
-uvec4 reversed_sobol(uvec2 i) {
-    // A digit of the second is the parity of those of the number whose places have all bits of its own: Pascal's triangle.
-    uvec2 y = i ^ ((i >> 1u) & 0x5555u);
-    y ^= (y >> 2u) & 0x3333u;
-    y ^= (y >> 4u) & 0x0f0fu;
-    y ^= (y >> 8u) & 0x00ffu;
-    return uvec4(i.x, y.x, i.y, y.y);
-}
-
 // The first digits of four numbers of a pixel's sample in [0, 8) of its set; `bits` are random and the same for all of a set.
 uvec4 tile_digits(uint reversed_place, uint within_set, uvec4 bits) {
     uvec4 shuffled = hashed_owen_scramble(uvec4(reversed_place), (bits >> 16u) | (bits.yxwz & 0xffff0000u));

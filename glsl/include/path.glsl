@@ -46,7 +46,7 @@ Path new_path(RandomKey key) {
 
 Path start_path(uvec2 film_pixel, RandomKey key) {
     Path path = new_path(key);
-    vec4 u = unit_floats(random_bits(key, 0u, RANDOM_SCATTER));
+    vec4 u = unit_floats(camera_bits(key));
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);
     return path;
 }

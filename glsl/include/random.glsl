@@ -78,6 +78,26 @@ uvec4 random_bits(RandomKey key, uint vertex, uint block) {
     return (tile_digits(key.reversed_place, key.sample_index - key.first_of_set, of_set) << 19u) | (bits >> 13u);
 }
 
+// Tells the hash of a sequence from that of a set.
+const uint OF_SEQUENCE = 0x40000000u;
+
+// Four words for the camera's ray. With PATTERN_SOBOL the first two of them, and the last two, are well distributed over all
+// samples of a pixel, not those of a set only. A guide learns from some of these before it is followed by others, but whatever
+// it has learned, and so whatever rays it has learned from, what a ray brings in the mean is the same: no bias comes of it.
+uvec4 camera_bits(RandomKey key) {
+    if (PATTERN != PATTERN_SOBOL) return random_bits(key, 0u, RANDOM_SCATTER);
+    uint number = key.sample_index;
+    uint sequence = OF_SET | OF_SEQUENCE;
+    if (ADAPTIVE) {
+        // Each half has a sequence of its own: the one must not make up for what the other errs.
+        number = number / (2u * SET_SIZE) * SET_SIZE + number % SET_SIZE;
+        sequence |= key.sample_index / SET_SIZE % 2u;
+    }
+    uvec4 of_sequence = pcg4d(uvec4(key.pixel, number >> 16u, sequence, key.seed));
+    uvec4 bits = pcg4d(uvec4(key.pixel, key.sample_index, RANDOM_SCATTER, key.seed));
+    return (sequence_digits(number & 0xffffu, of_sequence) << 16u) | (bits >> 16u);
+}
+
 // As many numbers as a loop asks for: xorshift (Marsaglia 2003), started by the hash.
 struct RandomStream {
     uvec4 state;

@@ -2,6 +2,8 @@
 // sequence (Sobol' 1967), a (0, 3, 2)-net, so that every elementary interval of an eighth of the square holds one of them.
 // Owen's scrambling (Owen 1995) makes each point uniform and keeps the net. Two nets lie side by side, in orders that nothing
 // but chance relates ("padding"; Kollig and Keller 2002).
+//
+// Camera rays go on along the sequence itself, of which every stretch of 2^n points, from a multiple of 2^n on, is a net.
 #ifndef SOBOL_GLSL
 #define SOBOL_GLSL
 
@@ -31,6 +33,35 @@ uvec4 sobol_digits(uvec2 i) {
 uvec4 set_digits(uint sample_index, uvec4 bits) {
     uvec4 shuffled = owen_scramble(uvec4(sample_index % SET_SIZE), bits >> 18u);
     return owen_scramble(sobol_digits(shuffled.xy), bits >> 25u);
+}
+
+// Owen's scrambling by a hash of which no bit depends on higher ones (Laine and Karras 2011; constants: Vegdahl 2021), of
+// numbers whose most significant digit is the lowest bit. Each is uniform if the lower half of `seed` is, given the upper.
+uvec4 hashed_owen_scramble(uvec4 x, uvec4 seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    return x ^ (x * 0x53a22864u);
+}
+
+// Both coordinates of the points of these numbers, below 2^16, digits in reverse: of i.x, then of i.y.
+uvec4 reversed_sobol(uvec2 i) {
+    // A digit of the second is the parity of those of the number whose places have all bits of its own: Pascal's triangle.
+    uvec2 y = i ^ ((i >> 1u) & 0x5555u);
+    y ^= (y >> 2u) & 0x3333u;
+    y ^= (y >> 4u) & 0x0f0fu;
+    y ^= (y >> 8u) & 0x00ffu;
+    return uvec4(i.x, y.x, i.y, y.y);
+}
+
+// The first 16 digits of four numbers of the point of this number, below 2^16, in a sequence; `bits` are random and the same for
+// all of it. The second pair comes in an order of its own.
+uvec4 sequence_digits(uint number, uvec4 bits) {
+    uint reversed = bitfieldReverse(number) >> 16u;
+    uvec4 shuffled = hashed_owen_scramble(uvec4(reversed), uvec4((bits.z >> 16u) | (bits.w & 0xffff0000u)));
+    uint other = bitfieldReverse(shuffled.x) >> 16u;
+    return bitfieldReverse(hashed_owen_scramble(reversed_sobol(uvec2(number, other)), bits)) >> 16u;
 }
 
 #endif

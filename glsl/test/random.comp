@@ -20,6 +20,7 @@ struct DrawOutput {
     vec4 floats;
     float leftover;
     float stream[4];
+    uvec4 camera;
 };
 
 layout(scalar, set = 0, binding = 0) readonly buffer DrawInputs { DrawInput draw_inputs[]; };
@@ -34,5 +35,6 @@ void main() {
     o.leftover = leftover_float(o.bits);
     RandomStream stream = random_stream(key, i.vertex, i.block);
     for (uint k = 0u; k < 4u; ++k) o.stream[k] = next_random(stream);
+    o.camera = camera_bits(key);
     draw_outputs[gl_GlobalInvocationID.x] = o;
 }

@@ -1,6 +1,6 @@
 //! Twin of `glsl/include/blue_noise.glsl`, digit by digit.
 
-use super::sobol::owen_scramble;
+use super::sobol::{hashed_owen_scramble, owen_scramble, reversed, sobol};
 
 /// Pixels along a side of a tile.
 const SIDE: u32 = 32;
@@ -19,26 +19,6 @@ pub fn tile_of([x, y]: [u32; 2]) -> u32 {
 /// The place of a pixel along Morton's curve (1966) through its tile.
 pub fn place_in_tile([x, y]: [u32; 2]) -> u32 {
     (0..PLACE_DIGITS / 2).fold(0, |place, bit| place | (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1))
-}
-
-fn reversed(x: u32, digits: u32) -> u32 {
-    (0..digits).fold(0, |reversed, bit| reversed << 1 | (x >> bit & 1))
-}
-
-/// Owen's scrambling by a hash (Laine and Karras 2011): the word that it leaves, with the digits of `x` as its lowest bits, the
-/// most significant the lowest.
-fn hashed_owen_scramble(x: u32, digits: u32, seed: u32) -> u32 {
-    let step = |x: u32, factor: u32| x ^ x.wrapping_mul(factor);
-    let x = step(reversed(x, digits), 0x3d20_adea).wrapping_add(seed).wrapping_mul(seed >> 16 | 1);
-    step(step(x, 0x0552_6c56), 0x53a2_2864)
-}
-
-/// The first digits of a coordinate of a point of Sobol's sequence (Sobol' 1967).
-pub fn sobol(number: u32, dimension: usize, digits: u32) -> u32 {
-    let first = 1 << (digits - 1);
-    let next = |v: &u32| Some(if dimension == 0 { v >> 1 } else { v ^ (v >> 1) });
-    let directions = std::iter::successors(Some(first), next);
-    (0..digits).zip(directions).filter(|(bit, _)| number >> bit & 1 == 1).fold(0, |x, (_, direction)| x ^ direction)
 }
 
 /// A product of polynomials over GF(2).

@@ -1,7 +1,7 @@
 //! Twin of `glsl/include/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
 
 use super::blue_noise::{tile_digits, tile_of};
-use super::sobol::set_digits;
+use super::sobol::{SET_SIZE, sequence_digits, set_digits};
 
 /// `RandomKey` in GLSL: what does not change along a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +67,19 @@ pub fn random_bits(key: RandomKey, vertex: u32, block: u32) -> [u32; 4] {
         }
     };
     [0, 1, 2, 3].map(|k| digits[k] << (32 - count) | bits[k] >> count)
+}
+
+/// Four words for the camera's ray: of pixels' sets, those of one sequence for all samples, or for each half of them.
+pub fn camera_bits(key: RandomKey, halves: bool) -> [u32; 4] {
+    if !matches!(key.set, SampleSet::OfPixel(_)) {
+        return random_bits(key, 0, 0);
+    }
+    let (set, within_set) = (key.sample_index / SET_SIZE, key.sample_index % SET_SIZE);
+    let (half, number) = if halves { (set % 2, set / 2 * SET_SIZE + within_set) } else { (0, key.sample_index) };
+    let of_sequence = pcg4d([key.pixel, number >> 16, 3 << 30 | half, key.seed]);
+    let bits = pcg4d([key.pixel, key.sample_index, 0, key.seed]);
+    let digits = sequence_digits(number & 0xffff, of_sequence);
+    [0, 1, 2, 3].map(|k| digits[k] << 16 | bits[k] >> 16)
 }
 
 /// Marsaglia's xorshift of four words (2003).

@@ -89,6 +89,25 @@ fn sets_leave_less_noise() {
     assert!(sets.iter().all(|&sets| sets < 0.7) && again > 0.7);
 }
 
+/// Edges that the camera sees are sampled along one sequence, also where sets end with each step of a guide.
+#[test]
+fn camera_rays_leave_less_noise_than_sets_would() {
+    let studio = Studio::new();
+    for sampler in [Sampler::Bsdf, Sampler::Product] {
+        let variance = |pattern, first_seed| {
+            // What is seen without a bounce: the light and its edges.
+            let change = |s: &mut Settings| (s.sampler, s.pattern, s.max_depth) = (sampler, pattern, 1);
+            studio.estimate(first_seed, &change).total_variance()
+        };
+        let independent = variance(SamplePattern::Independent, 0);
+        let [sequence, again] = [(SamplePattern::Sobol, 100), (SamplePattern::Independent, 300)]
+            .map(|(pattern, first_seed)| variance(pattern, first_seed) / independent);
+        println!("{sampler:?}: variance of a sequence {sequence:.3}, of independent samples of other seeds {again:.3}");
+        // Sets of eight would have 8^-0.5 = 0.35 of it, 32 samples of a sequence 32^-0.5 = 0.18.
+        assert!(sequence < 0.25 && again > 0.5, "{sampler:?}: {sequence} {again}");
+    }
+}
+
 #[test]
 fn sets_come_out_the_same_however_the_work_is_cut() {
     let studio = Studio::new();

@@ -33,9 +33,15 @@ struct DrawOutput {
     floats: [f32; 4],
     leftover: f32,
     stream: [f32; 4],
+    camera: [u32; 4],
 }
 
 impl DrawOutput {
+    /// Those of the camera's ray.
+    fn camera_numbers(&self) -> [f64; 4] {
+        self.camera.map(twin::unit_float)
+    }
+
     /// All numbers that a key yields.
     fn numbers(&self) -> [f64; 9] {
         let [a, b, c, d] = self.floats;
@@ -84,10 +90,14 @@ const PATTERNS: [u32; 3] = [PATTERN_INDEPENDENT, PATTERN_SOBOL, PATTERN_BLUE_NOI
 const SETS: [u32; 2] = [PATTERN_SOBOL, PATTERN_BLUE_NOISE];
 
 fn draw(pattern: u32, inputs: &[DrawInput]) -> Vec<DrawOutput> {
-    Device::new().map(&test::RANDOM, &Variant { pattern, ..Variant::default() }, inputs)
+    draw_by(&Variant { pattern, ..Variant::default() }, inputs)
 }
 
-fn of_twin(pattern: u32, i: &DrawInput) -> DrawOutput {
+fn draw_by(variant: &Variant, inputs: &[DrawInput]) -> Vec<DrawOutput> {
+    Device::new().map(&test::RANDOM, variant, inputs)
+}
+
+fn of_twin(&Variant { pattern, adaptive, .. }: &Variant, i: &DrawInput) -> DrawOutput {
     let set = match pattern {
         PATTERN_INDEPENDENT => SampleSet::Alone,
         PATTERN_SOBOL => SampleSet::OfPixel(i.first_of_set),
@@ -101,6 +111,7 @@ fn of_twin(pattern: u32, i: &DrawInput) -> DrawOutput {
         floats: bits.map(|b| twin::unit_float(b) as f32),
         leftover: twin::leftover_float(bits) as f32,
         stream: [(); 4].map(|()| twin::next_random(&mut stream) as f32),
+        camera: twin::camera_bits(key, adaptive),
     }
 }
 
@@ -109,9 +120,10 @@ fn every_bit_is_the_twins() {
     let mut inputs = keys([0; 5]);
     // Far along every axis, where products wrap around.
     inputs.extend(keys([u32::MAX - 63, 1 << 20, 0xdead_beef, 1000, 1]));
-    for pattern in PATTERNS {
-        for (i, o) in inputs.iter().zip(draw(pattern, &inputs)) {
-            assert_eq!(o, of_twin(pattern, i), "{i:?}");
+    for (pattern, adaptive) in PATTERNS.into_iter().flat_map(|pattern| [(pattern, false), (pattern, true)]) {
+        let variant = Variant { pattern, adaptive, ..Variant::default() };
+        for (i, o) in inputs.iter().zip(draw_by(&variant, &inputs)) {
+            assert_eq!(o, of_twin(&variant, i), "{i:?}");
             assert!(o.numbers().iter().all(|x| (0.0..1.0).contains(x)), "{o:?}");
         }
     }
@@ -208,6 +220,98 @@ fn sets_are_nets_of_eight_points() {
         assert!(nets(pattern, 0, 2) < 0.2 && nets(pattern, 1, 3) < 0.2, "{pattern}");
     }
     assert!(nets(PATTERN_INDEPENDENT, 0, 1) < 0.2);
+}
+
+/// Numbers of camera rays of these samples, for each of so many pixels.
+fn camera_rays(adaptive: bool, pixels: u32, samples: Range<u32>) -> Vec<Vec<[f64; 4]>> {
+    let key = |pixel: u32, sample_index: u32| DrawInput {
+        film_pixel: [pixel % FILM_WIDTH, pixel / FILM_WIDTH],
+        film_width: FILM_WIDTH,
+        sample_index,
+        first_of_set: sample_index - sample_index % 8,
+        seed: 1,
+        vertex: 0,
+        block: 0,
+    };
+    let keys = (0..pixels).flat_map(|pixel| samples.clone().map(move |index| key(pixel, index)));
+    let variant = Variant { pattern: PATTERN_SOBOL, adaptive, ..Variant::default() };
+    let outputs = draw_by(&variant, &keys.collect::<Vec<_>>());
+    outputs.chunks(samples.len()).map(|of_pixel| of_pixel.iter().map(DrawOutput::camera_numbers).collect()).collect()
+}
+
+fn is_net_of(points: &[[f64; 4]], a: usize, b: usize) -> bool {
+    is_net(&points.iter().map(|n| (n[a], n[b])).collect::<Vec<_>>())
+}
+
+#[test]
+fn stretches_of_camera_rays_are_nets() {
+    // Also where a sequence ends and the next one begins.
+    for points in [0..1024, (1 << 16) - 512..(1 << 16) + 512].map(|samples| camera_rays(false, 4, samples)).concat() {
+        for length in (0..10).map(|digits| 1 << digits) {
+            for stretch in points.chunks(length) {
+                assert!(is_net_of(stretch, 0, 1) && is_net_of(stretch, 2, 3), "{length}");
+            }
+        }
+        // Not those that begin elsewhere, nor numbers of two nets.
+        assert!(!is_net_of(&points[8..72], 0, 1) && !is_net_of(&points[..64], 0, 2));
+    }
+}
+
+#[test]
+fn halves_have_camera_rays_of_their_own() {
+    let rays = camera_rays(true, 64, 0..128);
+    let half = |points: &[[f64; 4]], which: usize| {
+        points.chunks(8).skip(which).step_by(2).flatten().copied().collect::<Vec<_>>()
+    };
+    for points in &rays {
+        for which in [0, 1] {
+            let half = half(points, which);
+            assert!(half.len() == 64 && is_net_of(&half, 0, 1) && is_net_of(&half, 2, 3));
+        }
+        assert!(!is_net_of(points, 0, 1));
+    }
+    // What one half lacks the other may not have.
+    let level = sidak(SIGNIFICANCE, 4);
+    for k in 0..4 {
+        let pairs = rays.iter().flat_map(|points| (0..8).map(move |i| (points[i][k], points[8 + i][k])));
+        assert!(pair_uniformity(pairs, 4) > level, "number {k}");
+    }
+    let of_one = camera_rays(false, 64, 0..128);
+    assert!(
+        pair_uniformity(of_one.iter().flat_map(|points| (0..8).map(move |i| (points[i][0], points[8 + i][0]))), 4)
+            < level
+    );
+}
+
+/// Over pixels, the numbers of one camera ray are as independent as if there were no sequence, of each other and of what is drawn
+/// at the first surface.
+#[test]
+fn the_numbers_of_a_camera_ray_are_independent_whatever_its_place() {
+    let level = sidak(SIGNIFICANCE, 8 * 10);
+    for place in [0, 1, 2, 3, 5, 8, 100, 1000] {
+        let pixel = |pixel: u32| DrawInput {
+            film_pixel: [pixel % 256, pixel / 256],
+            film_width: 256,
+            sample_index: place,
+            first_of_set: place - place % 8,
+            seed: 1,
+            vertex: 1,
+            block: 0,
+        };
+        let outputs = draw(PATTERN_SOBOL, &(0..1 << 14).map(pixel).collect::<Vec<_>>());
+        let numbers: Vec<[f64; 5]> = outputs
+            .iter()
+            .map(|o| {
+                let [a, b, c, d] = o.camera_numbers();
+                [a, b, c, d, o.numbers()[0]]
+            })
+            .collect();
+        for (a, b) in (0..5).flat_map(|a| (a + 1..5).map(move |b| (a, b))) {
+            let p = pair_uniformity(numbers.iter().map(|n| (n[a], n[b])), 16);
+            assert!(p > level, "place {place}, numbers {a} and {b}: {p}");
+        }
+        assert!(pair_uniformity(numbers.iter().map(|n| (n[0] / 2.0, n[1])), 16) < level);
+    }
 }
 
 /// Of each set one sample, chosen by its place: such numbers are as independent as if there were no sets.
