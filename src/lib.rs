@@ -61,7 +61,7 @@
 //! | radiance times cosine exactly, by descent (beyond the paper) | `sample_product`, `pdf_product` in `product.glsl`, `product_record` in `radiance_tree.glsl` | the same, `tests/samplers/product.rs` |
 //! | the quadtree that it compares with (Müller, Gross and Novák 2017) | `sample_quadtree`, `pdf_quadtree` in `quadtree.glsl`, `refine_quadtrees.comp` | `tests/samplers/quadtree.rs` (chi-square, trees against their twins), `tests/render/ztest.rs` |
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
-//! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
+//! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` and `camera_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
 //! | these across the pixels of a tile: blue noise (beyond the paper) | `tile_digits` in `blue_noise.glsl` | the same, `tests/render/blue_noise.rs` |
 //! | samples weighed by a schedule or by measured variance (beyond the paper) | `merge_radiance` in `tally.glsl`, [`sample_weights`], [`measured_weights`] | `tests/render/weights.rs` |
 //! | adaptive sampling by two halves (beyond the paper) | `halves.glsl`, `judge_noise.comp`, [`noise`] | `tests/render/noise.rs` |

@@ -120,7 +120,8 @@ pub enum SamplePattern {
     /// Each for itself.
     Independent = kernels::PATTERN_INDEPENDENT,
     /// In sets of eight: Sobol's points in two dimensions, scrambled after Owen, for every decision of a path. A set never
-    /// reaches over an update of the guide, so that every sample is independent of what it is guided by.
+    /// reaches over an update of the guide, so that every decision is independent of what it is guided by. Camera rays, on
+    /// which no guide has a say, go on along the sequence over all samples of a pixel.
     Sobol = kernels::PATTERN_SOBOL,
     /// In sets of eight as well, those of all pixels of a tile being one large set: what a pixel errs its neighbors make up
     /// for, so that the noise of a picture is blue.

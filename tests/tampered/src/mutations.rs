@@ -340,6 +340,17 @@ pub const MUTATIONS: &[Mutation] = &[
         ],
     ),
     mutation(
+        "a digit of points on the film lost",
+        &[
+            SOBOL_FINDS_CONSTANT,
+            Patch {
+                file: SOBOL,
+                text: "reversed_sobol(uvec2(number, other)), bits)) >> 16u",
+                mutated: "reversed_sobol(uvec2(number, other)), bits)) >> (MUTATED ? 17u : 16u)",
+            },
+        ],
+    ),
+    mutation(
         "digits of points of a tile lost",
         &[Patch {
             file: BLUE_NOISE,
