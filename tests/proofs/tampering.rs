@@ -67,6 +67,7 @@ const FAULTS: &[Fault] = &[
     kernels("roulette by a used random number", ROULETTE, "bsdf"),
     kernels("survivors of little hope weigh too little", FURNACE, PRODUCT),
     kernels("points of a set not scrambled", PATTERNS, "bsdf"),
+    kernels("a digit of points on the film lost", PATTERNS, "bsdf"),
     kernels("digits of points of a tile lost", PATTERNS, "bsdf"),
     kernels("what a choice leaves of a number not stretched", PICTURES, QUADTREE),
     kernels("left and right of a square exchanged", TREES, QUADTREE),
