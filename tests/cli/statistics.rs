@@ -51,7 +51,7 @@ fn check_rates(step: &Value) {
     for rate in ["invalid_rate", "light_hit_rate"] {
         assert!((0.0..1.0).contains(&number(step, rate)), "{rate}: {step}");
     }
-    assert!(number(step, "rays") > number(step, "paths") && number(step, "light_hit_rate") > 0.0, "{step}");
+    assert!(number(step, "rays") > number(step, "paths"), "{step}");
     let ms_per_sample = number(step, "seconds") * 1000.0 / number(step, "spp");
     assert!((number(step, "ms_per_sample") / ms_per_sample - 1.0).abs() < 1e-9, "{step}");
 }
@@ -73,6 +73,8 @@ fn steps_add_up_to_the_totals() {
         check_rates(step);
     }
     check_rates(totals);
+    // In a step of one sample it may be none that meets the light by chance.
+    assert!(number(totals, "light_hit_rate") > 0.0);
     for name in ["spp", "paths", "rays", "shadow_rays"] {
         assert_eq!(sum(steps, name), number(totals, name), "{name}");
     }
