@@ -11,7 +11,7 @@ use crate::bvh::Bvh;
 use crate::kernels;
 use occupancy::occupied_places;
 
-/// `CELL_BORROWED` of `glsl/include/cells.glsl`.
+/// `CELL_BORROWED` of `glsl/include/guide/grid/cells.glsl`.
 const BORROWED: u32 = 0x8000_0000;
 /// Places along the longest side of the scene that are tried.
 const LONGEST_SIDES: [u32; 19] = [4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 21, 24, 28, 32, 38, 44, 52, 64];
@@ -72,7 +72,7 @@ fn extent(bvh: &Bvh) -> Vec3 {
 pub struct Cells {
     /// Where they lie.
     pub grid: Grid,
-    /// The table that `glsl/include/cells.glsl` reads: the cell of every place, with `BORROWED` where a place holds no
+    /// The table that `glsl/include/guide/grid/cells.glsl` reads: the cell of every place, with `BORROWED` where a place holds no
     /// surface and stands for the next cell; the parent of every cell, `NONE` for the last; and of every parent, and of one
     /// beyond the last, the first of its cells.
     pub table: Vec<u32>,
@@ -135,7 +135,7 @@ impl Cells {
         self.levels.get(1..).unwrap_or_default()
     }
 
-    /// `cell_at_place` of `glsl/include/cells.glsl`: the cell of a point of a surface.
+    /// `cell_at_place` of `glsl/include/guide/grid/cells.glsl`: the cell of a point of a surface.
     pub fn cell_of(&self, position: Vec3) -> usize {
         let place = self.grid.clamped(self.grid.coordinates(position));
         self.table.get(self.grid.index(place)).map_or(0, |cell| (cell & !BORROWED) as usize)

@@ -1,5 +1,5 @@
 //! The trees of the clamped cosine that the product sampler multiplies with those of radiance: one for every representative
-//! normal, laid out as `glsl/include/tree.glsl` says, with the weights of `glsl/include/small_floats.glsl`.
+//! normal, laid out as `glsl/include/guide/samplers/tree.glsl` says, with the weights of `glsl/include/math/small_floats.glsl`.
 
 use crate::layout::CosineIntegral;
 

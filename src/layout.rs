@@ -3,7 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// `glsl/include/frame.glsl`
+/// `glsl/include/film/frame.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct FilmRadiance {
@@ -17,7 +17,7 @@ pub struct FilmRadiance {
     pub hit_count: u32,
 }
 
-/// `glsl/include/frame.glsl`
+/// `glsl/include/film/frame.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct FilmFeatures {
@@ -31,7 +31,7 @@ pub struct FilmFeatures {
     pub reserved: f32,
 }
 
-/// `glsl/include/frame.glsl`
+/// `glsl/include/film/frame.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct SceneConstants {
@@ -89,7 +89,7 @@ pub struct SceneConstants {
     pub all_cell_count: u32,
 }
 
-/// `glsl/layout_probe.comp`; what is done with it: `glsl/include/textures.glsl`
+/// `glsl/kernels/layout_probe.comp`; what is done with it: `glsl/include/texture/textures.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct TextureRecord {
@@ -111,7 +111,7 @@ pub struct TextureRecord {
     pub colors: [[f32; 4]; 2],
 }
 
-/// `glsl/layout_probe.comp`; what colors and scalars mean: `glsl/include/bsdf_parameters.glsl`
+/// `glsl/kernels/layout_probe.comp`; what colors and scalars mean: `glsl/include/bsdf/parameters.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct MaterialRecord {
@@ -135,7 +135,7 @@ pub struct MaterialRecord {
     pub coating_specular: [f32; 4],
 }
 
-/// `glsl/layout_probe.comp`
+/// `glsl/kernels/layout_probe.comp`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct EmitterRecord {
@@ -145,7 +145,7 @@ pub struct EmitterRecord {
     pub texture_index: u32,
 }
 
-/// `glsl/layout_probe.comp`
+/// `glsl/kernels/layout_probe.comp`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct LightRecord {
@@ -159,7 +159,7 @@ pub struct LightRecord {
     pub probability: f32,
 }
 
-/// `glsl/layout_probe.comp`
+/// `glsl/kernels/layout_probe.comp`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct DeltaLightRecord {
@@ -177,7 +177,7 @@ pub struct DeltaLightRecord {
     pub falloff: f32,
 }
 
-/// `glsl/layout_probe.comp`
+/// `glsl/kernels/layout_probe.comp`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PrimitiveRecord {
@@ -195,7 +195,7 @@ pub struct PrimitiveRecord {
     pub reserved: f32,
 }
 
-/// `glsl/layout_probe.comp`
+/// `glsl/kernels/layout_probe.comp`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct AttributeRecord {
@@ -215,7 +215,7 @@ pub struct AttributeRecord {
     pub light: u32,
 }
 
-/// `glsl/include/radiance_grid.glsl`
+/// `glsl/include/guide/grid/radiance_grid.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct RadianceSum {
@@ -229,7 +229,7 @@ pub struct RadianceSum {
     pub flux: f32,
 }
 
-/// `glsl/include/radiance_grid.glsl`
+/// `glsl/include/guide/grid/radiance_grid.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct LearnedRadiance {
@@ -239,7 +239,7 @@ pub struct LearnedRadiance {
     pub weight: f32,
 }
 
-/// `glsl/include/normalization_grid.glsl`
+/// `glsl/include/guide/normalization/normalization_grid.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct NormalizationEntry {
@@ -253,7 +253,7 @@ pub struct NormalizationEntry {
     pub uniform_share: f32,
 }
 
-/// `glsl/include/normalization_grid.glsl`
+/// `glsl/include/guide/normalization/normalization_grid.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct CosineIntegral {
@@ -263,7 +263,7 @@ pub struct CosineIntegral {
     pub maximum: f32,
 }
 
-/// Pushed to `glsl/path_trace.comp`: a slice of a film page and its next samples.
+/// Pushed to `glsl/kernels/trace/path_trace.comp`: a slice of a film page and its next samples.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PathTracePush {
@@ -285,7 +285,7 @@ pub struct PathTracePush {
     pub first_of_sets: u32,
 }
 
-/// Pushed to the kernels of a wave: `glsl/include/wavefront.glsl`.
+/// Pushed to the kernels of a wave: `glsl/include/path/wavefront.glsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct WavePush {
@@ -295,7 +295,7 @@ pub struct WavePush {
     pub edge: u32,
 }
 
-/// `glsl/include/slice.glsl`
+/// `glsl/include/film/slice.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct SampleWeights {
@@ -315,7 +315,7 @@ pub struct UpdatePush {
     pub first_cell: u32,
 }
 
-/// Pushed to `glsl/judge_noise.comp`.
+/// Pushed to `glsl/kernels/noise/judge_noise.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct JudgePush {
@@ -323,7 +323,7 @@ pub struct JudgePush {
     pub first_tile: u32,
 }
 
-/// Pushed to `glsl/refine_quadtrees.comp`.
+/// Pushed to `glsl/kernels/learn/refine_quadtrees.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct RefinePush {

@@ -17,7 +17,7 @@
 //!        Picture ─▶ out.exr (layers) / out.png
 //! ```
 //!
-//! To understand the algorithm read [`renderer::Renderer::step`], `glsl/path_trace.comp` and `glsl/include/vertex.glsl`.
+//! To understand the algorithm read [`renderer::Renderer::step`], `glsl/kernels/trace/path_trace.comp` and `glsl/include/path/vertex.glsl`.
 //!
 //! # Code map
 //! | module | what it is |

@@ -1,5 +1,5 @@
 //! What emitter sampling draws from: every light of a scene with a probability in proportion to its power. CPU only; the
-//! kernels read it as texels (`glsl/include/light.glsl`, `glsl/include/environment.glsl`).
+//! kernels read it as texels (`glsl/include/light/light.glsl`, `glsl/include/light/environment.glsl`).
 
 mod alias_table;
 mod environment_table;

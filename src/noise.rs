@@ -10,7 +10,7 @@ use serde::Serialize;
 /// Samples per pixel before noise is estimated: two of each half's parts.
 pub const LEAST_SAMPLES: u32 = 32;
 
-/// Sums over the pixels of a tile, of what is averaged over the color channels (`glsl/judge_noise.comp`).
+/// Sums over the pixels of a tile, of what is averaged over the color channels (`glsl/kernels/noise/judge_noise.comp`).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TileNoise {
     /// Of the estimated variances of their mean radiances, each relative to the square of that mean, or of the tile's where

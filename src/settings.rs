@@ -408,7 +408,7 @@ impl Settings {
         if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
     }
 
-    /// Bytes of the vertices that the learner keeps of each path under way: `PathVertex` of `glsl/include/monte_carlo.glsl`,
+    /// Bytes of the vertices that the learner keeps of each path under way: `PathVertex` of `glsl/include/guide/learners/monte_carlo.glsl`,
     /// eight words each. None where it keeps none.
     pub fn path_bytes(&self) -> u64 {
         let keeps_vertices = self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo;

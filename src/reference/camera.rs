@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/camera.glsl`.
+//! Twin of `glsl/include/film/camera.glsl`.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 

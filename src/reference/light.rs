@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/light_shape.glsl`, `environment.glsl` and the delta lights of `light.glsl`.
+//! Twin of `glsl/include/light/light_shape.glsl`, `environment.glsl` and the delta lights of `light.glsl`.
 
 use std::f64::consts::{PI, TAU};
 

@@ -37,7 +37,7 @@ pub(super) struct PageBuffers {
     pixel_count: u32,
     pub radiance: Arc<Buffer>,
     pub features: Arc<Buffer>,
-    /// Of each tile, then of each pixel: see `glsl/include/halves.glsl`. Nearly empty where no noise ends a tile.
+    /// Of each tile, then of each pixel: see `glsl/include/film/halves.glsl`. Nearly empty where no noise ends a tile.
     pub adaptive: Arc<Buffer>,
 }
 

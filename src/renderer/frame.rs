@@ -22,7 +22,7 @@ use crate::scene::{Projection, Scene};
 use crate::settings::{Learner, Settings};
 use crate::textures::TexelWords;
 
-/// `texel_words` of `glsl/include/frame.glsl`.
+/// `texel_words` of `glsl/include/film/frame.glsl`.
 const TEXEL_WORDS_BINDING: u32 = 6;
 /// Targets of learners that bootstrap saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;

@@ -1,4 +1,4 @@
-//! Materials as the kernels read them: `glsl/include/material.glsl` and `bsdf_parameters.glsl`.
+//! Materials as the kernels read them: `glsl/include/bsdf/material.glsl` and `bsdf/parameters.glsl`.
 
 use glam::Vec3;
 

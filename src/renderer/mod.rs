@@ -1,6 +1,6 @@
 //! The renderer: the paper's algorithm in safe code, one file per descriptor set.
 //!
-//! Read [`Renderer::step`], `glsl/path_trace.comp` and `glsl/include/vertex.glsl`, and the algorithm is understood.
+//! Read [`Renderer::step`], `glsl/kernels/trace/path_trace.comp` and `glsl/include/path/vertex.glsl`, and the algorithm is understood.
 
 mod adaptive;
 mod film_pages;

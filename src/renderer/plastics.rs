@@ -10,7 +10,7 @@ use crate::reference::microfacet::Microfacets;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind};
 use crate::scene::{Scene, Textured};
 
-/// Places among [`MaterialRecord::scalars`]; see `bsdf_parameters.glsl`.
+/// Places among [`MaterialRecord::scalars`]; see `bsdf/parameters.glsl`.
 const INTERNAL_REFLECTANCE: usize = 4;
 const SPECULAR_SAMPLING: usize = 5;
 const TRANSMITTANCE_TABLE: usize = 6;

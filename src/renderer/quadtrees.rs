@@ -1,5 +1,5 @@
 //! The quadtrees of Müller, Gross and Novák (2017): how much room they have, and when they are refined. What is in them says
-//! `glsl/include/quadtree_nodes.glsl`; they lie in the nodes and sums of set 2.
+//! `glsl/include/guide/samplers/quadtree_nodes.glsl`; they lie in the nodes and sums of set 2.
 
 use crate::gpu::{DescriptorSet, Kernel, Recorder};
 use crate::kernels::{REFINE_DRAFT, REFINE_MEASURE, REFINE_PLACE, REFINE_SETTLE, Variant};

@@ -13,7 +13,7 @@ use crate::kernels::Kernels;
 use crate::layout::{LearnedRadiance, RadianceSum};
 use crate::settings::{Sampler, Settings};
 
-/// Of each cell: `SHARES_PER_CELL` of `glsl/include/bsdf_share.glsl`, four words and two sums each.
+/// Of each cell: `SHARES_PER_CELL` of `glsl/include/guide/samplers/bsdf_share.glsl`, four words and two sums each.
 const SHARES: u64 = 2;
 const SHARE_WORDS: u64 = 4;
 const SHARE_SUMS: u64 = 2;

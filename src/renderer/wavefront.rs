@@ -13,7 +13,7 @@ use crate::layout::{PathTracePush, WavePush};
 use crate::settings::{Execution, Settings};
 use crate::{Error, Result};
 
-/// Bytes of a slot: `SLOT_QUADRUPLES` of `glsl/include/wavefront.glsl`, and a word in each of three queues.
+/// Bytes of a slot: `SLOT_QUADRUPLES` of `glsl/include/path/wavefront.glsl`, and a word in each of three queues.
 const SLOT_BYTES: u64 = 12 * 16 + 3 * 4;
 /// Most bytes of a wave, some four million paths, and the most of the device's memory, as a part of it. More paths keep a device busy
 /// to the end of a wave; on an NVIDIA H100 half as many cost 4 %, twice as many brought nothing.

@@ -1,4 +1,4 @@
-//! Textures as the kernels read them (`glsl/include/textures.glsl`): a record each, and the words of their images, together
+//! Textures as the kernels read them (`glsl/include/texture/textures.glsl`): a record each, and the words of their images, together
 //! with the tables that materials refer to. CPU only.
 
 pub(crate) mod halves;

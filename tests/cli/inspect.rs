@@ -109,7 +109,7 @@ fn options_choose_the_variant() {
         return;
     }
     let (plain, guided) = (&plain["specialized"]["histogram"], &guided["specialized"]["histogram"]);
-    let rejection = "glsl/include/rejection_mix.glsl";
+    let rejection = "glsl/include/guide/samplers/rejection_mix.glsl";
     assert_eq!(instructions_of(plain, rejection), 0);
     assert!(instructions_of(guided, rejection) > 20);
     assert!(instructions(plain) < instructions(guided), "{} and {}", instructions(plain), instructions(guided));
@@ -142,7 +142,10 @@ fn counts_add_up() {
     assert_eq!(histogram["classes"]["texel_fetch"]["instructions"], operations["ImageFetch"]);
     let lines = histogram["lines"].as_array().unwrap();
     let fetch = lines.iter().find(|line| line["text"].as_str().unwrap().contains("texelFetch(bvh_nodes")).unwrap();
-    assert!(fetch["file"] == "glsl/include/bvh.glsl" && fetch["classes"]["texel_fetch"].is_object(), "{fetch}");
+    assert!(
+        fetch["file"] == "glsl/include/geometry/bvh.glsl" && fetch["classes"]["texel_fetch"].is_object(),
+        "{fetch}"
+    );
 }
 
 #[test]

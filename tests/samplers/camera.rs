@@ -1,4 +1,4 @@
-//! `camera_ray` of `glsl/include/camera.glsl`
+//! `camera_ray` of `glsl/include/film/camera.glsl`
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4, Vec4Swizzles, dvec2, dvec3, vec2, vec3, vec4};

@@ -148,7 +148,7 @@ pub struct Cell {
     second_moments_at: u32,
 }
 
-/// Of each share: `glsl/include/bsdf_share.glsl`.
+/// Of each share: `glsl/include/guide/samplers/bsdf_share.glsl`.
 const SHARE_WORDS: u32 = 4;
 
 impl Cell {

@@ -1,4 +1,4 @@
-//! `glsl/include/direction_map.glsl`, `equal_area.glsl`, `cylindrical.glsl`
+//! `glsl/include/math/direction_map.glsl`, `equal_area.glsl`, `cylindrical.glsl`
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec2, Vec3, dvec2, vec2, vec3};

@@ -1,4 +1,4 @@
-//! `glsl/include/direction.glsl` and the filters of `glsl/include/camera.glsl`
+//! `glsl/include/math/direction.glsl` and the filters of `glsl/include/film/camera.glsl`
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 

@@ -1,4 +1,4 @@
-//! `glsl/include/environment.glsl` and the delta lights of `glsl/include/light.glsl`
+//! `glsl/include/light/environment.glsl` and the delta lights of `glsl/include/light/light.glsl`
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! The samplers that follow a guide (`glsl/include/guided_direction.glsl`) do not have the densities of slightly wrong twins.
+//! The samplers that follow a guide (`glsl/include/guide/samplers/guided_direction.glsl`) do not have the densities of slightly wrong twins.
 //! That they have those of the right ones is a claim of `tests/proofs`.
 
 use lodestar::layout;

@@ -1,4 +1,4 @@
-//! `glsl/include/traverse.glsl` and `glsl/include/intersect.glsl`, against trying every primitive.
+//! `glsl/include/geometry/traverse.glsl` and `glsl/include/geometry/intersect.glsl`, against trying every primitive.
 
 use std::iter::once;
 

@@ -1,4 +1,4 @@
-//! `glsl/include/normalization_entry.glsl` and the integrals that it reads
+//! `glsl/include/guide/normalization/normalization_entry.glsl` and the integrals that it reads
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! `glsl/pool_radiance.comp` and `glsl/blend_radiance.comp`: what cells fall back on, against the twins and in closed form.
+//! `glsl/kernels/learn/pool_radiance.comp` and `glsl/kernels/learn/blend_radiance.comp`: what cells fall back on, against the twins and in closed form.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! `glsl/include/product.glsl` with two or three levels below the first: 32^2 and 64^2 directions
+//! `glsl/include/guide/samplers/product.glsl` with two or three levels below the first: 32^2 and 64^2 directions
 
 use std::f64::consts::PI;
 

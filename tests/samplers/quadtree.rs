@@ -1,4 +1,4 @@
-//! The sampler by quadtrees (`glsl/include/quadtree.glsl`) has the density of its twin, and `glsl/refine_quadtrees.comp`
+//! The sampler by quadtrees (`glsl/include/guide/samplers/quadtree.glsl`) has the density of its twin, and `glsl/kernels/learn/refine_quadtrees.comp`
 //! makes the trees that the twin makes.
 
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! `glsl/include/random.glsl`, `glsl/include/sobol.glsl` and `glsl/include/blue_noise.glsl`
+//! `glsl/include/random/random.glsl`, `glsl/include/random/sobol.glsl` and `glsl/include/random/blue_noise.glsl`
 
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! `glsl/include/relief.glsl`
+//! `glsl/include/geometry/relief.glsl`
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! `glsl/include/bsdf_rough_diffuse.glsl`, `bsdf_principled.glsl` and `coating.glsl`: samples of the device against the twins'
+//! `glsl/include/bsdf/rough_diffuse.glsl`, `bsdf/principled.glsl` and `coating.glsl`: samples of the device against the twins'
 //! densities, values against the twins', energy and reciprocity.
 
 use std::f64::consts::{PI, TAU};

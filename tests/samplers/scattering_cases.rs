@@ -13,7 +13,7 @@ use lodestar::reference::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
 
 use crate::substances::{Substance, substances};
 
-/// `Bsdf` of `glsl/include/bsdf_parameters.glsl`
+/// `Bsdf` of `glsl/include/bsdf/parameters.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
 pub struct DeviceBsdf {

@@ -1,4 +1,4 @@
-//! `glsl/include/share_learning.glsl`: what an update makes of a step's evidence, and how directions are drawn by shares and
+//! `glsl/include/guide/learners/share_learning.glsl`: what an update makes of a step's evidence, and how directions are drawn by shares and
 //! resampled from candidates.
 
 use std::f64::consts::PI;

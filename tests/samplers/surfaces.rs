@@ -1,4 +1,4 @@
-//! `glsl/include/surface.glsl` and `glsl/include/octahedral.glsl`
+//! `glsl/include/geometry/surface.glsl` and `glsl/include/math/octahedral.glsl`
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};

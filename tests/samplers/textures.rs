@@ -1,4 +1,4 @@
-//! `glsl/include/textures.glsl` and `texture_lookup.glsl` against their twin.
+//! `glsl/include/texture/textures.glsl` and `texture_lookup.glsl` against their twin.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec4, Mat3, Vec2, Vec3};

@@ -1,4 +1,4 @@
-//! Sums of fixed-point targets (`glsl/include/radiance_grid.glsl`) are exact in any order, beyond the first word too, and
+//! Sums of fixed-point targets (`glsl/include/guide/grid/radiance_grid.glsl`) are exact in any order, beyond the first word too, and
 //! their rounding is unbiased; of squares likewise.
 
 use bytemuck::{Pod, Zeroable};

@@ -1,4 +1,4 @@
-//! A step's update (`glsl/update_radiance.comp`) is Eq. 7: the running mean of all targets, old ones fading geometrically,
+//! A step's update (`glsl/kernels/learn/update_radiance.comp`) is Eq. 7: the running mean of all targets, old ones fading geometrically,
 //! and no bin is left without support.
 
 use std::sync::Arc;
