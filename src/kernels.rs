@@ -4,7 +4,10 @@ use std::borrow::Cow;
 
 use crate::gpu::{BindingKind, BindingShape, KernelSource, SetShape};
 
-include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+include!(concat!(env!("OUT_DIR"), "/constants.rs"));
+include!(concat!(env!("OUT_DIR"), "/variant.rs"));
+include!(concat!(env!("OUT_DIR"), "/registry.rs"));
+include!(concat!(env!("OUT_DIR"), "/layout_checks.rs"));
 
 /// Where kernels read geometry and tables from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]

@@ -3,9 +3,7 @@
 #define CELLS_GLSL
 #include "film/frame.glsl"
 #include "guide/grid/radiance_grid.glsl"
-
-// A place of the regular grid that holds no surface stands for a neighbor's cell.
-const uint CELL_BORROWED = 0x80000000u;
+#include "shared/guide.glsl"
 
 uint place_count() {
     return scene().grid_size.x * scene().grid_size.y * scene().grid_size.z;
