@@ -75,7 +75,7 @@ fn kernel_files() -> Result<Vec<String>, String> {
     for folder in ["glsl/kernels", "glsl/test"] {
         collect_kernel_files(folder, &mut files)?;
     }
-    files.sort_by(|a, b| kernel_name(a).cmp(&kernel_name(b)));
+    files.sort_by_key(|file| kernel_name(file));
     Ok(files)
 }
 
@@ -414,7 +414,7 @@ fn write_layout_checks(code: &mut String, compiled: &[Compiled]) -> Result<(), S
     for (name, (size, members)) in structs {
         let _ = writeln!(
             code,
-            "const _: () = {{\n    use crate::layout::{name} as S;\n    assert!(size_of::<S>() == {size}, \"size of {name} differs from the GLSL\");"
+            "const _: () = {{\n    use crate::generated::layout::{name} as S;\n    assert!(size_of::<S>() == {size}, \"size of {name} differs from the GLSL\");"
         );
         for (member, offset) in members {
             let _ = writeln!(
