@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use lodestar::generated::kernels::Variant;
 use lodestar::gpu::KernelSource;
-use lodestar::inspect::{Class, Histogram, SourceLine, report};
-use lodestar::kernels::Variant;
+use lodestar::spirv::inspect::{Class, Histogram, SourceLine, report};
 
 const TRAVERSE: &str = include_str!("../../glsl/include/geometry/traverse.glsl");
 const INTERSECT: &str = include_str!("../../glsl/include/geometry/intersect.glsl");

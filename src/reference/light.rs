@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3, Vec3, dvec2};
 
 use super::intersect::{Ray, crossings};
-use crate::lights::{EnvironmentMap, EnvironmentTable};
+use crate::encode::lights::{EnvironmentMap, EnvironmentTable};
 use crate::scene::{DeltaKind, Primitive, PrimitiveShape};
 
 /// Spheres are sampled by the cone that they fill where the squared distance of their center exceeds their squared radius by

@@ -90,8 +90,8 @@ fn layouts_are_those_of_the_glsl() {
     assert_eq!(member["members"][0]["type"], "vec4[3]");
     assert_eq!((&member["members"][0]["stride"], &member["members"][1]["offset"]), (&16.into(), &48.into()));
     // layout.rs is held against the same reflection when the crate is compiled.
-    assert_eq!(member["bytes"], size_of::<lodestar::layout::SceneConstants>());
-    assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::layout::PathTracePush>());
+    assert_eq!(member["bytes"], size_of::<lodestar::generated::layout::SceneConstants>());
+    assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::generated::layout::PathTracePush>());
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn without_spirv_tools_the_rest_is_shown() {
 fn the_text_names_what_a_tuner_asks_for() {
     let folder = Folder::new();
     let said = text(&folder, &["path_trace", "--lines", "3"]);
-    let push = format!("push constants: {} bytes", size_of::<lodestar::layout::PathTracePush>());
+    let push = format!("push constants: {} bytes", size_of::<lodestar::generated::layout::PathTracePush>());
     for words in ["workgroup 64 (constant 0) x 1 x 1", &push, "MAX_TRIES", "atomics", "transcendental"] {
         let known = if words == "transcendental" { "sin, exp, log, pow" } else { words };
         assert!(said.contains(known), "{known} is missing:\n{said}");

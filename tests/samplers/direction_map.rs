@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec2, Vec3, dvec2, vec2, vec3};
-use lodestar::kernels::{Variant, test};
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::reference::direction_map as twin;
 use lodestar::reference::equal_area::square_bin;
 use lodestar::settings::DirectionMap;

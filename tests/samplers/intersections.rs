@@ -4,9 +4,9 @@ use std::iter::once;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, vec3};
-use lodestar::bvh::{Bvh, NODE_WORDS};
+use lodestar::encode::bvh::{Bvh, NODE_WORDS};
+use lodestar::generated::kernels::{NONE, Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::kernels::{NONE, Variant, test};
 use lodestar::reference::intersect::{Ray, crossings, traverse};
 use lodestar::scene::{Primitive, PrimitiveShape};
 

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use lodestar::cosine_integrals::cosine_integrals;
-use lodestar::kernels::{Variant, test};
+use lodestar::encode::cosine_integrals::cosine_integrals;
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::reference::direction_map::{bin_center, direction_bin, normal_bin, representative_normal, sphere_to_map};
 use lodestar::reference::normalization_entry::Rules;
 use lodestar::reference::product::{COSINE_SHARE, Product};

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use lodestar::kernels::{PATTERN_BLUE_NOISE, PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
+use lodestar::generated::kernels::{PATTERN_BLUE_NOISE, PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
 use lodestar::reference::random as twin;
 use lodestar::reference::random::{RandomKey, SampleSet};
 

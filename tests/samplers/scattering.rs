@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec2, DVec3, Vec3, dvec2, dvec3};
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::gpu::Kernel;
-use lodestar::kernels::{Variant, test};
 use rayon::prelude::*;
 
 use crate::device::{Device, GROUP};

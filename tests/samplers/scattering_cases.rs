@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use lodestar::kernels::{
+use lodestar::generated::kernels::{
     BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING, MATERIAL_COATED,
     MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
 };

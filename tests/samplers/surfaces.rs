@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
+use lodestar::generated::kernels::{NONE, Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::kernels::{NONE, Variant, test};
 use lodestar::reference::intersect::{Ray, crossings};
 use lodestar::scene::{Primitive, PrimitiveShape};
 

@@ -102,7 +102,7 @@ void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) 
 }
 
 // Chan, Golub and LeVeque 1979: two sets of moments into one. Squared deviations are weighed by squares of weights: their
-// expectation is the sum over all samples but the first of weight^2 variance, of which src/sample_weights.rs makes that of the mean.
+// expectation is the sum over all samples but the first of weight^2 variance, of which src/film/weights.rs makes that of the mean.
 FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
     float count = float(b.sample_count);
     float weight = w.of_sample * count;

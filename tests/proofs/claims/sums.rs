@@ -2,8 +2,8 @@
 //! their rounding is unbiased; of squares likewise.
 
 use bytemuck::{Pod, Zeroable};
-use lodestar::kernels::{Variant, test as kernels};
-use lodestar::layout::RadianceSum;
+use lodestar::generated::kernels::{Variant, test as kernels};
+use lodestar::generated::layout::RadianceSum;
 use lodestar::reference::radiance_grid::{FIXED_POINT_UNITS, fixed_point, fixed_point_square};
 
 use crate::device::Device;

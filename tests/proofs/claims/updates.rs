@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
+use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
+use lodestar::generated::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind, KernelSource};
-use lodestar::kernels::{STORAGE_BUFFERS, Variant};
-use lodestar::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::reference::radiance_grid as twin;
 use lodestar::reference::radiance_grid::FIXED_POINT_UNITS;
 

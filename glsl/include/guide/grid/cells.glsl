@@ -1,4 +1,4 @@
-// The cells of the grids: which one a point belongs to, and the larger ones that a cell is part of. What src/cells.rs writes.
+// The cells of the grids: which one a point belongs to, and the larger ones that a cell is part of. What src/encode/cells.rs writes.
 #ifndef CELLS_GLSL
 #define CELLS_GLSL
 #include "film/frame.glsl"
