@@ -15,7 +15,7 @@ pub fn code(kernels: &[Kernel]) -> String {
     for (name, (size, members)) in structs {
         let _ = writeln!(
             code,
-            "const _: () = {{\n    use super::layout::{name} as S;\n    \
+            "const _: () = {{\n    use self::{name} as S;\n    \
              assert!(size_of::<S>() == {size}, \"size of {name} differs from the GLSL\");"
         );
         for (member, offset) in members {

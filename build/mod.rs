@@ -34,7 +34,10 @@ pub fn run(out: &Path) -> Result<(), String> {
     write(out, "variant.rs", &variant::code(&shared.specialization))?;
     write(out, "registry.rs", &registry::code(&kernels)?)?;
     write(out, "layout_checks.rs", &layout::code(&kernels))?;
-    kernels.iter().filter(|kernel| kernel.is_test() || kernel.is_product()).try_for_each(|kernel| kernel.write_modules(out))
+    kernels
+        .iter()
+        .filter(|kernel| kernel.is_test() || kernel.is_product())
+        .try_for_each(|kernel| kernel.write_modules(out))
 }
 
 /// Every file that may declare what both sides share, with its text.

@@ -367,7 +367,7 @@ macro_rules! first_texel {
 
 // The sizes and places that GLSL gives the records that it reads as texels.
 const _: () = {
-    use super::kernels::*;
+    use super::constants::*;
     assert!(size_of::<PrimitiveRecord>() == PRIMITIVE_TEXELS as usize * TEXEL_BYTES);
     assert!(size_of::<AttributeRecord>() == ATTRIBUTE_TEXELS as usize * TEXEL_BYTES);
     assert!(size_of::<MaterialRecord>() == MATERIAL_TEXELS as usize * TEXEL_BYTES);
@@ -381,3 +381,5 @@ const _: () = {
     assert!(first_texel!(TextureRecord, u_row) == TEXTURE_TO_UV as usize);
     assert!(first_texel!(TextureRecord, colors) == TEXTURE_COLORS as usize);
 };
+
+include!(concat!(env!("OUT_DIR"), "/layout_checks.rs"));
