@@ -96,40 +96,7 @@ fn available_memory() -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use glam::{UVec3, Vec2, Vec3};
-
     use super::*;
-    use crate::scene::{FilmDescription, IntegratorDescription, Primitive, PrimitiveShape, ReconstructionFilter};
-    use crate::settings::TargetDensity;
-
-    /// Squares, one above the other, in all cells of the default grid.
-    fn full_cells() -> Cells {
-        let square = |layer: i32| Primitive {
-            shape: PrimitiveShape::Parallelogram,
-            origin: Vec3::new(0.0, 0.0, layer as f32),
-            edge_u: Vec3::X * 8.0,
-            edge_v: Vec3::Y * 8.0,
-            normals: None,
-            uvs: [Vec2::ONE; 3],
-            flip_normal: false,
-            material: 0,
-            emitter: None,
-        };
-        let squares: Vec<_> = (0..=16).map(square).collect();
-        Cells::new(&Bvh::build(&squares), UVec3::splat(8))
-    }
-
-    #[test]
-    fn second_moments_take_12_bytes_a_bin_and_leave_a_guide_within_8_mib() {
-        let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
-        let mean = Settings::for_film(&film, &IntegratorDescription::default());
-        let second_moment = Settings { target_density: TargetDensity::SecondMoment, ..mean.clone() };
-        let cells = full_cells();
-        assert_eq!(cells.count(), 512);
-        let [mean, second_moment] = [mean, second_moment].map(|settings| guide_bytes(&settings, &cells));
-        assert_eq!(second_moment - mean, 512 * 256 * 12);
-        assert!(second_moment <= 8 << 20, "{second_moment}");
-    }
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_arithmetic() {
