@@ -31,7 +31,7 @@ pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
 type Change = fn(&mut Settings);
 
 /// Every way to follow a guide.
-pub const GUIDED: [(&str, Change); 20] = [
+pub const GUIDED: [(&str, Change); 18] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),
