@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::Renderer;
-use super::film_sums::FilmSums;
+use super::film_store::sums::FilmSums;
 use crate::gpu::Buffer;
 use crate::{Error, Result};
 
