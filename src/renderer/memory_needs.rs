@@ -96,7 +96,37 @@ fn available_memory() -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use glam::{UVec3, Vec2, Vec3};
+
     use super::*;
+    use crate::scene::{FilmDescription, IntegratorDescription, Primitive, PrimitiveShape, ReconstructionFilter};
+
+    /// Squares, one above the other, in all cells of the default grid.
+    fn full_cells() -> Cells {
+        let square = |layer: i32| Primitive {
+            shape: PrimitiveShape::Parallelogram,
+            origin: Vec3::new(0.0, 0.0, layer as f32),
+            edge_u: Vec3::X * 8.0,
+            edge_v: Vec3::Y * 8.0,
+            normals: None,
+            uvs: [Vec2::ONE; 3],
+            flip_normal: false,
+            material: 0,
+            emitter: None,
+        };
+        let squares: Vec<_> = (0..=16).map(square).collect();
+        Cells::new(&Bvh::build(&squares), UVec3::splat(8))
+    }
+
+    #[test]
+    fn a_guide_of_the_default_size_is_within_8_mib() {
+        let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
+        let settings = Settings::for_film(&film, &IntegratorDescription::default());
+        let cells = full_cells();
+        assert_eq!(cells.count(), 512);
+        let bytes = guide_bytes(&settings, &cells);
+        assert!(bytes <= 8 << 20, "{bytes}");
+    }
 
     #[test]
     fn what_does_not_fit_is_refused_with_the_arithmetic() {
