@@ -1,7 +1,7 @@
 //! What is put to the proof: the kernels as they are shipped, or a change to them or to their settings.
 
+use lodestar::generated::kernels::test;
 use lodestar::gpu::KernelSource;
-use lodestar::kernels::test;
 use lodestar::settings::Settings;
 
 use crate::device::GROUP;

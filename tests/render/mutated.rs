@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
+use lodestar::generated::kernels::Registry;
 use lodestar::gpu::{Context, KernelSource};
-use lodestar::kernels::Registry;
 use lodestar::renderer::{Renderer, Surfaces};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
