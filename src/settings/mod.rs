@@ -144,17 +144,6 @@ pub enum Roulette {
     Contribution = constants::ROULETTE_CONTRIBUTION,
 }
 
-/// What a guide's directions are drawn in proportion to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum TargetDensity {
-    /// The mean of what a bin has learned.
-    Mean,
-    /// The root of its second moment, which also counts how much what it has learned varies over the cell and from path to path
-    /// (Rath et al. 2020, "Variance-Aware Path Guiding"). All that is learned from the table is still learned from the mean.
-    SecondMoment,
-}
-
 /// How many samples per pixel are taken between two updates of the grids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -187,8 +176,6 @@ pub enum SampleWeights {
     /// Those that an early guide has drawn less than later ones, by a schedule that is fixed before the render begins
     /// ([`crate::film::weights`]).
     Growing,
-    /// The noisier their steps were, the less: such a picture is consistent, not unbiased ([`crate::film::measured_weights`]).
-    Measured,
 }
 
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
@@ -237,10 +224,6 @@ pub struct Settings {
     pub epsilon: Option<f32>,
     /// What a scattering function keeps of the samples where `product` has the rest: where `None`, what cells learn if they can.
     pub bsdf_share: Option<BsdfShare>,
-    /// Directions of which `product` takes one, by f cos L, in [1, 2].
-    pub candidates: u32,
-    /// What a guide's directions are drawn in proportion to.
-    pub target_density: TargetDensity,
     /// What Russian roulette goes by. `None`: see [`Settings::roulette`].
     pub roulette: Option<Roulette>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
@@ -251,9 +234,6 @@ pub struct Settings {
     pub grid: u32,
     /// Targets that what a cell's parents have learned counts for in each of its bins, in [0, 1e6]; with 0 it stands for itself.
     pub fallback: f32,
-    /// How far a vertex looks for its cell along the surface, in [0, 1] cells: it takes the one of a point drawn within half of
-    /// that in either direction.
-    pub jitter: f32,
     /// Direction bins along each side of the map, in [4, 64].
     pub directions: u32,
     /// Normal bins along each side of the equal-area square, in [4, 32].
@@ -289,22 +269,6 @@ pub struct Settings {
     #[serde(skip)]
     #[doc(hidden)]
     pub storage_reads: bool,
-    /// Factor on what learning takes a surface to reflect: a fault that the tests must detect. 1 is right.
-    #[serde(skip, default = "exact_attenuation")]
-    #[doc(hidden)]
-    pub attenuation_tamper: f32,
-    /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
-    #[serde(skip, default = "exact_pdf")]
-    #[doc(hidden)]
-    pub pdf_tamper: f32,
-    /// Has the variance of the very samples decide their measured weights: a fault that the tests must detect.
-    #[serde(skip)]
-    #[doc(hidden)]
-    pub own_weights: bool,
-    /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
-    #[serde(skip, default = "exact_mis")]
-    #[doc(hidden)]
-    pub mis_fault: u32,
 }
 
 impl Settings {
@@ -335,13 +299,10 @@ impl Settings {
             mix: Mix::Density,
             epsilon: None,
             bsdf_share: None,
-            candidates: 1,
-            target_density: TargetDensity::Mean,
             roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
             fallback: 0.0,
-            jitter: 0.0,
             directions: DEFAULTS.direction_resolution,
             normals: DEFAULTS.normal_resolution,
             spp_per_step: 8,
@@ -356,10 +317,6 @@ impl Settings {
             queue_groups: None,
             film_page_pixels: None,
             storage_reads: false,
-            attenuation_tamper: exact_attenuation(),
-            pdf_tamper: exact_pdf(),
-            own_weights: false,
-            mis_fault: exact_mis(),
         }
     }
 
@@ -395,16 +352,6 @@ impl Settings {
     pub fn sample_weights(&self) -> SampleWeights {
         let grow = self.sampler == Sampler::Product && self.noise.is_none() && self.sample_offset.is_none();
         self.sample_weights.unwrap_or(if grow { SampleWeights::Growing } else { SampleWeights::Even })
-    }
-
-    /// Whether steps are weighed by their measured variance.
-    pub(crate) fn measures_weights(&self) -> bool {
-        self.sample_weights() == SampleWeights::Measured
-    }
-
-    /// Whether cells keep the second moments of what they learn.
-    pub fn keeps_second_moments(&self) -> bool {
-        self.target_density == TargetDensity::SecondMoment
     }
 
     /// Vertices that a kernel keeps of a path.
@@ -489,18 +436,6 @@ fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::resul
         NumberOrWord::Word(word) if word == "auto" => Ok(AUTO_GRID),
         NumberOrWord::Word(word) => Err(serde::de::Error::custom(format!("`{word}` is neither a number nor auto"))),
     }
-}
-
-fn exact_attenuation() -> f32 {
-    1.0
-}
-
-fn exact_pdf() -> f32 {
-    1.0
-}
-
-fn exact_mis() -> u32 {
-    constants::MIS_EXACT
 }
 
 fn depth_from_scene(depth: i32) -> u32 {

@@ -2,9 +2,6 @@
 #ifndef SHARED_GUIDE_GLSL
 #define SHARED_GUIDE_GLSL
 
-// Bit of a place of the regular grid that holds no surface and stands for a neighbor's cell.
-const uint CELL_BORROWED = 0x80000000u;
-
 // Shares of the scattering function that a cell has: of diffuse lobes, and of scattering functions that are guided as a whole.
 const uint SHARES_PER_CELL = 2u;
 // Words of a share in the table of radiance: the share, two sums that it is learned from, and the number of samples in these.
