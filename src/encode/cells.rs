@@ -8,7 +8,7 @@ use std::ops::Range;
 use glam::{UVec3, Vec3, uvec3};
 
 use crate::encode::bvh::Bvh;
-use crate::generated::kernels;
+use crate::generated::constants;
 use occupancy::occupied_places;
 
 /// Places along the longest side of the scene that are tried.
@@ -165,7 +165,7 @@ fn ancestry(mut keys: Vec<u64>) -> (Vec<u32>, Vec<u32>, Vec<Range<u32>>) {
         (keys, first) = (of_parents, end);
     }
     levels.push(first..first + 1);
-    parents.push(kernels::NONE);
+    parents.push(constants::NONE);
     first_children.push(first);
     (parents, first_children, levels)
 }
@@ -219,7 +219,7 @@ mod tests {
                 assert_eq!(pair[0] == pair[1], a >> level == b >> level, "{a} {b} {level}");
                 assert!(pair.iter().all(|cell| cells.parent_levels()[level as usize - 1].contains(cell)));
             }
-            assert_eq!(parents[pair[0] as usize], kernels::NONE);
+            assert_eq!(parents[pair[0] as usize], constants::NONE);
         };
         for a in Grid::places(UVec3::ZERO, grid.size - 1) {
             Grid::places(UVec3::ZERO, grid.size - 1).for_each(|b| shared(a, b));

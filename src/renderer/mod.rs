@@ -30,7 +30,7 @@ use crate::encode::{materials, plastics};
 use crate::film::Picture;
 use crate::film::noise::{LEAST_SAMPLES, NoiseReport};
 use crate::generated::kernels::{BackEnd, Kernels, Registry};
-use crate::generated::layout::{MaterialRecord, PathTracePush, SampleWeights, UpdatePush};
+use crate::generated::layout::{MaterialRecord, PathTracePush, SampleWeights, TEXEL_BYTES, UpdatePush};
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::film_store::pages::FilmPage;
@@ -108,7 +108,7 @@ impl Shading {
     /// Texels of the largest buffer.
     fn texels(&self) -> u64 {
         let Surfaces { materials, textures } = &self.surfaces;
-        let materials = size_of_val(&materials[..]) as u64 / 16;
+        let materials = size_of_val(&materials[..]) as u64 / TEXEL_BYTES as u64;
         materials.max(textures.longest()).max(self.lights.texel_count() as u64)
     }
 }
@@ -534,14 +534,15 @@ fn cells_of(settings: &Settings, bvh: &Bvh) -> Cells {
     }
 }
 
-/// The shape of set `set`, the same for all kernels of a registry.
-fn set_shape(kernels: &Kernels, set: usize) -> &'static SetShape {
-    &kernels.path_trace.sets[set]
+/// The shape of the set of this number, the same for all kernels of a registry.
+fn set_shape(kernels: &Kernels, set: u32) -> &'static SetShape {
+    &kernels.path_trace.sets[set as usize]
 }
 
-/// The kind of buffer that a read-only binding takes.
-fn buffer_kind(binding: BindingKind) -> BufferKind {
-    match binding {
+/// The kind of buffer that the read-only binding of this number takes.
+fn buffer_kind(shape: &SetShape, binding: u32) -> BufferKind {
+    let binding = shape.bindings.iter().find(|shape| shape.binding == binding);
+    match binding.map_or(BindingKind::StorageBuffer, |shape| shape.kind) {
         BindingKind::StorageBuffer => BufferKind::Storage,
         BindingKind::UniformBuffer => BufferKind::Uniform,
         BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
@@ -549,22 +550,27 @@ fn buffer_kind(binding: BindingKind) -> BufferKind {
     }
 }
 
-/// The same for a buffer of single words.
-fn word_buffer_kind(binding: BindingKind) -> BufferKind {
-    match buffer_kind(binding) {
+/// The kind of buffer of single words that such a binding takes.
+fn word_buffer_kind(shape: &SetShape, binding: u32) -> BufferKind {
+    match buffer_kind(shape, binding) {
         BufferKind::TexelUint => BufferKind::TexelUint1,
         other => other,
     }
 }
 
-/// A set over `buffers`, one for each number of a binding; tables are also seen as texels, at a number of their own, where the
-/// shape has that.
-fn table_set(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: &[&Arc<Buffer>]) -> Result<DescriptorSet> {
-    let used: Vec<_> = shape.bindings.iter().map(|binding| buffers[binding.binding as usize]).collect();
+/// A set over `buffers`, each with the number of its binding. Those that no kernel of the registry sees are left out.
+fn set_over(
+    context: &Arc<Context>,
+    name: &str,
+    shape: &SetShape,
+    buffers: &[(u32, &Arc<Buffer>)],
+) -> Result<DescriptorSet> {
+    let buffer_of = |number: u32| buffers.iter().find(|(binding, _)| *binding == number).map(|(_, buffer)| *buffer);
+    let used: Vec<_> = shape.bindings.iter().filter_map(|binding| buffer_of(binding.binding)).collect();
     DescriptorSet::new(context, name, shape, &used)
 }
 
-/// The kind of such a table: `texel` where the set sees it as texels.
+/// The kind of a table that kernels write as words and may read as texels: `texel` where the set sees it as texels.
 fn table_kind(shape: &SetShape, texel: BufferKind) -> BufferKind {
     let is_texel = |kind| matches!(kind, BindingKind::TexelBufferFloat | BindingKind::TexelBufferUint);
     let has_texels = shape.bindings.iter().any(|binding| is_texel(binding.kind));

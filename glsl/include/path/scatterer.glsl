@@ -7,10 +7,8 @@
 #include "random/random.glsl"
 #include "geometry/relief.glsl"
 #include "geometry/surface.glsl"
+#include "shared/records.glsl"
 #include "texture/textures.glsl"
-
-// Choices within choices; the loader admits no more.
-const uint MAX_CHOICES = 8u;
 
 bool has_choices() {
     return has_kind(MATERIAL_BLEND) || has_kind(MATERIAL_SIDES);

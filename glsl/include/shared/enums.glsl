@@ -1,4 +1,6 @@
-// Values that both sides name. build.rs reads these lines and writes the Rust constants, so this file holds nothing else.
+// Values that both sides name. As of every file of this folder, build.rs makes Rust constants of these lines.
+#ifndef ENUMS_GLSL
+#define ENUMS_GLSL
 
 // Sampler of scattered directions.
 const uint SAMPLER_BSDF = 0u;
@@ -147,3 +149,5 @@ const uint COUNTER_NONFINITE = 6u;
 const uint COUNTER_OVERRUNS = 7u;
 const uint COUNTER_SHADOW_RAYS = 8u;
 const uint COUNTER_COUNT = 9u;
+
+#endif

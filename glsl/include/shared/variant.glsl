@@ -2,6 +2,7 @@
 #ifndef VARIANT_GLSL
 #define VARIANT_GLSL
 #include "shared/enums.glsl"
+#include "shared/records.glsl"
 
 layout(local_size_x_id = 0) in;
 // Invocations per workgroup; the same number as local_size_x.
@@ -77,7 +78,7 @@ layout(constant_id = 50) const uint TEXTURE_KINDS = 0u;
 // Bit 1 << parameter for every parameter that has a texture in some material.
 layout(constant_id = 51) const uint TEXTURED_PARAMETERS = 0u;
 // The most textures that parameters of one material have.
-layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = 8u;
+layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = TEXTURE_LINKS;
 // Buffers that texel words are spread over.
 layout(constant_id = 53) const uint TEXEL_PAGES = 1u;
 layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;

@@ -8,16 +8,14 @@ use crate::Result;
 use crate::film::Picture;
 use crate::film::noise::TileNoise;
 use crate::film::sums::PixelSums;
+use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::state::Span;
 use crate::scene::Crop;
 use crate::settings::Settings;
 
-/// Pixels along a side of a tile.
-pub(crate) const TILE_SIDE: u32 = 8;
-/// Pixels of a tile.
-pub(crate) const TILE_PIXELS: u32 = TILE_SIDE * TILE_SIDE;
+const _: () = assert!(TILE_PIXELS == TILE_SIDE * TILE_SIDE);
 
 /// Some tiles of the film, with the descriptor set through which kernels see them.
 pub(crate) struct FilmPage {

@@ -6,18 +6,14 @@ use std::sync::Arc;
 use crate::Result;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_trees::{Node, nodes_per_tree};
-use crate::generated::kernels::Kernels;
+use crate::generated::kernels::bindings::radiance_grid as numbers;
+use crate::generated::kernels::{Kernels, RADIANCE_GRID_SET, SHARE_SUMS, SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, RadianceSum};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::learn::quadtrees;
 use crate::renderer::state::Persistent;
-use crate::renderer::{set_shape, table_kind, table_set};
+use crate::renderer::{set_over, set_shape, table_kind};
 use crate::settings::{Sampler, Settings};
-
-/// Of each cell: `SHARES_PER_CELL` of `glsl/include/guide/samplers/bsdf_share.glsl`, four words and two sums each.
-const SHARES: u64 = 2;
-const SHARE_WORDS: u64 = 4;
-const SHARE_SUMS: u64 = 2;
 
 /// The grid of Sec. 3: cells of `directions^2` bins. What cells learn of the scattering function's share follows their bins.
 pub(crate) struct RadianceGrid {
@@ -46,7 +42,7 @@ impl RadianceGrid {
     }
 
     fn shares(settings: &Settings, cells: &Cells) -> u64 {
-        if settings.learns_share() { SHARES * u64::from(cells.count()) } else { 0 }
+        if settings.learns_share() { u64::from(SHARES_PER_CELL) * u64::from(cells.count()) } else { 0 }
     }
 
     /// Words of bins' ends.
@@ -56,7 +52,7 @@ impl RadianceGrid {
 
     /// Words of the table that is sampled by: means and shares.
     fn radiances(settings: &Settings, cells: &Cells) -> u64 {
-        Self::bins(settings, cells) + SHARE_WORDS * Self::shares(settings, cells)
+        Self::bins(settings, cells) + u64::from(SHARE_WORDS) * Self::shares(settings, cells)
     }
 
     /// Bins of which something is learned: also of the larger cells where cells fall back on these.
@@ -68,7 +64,7 @@ impl RadianceGrid {
     fn sums(settings: &Settings, cells: &Cells) -> u64 {
         match settings.sampler {
             Sampler::Quadtree => quadtrees::quarters(settings),
-            _ => Self::bins(settings, cells) + SHARE_SUMS * Self::shares(settings, cells),
+            _ => Self::bins(settings, cells) + u64::from(SHARE_SUMS) * Self::shares(settings, cells),
         }
     }
 
@@ -94,7 +90,7 @@ impl RadianceGrid {
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings, cells: &Cells) -> Result<Self> {
-        let shape = set_shape(kernels, 2);
+        let shape = set_shape(kernels, RADIANCE_GRID_SET);
         let bins = Self::bins(settings, cells);
         let buffer = |name: &str, count: u64, size: usize, kind| Buffer::new(context, name, count * size as u64, kind);
         let radiance_kind = table_kind(shape, BufferKind::StorageTexelFloat1);
@@ -108,8 +104,17 @@ impl RadianceGrid {
         let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
         let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings, cells), node_kind)?;
         let table = Buffer::with_values(context, "cells", &cells.table, BufferKind::Storage)?;
-        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table];
-        let set = table_set(context, "radiance grid", shape, &buffers)?;
+        let buffers = [
+            (numbers::RADIANCE_TABLE, &radiance),
+            (numbers::LEARNED_TABLE, &learned),
+            (numbers::RADIANCE_SUMS, &sums),
+            (numbers::BIN_ENDS, &ends),
+            (numbers::RADIANCE_NODES, &nodes),
+            (numbers::RADIANCE_TEXELS, &radiance),
+            (numbers::RADIANCE_NODE_TEXELS, &nodes),
+            (numbers::CELL_TABLE, &table),
+        ];
+        let set = set_over(context, "radiance grid", shape, &buffers)?;
         let keeps_sums = settings.sampler == Sampler::Quadtree;
         let (bin_count, share_count) = (bins as usize, Self::shares(settings, cells) as usize);
         Ok(Self { set, radiance, learned, sums, keeps_sums, ends, nodes, bin_count, share_count })
@@ -139,6 +144,6 @@ impl RadianceGrid {
     pub fn read_shares(&self) -> Result<Vec<[f32; 2]>> {
         let offset = (self.bin_count * size_of::<f32>()) as u64;
         let words = self.radiance.read::<[f32; SHARE_WORDS as usize]>(offset, self.share_count)?;
-        Ok(words.chunks_exact(SHARES as usize).map(|of_cell| [of_cell[0][0], of_cell[1][0]]).collect())
+        Ok(words.chunks_exact(SHARES_PER_CELL as usize).map(|of_cell| [of_cell[0][0], of_cell[1][0]]).collect())
     }
 }

@@ -3,6 +3,7 @@
 #ifndef RADIANCE_GRID_GLSL
 #define RADIANCE_GRID_GLSL
 #include "math/direction_map.glsl"
+#include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
 // What one step adds to a bin: a sum of fixed-point targets in two words, exact in any order, and their number.
@@ -19,13 +20,13 @@ struct LearnedRadiance {
     float weight;
 };
 
-layout(scalar, set = 2, binding = 0) restrict buffer RadianceTable { float radiance_table[]; };
-layout(scalar, set = 2, binding = 1) restrict buffer LearnedTable { LearnedRadiance learned_table[]; };
-layout(scalar, set = 2, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
+layout(scalar, set = RADIANCE_GRID_SET, binding = 0) restrict buffer RadianceTable { float radiance_table[]; };
+layout(scalar, set = RADIANCE_GRID_SET, binding = 1) restrict buffer LearnedTable { LearnedRadiance learned_table[]; };
+layout(scalar, set = RADIANCE_GRID_SET, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
 // Ends of the bins' shares, for sphere-inversion.
-layout(scalar, set = 2, binding = 3) restrict buffer BinEnds { uint bin_ends[]; };
-layout(scalar, set = 2, binding = 4) restrict buffer RadianceNodes { uvec4 radiance_nodes[]; };
-layout(scalar, set = 2, binding = 7) restrict readonly buffer CellTable { uint cell_table[]; };
+layout(scalar, set = RADIANCE_GRID_SET, binding = 3) restrict buffer BinEnds { uint bin_ends[]; };
+layout(scalar, set = RADIANCE_GRID_SET, binding = 4) restrict buffer RadianceNodes { uvec4 radiance_nodes[]; };
+layout(scalar, set = RADIANCE_GRID_SET, binding = 7) restrict readonly buffer CellTable { uint cell_table[]; };
 
 // Fixed-point targets: a target of `target_limit` is this many units.
 const float FIXED_POINT_UNITS = 1073741824.0;
@@ -41,8 +42,8 @@ uint radiance_index(uint cell, uint bin) {
 
 // Mean radiance (of RGB) that arrives in the cell from the bin's directions; positive.
 #ifdef TEXEL_READS
-layout(set = 2, binding = 5) uniform samplerBuffer radiance_texels;
-layout(set = 2, binding = 6) uniform usamplerBuffer radiance_node_texels;
+layout(set = RADIANCE_GRID_SET, binding = 5) uniform samplerBuffer radiance_texels;
+layout(set = RADIANCE_GRID_SET, binding = 6) uniform usamplerBuffer radiance_node_texels;
 
 float radiance(uint index) {
     return texelFetch(radiance_texels, int(index)).x;

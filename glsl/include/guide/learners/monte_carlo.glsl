@@ -5,15 +5,6 @@
 #include "random/random.glsl"
 #include "guide/learners/segment.glsl"
 
-// What a vertex adds to the radiance of the segment that leads there: its own light, and `factor` times the next segment's.
-struct PathVertex {
-    Segment segment;
-    vec3 light;
-    vec3 factor;
-};
-
-const PathVertex NO_VERTEX = PathVertex(NO_SEGMENT, vec3(0.0), vec3(0.0));
-
 // Of the path under way, its first vertex first. Not a parameter: that would be copied.
 PathVertex kept_vertices[KEPT_VERTICES];
 

@@ -1,7 +1,7 @@
 // From a cell's radiance to the factors of its sampler.
 #ifndef NORMALIZATION_ENTRY_GLSL
 #define NORMALIZATION_ENTRY_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 #include "guide/normalization/normalization_grid.glsl"
 #include "guide/grid/radiance_grid.glsl"
 
