@@ -15,7 +15,7 @@ use spirq::ty::{DescriptorType, ScalarType, Type};
 use spirq::var::Variable;
 
 /// Kernels that include this file are built once for each of its two back ends.
-const GEOMETRY_FILE: &str = "glsl/include/bvh.glsl";
+const GEOMETRY_FILE: &str = "glsl/include/geometry/bvh.glsl";
 /// Declares records and is never dispatched.
 const PROBE: &str = "layout_probe";
 
@@ -28,6 +28,8 @@ enum BackEnd {
 
 struct Compiled {
     name: String,
+    /// Path of its source in the repository.
+    file: String,
     is_test: bool,
     reads_geometry: bool,
     spirv: BTreeMap<BackEnd, Vec<u8>>,
@@ -70,17 +72,29 @@ fn read_text(path: &str) -> Result<String, String> {
 /// All `.comp` files, in a fixed order.
 fn kernel_files() -> Result<Vec<String>, String> {
     let mut files = Vec::new();
-    for folder in ["glsl", "glsl/test"] {
-        let entries = fs::read_dir(folder).map_err(|e| format!("{folder}: cannot be read: {e}"))?;
-        for entry in entries.flatten() {
-            let path = format!("{folder}/{}", entry.file_name().to_string_lossy());
-            if path.ends_with(".comp") {
-                files.push(path);
-            }
+    for folder in ["glsl/kernels", "glsl/test"] {
+        collect_kernel_files(folder, &mut files)?;
+    }
+    files.sort_by_key(|file| kernel_name(file));
+    Ok(files)
+}
+
+fn collect_kernel_files(folder: &str, files: &mut Vec<String>) -> Result<(), String> {
+    let entries = fs::read_dir(folder).map_err(|e| format!("{folder}: cannot be read: {e}"))?;
+    for entry in entries.flatten() {
+        let path = format!("{folder}/{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            collect_kernel_files(&path, files)?;
+        } else if path.ends_with(".comp") {
+            files.push(path);
         }
     }
-    files.sort();
-    Ok(files)
+    Ok(())
+}
+
+/// A kernel's name: the stem of its file.
+fn kernel_name(file: &str) -> String {
+    Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 // ---------------------------------------------------------------------------------------------------------- compile
@@ -91,8 +105,13 @@ fn compile(file: &str) -> Result<Compiled, String> {
     if reads_geometry.get() {
         spirv.insert(BackEnd::Texel, compile_one(file, BackEnd::Texel, &reads_geometry)?);
     }
-    let name = Path::new(file).file_stem().expect("ends in .comp").to_string_lossy().into_owned();
-    Ok(Compiled { name, is_test: file.starts_with("glsl/test/"), reads_geometry: reads_geometry.get(), spirv })
+    Ok(Compiled {
+        name: kernel_name(file),
+        file: file.to_owned(),
+        is_test: file.starts_with("glsl/test/"),
+        reads_geometry: reads_geometry.get(),
+        spirv,
+    })
 }
 
 fn compile_one(file: &str, back_end: BackEnd, reads_geometry: &Cell<bool>) -> Result<Vec<u8>, String> {
@@ -106,7 +125,7 @@ fn compile_one(file: &str, back_end: BackEnd, reads_geometry: &Cell<bool>) -> Re
 
 /// `const uint NAME = 1u;` lines become Rust constants.
 fn write_constants(code: &mut String) -> Result<(), String> {
-    let file = "glsl/include/enums.glsl";
+    let file = "glsl/include/shared/enums.glsl";
     let mut comment = String::new();
     for (number, line) in read_text(file)?.lines().enumerate() {
         if let Some(text) = line.strip_prefix("//") {
@@ -131,7 +150,7 @@ struct Constant {
 }
 
 fn parse_variant() -> Result<Vec<Constant>, String> {
-    let file = "glsl/include/variant.glsl";
+    let file = "glsl/include/shared/variant.glsl";
     let mut constants = Vec::new();
     let mut comment = String::new();
     for (number, line) in read_text(file)?.lines().enumerate() {
@@ -330,7 +349,7 @@ fn write_registry(code: &mut String, compiled: &[Compiled], out: &Path) -> Resul
 fn write_kernels_struct(code: &mut String, kernels: &[&Compiled]) {
     code.push_str("\n/// Every kernel of the renderer.\n#[derive(Debug, Clone)]\npub struct Kernels {\n");
     for kernel in kernels {
-        let _ = writeln!(code, "    /// `glsl/{0}.comp`\n    pub {0}: KernelSource,", kernel.name);
+        let _ = writeln!(code, "    /// `{}`\n    pub {}: KernelSource,", kernel.file, kernel.name);
     }
     let all = |prefix: &str| kernels.iter().map(|k| format!("{prefix}self.{}, ", k.name)).collect::<String>();
     let _ = writeln!(
@@ -351,8 +370,8 @@ fn write_test_kernels(code: &mut String, compiled: &[Compiled], out: &Path) -> R
         let source = kernel_code(kernel, back_end, &sets_code(&bindings), out)?;
         let _ = writeln!(
             code,
-            "    /// `glsl/test/{}.comp`\n    pub static {}: KernelSource = {source};",
-            kernel.name,
+            "    /// `{}`\n    pub static {}: KernelSource = {source};",
+            kernel.file,
             kernel.name.to_uppercase()
         );
     }
@@ -395,7 +414,7 @@ fn write_layout_checks(code: &mut String, compiled: &[Compiled]) -> Result<(), S
     for (name, (size, members)) in structs {
         let _ = writeln!(
             code,
-            "const _: () = {{\n    use crate::layout::{name} as S;\n    assert!(size_of::<S>() == {size}, \"size of {name} differs from the GLSL\");"
+            "const _: () = {{\n    use crate::generated::layout::{name} as S;\n    assert!(size_of::<S>() == {size}, \"size of {name} differs from the GLSL\");"
         );
         for (member, offset) in members {
             let _ = writeln!(

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-const INCLUDE_FOLDERS: [&str; 2] = ["glsl/include", "glsl"];
+const INCLUDE_FOLDER: &str = "glsl/include";
 
 /// Compiles `file`, which lies in the folder `root` with all that it includes. Returns the SPIR-V and what was included.
 pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<(Vec<u8>, Vec<String>), String> {
@@ -35,13 +35,9 @@ pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<(Vec<u8>, Vec
 }
 
 fn resolve_include(root: &Path, name: &str) -> Result<shaderc::ResolvedInclude, String> {
-    for folder in INCLUDE_FOLDERS {
-        let path = format!("{folder}/{name}");
-        if let Ok(content) = fs::read_to_string(root.join(&path)) {
-            return Ok(shaderc::ResolvedInclude { resolved_name: path, content });
-        }
-    }
-    Err(format!("no file {name} under {}", INCLUDE_FOLDERS.join(" or ")))
+    let path = format!("{INCLUDE_FOLDER}/{name}");
+    let content = fs::read_to_string(root.join(&path)).map_err(|_| format!("no file {name} under {INCLUDE_FOLDER}"))?;
+    Ok(shaderc::ResolvedInclude { resolved_name: path, content })
 }
 
 /// Turns `file:line: error: text` into the form that rustc gives its own errors.

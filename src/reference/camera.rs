@@ -1,12 +1,12 @@
-//! Twin of `glsl/include/camera.glsl`.
+//! Twin of `glsl/include/film/camera.glsl`.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use glam::{DVec2, DVec3, Vec2, Vec4, dvec2};
 
 use super::intersect::Ray;
-use crate::kernels;
-use crate::layout::SceneConstants;
+use crate::generated::kernels;
+use crate::generated::layout::SceneConstants;
 
 /// Inverse of the cumulative tent on [-1, 1].
 pub fn sample_tent(u: f64) -> f64 {

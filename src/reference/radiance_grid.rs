@@ -1,4 +1,4 @@
-//! Twin of the arithmetic in `glsl/include/radiance_grid.glsl` and `glsl/update_radiance.comp`.
+//! Twin of the arithmetic in `glsl/include/guide/grid/radiance_grid.glsl` and `glsl/kernels/learn/update_radiance.comp`.
 
 /// Units of a target as large as the limit.
 pub const FIXED_POINT_UNITS: f64 = 1_073_741_824.0;

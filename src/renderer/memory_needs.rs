@@ -1,13 +1,13 @@
 //! How much memory a render takes, and what to do where a device has less.
 
-use super::film_pages::{film_bytes, host_film_bytes};
-use super::normalization_grid::NormalizationGrid;
-use super::radiance_grid::RadianceGrid;
-use super::wavefront::wave_bytes;
 use super::{Shading, Surfaces};
-use crate::bvh::Bvh;
-use crate::cells::Cells;
+use crate::encode::bvh::Bvh;
+use crate::encode::cells::Cells;
 use crate::gpu::{DeviceInfo, DeviceKind};
+use crate::renderer::film_store::pages::{film_bytes, host_film_bytes};
+use crate::renderer::sets::normalization_grid::NormalizationGrid;
+use crate::renderer::sets::radiance_grid::RadianceGrid;
+use crate::renderer::trace::wavefront::wave_bytes;
 use crate::settings::Settings;
 use crate::{Error, Result};
 

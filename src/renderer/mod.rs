@@ -1,25 +1,15 @@
 //! The renderer: the paper's algorithm in safe code, one file per descriptor set.
 //!
-//! Read [`Renderer::step`], `glsl/path_trace.comp` and `glsl/include/vertex.glsl`, and the algorithm is understood.
+//! Read [`Renderer::step`], `glsl/kernels/trace/path_trace.comp` and `glsl/include/path/vertex.glsl`, and the algorithm is understood.
 
-mod adaptive;
-mod film_pages;
-mod film_sums;
-mod frame;
-mod geometry;
-mod materials;
+mod film_store;
+mod learn;
 mod memory_needs;
-mod normalization_grid;
-mod plastics;
-mod quadtrees;
-mod radiance_grid;
-mod slices;
+mod sets;
 mod state;
 mod statistics;
-mod tracing;
+mod trace;
 mod variants;
-mod wavefront;
-mod weighed_film;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -31,30 +21,32 @@ pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
 
-use crate::bvh::Bvh;
-use crate::cells::Cells;
+use self::learn::quadtrees;
+use crate::encode::bvh::Bvh;
+use crate::encode::cells::Cells;
+use crate::encode::lights::Lights;
+use crate::encode::textures::PackedTextures;
+use crate::encode::{materials, plastics};
 use crate::film::Picture;
+use crate::film::noise::{LEAST_SAMPLES, NoiseReport};
+use crate::generated::kernels::{BackEnd, Kernels, Registry};
+use crate::generated::layout::{MaterialRecord, PathTracePush, SampleWeights, UpdatePush};
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
-use crate::kernels::{BackEnd, Kernels, Registry};
-use crate::layout::{MaterialRecord, PathTracePush, SampleWeights, UpdatePush};
-use crate::lights::Lights;
-use crate::noise::{LEAST_SAMPLES, NoiseReport};
+use crate::renderer::film_store::adaptive::Adaptive;
+use crate::renderer::film_store::pages::FilmPage;
+use crate::renderer::film_store::sums::FilmSums;
+use crate::renderer::film_store::weighed::WeighedFilm;
+use crate::renderer::sets::bvh::Geometry;
+use crate::renderer::sets::frame::Frame;
+use crate::renderer::sets::normalization_grid::NormalizationGrid;
+use crate::renderer::sets::radiance_grid::RadianceGrid;
+use crate::renderer::trace::dispatch::Tracing;
+use crate::renderer::trace::slices::{Slice, Slicer};
+use crate::renderer::trace::wavefront::{check_wavefront, chosen};
 use crate::scene::{Crop, Scene};
 use crate::settings::{AUTO_GRID, Execution, Sampler, Settings};
-use crate::textures::PackedTextures;
 use crate::{Error, Result};
-use adaptive::Adaptive;
-use film_pages::FilmPage;
-use film_sums::FilmSums;
-use frame::Frame;
-use geometry::Geometry;
 use memory_needs::MemoryNeeds;
-use normalization_grid::NormalizationGrid;
-use radiance_grid::RadianceGrid;
-use slices::{Slice, Slicer};
-use tracing::Tracing;
-use wavefront::{check_wavefront, chosen};
-use weighed_film::WeighedFilm;
 
 /// Bytes of a guide whose grid is chosen by the scene.
 const GUIDE_BYTES: u64 = 8 << 20;

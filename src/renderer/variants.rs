@@ -1,10 +1,13 @@
 //! The specialization constants of a render: what settings and scene make of the kernels.
 
-use super::{Shading, Surfaces, cells_of, materials, quadtrees, radiance_grid};
-use crate::bvh::Bvh;
-use crate::cells::Cells;
-use crate::kernels::{self, Variant};
-use crate::lights::Lights;
+use super::learn::quadtrees;
+use super::sets::radiance_grid;
+use super::{Shading, Surfaces, cells_of};
+use crate::encode::bvh::Bvh;
+use crate::encode::cells::Cells;
+use crate::encode::lights::Lights;
+use crate::encode::materials;
+use crate::generated::kernels::{self, Variant};
 use crate::scene::{Projection, ReconstructionFilter, Scene};
 use crate::settings::{AUTO_GRID, Settings};
 

@@ -2,8 +2,8 @@
 
 use std::borrow::Cow;
 
+use lodestar::generated::kernels::{Registry, test};
 use lodestar::gpu::KernelSource;
-use lodestar::kernels::{Registry, test};
 use lodestar::settings::Settings;
 
 use crate::device::GROUP;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use lodestar::kernels::MIS_BLIND_TO_GUIDE;
+use lodestar::generated::kernels::MIS_BLIND_TO_GUIDE;
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use crate::claims::{

@@ -19,7 +19,7 @@ use std::time::Instant;
 
 use agreement::{Agreement, Estimate};
 use clap::ValueEnum;
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{Image, exr};

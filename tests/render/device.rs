@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};

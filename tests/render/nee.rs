@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use lodestar::film::Picture;
-use lodestar::kernels::{MIS_BLIND_TO_GUIDE, MIS_COUNTS_TWICE, MIS_EXACT};
+use lodestar::generated::kernels::{MIS_BLIND_TO_GUIDE, MIS_COUNTS_TWICE, MIS_EXACT};
 use lodestar::scene::bsdf::Distribution;
 use lodestar::scene::{Bsdf, Material, Textured};
 use lodestar::settings::{Sampler, Settings};

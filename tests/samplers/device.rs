@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use bytemuck::Pod;
-use lodestar::cosine_integrals::cosine_integrals;
-use lodestar::cosine_trees::{Node, cosine_trees, nodes_per_tree};
+use lodestar::encode::cosine_integrals::cosine_integrals;
+use lodestar::encode::cosine_trees::{Node, cosine_trees, nodes_per_tree};
+use lodestar::generated::kernels::{MAP_CYLINDRICAL, SAMPLER_PRODUCT, Variant, test};
+use lodestar::generated::layout::NormalizationEntry;
 use lodestar::gpu::{
     BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape, Submission,
 };
-use lodestar::kernels::{MAP_CYLINDRICAL, SAMPLER_PRODUCT, Variant, test};
-use lodestar::layout::NormalizationEntry;
 use lodestar::settings::DirectionMap;
 
 /// Invocations of a workgroup unless a test says otherwise.
@@ -148,7 +148,7 @@ pub struct Cell {
     second_moments_at: u32,
 }
 
-/// Of each share: `glsl/include/bsdf_share.glsl`.
+/// Of each share: `glsl/include/guide/samplers/bsdf_share.glsl`.
 const SHARE_WORDS: u32 = 4;
 
 impl Cell {

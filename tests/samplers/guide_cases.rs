@@ -4,10 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, dvec2};
-use lodestar::cosine_integrals::cosine_integrals;
+use lodestar::encode::cosine_integrals::cosine_integrals;
+use lodestar::generated::kernels::{Variant, test};
+use lodestar::generated::layout::CosineIntegral;
 use lodestar::gpu::{Buffer, Kernel, KernelSource};
-use lodestar::kernels::{Variant, test};
-use lodestar::layout::CosineIntegral;
 use lodestar::reference::direction_map::{bin_center, bin_point, direction_bin, normal_bin, representative_normal};
 use lodestar::reference::guide::Guide;
 use lodestar::reference::normalization_entry::{

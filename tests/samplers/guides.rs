@@ -1,7 +1,7 @@
-//! The samplers that follow a guide (`glsl/include/guided_direction.glsl`) do not have the densities of slightly wrong twins.
+//! The samplers that follow a guide (`glsl/include/guide/samplers/guided_direction.glsl`) do not have the densities of slightly wrong twins.
 //! That they have those of the right ones is a claim of `tests/proofs`.
 
-use lodestar::layout;
+use lodestar::generated::layout;
 use lodestar::reference::direction_map::bin_center;
 use lodestar::reference::normalization_entry::{NormalizationEntry, Rules, factors_with_share, rejection_factors};
 use lodestar::settings::{DirectionMap, Sampler};

@@ -1,4 +1,4 @@
-//! `glsl/include/share_learning.glsl`: what an update makes of a step's evidence, and how directions are drawn by shares and
+//! `glsl/include/guide/learners/share_learning.glsl`: what an update makes of a step's evidence, and how directions are drawn by shares and
 //! resampled from candidates.
 
 use std::f64::consts::PI;
@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
+use lodestar::generated::kernels::{BSDF_DIFFUSE, BSDF_ROUGH_CONDUCTOR, GUIDE_SET_ALL, STORAGE_BUFFERS, Variant, test};
+use lodestar::generated::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind};
-use lodestar::kernels::{BSDF_DIFFUSE, BSDF_ROUGH_CONDUCTOR, GUIDE_SET_ALL, STORAGE_BUFFERS, Variant, test};
-use lodestar::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::reference::conductor::Conductor;
 use lodestar::reference::direction::basis_from_normal;
 use lodestar::reference::direction_map::bin_center;

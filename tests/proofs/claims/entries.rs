@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use lodestar::cosine_integrals::cosine_integrals;
-use lodestar::layout;
+use lodestar::encode::cosine_integrals::cosine_integrals;
+use lodestar::generated::layout;
 use lodestar::reference::direction_map::representative_normal;
 use lodestar::reference::normalization_entry::{
     NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, rejection_factors,

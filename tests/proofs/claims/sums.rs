@@ -1,9 +1,9 @@
-//! Sums of fixed-point targets (`glsl/include/radiance_grid.glsl`) are exact in any order, beyond the first word too, and
+//! Sums of fixed-point targets (`glsl/include/guide/grid/radiance_grid.glsl`) are exact in any order, beyond the first word too, and
 //! their rounding is unbiased; of squares likewise.
 
 use bytemuck::{Pod, Zeroable};
-use lodestar::kernels::{Variant, test as kernels};
-use lodestar::layout::RadianceSum;
+use lodestar::generated::kernels::{Variant, test as kernels};
+use lodestar::generated::layout::RadianceSum;
 use lodestar::reference::radiance_grid::{FIXED_POINT_UNITS, fixed_point, fixed_point_square};
 
 use crate::device::Device;

@@ -1,12 +1,12 @@
-//! A step's update (`glsl/update_radiance.comp`) is Eq. 7: the running mean of all targets, old ones fading geometrically,
+//! A step's update (`glsl/kernels/learn/update_radiance.comp`) is Eq. 7: the running mean of all targets, old ones fading geometrically,
 //! and no bin is left without support.
 
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
+use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
+use lodestar::generated::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind, KernelSource};
-use lodestar::kernels::{STORAGE_BUFFERS, Variant};
-use lodestar::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::reference::radiance_grid as twin;
 use lodestar::reference::radiance_grid::FIXED_POINT_UNITS;
 

@@ -14,36 +14,36 @@ pub struct Mutation {
     pub patches: &'static [Patch],
 }
 
-const SLICE: &str = "glsl/include/slice.glsl";
-const VERTEX: &str = "glsl/include/vertex.glsl";
-const ROULETTE: &str = "glsl/include/roulette.glsl";
-const TALLY: &str = "glsl/include/tally.glsl";
-const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
-const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
-const BLUE_NOISE: &str = "glsl/include/blue_noise.glsl";
-const CELLS: &str = "glsl/include/cells.glsl";
-const GUIDE: &str = "glsl/include/guide.glsl";
-const GUIDING: &str = "glsl/include/guiding.glsl";
-const LEARNING: &str = "glsl/include/learning.glsl";
-const LIGHT: &str = "glsl/include/light.glsl";
-const LIGHT_SHAPE: &str = "glsl/include/light_shape.glsl";
-const NORMALIZATION: &str = "glsl/include/normalization_entry.glsl";
-const PLASTIC: &str = "glsl/include/bsdf_plastic.glsl";
-const RADIANCE_GRID: &str = "glsl/include/radiance_grid.glsl";
-const RANDOM: &str = "glsl/include/random.glsl";
-const PARTS: &str = "glsl/include/parts.glsl";
-const PRODUCT: &str = "glsl/include/product.glsl";
-const QUADTREE: &str = "glsl/include/quadtree.glsl";
-const QUADTREE_NODES: &str = "glsl/include/quadtree_nodes.glsl";
-const QUADTREE_REFINEMENT: &str = "glsl/include/quadtree_refinement.glsl";
-const REFINE_QUADTREES: &str = "glsl/refine_quadtrees.comp";
-const REJECTION: &str = "glsl/include/rejection_mix.glsl";
-const SEGMENT: &str = "glsl/include/segment.glsl";
-const SOBOL: &str = "glsl/include/sobol.glsl";
+const SLICE: &str = "glsl/include/film/slice.glsl";
+const VERTEX: &str = "glsl/include/path/vertex.glsl";
+const ROULETTE: &str = "glsl/include/path/roulette.glsl";
+const TALLY: &str = "glsl/include/film/tally.glsl";
+const UPDATE_RADIANCE: &str = "glsl/kernels/learn/update_radiance.comp";
+const UPDATE_NORMALIZATION: &str = "glsl/kernels/learn/update_normalization.comp";
+const BLUE_NOISE: &str = "glsl/include/random/blue_noise.glsl";
+const CELLS: &str = "glsl/include/guide/grid/cells.glsl";
+const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
+const GUIDING: &str = "glsl/include/path/guiding.glsl";
+const LEARNING: &str = "glsl/include/guide/learners/learning.glsl";
+const LIGHT: &str = "glsl/include/light/light.glsl";
+const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
+const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
+const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
+const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
+const RANDOM: &str = "glsl/include/random/random.glsl";
+const PARTS: &str = "glsl/include/guide/samplers/parts.glsl";
+const PRODUCT: &str = "glsl/include/guide/samplers/product.glsl";
+const QUADTREE: &str = "glsl/include/guide/samplers/quadtree.glsl";
+const QUADTREE_NODES: &str = "glsl/include/guide/samplers/quadtree_nodes.glsl";
+const QUADTREE_REFINEMENT: &str = "glsl/include/guide/samplers/quadtree_refinement.glsl";
+const REFINE_QUADTREES: &str = "glsl/kernels/learn/refine_quadtrees.comp";
+const REJECTION: &str = "glsl/include/guide/samplers/rejection_mix.glsl";
+const SEGMENT: &str = "glsl/include/guide/learners/segment.glsl";
+const SOBOL: &str = "glsl/include/random/sobol.glsl";
 
 /// Where the file of sets of samples finds the constant; that of blue noise includes it.
 const SOBOL_FINDS_CONSTANT: Patch =
-    Patch { file: SOBOL, text: "#define SOBOL_GLSL", mutated: "#define SOBOL_GLSL\n#include \"variant.glsl\"" };
+    Patch { file: SOBOL, text: "#define SOBOL_GLSL", mutated: "#define SOBOL_GLSL\n#include \"shared/variant.glsl\"" };
 
 const fn mutation(name: &'static str, patches: &'static [Patch]) -> Mutation {
     Mutation { name, patches }
@@ -430,7 +430,7 @@ pub const MUTATIONS: &[Mutation] = &[
             Patch {
                 file: RANDOM,
                 text: "#define RANDOM_GLSL",
-                mutated: "#define RANDOM_GLSL\n#include \"variant.glsl\"",
+                mutated: "#define RANDOM_GLSL\n#include \"shared/variant.glsl\"",
             },
             Patch {
                 file: RANDOM,

@@ -1,0 +1,11 @@
+//! What a pixel holds, and how pictures are put together from parts. CPU only: no Vulkan, no `unsafe`.
+
+pub mod measured_weights;
+pub mod merge;
+pub mod noise;
+mod picture;
+pub mod ranges;
+pub mod sums;
+pub mod weights;
+
+pub use picture::*;
