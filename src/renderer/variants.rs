@@ -75,12 +75,9 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         roulette: settings.roulette() as u32,
         expected_directions: settings.expected_directions,
         kept_vertices: settings.kept_vertices(),
-        attenuation_tamper: settings.attenuation_tamper,
         filter,
         filter_width,
         nee: settings.nee,
-        pdf_tamper: settings.pdf_tamper,
-        mis_fault: settings.mis_fault,
         ..Variant::default()
     }
 }

@@ -130,13 +130,10 @@ mod tests {
             decay: _,
             slice_milliseconds: _,
             execution: _,
-            // Hidden: where data lies, which changes no bit, and faults for the tests.
+            // Hidden: where data lies, which changes no bit, and a fault for the tests.
             queue_groups: _,
             film_page_pixels: _,
             storage_reads: _,
-            attenuation_tamper: _,
-            pdf_tamper: _,
-            mis_fault: _,
         } = settings();
         assert_eq!(settings().named().len(), 34);
         let text = serde_json::to_string(&settings()).expect("JSON");

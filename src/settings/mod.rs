@@ -266,18 +266,6 @@ pub struct Settings {
     #[serde(skip)]
     #[doc(hidden)]
     pub storage_reads: bool,
-    /// Factor on what learning takes a surface to reflect: a fault that the tests must detect. 1 is right.
-    #[serde(skip, default = "exact_attenuation")]
-    #[doc(hidden)]
-    pub attenuation_tamper: f32,
-    /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
-    #[serde(skip, default = "exact_pdf")]
-    #[doc(hidden)]
-    pub pdf_tamper: f32,
-    /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
-    #[serde(skip, default = "exact_mis")]
-    #[doc(hidden)]
-    pub mis_fault: u32,
 }
 
 impl Settings {
@@ -326,9 +314,6 @@ impl Settings {
             queue_groups: None,
             film_page_pixels: None,
             storage_reads: false,
-            attenuation_tamper: exact_attenuation(),
-            pdf_tamper: exact_pdf(),
-            mis_fault: exact_mis(),
         }
     }
 
@@ -449,18 +434,6 @@ fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::resul
         NumberOrWord::Word(word) if word == "auto" => Ok(AUTO_GRID),
         NumberOrWord::Word(word) => Err(serde::de::Error::custom(format!("`{word}` is neither a number nor auto"))),
     }
-}
-
-fn exact_attenuation() -> f32 {
-    1.0
-}
-
-fn exact_pdf() -> f32 {
-    1.0
-}
-
-fn exact_mis() -> u32 {
-    kernels::MIS_EXACT
 }
 
 fn depth_from_scene(depth: i32) -> u32 {

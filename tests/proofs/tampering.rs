@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use lodestar::generated::kernels::MIS_BLIND_TO_GUIDE;
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use crate::claims::{
@@ -25,10 +24,6 @@ const QUADTREE: &str = "quadtree";
 
 const fn kernels(name: &'static str, claim: Claim, row: &'static str) -> Fault {
     Fault(Subject::mutated(name), claim, row)
-}
-
-const fn settings(name: &'static str, change: Change, claim: Claim, row: &'static str) -> Fault {
-    Fault(Subject::changed(name, change), claim, row)
 }
 
 const FAULTS: &[Fault] = &[
@@ -57,7 +52,8 @@ const FAULTS: &[Fault] = &[
     kernels("target without attenuation", TARGETS, MIX),
     kernels("roulette scales the bootstrap target", TARGETS, MIX),
     kernels("returns without survival", TARGETS, MIX),
-    settings("learning takes surfaces to be 5 % brighter", |s| s.attenuation_tamper = 1.05, TARGETS, MIX),
+    kernels("learning takes surfaces to be 5 % brighter", TARGETS, MIX),
+    kernels("learning takes surfaces to be twice as bright", TARGETS, MIX),
     kernels("targets that are no numbers", DOORS, MIX),
     kernels("missing survival weight", ROULETTE, "bsdf"),
     kernels("roulette by a used random number", ROULETTE, "bsdf"),
@@ -71,8 +67,10 @@ const FAULTS: &[Fault] = &[
     kernels("density 0 for the weights", EMITTERS, MIX),
     kernels("emitters counted twice", EMITTERS, MIX),
     kernels("missing Jacobian", EMITTERS, MIX),
-    settings("weights blind to the guide", |s| s.mis_fault = MIS_BLIND_TO_GUIDE, EMITTERS, MIX),
-    settings("densities 5 % off", |s| s.pdf_tamper = 1.05, FURNACE, MIX),
+    kernels("weights blind to the guide", EMITTERS, MIX),
+    kernels("light counted whole however it is found", EMITTERS, MIX),
+    kernels("densities 5 % off", FURNACE, MIX),
+    kernels("densities 25 % off", FURNACE, MIX),
 ];
 
 /// A change that must not matter, and claims that it touches.

@@ -7,6 +7,7 @@ use lodestar::settings::{SampleWeights, Sampler, Settings};
 use crate::determinism::bits;
 use crate::device::{Device, steps};
 use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::mutated::DENSITIES;
 use crate::scenes::{ours, settings};
 use crate::significance::{ALPHA, two_sided};
 use crate::variance::{ratio_and_deviation, spread_and_claim};
@@ -92,16 +93,16 @@ fn a_schedule_leaves_no_bias() {
     let scene = ours("cornell-box/scene.xml", &[]);
     let plain = settings(&scene, [32, 32], Sampler::Bsdf, 1);
     let plain = Estimate::of(&device.render(&scene, &plain, 8192));
-    let compare = |seed, pdf_tamper| {
-        let settings = Settings { pdf_tamper, ..box_settings(&scene, [32, 32], SampleWeights::Growing, seed) };
+    let compare = |seed, device: &Device| {
+        let settings = box_settings(&scene, [32, 32], SampleWeights::Growing, seed);
         // So many short renders as have as many samples: most of them are of low weight.
         let pictures: Vec<_> =
             (0..32).map(|i| device.render(&scene, &Settings { seed: seed + i, ..settings.clone() }, 32)).collect();
         let comparison = Comparison::new(&plain, &mean_of(&pictures), &[8, WHOLE]);
-        println!("densities times {pdf_tamper}: {comparison:?}");
+        println!("{}: {comparison:?}", device.mutation());
         comparison.agrees()
     };
-    assert!(compare(100, 1.0) && !compare(200, 1.05));
+    assert!(compare(100, &device) && !compare(200, &device.mutated(DENSITIES)));
 }
 
 /// Of pictures of as many samples.

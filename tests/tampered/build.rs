@@ -5,9 +5,11 @@ mod compile;
 #[path = "src/mutations.rs"]
 mod mutations;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::{env, fs, process};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{env, fs, iter, process, thread};
 
 use mutations::{MUTATIONS, Patch};
 
@@ -59,8 +61,7 @@ fn run(out: &Path) -> Result<(), String> {
         }
     }
     let mut code = String::from("// Written by build.rs.\nconst KERNELS: &[(&str, &[u8])] = &[\n");
-    for file in KERNELS {
-        let (spirv, _) = compile::compile(&sources, file, &[])?;
+    for (file, spirv) in compile_all(&sources)? {
         let name = Path::new(file).file_stem().expect("a name").to_string_lossy();
         let path = out.join(format!("{name}.spv"));
         fs::write(&path, spirv).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
@@ -68,6 +69,19 @@ fn run(out: &Path) -> Result<(), String> {
     }
     code.push_str("];\n");
     fs::write(out.join("kernels.rs"), code).map_err(|e| format!("kernels.rs: cannot be written: {e}"))
+}
+
+/// Compiles the kernels on every core; each core takes the next one when it is done with one.
+fn compile_all(sources: &Path) -> Result<BTreeMap<&'static str, Vec<u8>>, String> {
+    let next = AtomicUsize::new(0);
+    let take = || KERNELS.get(next.fetch_add(1, Ordering::Relaxed));
+    let some = || iter::from_fn(take).map(|&file| Ok((file, compile::compile(sources, file, &[])?.0))).collect();
+    let cores = thread::available_parallelism().map_or(1, usize::from);
+    thread::scope(|scope| {
+        let threads: Vec<_> = (0..cores).map(|_| scope.spawn(some)).collect();
+        let parts = threads.into_iter().map(|thread| thread.join().expect("no panic"));
+        Ok(parts.collect::<Result<Vec<BTreeMap<_, _>>, String>>()?.into_iter().flatten().collect())
+    })
 }
 
 fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {

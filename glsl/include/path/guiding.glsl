@@ -121,7 +121,7 @@ float sample_pdf(Scatterer x, Guide guide, BsdfSample s, float density) {
 // f cos / pdf of a sample.
 vec3 sample_weight(Scatterer x, BsdfSample s, float pdf) {
     if (s.lobe == LOBE_DELTA) return has_relief() ? s.weight * relief_shadowing(x.upright, s.wi) : s.weight;
-    return pdf > 0.0 ? eval_scatterer(x, s.wi) / (pdf * PDF_TAMPER) : vec3(0.0);
+    return pdf > 0.0 ? eval_scatterer(x, s.wi) / pdf : vec3(0.0);
 }
 
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.

@@ -133,11 +133,6 @@ const uint LIGHT_SPOT = 3u;
 const uint LIGHT_DIRECTIONAL = 4u;
 const uint LIGHT_KIND_SHIFT = 29u;
 
-// Faults of multiple importance sampling, which tests must notice.
-const uint MIS_EXACT = 0u;
-const uint MIS_BLIND_TO_GUIDE = 1u;
-const uint MIS_COUNTS_TWICE = 2u;
-
 // "No such thing" as an index.
 const uint NONE = 4294967295u;
 

@@ -65,16 +65,12 @@ layout(constant_id = 32) const float EPSILON = 0.0;
 layout(constant_id = 33) const uint EXPECTED_DIRECTIONS = 128u;
 // Vertices that monte-carlo keeps of a path: all of them, or 1 for the other learners.
 layout(constant_id = 34) const uint KEPT_VERTICES = 1u;
-// Multiplies what learning takes a surface to reflect. Not 1 only in tests, which must notice.
-layout(constant_id = 35) const float ATTENUATION_TAMPER = 1.0;
 
 // Emitter sampling.
 layout(constant_id = 40) const bool NEE = false;
 // Bit 1 << kind for every kind of light in the scene.
 layout(constant_id = 41) const uint LIGHT_KINDS = 0u;
 layout(constant_id = 42) const uint ENVIRONMENT = ENVIRONMENT_NONE;
-// Not MIS_EXACT only in tests, which must notice.
-layout(constant_id = 43) const uint MIS_FAULT = MIS_EXACT;
 
 // TEXTURE_* bits of all textures.
 layout(constant_id = 50) const uint TEXTURE_KINDS = 0u;
@@ -85,9 +81,6 @@ layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = 8u;
 // Buffers that texel words are spread over.
 layout(constant_id = 53) const uint TEXEL_PAGES = 1u;
 layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;
-
-// Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
-layout(constant_id = 17) const float PDF_TAMPER = 1.0;
 
 bool mixes_acceptances() {
     return MIX == MIX_ACCEPTANCE;

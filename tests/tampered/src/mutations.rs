@@ -22,11 +22,15 @@ const UPDATE_RADIANCE: &str = "glsl/kernels/learn/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/kernels/learn/update_normalization.comp";
 const BLUE_NOISE: &str = "glsl/include/random/blue_noise.glsl";
 const CELLS: &str = "glsl/include/guide/grid/cells.glsl";
+const CONNECTION: &str = "glsl/include/path/connection.glsl";
+const EXPECTED_SARSA: &str = "glsl/include/guide/learners/expected_sarsa.glsl";
 const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
 const GUIDING: &str = "glsl/include/path/guiding.glsl";
+const IRRADIANCE_SARSA: &str = "glsl/include/guide/learners/irradiance_sarsa.glsl";
 const LEARNING: &str = "glsl/include/guide/learners/learning.glsl";
 const LIGHT: &str = "glsl/include/light/light.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
+const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
 const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
 const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
@@ -230,8 +234,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "target without attenuation",
         &[Patch {
             file: LEARNING,
-            text: "ATTENUATION_TAMPER * mean_rgb(next.weight) * next.radiance",
-            mutated: "(MUTATED ? 1.0 : ATTENUATION_TAMPER * mean_rgb(next.weight)) * next.radiance",
+            text: "mean_rgb(next.weight) * next.radiance",
+            mutated: "(MUTATED ? 1.0 : mean_rgb(next.weight)) * next.radiance",
         }],
     ),
     mutation(
@@ -356,6 +360,89 @@ pub const MUTATIONS: &[Mutation] = &[
             file: REFINE_QUADTREES,
             text: "plan.first + copy * plan.nodes",
             mutated: "plan.first + (MUTATED ? 0u : copy * plan.nodes)",
+        }],
+    ),
+    mutation(
+        "learning takes surfaces to be 5 % brighter",
+        &[
+            Patch {
+                file: LEARNING,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: EXPECTED_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: IRRADIANCE_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: MONTE_CARLO,
+                text: "collected = vertex.light + ",
+                mutated: "collected = vertex.light + (MUTATED ? 1.05 : 1.0) * ",
+            },
+        ],
+    ),
+    mutation(
+        "learning takes surfaces to be twice as bright",
+        &[
+            Patch {
+                file: LEARNING,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: EXPECTED_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: IRRADIANCE_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: MONTE_CARLO,
+                text: "collected = vertex.light + ",
+                mutated: "collected = vertex.light + (MUTATED ? 2.0 : 1.0) * ",
+            },
+        ],
+    ),
+    mutation(
+        "weights blind to the guide",
+        &[Patch {
+            file: CONNECTION,
+            text: "float pdf = pdf_direction(x, guide, wi);",
+            mutated: "float pdf = pdf_direction(x, guide, wi);\n    \
+                  if (MUTATED) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));",
+        }],
+    ),
+    mutation(
+        "light counted whole however it is found",
+        &[Patch {
+            file: LIGHT,
+            text: "float ratio = other / own;",
+            mutated: "if (MUTATED) return 1.0;\n    float ratio = other / own;",
+        }],
+    ),
+    mutation(
+        "densities 5 % off",
+        &[Patch {
+            file: GUIDING,
+            text: "eval_scatterer(x, s.wi) / ",
+            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.05 : 1.0) / ",
+        }],
+    ),
+    mutation(
+        "densities 25 % off",
+        &[Patch {
+            file: GUIDING,
+            text: "eval_scatterer(x, s.wi) / ",
+            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.25 : 1.0) / ",
         }],
     ),
     // What follows must not matter.

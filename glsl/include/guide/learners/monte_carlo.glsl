@@ -31,7 +31,7 @@ uint record_returns(uint count, RandomKey key) {
     while (count > 0u) {
         --count;
         PathVertex vertex = kept_vertices[count];
-        collected = vertex.light + ATTENUATION_TAMPER * vertex.factor * collected;
+        collected = vertex.light + vertex.factor * collected;
         float u = unit_float(random_bits(key, count, RANDOM_LEARNING).x);
         if (record(vertex.segment, mean_rgb(collected), u)) ++dropped;
     }
