@@ -35,7 +35,6 @@ use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel
 use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::film_store::pages::FilmPage;
 use crate::renderer::film_store::sums::FilmSums;
-use crate::renderer::film_store::weighed::WeighedFilm;
 use crate::renderer::sets::bvh::Geometry;
 use crate::renderer::sets::frame::Frame;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
@@ -70,8 +69,6 @@ pub struct Renderer {
     back_end: BackEnd,
     /// Where the render is one part of several.
     film_sums: Option<FilmSums>,
-    /// Where steps are weighed by measured variance.
-    weighed_film: Option<WeighedFilm>,
     needs: MemoryNeeds,
     samples_done: u32,
     stopped: bool,
@@ -209,7 +206,6 @@ impl Renderer {
             context: Arc::clone(context),
             settings: settings.clone(),
             film_sums: None,
-            weighed_film: None,
             needs: MemoryNeeds::new(context.device(), shading, bvh, &cells, settings),
             cells,
             samples_done: 0,
@@ -217,7 +213,6 @@ impl Renderer {
             at_step_end: true,
         };
         renderer.film_sums = settings.sample_offset.map(|_| FilmSums::new(&renderer.frame));
-        renderer.weighed_film = settings.measures_weights().then(|| WeighedFilm::new(&renderer.frame, settings));
         renderer.warm_up()?;
         Ok(renderer)
     }
@@ -247,9 +242,6 @@ impl Renderer {
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
             sums.take(&self.context, &self.frame)?;
-        }
-        if let Some(film) = self.weighed_film.as_mut().filter(|_| complete) {
-            film.take(&self.frame, samples)?;
         }
         if complete {
             self.judge()?;
@@ -306,12 +298,10 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        if let Some(sums) = &self.film_sums {
-            return sums.picture(&self.frame, &self.settings);
+        match &self.film_sums {
+            Some(sums) => sums.picture(&self.frame, &self.settings),
+            None => self.frame.picture(&self.settings),
         }
-        let mut picture = self.frame.picture(&self.settings)?;
-        self.weighed_film.as_ref().map_or(Ok(()), |film| film.write_to(&mut picture, &self.frame))?;
-        Ok(picture)
     }
 
     /// What the radiance grid holds: `[cell][direction bin]` of the cells that hold surfaces, radiance as the next step will sample it.
@@ -436,10 +426,6 @@ impl Renderer {
     }
 
     fn weights_of_next_samples(&self) -> SampleWeights {
-        if let Some(film) = &self.weighed_film {
-            let lost = film.samples() as f32;
-            return SampleWeights { of_sample: 1.0, lost_weight: lost, lost_samples: lost };
-        }
         let before = self.settings.weight_sums(self.samples_done);
         let lost = |effective: f64| (f64::from(self.samples_done) - effective) as f32;
         SampleWeights {

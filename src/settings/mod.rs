@@ -141,17 +141,6 @@ pub enum Roulette {
     Contribution = kernels::ROULETTE_CONTRIBUTION,
 }
 
-/// What a guide's directions are drawn in proportion to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum TargetDensity {
-    /// The mean of what a bin has learned.
-    Mean,
-    /// The root of its second moment, which also counts how much what it has learned varies over the cell and from path to path
-    /// (Rath et al. 2020, "Variance-Aware Path Guiding"). All that is learned from the table is still learned from the mean.
-    SecondMoment,
-}
-
 /// How many samples per pixel are taken between two updates of the grids.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -184,8 +173,6 @@ pub enum SampleWeights {
     /// Those that an early guide has drawn less than later ones, by a schedule that is fixed before the render begins
     /// ([`crate::film::weights`]).
     Growing,
-    /// The noisier their steps were, the less: such a picture is consistent, not unbiased ([`crate::film::measured_weights`]).
-    Measured,
 }
 
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
@@ -234,10 +221,6 @@ pub struct Settings {
     pub epsilon: Option<f32>,
     /// What a scattering function keeps of the samples where `product` has the rest: where `None`, what cells learn if they can.
     pub bsdf_share: Option<BsdfShare>,
-    /// Directions of which `product` takes one, by f cos L, in [1, 2].
-    pub candidates: u32,
-    /// What a guide's directions are drawn in proportion to.
-    pub target_density: TargetDensity,
     /// What Russian roulette goes by. `None`: see [`Settings::roulette`].
     pub roulette: Option<Roulette>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
@@ -248,9 +231,6 @@ pub struct Settings {
     pub grid: u32,
     /// Targets that what a cell's parents have learned counts for in each of its bins, in [0, 1e6]; with 0 it stands for itself.
     pub fallback: f32,
-    /// How far a vertex looks for its cell along the surface, in [0, 1] cells: it takes the one of a point drawn within half of
-    /// that in either direction.
-    pub jitter: f32,
     /// Direction bins along each side of the map, in [4, 64].
     pub directions: u32,
     /// Normal bins along each side of the equal-area square, in [4, 32].
@@ -286,10 +266,6 @@ pub struct Settings {
     #[serde(skip)]
     #[doc(hidden)]
     pub storage_reads: bool,
-    /// Has the variance of the very samples decide their measured weights: a fault that the tests must detect.
-    #[serde(skip)]
-    #[doc(hidden)]
-    pub own_weights: bool,
 }
 
 impl Settings {
@@ -320,13 +296,10 @@ impl Settings {
             mix: Mix::Density,
             epsilon: None,
             bsdf_share: None,
-            candidates: 1,
-            target_density: TargetDensity::Mean,
             roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
             fallback: 0.0,
-            jitter: 0.0,
             directions: 16,
             normals: 16,
             spp_per_step: 8,
@@ -341,7 +314,6 @@ impl Settings {
             queue_groups: None,
             film_page_pixels: None,
             storage_reads: false,
-            own_weights: false,
         }
     }
 
@@ -377,16 +349,6 @@ impl Settings {
     pub fn sample_weights(&self) -> SampleWeights {
         let grow = self.sampler == Sampler::Product && self.noise.is_none() && self.sample_offset.is_none();
         self.sample_weights.unwrap_or(if grow { SampleWeights::Growing } else { SampleWeights::Even })
-    }
-
-    /// Whether steps are weighed by their measured variance.
-    pub(crate) fn measures_weights(&self) -> bool {
-        self.sample_weights() == SampleWeights::Measured
-    }
-
-    /// Whether cells keep the second moments of what they learn.
-    pub fn keeps_second_moments(&self) -> bool {
-        self.target_density == TargetDensity::SecondMoment
     }
 
     /// Vertices that a kernel keeps of a path.

@@ -18,8 +18,6 @@ layout(constant_id = 5) const bool HIDE_EMITTERS = false;
 
 // Targets that a cell's parents count for in the mean of each of its bins; 0: it stands for itself.
 layout(constant_id = 60) const float FALLBACK = 0.0;
-// How far, in cells, a vertex looks for its cell along the surface.
-layout(constant_id = 61) const float JITTER = 0.0;
 // Most nodes of all quadtrees of directions.
 layout(constant_id = 6) const uint QUADTREE_NODES = 131072u;
 // Direction bins along each side of the map.
@@ -30,10 +28,6 @@ layout(constant_id = 8) const uint NORMAL_RESOLUTION = 16u;
 layout(constant_id = 9) const uint MAX_TRIES = 15u;
 // Words of the radiance table before the cells' shares of the scattering function, where a guide descends; 0: fixed shares.
 layout(constant_id = 56) const uint SHARES_AT = 0u;
-// Words of the radiance table before the roots of the bins' second moments, which directions then are drawn by; 0: by the means.
-layout(constant_id = 59) const uint SECOND_MOMENTS_AT = 0u;
-// Directions of which one is taken, where a guide descends: 1, or 2.
-layout(constant_id = 57) const uint CANDIDATES = 1u;
 // What Russian roulette goes by.
 layout(constant_id = 58) const uint ROULETTE = ROULETTE_THROUGHPUT;
 // Least share of uniformly drawn directions.

@@ -10,7 +10,7 @@ use crate::encode::lights::Lights;
 use crate::encode::textures::TexelWords;
 use crate::film::Picture;
 use crate::generated::kernels::{self, Kernels};
-use crate::generated::layout::{self, FilmRadiance};
+use crate::generated::layout;
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, Recorder, SetShape};
 use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture};
 use crate::renderer::state::{Persistent, Span};
@@ -132,32 +132,11 @@ impl Frame {
         parts
     }
 
-    /// Every pixel's moments of radiance, in tile order.
-    pub fn radiance(&self) -> Result<Vec<FilmRadiance>> {
-        let pages: Vec<_> = self.pages.iter().map(FilmPage::read_radiance).collect::<Result<_>>()?;
-        Ok(pages.concat())
-    }
-
-    /// Has the moments of this film begin anew, beside counts of all samples.
-    pub fn restart_moments(&self, mut film: &[FilmRadiance]) -> Result<()> {
-        for page in &self.pages {
-            let (of_page, rest) = film.split_at(page.pixel_count() as usize);
-            page.radiance().upload(0, &of_page.iter().map(restarted).collect::<Vec<_>>())?;
-            film = rest;
-        }
-        Ok(())
-    }
-
     pub fn picture(&self, settings: &Settings) -> Result<Picture> {
         let mut picture = empty_picture(settings);
         self.pages.iter().try_for_each(|page| page.read_into(&mut picture, settings))?;
         Ok(picture)
     }
-}
-
-/// Without samples, but for their counts.
-fn restarted(pixel: &FilmRadiance) -> FilmRadiance {
-    FilmRadiance { mean: [0.0; 3], squared_deviation: [0.0; 3], ..*pixel }
 }
 
 /// The pages of words. Those beyond the last stand for it, for every binding needs a buffer.

@@ -19,15 +19,6 @@ const SHARES: u64 = 2;
 const SHARE_WORDS: u64 = 4;
 const SHARE_SUMS: u64 = 2;
 
-/// Words of the sum of a bin's squared targets, in fixed point.
-const SQUARE_WORDS: u64 = 2;
-
-/// Where roots of second moments are in the table of so many cells; 0 where none are kept.
-pub(crate) fn second_moments_at(settings: &Settings, cell_count: u32) -> u32 {
-    let shares = if settings.learns_share() { (SHARES * SHARE_WORDS) as u32 } else { 0 };
-    if settings.keeps_second_moments() { cell_count * (settings.directions.pow(2) + shares) } else { 0 }
-}
-
 /// The grid of Sec. 3: cells of `directions^2` bins. What cells learn of the scattering function's share follows their bins.
 pub(crate) struct RadianceGrid {
     set: DescriptorSet,
@@ -36,7 +27,7 @@ pub(crate) struct RadianceGrid {
     /// Of a step, or with quadtrees of an iteration of steps.
     sums: Arc<Buffer>,
     keeps_sums: bool,
-    /// Of sphere inversion; sums of squares where second moments are kept.
+    /// Ends of the bins' shares, of sphere inversion alone.
     ends: Arc<Buffer>,
     /// Of the product sampler and of quadtrees alone.
     nodes: Arc<Buffer>,
@@ -58,22 +49,14 @@ impl RadianceGrid {
         if settings.learns_share() { SHARES * u64::from(cells.count()) } else { 0 }
     }
 
-    /// Bins whose second moments are kept.
-    fn second_moments(settings: &Settings, cells: &Cells) -> u64 {
-        if settings.keeps_second_moments() { Self::bins(settings, cells) } else { 0 }
-    }
-
-    /// Words of bins' ends and sums of squares.
+    /// Words of bins' ends.
     fn end_words(settings: &Settings, cells: &Cells) -> u64 {
-        let ends = if settings.sampler == Sampler::SphereInversion { Self::bins(settings, cells) } else { 0 };
-        ends + SQUARE_WORDS * Self::second_moments(settings, cells)
+        if settings.sampler == Sampler::SphereInversion { Self::bins(settings, cells) } else { 0 }
     }
 
-    /// Words of the table that is sampled by: means, shares, and roots of second moments.
+    /// Words of the table that is sampled by: means and shares.
     fn radiances(settings: &Settings, cells: &Cells) -> u64 {
-        Self::bins(settings, cells)
-            + SHARE_WORDS * Self::shares(settings, cells)
-            + Self::second_moments(settings, cells)
+        Self::bins(settings, cells) + SHARE_WORDS * Self::shares(settings, cells)
     }
 
     /// Bins of which something is learned: also of the larger cells where cells fall back on these.

@@ -138,14 +138,6 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "density of the mean, directions by the second moment",
-        &[Patch {
-            file: REJECTION,
-            text: "float radiance = bin_target_density(guide, direction_bin(wi));",
-            mutated: "float radiance = MUTATED ? bin_radiance(guide, direction_bin(wi)) : bin_target_density(guide, direction_bin(wi));",
-        }],
-    ),
-    mutation(
         "part beside the chosen one",
         &[Patch {
             file: PARTS,
@@ -183,14 +175,6 @@ pub const MUTATIONS: &[Mutation] = &[
             file: GUIDING,
             text: "pdf = mix(pdf, density.over_whole, guided_share(x.bsdf, guide));",
             mutated: "pdf = mix(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(x.bsdf, guide));",
-        }],
-    ),
-    mutation(
-        "candidates that count alike",
-        &[Patch {
-            file: GUIDING,
-            text: "sum > 0.0 ? 0.5 * sum / taken_score : sum;",
-            mutated: "sum > 0.0 ? (MUTATED ? 1.0 : 0.5 * sum / taken_score) : sum;",
         }],
     ),
     mutation(
@@ -252,14 +236,6 @@ pub const MUTATIONS: &[Mutation] = &[
             file: LEARNING,
             text: "mean_rgb(next.weight) * next.radiance",
             mutated: "(MUTATED ? 1.0 : mean_rgb(next.weight)) * next.radiance",
-        }],
-    ),
-    mutation(
-        "bootstrap from the second moment",
-        &[Patch {
-            file: GUIDE,
-            text: "return radiance(radiance_index(guide.cell, bin));",
-            mutated: "return MUTATED ? target_density(radiance_index(guide.cell, bin)) : radiance(radiance_index(guide.cell, bin));",
         }],
     ),
     mutation(
@@ -490,8 +466,9 @@ pub const MUTATIONS: &[Mutation] = &[
         "cells in another order",
         &[Patch {
             file: CELLS,
-            text: "return cell & ~CELL_BORROWED;",
-            mutated: "cell &= ~CELL_BORROWED;\n    return MUTATED ? scene().cell_count - 1u - cell : cell;",
+            text: "return cell_word((place.z * scene().grid_size.y + place.y) * scene().grid_size.x + place.x);",
+            mutated: "uint cell = cell_word((place.z * scene().grid_size.y + place.y) * scene().grid_size.x + place.x);\n    \
+                  return MUTATED ? scene().cell_count - 1u - cell : cell;",
         }],
     ),
     mutation(

@@ -21,7 +21,6 @@ bool record(Segment segment, float target, float u) {
     target *= segment.scale;
     bool finite = is_finite(target);
     if (finite) add_target(segment.index, fixed_point(target, scene().target_limit, u));
-    if (finite && keeps_second_moments()) add_square(segment.index, target, scene().target_limit, u);
     return !finite;
 }
 

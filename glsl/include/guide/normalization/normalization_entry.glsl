@@ -78,7 +78,7 @@ NormalizationEntry normalize_cell(uint cell, uint normal_bin) {
     float bound = 0.0;
     for (uint bin = 0u; bin < direction_bin_count(); ++bin) {
         CosineIntegral cosine = cosine_integral(bin, normal_bin);
-        float bin_radiance = target_density(radiance_index(cell, bin));
+        float bin_radiance = radiance(radiance_index(cell, bin));
         normalizer += bin_radiance * cosine.integral;
         bound = max(bound, bin_radiance * cosine.maximum);
     }
