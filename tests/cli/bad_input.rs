@@ -186,7 +186,6 @@ fn options_given_in_vain() {
         ("bsdf", "--grid", "8", guided),
         ("bsdf", "--directions", "16", guided),
         ("bsdf", "--fallback", "4", with_cells),
-        ("quadtree", "--fallback", "4", with_cells),
         ("quadtree", "--decay", "0.9", with_cells),
         ("quadtree", "--steps", "growing", with_cells),
         ("sphere-inversion", "--normals", "8", "for samplers that tell normals apart"),
