@@ -5,20 +5,20 @@
 #include "film/halves.glsl"
 #include "shared/film.glsl"
 
-// What a dispatch's samples count for beside those before them.
-struct SampleWeights {
-    float of_sample;
-    float lost_weight;   // by how much the sum of the weights of samples before falls short of their number
-    float lost_samples;  // the same of the number of samples of one weight whose mean has the variance of theirs
+// Weights of a dispatch's samples, and of all samples before them.
+struct DispatchWeights {
+    float of_sample;     // of each sample of the dispatch
+    float lost_weight;   // number of the samples before, less the sum of their weights
+    float lost_samples;  // number of the samples before, less their effective number (of even samples with a mean as noisy)
 };
 
 // A slice of a film page and its next samples.
-struct PathTracePush {
+struct TracePush {
     uint first_workgroup;    // of the slice, among those of the page's tiles that are sampled
     uint workgroup_count;
     uint workgroup_stride;   // coprime to the count: spreads neighbors over a device that deals out contiguous halves
     uint page_first_pixel;   // pixels (in tile order) before this film page
-    SampleWeights weights;
+    DispatchWeights weights;
     uint first_sample;
     uint sample_count;
     uint first_of_sets;      // sample; no set of samples reaches back beyond it
@@ -33,7 +33,7 @@ uvec2 tile_order_pixel(uint index) {
 }
 
 // The page's pixel, in tile order, of a lane of one of the slice's workgroups.
-uint pixel_of_slice(PathTracePush slice, uint workgroup, uint lane) {
+uint pixel_of_slice(TracePush slice, uint workgroup, uint lane) {
     uint spread = slice.first_workgroup + (workgroup * slice.workgroup_stride) % slice.workgroup_count;
     return sampled_pixel(spread * WORKGROUP_SIZE + lane);
 }

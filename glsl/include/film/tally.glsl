@@ -103,7 +103,7 @@ void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) 
 
 // Chan, Golub and LeVeque 1979: two sets of moments into one. Squared deviations are weighed by squares of weights: their
 // expectation is the sum over all samples but the first of weight^2 variance, of which src/film/weights.rs makes that of the mean.
-FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
+FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, DispatchWeights w) {
     float count = float(b.sample_count);
     float weight = w.of_sample * count;
     float share = weight / max(float(a.sample_count) - w.lost_weight + weight, 1.0e-30);
@@ -115,7 +115,7 @@ FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
     return FilmRadiance(a.mean + delta * share, a.sample_count + b.sample_count, squared, a.hit_count + b.hit_count);
 }
 
-void merge_into_film(uint index, PixelSamples s, SampleWeights weights) {
+void merge_into_film(uint index, PixelSamples s, DispatchWeights weights) {
     FilmRadiance before = load_film_radiance(index);
     FilmRadiance after = merge_radiance(before, s.radiance, weights);
     FilmFeatures features = load_film_features(index);
