@@ -1,4 +1,4 @@
-//! The Vulkan library and its instance, with the validation layer where asked for.
+//! Vulkan library and instance, with the validation layer where asked for.
 
 use std::ffi::{CStr, c_char};
 
@@ -17,13 +17,13 @@ const NO_DRIVER: &str = "no Vulkan driver found: install your GPU's, or `apt-get
 const NO_LAYER: &str = "the validation layer VK_LAYER_KHRONOS_validation is not installed: \
                         `apt-get install vulkan-validationlayers` (setup.sh does), or go without --validate";
 
-/// An instance, and the library that it came from.
+/// Vulkan instance and the library that it came from.
 pub(super) struct Instance {
     messenger: Option<Messenger>,
     raw: ash::Instance,
     /// Whether VK_EXT_debug_utils is enabled.
     has_debug_utils: bool,
-    // These two are dropped after the instance is destroyed: it calls into the one and writes to the other.
+    // Declared last: the instance calls into the library and writes to the log until it is destroyed.
     log: ValidationLog,
     _entry: ash::Entry,
 }
@@ -56,7 +56,7 @@ impl Instance {
         &self.log
     }
 
-    /// All devices, in the loader's order: a device's place here is its index.
+    /// All devices in the loader's order. A device's position is its index.
     pub(super) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>> {
         // SAFETY: invariant 1: the instance is alive.
         let devices = before(May::RunOutOfMemory)
@@ -74,7 +74,7 @@ impl Drop for Instance {
     }
 }
 
-/// What loader, drivers and the layer offer together.
+/// Extensions that loader, drivers and validation layer offer together.
 struct Offers {
     extensions: Vec<vk::ExtensionProperties>,
 }
@@ -117,7 +117,8 @@ fn require_version(entry: &ash::Entry) -> Result<()> {
     }
 }
 
-/// Loaders answer ERROR_INCOMPATIBLE_DRIVER (some ERROR_INITIALIZATION_FAILED) where no driver is installed.
+/// Turns the codes of a missing driver into an error that says so. Loaders answer ERROR_INCOMPATIBLE_DRIVER, some
+/// ERROR_INITIALIZATION_FAILED.
 fn no_driver_or(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
     move |code| match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
@@ -127,7 +128,7 @@ fn no_driver_or(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
     }
 }
 
-/// Creates the instance; with a log, under the validation layer.
+/// Creates the instance. With a log, the validation layer is enabled.
 fn create(entry: &ash::Entry, offers: &Offers, log: Option<&ValidationLog>) -> Result<ash::Instance> {
     let name = c_name(env!("CARGO_PKG_NAME"));
     let application = vk::ApplicationInfo::default().application_name(&name).api_version(vk::API_VERSION_1_2);
@@ -139,7 +140,7 @@ fn create(entry: &ash::Entry, offers: &Offers, log: Option<&ValidationLog>) -> R
     if offers.has(khr::portability_enumeration::NAME) {
         info = info.flags(vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR);
     }
-    // Reports barriers that are missing, except between two kernels that both write: they may write apart.
+    // Reports missing barriers, except between two kernels that both write: they may write to different places.
     let checks = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
     let mut messenger = log.map(ValidationLog::messenger_info);

@@ -1,4 +1,4 @@
-//! Descriptor sets: which buffers a kernel sees.
+//! Descriptor sets: the buffers that a kernel sees.
 
 use std::sync::Arc;
 
@@ -11,24 +11,22 @@ use super::interface::{BindingKind, SetShape};
 use super::layout::{DESCRIPTOR_TYPES, SetLayout, descriptor_type};
 use crate::Result;
 
-/// A descriptor set, written once. It keeps its buffers alive.
+/// Descriptor set, written once. It keeps its buffers alive.
 pub struct DescriptorSet {
     raw: vk::DescriptorSet,
     shape: SetShape,
-    // Dropped in this order: the pool, with the set in it, before what the set refers to.
+    // Order of dropping: the pool with the set in it, then everything that the set refers to.
     pool: Pool,
     _layout: SetLayout,
     buffers: Vec<Arc<Buffer>>,
 }
 
 impl DescriptorSet {
-    /// A set of the given shape over buffers in ascending order of their bindings.
+    /// Makes a set of the given shape over buffers, sorted by their binding numbers.
     ///
-    /// # Errors
-    /// Where the device is out of memory.
+    /// # Errors Where the device is out of memory.
     ///
-    /// # Panics
-    /// Where the buffers do not fit the shape or belong to another context.
+    /// # Panics Where the buffers do not fit the shape or belong to another context.
     pub fn new(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: &[&Arc<Buffer>]) -> Result<Self> {
         check_buffers(context, name, shape, buffers);
         let layout = SetLayout::new(context, name, shape)?;
@@ -59,7 +57,7 @@ impl DescriptorSet {
         unsafe { self.pool.context.raw().update_descriptor_sets(&writes, &[]) }
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the set, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::DescriptorSet {
         self.raw
     }
@@ -88,7 +86,7 @@ fn check_buffers(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: 
     }
 }
 
-/// A pool for one set.
+/// Descriptor pool for one set.
 struct Pool {
     raw: vk::DescriptorPool,
     context: Arc<Context>,
@@ -101,7 +99,7 @@ impl Pool {
             vk::DescriptorPoolSize::default().ty(ty).descriptor_count(bindings.count() as u32)
         };
         let sizes = DESCRIPTOR_TYPES.map(size);
-        // A size of zero is not allowed, no size at all is.
+        // Vulkan forbids a size of zero but allows an empty list of sizes.
         let sizes: Vec<_> = sizes.into_iter().filter(|size| size.descriptor_count > 0).collect();
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: invariant 1: the device is alive, and all that `info` points to are locals.

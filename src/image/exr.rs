@@ -204,7 +204,7 @@ fn lacking(path: &Path, what: &str) -> Error {
     Error::image(path, format!("it lacks {what}; give a picture that this version of lodestar has written"))
 }
 
-/// Reads the attributes that [`write_picture`] has written, sorted by name, without [`ATTRIBUTE_PREFIX`].
+/// Reads the attributes that [`write_picture`] has written, sorted by name, without the prefix `lodestar.`.
 pub fn read_attributes(path: &Path) -> Result<Attributes> {
     Ok(attributes_of(&read_parts(path)?))
 }
