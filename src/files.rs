@@ -41,7 +41,8 @@ pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<()> {
 /// Checks that [`write_whole`] could write `path`, so that a long render is refused before it starts. Removes temporary
 /// files of `path` that killed processes have left behind.
 ///
-/// # Errors [`Error::Write`] where the temporary file cannot be created.
+/// # Errors
+/// [`Error::Write`] where the temporary file cannot be created.
 pub fn check_writable(path: &Path) -> Result<()> {
     let (temporary, _) = Temporary::create(path).map_err(Error::write(path))?;
     remove_abandoned(&temporary.target);

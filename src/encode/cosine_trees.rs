@@ -1,5 +1,6 @@
-//! The trees of the clamped cosine that the product sampler multiplies with those of radiance: one for every representative
-//! normal, laid out as `glsl/include/guide/samplers/tree.glsl` says, with the weights of `glsl/include/math/small_floats.glsl`.
+//! Trees of the clamped cosine, which the product sampler multiplies by trees of radiance: one tree for every
+//! representative normal. The layout is that of `glsl/include/guide/samplers/tree.glsl`, the weights are those of
+//! `glsl/include/math/small_floats.glsl`.
 
 use crate::generated::layout::CosineIntegral;
 
@@ -8,19 +9,19 @@ pub type Node = [u32; 4];
 
 /// Parts of a node along each side, and blocks of the map.
 const PARTS: u32 = 4;
-/// The exponent, as that of a float, of the code 0 of eight bits.
+/// Exponent (as in a float) of the 8-bit code 0.
 const BIAS_8: u32 = 96;
 const LARGEST_SMALL_FLOAT: f32 = 1.875;
-/// Bits of a float below the mantissa of a small one.
+/// Number of a float's mantissa bits that a small float lacks.
 const DROPPED_BITS: u32 = 20;
 
-/// Nodes of a tree of `directions * directions` bins.
+/// Number of nodes of a tree of `directions * directions` bins.
 pub fn nodes_per_tree(directions: u32) -> u32 {
     let middle = if directions > PARTS * PARTS { PARTS * PARTS } else { 0 };
     middle + (directions / PARTS).pow(2)
 }
 
-/// The trees of all normals, one after the other, from the integrals `[direction bin][normal bin]`.
+/// Trees of all normals, one after the other, from the integrals `[direction bin][normal bin]`.
 pub fn cosine_trees(integrals: &[CosineIntegral], directions: u32, normals: u32) -> Vec<Node> {
     let normals = normals * normals;
     (0..normals)
@@ -28,7 +29,7 @@ pub fn cosine_trees(integrals: &[CosineIntegral], directions: u32, normals: u32)
         .collect()
 }
 
-/// The tree of a non-negative function of the bins.
+/// Tree of a non-negative function of the bins.
 fn tree(directions: u32, value: impl Fn(u32) -> f32) -> Vec<Node> {
     let side = directions / PARTS;
     let bins = |node: u32| parts(node % side, node / side, PARTS).map(|(x, y)| value(y * directions + x));

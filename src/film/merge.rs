@@ -33,8 +33,9 @@ impl PartialPicture {
 /// Averages the parts, each pixel weighted by its number of samples. Returns the picture and the attributes of the
 /// whole. The result does not depend on the order of the parts.
 ///
-/// # Errors [`Error::Image`] where a part shows another scene or window than the first, or holds samples that another
-/// part holds too.
+/// # Errors
+/// [`Error::Image`] where a part shows another scene or window than the first, or holds samples that another part holds
+/// too.
 pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>)> {
     let mut ranged: Vec<_> = parts.iter().map(|part| Ok((part.ranges()?, part))).collect::<Result<_>>()?;
     // Floating-point sums depend on the order of their terms, so the order is fixed.

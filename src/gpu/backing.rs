@@ -158,7 +158,8 @@ fn whole_atoms(offset: u64, len: u64, atom: u64, allocated: u64) -> (u64, u64) {
 
 /// Checks that a range lies inside a buffer of `bytes` bytes.
 ///
-/// # Panics Where it does not: the caller's mistake.
+/// # Panics
+/// Where it does not: the caller's mistake.
 pub(super) fn check_range(bytes: u64, offset: u64, len: u64) {
     let end = offset.checked_add(len);
     assert!(end.is_some_and(|end| end <= bytes), "{len} bytes at {offset} are outside a buffer of {bytes}");

@@ -105,8 +105,8 @@ impl Buffer {
     /// Makes a buffer of zeros. Its size is rounded up to a multiple of 16 bytes and is at least 16, because an empty
     /// scene has buffers too.
     ///
-    /// # Errors [`Error::Device`] where the device does not allow the size; other errors where it is out of memory or
-    /// lost.
+    /// # Errors
+    /// [`Error::Device`] where the device does not allow the size; other errors where it is out of memory or lost.
     pub fn new(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
         let buffer = Self::allocate(context, name, bytes, kind)?;
         context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
@@ -115,7 +115,8 @@ impl Buffer {
 
     /// Makes a buffer of these values, followed by zeros where its size is rounded up.
     ///
-    /// # Errors All errors of [`Buffer::new`], and [`Error::DeviceLost`].
+    /// # Errors
+    /// All errors of [`Buffer::new`], and [`Error::DeviceLost`].
     pub fn with_values<T: Pod>(
         context: &Arc<Context>,
         name: &str,
@@ -174,9 +175,11 @@ impl Buffer {
 
     /// Copies values into the buffer at `offset_bytes`. Waits for work under way.
     ///
-    /// # Errors Where the device is lost or out of memory.
+    /// # Errors
+    /// Where the device is lost or out of memory.
     ///
-    /// # Panics Where the values do not fit.
+    /// # Panics
+    /// Where the values do not fit.
     pub fn upload<T: Pod>(&self, offset_bytes: u64, values: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(values);
         check_range(self.len_bytes(), offset_bytes, bytes.len() as u64);
@@ -188,9 +191,11 @@ impl Buffer {
 
     /// Copies `count` values out of the buffer, from `offset_bytes`. Waits for work under way.
     ///
-    /// # Errors Where the device is lost or out of memory.
+    /// # Errors
+    /// Where the device is lost or out of memory.
     ///
-    /// # Panics Where the buffer does not hold that many.
+    /// # Panics
+    /// Where the buffer does not hold that many.
     pub fn read<T: Pod>(&self, offset_bytes: u64, count: usize) -> Result<Vec<T>> {
         let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
         check_range(self.len_bytes(), offset_bytes, bytes);

@@ -84,8 +84,9 @@ impl<'a> Recorder<'a> {
     /// any set may be given, and empty sets at the end may be left out. `push` is the push-constant block
     /// (`bytemuck::bytes_of`), empty where the kernel has none.
     ///
-    /// # Panics Where sets or push constants do not fit the kernel, there are more groups than the device allows, or an
-    /// argument belongs to another context.
+    /// # Panics
+    /// Where sets or push constants do not fit the kernel, there are more groups than the device allows, or an argument
+    /// belongs to another context.
     pub fn dispatch(&mut self, kernel: &'a Kernel, sets: &[&'a DescriptorSet], push: &[u8], groups: [u32; 3]) {
         self.check_dispatch(kernel, sets, push, groups);
         self.begin_label(kernel.name());
@@ -123,7 +124,8 @@ impl<'a> Recorder<'a> {
 
     /// Fills a buffer with zeros.
     ///
-    /// # Panics Where the buffer belongs to another context.
+    /// # Panics
+    /// Where the buffer belongs to another context.
     pub fn fill_zero(&mut self, buffer: &'a Buffer) {
         self.check_context(buffer.context(), buffer.name());
         // SAFETY: invariants 1 and 3: the buffer is alive until the submission is done; its size is a multiple of 4.

@@ -37,7 +37,8 @@ pub struct Context {
 
 /// Lists all Vulkan devices, usable or not.
 ///
-/// # Errors [`crate::Error::Device`] where no loader or no driver is installed.
+/// # Errors
+/// [`crate::Error::Device`] where no loader or no driver is installed.
 pub fn list_devices() -> Result<Vec<DeviceInfo>> {
     let instance = Instance::new(false)?;
     Ok(describe(&instance, &instance.physical_devices()?))
@@ -51,8 +52,9 @@ fn describe(instance: &Instance, devices: &[vk::PhysicalDevice]) -> Vec<DeviceIn
 impl Context {
     /// Opens a device.
     ///
-    /// # Errors [`crate::Error::Device`] where no loader, driver or validation layer is installed, the wanted device is
-    /// unknown, or no device can be used.
+    /// # Errors
+    /// [`crate::Error::Device`] where no loader, driver or validation layer is installed, the wanted device is unknown,
+    /// or no device can be used.
     pub fn new(options: &ContextOptions) -> Result<Arc<Self>> {
         let instance = Instance::new(options.validate)?;
         let physical = instance.physical_devices()?;
@@ -114,7 +116,8 @@ impl Context {
     /// Writes the compiled pipelines to the user's cache folder, for a faster start next time. Dropping the context
     /// writes them too, and a failure then is only logged.
     ///
-    /// # Errors [`Error::Write`] where the file cannot be written.
+    /// # Errors
+    /// [`crate::Error::Write`] where the file cannot be written.
     pub fn save_pipeline_cache(&self) -> Result<()> {
         self.pipeline_cache.save()
     }

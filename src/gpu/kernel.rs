@@ -26,7 +26,8 @@ impl Kernel {
     /// Builds the pipeline with specialization constants as (id, bits). Ids that the kernel does not use are ignored.
     /// Constants that are not given keep their value in the GLSL.
     ///
-    /// # Errors Where the driver cannot compile the kernel or is out of memory.
+    /// # Errors
+    /// Where the driver cannot compile the kernel or is out of memory.
     pub fn new(context: &Arc<Context>, source: &KernelSource, constants: &[(u32, u32)]) -> Result<Self> {
         let module = ShaderModule::new(context, source, constants)?;
         let layout = PipelineLayout::new(context, source)?;
@@ -38,7 +39,8 @@ impl Kernel {
     /// Builds the pipeline without the pipeline cache, and returns it with the driver's report and the build time. Some
     /// drivers do part of the work only at the first dispatch.
     ///
-    /// # Errors All errors of [`Self::new`], and errors of the driver's report.
+    /// # Errors
+    /// All errors of [`Self::new`], and errors of the driver's report.
     pub fn examine(
         context: &Arc<Context>,
         source: &KernelSource,

@@ -24,9 +24,11 @@ pub struct DescriptorSet {
 impl DescriptorSet {
     /// Makes a set of the given shape over buffers, sorted by their binding numbers.
     ///
-    /// # Errors Where the device is out of memory.
+    /// # Errors
+    /// Where the device is out of memory.
     ///
-    /// # Panics Where the buffers do not fit the shape or belong to another context.
+    /// # Panics
+    /// Where the buffers do not fit the shape or belong to another context.
     pub fn new(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: &[&Arc<Buffer>]) -> Result<Self> {
         check_buffers(context, name, shape, buffers);
         let layout = SetLayout::new(context, name, shape)?;

@@ -36,8 +36,8 @@ fn number_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::
 
 /// Measures `image` against `reference`.
 ///
-/// # Errors [`Error::Settings`] where the sizes differ or there are no pixels; [`Error::Render`] where a pixel is not
-/// finite.
+/// # Errors
+/// [`Error::Settings`] where the sizes differ or there are no pixels; [`Error::Render`] where a pixel is not finite.
 pub fn compare(image: &Image, reference: &Image) -> Result<Metrics> {
     check_same_size(image, reference)?;
     check_finite("first", image)?;

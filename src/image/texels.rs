@@ -41,7 +41,8 @@ pub enum FileTexels {
 
 /// Reads the image at `path`. The format is recognized by the content, or else by the file name.
 ///
-/// # Errors [`Error::Image`] where the file is cut short, decodes to more than 2 GiB or has an unsupported format;
+/// # Errors
+/// [`Error::Image`] where the file is cut short, decodes to more than 2 GiB or has an unsupported format;
 /// [`Error::Read`] where it cannot be read.
 pub fn read(path: &Path) -> Result<TexelImage> {
     let bytes = read_bytes(path)?;

@@ -26,8 +26,9 @@ pub struct Replacement {
 /// Reads every `.spv` file of a folder that has a kernel's name. `lodestar inspect --out` writes such files:
 /// `path_trace.spv` reads storage buffers, `path_trace.texel.spv` texel buffers.
 ///
-/// # Errors [`Error::Read`] where the folder or a file cannot be read; [`Error::Kernel`] where a file is no valid
-/// SPIR-V or has another interface than the built-in kernel.
+/// # Errors
+/// [`Error::Read`] where the folder or a file cannot be read; [`Error::Kernel`] where a file is no valid SPIR-V or has
+/// another interface than the built-in kernel.
 pub fn load(folder: &Path) -> Result<Replacement> {
     let mut replacement = Replacement { registry: Registry::built_in(), files: Vec::new(), warnings: Vec::new() };
     for name in file_names(folder)? {
@@ -98,7 +99,9 @@ fn frozen(path: &Path, own: &Interface, given: &Interface) -> Option<String> {
     let gone: Vec<_> = own.constants.iter().filter(|c| is_gone(c.id)).map(|c| c.name.as_str()).collect();
     let path = path.display();
     let list = gone.join(", ");
-    (!gone.is_empty()).then(|| format!("{path}: options and scene do not change these constants, which are fixed in the file: {list}"))
+    (!gone.is_empty()).then(|| {
+        format!("{path}: options and scene do not change these constants, which are fixed in the file: {list}")
+    })
 }
 
 fn built_in(registry: &Registry, file: &str) -> Option<KernelSource> {
@@ -207,11 +210,7 @@ mod tests {
             constant.class = INSTRUCTION_TABLE.get(Op::Constant);
         });
         let taken = load_one("path_trace.texel.spv", &frozen).expect("less is no harm");
-        assert!(
-            taken.warnings.concat().contains("which are fixed in the file: MAX_TRIES"),
-            "{:?}",
-            taken.warnings
-        );
+        assert!(taken.warnings.concat().contains("which are fixed in the file: MAX_TRIES"), "{:?}", taken.warnings);
     }
 
     #[test]

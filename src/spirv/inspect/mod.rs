@@ -55,7 +55,8 @@ pub struct Specialized {
 
 /// Reports on a kernel; `constants` are the (id, bits) of the variant's specialization constants.
 ///
-/// # Errors [`Error::Kernel`] where the kernel's SPIR-V cannot be read.
+/// # Errors
+/// [`Error::Kernel`] where the kernel's SPIR-V cannot be read.
 pub fn report(source: &KernelSource, constants: &[(u32, u32)]) -> Result<KernelReport> {
     let unreadable = |message: String| Error::kernel(source.file, message);
     let module = Module::parse(&source.spirv).map_err(unreadable)?;
