@@ -12,7 +12,7 @@ pub enum Error {
         file: PathBuf,
         /// The line at fault, counted from 1, where one is known.
         line: Option<u32>,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
     /// A file could not be read.
@@ -20,7 +20,7 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error that the system reported.
         source: std::io::Error,
     },
     /// A file could not be written. No part of it is left on the disk.
@@ -28,7 +28,7 @@ pub enum Error {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error that the system reported.
         source: std::io::Error,
     },
     /// An image file is malformed or of a kind that is not supported.
@@ -36,7 +36,7 @@ pub enum Error {
     Image {
         /// The file.
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
     /// A checkpoint is damaged or was written by another version.
@@ -44,7 +44,7 @@ pub enum Error {
     Checkpoint {
         /// The file.
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
     /// A kernel's SPIR-V cannot be read or cannot replace the built-in kernel.
@@ -52,7 +52,7 @@ pub enum Error {
     Kernel {
         /// The file.
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
     /// A setting is out of its range, or two settings contradict each other.

@@ -47,9 +47,9 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
         if let Some(overlap) = all.overlap(ranges) {
             let other = ranged[..at].iter().find(|(other, _)| other.overlap(ranges).is_some());
             let other = other.map(|(_, other)| other.path.display().to_string()).unwrap_or_default();
-            return Err(
-                part.error(format!("{other} holds its samples {overlap} (seed:first..end) too; give other samples"))
-            );
+            return Err(part.error(format!(
+                "{other} also holds samples {overlap} (seed:first..end); merge parts with different samples"
+            )));
         }
         all = all.union(ranges.clone());
     }
@@ -64,7 +64,7 @@ fn check_even(part: &PartialPicture) -> Result<()> {
     let value = |of: &str| part.attributes.iter().find(|(name, _)| name == of).map(|(_, value)| &value[..]);
     if let Some(target) = value("noise").filter(|&target| target != "null") {
         return Err(part.error(format!(
-            "its pixels ended by --noise {target}, each after its own samples; give every part an --spp"
+            "--noise {target} ended its pixels after different numbers of samples; render every part with --spp"
         )));
     }
     if value("sample_weights") == Some("measured") {
@@ -89,7 +89,7 @@ fn check_same(part: &PartialPicture, first: &PartialPicture) -> Result<()> {
         );
     }
     match Identity::of_picture(&first.attributes).difference(&Identity::of_picture(&part.attributes)) {
-        Some(difference) => Err(part.error(format!("{other} is of another render: {difference}"))),
+        Some(difference) => Err(part.error(format!("{other} belongs to another render: {difference}"))),
         None => Ok(()),
     }
 }

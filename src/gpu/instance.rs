@@ -13,9 +13,9 @@ const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 const NO_LOADER: &str = "no Vulkan loader found: install it (`apt-get install libvulkan1`, or run setup.sh)";
 const NO_DRIVER: &str = "no Vulkan driver found: install your GPU's, or `apt-get install mesa-vulkan-drivers` to render on \
-                         the CPU (setup.sh does), and see that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or right";
+                         the CPU (setup.sh does), and check that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or correct";
 const NO_LAYER: &str = "the validation layer VK_LAYER_KHRONOS_validation is not installed: \
-                        `apt-get install vulkan-validationlayers` (setup.sh does), or go without --validate";
+                        `apt-get install vulkan-validationlayers` (setup.sh does), or leave out --validate";
 
 /// Vulkan instance and the library that it came from.
 pub(super) struct Instance {

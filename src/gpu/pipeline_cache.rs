@@ -56,7 +56,7 @@ impl PipelineCache {
 impl Drop for PipelineCache {
     fn drop(&mut self) {
         if let Err(error) = self.save() {
-            tracing::warn!("the pipeline cache is not kept: {error}");
+            tracing::warn!("the pipeline cache could not be saved: {error}");
         }
         // SAFETY: invariants 1 and 2: ours alone, and the kernels made with it are gone.
         unsafe { self.device.raw().destroy_pipeline_cache(self.raw, None) }

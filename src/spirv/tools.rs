@@ -65,6 +65,6 @@ fn run(program: &str, arguments: &[&str], words: &[u32]) -> Result<Vec<u8>, Tool
         return Ok(output.stdout);
     }
     let said = String::from_utf8_lossy(&output.stderr);
-    let first = said.lines().find(|line| !line.trim().is_empty()).unwrap_or("it failed and did not say why");
+    let first = said.lines().find(|line| !line.trim().is_empty()).unwrap_or("it failed without a message");
     Err(ToolFault::Failed(format!("{program}: {}", first.trim().trim_start_matches("error: "))))
 }

@@ -1,6 +1,7 @@
-//! The layering that the crate's documentation promises, checked on the sources themselves.
+//! Layering and prose that the crate's documentation promises, checked on the sources themselves.
 
 mod glsl;
+mod prose;
 mod rust;
 mod source;
 
@@ -27,4 +28,12 @@ fn only_the_declaring_file_names_a_glsl_binding() {
     let mut sources = source::read_all(root(), "glsl", "comp");
     sources.extend(source::read_all(root(), "glsl", "glsl"));
     assert_none(glsl::violations(&sources));
+}
+
+#[test]
+fn doc_comments_name_their_subject() {
+    let mut sources = source::read_all(root(), "src", "rs");
+    sources.extend(source::read_all(root(), "glsl", "comp"));
+    sources.extend(source::read_all(root(), "glsl", "glsl"));
+    assert_none(prose::violations(&sources));
 }

@@ -76,7 +76,7 @@ fn read_header(bytes: &[u8]) -> Result<(Vec<Element>, Source<'_>), Fault> {
                 return Ok((elements, Source { encoding, words }));
             }
             [] | b"comment" | b"obj_info" => {}
-            word => return Err(fault(format!("`{}` has no meaning in a PLY header", text(word)))),
+            word => return Err(fault(format!("`{}` is not a keyword of PLY headers", text(word)))),
         }
     }
     Err((Some(words.line()), "the header does not end: is the file cut short?".to_string()))

@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path, index: usize) -> Result<Mesh> {
 }
 
 fn read_mesh<R: BufRead + Seek>(mut file: R, index: usize) -> Result<Mesh, String> {
-    let version = version(&mut file).ok_or("this is not a serialized mesh: it begins otherwise")?;
+    let version = version(&mut file).ok_or("this is not a serialized mesh: its first bytes are wrong")?;
     if version != 3 && version != 4 {
         return Err(format!("version {version} of serialized meshes is not supported; write 3 or 4"));
     }
@@ -33,7 +33,7 @@ fn read_mesh<R: BufRead + Seek>(mut file: R, index: usize) -> Result<Mesh, Strin
         let offset = offset(&mut file, version, index)?;
         let own = file.seek(SeekFrom::Start(offset)).ok().and_then(|_| self::version(&mut file));
         if own != Some(version) {
-            return Err(format!("the table of meshes is wrong: number {index} does not begin where it says"));
+            return Err(format!("the table of meshes is wrong: no mesh begins at the offset of number {index}"));
         }
     }
     Stream { bytes: BufReader::new(ZlibDecoder::new(file)), doubles: false }.mesh(version)

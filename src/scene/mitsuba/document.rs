@@ -101,7 +101,7 @@ impl Reader {
             if node.is_element() {
                 self.read_node(node, file, depth + 1, into)?;
             } else if node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty()) {
-                return Err(file.location(node).error("text between elements has no meaning here"));
+                return Err(file.location(node).error("text between elements is not allowed here"));
             }
         }
         Ok(())

@@ -136,7 +136,7 @@ fn parse_point(properties: &mut Properties) -> Result<DeltaKind> {
 fn parse_directional(properties: &mut Properties) -> Result<DeltaKind> {
     let location = properties.location("direction").clone();
     let direction = either(properties, "direction", |to_world| to_world.z_axis.truncate())?;
-    let direction = direction.try_normalize().ok_or_else(|| location.error("a `direction` of no length"))?;
+    let direction = direction.try_normalize().ok_or_else(|| location.error("the `direction` has length 0"))?;
     Ok(DeltaKind::Directional { direction: direction.as_vec3(), irradiance: color(properties, "irradiance")? })
 }
 
@@ -155,7 +155,7 @@ fn parse_spot(properties: &mut Properties) -> Result<DeltaKind> {
     let location = properties.location("to_world").clone();
     let to_world = properties.take_to_world()?;
     let axis = to_world.z_axis.truncate().try_normalize();
-    let direction = axis.ok_or_else(|| location.error("the `to_world` of a spot leaves its axis no length"))?;
+    let direction = axis.ok_or_else(|| location.error("the `to_world` of a spot shrinks its axis to length 0"))?;
     let location = properties.location("cutoff_angle").clone();
     let cutoff_angle = properties.positive_float("cutoff_angle", DEFAULT_CUTOFF_ANGLE)?;
     if cutoff_angle > 180.0 {

@@ -134,7 +134,8 @@ impl<'a> Builder<'a> {
         match self.environment.replace(environment) {
             Some(_) => {
                 let plugin = element.plugin()?;
-                Err(element.error(format!("emitter plugin `{plugin}`: a second environment; a scene has one")))
+                Err(element
+                    .error(format!("emitter plugin `{plugin}`: a second environment; a scene may have only one")))
             }
             None => Ok(()),
         }
@@ -216,7 +217,7 @@ impl<'a> Builder<'a> {
         properties.finish(&mut self.warnings)?;
         let group = self.group(group)?;
         if self.shapes.len() + group.len() > MAX_SHAPES {
-            return Err(element.error(format!("more than {MAX_SHAPES} shapes, those of instances included")));
+            return Err(element.error(format!("more than {MAX_SHAPES} shapes, including the shapes of instances")));
         }
         let copy = |shape: &Shape| shape.instantiated(to_world, element);
         self.shapes.extend(group.iter().map(copy).collect::<Result<Vec<_>>>()?);

@@ -69,7 +69,7 @@ fn parse_orthographic(properties: &mut Properties) -> Result<Camera> {
     let world_from_camera = properties.take_to_world()?.as_mat4();
     let forward = world_from_camera.z_axis.truncate();
     if !world_from_camera.is_finite() || forward.length_squared() < f32::MIN_POSITIVE {
-        return Err(element.error("the sensor's `to_world` leaves it no direction to look in"));
+        return Err(element.error("the sensor's `to_world` shrinks its viewing direction to length 0"));
     }
     let (near_clip, far_clip) = parse_clips(properties)?;
     let (fov, fov_axis, principal_point) = (90.0, FovAxis::X, Vec2::ZERO);

@@ -111,7 +111,7 @@ impl Class {
     pub fn describe(self) -> &'static str {
         match self {
             Self::LoadBuffer => "loads from storage buffers",
-            Self::LoadUniform => "loads of uniforms and pushed",
+            Self::LoadUniform => "loads of uniforms, constants",
             Self::LoadShared => "loads from shared memory",
             Self::LoadLocal => "loads of local variables",
             Self::TexelFetch => "texel fetches",
@@ -134,7 +134,7 @@ impl Class {
             Self::Select => "selects",
             Self::Phi => "phis",
             Self::Conversion => "conversions",
-            Self::Composite => "taking apart, putting together",
+            Self::Composite => "making, splitting composites",
             Self::Address => "addresses",
             Self::Other => "others",
         }

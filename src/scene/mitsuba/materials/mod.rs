@@ -256,7 +256,9 @@ fn coating(parameters: &mut Parameters) -> Result<Coating> {
 fn check_texture_count(element: &Element, tree: &Tree) -> Result<()> {
     let count = |surface: &SurfaceMaterial| surface.clone().parameter_textures_mut().len();
     match tree.surfaces().into_iter().map(count).find(|&count| count > MAX_TEXTURES) {
-        Some(count) => Err(element.error(format!("{count} textured parameters: a material may have {MAX_TEXTURES}"))),
+        Some(count) => {
+            Err(element.error(format!("{count} textured parameters: a material may have at most {MAX_TEXTURES}")))
+        }
         None => Ok(()),
     }
 }
