@@ -2,6 +2,7 @@
 //! representative normal. The layout is that of `glsl/include/guide/samplers/tree.glsl`, the weights are those of
 //! `glsl/include/math/small_floats.glsl`.
 
+use crate::generated::constants::{BIAS_8, DROPPED_BITS, LARGEST_SMALL_FLOAT};
 use crate::generated::layout::CosineIntegral;
 
 /// Sixteen weights of eight bits, four to a row.
@@ -9,11 +10,6 @@ pub type Node = [u32; 4];
 
 /// Parts of a node along each side, and blocks of the map.
 const PARTS: u32 = 4;
-/// Exponent (as in a float) of the 8-bit code 0.
-const BIAS_8: u32 = 96;
-const LARGEST_SMALL_FLOAT: f32 = 1.875;
-/// Number of a float's mantissa bits that a small float lacks.
-const DROPPED_BITS: u32 = 20;
 
 /// Number of nodes of a tree of `directions * directions` bins.
 pub fn nodes_per_tree(directions: u32) -> u32 {

@@ -6,11 +6,12 @@ use std::f64::consts::PI;
 use glam::{DVec3, dvec3};
 use rayon::prelude::*;
 
+use crate::generated::constants;
 use crate::reference::fresnel::fresnel_dielectric;
 use crate::reference::microfacet::{Microfacets, smith_g1};
 
 /// Entries of a table over the cosine, from grazing to normal incidence.
-pub const TRANSMITTANCE_ENTRIES: usize = 64;
+pub const TRANSMITTANCE_ENTRIES: usize = constants::TRANSMITTANCE_ENTRIES as usize;
 /// Number of integration points along the radius over the facets seen from one direction, and along the angle or slope.
 const POINTS: usize = 24;
 /// Number of integration points along the radius where total reflection cuts through the facets.

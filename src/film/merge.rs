@@ -58,20 +58,14 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
     Ok((average(&parts.iter().map(|part| &part.picture).collect::<Vec<_>>()), attributes))
 }
 
-/// Refuses parts whose sample counts or weights depend on the samples themselves: their average would be biased however
-/// many parts it had.
+/// Refuses parts whose sample counts depend on the samples themselves: their average would be biased however many parts
+/// it had.
 fn check_even(part: &PartialPicture) -> Result<()> {
     let value = |of: &str| part.attributes.iter().find(|(name, _)| name == of).map(|(_, value)| &value[..]);
     if let Some(target) = value("noise").filter(|&target| target != "null") {
         return Err(part.error(format!(
             "--noise {target} ended its pixels after different numbers of samples; render every part with --spp"
         )));
-    }
-    if value("sample_weights") == Some("measured") {
-        return Err(part.error(
-            "its samples are weighed by their noise (--sample-weights measured), which is not unbiased; give every part another"
-                .into(),
-        ));
     }
     Ok(())
 }

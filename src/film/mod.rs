@@ -1,6 +1,5 @@
 //! Pictures: what a pixel holds, and how parts are merged. CPU only: no Vulkan, no `unsafe`.
 
-pub mod measured_weights;
 pub mod merge;
 pub mod noise;
 mod picture;

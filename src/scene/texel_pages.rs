@@ -1,11 +1,12 @@
 //! Layout of images as 32-bit words in a device's buffers. Every scene that loads fits any device.
 
 use super::texture::{Image, Texels};
+use crate::generated::constants::TEXEL_PAGE_SHIFT;
 
 /// Words of a page: 128 MiB, the largest storage binding that every device has.
 pub const PAGE_WORDS: u64 = 32 << 20;
-/// Most pages that the kernels can address.
-pub const MAX_PAGES: usize = 4;
+/// Most pages, which the upper bits of an address distinguish.
+pub const MAX_PAGES: usize = 1 << (u32::BITS - TEXEL_PAGE_SHIFT);
 /// Number of words of the first page that are reserved for the tables of materials.
 const TABLE_WORDS: u64 = 1 << 20;
 

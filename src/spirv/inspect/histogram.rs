@@ -111,7 +111,7 @@ impl Class {
     pub fn describe(self) -> &'static str {
         match self {
             Self::LoadBuffer => "loads from storage buffers",
-            Self::LoadUniform => "loads of uniforms, constants",
+            Self::LoadUniform => "loads of uniforms, push blocks",
             Self::LoadShared => "loads from shared memory",
             Self::LoadLocal => "loads of local variables",
             Self::TexelFetch => "texel fetches",

@@ -15,6 +15,7 @@ use super::element::Element;
 use super::properties::{Ids, Properties};
 use super::textures::{Role, Textures};
 use crate::Result;
+use crate::generated::constants;
 use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};
 use crate::scene::texture::Textured;
 use parameters::Parameters;
@@ -24,11 +25,11 @@ use tree::Tree;
 const MODIFIERS: [&str; 6] = ["twosided", "mask", "blendbsdf", "bumpmap", "normalmap", "coating"];
 
 /// Most textures of a material, which is the number of links in its record.
-const MAX_TEXTURES: usize = 8;
+const MAX_TEXTURES: usize = constants::TEXTURE_LINKS as usize;
 /// Most surfaces of a material. Nested blends of the same few materials may multiply.
 const MAX_SURFACES: usize = 64;
 /// Deepest nesting of choices that the kernels follow.
-const MAX_CHOICES: usize = 8;
+const MAX_CHOICES: usize = constants::MAX_CHOICES as usize;
 /// Deepest nesting of BSDFs, references included.
 const MAX_DEPTH: usize = 64;
 
