@@ -24,7 +24,7 @@ pub struct TileNoise {
 /// How close a picture is to its noise target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoiseReport {
-    /// Relative error below which a tile ends.
+    /// Relative error at or below which a tile ends.
     pub target: f32,
     /// Estimated relative error of the noisiest tile; `None` before noise is estimated.
     pub largest: Option<f64>,
