@@ -71,8 +71,8 @@ pub struct Cells {
     /// Grid in which the cells lie.
     pub grid: Grid,
     /// Table that `glsl/include/guide/grid/cells.glsl` reads, in three parts. First, the cell of every place; a place
-    /// without surfaces has the next cell. Second, the parent of every cell, `NONE` for the last. Third, the first child
-    /// of every parent, and one end marker.
+    /// without surfaces has the next cell. Second, the parent of every cell, `NONE` for the last. Third, the first
+    /// child of every parent, and one end marker.
     pub table: Vec<u32>,
     levels: Vec<Range<u32>>,
 }

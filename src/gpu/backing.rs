@@ -46,12 +46,12 @@ impl Backing {
     }
 
     fn bind(&mut self, name: &str, place: MemoryLocation) -> Result<()> {
-        // SAFETY: invariant 1: the buffer is alive and ours.
+        // SAFETY: invariant 1: the buffer is alive and owned by this value.
         let needs = unsafe { self.context.raw().get_buffer_memory_requirements(self.raw) };
         let allocation = self.context.memory().allocate(name, needs, place)?;
         let allocation = self.allocation.insert(allocation);
-        // SAFETY: invariant 1: buffer and memory are alive and ours, of the size and alignment asked for, and the buffer is
-        // not yet bound.
+        // SAFETY: invariant 1: buffer and memory are alive and owned by this value, of the size and alignment asked
+        // for, and the buffer is not yet bound.
         unsafe { self.context.raw().bind_buffer_memory(self.raw, allocation.memory(), allocation.offset()) }
             .map_err(failed(format!("binding memory to the buffer `{name}`")))
     }
@@ -87,7 +87,7 @@ impl Backing {
 
 impl Drop for Backing {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used it is under way.
         unsafe { self.context.raw().destroy_buffer(self.raw, None) }
         if let Some(allocation) = self.allocation.take() {
             self.context.memory().free(allocation);
@@ -106,8 +106,8 @@ pub(super) struct Mapped<'a> {
 impl Mapped<'_> {
     pub(super) fn write(&self, offset: u64, bytes: &[u8]) -> Result<()> {
         let start = self.place(offset, bytes.len());
-        // SAFETY: `place` has checked the range; invariants 1 and 3: the memory is mapped while the buffer lives, and neither
-        // the device nor another thread touches it while the queue is held. `bytes` is host memory: no overlap.
+        // SAFETY: `place` has checked the range; invariants 1 and 3: the memory is mapped while the buffer lives, and
+        // neither the device nor another thread touches it while the queue is held. `bytes` is host memory: no overlap.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), start, bytes.len()) };
         match self.incoherent_range(offset, bytes.len()) {
             // SAFETY: invariant 1: the memory is alive and mapped, the range inside it and in whole atoms.
@@ -124,14 +124,16 @@ impl Mapped<'_> {
             unsafe { self.backing.context.raw().invalidate_mapped_memory_ranges(&[range]) }
                 .map_err(failed("vkInvalidateMappedMemoryRanges"))?;
         }
-        // SAFETY: invariants 1 and 3, as in `write`; every buffer is filled before it is read, so the memory is initialized.
+        // SAFETY: invariants 1 and 3, as in `write`; every buffer is filled before it is read, so the memory is
+        // initialized.
         unsafe { std::ptr::copy_nonoverlapping(start.cast_const(), bytes.as_mut_ptr(), bytes.len()) };
         Ok(())
     }
 
     fn place(&self, offset: u64, len: usize) -> *mut u8 {
         check_range(self.backing.bytes, offset, len as u64);
-        // SAFETY: invariant 1: the range is inside the buffer, which lives and is mapped whole, so `offset` fits in a usize.
+        // SAFETY: invariant 1: the range is inside the buffer, which lives and is mapped whole, so `offset` fits in a
+        // usize.
         unsafe { self.start.as_ptr().add(offset as usize) }
     }
 

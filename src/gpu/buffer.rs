@@ -255,7 +255,8 @@ impl Buffer {
 
 impl Drop for Buffer {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone (null is allowed), and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone (null is allowed), and no submission that used it is
+        // under way.
         unsafe { self.context().raw().destroy_buffer_view(self.view, None) }
     }
 }

@@ -44,7 +44,7 @@ impl<'a> Recorder<'a> {
         let slot = Slot::take(context)?;
         context.logical().name(slot.commands(), label);
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: invariant 1: the command buffer is as good as new and ours.
+        // SAFETY: invariant 1: the command buffer is freshly reset and owned by this recorder.
         unsafe { context.raw().begin_command_buffer(slot.commands(), &info) }
             .map_err(failed("vkBeginCommandBuffer"))?;
         if let Some(timestamps) = slot.timestamps() {
@@ -60,7 +60,7 @@ impl<'a> Recorder<'a> {
         if let Some(timestamps) = self.slot.timestamps() {
             timestamps.stop(self.commands());
         }
-        // SAFETY: invariant 1: the command buffer is ours and being recorded.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded.
         unsafe { self.device().end_command_buffer(self.commands()) }.map_err(failed("vkEndCommandBuffer"))?;
         Ok(&self.slot)
     }
@@ -92,8 +92,8 @@ impl<'a> Recorder<'a> {
         self.begin_label(kernel.name());
         self.time_dispatch(|timestamps, commands, place| timestamps.start_dispatch(commands, place));
         let (device, layout) = (self.device(), kernel.layout().raw());
-        // SAFETY: invariants 1 and 3: all handles are alive until the submission is done; sets, push constants and groups
-        // were checked against the pipeline's layout and the device's limits.
+        // SAFETY: invariants 1 and 3: all handles are alive until the submission is done; sets, push constants and
+        // groups were checked against the pipeline's layout and the device's limits.
         unsafe {
             device.cmd_bind_pipeline(self.commands(), vk::PipelineBindPoint::COMPUTE, kernel.raw());
             for (place, set) in (0..).zip(sets).filter(|(_, set)| !set.shape().bindings.is_empty()) {
@@ -159,7 +159,7 @@ impl<'a> Recorder<'a> {
             .src_access_mask(vk::AccessFlags::SHADER_WRITE | vk::AccessFlags::TRANSFER_WRITE)
             .dst_access_mask(accesses)];
         let none = vk::DependencyFlags::empty();
-        // SAFETY: invariant 1: the command buffer is ours and being recorded.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded.
         unsafe {
             self.device().cmd_pipeline_barrier(self.commands(), KERNEL_AND_COPY, stages, none, &barrier, &[], &[])
         }
@@ -198,13 +198,13 @@ impl<'a> Recorder<'a> {
         let Some(debug) = self.slot.context().logical().debug() else { return };
         let name = c_name(name);
         let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
-        // SAFETY: invariant 1: the command buffer is ours and being recorded, and `label` is a local.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded, and `label` is a local.
         unsafe { debug.cmd_begin_debug_utils_label(self.commands(), &label) }
     }
 
     fn end_label(&self) {
         let Some(debug) = self.slot.context().logical().debug() else { return };
-        // SAFETY: invariant 1: the command buffer is ours and being recorded, with a label open.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded, with a label open.
         unsafe { debug.cmd_end_debug_utils_label(self.commands()) }
     }
 

@@ -99,7 +99,7 @@ impl Messenger {
 
 impl Drop for Messenger {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 2: ours alone, and the instance is destroyed later.
+        // SAFETY: invariants 1 and 2: owned by this value alone, and the instance is destroyed later.
         unsafe { self.api.destroy_debug_utils_messenger(self.raw, None) }
     }
 }

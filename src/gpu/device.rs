@@ -85,8 +85,8 @@ impl LogicalDevice {
         let Some(debug) = &self.debug else { return };
         let name = c_name(name);
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-        // A missing name does no harm, so failures are ignored. SAFETY: invariant 1: the caller passes a living handle
-        // of this device that no other thread has yet seen.
+        // A missing name does no harm, so failures are ignored.
+        // SAFETY: invariant 1: the caller passes a living handle of this device that no other thread has yet seen.
         let _ = fault_injection::before(May::RunOutOfMemory)
             .and_then(|()| unsafe { debug.set_debug_utils_object_name(&info) });
     }
@@ -94,7 +94,8 @@ impl LogicalDevice {
 
 impl Drop for LogicalDevice {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 2: ours alone, all its children held it and are gone; invariant 3: nothing runs.
+        // SAFETY: invariants 1 and 2: owned by this value alone, all its children held it and are gone; invariant 3:
+        // nothing runs.
         unsafe { self.raw.destroy_device(None) }
     }
 }
@@ -141,7 +142,8 @@ fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) ->
 fn has_executable_info(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
     let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut executables);
-    // SAFETY: invariant 1: `physical` comes from the living instance, and is of version 1.2 or later: it was not refused.
+    // SAFETY: invariant 1: `physical` comes from the living instance, and is of version 1.2 or later: it was not
+    // refused.
     unsafe { instance.raw().get_physical_device_features2(physical, &mut features) };
     executables.pipeline_executable_info == vk::TRUE
 }

@@ -96,7 +96,7 @@ fn answer(may: May, call: impl FnOnce(&ash::DeviceFnV1_0) -> vk::Result) -> vk::
 macro_rules! hooks {
     ($($may:ident $name:ident($($argument:ident: $type:ty),*);)*) => {
         $(unsafe extern "system" fn $name($($argument: $type),*) -> vk::Result {
-            // SAFETY: invariant 1: called in the driver's stead, with what the driver would have been called with.
+            // SAFETY: invariant 1: called in place of the driver, with the arguments that the driver would have got.
             answer(May::$may, |driver| unsafe { (driver.$name)($($argument),*) })
         })*
 
@@ -146,7 +146,7 @@ unsafe extern "system" fn wait_for_fences(
     all: vk::Bool32,
     timeout: u64,
 ) -> vk::Result {
-    // SAFETY: invariant 1: called in the driver's stead, with what the driver would have been called with.
+    // SAFETY: invariant 1: called in place of the driver, with the arguments that the driver would have got.
     let wait = |driver: &ash::DeviceFnV1_0| unsafe { (driver.wait_for_fences)(device, count, fences, all, timeout) };
     match before(May::DoBoth) {
         Err(vk::Result::ERROR_DEVICE_LOST) => {

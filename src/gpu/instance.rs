@@ -30,7 +30,7 @@ pub(super) struct Instance {
 
 impl Instance {
     pub(super) fn new(validate: bool) -> Result<Self> {
-        // SAFETY: invariant 2's premise: what the system calls the Vulkan loader is one.
+        // SAFETY: invariant 2 trusts the library that the system calls the Vulkan loader.
         let entry = unsafe { ash::Entry::load() }.map_err(|_| Error::Device(NO_LOADER.into()))?;
         let offers = Offers::query(&entry, validate)?;
         let log = ValidationLog::default();
@@ -69,7 +69,7 @@ impl Instance {
 impl Drop for Instance {
     fn drop(&mut self) {
         self.messenger = None;
-        // SAFETY: invariants 1 and 2: ours alone, and all its children held it and are gone.
+        // SAFETY: invariants 1 and 2: owned by this value alone, and all its children held it and are gone.
         unsafe { self.raw.destroy_instance(None) }
     }
 }

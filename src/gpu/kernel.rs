@@ -82,7 +82,7 @@ impl Kernel {
 
 impl Drop for Kernel {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used it is under way.
         unsafe { self.context().raw().destroy_pipeline(self.raw, None) }
     }
 }
@@ -120,7 +120,8 @@ fn create_pipeline(
         Build::ToExamine => (vk::PipelineCreateFlags::empty(), vk::PipelineCache::null()),
     };
     let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(layout.raw())];
-    // SAFETY: invariant 1: device, module, layout and the cache, if any, are alive; all that `info` points to are locals.
+    // SAFETY: invariant 1: device, module, layout and the cache, if any, are alive; all that `info` points to are
+    // locals.
     let pipelines = unsafe { context.raw().create_compute_pipelines(cache, &info, None) };
     // One pipeline was asked for, so none has to be destroyed after a failure.
     let pipelines = pipelines.map_err(|(_, code)| failed(format!("compiling the kernel `{}`", source.name))(code))?;
@@ -150,7 +151,7 @@ impl ShaderModule {
             .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
         let words = resolve_branches(&words, constants).unwrap_or(words);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: invariant 1: the device is alive and `words` a local; it is SPIR-V by the module's premise.
+        // SAFETY: invariant 1: the device is alive and `words` a local of SPIR-V, which every source holds.
         let raw = unsafe { context.raw().create_shader_module(&info, None) }.map_err(failed(call))?;
         context.logical().name(raw, source.name);
         Ok(Self { raw, context: Arc::clone(context) })
@@ -159,7 +160,7 @@ impl ShaderModule {
 
 impl Drop for ShaderModule {
     fn drop(&mut self) {
-        // SAFETY: invariant 1: ours alone; a pipeline does not refer to its module once built.
+        // SAFETY: invariant 1: owned by this value alone; a pipeline does not refer to its module once built.
         unsafe { self.context.raw().destroy_shader_module(self.raw, None) }
     }
 }

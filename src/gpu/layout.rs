@@ -59,7 +59,8 @@ impl SetLayout {
 
 impl Drop for SetLayout {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission is under way that used a set or pipeline made with it.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission is under way that used a set or
+        // pipeline made with it.
         unsafe { self.context.raw().destroy_descriptor_set_layout(self.raw, None) }
     }
 }
@@ -103,7 +104,7 @@ impl PipelineLayout {
 
 impl Drop for PipelineLayout {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used it is under way.
         unsafe { self.context.raw().destroy_pipeline_layout(self.raw, None) }
     }
 }

@@ -58,7 +58,7 @@ impl Drop for PipelineCache {
         if let Err(error) = self.save() {
             tracing::warn!("the pipeline cache could not be saved: {error}");
         }
-        // SAFETY: invariants 1 and 2: ours alone, and the kernels made with it are gone.
+        // SAFETY: invariants 1 and 2: owned by this value alone, and the kernels made with it are gone.
         unsafe { self.device.raw().destroy_pipeline_cache(self.raw, None) }
     }
 }

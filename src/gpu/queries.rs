@@ -54,8 +54,8 @@ impl<'a> Timestamps<'a> {
     }
 
     fn write(&self, commands: vk::CommandBuffer, stage: vk::PipelineStageFlags, query: u32) {
-        // SAFETY: invariants 1 and 3: the recorder owns the queries and the command buffer, which is being recorded; the
-        // pool has this query.
+        // SAFETY: invariants 1 and 3: the recorder owns the queries and the command buffer, which is being recorded;
+        // the pool has this query.
         unsafe { self.context.raw().cmd_write_timestamp(commands, stage, self.raw, query) }
     }
 

@@ -54,8 +54,8 @@ impl DescriptorSet {
             }
         });
         let writes: Vec<_> = writes.collect();
-        // SAFETY: invariant 1: the set was just allocated and is ours alone, the buffers are alive, and all that the writes
-        // point to are locals. Each binding and its kind are the layout's.
+        // SAFETY: invariant 1: the set was just allocated and is owned by this value alone, the buffers are alive, and
+        // all that the writes point to are locals. Each binding and its kind are the layout's.
         unsafe { self.pool.context.raw().update_descriptor_sets(&writes, &[]) }
     }
 
@@ -124,7 +124,8 @@ impl Pool {
 
 impl Drop for Pool {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: pool and set are ours alone, and no submission that used them is under way.
+        // SAFETY: invariants 1 and 3: pool and set are owned by this value alone, and no submission that used them is
+        // under way.
         unsafe { self.context.raw().destroy_descriptor_pool(self.raw, None) }
     }
 }

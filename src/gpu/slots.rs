@@ -35,7 +35,7 @@ impl Handles {
             .command_pool(self.pool)
             .level(vk::CommandBufferLevel::PRIMARY)
             .command_buffer_count(1);
-        // SAFETY: invariant 1: the pool is alive and ours alone.
+        // SAFETY: invariant 1: the pool is alive and owned by this value alone.
         let buffers = unsafe { raw.allocate_command_buffers(&buffer) };
         self.commands = buffers.map_err(failed("vkAllocateCommandBuffers"))?[0];
         // SAFETY: invariant 1: the device is alive.
@@ -52,7 +52,7 @@ impl Handles {
 
     /// Resets pool and fence for another submission.
     fn reset(&self, device: &LogicalDevice) -> Result<()> {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used them is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used them is under way.
         unsafe {
             device
                 .raw()
@@ -63,7 +63,8 @@ impl Handles {
     }
 
     fn destroy(self, device: &LogicalDevice) {
-        // SAFETY: invariants 1 and 3: ours alone (null is allowed), and no submission that used them is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone (null is allowed), and no submission that used them is
+        // under way.
         unsafe {
             device.raw().destroy_query_pool(self.queries, None);
             device.raw().destroy_fence(self.fence, None);

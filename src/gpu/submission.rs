@@ -21,9 +21,9 @@ pub struct Submission {
 }
 
 impl Context {
-    /// Records work, submits it and waits until it is done. Everything that the work uses is borrowed for `'a`, so it outlives
-    /// this call. Results can then be read by the host and by later submissions. The label names the work in errors and in
-    /// debuggers.
+    /// Records work, submits it and waits until it is done. Everything that the work uses is borrowed for `'a`, so it
+    /// outlives this call. Results can then be read by the host and by later submissions. The label names the work in
+    /// errors and in debuggers.
     ///
     /// ```no_run
     /// # use lodestar::gpu::{Buffer, BufferKind, Context, ContextOptions};
@@ -60,7 +60,8 @@ impl Context {
         let queue = self.logical().idle_queue();
         let start = Instant::now();
         slot.set_reusable(false);
-        // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by nobody else; the queue is held.
+        // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by no one else; the queue is
+        // held.
         unsafe { self.raw().queue_submit(*queue, &submits, slot.fence()) }.map_err(failed(label))?;
         self.wait(label, slot)?;
         slot.set_reusable(true);
@@ -71,7 +72,7 @@ impl Context {
     fn wait(&self, label: &str, slot: &Slot) -> Result<()> {
         // A driver that is out of memory may recover. If it keeps failing, there is no sound way to go on.
         for _ in 0..1000 {
-            // SAFETY: invariant 1: device and fence are alive and ours.
+            // SAFETY: invariant 1: device and fence are alive; the slot owns the fence.
             match unsafe { self.raw().wait_for_fences(&[slot.fence()], true, u64::MAX) } {
                 Ok(()) => return Ok(()),
                 Err(vk::Result::ERROR_DEVICE_LOST) => return Err(failed(label)(vk::Result::ERROR_DEVICE_LOST)),

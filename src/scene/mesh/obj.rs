@@ -1,5 +1,5 @@
-//! Wavefront OBJ, read by `tobj`: positions, texture coordinates, normals and faces. Other lines are skipped. Grouping is
-//! skipped too, so smooth normals continue across objects, as in Mitsuba.
+//! Wavefront OBJ, read by `tobj`: positions, texture coordinates, normals and faces. Other lines are skipped. Grouping
+//! is skipped too, so smooth normals continue across objects, as in Mitsuba.
 //!
 //! `tobj` reads some lines differently from Mitsuba, or misreads them without an error. Such lines are rewritten before
 //! `tobj` sees them, or refused.
@@ -83,8 +83,8 @@ struct Lines<'a> {
     faces: usize,
     /// Whether corners of rewritten faces have an index of each kind.
     has: [bool; 3],
-    /// Totals of the file, for the second pass only. Then no line counts as plain, and a corner without an index gets one
-    /// past the last, which refers to an appended zero.
+    /// Totals of the file, for the second pass only. Then no line counts as plain, and a corner without an index gets
+    /// one past the last, which refers to an appended zero.
     totals: Option<Totals>,
     polygon: Vec<Corner>,
     fault: Option<String>,
@@ -122,8 +122,8 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// Returns the `numbers` of a kind if every vertex has them, and nothing if no vertex has. If only some have, it is an
-    /// error: `tobj` leaves gaps out, so later numbers would belong to wrong vertices.
+    /// Returns the `numbers` of a kind if every vertex has them, and nothing if no vertex has. If only some have, it is
+    /// an error: `tobj` leaves gaps out, so later numbers would belong to wrong vertices.
     fn complete<'b>(&self, kind: usize, numbers: &'b [f32], mesh: &tobj::Mesh) -> Result<&'b [f32], String> {
         let is_complete = numbers.len() / SIZES[kind] == mesh.positions.len() / SIZES[0];
         match self.totals {
@@ -178,7 +178,8 @@ impl<'a> Lines<'a> {
             Keyword::Numbers(kind) => line.strip_prefix(KEYWORDS[kind].as_bytes()).is_some_and(|numbers| {
                 let blanks = numbers.iter().filter(|&&byte| byte == b' ').count();
                 let is_plain = |&byte: &u8| byte == b' ' || (b'-'..=b'9').contains(&byte);
-                // `tobj` divides three numbers by a fourth and takes six for a color. In other lines it ignores more numbers.
+                // `tobj` divides three numbers by a fourth and takes six for a color. In other lines it ignores more
+                // numbers.
                 numbers.len() <= FINITE_BYTES && (kind > 0 || blanks == SIZES[0]) && numbers.iter().all(is_plain)
             }),
             // Where the file has no texture coordinates or normals so far, `tobj` ignores their indices unchecked.
