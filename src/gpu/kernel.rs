@@ -151,7 +151,7 @@ impl ShaderModule {
             .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
         let words = resolve_branches(&words, constants).unwrap_or(words);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: invariant 1: the device is alive and `words` a local of SPIR-V, which every source holds.
+        // SAFETY: invariant 1: the device is alive, and `words` is a local that holds SPIR-V (see `KernelSource`).
         let raw = unsafe { context.raw().create_shader_module(&info, None) }.map_err(failed(call))?;
         context.logical().name(raw, source.name);
         Ok(Self { raw, context: Arc::clone(context) })
