@@ -17,31 +17,24 @@
 //!        Picture ─▶ out.exr (layers) / out.png
 //! ```
 //!
-//! To understand the algorithm read [`renderer::Renderer::step`], `glsl/path_trace.comp` and `glsl/include/vertex.glsl`.
+//! To understand the algorithm read [`renderer::Renderer::step`], `glsl/kernels/trace/path_trace.comp` and
+//! `glsl/include/path/vertex.glsl`.
 //!
 //! # Code map
 //! | module | what it is |
 //! |---|---|
-//! | [`scene`] | Mitsuba XML and meshes (OBJ, PLY, serialized) to world-space primitives, materials and emitters |
-//! | [`lights`] | every light with the probability that it is sampled with |
-//! | [`textures`] | images as words, and textures' records |
-//! | [`bvh`] | the compressed wide BVH, and geometry as the kernels read it |
-//! | [`cells`] | the cells that a guide learns for: where surfaces are, and what they fall back on |
-//! | [`layout`], [`kernels`] | structs that cross to GLSL; SPIR-V, interfaces and constants, written by `build.rs` |
+//! | [`scene`] | scene files and meshes, read to world-space primitives, materials and emitters |
+//! | [`encode`] | a scene as the words that kernels read: hierarchy, cells, lights, materials, textures, tables of cosines |
+//! | [`generated`] | what `build.rs` writes from `glsl/`: SPIR-V with its interface, constants, and checked struct layouts |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
-//! | [`checkpoint`], [`identity`] | renders on disk, to be gone on with; what tells one render from another |
-//! | [`merge`], [`film_sums`], [`sample_ranges`] | pictures put together from parts, to the same bits however they are parted |
-//! | [`noise`] | how noisy tiles of a picture are, and which of them go on |
-//! | [`sample_weights`], [`measured_weights`] | what samples count for: by a schedule, or by their steps' measured variance |
-//! | [`film`], [`image`], [`files`] | pictures, EXR and PNG, error metrics, files written whole or not at all |
-//! | [`mod@inspect`], [`profile`] | SPIR-V as an engineer reads it, and kernels put in place of the built-in ones; where the time goes |
-//! | `specialization` | code that a variant never reaches taken out of its kernels |
-//! | [`reproduce`], [`radiance_map`] | the paper's tables and figures, measured |
+//! | [`film`] | what a pixel holds, and how pictures are put together from parts |
+//! | [`image`], [`files`] | EXR and PNG, error metrics, files written whole or not at all |
+//! | [`session`] | one render from start to end: checkpoints, identity, profile |
 //! | [`settings`] | everything a user may choose |
+//! | [`spirv`] | SPIR-V as data: inspected, specialized, replaced |
+//! | [`reproduce`] | the paper's tables and figures, measured |
 //! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
-//! | [`cosine_integrals`], [`cosine_trees`] | the tables that normalizers are computed from, and that the product sampler descends |
-//! | [`plastic_layer`] | what the layers of plastics let through and reflect inside |
 //!
 //! # Paper map
 //! | in the paper | GLSL | held by |
@@ -52,7 +45,6 @@
 //! | SARSA target, Eq. 6 | `target_sarsa` in `learning.glsl` | the same |
 //! | Monte-Carlo target | `record_returns` in `monte_carlo.glsl` | the same |
 //! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/proofs/claims/updates.rs` |
-//! | directions by the root of second moments (beyond the paper) | `target_density` and `add_square` in `radiance_grid.glsl`, `learn_second_moment` in `update_radiance.comp` | the same, `tests/proofs/claims/sums.rs` |
 //! | ray queues in place of one kernel (beyond the paper) | `wavefront.glsl`, `wave_extend.comp`, `wave_connect.comp`, `wave_shadow.comp`, `wave_shade.comp`, `wave_film.comp` | `tests/render/execution.rs` |
 //! | cells that fall back on their parents (beyond the paper) | `pool_radiance.comp`, `blend_radiance.comp` | `tests/samplers/parents.rs` |
 //! | normal-aware rejection, plain and mixed (Eq. 8, 9) | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/proofs/claims/samples.rs` (chi-square), `densities.rs`, `tests/render/ztest.rs` |
@@ -63,8 +55,8 @@
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
 //! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` and `camera_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
 //! | these across the pixels of a tile: blue noise (beyond the paper) | `tile_digits` in `blue_noise.glsl` | the same, `tests/render/blue_noise.rs` |
-//! | samples weighed by a schedule or by measured variance (beyond the paper) | `merge_radiance` in `tally.glsl`, [`sample_weights`], [`measured_weights`] | `tests/render/weights.rs` |
-//! | adaptive sampling by two halves (beyond the paper) | `halves.glsl`, `judge_noise.comp`, [`noise`] | `tests/render/noise.rs` |
+//! | samples weighted by a schedule (beyond the paper) | `merge_radiance` in `tally.glsl`, [`film::weights`] | `tests/render/weights.rs` |
+//! | adaptive sampling by two halves (beyond the paper) | `halves.glsl`, `judge_noise.comp`, [`film::noise`] | `tests/render/noise.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs`, `tests/proofs/claims/entries.rs` |
 //! | light-hit rate, Fig. 7a | `tally.glsl` | `tests/render/learning.rs` |
@@ -76,8 +68,8 @@
 //!    Learned targets saturate (16 times the largest emitted radiance; 1024 times for Monte-Carlo returns, which roulette
 //!    divides by survival), and inversion draws what the table has missed with little more than the least uniform share,
 //!    weighing it by up to 2 / share an edge: that costs variance, never bias.
-//!    What samples count for is fixed beforehand. Where it or their number depends on what they are ([`measured_weights`],
-//!    [`noise`]), which a user must ask for, a picture is consistent only.
+//!    What samples count for is fixed beforehand. Where their number depends on what they are ([`film::noise`]), which a user
+//!    must ask for, a picture is consistent only.
 //!    The samples of a set are dependent, each alone is uniform; no set reaches over an update of the guide, so what a sample
 //!    is guided by was learned from others.
 //! 2. **The same seed gives the same bits** on a device, however the picture is cut into dispatches or spread over threads:
@@ -88,44 +80,26 @@
 //! 4. **GLSL is the single source** of structs, constants and enum values; Rust is checked against it when it compiles.
 //! 5. A value that leaves a GLSL loop is carried by the loop (set before it, read in it): Mesa 22.3's lavapipe keeps no
 //!    other value per lane.
-//! 6. `scene`, `bvh`, `layout` and `reference` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
+//! 6. `scene`, `encode`, `layout` and `reference` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
 //!    (`tests/hygiene`).
 //!
 //! Deliberately absent: a render graph, bindless resources, traits with one implementation, options as strings past
 //! [`settings`].
 #![deny(missing_docs)]
 
-pub mod bvh;
-pub mod cells;
-pub mod checkpoint;
-pub mod cosine_integrals;
-pub mod cosine_trees;
+pub mod encode;
 pub mod error;
 pub mod files;
 pub mod film;
-pub mod film_sums;
+pub mod generated;
 pub mod gpu;
-pub mod identity;
 pub mod image;
-pub mod inspect;
-pub mod kernels;
-pub mod layout;
-pub mod lights;
-pub mod measured_weights;
-pub mod merge;
-pub mod noise;
-pub mod plastic_layer;
-pub mod profile;
-pub mod radiance_map;
 pub mod reference;
 pub mod renderer;
 pub mod reproduce;
-pub mod sample_ranges;
-pub mod sample_weights;
 pub mod scene;
-mod schedule;
+pub mod session;
 pub mod settings;
-mod specialization;
-pub mod textures;
+pub mod spirv;
 
 pub use error::{Error, Result};

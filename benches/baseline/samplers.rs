@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec3, dvec2};
+use lodestar::generated::kernels::{Variant, test};
+use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::{Buffer, BufferKind, DeviceKind, Kernel};
-use lodestar::kernels::{Variant, test};
-use lodestar::layout::SceneConstants;
 use lodestar::reference::direction_map::{bin_center, map_to_sphere};
 use lodestar::reference::quadtree::Square;
 use lodestar::settings::{DirectionMap, Sampler};

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use lodestar::kernels::test;
+use lodestar::generated::kernels::test;
 use serde_json::json;
 
 use crate::device::Device;

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
+use lodestar::generated::kernels::Variant;
 use lodestar::gpu::KernelSource;
-use lodestar::inspect::{Class, Histogram, SourceLine, report};
-use lodestar::kernels::Variant;
+use lodestar::spirv::inspect::{Class, Histogram, SourceLine, report};
 
-const TRAVERSE: &str = include_str!("../../glsl/include/traverse.glsl");
-const INTERSECT: &str = include_str!("../../glsl/include/intersect.glsl");
+const TRAVERSE: &str = include_str!("../../glsl/include/geometry/traverse.glsl");
+const INTERSECT: &str = include_str!("../../glsl/include/geometry/intersect.glsl");
 /// Functions that a visit of a node calls.
 const OF_NODES: [&str; 3] = ["has_nodes", "intersect_node", "intersect_children4"];
 /// Functions that it calls of each child, in a loop over four of them.

@@ -3,8 +3,8 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use lodestar::generated::kernels::TEXEL_BUFFERS;
 use lodestar::gpu::Context;
-use lodestar::kernels::TEXEL_BUFFERS;
 use lodestar::renderer::{Renderer, variant_for};
 use lodestar::settings::{Sampler, Settings};
 

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use lodestar::kernels::{Variant, test};
+use lodestar::generated::kernels::{Variant, test};
 
 use crate::Limits;
 use crate::common::median;

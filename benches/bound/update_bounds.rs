@@ -4,9 +4,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use lodestar::cells::Cells;
-use lodestar::cosine_trees::{Node, nodes_per_tree};
-use lodestar::layout::{CosineIntegral, LearnedRadiance, NormalizationEntry, RadianceSum};
+use lodestar::encode::cells::Cells;
+use lodestar::encode::cosine_trees::{Node, nodes_per_tree};
+use lodestar::generated::layout::{CosineIntegral, LearnedRadiance, NormalizationEntry, RadianceSum};
 use lodestar::settings::Sampler;
 
 use crate::common::median;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::UVec3;
-use lodestar::bvh::Bvh;
-use lodestar::cells::Cells;
+use lodestar::encode::bvh::Bvh;
+use lodestar::encode::cells::Cells;
 use lodestar::gpu::Context;
 use lodestar::renderer::Renderer;
 use lodestar::scene::Scene;

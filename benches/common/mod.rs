@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::{self, LoadOptions, Scene};

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bytemuck::{Pod, Zeroable};
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::gpu::{Buffer, Kernel, Submission};
-use lodestar::kernels::{Variant, test};
 
 use crate::device::{Device, GROUP};
 

@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Mat4, Vec3, dvec2};
-use lodestar::bvh::Bvh;
-use lodestar::gpu::{Buffer, BufferKind, DeviceKind, Kernel, KernelSource, Submission};
-use lodestar::kernels::{
+use lodestar::encode::bvh::Bvh;
+use lodestar::generated::kernels::{
     CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, CAMERA_THINLENS, NONE, PRIMITIVE_SHAPE_MASK, SHAPE_SPHERE, Variant, test,
 };
-use lodestar::layout::SceneConstants;
+use lodestar::generated::layout::SceneConstants;
+use lodestar::gpu::{Buffer, BufferKind, DeviceKind, Kernel, KernelSource, Submission};
 use lodestar::reference::camera::camera_ray;
 use lodestar::reference::equal_area::square_to_sphere;
 use lodestar::reference::random::{RandomKey, RandomStream, SampleSet, next_random, random_stream};

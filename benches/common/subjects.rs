@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
 use lodestar::scene::{self, LoadOptions, Scene};
 
 use crate::relief::tessellated;

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "camera.glsl"
+#include "film/camera.glsl"
 
 layout(scalar, set = 0, binding = 10) readonly buffer Positions { vec4 positions[]; };
 layout(scalar, set = 0, binding = 11) writeonly buffer CameraRays { Ray camera_rays[]; };

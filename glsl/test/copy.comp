@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "variant.glsl"
+#include "shared/variant.glsl"
 
 struct TestPush {
     uint rounds;  // words that each invocation copies

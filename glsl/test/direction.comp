@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "camera.glsl"
-#include "direction.glsl"
+#include "film/camera.glsl"
+#include "math/direction.glsl"
 
 struct DirectionInput {
     vec3 n;

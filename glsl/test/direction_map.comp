@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "direction_map.glsl"
+#include "math/direction_map.glsl"
 
 struct MapInput {
     vec2 p;

@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "bvh.glsl"
-#include "variant.glsl"
+#include "geometry/bvh.glsl"
+#include "shared/variant.glsl"
 
 struct TestPush {
     uint rounds;  // of one node

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "guided_direction.glsl"
+#include "guide/samplers/guided_direction.glsl"
 
 struct Density {
     vec3 wi;

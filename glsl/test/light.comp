@@ -3,8 +3,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "light.glsl"
-#include "traverse.glsl"
+#include "light/light.glsl"
+#include "geometry/traverse.glsl"
 
 struct LightInput {
     vec3 from;

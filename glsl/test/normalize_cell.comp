@@ -2,9 +2,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "bin_distribution.glsl"
-#include "normalization_entry.glsl"
-#include "radiance_tree.glsl"
+#include "guide/samplers/bin_distribution.glsl"
+#include "guide/normalization/normalization_entry.glsl"
+#include "guide/grid/radiance_tree.glsl"
 
 void main() {
     if (SAMPLER == SAMPLER_SPHERE_INVERSION) {

@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "random.glsl"
-#include "variant.glsl"
+#include "random/random.glsl"
+#include "shared/variant.glsl"
 
 struct DrawInput {
     uvec2 film_pixel;

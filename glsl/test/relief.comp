@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "relief.glsl"
-#include "variant.glsl"
+#include "geometry/relief.glsl"
+#include "shared/variant.glsl"
 
 struct ReliefInput {
     vec3 dp_du;

@@ -3,7 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "guiding.glsl"
+#include "path/guiding.glsl"
 
 struct SurfaceInput {
     Bsdf bsdf;

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "bsdf.glsl"
+#include "bsdf/bsdf.glsl"
 
 struct ScatteringInput {
     Bsdf bsdf;

@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "surface.glsl"
-#include "traverse.glsl"
+#include "geometry/surface.glsl"
+#include "geometry/traverse.glsl"
 
 struct SurfaceInput {
     Ray ray;

@@ -2,7 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
-#include "bvh.glsl"
+#include "geometry/bvh.glsl"
 
 struct TraceCounts {
     uint nodes;
@@ -25,7 +25,7 @@ vec4 count_primitive(uint primitive, uint texel) {
 // What follows fetches through the two functions above.
 #define fetch_node count_node
 #define fetch_primitive count_primitive
-#include "traverse.glsl"
+#include "geometry/traverse.glsl"
 
 struct TraceInput {
     Ray ray;

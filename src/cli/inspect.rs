@@ -5,13 +5,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
+use lodestar::generated::kernels::{BackEnd, Registry};
 use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, PipelineReport, Representation};
-use lodestar::inspect::{self, KernelReport};
-use lodestar::kernels::{BackEnd, Registry};
 use lodestar::renderer::{variant_for, variant_of_settings};
 use lodestar::scene::{self, FilmDescription, IntegratorDescription, LoadOptions, ReconstructionFilter};
 use lodestar::settings::{SamplePattern, Settings};
+use lodestar::spirv::inspect::{self, KernelReport};
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use lodestar::generated::kernels::BackEnd;
 use lodestar::gpu::{DeviceInfo, Executable, PipelineReport};
-use lodestar::inspect::{Class, Count, Histogram, Interface, Layout, Member};
-use lodestar::kernels::BackEnd;
+use lodestar::spirv::inspect::{Class, Count, Histogram, Interface, Layout, Member};
 
 use super::inspect::Inspected;
 

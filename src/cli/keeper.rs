@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use lodestar::Result;
-use lodestar::checkpoint::Checkpoint;
 use lodestar::renderer::Renderer;
+use lodestar::session::checkpoint::Checkpoint;
 
 use super::task::{CheckpointFile, History, JobRecord};
 

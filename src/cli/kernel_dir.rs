@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use lodestar::Result;
-use lodestar::inspect::replace::{self, Replacement};
-use lodestar::kernels::{BackEnd, Registry};
+use lodestar::generated::kernels::{BackEnd, Registry};
+use lodestar::spirv::replace::{self, Replacement};
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::report;

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use lodestar::film::merge::{PartialPicture, merge};
 use lodestar::image::exr;
-use lodestar::merge::{PartialPicture, merge};
 use lodestar::{Result, files};
 
 use super::render_args::exr_path;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use lodestar::gpu::Context;
-use lodestar::profile::{Profile, Step};
 use lodestar::renderer::StepReport;
+use lodestar::session::profile::{Profile, Step};
 use lodestar::{Result, files};
 
 use super::print_line;

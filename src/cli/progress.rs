@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use lodestar::noise::NoiseReport;
+use lodestar::film::noise::NoiseReport;
 
 /// Least time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);

@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{ToneCurve, exr, png};
-use lodestar::radiance_map::{Place, SurfacePoint, false_colors};
 use lodestar::renderer::Renderer;
 use lodestar::scene::{self, LoadOptions, Scene};
+use lodestar::session::identity;
+use lodestar::session::radiance_map::{Place, SurfacePoint, false_colors};
 use lodestar::settings::{Sampler, Settings, StepSchedule};
-use lodestar::{Error, Result, files, identity};
+use lodestar::{Error, Result, files};
 
 use super::render_args::{ChoiceArgs, Switch, define, output_path};
 use super::{print_line, report};

@@ -7,15 +7,15 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use lodestar::bvh::Bvh;
-use lodestar::checkpoint::{Checkpoint, SceneSource};
+use lodestar::encode::bvh::Bvh;
 use lodestar::film::Picture;
+use lodestar::film::ranges::SampleRanges;
 use lodestar::gpu::{Context, ContextOptions};
-use lodestar::identity::{self, Identity};
 use lodestar::image::{Image, metrics};
 use lodestar::renderer::{RenderState, Renderer, StepReport, Surfaces};
-use lodestar::sample_ranges::SampleRanges;
 use lodestar::scene::{self, LoadOptions, LoadProgress};
+use lodestar::session::checkpoint::{Checkpoint, SceneSource};
+use lodestar::session::identity::{self, Identity};
 use lodestar::settings::{Execution, Settings};
 use lodestar::{Error, Result, files};
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use lodestar::Result;
-use lodestar::checkpoint::Checkpoint;
+use lodestar::session::checkpoint::Checkpoint;
 
 use super::render;
 use super::render_args::{CHECKPOINT_EVERY, DeviceArgs, LengthArgs, OutputArgs, seconds};

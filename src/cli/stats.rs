@@ -1,8 +1,8 @@
 //! What `--stats` writes.
 
+use lodestar::film::noise::NoiseReport;
 use lodestar::gpu::DeviceInfo;
 use lodestar::image::metrics::Metrics;
-use lodestar::noise::NoiseReport;
 use lodestar::renderer::Counts;
 use lodestar::settings::Settings;
 use serde::{Deserialize, Serialize};

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use lodestar::checkpoint::Checkpoint;
-use lodestar::identity::Identity;
 use lodestar::renderer::{Counts, RenderState};
 use lodestar::scene::Scene;
+use lodestar::session::checkpoint::Checkpoint;
+use lodestar::session::identity::Identity;
 use lodestar::settings::{Settings, depth_warning};
 use lodestar::{Error, Result, files};
 use serde::{Deserialize, Serialize};

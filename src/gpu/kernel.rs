@@ -11,7 +11,7 @@ use super::executables::{self, PipelineReport};
 use super::fault::failed;
 use super::interface::KernelSource;
 use super::layout::PipelineLayout;
-use crate::specialization::resolve_branches;
+use crate::spirv::specialization::resolve_branches;
 use crate::{Error, Result};
 
 /// A compute pipeline.

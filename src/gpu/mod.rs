@@ -23,7 +23,7 @@
 //!
 //! The three argue about the host's calls. What a kernel does is its own affair, with two guards: its SPIR-V is the
 //! compiler's output ([`KernelSource`] is written by `build.rs`), or a user's who has asked for it by name and whose driver
-//! it is, of the same interface and validated ([`crate::inspect::replace`]); and devices are opened with robust buffer
+//! it is, of the same interface and validated ([`crate::spirv::replace`]); and devices are opened with robust buffer
 //! access, so an index out of range reaches no memory outside the buffer's.
 
 #![deny(clippy::undocumented_unsafe_blocks)]

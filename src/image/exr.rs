@@ -29,7 +29,7 @@ use ::exr::prelude::{
 use super::Image;
 use crate::files::write_whole;
 use crate::film::Picture;
-use crate::film_sums::PixelSums;
+use crate::film::sums::PixelSums;
 use crate::{Error, Result};
 
 /// What every attribute of ours starts with.

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/blue_noise.glsl`, digit by digit.
+//! Twin of `glsl/include/random/blue_noise.glsl`, digit by digit.
 
 use super::sobol::{hashed_owen_scramble, owen_scramble, reversed, sobol};
 

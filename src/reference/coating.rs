@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/coating.glsl`.
+//! Twin of `glsl/include/bsdf/coating.glsl`.
 
 use glam::DVec3;
 

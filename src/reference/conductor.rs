@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/bsdf_conductor.glsl` and `bsdf_rough_conductor.glsl`.
+//! Twin of `glsl/include/bsdf/conductor.glsl` and `bsdf/rough_conductor.glsl`.
 
 use glam::{DVec3, dvec3};
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/cylindrical.glsl`: Lambert's cylindrical map between the square [-1, 1]^2 and the sphere.
+//! Twin of `glsl/include/math/cylindrical.glsl`: Lambert's cylindrical map between the square [-1, 1]^2 and the sphere.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/bsdf_dielectric.glsl`, `bsdf_thin_dielectric.glsl` and `bsdf_rough_dielectric.glsl`.
+//! Twin of `glsl/include/bsdf/dielectric.glsl`, `bsdf/thin_dielectric.glsl` and `bsdf/rough_dielectric.glsl`.
 
 use glam::{DVec3, dvec3};
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/direction.glsl`.
+//! Twin of `glsl/include/math/direction.glsl`.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 

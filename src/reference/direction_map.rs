@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/direction_map.glsl`: bins of directions on either map, and of normals.
+//! Twin of `glsl/include/math/direction_map.glsl`: bins of directions on either map, and of normals.
 
 use glam::{DVec2, DVec3, dvec2};
 

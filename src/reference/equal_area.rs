@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/equal_area.glsl`: the equal-area map between the square [-1, 1]^2 and the sphere.
+//! Twin of `glsl/include/math/equal_area.glsl`: the equal-area map between the square [-1, 1]^2 and the sphere.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 

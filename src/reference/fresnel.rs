@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/fresnel.glsl`.
+//! Twin of `glsl/include/math/fresnel.glsl`.
 
 use glam::DVec3;
 

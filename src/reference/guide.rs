@@ -1,4 +1,4 @@
-//! Twin of the densities in `glsl/include/rejection_mix.glsl`, `sphere_inversion.glsl`,
+//! Twin of the densities in `glsl/include/guide/samplers/rejection_mix.glsl`, `sphere_inversion.glsl`,
 //! `hemisphere_inversion.glsl` and `product.glsl`.
 
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/intersect.glsl` and, by looking at every primitive, of `glsl/include/traverse.glsl`.
+//! Twin of `glsl/include/geometry/intersect.glsl` and, by looking at every primitive, of `glsl/include/geometry/traverse.glsl`.
 
 use glam::DVec3;
 

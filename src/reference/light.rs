@@ -1,11 +1,11 @@
-//! Twin of `glsl/include/light_shape.glsl`, `environment.glsl` and the delta lights of `light.glsl`.
+//! Twin of `glsl/include/light/light_shape.glsl`, `environment.glsl` and the delta lights of `light.glsl`.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec3, dvec2};
 
 use super::intersect::{Ray, crossings};
-use crate::lights::{EnvironmentMap, EnvironmentTable};
+use crate::encode::lights::{EnvironmentMap, EnvironmentTable};
 use crate::scene::{DeltaKind, Primitive, PrimitiveShape};
 
 /// Spheres are sampled by the cone that they fill where the squared distance of their center exceeds their squared radius by

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/microfacet.glsl`.
+//! Twin of `glsl/include/math/microfacet.glsl`.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/normalization_entry.glsl`.
+//! Twin of `glsl/include/guide/normalization/normalization_entry.glsl`.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/bsdf_plastic.glsl` and `bsdf_rough_plastic.glsl`.
+//! Twin of `glsl/include/bsdf/plastic.glsl` and `bsdf/rough_plastic.glsl`.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/bsdf_principled.glsl`.
+//! Twin of `glsl/include/bsdf/principled.glsl`.
 
 use std::f64::consts::PI;
 

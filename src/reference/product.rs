@@ -1,4 +1,4 @@
-//! Twin of the descent in `glsl/include/product.glsl`, and of the weights that it follows.
+//! Twin of the descent in `glsl/include/guide/samplers/product.glsl`, and of the weights that it follows.
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,5 @@
-//! Twin of the quadtrees in `glsl/include/quadtree.glsl`, of their layout in `quadtree_nodes.glsl`, and of what
-//! `glsl/refine_quadtrees.comp` makes of one.
+//! Twin of the quadtrees in `glsl/include/guide/samplers/quadtree.glsl`, of their layout in `quadtree_nodes.glsl`, and of what
+//! `glsl/kernels/learn/refine_quadtrees.comp` makes of one.
 
 use std::collections::VecDeque;
 

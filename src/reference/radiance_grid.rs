@@ -1,4 +1,4 @@
-//! Twin of the arithmetic in `glsl/include/radiance_grid.glsl` and `glsl/update_radiance.comp`.
+//! Twin of the arithmetic in `glsl/include/guide/grid/radiance_grid.glsl` and `glsl/kernels/learn/update_radiance.comp`.
 
 /// Units of a target as large as the limit.
 pub const FIXED_POINT_UNITS: f64 = 1_073_741_824.0;
@@ -20,16 +20,6 @@ pub struct LearnedRadiance {
 /// Units of a target: saturated, then rounded up where its fraction exceeds `u`.
 pub fn fixed_point(target: f64, target_limit: f64, u: f64) -> u64 {
     let units = (target / target_limit).clamp(0.0, 1.0) * FIXED_POINT_UNITS;
-    units.floor() as u64 + u64::from(u < units.fract())
-}
-
-/// Units of the square of a target as large as the limit.
-pub const SQUARE_UNITS: f64 = 281_474_976_710_656.0;
-
-/// Units of a target's square likewise. It is a square of single precision, whose digits decide.
-pub fn fixed_point_square(target: f32, target_limit: f32, u: f64) -> u64 {
-    let share = (target / target_limit).clamp(0.0, 1.0);
-    let units = f64::from(share * share) * SQUARE_UNITS;
     units.floor() as u64 + u64::from(u < units.fract())
 }
 

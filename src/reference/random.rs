@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
+//! Twin of `glsl/include/random/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
 
 use super::blue_noise::{tile_digits, tile_of};
 use super::sobol::{SET_SIZE, sequence_digits, set_digits};

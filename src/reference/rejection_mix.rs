@@ -1,4 +1,4 @@
-//! What a rejection sampler costs: `glsl/include/rejection_mix.glsl`.
+//! What a rejection sampler costs: `glsl/include/guide/samplers/rejection_mix.glsl`.
 
 use super::normalization_entry::Rules;
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/relief.glsl`.
+//! Twin of `glsl/include/geometry/relief.glsl`.
 
 use glam::{DMat3, DVec2, DVec3};
 

@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/bsdf_rough_diffuse.glsl`.
+//! Twin of `glsl/include/bsdf/rough_diffuse.glsl`.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

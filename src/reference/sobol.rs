@@ -1,4 +1,4 @@
-//! Twin of `glsl/include/sobol.glsl`, digit by digit.
+//! Twin of `glsl/include/random/sobol.glsl`, digit by digit.
 
 /// Samples in a set.
 pub const SET_SIZE: u32 = 8;

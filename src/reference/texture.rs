@@ -1,4 +1,4 @@
-//! `glsl/include/textures.glsl` and `texture_lookup.glsl`
+//! `glsl/include/texture/textures.glsl` and `texture_lookup.glsl`
 
 use glam::{DMat3, DVec2, DVec3, DVec4};
 

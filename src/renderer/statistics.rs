@@ -1,6 +1,6 @@
 //! What a step counted.
 
-use crate::kernels;
+use crate::generated::kernels;
 
 /// Numbers that kernels count. The rates derived from them are those of the paper's tables and figures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

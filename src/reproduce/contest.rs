@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::methods::Method;
 use super::record::{Memory, StepRecord};
-use crate::bvh::Bvh;
+use crate::encode::bvh::Bvh;
 use crate::film::Picture;
 use crate::gpu::Context;
 use crate::image::{Image, metrics};

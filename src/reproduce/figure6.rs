@@ -13,7 +13,7 @@ use super::sheet::Sheet;
 use super::stage::SceneStage;
 use crate::film::Picture;
 use crate::image::{ToneCurve, exr, png};
-use crate::radiance_map::{Place, SurfacePoint, false_colors, relative_error};
+use crate::session::radiance_map::{Place, SurfacePoint, false_colors, relative_error};
 use crate::settings::{Sampler, Settings};
 use crate::{Result, files};
 

@@ -14,15 +14,16 @@ use super::error_map::error_map;
 use super::methods::Method;
 use super::protocol;
 use super::record::{Conditions, Record, settings_value};
-use crate::bvh::Bvh;
+use crate::encode::bvh::Bvh;
 use crate::film::Picture;
 use crate::gpu::Context;
 use crate::image::{Image, ToneCurve, exr, metrics, png};
-use crate::radiance_map::Place;
 use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
+use crate::session::identity;
+use crate::session::radiance_map::Place;
 use crate::settings::Settings;
-use crate::{Error, Result, files, identity};
+use crate::{Error, Result, files};
 
 /// Steps that are timed to choose the size; the one before them warms up.
 const TIMED_STEPS: u32 = 2;

@@ -4,33 +4,14 @@
 //! `+z` with `+x` to the *left* of the picture, depth counted in path edges (1 is emission seen directly).
 
 pub mod bsdf;
-mod color;
-mod color_matching;
-mod document;
-mod element;
 pub mod emitter;
-mod emitter_plugin;
 pub mod fingerprint;
-mod flatten;
 pub mod geometry;
-pub mod load;
-mod materials;
 mod mesh;
-mod numbers;
-mod obj;
-mod ply;
-mod properties;
-mod sensor;
-mod serialized;
-mod shape;
+pub mod mitsuba;
 mod shrink;
-mod spectrum;
 pub mod texel_pages;
 pub mod texture;
-mod texture_images;
-mod textures;
-mod transform;
-mod words;
 
 use glam::{Mat4, Vec2, Vec3};
 
@@ -38,7 +19,7 @@ pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use fingerprint::fingerprint;
 pub use geometry::{Primitive, PrimitiveShape};
-pub use load::{LoadOptions, LoadProgress, load, load_with_progress};
+pub use mitsuba::load::{LoadOptions, LoadProgress, load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
 
 /// A whole scene in world space.

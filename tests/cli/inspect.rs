@@ -90,8 +90,8 @@ fn layouts_are_those_of_the_glsl() {
     assert_eq!(member["members"][0]["type"], "vec4[3]");
     assert_eq!((&member["members"][0]["stride"], &member["members"][1]["offset"]), (&16.into(), &48.into()));
     // layout.rs is held against the same reflection when the crate is compiled.
-    assert_eq!(member["bytes"], size_of::<lodestar::layout::SceneConstants>());
-    assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::layout::PathTracePush>());
+    assert_eq!(member["bytes"], size_of::<lodestar::generated::layout::SceneConstants>());
+    assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::generated::layout::PathTracePush>());
 }
 
 #[test]
@@ -109,7 +109,7 @@ fn options_choose_the_variant() {
         return;
     }
     let (plain, guided) = (&plain["specialized"]["histogram"], &guided["specialized"]["histogram"]);
-    let rejection = "glsl/include/rejection_mix.glsl";
+    let rejection = "glsl/include/guide/samplers/rejection_mix.glsl";
     assert_eq!(instructions_of(plain, rejection), 0);
     assert!(instructions_of(guided, rejection) > 20);
     assert!(instructions(plain) < instructions(guided), "{} and {}", instructions(plain), instructions(guided));
@@ -142,7 +142,10 @@ fn counts_add_up() {
     assert_eq!(histogram["classes"]["texel_fetch"]["instructions"], operations["ImageFetch"]);
     let lines = histogram["lines"].as_array().unwrap();
     let fetch = lines.iter().find(|line| line["text"].as_str().unwrap().contains("texelFetch(bvh_nodes")).unwrap();
-    assert!(fetch["file"] == "glsl/include/bvh.glsl" && fetch["classes"]["texel_fetch"].is_object(), "{fetch}");
+    assert!(
+        fetch["file"] == "glsl/include/geometry/bvh.glsl" && fetch["classes"]["texel_fetch"].is_object(),
+        "{fetch}"
+    );
 }
 
 #[test]
@@ -162,7 +165,7 @@ fn without_spirv_tools_the_rest_is_shown() {
 fn the_text_names_what_a_tuner_asks_for() {
     let folder = Folder::new();
     let said = text(&folder, &["path_trace", "--lines", "3"]);
-    let push = format!("push constants: {} bytes", size_of::<lodestar::layout::PathTracePush>());
+    let push = format!("push constants: {} bytes", size_of::<lodestar::generated::layout::PathTracePush>());
     for words in ["workgroup 64 (constant 0) x 1 x 1", &push, "MAX_TRIES", "atomics", "transcendental"] {
         let known = if words == "transcendental" { "sin, exp, log, pow" } else { words };
         assert!(said.contains(known), "{known} is missing:\n{said}");

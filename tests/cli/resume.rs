@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lodestar::checkpoint::Checkpoint;
 use lodestar::image::exr::read_picture;
+use lodestar::session::checkpoint::Checkpoint;
 use serde_json::Value;
 
 use crate::support::{Folder, SCENE, assert_quiet_success, assert_sentence, wait_until};

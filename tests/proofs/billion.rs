@@ -5,7 +5,7 @@ use std::env;
 use std::io::{Write, stdout};
 use std::time::Instant;
 
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::Renderer;
 use lodestar::settings::{SamplePattern, Sampler, Settings};

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, dvec3};
-use lodestar::lights::EnvironmentMap;
+use lodestar::encode::lights::EnvironmentMap;
 use lodestar::reference::light::environment_radiance;
 use lodestar::scene::{EnvironmentKind, Scene};
 

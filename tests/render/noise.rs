@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use lodestar::film::Picture;
-use lodestar::noise::{LEAST_SAMPLES, TileNoise, Tiles};
+use lodestar::film::noise::{LEAST_SAMPLES, TileNoise, Tiles};
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{SamplePattern, SampleWeights, Sampler, Settings};

@@ -1,4 +1,4 @@
-//! Area lights of `glsl/include/light.glsl` and `light_shape.glsl`
+//! Area lights of `glsl/include/light/light.glsl` and `light_shape.glsl`
 
 use std::f64::consts::PI;
 

@@ -2,7 +2,7 @@
 //! between media, and inputs at the edge. Their samples are tested with those of all other kinds in `scattering.rs`.
 
 use glam::{DVec3, dvec3};
-use lodestar::kernels::{FEATURE_BECKMANN, Variant};
+use lodestar::generated::kernels::{FEATURE_BECKMANN, Variant};
 use lodestar::reference::conductor::Conductor;
 use lodestar::reference::delta::DeltaLobe;
 use lodestar::reference::dielectric::Dielectric;

@@ -1,10 +1,10 @@
-//! `camera_ray` of `glsl/include/camera.glsl`
+//! `camera_ray` of `glsl/include/film/camera.glsl`
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4, Vec4Swizzles, dvec2, dvec3, vec2, vec3, vec4};
+use lodestar::generated::kernels::{CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, CAMERA_THINLENS, Variant, test};
+use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
-use lodestar::kernels::{CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, CAMERA_THINLENS, Variant, test};
-use lodestar::layout::SceneConstants;
 use lodestar::reference::camera::camera_ray;
 use lodestar::reference::intersect::Ray;
 

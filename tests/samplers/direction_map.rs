@@ -1,8 +1,8 @@
-//! `glsl/include/direction_map.glsl`, `equal_area.glsl`, `cylindrical.glsl`
+//! `glsl/include/math/direction_map.glsl`, `equal_area.glsl`, `cylindrical.glsl`
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec2, Vec3, dvec2, vec2, vec3};
-use lodestar::kernels::{Variant, test};
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::reference::direction_map as twin;
 use lodestar::reference::equal_area::square_bin;
 use lodestar::settings::DirectionMap;

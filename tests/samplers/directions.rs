@@ -1,10 +1,10 @@
-//! `glsl/include/direction.glsl` and the filters of `glsl/include/camera.glsl`
+//! `glsl/include/math/direction.glsl` and the filters of `glsl/include/film/camera.glsl`
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, dvec2, vec3};
-use lodestar::kernels::{FILTER_BOX, FILTER_GAUSSIAN, FILTER_TENT, Variant, test};
+use lodestar::generated::kernels::{FILTER_BOX, FILTER_GAUSSIAN, FILTER_TENT, Variant, test};
 use lodestar::reference::{camera, direction};
 
 use crate::device::Device;

@@ -1,9 +1,9 @@
-//! `glsl/include/environment.glsl` and the delta lights of `glsl/include/light.glsl`
+//! `glsl/include/light/environment.glsl` and the delta lights of `glsl/include/light/light.glsl`
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec3, vec3};
-use lodestar::lights::{EnvironmentMap, EnvironmentTable};
+use lodestar::encode::lights::{EnvironmentMap, EnvironmentTable};
 use lodestar::reference::light::{delta_light, environment_coordinates, environment_radiance, pdf_environment};
 use lodestar::scene::texture::Texels;
 use lodestar::scene::{

@@ -1,12 +1,12 @@
-//! `glsl/include/traverse.glsl` and `glsl/include/intersect.glsl`, against trying every primitive.
+//! `glsl/include/geometry/traverse.glsl` and `glsl/include/geometry/intersect.glsl`, against trying every primitive.
 
 use std::iter::once;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3, vec3};
-use lodestar::bvh::{Bvh, NODE_WORDS};
+use lodestar::encode::bvh::{Bvh, NODE_WORDS};
+use lodestar::generated::kernels::{NONE, Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::kernels::{NONE, Variant, test};
 use lodestar::reference::intersect::{Ray, crossings, traverse};
 use lodestar::scene::{Primitive, PrimitiveShape};
 

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
+use lodestar::encode::lights::Lights;
+use lodestar::generated::kernels::{Variant, test};
+use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
-use lodestar::kernels::{Variant, test};
-use lodestar::layout::SceneConstants;
-use lodestar::lights::Lights;
 use lodestar::scene::{AreaEmitter, LoadOptions, Primitive, Scene, Textured, load};
 
 use crate::device::{Device, GROUP};

@@ -1,11 +1,11 @@
-//! `glsl/include/normalization_entry.glsl` and the integrals that it reads
+//! `glsl/include/guide/normalization/normalization_entry.glsl` and the integrals that it reads
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use lodestar::cosine_integrals::cosine_integrals;
-use lodestar::kernels::{SAMPLER_REJECTION_MIX, Variant};
-use lodestar::layout;
+use lodestar::encode::cosine_integrals::cosine_integrals;
+use lodestar::generated::kernels::{SAMPLER_REJECTION_MIX, Variant};
+use lodestar::generated::layout;
 use lodestar::reference::direction_map::{bin_center, representative_normal};
 use lodestar::reference::normalization_entry::{
     NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, rejection_factors,

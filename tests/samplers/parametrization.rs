@@ -1,7 +1,7 @@
-//! Texture coordinates and tangents of `glsl/include/surface.glsl`, against what Mitsuba 3 says of the same hits.
+//! Texture coordinates and tangents of `glsl/include/geometry/surface.glsl`, against what Mitsuba 3 says of the same hits.
 
 use glam::{DVec2, DVec3, Vec3};
-use lodestar::kernels::{FEATURE_TANGENTS, NONE};
+use lodestar::generated::kernels::{FEATURE_TANGENTS, NONE};
 use lodestar::scene::{LoadOptions, load};
 
 use crate::fixture::{Row, rows};

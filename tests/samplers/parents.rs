@@ -1,15 +1,15 @@
-//! `glsl/pool_radiance.comp` and `glsl/blend_radiance.comp`: what cells fall back on, against the twins and in closed form.
+//! `glsl/kernels/learn/pool_radiance.comp` and `glsl/kernels/learn/blend_radiance.comp`: what cells fall back on, against the twins and in closed form.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use glam::{UVec3, Vec2, Vec3};
-use lodestar::bvh::Bvh;
-use lodestar::cells::Cells;
+use lodestar::encode::bvh::Bvh;
+use lodestar::encode::cells::Cells;
+use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
+use lodestar::generated::layout::{LearnedRadiance, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind, KernelSource};
-use lodestar::kernels::{STORAGE_BUFFERS, Variant};
-use lodestar::layout::{LearnedRadiance, SceneConstants, UpdatePush};
 use lodestar::reference::radiance_grid as twin;
 use lodestar::scene::{Primitive, PrimitiveShape};
 

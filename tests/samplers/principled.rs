@@ -1,4 +1,4 @@
-//! `glsl/include/bsdf_principled.glsl`
+//! `glsl/include/bsdf/principled.glsl`
 
 use glam::DVec3;
 use lodestar::reference::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};

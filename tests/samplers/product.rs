@@ -1,10 +1,10 @@
-//! `glsl/include/product.glsl` with two or three levels below the first: 32^2 and 64^2 directions
+//! `glsl/include/guide/samplers/product.glsl` with two or three levels below the first: 32^2 and 64^2 directions
 
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use lodestar::cosine_integrals::cosine_integrals;
-use lodestar::kernels::{Variant, test};
+use lodestar::encode::cosine_integrals::cosine_integrals;
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::reference::direction_map::{bin_center, direction_bin, normal_bin, representative_normal, sphere_to_map};
 use lodestar::reference::normalization_entry::Rules;
 use lodestar::reference::product::{COSINE_SHARE, Product};

@@ -1,4 +1,4 @@
-//! The sampler by quadtrees (`glsl/include/quadtree.glsl`) has the density of its twin, and `glsl/refine_quadtrees.comp`
+//! The sampler by quadtrees (`glsl/include/guide/samplers/quadtree.glsl`) has the density of its twin, and `glsl/kernels/learn/refine_quadtrees.comp`
 //! makes the trees that the twin makes.
 
 use std::f64::consts::PI;
@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use bytemuck::Zeroable;
 use glam::{DVec2, DVec3, Vec3, dvec2};
-use lodestar::gpu::{Buffer, BufferKind, KernelSource};
-use lodestar::kernels::{
+use lodestar::generated::kernels::{
     REFINE_DRAFT, REFINE_MEASURE, REFINE_PLACE, REFINE_SETTLE, SAMPLER_QUADTREE, STORAGE_BUFFERS, Variant, test,
 };
-use lodestar::layout::{RadianceSum, RefinePush, SceneConstants};
+use lodestar::generated::layout::{RadianceSum, RefinePush, SceneConstants};
+use lodestar::gpu::{Buffer, BufferKind, KernelSource};
 use lodestar::reference::cosine::SphereGrid;
 use lodestar::reference::direction_map::{direction_bin, sphere_to_map};
 use lodestar::reference::quadtree::{COSINE_SHARE, Square};

@@ -1,10 +1,10 @@
-//! `glsl/include/random.glsl`, `glsl/include/sobol.glsl` and `glsl/include/blue_noise.glsl`
+//! `glsl/include/random/random.glsl`, `glsl/include/random/sobol.glsl` and `glsl/include/random/blue_noise.glsl`
 
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
-use lodestar::kernels::{PATTERN_BLUE_NOISE, PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
+use lodestar::generated::kernels::{PATTERN_BLUE_NOISE, PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
 use lodestar::reference::random as twin;
 use lodestar::reference::random::{RandomKey, SampleSet};
 

@@ -1,10 +1,10 @@
-//! `glsl/include/relief.glsl`
+//! `glsl/include/geometry/relief.glsl`
 
 use std::f64::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
-use lodestar::kernels::{Variant, test};
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::reference::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
 
 use crate::device::Device;

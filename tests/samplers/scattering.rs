@@ -1,12 +1,12 @@
-//! `glsl/include/bsdf_rough_diffuse.glsl`, `bsdf_principled.glsl` and `coating.glsl`: samples of the device against the twins'
+//! `glsl/include/bsdf/rough_diffuse.glsl`, `bsdf/principled.glsl` and `coating.glsl`: samples of the device against the twins'
 //! densities, values against the twins', energy and reciprocity.
 
 use std::f64::consts::{PI, TAU};
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec2, DVec3, Vec3, dvec2, dvec3};
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::gpu::Kernel;
-use lodestar::kernels::{Variant, test};
 use rayon::prelude::*;
 
 use crate::device::{Device, GROUP};

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use lodestar::kernels::{
+use lodestar::generated::kernels::{
     BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING, MATERIAL_COATED,
     MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
 };
@@ -13,7 +13,7 @@ use lodestar::reference::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
 
 use crate::substances::{Substance, substances};
 
-/// `Bsdf` of `glsl/include/bsdf_parameters.glsl`
+/// `Bsdf` of `glsl/include/bsdf/parameters.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
 pub struct DeviceBsdf {

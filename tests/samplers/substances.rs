@@ -3,11 +3,11 @@
 use std::sync::Mutex;
 
 use glam::DVec3;
-use lodestar::kernels::{
+use lodestar::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
+use lodestar::generated::kernels::{
     BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC, BSDF_ROUGH_PLASTIC,
     BSDF_THIN_DIELECTRIC, MATERIAL_GGX, MATERIAL_NONLINEAR,
 };
-use lodestar::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
 use lodestar::reference::conductor::{Conductor, conductor_lobes, eval_bsdf_rough_conductor, pdf_reflection};
 use lodestar::reference::delta::DeltaLobe;
 use lodestar::reference::dielectric::{

@@ -1,10 +1,10 @@
-//! `glsl/include/surface.glsl` and `glsl/include/octahedral.glsl`
+//! `glsl/include/geometry/surface.glsl` and `glsl/include/math/octahedral.glsl`
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
-use lodestar::bvh::Bvh;
+use lodestar::encode::bvh::Bvh;
+use lodestar::generated::kernels::{NONE, Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::kernels::{NONE, Variant, test};
 use lodestar::reference::intersect::{Ray, crossings};
 use lodestar::scene::{Primitive, PrimitiveShape};
 

@@ -1,12 +1,12 @@
-//! `glsl/include/textures.glsl` and `texture_lookup.glsl` against their twin.
+//! `glsl/include/texture/textures.glsl` and `texture_lookup.glsl` against their twin.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec4, Mat3, Vec2, Vec3};
+use lodestar::encode::textures::PackedTextures;
+use lodestar::generated::kernels::{Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::kernels::{Variant, test};
 use lodestar::reference::texture as reference;
 use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
-use lodestar::textures::PackedTextures;
 
 use crate::device::{Device, GROUP};
 use crate::statistics::Numbers;

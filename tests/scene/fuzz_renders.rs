@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use lodestar::checkpoint::{Checkpoint, MAGIC, SceneSource};
 use lodestar::film::Picture;
+use lodestar::film::merge::{PartialPicture, merge};
 use lodestar::image::exr::{read_attributes, read_layer, read_picture, read_rgb, write_picture};
-use lodestar::merge::{PartialPicture, merge};
 use lodestar::renderer::{RenderState, StatePart};
+use lodestar::session::checkpoint::{Checkpoint, MAGIC, SceneSource};
 use lodestar::settings::Settings;
 use proptest::prelude::*;
 use xxhash_rust::xxh3::xxh3_128;

@@ -14,18 +14,18 @@ use mutations::{MUTATIONS, Patch};
 const REPOSITORY: &str = "../..";
 /// Reading storage buffers, which every device has.
 const KERNELS: [&str; 17] = [
-    "glsl/judge_noise.comp",
-    "glsl/path_trace.comp",
-    "glsl/wave_extend.comp",
-    "glsl/wave_connect.comp",
-    "glsl/wave_shadow.comp",
-    "glsl/wave_shade.comp",
-    "glsl/wave_film.comp",
-    "glsl/update_radiance.comp",
-    "glsl/pool_radiance.comp",
-    "glsl/blend_radiance.comp",
-    "glsl/refine_quadtrees.comp",
-    "glsl/update_normalization.comp",
+    "glsl/kernels/noise/judge_noise.comp",
+    "glsl/kernels/trace/path_trace.comp",
+    "glsl/kernels/wave/wave_extend.comp",
+    "glsl/kernels/wave/wave_connect.comp",
+    "glsl/kernels/wave/wave_shadow.comp",
+    "glsl/kernels/wave/wave_shade.comp",
+    "glsl/kernels/wave/wave_film.comp",
+    "glsl/kernels/learn/update_radiance.comp",
+    "glsl/kernels/learn/pool_radiance.comp",
+    "glsl/kernels/learn/blend_radiance.comp",
+    "glsl/kernels/learn/refine_quadtrees.comp",
+    "glsl/kernels/learn/update_normalization.comp",
     "glsl/test/add_target.comp",
     "glsl/test/guided_density.comp",
     "glsl/test/guided_direction.comp",
@@ -33,7 +33,7 @@ const KERNELS: [&str; 17] = [
     "glsl/test/sample_direction.comp",
 ];
 /// Where every file that a mutation may patch finds the constant.
-const VARIANT: &str = "glsl/include/variant.glsl";
+const VARIANT: &str = "glsl/include/shared/variant.glsl";
 const CONSTANT: &str = "layout(constant_id = 2000) const uint MUTATION = 0u;";
 
 fn main() {
@@ -49,9 +49,7 @@ fn main() {
 
 fn run(out: &Path) -> Result<(), String> {
     let sources = out.join("sources");
-    for folder in ["glsl", "glsl/include", "glsl/test"] {
-        copy_folder(&Path::new(REPOSITORY).join(folder), &sources.join(folder))?;
-    }
+    copy_folder(&Path::new(REPOSITORY).join("glsl"), &sources.join("glsl"))?;
     edit(&sources, VARIANT, |text| {
         Ok(text.replacen("layout(local_size", &format!("{CONSTANT}\nlayout(local_size"), 1))
     })?;
@@ -61,11 +59,11 @@ fn run(out: &Path) -> Result<(), String> {
         }
     }
     let mut code = String::from("// Written by build.rs.\nconst KERNELS: &[(&str, &[u8])] = &[\n");
-    for file in KERNELS {
-        let (spirv, _) = compile::compile(&sources, file, &[])?;
+    let compiled = compile::on_all_cores(KERNELS.len(), |kernel| compile::compile(&sources, KERNELS[kernel], &[]));
+    for (file, spirv) in KERNELS.into_iter().zip(compiled) {
         let name = Path::new(file).file_stem().expect("a name").to_string_lossy();
         let path = out.join(format!("{name}.spv"));
-        fs::write(&path, spirv).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+        fs::write(&path, spirv?).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
         let _ = writeln!(code, "    ({name:?}, include_bytes!({path:?})),");
     }
     code.push_str("];\n");
@@ -75,8 +73,13 @@ fn run(out: &Path) -> Result<(), String> {
 fn copy_folder(from: &Path, to: &Path) -> Result<(), String> {
     let failed = |e: std::io::Error| format!("{}: cannot be copied: {e}", from.display());
     fs::create_dir_all(to).map_err(failed)?;
-    for entry in fs::read_dir(from).map_err(failed)?.flatten().filter(|entry| entry.path().is_file()) {
-        fs::copy(entry.path(), to.join(entry.file_name())).map_err(failed)?;
+    for entry in fs::read_dir(from).map_err(failed)?.flatten() {
+        let target = to.join(entry.file_name());
+        if entry.path().is_dir() {
+            copy_folder(&entry.path(), &target)?;
+        } else {
+            fs::copy(entry.path(), target).map_err(failed)?;
+        }
     }
     Ok(())
 }

@@ -4,8 +4,8 @@
 use std::sync::OnceLock;
 
 use glam::{DMat3, DVec3, Vec3};
+use lodestar::generated::kernels::{self, BSDF_DIFFUSE, Variant, test as sources};
 use lodestar::gpu::Kernel;
-use lodestar::kernels::{self, BSDF_DIFFUSE, Variant, test as sources};
 use lodestar::reference::conductor::Conductor;
 use lodestar::reference::cosine::SphereGrid;
 use lodestar::reference::dielectric::{Dielectric, pdf_bsdf_rough_dielectric};

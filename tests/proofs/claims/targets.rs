@@ -2,7 +2,7 @@
 //! reflects a share `a`, the targets of step k are e (1 - a^k) / (1 - a) on average (Eq. 5, Eq. 6), and returns over two
 //! edges e (1 + a).
 
-use lodestar::layout::LearnedRadiance;
+use lodestar::generated::layout::LearnedRadiance;
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
 use statrs::distribution::{ContinuousCDF, StudentsT};

@@ -14,36 +14,40 @@ pub struct Mutation {
     pub patches: &'static [Patch],
 }
 
-const SLICE: &str = "glsl/include/slice.glsl";
-const VERTEX: &str = "glsl/include/vertex.glsl";
-const ROULETTE: &str = "glsl/include/roulette.glsl";
-const TALLY: &str = "glsl/include/tally.glsl";
-const UPDATE_RADIANCE: &str = "glsl/update_radiance.comp";
-const UPDATE_NORMALIZATION: &str = "glsl/update_normalization.comp";
-const BLUE_NOISE: &str = "glsl/include/blue_noise.glsl";
-const CELLS: &str = "glsl/include/cells.glsl";
-const GUIDE: &str = "glsl/include/guide.glsl";
-const GUIDING: &str = "glsl/include/guiding.glsl";
-const LEARNING: &str = "glsl/include/learning.glsl";
-const LIGHT: &str = "glsl/include/light.glsl";
-const LIGHT_SHAPE: &str = "glsl/include/light_shape.glsl";
-const NORMALIZATION: &str = "glsl/include/normalization_entry.glsl";
-const PLASTIC: &str = "glsl/include/bsdf_plastic.glsl";
-const RADIANCE_GRID: &str = "glsl/include/radiance_grid.glsl";
-const RANDOM: &str = "glsl/include/random.glsl";
-const PARTS: &str = "glsl/include/parts.glsl";
-const PRODUCT: &str = "glsl/include/product.glsl";
-const QUADTREE: &str = "glsl/include/quadtree.glsl";
-const QUADTREE_NODES: &str = "glsl/include/quadtree_nodes.glsl";
-const QUADTREE_REFINEMENT: &str = "glsl/include/quadtree_refinement.glsl";
-const REFINE_QUADTREES: &str = "glsl/refine_quadtrees.comp";
-const REJECTION: &str = "glsl/include/rejection_mix.glsl";
-const SEGMENT: &str = "glsl/include/segment.glsl";
-const SOBOL: &str = "glsl/include/sobol.glsl";
+const SLICE: &str = "glsl/include/film/slice.glsl";
+const VERTEX: &str = "glsl/include/path/vertex.glsl";
+const ROULETTE: &str = "glsl/include/path/roulette.glsl";
+const TALLY: &str = "glsl/include/film/tally.glsl";
+const UPDATE_RADIANCE: &str = "glsl/kernels/learn/update_radiance.comp";
+const UPDATE_NORMALIZATION: &str = "glsl/kernels/learn/update_normalization.comp";
+const BLUE_NOISE: &str = "glsl/include/random/blue_noise.glsl";
+const CELLS: &str = "glsl/include/guide/grid/cells.glsl";
+const CONNECTION: &str = "glsl/include/path/connection.glsl";
+const EXPECTED_SARSA: &str = "glsl/include/guide/learners/expected_sarsa.glsl";
+const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
+const GUIDING: &str = "glsl/include/path/guiding.glsl";
+const IRRADIANCE_SARSA: &str = "glsl/include/guide/learners/irradiance_sarsa.glsl";
+const LEARNING: &str = "glsl/include/guide/learners/learning.glsl";
+const LIGHT: &str = "glsl/include/light/light.glsl";
+const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
+const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
+const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
+const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
+const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
+const RANDOM: &str = "glsl/include/random/random.glsl";
+const PARTS: &str = "glsl/include/guide/samplers/parts.glsl";
+const PRODUCT: &str = "glsl/include/guide/samplers/product.glsl";
+const QUADTREE: &str = "glsl/include/guide/samplers/quadtree.glsl";
+const QUADTREE_NODES: &str = "glsl/include/guide/samplers/quadtree_nodes.glsl";
+const QUADTREE_REFINEMENT: &str = "glsl/include/guide/samplers/quadtree_refinement.glsl";
+const REFINE_QUADTREES: &str = "glsl/kernels/learn/refine_quadtrees.comp";
+const REJECTION: &str = "glsl/include/guide/samplers/rejection_mix.glsl";
+const SEGMENT: &str = "glsl/include/guide/learners/segment.glsl";
+const SOBOL: &str = "glsl/include/random/sobol.glsl";
 
 /// Where the file of sets of samples finds the constant; that of blue noise includes it.
 const SOBOL_FINDS_CONSTANT: Patch =
-    Patch { file: SOBOL, text: "#define SOBOL_GLSL", mutated: "#define SOBOL_GLSL\n#include \"variant.glsl\"" };
+    Patch { file: SOBOL, text: "#define SOBOL_GLSL", mutated: "#define SOBOL_GLSL\n#include \"shared/variant.glsl\"" };
 
 const fn mutation(name: &'static str, patches: &'static [Patch]) -> Mutation {
     Mutation { name, patches }
@@ -134,14 +138,6 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "density of the mean, directions by the second moment",
-        &[Patch {
-            file: REJECTION,
-            text: "float radiance = bin_target_density(guide, direction_bin(wi));",
-            mutated: "float radiance = MUTATED ? bin_radiance(guide, direction_bin(wi)) : bin_target_density(guide, direction_bin(wi));",
-        }],
-    ),
-    mutation(
         "part beside the chosen one",
         &[Patch {
             file: PARTS,
@@ -179,14 +175,6 @@ pub const MUTATIONS: &[Mutation] = &[
             file: GUIDING,
             text: "pdf = mix(pdf, density.over_whole, guided_share(x.bsdf, guide));",
             mutated: "pdf = mix(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(x.bsdf, guide));",
-        }],
-    ),
-    mutation(
-        "candidates that count alike",
-        &[Patch {
-            file: GUIDING,
-            text: "sum > 0.0 ? 0.5 * sum / taken_score : sum;",
-            mutated: "sum > 0.0 ? (MUTATED ? 1.0 : 0.5 * sum / taken_score) : sum;",
         }],
     ),
     mutation(
@@ -246,16 +234,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "target without attenuation",
         &[Patch {
             file: LEARNING,
-            text: "ATTENUATION_TAMPER * mean_rgb(next.weight) * next.radiance",
-            mutated: "(MUTATED ? 1.0 : ATTENUATION_TAMPER * mean_rgb(next.weight)) * next.radiance",
-        }],
-    ),
-    mutation(
-        "bootstrap from the second moment",
-        &[Patch {
-            file: GUIDE,
-            text: "return radiance(radiance_index(guide.cell, bin));",
-            mutated: "return MUTATED ? target_density(radiance_index(guide.cell, bin)) : radiance(radiance_index(guide.cell, bin));",
+            text: "mean_rgb(next.weight) * next.radiance",
+            mutated: "(MUTATED ? 1.0 : mean_rgb(next.weight)) * next.radiance",
         }],
     ),
     mutation(
@@ -382,6 +362,89 @@ pub const MUTATIONS: &[Mutation] = &[
             mutated: "plan.first + (MUTATED ? 0u : copy * plan.nodes)",
         }],
     ),
+    mutation(
+        "learning takes surfaces to be 5 % brighter",
+        &[
+            Patch {
+                file: LEARNING,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: EXPECTED_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: IRRADIANCE_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: MONTE_CARLO,
+                text: "collected = vertex.light + ",
+                mutated: "collected = vertex.light + (MUTATED ? 1.05 : 1.0) * ",
+            },
+        ],
+    ),
+    mutation(
+        "learning takes surfaces to be twice as bright",
+        &[
+            Patch {
+                file: LEARNING,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: EXPECTED_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: IRRADIANCE_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: MONTE_CARLO,
+                text: "collected = vertex.light + ",
+                mutated: "collected = vertex.light + (MUTATED ? 2.0 : 1.0) * ",
+            },
+        ],
+    ),
+    mutation(
+        "weights blind to the guide",
+        &[Patch {
+            file: CONNECTION,
+            text: "float pdf = pdf_direction(x, guide, wi);",
+            mutated: "float pdf = pdf_direction(x, guide, wi);\n    \
+                  if (MUTATED) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));",
+        }],
+    ),
+    mutation(
+        "light counted whole however it is found",
+        &[Patch {
+            file: LIGHT,
+            text: "float ratio = other / own;",
+            mutated: "if (MUTATED) return 1.0;\n    float ratio = other / own;",
+        }],
+    ),
+    mutation(
+        "densities 5 % off",
+        &[Patch {
+            file: GUIDING,
+            text: "eval_scatterer(x, s.wi) / ",
+            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.05 : 1.0) / ",
+        }],
+    ),
+    mutation(
+        "densities 25 % off",
+        &[Patch {
+            file: GUIDING,
+            text: "eval_scatterer(x, s.wi) / ",
+            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.25 : 1.0) / ",
+        }],
+    ),
     // What follows must not matter.
     mutation(
         "digits flipped whatever comes before",
@@ -403,8 +466,9 @@ pub const MUTATIONS: &[Mutation] = &[
         "cells in another order",
         &[Patch {
             file: CELLS,
-            text: "return cell & ~CELL_BORROWED;",
-            mutated: "cell &= ~CELL_BORROWED;\n    return MUTATED ? scene().cell_count - 1u - cell : cell;",
+            text: "return cell_word((place.z * scene().grid_size.y + place.y) * scene().grid_size.x + place.x);",
+            mutated: "uint cell = cell_word((place.z * scene().grid_size.y + place.y) * scene().grid_size.x + place.x);\n    \
+                  return MUTATED ? scene().cell_count - 1u - cell : cell;",
         }],
     ),
     mutation(
@@ -430,7 +494,7 @@ pub const MUTATIONS: &[Mutation] = &[
             Patch {
                 file: RANDOM,
                 text: "#define RANDOM_GLSL",
-                mutated: "#define RANDOM_GLSL\n#include \"variant.glsl\"",
+                mutated: "#define RANDOM_GLSL\n#include \"shared/variant.glsl\"",
             },
             Patch {
                 file: RANDOM,

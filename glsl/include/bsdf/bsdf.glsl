@@ -1,0 +1,136 @@
+// The switch over the kinds of scattering function. Directions are unit vectors in the local frame whose z-axis is the
+// shading normal, on the side of `wo` where a surface is two-sided. Of each kind there is a triple: sample_bsdf_x draws a
+// direction, pdf_bsdf_x is its density per steradian (without what is concentrated in single directions), eval_bsdf_x is
+// f times |cos| (likewise).
+//
+// A diffuse lobe may be sampled by a guide instead: then `diffuse_density`, the density of `wi` under that lobe's sampler, is the
+// guide's; otherwise it is pdf_cosine_hemisphere(wi.z).
+#ifndef BSDF_GLSL
+#define BSDF_GLSL
+#include "bsdf/conductor.glsl"
+#include "bsdf/dielectric.glsl"
+#include "bsdf/diffuse.glsl"
+#include "bsdf/plastic.glsl"
+#include "bsdf/principled.glsl"
+#include "bsdf/rough_conductor.glsl"
+#include "bsdf/rough_dielectric.glsl"
+#include "bsdf/rough_diffuse.glsl"
+#include "bsdf/rough_plastic.glsl"
+#include "bsdf/thin_dielectric.glsl"
+#include "bsdf/coating.glsl"
+
+const uint KINDS_WITH_FACETS =
+    (1u << BSDF_ROUGH_CONDUCTOR) | (1u << BSDF_ROUGH_DIELECTRIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PRINCIPLED);
+const Facet NO_FACET = Facet(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0);
+
+bool has_facets() {
+    return (MATERIAL_KINDS & KINDS_WITH_FACETS) != 0u;
+}
+
+Microfacets bsdf_microfacets(Bsdf b) {
+    vec2 alpha = is_kind(b, BSDF_PRINCIPLED) ? principled_alpha(b) : b.scalars0.xy;
+    return microfacets(alpha, bsdf_flag(b, MATERIAL_GGX));
+}
+
+// One evaluation serves all kinds with facets: every lane runs through every kind.
+Facet bsdf_facet(Bsdf b, vec3 wo, vec3 wi) {
+    float eta = has_kind(BSDF_ROUGH_DIELECTRIC) || has_kind(BSDF_PRINCIPLED) ? b.scalars0.z : 1.0;
+    return has_facets() ? facet_between(bsdf_microfacets(b), wo, wi, eta) : NO_FACET;
+}
+
+vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
+    return has_facets() ? sample_visible_normal(bsdf_microfacets(b), wo.z < 0.0 ? -wo : wo, u) : NO_FACET.m;
+}
+
+// Share of the light that is scattered, for the albedo layer.
+vec3 bsdf_albedo(Bsdf b) {
+    return b.color0;
+}
+
+// u.xy draws the direction, u.z the lobe.
+BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
+    BsdfSample s = NO_BSDF_SAMPLE;
+    vec3 m = sample_facet(b, wo, u.xy);
+    if (is_kind(b, BSDF_DIFFUSE)) s = sample_bsdf_diffuse(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_DIFFUSE)) s = sample_bsdf_rough_diffuse(b, wo, u);
+    if (is_kind(b, BSDF_DIELECTRIC)) s = sample_bsdf_dielectric(b, wo, u);
+    if (is_kind(b, BSDF_THIN_DIELECTRIC)) s = sample_bsdf_thin_dielectric(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) s = sample_bsdf_rough_dielectric(b, wo, m, u);
+    if (is_kind(b, BSDF_CONDUCTOR)) s = sample_bsdf_conductor(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) s = sample_bsdf_rough_conductor(b, wo, m);
+    if (is_kind(b, BSDF_PLASTIC)) s = sample_bsdf_plastic(b, wo, u);
+    if (is_kind(b, BSDF_ROUGH_PLASTIC)) s = sample_bsdf_rough_plastic(b, wo, m, u);
+    if (is_kind(b, BSDF_PRINCIPLED)) s = sample_bsdf_principled(b, wo, m, u);
+    return s;
+}
+
+float pdf_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+    float pdf = 0.0;
+    Facet f = bsdf_facet(b, wo, wi);
+    if (is_kind(b, BSDF_DIFFUSE)) pdf = pdf_bsdf_diffuse(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_ROUGH_DIFFUSE)) pdf = pdf_bsdf_rough_diffuse(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_DIELECTRIC)) pdf = pdf_bsdf_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_THIN_DIELECTRIC)) pdf = pdf_bsdf_thin_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) pdf = pdf_bsdf_rough_dielectric(b, wo, wi, f);
+    if (is_kind(b, BSDF_CONDUCTOR)) pdf = pdf_bsdf_conductor(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) pdf = pdf_bsdf_rough_conductor(b, wo, wi, f);
+    if (is_kind(b, BSDF_PLASTIC)) pdf = pdf_bsdf_plastic(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_ROUGH_PLASTIC)) pdf = pdf_bsdf_rough_plastic(b, wo, wi, diffuse_density, f);
+    if (is_kind(b, BSDF_PRINCIPLED)) pdf = pdf_bsdf_principled(b, wo, wi, f);
+    return pdf;
+}
+
+vec3 eval_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi) {
+    vec3 value = vec3(0.0);
+    Facet f = bsdf_facet(b, wo, wi);
+    if (is_kind(b, BSDF_DIFFUSE)) value = eval_bsdf_diffuse(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_DIFFUSE)) value = eval_bsdf_rough_diffuse(b, wo, wi);
+    if (is_kind(b, BSDF_DIELECTRIC)) value = eval_bsdf_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_THIN_DIELECTRIC)) value = eval_bsdf_thin_dielectric(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_DIELECTRIC)) value = eval_bsdf_rough_dielectric(b, wo, wi, f);
+    if (is_kind(b, BSDF_CONDUCTOR)) value = eval_bsdf_conductor(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_CONDUCTOR)) value = eval_bsdf_rough_conductor(b, wo, wi, f);
+    if (is_kind(b, BSDF_PLASTIC)) value = eval_bsdf_plastic(b, wo, wi);
+    if (is_kind(b, BSDF_ROUGH_PLASTIC)) value = eval_bsdf_rough_plastic(b, wo, wi, f);
+    if (is_kind(b, BSDF_PRINCIPLED)) value = eval_bsdf_principled(b, wo, wi, f);
+    return value;
+}
+
+// Whether a layer lies over the surface; known to be false where the scene has none.
+bool is_coated(Bsdf b) {
+    return has_feature(FEATURE_COATING) && bsdf_flag(b, MATERIAL_COATED);
+}
+
+// A direction as the surface below a layer meets it.
+CoatedDirection enter_bsdf(Bsdf b, vec3 w) {
+    return is_coated(b) ? enter_coating(b.coating, w) : CoatedDirection(w, 0.0);
+}
+
+BsdfSample sample_bsdf(Bsdf b, vec3 wo, vec3 u) {
+    CoatedDirection entered = enter_bsdf(b, wo);
+    float probability = is_coated(b) ? coating_probability(b.coating, entered) : 0.0;
+    bool specular = u.z < probability;
+    u.z = (u.z - (specular ? 0.0 : probability)) / (specular ? probability : 1.0 - probability);
+    BsdfSample s = sample_uncoated_bsdf(b, entered.inside, u);
+    if (is_coated(b)) s = sample_coating(b.coating, wo, entered, s, probability, specular);
+    return s;
+}
+
+float pdf_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+    CoatedDirection o = enter_bsdf(b, wo);
+    CoatedDirection i = enter_bsdf(b, wi);
+    if (is_coated(b)) diffuse_density = pdf_cosine_hemisphere(i.inside.z);
+    float pdf = pdf_uncoated_bsdf(b, o.inside, i.inside, diffuse_density);
+    if (is_coated(b)) pdf *= (1.0 - coating_probability(b.coating, o)) * coating_jacobian(b.coating, wi, i);
+    return pdf;
+}
+
+vec3 eval_bsdf(Bsdf b, vec3 wo, vec3 wi) {
+    CoatedDirection o = enter_bsdf(b, wo);
+    CoatedDirection i = enter_bsdf(b, wi);
+    vec3 value = eval_uncoated_bsdf(b, o.inside, i.inside);
+    if (is_coated(b)) value *= coating_transmittance(b.coating, o, i) * coating_jacobian(b.coating, wi, i);
+    return value;
+}
+
+#endif

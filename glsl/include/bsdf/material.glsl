@@ -1,0 +1,44 @@
+// A material's record, and the scattering function that it gives at a point of a surface.
+#ifndef MATERIAL_GLSL
+#define MATERIAL_GLSL
+#include "bsdf/bsdf.glsl"
+#include "film/frame.glsl"
+#include "shared/records.glsl"
+
+// Whether any kind of material in the scene reads a parameter: what none reads is not fetched.
+bool any_kind(uint kinds) {
+    return (MATERIAL_KINDS & kinds) != 0u;
+}
+
+const uint KINDS_WITH_COLOR1 = ~((1u << BSDF_DIFFUSE) | (1u << BSDF_ROUGH_DIFFUSE) | (1u << BSDF_PRINCIPLED));
+const uint KINDS_WITH_COLOR2 = (1u << BSDF_CONDUCTOR) | (1u << BSDF_ROUGH_CONDUCTOR);
+const uint KINDS_WITH_SCALARS0 = ~((1u << BSDF_DIFFUSE) | (1u << BSDF_CONDUCTOR));
+const uint KINDS_WITH_SCALARS1 = (1u << BSDF_PLASTIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PRINCIPLED);
+const uint KINDS_WITH_SCALARS2 = 1u << BSDF_PRINCIPLED;
+
+vec4 fetch_material_floats(uint material, uint texel) {
+    return uintBitsToFloat(fetch_material(material, texel));
+}
+
+Coating coating(uint material) {
+    vec4 layer = fetch_material_floats(material, MATERIAL_COATING);
+    return Coating(layer.rgb, layer.w, fetch_material_floats(material, MATERIAL_COATING + 1u).rgb);
+}
+
+// The record's constants; textures multiply them.
+Bsdf untextured_bsdf(uint material) {
+    Bsdf b;
+    b.kind_and_flags = fetch_material(material, MATERIAL_HEAD).x;
+    b.color0 = fetch_material_floats(material, MATERIAL_COLORS).rgb;
+    b.color1 = any_kind(KINDS_WITH_COLOR1) ? fetch_material_floats(material, MATERIAL_COLORS + 1u).rgb : vec3(0.0);
+    b.color2 = any_kind(KINDS_WITH_COLOR2) ? fetch_material_floats(material, MATERIAL_COLORS + 2u).rgb : vec3(0.0);
+    bool scalars0 = any_kind(KINDS_WITH_SCALARS0) || has_feature(FEATURE_OPACITY);
+    b.scalars0 = scalars0 ? fetch_material_floats(material, MATERIAL_SCALARS) : vec4(1.0);
+    b.scalars1 = any_kind(KINDS_WITH_SCALARS1) ? fetch_material_floats(material, MATERIAL_SCALARS + 1u) : vec4(0.0);
+    b.scalars2 = any_kind(KINDS_WITH_SCALARS2) ? fetch_material_floats(material, MATERIAL_SCALARS + 2u) : vec4(0.0);
+    b.coating = NO_COATING;
+    if (has_feature(FEATURE_COATING)) b.coating = coating(material);
+    return b;
+}
+
+#endif

@@ -1,0 +1,205 @@
+// The principled BSDF (Burley 2012 and 2015) with the lobes, and their probabilities, of Mitsuba 3's `principled`.
+#ifndef BSDF_PRINCIPLED_GLSL
+#define BSDF_PRINCIPLED_GLSL
+#include "bsdf/parameters.glsl"
+#include "bsdf/rough_dielectric.glsl"
+#include "math/constants.glsl"
+#include "math/direction.glsl"
+#include "math/fresnel.glsl"
+#include "math/microfacet.glsl"
+
+// Roughness of the clear coat's masking.
+const float CLEARCOAT_MASKING_ALPHA = 0.25;
+
+float principled_metallic(Bsdf b) {
+    return b.scalars1.x;
+}
+
+// Share of the diffuse model.
+float principled_brdf(Bsdf b) {
+    return (1.0 - b.scalars1.x) * (1.0 - b.scalars1.y);
+}
+
+// Share of the model that transmits.
+float principled_bsdf(Bsdf b) {
+    return (1.0 - b.scalars1.x) * b.scalars1.y;
+}
+
+// Roughness of the facets along the tangent and across.
+vec2 principled_alpha(Bsdf b) {
+    float aspect = sqrt(1.0 - 0.9 * b.scalars0.y);
+    return max(b.scalars0.x * b.scalars0.x * vec2(1.0 / aspect, aspect), vec2(0.001));
+}
+
+// The base color without its brightness.
+vec3 principled_tint(Bsdf b) {
+    float brightness = luminance(b.color0);
+    return brightness > 0.0 ? b.color0 / brightness : vec3(1.0);
+}
+
+// ---------------------------------------------------------------------------------------------------- reflectances
+
+float schlick_weight(float c) {
+    float m = clamp(1.0 - c, 0.0, 1.0);
+    return m * m * m * m * m;
+}
+
+// Schlick's weight by the angle on the side of the lower index of refraction.
+float schlick_weight_between(float cos_o, float eta) {
+    float relative = cos_o >= 0.0 ? eta : 1.0 / eta;
+    float cos_t = sqrt(max(1.0 - (1.0 - cos_o * cos_o) / (relative * relative), 0.0));
+    return schlick_weight(relative > 1.0 ? abs(cos_o) : cos_t);
+}
+
+// Reflectance of the facets: of a dielectric, tinted or not, or of a metal; from behind that of the dielectric.
+vec3 principled_fresnel(Bsdf b, vec3 wo, float cos_o, float dielectric) {
+    float eta = b.scalars0.z;
+    float relative = cos_o >= 0.0 ? eta : 1.0 / eta;
+    float head_on = (relative - 1.0) / (relative + 1.0);
+    float weight = schlick_weight_between(cos_o, eta);
+    vec3 metal = mix(b.color0, vec3(1.0), weight);
+    vec3 tinted = mix(principled_tint(b) * (head_on * head_on), vec3(1.0), weight);
+    vec3 front = mix(mix(vec3(dielectric), tinted, b.scalars1.z), metal, principled_metallic(b));
+    return wo.z > 0.0 ? front : vec3(principled_bsdf(b) * dielectric);
+}
+
+// ------------------------------------------------------------------------------------------------------- clear coat
+
+float clearcoat_alpha(Bsdf b) {
+    return mix(0.1, 0.001, b.scalars2.w);
+}
+
+// Normals per unit of area and steradian: the distribution with tails longer than GGX (Burley 2012, gamma = 1).
+float clearcoat_density(float alpha, vec3 m) {
+    float a2 = alpha * alpha;
+    return (a2 - 1.0) * INV_PI / (log(a2) * (dot(m.xy, m.xy) + a2 * m.z * m.z));
+}
+
+// A normal with density clearcoat_density times its cosine.
+vec3 sample_clearcoat_normal(float alpha, vec2 u) {
+    vec2 d = concentric_disk(u);
+    float r2 = dot(d, d);
+    float a2 = alpha * alpha;
+    float sin2 = clamp((pow(a2, 1.0 - r2) - a2) / (1.0 - a2), 0.0, 1.0);
+    return vec3(d * sqrt(sin2 / max(r2, 1.0e-20)), sqrt(1.0 - sin2));
+}
+
+float clearcoat_masking(vec3 v) {
+    float c2 = max(v.z * v.z, 1.0e-12);
+    float a2 = CLEARCOAT_MASKING_ALPHA * CLEARCOAT_MASKING_ALPHA;
+    return 2.0 / (1.0 + sqrt(1.0 + a2 * max(1.0 / c2 - 1.0, 0.0)));
+}
+
+float eval_clearcoat(Bsdf b, vec3 wo, vec3 wi, vec3 m) {
+    float fresnel = mix(0.04, 1.0, schlick_weight_between(dot(wo, m), b.scalars0.z));
+    float masking = clearcoat_masking(wo) * clearcoat_masking(wi);
+    return 0.25 * b.scalars2.z * fresnel * clearcoat_density(clearcoat_alpha(b), m) * masking * abs(wi.z);
+}
+
+// ---------------------------------------------------------------------------------------------- diffuse and sheen
+
+// Diffuse and retro-reflected light, blended towards light scattered below the surface (Burley 2015).
+float principled_diffuse(Bsdf b, vec3 wo, vec3 wi, float cos_d) {
+    float f_o = schlick_weight(abs(wo.z));
+    float f_i = schlick_weight(abs(wi.z));
+    float retro = 2.0 * b.scalars0.x * cos_d * cos_d;
+    float surface = (1.0 - 0.5 * f_o) * (1.0 - 0.5 * f_i) + retro * (f_o + f_i + f_o * f_i * (retro - 1.0));
+    float ss = mix(1.0, 0.5 * retro, f_o) * mix(1.0, 0.5 * retro, f_i);
+    float below = 1.25 * (ss * (1.0 / max(abs(wo.z) + abs(wi.z), 1.0e-6) - 0.5) + 0.5);
+    return INV_PI * mix(surface, below, b.scalars2.y);
+}
+
+vec3 principled_sheen(Bsdf b, float cos_d) {
+    float amount = b.scalars1.w * (1.0 - principled_metallic(b)) * schlick_weight(abs(cos_d));
+    return amount * mix(vec3(1.0), principled_tint(b), b.scalars2.x);
+}
+
+// ---------------------------------------------------------------------------------------------------------- triple
+
+// Probabilities of the lobes, given the dielectric's reflectance. From behind there are only facets.
+struct PrincipledLobes {
+    float diffuse;
+    float clearcoat;
+    float transmission;
+    float reflection;
+};
+
+PrincipledLobes principled_lobes(Bsdf b, vec3 wo, float dielectric) {
+    if (wo.z < 0.0) return PrincipledLobes(0.0, 0.0, 1.0 - dielectric, dielectric);
+    float diffuse = principled_brdf(b);
+    float clearcoat = 0.25 * b.scalars2.z;
+    float transmission = principled_bsdf(b) * (1.0 - dielectric);
+    float scale = 1.0 / (1.0 + diffuse + clearcoat);
+    return PrincipledLobes(diffuse * scale, clearcoat * scale, transmission * scale, (1.0 - transmission) * scale);
+}
+
+// Without transmission nothing is seen from behind.
+bool is_principled_visible(Bsdf b, vec3 wo) {
+    return wo.z > 0.0 || (wo.z < 0.0 && principled_bsdf(b) > 0.0);
+}
+
+// Whether both directions see the facet from the side of the surface that they are on.
+bool is_facet_compatible(vec3 wo, vec3 wi, vec3 m) {
+    return dot(wo, m) * wo.z > 0.0 && dot(wi, m) * wi.z > 0.0;
+}
+
+// `m` is a visible normal.
+BsdfSample sample_bsdf_principled(Bsdf b, vec3 wo, vec3 m, vec3 u) {
+    float cos_o = dot(wo, m);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    PrincipledLobes lobes = principled_lobes(b, wo, i.reflectance);
+    float to_clearcoat = lobes.diffuse + lobes.clearcoat;
+    bool crosses = u.z >= to_clearcoat && u.z < to_clearcoat + lobes.transmission;
+    if (u.z < to_clearcoat) m = sample_clearcoat_normal(clearcoat_alpha(b), u.xy);
+    vec3 refracted = m * (cos_o / i.eta - (cos_o > 0.0 ? i.cos_t : -i.cos_t)) - wo / i.eta;
+    vec3 wi = crosses ? refracted : reflect(-wo, m);
+    bool valid = is_facet_compatible(wo, wi, m) && (wo.z * wi.z < 0.0) == crosses;
+    if (u.z < lobes.diffuse) {
+        wi = sample_cosine_hemisphere(u.xy);
+        valid = true;
+    }
+    uint lobe = valid && is_principled_visible(b, wo) ? LOBE_GLOSSY : LOBE_NONE;
+    return BsdfSample(wi, lobe, vec3(0.0), crosses ? i.eta : 1.0);
+}
+
+float pdf_bsdf_principled(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+    if (!is_principled_visible(b, wo)) return 0.0;
+    float cos_o = dot(wo, f.m);
+    float cos_i = dot(wi, f.m);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    PrincipledLobes lobes = principled_lobes(b, wo, i.reflectance);
+    float transmitted = f.density / f.area * abs(cos_o * cos_i) * (i.eta * i.eta) * transmitted_jacobian(wo, wi, f.m, i.eta);
+    if (wo.z * wi.z <= 0.0) return wo.z * wi.z < 0.0 ? lobes.transmission * transmitted : 0.0;
+    float clearcoat = clearcoat_density(clearcoat_alpha(b), f.m) * f.m.z / max(4.0 * abs(cos_i), 1.0e-20);
+    float facets = lobes.reflection * reflected_density(f) + lobes.clearcoat * clearcoat;
+    return lobes.diffuse * pdf_cosine_hemisphere(wi.z) + (is_facet_compatible(wo, wi, f.m) ? facets : 0.0);
+}
+
+// Light that stays on its side of the surface.
+vec3 eval_principled_reflection(Bsdf b, vec3 wo, vec3 wi, Facet f, float dielectric) {
+    vec3 value = vec3(0.0);
+    float cos_o = dot(wo, f.m);
+    if (is_facet_compatible(wo, wi, f.m)) {
+        // As in Mitsuba, equal indices of refraction turn metals off, too.
+        if (b.scalars0.z != 1.0) value = principled_fresnel(b, wo, cos_o, dielectric) * reflected_light(f);
+        if (wo.z > 0.0) value += eval_clearcoat(b, wo, wi, f.m);
+    }
+    if (wo.z > 0.0) {
+        float cos_d = dot(wi, f.m);
+        value += b.color0 * (principled_brdf(b) * principled_diffuse(b, wo, wi, cos_d) * wi.z);
+        value += principled_sheen(b, cos_d) * wi.z;
+    }
+    return value;
+}
+
+vec3 eval_bsdf_principled(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+    if (!is_principled_visible(b, wo)) return vec3(0.0);
+    float cos_o = dot(wo, f.m);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    float side = wo.z * wi.z;
+    if (side > 0.0) return eval_principled_reflection(b, wo, wi, f, i.reflectance);
+    float transmitted = f.density * f.masking * abs(cos_o * dot(wi, f.m)) * transmitted_jacobian(wo, wi, f.m, i.eta);
+    return side < 0.0 ? sqrt(b.color0) * (principled_bsdf(b) * (1.0 - i.reflectance) * transmitted) : vec3(0.0);
+}
+
+#endif

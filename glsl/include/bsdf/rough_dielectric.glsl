@@ -1,0 +1,49 @@
+// A surface of microfacets between two dielectrics (Walter et al. 2007).
+#ifndef BSDF_ROUGH_DIELECTRIC_GLSL
+#define BSDF_ROUGH_DIELECTRIC_GLSL
+#include "bsdf/parameters.glsl"
+#include "math/fresnel.glsl"
+#include "math/microfacet.glsl"
+
+// `m` is a visible normal.
+BsdfSample sample_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 m, vec3 u) {
+    float cos_o = dot(wo, m);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    bool reflects = u.z < i.reflectance;
+    vec3 refracted = m * (cos_o / i.eta - (cos_o > 0.0 ? i.cos_t : -i.cos_t)) - wo / i.eta;
+    vec3 wi = reflects ? reflect(-wo, m) : refracted;
+    bool crosses = wo.z * wi.z < 0.0;
+    // Rounding may turn a facet that is seen edge-on away.
+    bool valid = wo.z * wi.z != 0.0 && crosses != reflects && cos_o * wo.z > 0.0;
+    return BsdfSample(wi, valid ? LOBE_GLOSSY : LOBE_NONE, vec3(0.0), reflects ? 1.0 : i.eta);
+}
+
+// Solid angle of facets' normals per solid angle of transmitted directions is eta^2 |wi.m| times this; 0 where no facet with
+// that normal transmits from one direction to the other.
+float transmitted_jacobian(vec3 wo, vec3 wi, vec3 m, float eta) {
+    float cos_o = dot(wo, m);
+    float cos_i = dot(wi, m);
+    float sum = cos_o + eta * cos_i;
+    return cos_o * wo.z > 0.0 && cos_i * wi.z > 0.0 ? 1.0 / max(sum * sum, 1.0e-20) : 0.0;
+}
+
+float pdf_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+    float cos_o = dot(wo, f.m);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    float transmitted = f.density / f.area * abs(cos_o * dot(wi, f.m)) * (i.eta * i.eta) * transmitted_jacobian(wo, wi, f.m, i.eta);
+    float side = wo.z * wi.z;
+    if (side > 0.0) return i.reflectance * reflected_density(f);
+    return side < 0.0 ? (1.0 - i.reflectance) * transmitted : 0.0;
+}
+
+// The square of eta cancels with that by which radiance grows in the denser medium.
+vec3 eval_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+    float cos_o = dot(wo, f.m);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    float transmitted = f.density * f.masking * abs(cos_o * dot(wi, f.m)) * transmitted_jacobian(wo, wi, f.m, i.eta);
+    float side = wo.z * wi.z;
+    if (side > 0.0) return b.color0 * (i.reflectance * reflected_light(f));
+    return side < 0.0 ? b.color1 * ((1.0 - i.reflectance) * transmitted) : vec3(0.0);
+}
+
+#endif

@@ -1,0 +1,68 @@
+// Diffuse reflection by grooves of ideal diffuse facets (Oren and Nayar 1994), with the roughness of Mitsuba 0.6: `alpha` is
+// comparable to a microfacet distribution's, and sqrt(2) times the standard deviation of the facets' angles.
+#ifndef BSDF_ROUGH_DIFFUSE_GLSL
+#define BSDF_ROUGH_DIFFUSE_GLSL
+#include "bsdf/parameters.glsl"
+#include "math/direction.glsl"
+
+// The paper's angles.
+struct Grooves {
+    float variance;    // sigma^2
+    float cos_phi;     // of the difference of the azimuths
+    vec2 sine;         // of alpha, the larger angle to the normal, and of beta, the smaller
+    vec2 cosine;
+    vec2 turn;         // 2 alpha / pi, 2 beta / pi
+};
+
+Grooves grooves(float alpha, vec3 wo, vec3 wi) {
+    Grooves g;
+    g.variance = 0.5 * alpha * alpha;
+    vec2 sines = vec2(length(wo.xy), length(wi.xy));
+    g.cos_phi = clamp(dot(wo.xy, wi.xy) / max(sines.x * sines.y, 1.0e-12), -1.0, 1.0);
+    g.sine = wo.z < wi.z ? sines : sines.yx;
+    g.cosine = wo.z < wi.z ? vec2(wo.z, wi.z) : vec2(wi.z, wo.z);
+    g.turn = atan(g.sine, g.cosine) * (2.0 * INV_PI);
+    return g;
+}
+
+// The qualitative model: light that is reflected once, and its largest terms.
+float groove_reflection_fast(Grooves g) {
+    float a = 1.0 - 0.5 * g.variance / (g.variance + 0.33);
+    float b = 0.45 * g.variance / (g.variance + 0.09);
+    return a + b * max(g.cos_phi, 0.0) * g.sine.x * g.sine.y / max(g.cosine.y, 1.0e-6);
+}
+
+// Light that is reflected once.
+float groove_reflection(Grooves g) {
+    float rough = g.variance / (g.variance + 0.09);
+    float c1 = 1.0 - 0.5 * g.variance / (g.variance + 0.33);
+    float c2 = 0.45 * rough * (g.sine.x - (g.cos_phi < 0.0 ? g.turn.y * g.turn.y * g.turn.y : 0.0));
+    float product = g.turn.x * g.turn.y;
+    float c3 = 0.125 * rough * product * product;
+    float tan_beta = g.sine.y / max(g.cosine.y, 1.0e-6);
+    float tan_half_sum = (g.sine.x + g.sine.y) / max(g.cosine.x + g.cosine.y, 1.0e-6);
+    return c1 + g.cos_phi * c2 * tan_beta + (1.0 - abs(g.cos_phi)) * c3 * tan_half_sum;
+}
+
+// Light that goes from one side of a groove to the other first.
+float groove_interreflection(Grooves g) {
+    return 0.17 * g.variance / (g.variance + 0.13) * (1.0 - g.cos_phi * g.turn.y * g.turn.y);
+}
+
+BsdfSample sample_bsdf_rough_diffuse(Bsdf b, vec3 wo, vec3 u) {
+    return BsdfSample(sample_cosine_hemisphere(u.xy), wo.z > 0.0 ? LOBE_DIFFUSE : LOBE_NONE, vec3(0.0), 1.0);
+}
+
+float pdf_bsdf_rough_diffuse(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+    return wo.z > 0.0 ? diffuse_density : 0.0;
+}
+
+vec3 eval_bsdf_rough_diffuse(Bsdf b, vec3 wo, vec3 wi) {
+    if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
+    Grooves g = grooves(b.scalars0.x, wo, wi);
+    vec3 reflected = b.color0 * (groove_reflection(g) + b.color0 * groove_interreflection(g));
+    if (bsdf_flag(b, MATERIAL_FAST_APPROXIMATION)) reflected = b.color0 * groove_reflection_fast(g);
+    return reflected * (INV_PI * wi.z);
+}
+
+#endif

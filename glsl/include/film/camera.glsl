@@ -1,0 +1,59 @@
+// Cameras and the reconstruction filter's importance sampling (Ernst et al. 2006).
+#ifndef CAMERA_GLSL
+#define CAMERA_GLSL
+#include "math/direction.glsl"
+#include "film/frame.glsl"
+#include "geometry/intersect.glsl"
+
+// Inverse of the cumulative tent on [-1, 1].
+float sample_tent(float u) {
+    return u < 0.5 ? sqrt(2.0 * u) - 1.0 : 1.0 - sqrt(2.0 - 2.0 * u);
+}
+
+// A Gaussian of unit deviation, cut off at a distance of four.
+vec2 sample_gaussian(vec2 u) {
+    const float inside = 1.0 - exp(-8.0);
+    float radius = sqrt(-2.0 * log(1.0 - inside * u.x));
+    return radius * sin_cos_turn(u.y).yx;
+}
+
+// Where in a pixel's surroundings a sample falls, relative to the pixel's corner.
+vec2 sample_filter(vec2 u) {
+    if (FILTER == FILTER_TENT) return 0.5 + FILTER_WIDTH * vec2(sample_tent(u.x), sample_tent(u.y));
+    if (FILTER == FILTER_GAUSSIAN) return 0.5 + FILTER_WIDTH * sample_gaussian(u);
+    return u;
+}
+
+vec3 camera_position() {
+    vec4 rows[3] = scene().world_from_camera;
+    return vec3(rows[0].w, rows[1].w, rows[2].w);
+}
+
+vec3 world_from_camera(vec3 direction) {
+    vec4 rows[3] = scene().world_from_camera;
+    return vec3(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
+}
+
+// The ray through `position`, in film pixels from the top left; `u` chooses a point of the lens. Camera space has x to
+// the left of the picture.
+Ray camera_ray(vec2 position, vec2 u) {
+    vec2 screen = (1.0 - 2.0 * (position / scene().film_size + scene().principal_point)) * scene().raster_scale;
+    float near = scene().near_clip;
+    float range = scene().far_clip - near;
+    if (CAMERA == CAMERA_ORTHOGRAPHIC) {
+        vec3 direction = normalize(world_from_camera(vec3(0.0, 0.0, 1.0)));
+        return Ray(camera_position() + world_from_camera(vec3(screen, near)), direction, range);
+    }
+    vec3 local = vec3(screen, 1.0);
+    vec3 lens = vec3(0.0);
+    if (CAMERA == CAMERA_THINLENS) {
+        lens.xy = scene().aperture_radius * concentric_disk(u);
+        local.xy -= lens.xy / scene().focus_distance;
+    }
+    float per_depth = length(local);
+    vec3 direction = normalize(world_from_camera(local / per_depth));
+    vec3 origin = camera_position() + world_from_camera(lens);
+    return Ray(origin + near * per_depth * direction, direction, range * per_depth);
+}
+
+#endif

@@ -1,0 +1,182 @@
+// Set 0, Frame: the film, the camera, materials, emitters and counters. The only file that indexes them.
+#ifndef FRAME_GLSL
+#define FRAME_GLSL
+#include "math/constants.glsl"
+#include "shared/records.glsl"
+#include "shared/sets.glsl"
+#include "shared/variant.glsl"
+
+// Running mean and sum of squared deviations of a pixel's samples (Welford 1962), per channel.
+struct FilmRadiance {
+    vec3 mean;
+    uint sample_count;
+    vec3 squared_deviation;
+    uint hit_count;  // samples whose camera ray hit something
+};
+
+// Means over a pixel's samples of what the camera ray hits first; depth over those that hit.
+struct FilmFeatures {
+    vec3 albedo;
+    float depth;
+    vec3 normal;
+    float reserved;
+};
+
+// What does not change during a render.
+struct SceneConstants {
+    vec4 world_from_camera[3];  // rows of the affine matrix
+    vec2 film_size;             // whole film in pixels
+    vec2 raster_scale;          // tangents of the half fields of view; orthographic: half the view's sides, camera units
+    vec2 principal_point;       // in picture widths and heights
+    float near_clip;
+    float far_clip;
+    vec3 bounds_min;
+    float aperture_radius;      // of a thin lens
+    vec3 cells_per_unit;        // grid size / extent
+    float target_limit;         // learning targets saturate here, W/(m^2 sr)
+    vec3 environment;           // radiance of a constant environment, factor of a map's texels
+    uint seed;
+    uvec2 window_offset;        // of the rendered window within the film
+    uvec2 window_size;
+    uint light_count;           // entries of the table that lights are chosen from
+    uint first_light;           // where it begins among the emitters' texels
+    vec4 environment_from_world[3];  // rows; the fourth column is unused
+    uvec2 environment_size;     // texels of the map
+    uvec2 environment_blocks;   // columns and rows of the table that its directions are drawn from
+    uint first_environment_texel;    // where the map begins among the emitters' texels
+    uint first_environment_block;    // likewise the table
+    uint environment_light;     // entry of the environment among the lights, or NONE
+    float focus_distance;       // of a thin lens: depth at which it is sharp
+    uvec3 grid_size;            // places of the grid along each axis
+    uint cell_count;            // cells that hold surfaces
+    uint all_cell_count;        // these and the larger ones that they are part of
+};
+
+layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
+layout(scalar, set = FRAME_SET, binding = 1) restrict buffer FilmFeaturesPage { FilmFeatures film_features[]; };
+layout(scalar, set = FRAME_SET, binding = 2) uniform Scene { SceneConstants scene_constants; };
+#ifdef TEXEL_READS
+layout(set = FRAME_SET, binding = 3) uniform usamplerBuffer materials;
+layout(set = FRAME_SET, binding = 4) uniform usamplerBuffer emitters;
+layout(set = FRAME_SET, binding = 6) uniform usamplerBuffer texel_words;
+layout(set = FRAME_SET, binding = 7) uniform usamplerBuffer textures;
+layout(set = FRAME_SET, binding = 8) uniform usamplerBuffer texel_words1;
+layout(set = FRAME_SET, binding = 9) uniform usamplerBuffer texel_words2;
+layout(set = FRAME_SET, binding = 10) uniform usamplerBuffer texel_words3;
+#else
+layout(scalar, set = FRAME_SET, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
+layout(scalar, set = FRAME_SET, binding = 4) restrict readonly buffer Emitters { uvec4 emitters[]; };
+layout(scalar, set = FRAME_SET, binding = 6) restrict readonly buffer TexelWords { uint texel_words[]; };
+layout(scalar, set = FRAME_SET, binding = 7) restrict readonly buffer Textures { uvec4 textures[]; };
+layout(scalar, set = FRAME_SET, binding = 8) restrict readonly buffer TexelWords1 { uint texel_words1[]; };
+layout(scalar, set = FRAME_SET, binding = 9) restrict readonly buffer TexelWords2 { uint texel_words2[]; };
+layout(scalar, set = FRAME_SET, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
+#endif
+layout(scalar, set = FRAME_SET, binding = 5) restrict buffer Counters { uint counters[]; };
+// What adaptive sampling keeps of a film page (halves.glsl), or the paths of a wave (wavefront.glsl): one binding, for devices
+// have few. Nearly empty without either.
+layout(scalar, set = FRAME_SET, binding = 11) restrict buffer Scratch { uvec4 scratch[]; };
+
+SceneConstants scene() {
+    return scene_constants;
+}
+
+#ifdef TEXEL_READS
+uvec4 fetch_material(uint material, uint texel) {
+    return texelFetch(materials, int(material * MATERIAL_TEXELS + texel));
+}
+
+// Emitters, then lights, then what belongs to the environment.
+uvec4 fetch_emitter_texel(uint texel) {
+    return texelFetch(emitters, int(texel));
+}
+
+uvec4 fetch_texture(uint index, uint texel) {
+    return texelFetch(textures, int(index * TEXTURE_TEXELS + texel));
+}
+
+uint paged_texel_word(uint page, uint index) {
+    switch (page) {
+        case 0u: return texelFetch(texel_words, int(index)).x;
+        case 1u: return texelFetch(texel_words1, int(index)).x;
+        case 2u: return texelFetch(texel_words2, int(index)).x;
+        default: return texelFetch(texel_words3, int(index)).x;
+    }
+}
+#else
+uvec4 fetch_material(uint material, uint texel) {
+    return materials[material * MATERIAL_TEXELS + texel];
+}
+
+uvec4 fetch_emitter_texel(uint texel) {
+    return emitters[texel];
+}
+
+uvec4 fetch_texture(uint index, uint texel) {
+    return textures[index * TEXTURE_TEXELS + texel];
+}
+
+uint paged_texel_word(uint page, uint index) {
+    switch (page) {
+        case 0u: return texel_words[index];
+        case 1u: return texel_words1[index];
+        case 2u: return texel_words2[index];
+        default: return texel_words3[index];
+    }
+}
+#endif
+
+// A word of an image or of the materials' tables.
+uint texel_word(uint address) {
+    uint page = TEXEL_PAGES != 1u ? address >> TEXEL_PAGE_SHIFT : 0u;
+    return paged_texel_word(page, address & ((1u << TEXEL_PAGE_SHIFT) - 1u));
+}
+
+void count(uint counter, uint amount) {
+    if (amount != 0u) atomicAdd(counters[counter], amount);
+}
+
+// Adds to a counter that all invocations share. Returns what it held.
+uint reserve(uint counter, uint amount) {
+    return atomicAdd(counters[counter], amount);
+}
+
+// What a counter holds that no invocation of this dispatch adds to.
+uint counted(uint counter) {
+    return counters[counter];
+}
+
+uint scratch_count() {
+    return uint(scratch.length());
+}
+
+uvec4 load_scratch(uint index) {
+    return scratch[index];
+}
+
+void store_scratch(uint index, uvec4 value) {
+    scratch[index] = value;
+}
+
+uint load_scratch_word(uint index) {
+    return scratch[index / 4u][index % 4u];
+}
+
+void store_scratch_word(uint index, uint value) {
+    scratch[index / 4u][index % 4u] = value;
+}
+
+FilmRadiance load_film_radiance(uint index) {
+    return film_radiance[index];
+}
+
+FilmFeatures load_film_features(uint index) {
+    return film_features[index];
+}
+
+void store_film(uint index, FilmRadiance radiance, FilmFeatures features) {
+    film_radiance[index] = radiance;
+    film_features[index] = features;
+}
+
+#endif

@@ -1,0 +1,133 @@
+// What an invocation gathers before it touches memory: the samples of its pixel and the numbers for the statistics.
+#ifndef TALLY_GLSL
+#define TALLY_GLSL
+#include "film/frame.glsl"
+#include "film/halves.glsl"
+#include "film/slice.glsl"
+
+struct Tally {
+    uint rays;
+    uint scattered_rays;
+    uint shadow_rays;      // towards sampled lights
+    uint light_hits;       // scattered rays that met light
+    uint guided_samples;
+    uint tries;
+    uint invalid_samples;  // guided directions below the surface
+    uint nonfinite;        // samples and learning targets dropped because they were NaN or infinite
+    bool overrun;          // a loop was ended before its own end condition held
+};
+
+Tally no_tally() {
+    return Tally(0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, false);
+}
+
+void count_ray(inout Tally tally, uint depth) {
+    ++tally.rays;
+    if (depth > 1u) ++tally.scattered_rays;
+}
+
+void count_light_hit(inout Tally tally, uint depth, vec3 emission) {
+    if (depth > 1u && max_component(emission) > 0.0) ++tally.light_hits;
+}
+
+void count_sample(inout Tally tally, uint tries, bool invalid, bool overrun) {
+    if (tries > 0u) {
+        ++tally.guided_samples;
+        tally.tries += tries;
+        if (invalid) ++tally.invalid_samples;
+    }
+    tally.overrun = tally.overrun || overrun;
+}
+
+shared uint tally_lanes[COUNTER_COUNT * WORKGROUP_SIZE];
+
+// Adds the workgroup's tallies to the counters: a few lanes sum up all lanes' numbers, one counter each. Overruns go first and
+// alone: where a loop was cut short, the loops below may be too.
+void publish_tally(Tally tally) {
+    count(COUNTER_OVERRUNS, tally.overrun ? 1u : 0u);
+    uint numbers[COUNTER_COUNT];
+    numbers[COUNTER_RAYS] = tally.rays;
+    numbers[COUNTER_SCATTERED_RAYS] = tally.scattered_rays;
+    numbers[COUNTER_LIGHT_HITS] = tally.light_hits;
+    numbers[COUNTER_GUIDED_SAMPLES] = tally.guided_samples;
+    numbers[COUNTER_TRIES] = tally.tries;
+    numbers[COUNTER_INVALID_SAMPLES] = tally.invalid_samples;
+    numbers[COUNTER_NONFINITE] = tally.nonfinite;
+    numbers[COUNTER_OVERRUNS] = 0u;
+    numbers[COUNTER_SHADOW_RAYS] = tally.shadow_rays;
+    for (uint counter = 0u; counter < COUNTER_COUNT; ++counter) {
+        tally_lanes[counter * WORKGROUP_SIZE + gl_LocalInvocationIndex] = numbers[counter];
+    }
+    barrier();
+    for (uint counter = gl_LocalInvocationIndex; counter < COUNTER_COUNT; counter += WORKGROUP_SIZE) {
+        uint sum = 0u;
+        for (uint lane = 0u; lane < WORKGROUP_SIZE; ++lane) sum += tally_lanes[counter * WORKGROUP_SIZE + lane];
+        count(counter, sum);
+    }
+}
+
+// A pixel's samples of one dispatch: running moments of radiance, sums of what camera rays hit.
+struct PixelSamples {
+    FilmRadiance radiance;
+    FilmFeatures sums;
+    FilmHalf half_of_them;
+};
+
+PixelSamples no_samples() {
+    return PixelSamples(FilmRadiance(vec3(0.0), 0u, vec3(0.0), 0u), FilmFeatures(vec3(0.0), 0.0, vec3(0.0), 0.0),
+                        NO_HALF);
+}
+
+// Welford 1962: the radiance of one sample more.
+void add_sample(inout PixelSamples s, uint sample_index, vec3 radiance, inout Tally tally) {
+    if (!is_finite(radiance)) {
+        radiance = vec3(0.0);
+        ++tally.nonfinite;
+    }
+    ++s.radiance.sample_count;
+    vec3 delta = radiance - s.radiance.mean;
+    s.radiance.mean += delta / float(s.radiance.sample_count);
+    s.radiance.squared_deviation += delta * (radiance - s.radiance.mean);
+    if (ADAPTIVE && is_of_half(sample_index)) {
+        ++s.half_of_them.sample_count;
+        s.half_of_them.mean += (radiance - s.half_of_them.mean) / float(s.half_of_them.sample_count);
+    }
+}
+
+void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) {
+    ++s.radiance.hit_count;
+    s.sums.albedo += albedo;
+    s.sums.normal += normal;
+    s.sums.depth += depth;
+}
+
+// Chan, Golub and LeVeque 1979: two sets of moments into one. Squared deviations are weighed by squares of weights: their
+// expectation is the sum over all samples but the first of weight^2 variance, of which src/film/weights.rs makes that of the mean.
+FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
+    float count = float(b.sample_count);
+    float weight = w.of_sample * count;
+    float share = weight / max(float(a.sample_count) - w.lost_weight + weight, 1.0e-30);
+    float effective = float(a.sample_count) - w.lost_samples;
+    float spread = effective * (count / max(effective + count, 1.0));
+    vec3 delta = b.mean - a.mean;
+    vec3 squared = b.squared_deviation + delta * delta * spread;
+    squared = a.squared_deviation + w.of_sample * w.of_sample * squared;
+    return FilmRadiance(a.mean + delta * share, a.sample_count + b.sample_count, squared, a.hit_count + b.hit_count);
+}
+
+void merge_into_film(uint index, PixelSamples s, SampleWeights weights) {
+    FilmRadiance before = load_film_radiance(index);
+    FilmRadiance after = merge_radiance(before, s.radiance, weights);
+    FilmFeatures features = load_film_features(index);
+    float old_share = float(before.sample_count) / float(max(after.sample_count, 1u));
+    float old_hits = float(before.hit_count) / float(max(after.hit_count, 1u));
+    float per_sample = 1.0 / float(max(after.sample_count, 1u));
+    float per_hit = 1.0 / float(max(after.hit_count, 1u));
+    features.albedo = features.albedo * old_share + s.sums.albedo * per_sample;
+    features.normal = features.normal * old_share + s.sums.normal * per_sample;
+    features.depth = features.depth * old_hits + s.sums.depth * per_hit;
+    store_film(index, after, features);
+    if (ADAPTIVE) store_half(index, merge_halves(load_half(index), s.half_of_them));
+}
+
+#endif

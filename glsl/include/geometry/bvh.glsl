@@ -1,0 +1,43 @@
+// Set 1, Bvh: nodes and primitives. The only file that indexes them, with two back ends of the same meaning: texel buffers
+// (faster where loads are emulated one component at a time) and storage buffers (where texel buffers are too small).
+#ifndef BVH_GLSL
+#define BVH_GLSL
+#include "shared/records.glsl"
+#include "shared/sets.glsl"
+
+#ifdef TEXEL_READS
+layout(set = BVH_SET, binding = 0) uniform usamplerBuffer bvh_nodes;
+layout(set = BVH_SET, binding = 1) uniform usamplerBuffer bvh_primitives;
+layout(set = BVH_SET, binding = 2) uniform usamplerBuffer bvh_attributes;
+
+uvec4 fetch_node(uint node, uint texel) {
+    return texelFetch(bvh_nodes, int(node * NODE_TEXELS + texel));
+}
+
+// Fetched as integers, for a texture unit may flush the flags, small as floats, to zero.
+vec4 fetch_primitive(uint primitive, uint texel) {
+    return uintBitsToFloat(texelFetch(bvh_primitives, int(primitive * PRIMITIVE_TEXELS + texel)));
+}
+
+uvec4 fetch_attributes(uint primitive, uint texel) {
+    return texelFetch(bvh_attributes, int(primitive * ATTRIBUTE_TEXELS + texel));
+}
+#else
+layout(scalar, set = BVH_SET, binding = 0) restrict readonly buffer BvhNodes { uvec4 bvh_nodes[]; };
+layout(scalar, set = BVH_SET, binding = 1) restrict readonly buffer BvhPrimitives { vec4 bvh_primitives[]; };
+layout(scalar, set = BVH_SET, binding = 2) restrict readonly buffer BvhAttributes { uvec4 bvh_attributes[]; };
+
+uvec4 fetch_node(uint node, uint texel) {
+    return bvh_nodes[node * NODE_TEXELS + texel];
+}
+
+vec4 fetch_primitive(uint primitive, uint texel) {
+    return bvh_primitives[primitive * PRIMITIVE_TEXELS + texel];
+}
+
+uvec4 fetch_attributes(uint primitive, uint texel) {
+    return bvh_attributes[primitive * ATTRIBUTE_TEXELS + texel];
+}
+#endif
+
+#endif

@@ -1,0 +1,46 @@
+// Bump and normal maps: frames that are tilted against the surface's, as Mitsuba 3 tilts them. All vectors are in the
+// surface's local frame unless they are said to be in the tilted one.
+#ifndef RELIEF_GLSL
+#define RELIEF_GLSL
+#include "math/constants.glsl"
+
+// The normal of a surface that is raised by a height with the given gradient in u and v (Blinn 1978), not normalized; on
+// the side of the geometric normal.
+vec3 bump_normal(vec3 dp_du, vec3 dp_dv, vec2 gradient, vec3 geometric_normal) {
+    vec3 n = cross(vec3(dp_du.xy, gradient.x), vec3(dp_dv.xy, gradient.y));
+    return dot(n, geometric_normal) < 0.0 ? -n : n;
+}
+
+// The normal that a color of a normal map stands for, not normalized.
+vec3 mapped_normal(vec3 color) {
+    return 2.0 * color - 1.0;
+}
+
+// The tilted frame whose z-axis is the normal `n`. A normal that `wo` is behind is turned about the surface's (Schuessler et
+// al. 2017). The x-axis remains as near the surface's as it can.
+mat3 relief_frame(vec3 n, vec3 wo) {
+    if (wo.z * dot(wo, n) <= 0.0) n.xy = -n.xy;
+    float squared = dot(n, n);
+    n = squared > 0.0 ? n * inversesqrt(squared) : vec3(0.0, 0.0, 1.0);
+    vec3 tangent = vec3(1.0, 0.0, 0.0) - n * n.x;
+    squared = dot(tangent, tangent);
+    tangent = squared > 0.0 ? tangent * inversesqrt(squared) : vec3(0.0, 1.0, 0.0);
+    return mat3(tangent, cross(n, tangent), n);
+}
+
+// The surface's normal in the tilted frame.
+vec3 upright_in(mat3 frame) {
+    return vec3(frame[0].z, frame[1].z, frame[2].z);
+}
+
+// Factor of the light from `wi`: none from what is above the surface in one of the frames only, and less at grazing angles,
+// so that shadows of tilted facets end softly (Conty Estevez et al. 2019). `wi` and `upright` are in the tilted frame.
+float relief_shadowing(vec3 upright, vec3 wi) {
+    float cos_wi = dot(upright, wi);
+    float tan2_tilt = 1.0 / max(upright.z * upright.z, 1.0e-20) - 1.0;
+    float tan2_wi = 1.0 / max(cos_wi * cos_wi, 1.0e-20) - 1.0;
+    float alpha2 = clamp(0.125 * tan2_tilt, 0.0, 1.0);
+    return cos_wi * wi.z > 0.0 ? 2.0 / (1.0 + sqrt(1.0 + alpha2 * max(tan2_wi, 0.0))) : 0.0;
+}
+
+#endif

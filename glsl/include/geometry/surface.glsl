@@ -1,0 +1,170 @@
+// What a ray found: position, normals, texture coordinates, material and emitter of a hit.
+#ifndef SURFACE_GLSL
+#define SURFACE_GLSL
+#include "geometry/bvh.glsl"
+#include "math/direction.glsl"
+#include "geometry/intersect.glsl"
+#include "math/octahedral.glsl"
+
+// A hit's distance from what it must not fall behind: some 100 roundings of its coordinates and of its primitive's.
+const float RAY_EPSILON = 1.0 / 131072.0;
+
+struct Surface {
+    vec3 position;
+    float epsilon;        // how far a ray's origin leaves the surface, scene units
+    vec3 geometric_normal;
+    vec3 shading_normal;  // in the geometric one's half space or, interpolated, beyond it
+    uint material;
+    uint emitter;         // NONE where it does not emit
+    vec2 uv;              // texture coordinates; zero where the scene has no use for them
+    vec3 dp_du;           // change of the position with them, scene units; zero without FEATURE_TANGENTS
+    vec3 dp_dv;
+};
+
+// Whether anything in the scene reads texture coordinates.
+bool has_texture_coordinates() {
+    return has_feature(FEATURE_TEXTURES | FEATURE_TEXTURED_EMITTERS | FEATURE_TANGENTS);
+}
+
+// A hit is drawn this far (in scene units) inside its primitive's edges, so that no rounding puts it beyond a wall that
+// meets the primitive there.
+vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float epsilon) {
+    if (shape == SHAPE_TRIANGLE) {
+        // Barycentric coordinates at that distance from each edge; scaled down where the triangle is too slender for it.
+        vec3 edge_lengths = vec3(length(edge_v), length(edge_u), length(edge_u - edge_v));
+        vec3 margin = edge_lengths * (epsilon / max(length(cross(edge_u, edge_v)), 1.0e-30));
+        float room = 1.0 - (margin.x + margin.y + margin.z);
+        if (room < 0.25) {
+            margin = edge_lengths * (0.75 / max(edge_lengths.x + edge_lengths.y + edge_lengths.z, 1.0e-30));
+            room = 0.25;
+        }
+        vec2 beyond = max(uv - margin.xy, vec2(0.0));
+        return margin.xy + beyond * min(1.0, room / max(beyond.x + beyond.y, 1.0e-30));
+    }
+    vec2 margin = min(epsilon * inversesqrt(vec2(dot(edge_u, edge_u), dot(edge_v, edge_v))), vec2(0.25));
+    if (shape == SHAPE_PARALLELOGRAM) return clamp(uv, margin - 1.0, 1.0 - margin);
+    return uv * min(1.0, (1.0 - max(margin.x, margin.y)) * inversesqrt(dot(uv, uv)));
+}
+
+// Texture coordinates interpolated between a triangle's vertices. Where they are degenerate the tangents are any.
+void parametrize_triangle(inout Surface s, vec2 barycentric, vec3 edge_u, vec3 edge_v, vec4 uv0_uv1, vec2 uv2) {
+    vec2 du = uv0_uv1.zw - uv0_uv1.xy;
+    vec2 dv = uv2 - uv0_uv1.xy;
+    s.uv = uv0_uv1.xy + barycentric.x * du + barycentric.y * dv;
+    if (!has_feature(FEATURE_TANGENTS)) return;
+    float determinant = du.x * dv.y - du.y * dv.x;
+    mat3 any = basis_from_normal(normalize(cross(edge_u, edge_v)));
+    s.dp_du = determinant != 0.0 ? (dv.y * edge_u - du.y * edge_v) / determinant : any[0];
+    s.dp_dv = determinant != 0.0 ? (du.x * edge_v - dv.x * edge_u) / determinant : any[1];
+}
+
+// The unit square.
+void parametrize_parallelogram(inout Surface s, vec2 at, vec3 edge_u, vec3 edge_v) {
+    s.uv = 0.5 * at + 0.5;
+    s.dp_du = 2.0 * edge_u;
+    s.dp_dv = 2.0 * edge_v;
+}
+
+// Angle of a vector in turns, in [0, 1).
+float turns(vec2 v) {
+    float angle = v == vec2(0.0) ? 0.0 : atan(v.y, v.x) * INV_TWO_PI;
+    return angle < 0.0 ? angle + 1.0 : angle;
+}
+
+// Polar coordinates: the radius and the angle in turns.
+void parametrize_disk(inout Surface s, vec2 at, vec3 edge_u, vec3 edge_v) {
+    float radius = length(at);
+    vec2 outward = radius > 0.0 ? at / radius : vec2(1.0, 0.0);
+    s.uv = vec2(radius, turns(at));
+    s.dp_du = outward.x * edge_u + outward.y * edge_v;
+    s.dp_dv = (2.0 * PI) * (at.x * edge_v - at.y * edge_u);
+}
+
+// Azimuth in turns, and angle from the z-axis in half turns. `outward` is the unit vector from the center; the y-axis is on
+// the side that `handedness` says, for a mirrored sphere shows its texture mirrored.
+void parametrize_sphere(inout Surface s, vec3 outward, vec3 edge_u, vec3 edge_v, float handedness) {
+    float radius = length(edge_u);
+    mat3 axes = mat3(edge_u, cross(edge_v, edge_u) * (handedness / radius), edge_v);
+    vec3 at = (outward * axes) / radius;
+    float across = length(at.xy);
+    vec2 azimuth = across > 0.0 ? at.xy / across : vec2(1.0, 0.0);
+    s.uv = vec2(turns(at.xy), atan(across, at.z) * INV_PI);
+    s.dp_du = (2.0 * PI) * (axes * vec3(-at.y, at.x, 0.0));
+    s.dp_dv = PI * (axes * vec3(at.z * azimuth, -across));
+}
+
+// World from the local frame whose z-axis is the shading normal; its x-axis runs along dp_du where that matters.
+mat3 shading_frame(Surface s) {
+    mat3 frame = basis_from_normal(s.shading_normal);
+    if (!has_feature(FEATURE_TANGENTS)) return frame;
+    vec3 tangent = s.dp_du - s.shading_normal * dot(s.shading_normal, s.dp_du);
+    float squared = dot(tangent, tangent);
+    if (squared > 1.0e-12 * dot(s.dp_du, s.dp_du)) {
+        frame[0] = tangent * inversesqrt(squared);
+        frame[1] = cross(s.shading_normal, frame[0]);
+    }
+    return frame;
+}
+
+Surface surface_at(Ray ray, Hit hit) {
+    vec4 texel0 = fetch_primitive(hit.primitive, 0u);
+    vec4 texel1 = fetch_primitive(hit.primitive, 1u);
+    vec3 edge_u = texel1.xyz;
+    vec3 edge_v = fetch_primitive(hit.primitive, 2u).xyz;
+    uvec4 normals_and_material = fetch_attributes(hit.primitive, 0u);
+    uint flags = floatBitsToUint(texel0.w);
+    uint shape = flags & PRIMITIVE_SHAPE_MASK;
+
+    Surface s;
+    s.uv = vec2(0.0);
+    s.dp_du = vec3(0.0);
+    s.dp_dv = vec3(0.0);
+    uvec4 uv2_and_emitter = fetch_attributes(hit.primitive, 2u);
+    vec4 uv0_uv1 = has_texture_coordinates() ? uintBitsToFloat(fetch_attributes(hit.primitive, 1u)) : vec4(0.0);
+    s.position = ray.origin + hit.t * ray.direction;
+    float margin = RAY_EPSILON * max(max_abs(s.position), texel1.w);
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) {
+        s.geometric_normal = normalize(s.position - texel0.xyz);
+        s.position = texel0.xyz + length(edge_u) * s.geometric_normal;
+        if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, edge_u, edge_v, uv0_uv1.x);
+    } else {
+        vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, margin);
+        s.geometric_normal = normalize(cross(edge_u, edge_v));
+        s.position = texel0.xyz + uv.x * edge_u + uv.y * edge_v;
+        if (has_texture_coordinates()) {
+            if (shape == SHAPE_TRIANGLE) {
+                parametrize_triangle(s, hit.uv, edge_u, edge_v, uv0_uv1, uintBitsToFloat(uv2_and_emitter.xy));
+            }
+            if (shape == SHAPE_PARALLELOGRAM) parametrize_parallelogram(s, hit.uv, edge_u, edge_v);
+            if (shape == SHAPE_DISK) parametrize_disk(s, hit.uv, edge_u, edge_v);
+        }
+    }
+    s.epsilon = RAY_EPSILON * max(max_abs(s.position), texel1.w);
+    if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) s.geometric_normal = -s.geometric_normal;
+    s.shading_normal = s.geometric_normal;
+    if (HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u) {
+        vec3 n = (1.0 - hit.uv.x - hit.uv.y) * octahedral_decode(normals_and_material.x) +
+                 hit.uv.x * octahedral_decode(normals_and_material.y) + hit.uv.y * octahedral_decode(normals_and_material.z);
+        float squared = dot(n, n);
+        if (squared > 1.0e-12) s.shading_normal = n * inversesqrt(squared);
+    }
+    s.material = normals_and_material.w;
+    s.emitter = uv2_and_emitter.z;
+    return s;
+}
+
+// A ray that leaves the surface in direction `wi`, from a point moved off it to the side that `wi` goes to.
+Ray leave_surface(Surface s, vec3 wi) {
+    vec3 off = dot(wi, s.geometric_normal) >= 0.0 ? s.geometric_normal : -s.geometric_normal;
+    return Ray(s.position + s.epsilon * off, wi, MAX_DISTANCE);
+}
+
+// A ray that goes straight on through a hole of a surface. It starts as far behind as Mitsuba 3 has it start (its RayEpsilon,
+// and one unit more than the largest coordinate): a sheet that is modeled by two layers a hair's breadth apart, as blinds and
+// leaves often are, is passed at once, as it is there.
+Ray pass_surface(Surface s, vec3 wi) {
+    s.epsilon = max(s.epsilon, 8.94e-5 * (1.0 + max_abs(s.position)));
+    return leave_surface(s, wi);
+}
+
+#endif

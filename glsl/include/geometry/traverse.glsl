@@ -1,0 +1,161 @@
+// Traversal of the compressed wide BVH (Ylitie, Karras and Laine 2017): nearest hit and any hit.
+#ifndef TRAVERSE_GLSL
+#define TRAVERSE_GLSL
+#include "geometry/bvh.glsl"
+#include "geometry/intersect.glsl"
+
+// A ray as the nodes see it.
+struct NodeRay {
+    vec3 origin;
+    vec3 inverse_direction;
+    bvec3 negative;
+    uint octant_inverse4;  // 7 - octant, in every byte: turns a child's slot into its place in front-to-back order
+};
+
+// No component of a direction is closer to zero than this where it is inverted, so no 0 * infinity arises.
+const float MIN_DIRECTION = 1.0e-20;
+// Rounding of the slab test, relative to its two terms: boxes grow by it, so that none is missed.
+const float BOX_SLACK = 2.4e-7;
+
+NodeRay node_ray(Ray ray) {
+    NodeRay r;
+    r.origin = ray.origin;
+    r.negative = lessThan(ray.direction, vec3(0.0));
+    vec3 safe = max(abs(ray.direction), vec3(MIN_DIRECTION));
+    r.inverse_direction = mix(1.0 / safe, -1.0 / safe, r.negative);
+    uint octant = (r.negative.x ? 0u : 4u) | (r.negative.y ? 0u : 2u) | (r.negative.z ? 0u : 1u);
+    r.octant_inverse4 = octant * 0x01010101u;
+    return r;
+}
+
+// Comparing the bits of floats as integers is exact where both are >= 0 and a negative one counts as smaller than any.
+float max_as_int(float a, float b) {
+    return intBitsToFloat(max(floatBitsToInt(a), floatBitsToInt(b)));
+}
+
+float min_as_int(float a, float b) {
+    return intBitsToFloat(min(floatBitsToInt(a), floatBitsToInt(b)));
+}
+
+float byte_to_float(uint word, int shift) {
+    return float(int((word >> shift) & 0xffu));
+}
+
+// The hit mask's bits of one child, or 0.
+uint child_bits(int shift, uint near_x, uint near_y, uint near_z, uint far_x, uint far_y, uint far_z, vec3 scale,
+                vec3 near_offset, vec3 far_offset, float t_max, uint bits4, uint index4) {
+    float entry = max_as_int(max_as_int(byte_to_float(near_x, shift) * scale.x + near_offset.x,
+                                        byte_to_float(near_y, shift) * scale.y + near_offset.y),
+                             max_as_int(byte_to_float(near_z, shift) * scale.z + near_offset.z, 0.0));
+    // A negative exit counts as smaller than any entry, whichever of several negatives is kept.
+    float exit = min_as_int(min_as_int(byte_to_float(far_x, shift) * scale.x + far_offset.x,
+                                       byte_to_float(far_y, shift) * scale.y + far_offset.y),
+                            min_as_int(byte_to_float(far_z, shift) * scale.z + far_offset.z, t_max));
+    uint bits = ((bits4 >> shift) & 0xffu) << ((index4 >> shift) & 0xffu);
+    return entry <= exit ? bits : 0u;
+}
+
+// Hit mask of four children: bits 31..24 inner nodes in front-to-back order, bits 23..0 primitives.
+uint intersect_children4(uint meta4, uint low_x, uint high_x, uint low_y, uint high_y, uint low_z, uint high_z,
+                         NodeRay ray, vec3 scale, vec3 near_offset, vec3 far_offset, float t_max) {
+    // Inner children carry 24..31 in their low five bits: bits 3 and 4 both set.
+    uint inner4 = ((meta4 & (meta4 << 1u)) & 0x10101010u) >> 4u;
+    uint index4 = (meta4 ^ (ray.octant_inverse4 & (inner4 * 0xffu))) & 0x1f1f1f1fu;
+    uint bits4 = (meta4 >> 5u) & 0x07070707u;
+    uint near_x = ray.negative.x ? high_x : low_x, far_x = ray.negative.x ? low_x : high_x;
+    uint near_y = ray.negative.y ? high_y : low_y, far_y = ray.negative.y ? low_y : high_y;
+    uint near_z = ray.negative.z ? high_z : low_z, far_z = ray.negative.z ? low_z : high_z;
+    uint mask = 0u;
+    for (int shift = 0; shift < 32; shift += 8) {
+        mask |= child_bits(shift, near_x, near_y, near_z, far_x, far_y, far_z, scale, near_offset, far_offset, t_max,
+                           bits4, index4);
+    }
+    return mask;
+}
+
+// Hit mask of a node's eight children. `child_base` and `primitive_base` say where its children and primitives begin.
+uint intersect_node(uint node, NodeRay ray, float t_max, out uint child_base, out uint primitive_base, out uint inner_mask) {
+    uvec4 header = fetch_node(node, 0u);
+    uvec4 bases = fetch_node(node, 1u);
+    uvec4 x = fetch_node(node, 2u);
+    uvec4 y = fetch_node(node, 3u);
+    uvec4 z = fetch_node(node, 4u);
+    child_base = bases.x;
+    primitive_base = bases.y;
+    inner_mask = header.w >> 24u;
+    // The exponents of the quantization grid become floats by moving them into place.
+    vec3 cell = uintBitsToFloat(uvec3(header.w & 0xffu, (header.w >> 8u) & 0xffu, (header.w >> 16u) & 0xffu) << 23u);
+    vec3 scale = cell * ray.inverse_direction;
+    vec3 offset = (uintBitsToFloat(header.xyz) - ray.origin) * ray.inverse_direction;
+    vec3 slack = BOX_SLACK * (abs(offset) + 255.0 * abs(scale));
+    return intersect_children4(bases.z, x.x, x.z, y.x, y.z, z.x, z.z, ray, scale, offset - slack, offset + slack, t_max) |
+           intersect_children4(bases.w, x.y, x.w, y.y, y.w, z.y, z.w, ray, scale, offset - slack, offset + slack, t_max);
+}
+
+// Tests one primitive; a hit nearer than `hit.t` replaces it.
+bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
+    vec4 texel0 = fetch_primitive(primitive, 0u);
+    vec4 texel1 = fetch_primitive(primitive, 1u);
+    vec4 texel2 = fetch_primitive(primitive, 2u);
+    uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
+    bool closer;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) {
+        closer = intersect_sphere(ray, texel0.xyz, texel1.w, hit.t, hit.uv);
+    } else {
+        closer = intersect_flat(ray, texel0, texel1, texel2.xyz, shape, hit.t, hit.uv);
+    }
+    if (closer) hit.primitive = primitive;
+    return closer;
+}
+
+bool has_nodes(uint group_mask) {
+    return group_mask > 0x00ffffffu;
+}
+
+// The nearest hit of `ray`, or with `any_hit` some hit. `overrun` is set where a driver ended the loop before its end, or the
+// stack was too small.
+Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
+    Hit hit = Hit(ray.t_max, vec2(0.0), NONE);
+    NodeRay nodes = node_ray(ray);
+    // A group is a base index and a mask of what is left of it; the root is a group of its own.
+    uint stack_base[STACK_SIZE];
+    uint stack_mask[STACK_SIZE];
+    uint stack_count = 0u;
+    uint group_base = 0u;
+    uint group_mask = 0x80000000u;
+    // Tested at the head: SwiftShader keeps per lane only what the heads of loops read.
+    while (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE)) {
+        uint slot = uint(findMSB(group_mask));
+        uint child = group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
+        group_mask &= ~(1u << slot);
+        if (has_nodes(group_mask)) {
+            // The host sizes the stack by the depth of the tree; a group that finds no room is an error, not lost in silence.
+            overrun = overrun || stack_count == STACK_SIZE;
+            stack_count = min(stack_count, STACK_SIZE - 1u);
+            stack_base[stack_count] = group_base;
+            stack_mask[stack_count] = group_mask;
+            ++stack_count;
+        }
+        uint primitive_base, inner_mask;
+        uint mask = intersect_node(child, nodes, hit.t, group_base, primitive_base, inner_mask);
+        group_mask = (mask & 0xff000000u) | inner_mask;
+        uint primitives = mask & 0x00ffffffu;
+        if (primitives != 0u) {
+            while (primitives != 0u) {
+                uint bit = uint(findLSB(primitives));
+                primitives &= primitives - 1u;
+                intersect_primitive(ray, primitive_base + bit, hit);
+            }
+        }
+        overrun = overrun || primitives != 0u;
+        if (!has_nodes(group_mask) && stack_count > 0u) {
+            --stack_count;
+            group_base = stack_base[stack_count];
+            group_mask = stack_mask[stack_count];
+        }
+    }
+    overrun = overrun || (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));
+    return hit;
+}
+
+#endif

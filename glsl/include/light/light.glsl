@@ -1,0 +1,142 @@
+// Emitter sampling: chooses a light by its power and a point or direction of it. Of each light the same function gives the
+// density for a sample and for a ray that met it by other means, so that the weights of both sum to one.
+#ifndef LIGHT_GLSL
+#define LIGHT_GLSL
+#include "light/emitter.glsl"
+#include "light/environment.glsl"
+#include "light/light_shape.glsl"
+
+struct LightSample {
+    vec3 wi;        // unit, world space
+    vec3 target;    // point of the light, moved off it to the side that is seen; unused where it is infinitely far away
+    bool infinite;
+    vec3 radiance;  // that arrives where nothing is in the way; times the solid angle, for a delta light
+    float pdf;      // per steradian, or for a delta light the probability that it is chosen; 0: no sample
+    bool delta;     // no ray can meet it
+};
+
+const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false);
+
+uvec4 fetch_light(uint light) {
+    return fetch_emitter_texel(scene().first_light + light);
+}
+
+float light_probability(uint light) {
+    return light == NONE ? 0.0 : uintBitsToFloat(fetch_light(light).w);
+}
+
+// A light's record, with probability as its fourth word says. bits.xy are used up.
+uvec4 choose_light(uvec4 bits) {
+    uint light, rest;
+    umulExtended(bits.x, scene().light_count, light, rest);
+    uvec4 record = fetch_light(light);
+    return bits.y < record.x ? record : fetch_light(record.y);
+}
+
+// Density of the direction from `from` to a surface of an area light that has been chosen.
+float pdf_area_light(uint primitive, Surface s, vec3 from) {
+    vec4 texel0 = fetch_primitive(primitive, 0u);
+    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
+    uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) return pdf_sphere(from, s.position, texel0.xyz, length(edge_u));
+    float area = flat_area(shape, edge_u, fetch_primitive(primitive, 2u).xyz);
+    return pdf_area(from, s.position, s.geometric_normal, area);
+}
+
+Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
+    vec4 texel0 = fetch_primitive(primitive, 0u);
+    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
+    uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
+    vec2 uv = sample_flat(shape, u);
+    vec3 point = texel0.xyz + uv.x * edge_u + uv.y * fetch_primitive(primitive, 2u).xyz;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) point = sample_sphere(from, texel0.xyz, length(edge_u), u);
+    // As a ray finds it that has come to its end.
+    Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
+    return surface_at(ray, Hit(0.0, uv, primitive));
+}
+
+LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {
+    uint primitive = light.z & ((1u << LIGHT_KIND_SHIFT) - 1u);
+    Surface s = sample_area_light(primitive, from, u);
+    vec3 d = s.position - from;
+    float squared = dot(d, d);
+    vec3 wi = d * inversesqrt(max(squared, 1.0e-30));
+    float pdf = squared > 0.0 ? uintBitsToFloat(light.w) * pdf_area_light(primitive, s, from) : 0.0;
+    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
+}
+
+// Share of a spot's intensity at the angle of this cosine to its axis: falls linearly with the angle, as in Mitsuba.
+float spot_falloff(float cosine, float cos_cutoff, float cutoff_angle, float falloff) {
+    if (cosine <= cos_cutoff) return 0.0;
+    float angle = (2.0 * PI) * turns_of(vec2(cosine, sqrt(max(1.0 - cosine * cosine, 0.0))));
+    return clamp((cutoff_angle - angle) * falloff, 0.0, 1.0);
+}
+
+LightSample delta_light_sample(uvec4 light, vec3 from) {
+    uint kind = light.z >> LIGHT_KIND_SHIFT;
+    uint texel = light.z & ((1u << LIGHT_KIND_SHIFT) - 1u);
+    vec4 position = uintBitsToFloat(fetch_emitter_texel(texel));
+    vec4 direction = uintBitsToFloat(fetch_emitter_texel(texel + 1u));
+    vec4 intensity = uintBitsToFloat(fetch_emitter_texel(texel + 2u));
+    float probability = uintBitsToFloat(light.w);
+    if (kind == LIGHT_DIRECTIONAL) {
+        return LightSample(-direction.xyz, vec3(0.0), true, intensity.rgb, probability, true);
+    }
+    vec3 d = position.xyz - from;
+    float squared = max(dot(d, d), 1.0e-30);
+    vec3 wi = d * inversesqrt(squared);
+    vec3 radiance = intensity.rgb / squared;
+    if (kind == LIGHT_SPOT) radiance *= spot_falloff(-dot(wi, direction.xyz), position.w, direction.w, intensity.w);
+    return LightSample(wi, position.xyz, false, radiance, probability, true);
+}
+
+LightSample environment_light_sample(uvec4 light, uvec4 bits) {
+    EnvironmentSample s = sample_environment(bits);
+    return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), uintBitsToFloat(light.w) * s.pdf, false);
+}
+
+// A light as seen from the point `from`.
+LightSample sample_light(RandomKey key, uint vertex, vec3 from) {
+    uvec4 bits = random_bits(key, vertex, RANDOM_EMITTER);
+    uvec4 light = choose_light(bits);
+    uint kind = light.z >> LIGHT_KIND_SHIFT;
+    LightSample s = NO_LIGHT_SAMPLE;
+    if (has_light(LIGHT_AREA) && kind == LIGHT_AREA) s = area_light_sample(light, from, unit_floats(bits).zw);
+    if (has_light(LIGHT_ENVIRONMENT) && kind == LIGHT_ENVIRONMENT) {
+        s = environment_light_sample(light, random_bits(key, vertex, RANDOM_ENVIRONMENT));
+    }
+    if ((has_light(LIGHT_POINT) || has_light(LIGHT_SPOT) || has_light(LIGHT_DIRECTIONAL)) && kind >= LIGHT_POINT) {
+        s = delta_light_sample(light, from);
+    }
+    return s;
+}
+
+// Density with which sample_light draws the direction from `from` to a surface that was met there.
+float pdf_light_at_surface(uint primitive, Surface s, vec3 from) {
+    return light_probability(fetch_attributes(primitive, 2u).w) * pdf_area_light(primitive, s, from);
+}
+
+// Density with which sample_light draws a direction that met nothing.
+float pdf_light_at_environment(vec3 direction) {
+    return light_probability(scene().environment_light) * pdf_environment(direction);
+}
+
+// The ray from a surface to a light; what it meets is in the way.
+Ray shadow_ray(Surface s, LightSample light) {
+    Ray ray = leave_surface(s, light.wi);
+    if (!light.infinite) {
+        vec3 d = light.target - ray.origin;
+        ray.t_max = length(d);
+        ray.direction = d / max(ray.t_max, 1.0e-30);
+    }
+    return ray;
+}
+
+// Share that a sample of density `own` has of a path that another sampler draws with density `other`: the power heuristic
+// (Veach 1997, exponent 2), which leaves less noise than the balance heuristic where one of the two samples well.
+float mis_weight(float own, float other) {
+    float ratio = other / own;
+    return 1.0 / (1.0 + ratio * ratio);
+}
+
+#endif

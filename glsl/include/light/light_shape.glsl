@@ -1,0 +1,62 @@
+// Points on primitives that emit, and how densely they are drawn, seen from a point: per steradian of the direction there.
+#ifndef LIGHT_SHAPE_GLSL
+#define LIGHT_SHAPE_GLSL
+#include "math/direction.glsl"
+#include "math/equal_area.glsl"
+#include "shared/variant.glsl"
+
+// Uniform in area: coordinates (u, v) of a point of a flat shape.
+vec2 sample_flat(uint shape, vec2 u) {
+    if (shape == SHAPE_PARALLELOGRAM) return 2.0 * u - 1.0;
+    if (shape == SHAPE_DISK) return concentric_disk(u);
+    float root = sqrt(u.x);
+    return vec2(1.0 - root, root * u.y);
+}
+
+float flat_area(uint shape, vec3 edge_u, vec3 edge_v) {
+    float factor = shape == SHAPE_PARALLELOGRAM ? 4.0 : (shape == SHAPE_DISK ? PI : 0.5);
+    return factor * length(cross(edge_u, edge_v));
+}
+
+// Density of a direction whose points on a surface of this area are drawn uniformly.
+float pdf_area(vec3 from, vec3 position, vec3 normal, float area) {
+    vec3 d = position - from;
+    float squared = dot(d, d);
+    return squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);
+}
+
+// A sphere is sampled by the cone that it fills, from outside; on it or inside there is none.
+bool sees_cone(vec3 from, vec3 center, float radius) {
+    vec3 d = center - from;
+    return dot(d, d) > 1.001 * radius * radius;
+}
+
+// 1 - cos of the cone's half angle, without the cancellation of a distant sphere.
+float cone_height(float squared_sine) {
+    return squared_sine / (1.0 + sqrt(max(1.0 - squared_sine, 0.0)));
+}
+
+// A point of a sphere: uniform in the solid angle that it fills from outside, uniform in area from inside.
+vec3 sample_sphere(vec3 from, vec3 center, float radius, vec2 u) {
+    vec3 d = center - from;
+    float squared = dot(d, d);
+    if (!sees_cone(from, center, radius)) return center + radius * square_to_sphere(2.0 * u - 1.0);
+    float height = u.x * cone_height(radius * radius / squared);
+    float squared_sine = height * (2.0 - height);
+    vec2 sine_cosine = sin_cos_turn(u.y);
+    mat3 frame = basis_from_normal(d * inversesqrt(squared));
+    float cosine = 1.0 - height;
+    // What is left of the half chord; rounding must not make the root of a direction along the cone imaginary.
+    float distance = sqrt(squared) * cosine - sqrt(max(radius * radius - squared * squared_sine, 0.0));
+    return from + distance * (frame * vec3(sqrt(squared_sine) * sine_cosine.yx, cosine));
+}
+
+float pdf_sphere(vec3 from, vec3 position, vec3 center, float radius) {
+    vec3 d = center - from;
+    if (!sees_cone(from, center, radius)) {
+        return pdf_area(from, position, (position - center) / radius, 4.0 * PI * radius * radius);
+    }
+    return INV_TWO_PI / cone_height(radius * radius / dot(d, d));
+}
+
+#endif

@@ -1,0 +1,77 @@
+// Positive numbers in few bits, sixteen of them in four words: three bits of mantissa, so within a sixteenth of what they stand
+// for, and at least four of exponent. A weight is never 0.
+#ifndef SMALL_FLOATS_GLSL
+#define SMALL_FLOATS_GLSL
+#include "shared/guide.glsl"
+
+// BIAS_8 for 7 bits.
+const uint BIAS_7 = 112u;
+
+// The code nearest to `x`, which is at most LARGEST_SMALL_FLOAT.
+uint small_float(float x, uint bias) {
+    uint least = bias << (23u - DROPPED_BITS);
+    uint rounded = (floatBitsToUint(max(x, 0.0)) + (1u << (DROPPED_BITS - 1u))) >> DROPPED_BITS;
+    return rounded - min(rounded, least);
+}
+
+// Four codes of 8 bits.
+vec4 unpack_8(uint word) {
+    uvec4 codes = uvec4(word, word >> 8u, word >> 16u, word >> 24u) & 0xffu;
+    return uintBitsToFloat((codes << DROPPED_BITS) + (BIAS_8 << 23u));
+}
+
+uint pack_8(vec4 x) {
+    return small_float(x.x, BIAS_8) | (small_float(x.y, BIAS_8) << 8u) | (small_float(x.z, BIAS_8) << 16u) |
+        (small_float(x.w, BIAS_8) << 24u);
+}
+
+// Four codes of 7 bits; the word's upper four bits are free.
+vec4 unpack_7(uint word) {
+    uvec4 codes = uvec4(word, word >> 7u, word >> 14u, word >> 21u) & 0x7fu;
+    return uintBitsToFloat((codes << DROPPED_BITS) + (BIAS_7 << 23u));
+}
+
+uint pack_7(vec4 x) {
+    return small_float(x.x, BIAS_7) | (small_float(x.y, BIAS_7) << 7u) | (small_float(x.z, BIAS_7) << 14u) |
+        (small_float(x.w, BIAS_7) << 21u);
+}
+
+// Weights of 4 x 4 parts of a square, [column] of row [row], as 8-bit codes and as 7-bit ones.
+mat4 unpack_weights_8(uvec4 words) {
+    return mat4(unpack_8(words.x), unpack_8(words.y), unpack_8(words.z), unpack_8(words.w));
+}
+
+mat4 unpack_weights_7(uvec4 words) {
+    return mat4(unpack_7(words.x), unpack_7(words.y), unpack_7(words.z), unpack_7(words.w));
+}
+
+float largest_weight(mat4 w) {
+    vec4 columns = max(max(w[0], w[1]), max(w[2], w[3]));
+    return max(max(columns.x, columns.y), max(columns.z, columns.w));
+}
+
+// What the largest weight is multiplied by to become the largest code; 0 where no number does, so that all are alike.
+float code_scale(float largest) {
+    return largest > 1.0e-36 && largest < 1.0e37 ? LARGEST_SMALL_FLOAT / largest : 0.0;
+}
+
+uvec4 pack_weights_8(mat4 w) {
+    float scale = code_scale(largest_weight(w));
+    return uvec4(pack_8(w[0] * scale), pack_8(w[1] * scale), pack_8(w[2] * scale), pack_8(w[3] * scale));
+}
+
+// Seven bits each. The free bits hold `scalar`, which is not negative, to 8 bits of mantissa; it is stored as no less than a
+// least number, so that not all words are 0.
+uvec4 pack_weights_7(mat4 w, float scalar) {
+    float scale = code_scale(largest_weight(w));
+    uvec4 words = uvec4(pack_7(w[0] * scale), pack_7(w[1] * scale), pack_7(w[2] * scale), pack_7(w[3] * scale));
+    uint bits = (floatBitsToUint(clamp(scalar, 1.0e-37, 3.0e38)) + 0x8000u) >> 16u;
+    return words | ((uvec4(bits, bits >> 4u, bits >> 8u, bits >> 12u) & 0xfu) << 28u);
+}
+
+float unpack_scalar(uvec4 words) {
+    uvec4 nibbles = words >> 28u;
+    return uintBitsToFloat((nibbles.x | (nibbles.y << 4u) | (nibbles.z << 8u) | (nibbles.w << 12u)) << 16u);
+}
+
+#endif

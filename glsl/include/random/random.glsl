@@ -1,0 +1,115 @@
+// Random numbers without state: a hash of (pixel, sample, vertex and block, seed), so that no order of work changes a bit.
+#ifndef RANDOM_GLSL
+#define RANDOM_GLSL
+#include "random/blue_noise.glsl"
+#include "random/sobol.glsl"
+#include "shared/variant.glsl"
+
+// What does not change along a path.
+struct RandomKey {
+    uint pixel;  // index within the whole film
+    uint sample_index;
+    uint first_of_set;  // index of the first sample that shares the scrambling of its set
+    uint seed;
+    // Of PATTERN_BLUE_NOISE: the pixel's tile, and its place along that tile's curve.
+    uint tile;
+    uint reversed_place;
+};
+
+RandomKey random_key(uvec2 film_pixel, uint film_width, uint sample_index, uint first_of_set, uint seed) {
+    uint pixel = film_pixel.y * film_width + film_pixel.x;
+    return RandomKey(pixel, sample_index, first_of_set, seed, tile_of(film_pixel), reversed_place_in_tile(film_pixel));
+}
+
+// Blocks of random numbers that a vertex may draw.
+const uint RANDOM_SCATTER = 0u;
+const uint RANDOM_TRIES = 1u;
+const uint RANDOM_MATERIAL = 2u;
+const uint RANDOM_EMITTER = 3u;
+const uint RANDOM_ENVIRONMENT = 4u;
+const uint RANDOM_LEARNING = 5u;
+
+// Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
+uvec4 pcg4d(uvec4 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    v ^= v >> 16u;
+    v.x += v.y * v.w;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v.w += v.y * v.z;
+    return v;
+}
+
+// The upper 24 bits as a float in [0, 1).
+float unit_float(uint bits) {
+    return float(bits >> 8u) * (1.0 / 16777216.0);
+}
+
+vec4 unit_floats(uvec4 bits) {
+    return vec4(bits >> 8u) * (1.0 / 16777216.0);
+}
+
+// One more number in [0, 1), from the bits that unit_floats leaves unused. They are the hash's weakest: over small boxes of
+// keys a single word's are measurably uneven, so a multiplication (by the golden ratio) spreads all words' over the result.
+float leftover_float(uvec4 bits) {
+    uvec4 low = bits & 0xffu;
+    return unit_float((low.x | (low.y << 8u) | (low.z << 16u) | (low.w << 24u)) * 0x9e3779b9u);
+}
+
+// Tells the hash of a set from that of a sample.
+const uint OF_SET = 0x80000000u;
+
+// Four words for `block` of vertex `vertex` (0 is the camera). With PATTERN_SOBOL the first two of them, and the last two, are
+// well distributed over the samples of a set; with PATTERN_BLUE_NOISE also over the pixels of a square.
+uvec4 random_bits(RandomKey key, uint vertex, uint block) {
+    uint place = (vertex << 16u) | block;
+    uvec4 bits = pcg4d(uvec4(key.pixel, key.sample_index, place, key.seed));
+    if (PATTERN == PATTERN_INDEPENDENT) return bits;
+    uint shared_by = PATTERN == PATTERN_SOBOL ? key.pixel : key.tile;
+    uvec4 of_set = pcg4d(uvec4(shared_by, key.first_of_set, place | OF_SET, key.seed));
+    if (PATTERN == PATTERN_SOBOL) return (set_digits(key.sample_index, of_set) << 29u) | (bits >> 3u);
+    return (tile_digits(key.reversed_place, key.sample_index - key.first_of_set, of_set) << 19u) | (bits >> 13u);
+}
+
+// Tells the hash of a sequence from that of a set.
+const uint OF_SEQUENCE = 0x40000000u;
+
+// Four words for the camera's ray. With PATTERN_SOBOL the first two of them, and the last two, are well distributed over all
+// samples of a pixel, not those of a set only. A guide learns from some of these before it is followed by others, but whatever
+// it has learned, and so whatever rays it has learned from, what a ray brings in the mean is the same: no bias comes of it.
+uvec4 camera_bits(RandomKey key) {
+    if (PATTERN != PATTERN_SOBOL) return random_bits(key, 0u, RANDOM_SCATTER);
+    uint number = key.sample_index;
+    uint sequence = OF_SET | OF_SEQUENCE;
+    if (ADAPTIVE) {
+        // Each half has a sequence of its own: the one must not make up for what the other errs.
+        number = number / (2u * SET_SIZE) * SET_SIZE + number % SET_SIZE;
+        sequence |= key.sample_index / SET_SIZE % 2u;
+    }
+    uvec4 of_sequence = pcg4d(uvec4(key.pixel, number >> 16u, sequence, key.seed));
+    uvec4 bits = pcg4d(uvec4(key.pixel, key.sample_index, RANDOM_SCATTER, key.seed));
+    return (sequence_digits(number & 0xffffu, of_sequence) << 16u) | (bits >> 16u);
+}
+
+// As many numbers as a loop asks for: xorshift (Marsaglia 2003), started by the hash.
+struct RandomStream {
+    uvec4 state;
+};
+
+RandomStream random_stream(RandomKey key, uint vertex, uint block) {
+    // The state must not be all zeros.
+    return RandomStream(random_bits(key, vertex, block) | uvec4(0u, 0u, 0u, 1u));
+}
+
+float next_random(inout RandomStream stream) {
+    uvec4 s = stream.state;
+    uint t = s.x ^ (s.x << 11u);
+    stream.state = uvec4(s.yzw, (s.w ^ (s.w >> 19u)) ^ (t ^ (t >> 8u)));
+    return unit_float(stream.state.w);
+}
+
+#endif

@@ -1,0 +1,73 @@
+// Where a texture is looked up, and what its texels mean. Pure.
+#ifndef TEXTURE_LOOKUP_GLSL
+#define TEXTURE_LOOKUP_GLSL
+#include "math/constants.glsl"
+#include "shared/variant.glsl"
+
+// Four texels and how they are mixed.
+struct Taps {
+    uvec2 low;       // column and row of the upper left one
+    uvec2 high;      // of the lower right one
+    vec2 fraction;   // weight of the higher ones
+    vec2 direction;  // that columns and rows run in as u and v grow: 1, or -1 in a mirrored copy
+};
+
+// u and v in the copy of the image from 0 to 1.
+vec2 wrap(uint kind, vec2 uv, out vec2 direction) {
+    direction = vec2(1.0);
+    vec2 repeated = uv - floor(uv);
+    if (has_textures(TEXTURE_MIRROR) && (kind & TEXTURE_MIRROR) != 0u) {
+        vec2 period = uv - 2.0 * floor(0.5 * uv);
+        direction = mix(vec2(1.0), vec2(-1.0), greaterThan(period, vec2(1.0)));
+        return min(period, 2.0 - period);
+    }
+    return has_textures(TEXTURE_CLAMP) && (kind & TEXTURE_CLAMP) != 0u ? clamp(uv, 0.0, 1.0) : repeated;
+}
+
+// The texel at a position that is at most one off the image.
+uvec2 wrap_texel(uint kind, ivec2 texel, ivec2 size) {
+    ivec2 repeated = mix(texel, texel + size, lessThan(texel, ivec2(0)));
+    repeated = mix(repeated, repeated - size, greaterThanEqual(repeated, size));
+    bool repeats = has_textures(TEXTURE_REPEAT) && (kind & TEXTURE_REPEAT) != 0u;
+    // Clamped in any case: coordinates may be no numbers.
+    return uvec2(clamp(repeats ? repeated : texel, ivec2(0), size - 1));
+}
+
+// Texels lie at (i + 1/2) / size.
+Taps texture_taps(uint kind, uvec2 size, vec2 uv) {
+    Taps taps;
+    vec2 position = wrap(kind, uv, taps.direction) * vec2(size);
+    bool nearest = has_textures(TEXTURE_NEAREST) && (kind & TEXTURE_NEAREST) != 0u;
+    if (!nearest) position -= 0.5;
+    vec2 low = floor(position);
+    taps.fraction = nearest ? vec2(0.0) : position - low;
+    taps.low = wrap_texel(kind, ivec2(low), ivec2(size));
+    taps.high = nearest ? taps.low : wrap_texel(kind, ivec2(low) + 1, ivec2(size));
+    return taps;
+}
+
+// The inverse of the sRGB curve (IEC 61966-2-1) at the 256 values of a byte over 255: its power by a polynomial that is at
+// most 6e-6 off at any of them.
+vec3 decode_srgb(vec3 s) {
+    vec3 power = vec3(-0.05466098);
+    power = power * s + 0.22672586;
+    power = power * s - 0.43458080;
+    power = power * s + 0.71700174;
+    power = power * s + 0.51145685;
+    power = power * s + 0.03313727;
+    power = power * s + 0.00091467;
+    return mix(power, s / 12.92, lessThanEqual(s, vec3(0.04045)));
+}
+
+// The color of a texel from its words, of which the second is that of an image of halves.
+vec4 decode_texel(uint kind, uvec2 words, float scale) {
+    vec4 color = vec4(0.0);
+    if (has_textures(TEXTURE_SRGB_BYTES | TEXTURE_LINEAR_BYTES)) color = unpackUnorm4x8(words.x);
+    if (has_textures(TEXTURE_SRGB_BYTES) && (kind & TEXTURE_SRGB_BYTES) != 0u) color.rgb = decode_srgb(color.rgb);
+    if (has_textures(TEXTURE_HALVES) && (kind & TEXTURE_HALVES) != 0u) {
+        color = scale * vec4(unpackHalf2x16(words.x), unpackHalf2x16(words.y));
+    }
+    return color;
+}
+
+#endif

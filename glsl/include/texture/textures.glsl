@@ -1,0 +1,116 @@
+// Textures: colors that vary over a surface, and the parameters of materials that they multiply. What no texture of the scene
+// needs is left out.
+#ifndef TEXTURES_GLSL
+#define TEXTURES_GLSL
+#include "bsdf/material.glsl"
+#include "shared/records.glsl"
+#include "texture/texture_lookup.glsl"
+
+struct TextureSampler {
+    uint index;
+    uint kind;
+    uint address;
+    uvec2 size;
+    vec2 uv;        // of the texture
+    mat2 from_surface;
+    float scale;
+};
+
+TextureSampler texture_sampler(uint index, vec2 uv) {
+    uvec4 head = fetch_texture(index, TEXTURE_HEAD);
+    TextureSampler s = TextureSampler(index, head.x, head.y, head.zw, uv, mat2(1.0), 1.0);
+    if (has_textures(TEXTURE_TRANSFORMED | TEXTURE_HALVES)) {
+        vec4 row = uintBitsToFloat(fetch_texture(index, TEXTURE_TO_UV));
+        s.scale = row.w;
+        if (has_textures(TEXTURE_TRANSFORMED)) {
+            vec3 row1 = uintBitsToFloat(fetch_texture(index, TEXTURE_TO_UV + 1u).xyz);
+            s.uv = vec2(dot(row.xyz, vec3(uv, 1.0)), dot(row1, vec3(uv, 1.0)));
+            s.from_surface = mat2(row.x, row1.x, row.y, row1.y);
+        }
+    }
+    return s;
+}
+
+vec4 fetch_texel(TextureSampler s, uint column, uint row) {
+    uint texel = row * s.size.x + column;
+    bool halves = has_textures(TEXTURE_HALVES) && (s.kind & TEXTURE_HALVES) != 0u;
+    uint address = s.address + (halves ? 2u * texel : texel);
+    uvec2 words = uvec2(texel_word(address), 0u);
+    if (has_textures(TEXTURE_HALVES)) words.y = texel_word(halves ? address + 1u : address);
+    return decode_texel(s.kind, words, s.scale);
+}
+
+// Columns: upper left, upper right, lower left, lower right.
+mat4 fetch_taps(TextureSampler s, Taps taps) {
+    return mat4(fetch_texel(s, taps.low.x, taps.low.y), fetch_texel(s, taps.high.x, taps.low.y),
+                fetch_texel(s, taps.low.x, taps.high.y), fetch_texel(s, taps.high.x, taps.high.y));
+}
+
+vec4 sample_image(TextureSampler s) {
+    Taps taps = texture_taps(s.kind, s.size, s.uv);
+    if (!has_textures(TEXTURE_BILINEAR)) return fetch_texel(s, taps.low.x, taps.low.y);
+    mat4 colors = fetch_taps(s, taps);
+    return mix(mix(colors[0], colors[1], taps.fraction.x), mix(colors[2], colors[3], taps.fraction.x), taps.fraction.y);
+}
+
+// Half a unit of each color in turn.
+vec4 sample_checkerboard(TextureSampler s) {
+    bvec2 second = greaterThan(s.uv - floor(s.uv), vec2(0.5));
+    return uintBitsToFloat(fetch_texture(s.index, TEXTURE_COLORS + (second.x == second.y ? 0u : 1u)));
+}
+
+// Linear color and alpha of a texture where the surface's coordinates are `uv`.
+vec4 sample_texture(uint index, vec2 uv) {
+    TextureSampler s = texture_sampler(index, uv);
+    vec4 color = vec4(1.0);
+    if (has_textures(TEXTURE_SRGB_BYTES | TEXTURE_LINEAR_BYTES | TEXTURE_HALVES)) color = sample_image(s);
+    if (has_textures(TEXTURE_CHECKERBOARD) && (s.kind & TEXTURE_CHECKERBOARD) != 0u) color = sample_checkerboard(s);
+    return color;
+}
+
+// How an image's luminance changes with the surface's coordinates. Mitsuba counts texels after the map from the surface's
+// coordinates, which turns slopes where the map turns an image that is not square.
+vec2 texture_gradient(uint index, vec2 uv) {
+    TextureSampler s = texture_sampler(index, uv);
+    Taps taps = texture_taps(s.kind, s.size, s.uv);
+    mat4 colors = fetch_taps(s, taps);
+    vec4 heights = vec4(luminance(colors[0].rgb), luminance(colors[1].rgb), luminance(colors[2].rgb),
+                        luminance(colors[3].rgb));
+    vec2 slope = vec2(mix(heights.y - heights.x, heights.w - heights.z, taps.fraction.y),
+                      mix(heights.z - heights.x, heights.w - heights.y, taps.fraction.x));
+    return vec2(s.size) * (slope * taps.direction * s.from_surface);
+}
+
+// Bits of TEXTURED_PARAMETERS.
+const uint COLOR_PARAMETERS = (1u << PARAMETER_SCALAR0) - 1u;
+
+// Multiplies one of four numbers.
+void scale_component(inout vec4 numbers, uint component, float factor) {
+    numbers *= mix(vec4(1.0), vec4(factor), equal(uvec4(component), uvec4(0u, 1u, 2u, 3u)));
+}
+
+void scale_parameter(inout Bsdf b, uint parameter, vec3 color) {
+    const vec3 one = vec3(1.0);
+    if (is_textured(PARAMETER_COLOR0)) b.color0 *= parameter == PARAMETER_COLOR0 ? color : one;
+    if (is_textured(PARAMETER_COLOR0 + 1u)) b.color1 *= parameter == PARAMETER_COLOR0 + 1u ? color : one;
+    if (is_textured(PARAMETER_COLOR0 + 2u)) b.color2 *= parameter == PARAMETER_COLOR0 + 2u ? color : one;
+    if ((TEXTURED_PARAMETERS & ~COLOR_PARAMETERS) == 0u) return;
+    float number = luminance(color);
+    uint scalar = parameter - PARAMETER_SCALAR0;
+    scale_component(b.scalars0, scalar, number);
+    scale_component(b.scalars1, scalar - 4u, number);
+    scale_component(b.scalars2, scalar - 8u, number);
+}
+
+// Multiplies the parameters that have textures; of a number, by the color's luminance.
+void apply_textures(inout Bsdf b, uint material, vec2 uv) {
+    bool more = true;
+    for (uint i = 0u; i < MAX_TEXTURE_LINKS && more; ++i) {
+        uint link = fetch_material(material, MATERIAL_LINKS + i / 4u)[i % 4u];
+        more = link != NONE;
+        vec3 color = sample_texture(more ? link & ((1u << LINK_PARAMETER_SHIFT) - 1u) : 0u, uv).rgb;
+        if (more) scale_parameter(b, link >> LINK_PARAMETER_SHIFT, color);
+    }
+}
+
+#endif

@@ -1,0 +1,34 @@
+// Fills the marked entries of the normalization grid from the radiance table: a workgroup per cell, an invocation per entry that
+// is marked, of which most cells have few. The samplers that have a distribution of their own, whatever the normal, get it here as well: the one that
+// inverts over the sphere, which has one bin of normals, its prefix sums, and the product sampler the trees of the cells.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "guide/samplers/bin_distribution.glsl"
+#include "guide/normalization/normalization_entry.glsl"
+#include "guide/grid/radiance_tree.glsl"
+
+struct UpdatePush {
+    uint first_cell;
+};
+layout(push_constant, scalar) uniform Push { UpdatePush push; };
+
+uvec4 record_for(uint cell, uint normal_bin, float total) {
+    if (SAMPLER == SAMPLER_PRODUCT) return product_record(cell, normal_bin);
+    return record_of(SAMPLER == SAMPLER_SPHERE_INVERSION ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
+}
+
+void main() {
+    uint cell = push.first_cell + gl_WorkGroupID.x;
+    float total = SAMPLER == SAMPLER_SPHERE_INVERSION ? store_bin_ends(cell) : 0.0;
+    if (SAMPLER == SAMPLER_PRODUCT) {
+        for (uint node = gl_LocalInvocationIndex; node < nodes_per_tree(); node += WORKGROUP_SIZE) store_tree_node(cell, node);
+    }
+    uint place = gl_LocalInvocationIndex;
+    uint normal_bin = marked_normal_bin(cell, place);
+    while (normal_bin != NONE) {
+        store_normalization_record(normalization_index(cell, normal_bin), record_for(cell, normal_bin, total));
+        place += WORKGROUP_SIZE;
+        normal_bin = marked_normal_bin(cell, place);
+    }
+}

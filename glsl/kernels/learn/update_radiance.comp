@@ -1,0 +1,42 @@
+// Ends a step's learning (Eq. 7): one workgroup per cell moves every bin's mean towards what the step recorded, and writes
+// the table that the next step samples, unless blend_radiance does.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "guide/grid/floor.glsl"
+#include "film/frame.glsl"
+#include "guide/grid/radiance_grid.glsl"
+#include "guide/learners/share_learning.glsl"
+
+struct UpdatePush {
+    uint first_cell;
+};
+layout(push_constant, scalar) uniform Push { UpdatePush push; };
+
+// Rate alpha = count / (count + decayed count of before); with DECAY = 1, the running mean over all targets.
+LearnedRadiance learn(LearnedRadiance before, float sum, float target_count) {
+    float weight = before.weight * DECAY + target_count;
+    if (target_count == 0.0) return LearnedRadiance(before.mean, weight);
+    float alpha = target_count / weight;
+    return LearnedRadiance(mix(before.mean, sum / target_count, alpha), weight);
+}
+
+void main() {
+    uint cell = push.first_cell + gl_WorkGroupID.x;
+    float sum_of_means = 0.0;
+    for (uint bin = gl_LocalInvocationIndex; bin < direction_bin_count(); bin += WORKGROUP_SIZE) {
+        uint index = radiance_index(cell, bin);
+        float sum, target_count;
+        take_targets(index, scene().target_limit, sum, target_count);
+        LearnedRadiance learned = learn(learned_radiance(index), sum, target_count);
+        store_learned_radiance(index, learned);
+        sum_of_means += learned.mean;
+    }
+    if (learns_share() && gl_LocalInvocationIndex < SHARES_PER_CELL) learn_share(share_index(cell, gl_LocalInvocationIndex));
+    if (FALLBACK > 0.0) return;
+    float least = least_radiance(sum_of_means);
+    for (uint bin = gl_LocalInvocationIndex; bin < direction_bin_count(); bin += WORKGROUP_SIZE) {
+        uint index = radiance_index(cell, bin);
+        store_radiance(index, max(learned_radiance(index).mean, least));
+    }
+}

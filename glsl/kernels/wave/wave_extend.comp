@@ -1,0 +1,19 @@
+// Finds what the rays of a wave's queue hit.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#include "geometry/traverse.glsl"
+#include "path/wavefront.glsl"
+
+void main() {
+    bool overrun = false;
+    uint place = gl_GlobalInvocationID.x;
+    while (place < queue_length()) {
+        uint slot = queued_slot(place);
+        if (slot != NONE) store_hit(slot, traverse(load_ray(slot), false, overrun));
+        place += lane_count();
+    }
+    count(COUNTER_OVERRUNS, uint(overrun || place < queue_length()));
+}

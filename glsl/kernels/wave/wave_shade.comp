@@ -1,0 +1,42 @@
+// What happens where the rays of a wave's queue have led: paths end, or are queued for another edge.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#include "path/vertex.glsl"
+#include "path/wavefront.glsl"
+
+uint shaded_slot;
+
+// wave_connect and wave_shadow have found out.
+vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally tally) {
+    return load_connected_light(shaded_slot);
+}
+
+void shade(uint slot, inout Tally tally) {
+    shaded_slot = slot;
+    uvec2 film_pixel;
+    Path path = load_path(slot, film_pixel);
+    Segment travelled = path.segment;
+    ShareEvidence evidence = path.evidence;
+    uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
+    FirstHit first = NO_FIRST_HIT;
+    float target = meet(path, load_hit(slot), unit_floats(bits), first, tally);
+    if (push.edge == 0u) store_first_hit(slot, first);
+    learn(travelled, evidence, target, leftover_float(bits), tally);
+    store_path(slot, film_pixel, path);
+    if (path.depth != 0u) enqueue_path(slot);
+}
+
+void main() {
+    Tally tally = no_tally();
+    uint place = gl_GlobalInvocationID.x;
+    while (place < queue_length()) {
+        uint slot = queued_slot(place);
+        if (slot != NONE) shade(slot, tally);
+        place += lane_count();
+    }
+    tally.overrun = tally.overrun || place < queue_length();
+    publish_tally(tally);
+}

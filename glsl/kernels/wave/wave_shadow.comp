@@ -1,0 +1,20 @@
+// Finds which connections of a wave's paths to lights are blocked.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#include "geometry/traverse.glsl"
+#include "path/wavefront.glsl"
+
+void main() {
+    bool overrun = false;
+    uint place = gl_GlobalInvocationID.x;
+    if (place == 0u) count(COUNTER_SHADOW_RAYS, connection_count());
+    while (place < connection_count()) {
+        uint slot = queued_connection(place);
+        if (traverse(load_connection_ray(slot), true, overrun).primitive != NONE) block_connection(slot);
+        place += lane_count();
+    }
+    count(COUNTER_OVERRUNS, uint(overrun || place < connection_count()));
+}

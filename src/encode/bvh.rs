@@ -1,0 +1,261 @@
+//! Builds the bounding volume hierarchy and lays geometry out as the kernels read it. The only module that names `obvhs`.
+
+mod split;
+mod wide;
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use self::split::Boxes;
+use crate::generated::constants;
+use crate::generated::layout::{AttributeRecord, PrimitiveRecord, TEXEL_BYTES};
+use crate::scene::{Primitive, PrimitiveShape};
+
+/// Words of one compressed wide node (Ylitie et al. 2017).
+pub const NODE_WORDS: usize = constants::NODE_TEXELS as usize * TEXEL_BYTES / size_of::<u32>();
+
+/// Boxes grow by this share of the scene's largest coordinate: as far as the primitives' edge tests reach beyond an edge.
+const BOX_MARGIN: f32 = 1.0e-6;
+
+/// A hierarchy over primitives, with what is needed to shade them.
+pub struct Bvh {
+    /// Compressed wide nodes; at least one.
+    pub nodes: Vec<[u32; NODE_WORDS]>,
+    /// Primitives in the order of the leaves. A triangle of which several boxes hold a part is there several times.
+    pub primitives: Vec<PrimitiveRecord>,
+    /// Shading attributes in the same order.
+    pub attributes: Vec<AttributeRecord>,
+    /// Longest way from the root to a leaf, in nodes: one more than the entries that a traversal stack needs.
+    pub depth: u32,
+    /// Lower and upper corner of all primitives; a unit box at the origin where there are none.
+    pub bounds: (Vec3, Vec3),
+}
+
+impl Bvh {
+    /// Builds the hierarchy. Any number of primitives will do, of any shape and size, as long as all numbers are finite.
+    pub fn build(primitives: &[Primitive]) -> Self {
+        let bounds = scene_bounds(primitives);
+        let margin = BOX_MARGIN * largest_coordinate(bounds);
+        let (nodes, order) = match primitives {
+            [] => (vec![[0; NODE_WORDS]], Vec::new()),
+            _ => build_nodes(Boxes::new(primitives, margin)),
+        };
+        let records = order.par_iter().map(|&index| {
+            let primitive = widest_corner_first(&primitives[index as usize]);
+            (primitive_record(&primitive), attribute_record(&primitive))
+        });
+        let (primitives, mut attributes): (_, Vec<_>) = records.unzip();
+        let depth = depth(&nodes);
+        number_lights(&mut attributes);
+        Self { primitives, attributes, nodes, depth, bounds }
+    }
+
+    /// Whether any primitive is a sphere.
+    pub fn has_spheres(&self) -> bool {
+        self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE)
+    }
+
+    /// Whether any primitive has normals at its vertices.
+    pub fn has_vertex_normals(&self) -> bool {
+        self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_VERTEX_NORMALS != 0)
+    }
+
+    /// The largest absolute coordinate of the scene: what rounding errors of positions scale with.
+    pub fn largest_coordinate(&self) -> f32 {
+        largest_coordinate(self.bounds)
+    }
+}
+
+/// Nodes, and the primitives' indices in the order of the leaves.
+fn build_nodes(boxes: Boxes) -> (Vec<[u32; NODE_WORDS]>, Vec<u32>) {
+    let wide = wide::build(boxes);
+    (bytemuck::cast_vec(wide.nodes), wide.order)
+}
+
+fn scene_bounds(primitives: &[Primitive]) -> (Vec3, Vec3) {
+    let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    primitives.par_iter().map(Primitive::bounds).reduce_with(union).unwrap_or((Vec3::ZERO, Vec3::ONE))
+}
+
+fn largest_coordinate(bounds: (Vec3, Vec3)) -> f32 {
+    bounds.0.abs().max(bounds.1.abs()).max_element()
+}
+
+/// Nodes on the longest way down, by the children's indices that every node holds.
+fn depth(nodes: &[[u32; NODE_WORDS]]) -> u32 {
+    let mut deepest = 1;
+    let mut pending = vec![(0_u32, 1_u32)];
+    while let Some((index, depth)) = pending.pop() {
+        deepest = deepest.max(depth);
+        let node = &nodes[index as usize];
+        let inner_count = (node[3] >> 24).count_ones();
+        pending.extend((0..inner_count).map(|child| (node[4] + child, depth + 1)));
+    }
+    deepest
+}
+
+/// A triangle that begins at the vertex opposite its longest edge. Cross products of the two edges from there lose the
+/// fewest digits: from another corner of a slender triangle, rays miss it by more than they start off a surface.
+fn widest_corner_first(p: &Primitive) -> Primitive {
+    if p.shape != PrimitiveShape::Triangle {
+        return *p;
+    }
+    let (b, c, opposite) = (p.edge_u, p.edge_v, p.edge_v - p.edge_u);
+    let [from_a, from_b, from_c] = [opposite, c, b].map(Vec3::length_squared);
+    let turn = |by: usize, origin: Vec3, edge_u: Vec3, edge_v: Vec3| {
+        let mut turned = Primitive { origin, edge_u, edge_v, ..*p };
+        turned.uvs.rotate_left(by);
+        turned.normals.iter_mut().for_each(|normals| normals.rotate_left(by));
+        turned
+    };
+    if from_b > from_a.max(from_c) {
+        turn(1, p.origin + b, opposite, -b)
+    } else if from_c > from_a {
+        turn(2, p.origin + c, -c, -opposite)
+    } else {
+        *p
+    }
+}
+
+fn primitive_record(p: &Primitive) -> PrimitiveRecord {
+    let shape = match p.shape {
+        PrimitiveShape::Triangle => constants::SHAPE_TRIANGLE,
+        PrimitiveShape::Parallelogram => constants::SHAPE_PARALLELOGRAM,
+        PrimitiveShape::Disk => constants::SHAPE_DISK,
+        PrimitiveShape::Sphere => constants::SHAPE_SPHERE,
+    };
+    let flip = if p.flip_normal { constants::PRIMITIVE_FLIP_NORMAL } else { 0 };
+    let normals = if p.normals.is_some() { constants::PRIMITIVE_VERTEX_NORMALS } else { 0 };
+    let longest = match p.shape {
+        PrimitiveShape::Sphere => p.edge_u.length(),
+        _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),
+    };
+    PrimitiveRecord {
+        origin: p.origin.into(),
+        flags: shape | flip | normals,
+        edge_u: p.edge_u.into(),
+        edge_tolerance: longest,
+        edge_v: p.edge_v.into(),
+        reserved: 0.0,
+    }
+}
+
+fn attribute_record(p: &Primitive) -> AttributeRecord {
+    AttributeRecord {
+        normals: p.normals.map_or([0; 3], |normals| normals.map(octahedral_encode)),
+        material: p.material,
+        uv0: p.uvs[0].into(),
+        uv1: p.uvs[1].into(),
+        uv2: p.uvs[2].into(),
+        emitter: p.emitter.unwrap_or(constants::NONE),
+        light: constants::NONE,
+    }
+}
+
+/// Every emitting primitive is a light of its own, numbered in the order of the leaves.
+fn number_lights(attributes: &mut [AttributeRecord]) {
+    let emitting = attributes.iter_mut().filter(|attributes| attributes.emitter != constants::NONE);
+    emitting.zip(0..).for_each(|(attributes, light)| attributes.light = light);
+}
+
+/// A unit vector in two signed 16-bit numbers (Cigolle et al. 2014), as `unpackSnorm2x16` reads them.
+fn octahedral_encode(n: Vec3) -> u32 {
+    let p = n / (n.x.abs() + n.y.abs() + n.z.abs());
+    let (x, y) =
+        if p.z >= 0.0 { (p.x, p.y) } else { ((1.0 - p.y.abs()).copysign(p.x), (1.0 - p.x.abs()).copysign(p.y)) };
+    let snorm = |x: f32| u32::from((x.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    snorm(x) | snorm(y) << 16
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+
+    fn triangle(at: Vec3, size: f32) -> Primitive {
+        Primitive {
+            shape: PrimitiveShape::Triangle,
+            origin: at,
+            edge_u: vec3(size, 0.0, 0.0),
+            edge_v: vec3(0.0, size, 0.0),
+            normals: None,
+            uvs: Default::default(),
+            flip_normal: false,
+            material: 0,
+            emitter: None,
+        }
+    }
+
+    #[test]
+    fn no_one_and_degenerate_primitives_do_no_harm() {
+        assert_eq!(Bvh::build(&[]).nodes.len(), 1);
+        assert_eq!(Bvh::build(&[triangle(Vec3::ZERO, 1.0)]).primitives.len(), 1);
+        assert_eq!(Bvh::build(&[triangle(Vec3::ONE, 0.0); 100]).primitives.len(), 100);
+    }
+
+    #[test]
+    fn triangles_begin_at_their_widest_corner() {
+        let vertices = [vec3(1.0, 2.0, 0.0), vec3(5.0, 2.0, 0.0), vec3(5.0, 2.25, 0.0)];
+        for by in 0..3 {
+            let mut turned = vertices;
+            turned.rotate_left(by);
+            let [a, b, c] = turned;
+            let uvs = turned.map(|vertex| vertex.truncate());
+            let p = Primitive { origin: a, edge_u: b - a, edge_v: c - a, uvs, ..triangle(a, 1.0) };
+            let p = widest_corner_first(&Primitive { normals: Some(turned), ..p });
+            let expected = [vertices[1], vertices[2], vertices[0]];
+            assert_eq!([p.origin, p.origin + p.edge_u, p.origin + p.edge_v], expected);
+            assert_eq!(p.normals, Some(expected));
+            assert_eq!(p.uvs, expected.map(|vertex| vertex.truncate()));
+        }
+    }
+
+    /// All primitives below a node, each of which must lie within the node's quantized boxes on the way down.
+    fn below(bvh: &Bvh, index: usize, found: &mut Vec<usize>) {
+        let node = &bvh.nodes[index];
+        let bytes: &[u8] = bytemuck::cast_slice(node);
+        let (cells, metas, planes) = (&bytes[12..15], &bytes[24..32], &bytes[32..]);
+        let mut inner = node[4] as usize;
+        for (slot, &meta) in metas.iter().enumerate().filter(|(_, meta)| **meta != 0) {
+            let mut own = Vec::new();
+            if bytes[15] & (1 << slot) != 0 {
+                assert_eq!(meta, 0x20 | (24 + slot as u8));
+                below(bvh, inner, &mut own);
+                inner += 1;
+            } else {
+                let first = node[5] as usize + usize::from(meta & 31);
+                own.extend(first..first + (meta >> 5).count_ones() as usize);
+            }
+            for axis in 0..3 {
+                let cell = f32::from_bits(u32::from(cells[axis]) << 23);
+                let plane = |at: usize| f32::from_bits(node[axis]) + cell * f32::from(planes[16 * axis + at + slot]);
+                let is_inside = |i: &usize| {
+                    bvh.primitives[*i].origin[axis] >= plane(0) && bvh.primitives[*i].origin[axis] <= plane(8)
+                };
+                assert!(own.iter().all(is_inside));
+            }
+            found.extend(own);
+        }
+    }
+
+    #[test]
+    fn every_primitive_lies_in_some_leaf() {
+        // One, few, and so many that subtrees are built apart; among them a few large ones.
+        for count in [1, 1000, 60_000] {
+            let place = |i: u32| vec3((i % 251) as f32, (i * 7 % 13) as f32, (i / 251) as f32);
+            let size = |i: u32| if i.is_multiple_of(997) { 100.0 } else { 0.5 };
+            let primitives: Vec<_> =
+                (0..count).map(|i| Primitive { material: i, ..triangle(place(i), size(i)) }).collect();
+            let bvh = Bvh::build(&primitives);
+            let mut found = Vec::new();
+            below(&bvh, 0, &mut found);
+            found.sort_unstable();
+            assert_eq!(found, (0..count as usize).collect::<Vec<_>>());
+            let mut materials: Vec<_> = bvh.attributes.iter().map(|a| a.material).collect();
+            materials.sort_unstable();
+            assert_eq!(materials, (0..count).collect::<Vec<_>>());
+            assert!(bvh.depth < 16, "depth {}", bvh.depth);
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The boxes that the hierarchy is built over: one of each primitive, but several of a triangle that fills its own badly, which
+//! rays then meet in vain less often (early split clipping: Ernst and Greiner 2007).
+
+use glam::Vec3A;
+use obvhs::aabb::Aabb;
+use obvhs::splits::split_aabbs_preset;
+use obvhs::triangle::Triangle;
+use rayon::prelude::*;
+
+use crate::scene::{Primitive, PrimitiveShape};
+
+/// Boxes of fewer times the mean area are not split: `split_aabbs_preset` passes them over.
+const SMALLEST_SPLIT: f32 = 3.0;
+
+/// Boxes, and the primitive that each holds, or holds a part of. The first are the primitives' own, in their order, as the
+/// builder expects it.
+pub(super) struct Boxes {
+    pub boxes: Vec<Aabb>,
+    pub primitives: Vec<u32>,
+}
+
+impl Boxes {
+    /// Of all primitives; each box reaches `margin` beyond what it holds.
+    pub fn new(primitives: &[Primitive], margin: f32) -> Self {
+        let boxes: Vec<Aabb> = primitives.par_iter().map(box_of).collect();
+        let mut all = Self { boxes, primitives: (0..primitives.len() as u32).collect() };
+        all.split(primitives, margin);
+        all.boxes.par_iter_mut().for_each(|aabb| *aabb = padded(*aabb, margin));
+        all
+    }
+
+    fn split(&mut self, primitives: &[Primitive], margin: f32) {
+        let areas = || self.boxes.iter().map(Aabb::half_area);
+        let mean = (areas().map(f64::from).sum::<f64>() / self.boxes.len() as f64) as f32;
+        let largest = areas().fold(0.0, f32::max);
+        let is_split = |&i: &u32| {
+            self.boxes[i as usize].half_area() > SMALLEST_SPLIT * mean && can_be_split(&primitives[i as usize])
+        };
+        let split: Vec<u32> = self.primitives.iter().copied().filter(is_split).collect();
+        let triangles: Vec<Triangle> = split.iter().map(|&i| triangle(&primitives[i as usize])).collect();
+        let mut parts: Vec<Aabb> = split.iter().map(|&i| self.boxes[i as usize]).collect();
+        let mut triangle_of_part: Vec<u32> = (0..split.len() as u32).collect();
+        split_aabbs_preset(&mut parts, &mut triangle_of_part, &triangles, mean, largest);
+
+        // Where they have been cut is rounded.
+        let mut parts = parts.into_iter().map(|part| padded(ordered(part), margin));
+        for (&primitive, part) in split.iter().zip(parts.by_ref()) {
+            self.boxes[primitive as usize] = part;
+        }
+        self.boxes.extend(parts);
+        self.primitives.extend(triangle_of_part[split.len()..].iter().map(|&part| split[part as usize]));
+    }
+}
+
+/// A light is one primitive, and other shapes fill their boxes.
+fn can_be_split(p: &Primitive) -> bool {
+    p.shape == PrimitiveShape::Triangle && p.emitter.is_none()
+}
+
+fn triangle(p: &Primitive) -> Triangle {
+    let [v0, v1, v2] = [p.origin, p.origin + p.edge_u, p.origin + p.edge_v].map(Vec3A::from);
+    Triangle { v0, v1, v2 }
+}
+
+fn box_of(primitive: &Primitive) -> Aabb {
+    let (min, max) = primitive.bounds();
+    Aabb::new(min.into(), max.into())
+}
+
+fn padded(aabb: Aabb, margin: f32) -> Aabb {
+    Aabb::new(aabb.min - margin, aabb.max + margin)
+}
+
+/// With corners that rounding has not exchanged.
+fn ordered(aabb: Aabb) -> Aabb {
+    Aabb::new(aabb.min.min(aabb.max), aabb.min.max(aabb.max))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3, vec3};
+
+    use super::*;
+    use crate::encode::bvh::BOX_MARGIN;
+
+    const MARGIN: f32 = 1.0e-5;
+
+    fn primitive(shape: PrimitiveShape, emitter: Option<u32>, size: f32) -> Primitive {
+        Primitive {
+            shape,
+            origin: Vec3::ZERO,
+            edge_u: size * vec3(1.0, 0.9, 0.8),
+            edge_v: size * vec3(0.97, 0.93, 0.8),
+            normals: None,
+            uvs: Default::default(),
+            flip_normal: false,
+            material: 0,
+            emitter,
+        }
+    }
+
+    /// A slender triangle along the diagonal of its box, between many small ones.
+    fn among_small_ones(large: Primitive) -> Vec<Primitive> {
+        let small = primitive(PrimitiveShape::Triangle, None, 0.01);
+        (0..100).map(|i| if i == 50 { large } else { small }).collect()
+    }
+
+    fn parts(boxes: &Boxes, primitive: u32) -> Vec<Aabb> {
+        let parts = boxes.boxes.iter().zip(&boxes.primitives);
+        parts.filter(|(_, of)| **of == primitive).map(|(part, _)| *part).collect()
+    }
+
+    fn holds(part: &Aabb, point: Vec3A) -> bool {
+        part.min.cmple(point).all() && point.cmple(part.max).all()
+    }
+
+    #[test]
+    fn parts_of_a_slender_triangle_hold_it_and_are_smaller() {
+        let primitives = among_small_ones(primitive(PrimitiveShape::Triangle, None, 1.0));
+        let boxes = Boxes::new(&primitives, MARGIN);
+        assert!((0..100).all(|i| boxes.primitives[i as usize] == i));
+        let parts = parts(&boxes, 50);
+        assert!(parts.len() > 4, "{} parts", parts.len());
+        assert_eq!(boxes.boxes.len(), 99 + parts.len());
+        let area: f32 = parts.iter().map(Aabb::half_area).sum();
+        assert!(area < 0.5 * box_of(&primitives[50]).half_area(), "{area}");
+        let Triangle { v0, v1, v2 } = triangle(&primitives[50]);
+        for i in 0..=100_u8 {
+            for j in 0..=100 - i {
+                let point = v0 + (v1 - v0) * (f32::from(i) / 100.0) + (v2 - v0) * (f32::from(j) / 100.0);
+                assert!(parts.iter().any(|part| holds(part, point)), "{point} is in none");
+            }
+        }
+    }
+
+    #[test]
+    fn lights_and_what_fills_its_box_stay_whole() {
+        let flat = Primitive { edge_u: Vec3::X, edge_v: Vec3::Y, ..primitive(PrimitiveShape::Triangle, None, 1.0) };
+        let light = primitive(PrimitiveShape::Triangle, Some(0), 1.0);
+        let disk = primitive(PrimitiveShape::Disk, None, 1.0);
+        for large in [flat, light, disk] {
+            let boxes = Boxes::new(&among_small_ones(large), MARGIN);
+            assert_eq!(boxes.primitives, (0..100).collect::<Vec<u32>>());
+            let (padded, (min, max)) = (boxes.boxes[50], large.bounds());
+            assert!(holds(&padded, min.into()) && holds(&padded, max.into()));
+        }
+    }
+
+    /// Also far from the origin, where coordinates are rounded.
+    #[test]
+    fn parts_of_any_slender_triangle_hold_it() {
+        let mut state = 1_u32;
+        let mut coordinate = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut split_count = 0;
+        for round in 0..20_000_u16 {
+            let [edge_u, apart] = [(); 2].map(|()| vec3(coordinate(), coordinate(), coordinate()));
+            let edge_v = edge_u + 0.2 * apart;
+            let origin = f32::from(round) * vec3(1.0, -0.3, 0.01);
+            let large = Primitive { origin, edge_u, edge_v, ..primitive(PrimitiveShape::Triangle, None, 1.0) };
+            let grown = Boxes::new(&among_small_ones(large), BOX_MARGIN * f32::from(round).max(2.0));
+            split_count += usize::from(grown.boxes.len() > 100);
+            let point = origin + 0.5 * (coordinate() + 1.0) * edge_u.lerp(edge_v, 0.5 * (coordinate() + 1.0));
+            assert!(parts(&grown, 50).iter().any(|part| holds(part, point.into())), "{large:?} at {point}");
+        }
+        assert!(split_count > 1000, "{split_count}");
+    }
+}

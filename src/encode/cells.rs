@@ -1,0 +1,239 @@
+//! The cells that a guide learns for: those places of a regular grid over the scene that hold surfaces, and the larger cells,
+//! each of up to two by two by two, that they fall back on while they have learned little. Knows nothing of the device.
+
+mod occupancy;
+
+use std::ops::Range;
+
+use glam::{UVec3, Vec3, uvec3};
+
+use crate::encode::bvh::Bvh;
+use crate::generated::constants;
+use occupancy::occupied_places;
+
+/// Places along the longest side of the scene that are tried.
+const LONGEST_SIDES: [u32; 19] = [4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 21, 24, 28, 32, 38, 44, 52, 64];
+/// Thinnest extent of the scene along an axis, relative to its largest coordinate.
+const THINNEST: f32 = 1.0e-6;
+
+/// A regular grid over a box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Lower corner, world space.
+    pub origin: Vec3,
+    /// Places along each axis over the box's extent there.
+    pub per_unit: Vec3,
+    /// Places along each axis.
+    pub size: UVec3,
+}
+
+impl Grid {
+    /// A grid of that many places over the scene's box.
+    pub fn new(bvh: &Bvh, size: UVec3) -> Self {
+        Self { origin: bvh.bounds.0, per_unit: size.as_vec3() / extent(bvh), size }
+    }
+
+    /// Where a point is, in places from the lower corner.
+    fn coordinates(&self, position: Vec3) -> Vec3 {
+        (position - self.origin) * self.per_unit
+    }
+
+    /// The place of such coordinates, the nearest one for those outside.
+    fn clamped(&self, coordinates: Vec3) -> UVec3 {
+        coordinates.clamp(Vec3::ZERO, self.size.as_vec3() - 0.5).as_uvec3()
+    }
+
+    /// A place's number, the x-axis first.
+    fn index(&self, place: UVec3) -> usize {
+        ((place.z * self.size.y + place.y) * self.size.x + place.x) as usize
+    }
+
+    fn place_count(&self) -> usize {
+        self.size.element_product() as usize
+    }
+
+    /// All places within these bounds, both included.
+    fn places(from: UVec3, to: UVec3) -> impl Iterator<Item = UVec3> {
+        (from.z..=to.z)
+            .flat_map(move |z| (from.y..=to.y).flat_map(move |y| (from.x..=to.x).map(move |x| uvec3(x, y, z))))
+    }
+}
+
+/// Extents of the scene's box, none of them zero.
+fn extent(bvh: &Bvh) -> Vec3 {
+    (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * THINNEST))
+}
+
+/// The cells of a scene, in an order that keeps neighbors together (Morton 1966): those that hold surfaces first, then the
+/// cells that these are part of, level by level, the one that is all of the scene last.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cells {
+    /// Where they lie.
+    pub grid: Grid,
+    /// The table that `glsl/include/guide/grid/cells.glsl` reads: the cell of every place, which is the next cell where a place
+    /// holds no surface; the parent of every cell, `NONE` for the last; and of every parent, and of one
+    /// beyond the last, the first of its cells.
+    pub table: Vec<u32>,
+    levels: Vec<Range<u32>>,
+}
+
+impl Cells {
+    /// The cells of a grid of that many places over a scene.
+    pub fn new(bvh: &Bvh, size: UVec3) -> Self {
+        let grid = Grid::new(bvh, size);
+        let is_occupied = occupied_places(bvh, &grid);
+        Self::of_places(grid, &is_occupied)
+    }
+
+    /// The finest cells that `fits` accepts, as near to cubes as the scene's box allows: of sizes that grow by about a sixth.
+    pub fn fitting(bvh: &Bvh, fits: impl Fn(&Self) -> bool) -> Self {
+        let extent = extent(bvh);
+        let of_longest = |longest: u32| {
+            let size = extent / extent.max_element() * longest as f32;
+            Self::new(bvh, size.map(|places| (places - 0.01).ceil().max(1.0)).as_uvec3())
+        };
+        let first_too_fine = LONGEST_SIDES.partition_point(|&longest| fits(&of_longest(longest)));
+        of_longest(LONGEST_SIDES[first_too_fine.saturating_sub(1)])
+    }
+
+    /// No cells, where nothing is learned.
+    pub fn none(bvh: &Bvh) -> Self {
+        Self { grid: Grid::new(bvh, UVec3::ONE), table: Vec::new(), levels: Vec::new() }
+    }
+
+    fn of_places(grid: Grid, is_occupied: &[bool]) -> Self {
+        let mut keys: Vec<u64> = Grid::places(UVec3::ZERO, grid.size - 1)
+            .filter(|&place| is_occupied[grid.index(place)])
+            .map(morton_key)
+            .collect();
+        if keys.is_empty() {
+            keys.push(0);
+        }
+        keys.sort_unstable();
+        let places = Grid::places(UVec3::ZERO, grid.size - 1).map(|place| cell_or_next(&keys, morton_key(place)));
+        let mut table: Vec<u32> = places.collect();
+        let (parents, first_children, levels) = ancestry(keys);
+        table.extend(parents);
+        table.extend(first_children);
+        Self { grid, table, levels }
+    }
+
+    /// Cells that hold surfaces.
+    pub fn count(&self) -> u32 {
+        self.levels.first().map_or(0, |level| level.end)
+    }
+
+    /// These and the larger ones that they are part of.
+    pub fn all_count(&self) -> u32 {
+        self.levels.last().map_or(0, |level| level.end)
+    }
+
+    /// The larger cells, level by level: every level's are part of the next one's.
+    pub fn parent_levels(&self) -> &[Range<u32>] {
+        self.levels.get(1..).unwrap_or_default()
+    }
+
+    /// `grid_cell` of `glsl/include/guide/grid/cells.glsl`: the cell of a point of a surface.
+    pub fn cell_of(&self, position: Vec3) -> usize {
+        let place = self.grid.clamped(self.grid.coordinates(position));
+        self.table.get(self.grid.index(place)).map_or(0, |&cell| cell as usize)
+    }
+}
+
+/// The cell of that key, else the next one.
+fn cell_or_next(keys: &[u64], key: u64) -> u32 {
+    let (Ok(cell) | Err(cell)) = keys.binary_search(&key);
+    cell.min(keys.len() - 1) as u32
+}
+
+/// The parent of every cell, the first cell of every parent, and the ranges of the levels. The parent of a key is an eighth
+/// of it.
+fn ancestry(mut keys: Vec<u64>) -> (Vec<u32>, Vec<u32>, Vec<Range<u32>>) {
+    let (mut parents, mut first_children, mut levels) = (Vec::new(), Vec::new(), Vec::new());
+    let mut first = 0;
+    while keys.len() > 1 {
+        let end = first + keys.len() as u32;
+        levels.push(first..end);
+        let mut of_parents: Vec<u64> = Vec::new();
+        for (cell, key) in (first..).zip(&keys) {
+            if of_parents.last() != Some(&(key >> 3)) {
+                of_parents.push(key >> 3);
+                first_children.push(cell);
+            }
+            parents.push(end + of_parents.len() as u32 - 1);
+        }
+        (keys, first) = (of_parents, end);
+    }
+    levels.push(first..first + 1);
+    parents.push(constants::NONE);
+    first_children.push(first);
+    (parents, first_children, levels)
+}
+
+/// The bits of the three coordinates in turn.
+fn morton_key(place: UVec3) -> u64 {
+    let spread = |x: u32| (0..21).fold(0, |key, bit| key | u64::from(x >> bit & 1) << (3 * bit));
+    spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(size: UVec3) -> Grid {
+        Grid { origin: Vec3::ZERO, per_unit: Vec3::ONE, size }
+    }
+
+    /// Some places of a grid whose sides are no powers of two.
+    fn some() -> (Grid, Vec<bool>, Cells) {
+        let grid = grid(uvec3(5, 3, 6));
+        let is_occupied: Vec<bool> = (0..grid.place_count()).map(|i| i * 7 % 11 < 4).collect();
+        let cells = Cells::of_places(grid, &is_occupied);
+        (grid, is_occupied, cells)
+    }
+
+    #[test]
+    fn every_place_that_holds_a_surface_has_a_cell_of_its_own() {
+        let (grid, is_occupied, cells) = some();
+        let mut seen = vec![false; cells.count() as usize];
+        for place in Grid::places(UVec3::ZERO, grid.size - 1) {
+            let cell = cells.table[grid.index(place)] as usize;
+            assert_eq!(cells.cell_of(place.as_vec3() + 0.5), cell);
+            assert!(!is_occupied[grid.index(place)] || !std::mem::replace(&mut seen[cell], true));
+        }
+        assert!(seen.iter().all(|&seen| seen));
+    }
+
+    #[test]
+    fn parents_hold_two_places_along_each_axis() {
+        let (grid, is_occupied, cells) = some();
+        let parents = &cells.table[grid.place_count()..][..cells.all_count() as usize];
+        let first_children = &cells.table[grid.place_count() + cells.all_count() as usize..];
+        let shared = |a: UVec3, b: UVec3| {
+            if [a, b].iter().any(|&place| !is_occupied[grid.index(place)]) {
+                return;
+            }
+            let mut pair = [a, b].map(|place| cells.table[grid.index(place)]);
+            for level in 1..4_u32 {
+                pair = pair.map(|cell| parents[cell as usize]);
+                assert_eq!(pair[0] == pair[1], a >> level == b >> level, "{a} {b} {level}");
+                assert!(pair.iter().all(|cell| cells.parent_levels()[level as usize - 1].contains(cell)));
+            }
+            assert_eq!(parents[pair[0] as usize], constants::NONE);
+        };
+        for a in Grid::places(UVec3::ZERO, grid.size - 1) {
+            Grid::places(UVec3::ZERO, grid.size - 1).for_each(|b| shared(a, b));
+        }
+        for (parent, children) in (cells.count()..).zip(first_children.windows(2)) {
+            assert!(children[0] < children[1] && children[1] - children[0] <= 8);
+            assert!((children[0]..children[1]).all(|child| parents[child as usize] == parent));
+        }
+    }
+
+    #[test]
+    fn a_scene_without_surfaces_has_one_cell() {
+        let cells = Cells::of_places(grid(UVec3::splat(4)), &[false; 64]);
+        assert_eq!((cells.count(), cells.all_count(), cells.parent_levels().len()), (1, 1, 0));
+        assert_eq!(cells.cell_of(Vec3::splat(9.0)), 0);
+    }
+}

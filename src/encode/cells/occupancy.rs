@@ -1,0 +1,139 @@
+//! Which places of a grid hold surfaces.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{UVec3, Vec3};
+use rayon::prelude::*;
+
+use super::Grid;
+use crate::encode::bvh::Bvh;
+use crate::generated::constants;
+use crate::generated::layout::PrimitiveRecord;
+
+/// A place reaches this much further than it does, in places: further than the rounding of a point takes it.
+const MARGIN: f32 = 1.0e-3;
+
+/// For every place whether a surface may touch it. No place that one does touch is left out.
+pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
+    let occupied: Vec<_> = (0..grid.place_count()).map(|_| AtomicBool::new(false)).collect();
+    bvh.primitives.par_iter().for_each(|primitive| {
+        for_touched(grid, primitive, |place| occupied[grid.index(place)].store(true, Ordering::Relaxed));
+    });
+    occupied.into_iter().map(AtomicBool::into_inner).collect()
+}
+
+/// Calls `touch` with every place that the primitive may touch.
+fn for_touched(grid: &Grid, primitive: &PrimitiveRecord, mut touch: impl FnMut(UVec3)) {
+    let shape = Shape::new(grid, primitive);
+    let (min, max) = shape.bounds();
+    let [from, to] = [min - MARGIN, max + MARGIN].map(|corner| grid.clamped(corner));
+    Grid::places(from, to).filter(|&place| shape.touches(place)).for_each(&mut touch);
+}
+
+/// A primitive in the grid's coordinates, where places are unit cubes.
+enum Shape {
+    /// Corners, and a plane: normal and where it lies along that.
+    Flat { min: Vec3, max: Vec3, normal: Vec3, offset: f32 },
+    /// Center, and the places per unit of length times the radius.
+    Ellipsoid { center: Vec3, radii: Vec3 },
+}
+
+impl Shape {
+    fn new(grid: &Grid, p: &PrimitiveRecord) -> Self {
+        let origin = grid.coordinates(p.origin.into());
+        let [u, v] = [p.edge_u, p.edge_v].map(|edge| Vec3::from(edge) * grid.per_unit);
+        let corners = match p.flags & constants::PRIMITIVE_SHAPE_MASK {
+            constants::SHAPE_SPHERE => {
+                return Self::Ellipsoid { center: origin, radii: p.edge_tolerance * grid.per_unit };
+            }
+            constants::SHAPE_TRIANGLE => [origin, origin + u, origin + v, origin],
+            _ => [origin - u - v, origin - u + v, origin + u - v, origin + u + v],
+        };
+        let [min, max] = [corners.iter().copied().reduce(Vec3::min), corners.iter().copied().reduce(Vec3::max)]
+            .map(|corner| corner.unwrap_or(origin));
+        let normal = u.cross(v).normalize_or_zero();
+        Self::Flat { min, max, normal, offset: normal.dot(origin) }
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        match *self {
+            Self::Flat { min, max, .. } => (min, max),
+            Self::Ellipsoid { center, radii } => (center - radii, center + radii),
+        }
+    }
+
+    /// Whether the shape may touch the place, of those within its bounds. The outermost places take what lies outside.
+    fn touches(&self, place: UVec3) -> bool {
+        let half = Vec3::splat(0.5 + MARGIN);
+        let middle = place.as_vec3() + 0.5;
+        match *self {
+            Self::Flat { normal, offset, .. } => (normal.dot(middle) - offset).abs() <= normal.abs().dot(half) + MARGIN,
+            Self::Ellipsoid { center, radii } => {
+                let away = (middle - center).abs();
+                let [nearest, farthest] = [(away - half).max(Vec3::ZERO), away + half];
+                (nearest / radii).length_squared() <= 1.0 && (farthest / radii).length_squared() >= 1.0
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Primitive, PrimitiveShape};
+    use glam::{Vec2, vec3};
+
+    fn bvh(shape: PrimitiveShape, edges: [Vec3; 2]) -> Bvh {
+        let [edge_u, edge_v] = edges;
+        let primitive = Primitive {
+            shape,
+            origin: vec3(0.1, -0.2, 0.3),
+            edge_u,
+            edge_v,
+            normals: None,
+            uvs: [Vec2::ZERO; 3],
+            flip_normal: false,
+            material: 0,
+            emitter: None,
+        };
+        Bvh::build(&[primitive])
+    }
+
+    /// Points all over a primitive, by two numbers in [0, 1].
+    fn point(shape: PrimitiveShape, [u, v]: [Vec3; 2], [a, b]: [f32; 2]) -> Vec3 {
+        let origin = vec3(0.1, -0.2, 0.3);
+        let turn = std::f32::consts::TAU * b;
+        match shape {
+            PrimitiveShape::Triangle if a + b > 1.0 => origin + (1.0 - a) * u + (1.0 - b) * v,
+            PrimitiveShape::Triangle => origin + a * u + b * v,
+            PrimitiveShape::Parallelogram => origin + (2.0 * a - 1.0) * u + (2.0 * b - 1.0) * v,
+            PrimitiveShape::Disk => origin + a * (turn.cos() * u + turn.sin() * v),
+            PrimitiveShape::Sphere => {
+                let height = 2.0 * a - 1.0;
+                let around = (1.0 - height * height).max(0.0).sqrt();
+                origin + u.length() * vec3(around * turn.cos(), around * turn.sin(), height)
+            }
+        }
+    }
+
+    #[test]
+    fn every_place_of_a_surface_is_occupied_and_few_others() {
+        for shape in
+            [PrimitiveShape::Triangle, PrimitiveShape::Parallelogram, PrimitiveShape::Disk, PrimitiveShape::Sphere]
+        {
+            let edges = [vec3(3.0, 0.5, -0.7), vec3(0.2, 1.4, 0.9)];
+            let bvh = bvh(shape, edges);
+            let grid = Grid::new(&bvh, UVec3::new(9, 16, 7));
+            let occupied = occupied_places(&bvh, &grid);
+            let mut touched = vec![false; occupied.len()];
+            for i in 0..400 * 400 {
+                let at = [i % 400, i / 400].map(|i| i as f32 / 399.0);
+                let place = grid.clamped(grid.coordinates(point(shape, edges, at)));
+                touched[grid.index(place)] = true;
+            }
+            assert!(occupied.iter().zip(&touched).all(|(&occupied, &touched)| occupied || !touched), "{shape:?}");
+            let [occupied, touched] = [occupied, touched].map(|places| places.into_iter().filter(|&p| p).count());
+            assert!(occupied <= 2 * touched, "{shape:?}: {occupied} places for {touched}");
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! What emitter sampling draws from: every light of a scene with a probability in proportion to its power. CPU only; the
+//! kernels read it as texels (`glsl/include/light/light.glsl`, `glsl/include/light/environment.glsl`).
+
+mod alias_table;
+mod environment_table;
+mod textured;
+
+use std::f64::consts::PI;
+
+use glam::{Mat3, Vec3};
+use rayon::prelude::*;
+
+pub use alias_table::{AliasEntry, alias_table};
+pub use environment_table::{EnvironmentMap, EnvironmentTable};
+
+use crate::encode::bvh::Bvh;
+use crate::encode::textures::halves;
+use crate::generated::constants;
+use crate::generated::layout::{
+    AttributeRecord, DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants, TEXEL_BYTES,
+};
+use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene, Textured};
+use textured::{brightness, points_for};
+
+/// Texels of a [`DeltaLightRecord`].
+const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / TEXEL_BYTES;
+
+/// A scene's lights and what they emit.
+pub struct Lights {
+    emitters: Vec<EmitterRecord>,
+    lights: Vec<LightRecord>,
+    delta_lights: Vec<DeltaLightRecord>,
+    environment: Option<EnvironmentLight>,
+    total_power: f64,
+    brightest: f32,
+}
+
+/// An environment as the kernels know it.
+struct EnvironmentLight {
+    /// Radiance, or factor of the map.
+    radiance: Vec3,
+    map: Option<(EnvironmentMap, EnvironmentTable)>,
+    local_from_world: Mat3,
+    light: u32,
+}
+
+/// A light before its probability is known.
+struct Candidate {
+    kind: u32,
+    index: u32,
+    power: f64,
+}
+
+impl Lights {
+    /// Of a scene whose hierarchy is `bvh`: every emitting primitive in the order of the leaves, then delta lights, then the
+    /// environment.
+    pub fn new(scene: &Scene, bvh: &Bvh) -> Self {
+        let radius = 0.5 * f64::from((bvh.bounds.1 - bvh.bounds.0).length());
+        let mut candidates = area_candidates(scene, bvh);
+        // Their texels come after those of the emitters and of the lights.
+        let light_count = candidates.len() + scene.delta_emitters.len() + usize::from(scene.environment.is_some());
+        let first_delta = scene.emitters.len() + light_count;
+        candidates.extend(scene.delta_emitters.iter().enumerate().map(|(i, emitter)| Candidate {
+            kind: delta_light_kind(emitter),
+            index: (first_delta + i * DELTA_TEXELS) as u32,
+            power: delta_power(emitter, radius) * f64::from(emitter.sampling_weight),
+        }));
+        let environment =
+            scene.environment.map(|environment| EnvironmentLight::new(&environment, scene, candidates.len() as u32));
+        if let (Some(light), Some(environment)) = (&environment, &scene.environment) {
+            let power = light.flux() * PI * radius * radius * f64::from(environment.sampling_weight);
+            candidates.push(Candidate { kind: constants::LIGHT_ENVIRONMENT, index: 0, power });
+        }
+        Self {
+            emitters: scene.emitters.iter().map(emitter_record).collect(),
+            total_power: candidates.iter().map(|candidate| candidate.power).sum(),
+            lights: light_records(&candidates),
+            delta_lights: scene.delta_emitters.iter().map(|emitter| delta_record(&emitter.kind)).collect(),
+            brightest: brightest(scene, radius, environment.as_ref()),
+            environment,
+        }
+    }
+
+    /// Whether no light is ever drawn.
+    pub fn is_empty(&self) -> bool {
+        self.total_power <= 0.0
+    }
+
+    /// Bit `1 << kind` for every kind of light.
+    pub fn kinds(&self) -> u32 {
+        self.lights.iter().fold(0, |bits, light| bits | 1 << (light.kind_and_index >> constants::LIGHT_KIND_SHIFT))
+    }
+
+    /// `ENVIRONMENT_*`
+    pub fn environment_kind(&self) -> u32 {
+        match &self.environment {
+            None => constants::ENVIRONMENT_NONE,
+            Some(EnvironmentLight { map: None, .. }) => constants::ENVIRONMENT_CONSTANT,
+            Some(EnvironmentLight { map: Some(_), .. }) => constants::ENVIRONMENT_MAP,
+        }
+    }
+
+    /// The largest radiance of RGB's mean that may arrive anywhere; of delta lights, what a white surface at a sixteenth of
+    /// the scene's radius reflects of them.
+    pub fn brightest(&self) -> f32 {
+        self.brightest
+    }
+
+    /// The buffer that the kernels read: emitters, lights, delta lights, then the table and the map of the environment.
+    pub fn texels(&self) -> Vec<[u32; 4]> {
+        let mut texels: Vec<[u32; 4]> = Vec::with_capacity(self.texel_count());
+        texels.extend_from_slice(bytemuck::cast_slice(&self.emitters));
+        texels.extend_from_slice(bytemuck::cast_slice(&self.lights));
+        texels.extend_from_slice(bytemuck::cast_slice(&self.delta_lights));
+        if let Some((map, table)) = self.environment.as_ref().and_then(|environment| environment.map.as_ref()) {
+            let entry = |e: &AliasEntry| [e.threshold, e.alias, 0, e.probability.to_bits()];
+            texels.extend(table.entries.iter().map(entry));
+            texels.extend(map_texels(map));
+        }
+        texels
+    }
+
+    /// Their number.
+    pub fn texel_count(&self) -> usize {
+        let map = self.environment.as_ref().and_then(|environment| environment.map.as_ref());
+        let of_map = map.map_or(0, |(map, table)| map.texels.len().div_ceil(2) + table.entries.len());
+        self.first_block() + of_map
+    }
+
+    /// Where the environment's table begins.
+    fn first_block(&self) -> usize {
+        self.emitters.len() + self.lights.len() + self.delta_lights.len() * DELTA_TEXELS
+    }
+
+    /// Sets what the kernels need to know about the lights.
+    pub fn write_constants(&self, constants: &mut SceneConstants) {
+        constants.light_count = self.lights.len() as u32;
+        constants.first_light = self.emitters.len() as u32;
+        constants.environment_light = constants::NONE;
+        let Some(environment) = &self.environment else { return };
+        let first_block = self.first_block();
+        constants.environment = (environment.radiance * environment.unit()).into();
+        constants.environment_light = environment.light;
+        constants.environment_from_world = [0, 1, 2].map(|i| environment.local_from_world.row(i).extend(0.0).into());
+        if let Some((map, table)) = &environment.map {
+            constants.environment_size = [map.width as u32, map.height as u32];
+            constants.environment_blocks = [table.columns as u32, table.rows as u32];
+            constants.first_environment_block = first_block as u32;
+            constants.first_environment_texel = (first_block + table.entries.len()) as u32;
+        }
+    }
+}
+
+impl EnvironmentLight {
+    fn new(environment: &Environment, scene: &Scene, light: u32) -> Self {
+        match environment.kind {
+            EnvironmentKind::Constant { radiance } => {
+                Self { radiance, map: None, local_from_world: Mat3::IDENTITY, light }
+            }
+            EnvironmentKind::Map { image, scale, to_world } => {
+                let image = &scene.images[image as usize];
+                let map = EnvironmentMap::new(image);
+                let table = EnvironmentTable::new(&map);
+                let local_from_world = to_world.transpose();
+                Self { radiance: Vec3::splat(scale), map: Some((map, table)), local_from_world, light }
+            }
+        }
+    }
+
+    /// What the texels of its map count in.
+    fn unit(&self) -> f32 {
+        self.map.as_ref().map_or(1.0, |(map, _)| map_unit(map))
+    }
+
+    /// Integral of its mean radiance over all directions, W/m^2.
+    fn flux(&self) -> f64 {
+        let over_sphere = self.map.as_ref().map_or(4.0 * PI, |(_, table)| table.flux);
+        mean_rgb(self.radiance) * over_sphere
+    }
+
+    fn brightest(&self) -> f64 {
+        let brightest_texel = self.map.as_ref().map_or(1.0, |(map, _)| map.brightest_texel());
+        mean_rgb(self.radiance) * brightest_texel
+    }
+}
+
+fn map_unit(map: &EnvironmentMap) -> f32 {
+    halves::scale(map.texels.iter().map(|texel| texel.max_element()))
+}
+
+/// A map as halves, of which a texel of the buffer holds eight: red, green, blue and nothing, twice.
+fn map_texels(map: &EnvironmentMap) -> Vec<[u32; 4]> {
+    let unit = map_unit(map);
+    let pair = |pair: &[Vec3]| {
+        let [first, second] = [0, 1].map(|i| pair.get(i).map_or([0; 2], |t| halves::words(t.extend(0.0).into(), unit)));
+        [first[0], first[1], second[0], second[1]]
+    };
+    map.texels.par_chunks(2).map(pair).collect()
+}
+
+fn brightest(scene: &Scene, scene_radius: f64, environment: Option<&EnvironmentLight>) -> f32 {
+    let near = (scene_radius / 16.0).max(1.0e-18);
+    let emitters = scene.emitters.iter().map(|emitter| {
+        let texture = emitter.radiance.texture.map(|texture| scene.textures[texture as usize].maximum(&scene.images));
+        mean_rgb(emitter.radiance.value * texture.unwrap_or(Vec3::ONE))
+    });
+    let delta_emitters = scene.delta_emitters.iter().map(|emitter| match emitter.kind {
+        DeltaKind::Directional { irradiance, .. } => mean_rgb(irradiance) / PI,
+        DeltaKind::Point { intensity, .. } | DeltaKind::Spot { intensity, .. } => {
+            mean_rgb(intensity) / (near * near * PI)
+        }
+    });
+    let environment = environment.map(EnvironmentLight::brightest);
+    emitters.chain(delta_emitters).chain(environment).fold(0.0, f64::max) as f32
+}
+
+fn mean_rgb(color: Vec3) -> f64 {
+    f64::from(color.element_sum()) / 3.0
+}
+
+fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
+    let emitting = (0_u32..).zip(&bvh.attributes).filter(|(_, attributes)| attributes.light != constants::NONE);
+    let emitting: Vec<_> = emitting.collect();
+    let has_texture =
+        |attributes: &AttributeRecord| scene.emitters[attributes.emitter as usize].radiance.texture.is_some();
+    let points = points_for(emitting.iter().filter(|(_, attributes)| has_texture(attributes)).count());
+    let candidate = |&(index, attributes): &(u32, &AttributeRecord)| {
+        let emitter = &scene.emitters[attributes.emitter as usize];
+        let primitive = &bvh.primitives[index as usize];
+        let of_texture =
+            |texture: u32| brightness(&scene.textures[texture as usize], &scene.images, primitive, attributes, points);
+        let radiance = mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
+        let power = area(primitive) * PI * radiance * f64::from(emitter.sampling_weight);
+        Candidate { kind: constants::LIGHT_AREA, index, power }
+    };
+    emitting.par_iter().map(candidate).collect()
+}
+
+/// Area of a primitive.
+fn area(primitive: &PrimitiveRecord) -> f64 {
+    let [edge_u, edge_v] = [primitive.edge_u, primitive.edge_v].map(|edge| Vec3::from(edge).as_dvec3());
+    let spanned = edge_u.cross(edge_v).length();
+    match primitive.flags & constants::PRIMITIVE_SHAPE_MASK {
+        constants::SHAPE_TRIANGLE => 0.5 * spanned,
+        constants::SHAPE_PARALLELOGRAM => 4.0 * spanned,
+        constants::SHAPE_DISK => PI * spanned,
+        _ => 4.0 * PI * edge_u.length_squared(),
+    }
+}
+
+fn light_records(candidates: &[Candidate]) -> Vec<LightRecord> {
+    let powers: Vec<f64> = candidates.iter().map(|candidate| candidate.power).collect();
+    let record = |(candidate, entry): (&Candidate, AliasEntry)| LightRecord {
+        threshold: entry.threshold,
+        alias: entry.alias,
+        kind_and_index: candidate.kind << constants::LIGHT_KIND_SHIFT | candidate.index,
+        probability: entry.probability,
+    };
+    candidates.iter().zip(alias_table(&powers)).map(record).collect()
+}
+
+fn emitter_record(emitter: &AreaEmitter) -> EmitterRecord {
+    let Textured { value, texture } = emitter.radiance;
+    EmitterRecord { radiance: value.into(), texture_index: texture.unwrap_or(constants::NONE) }
+}
+
+fn delta_light_kind(emitter: &DeltaEmitter) -> u32 {
+    match emitter.kind {
+        DeltaKind::Point { .. } => constants::LIGHT_POINT,
+        DeltaKind::Spot { .. } => constants::LIGHT_SPOT,
+        DeltaKind::Directional { .. } => constants::LIGHT_DIRECTIONAL,
+    }
+}
+
+/// Power in W; of a directional light what meets the disk that the scene's sphere casts its shadow on.
+fn delta_power(emitter: &DeltaEmitter, scene_radius: f64) -> f64 {
+    match emitter.kind {
+        DeltaKind::Point { intensity, .. } => 4.0 * PI * mean_rgb(intensity),
+        DeltaKind::Spot { intensity, cutoff_angle, beam_width, .. } => {
+            let mean_angle = 0.5 * f64::from(cutoff_angle + beam_width.min(cutoff_angle));
+            2.0 * PI * (1.0 - mean_angle.cos()) * mean_rgb(intensity)
+        }
+        DeltaKind::Directional { irradiance, .. } => PI * scene_radius * scene_radius * mean_rgb(irradiance),
+    }
+}
+
+fn delta_record(kind: &DeltaKind) -> DeltaLightRecord {
+    let zero = DeltaLightRecord { ..bytemuck::Zeroable::zeroed() };
+    match *kind {
+        DeltaKind::Point { position, intensity } => {
+            DeltaLightRecord { position: position.into(), intensity: intensity.into(), ..zero }
+        }
+        DeltaKind::Spot { position, direction, intensity, cutoff_angle, beam_width } => DeltaLightRecord {
+            position: position.into(),
+            cos_cutoff: cutoff_angle.cos(),
+            direction: direction.into(),
+            cutoff_angle,
+            intensity: intensity.into(),
+            // Where there is no transition, the intensity falls at once.
+            falloff: 1.0 / (cutoff_angle - beam_width).max(1.0e-20),
+        },
+        DeltaKind::Directional { direction, irradiance } => {
+            DeltaLightRecord { direction: direction.into(), intensity: irradiance.into(), ..zero }
+        }
+    }
+}

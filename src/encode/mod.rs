@@ -1,0 +1,11 @@
+//! From a [`Scene`](crate::scene::Scene) to the words that kernels read. CPU only: no Vulkan, no `unsafe`.
+
+pub mod bvh;
+pub mod cells;
+pub mod cosine_integrals;
+pub mod cosine_trees;
+pub mod lights;
+pub(crate) mod materials;
+pub mod plastic_layer;
+pub(crate) mod plastics;
+pub mod textures;

@@ -1,0 +1,81 @@
+//! What the records of plastics hold besides their scene's parameters: constants of their layers, and tables of words.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+
+use crate::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
+use crate::generated::layout::MaterialRecord;
+use crate::reference::microfacet::Microfacets;
+use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind};
+use crate::scene::{Scene, Textured};
+
+/// Places among [`MaterialRecord::scalars`]; see `bsdf/parameters.glsl`.
+const INTERNAL_REFLECTANCE: usize = 4;
+const SPECULAR_SAMPLING: usize = 5;
+const TRANSMITTANCE_TABLE: usize = 6;
+
+/// Completes the records of a scene's plastics. Returns the words of their tables, which have addresses from 0 on.
+pub(crate) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32> {
+    let mut tables = Tables::default();
+    for (material, record) in scene.materials.iter().zip(records) {
+        complete_record(scene, material, record, &mut tables);
+    }
+    tables.words
+}
+
+fn complete_record(scene: &Scene, material: &Material, record: &mut MaterialRecord, tables: &mut Tables) {
+    let MaterialKind::Surface(surface) = &material.kind else { return };
+    match &surface.bsdf {
+        Bsdf::Plastic { eta, diffuse_reflectance, specular_reflectance, .. } => {
+            record.scalars[INTERNAL_REFLECTANCE] = fresnel_diffuse_reflectance(1.0 / f64::from(*eta)) as f32;
+            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+        }
+        Bsdf::RoughPlastic { distribution, alpha, eta, diffuse_reflectance, specular_reflectance, .. } => {
+            let table = tables.of(*distribution, *alpha, *eta);
+            record.scalars[INTERNAL_REFLECTANCE] = table.internal_reflectance;
+            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            // A whole number: words of tables come first in their buffer, so there are far fewer than 2^24.
+            record.scalars[TRANSMITTANCE_TABLE] = table.address as f32;
+        }
+        _ => {}
+    }
+}
+
+/// Tables so far; equal layers share theirs.
+#[derive(Default)]
+struct Tables {
+    words: Vec<u32>,
+    known: HashMap<(bool, u32, u32), Table>,
+}
+
+#[derive(Clone, Copy)]
+struct Table {
+    address: u32,
+    internal_reflectance: f32,
+}
+
+impl Tables {
+    fn of(&mut self, distribution: Distribution, alpha: f32, eta: f32) -> Table {
+        let is_ggx = distribution == Distribution::Ggx;
+        let words = &mut self.words;
+        let add = || {
+            let layer = RoughLayer::new(&Microfacets::new([f64::from(alpha); 2], is_ggx), f64::from(eta));
+            let address = words.len() as u32;
+            words.extend(layer.words());
+            Table { address, internal_reflectance: layer.internal_reflectance as f32 }
+        };
+        *self.known.entry((is_ggx, alpha.to_bits(), eta.to_bits())).or_insert_with(add)
+    }
+}
+
+/// Share of the specular lobe's mean albedo in both lobes'.
+fn specular_sampling(scene: &Scene, specular: &Textured<Vec3>, diffuse: &Textured<Vec3>) -> f32 {
+    let (specular, diffuse) = (mean(scene, specular), mean(scene, diffuse));
+    if specular + diffuse > 0.0 { specular / (specular + diffuse) } else { 0.0 }
+}
+
+fn mean(scene: &Scene, textured: &Textured<Vec3>) -> f32 {
+    let factor = textured.texture.map_or(Vec3::ONE, |texture| scene.textures[texture as usize].mean(&scene.images));
+    (textured.value * factor).element_sum() / 3.0
+}

@@ -1,0 +1,35 @@
+//! Textures as the kernels read them (`glsl/include/texture/textures.glsl`): a record each, and the words of their images, together
+//! with the tables that materials refer to. CPU only.
+
+pub(crate) mod halves;
+mod records;
+mod words;
+
+use crate::generated::layout::{TEXEL_BYTES, TextureRecord};
+use crate::scene::texture::{Image, Texture};
+
+pub use words::TexelWords;
+
+/// All textures of a scene.
+pub struct PackedTextures {
+    /// One of each texture.
+    pub records: Vec<TextureRecord>,
+    /// Words that records and materials refer to.
+    pub words: TexelWords,
+    /// `TEXTURE_*` bits of all textures.
+    pub kinds: u32,
+}
+
+impl PackedTextures {
+    /// `tables` are words that come first; images that no texture shows are left out.
+    pub fn new(textures: &[Texture], images: &[Image], tables: Vec<u32>) -> Self {
+        let words = TexelWords::new(tables, images, &records::used_images(textures, images));
+        Self { records: records::records(textures, images, &words), words, kinds: records::kinds(textures, images) }
+    }
+
+    /// Texels of the largest buffer.
+    pub fn longest(&self) -> u64 {
+        let records = size_of_val(&self.records[..]) / TEXEL_BYTES;
+        self.words.longest_page().max(records) as u64
+    }
+}

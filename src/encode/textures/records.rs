@@ -1,0 +1,89 @@
+//! The records of textures: `TextureRecord`.
+
+use super::halves;
+use super::words::TexelWords;
+use crate::generated::constants;
+use crate::generated::layout::TextureRecord;
+use crate::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
+
+/// Which images a texture shows; others belong to an environment.
+pub(super) fn used_images(textures: &[Texture], images: &[Image]) -> Vec<bool> {
+    let mut used = vec![false; images.len()];
+    for texture in textures {
+        if let Pattern::Bitmap { image, .. } = texture.pattern {
+            used[image as usize] = true;
+        }
+    }
+    used
+}
+
+/// `TEXTURE_*` bits of all textures.
+pub(super) fn kinds(textures: &[Texture], images: &[Image]) -> u32 {
+    textures.iter().fold(0, |bits, texture| bits | kind(texture, images))
+}
+
+/// The record of every texture.
+pub(super) fn records(textures: &[Texture], images: &[Image], words: &TexelWords) -> Vec<TextureRecord> {
+    textures.iter().map(|texture| record(texture, images, words)).collect()
+}
+
+fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRecord {
+    let [u, v, w] = texture.to_uv.to_cols_array_2d();
+    let plain = TextureRecord {
+        kind: kind(texture, images),
+        // Of a checkerboard, too, for it is fetched with the rest.
+        size: [1; 2],
+        u_row: [u[0], v[0], w[0]],
+        v_row: [u[1], v[1], w[1]],
+        scale: 1.0,
+        ..bytemuck::Zeroable::zeroed()
+    };
+    match texture.pattern {
+        Pattern::Bitmap { image, .. } => {
+            let address = words.address(image).unwrap_or(0);
+            let image = &images[image as usize];
+            let scale = match &image.texels {
+                Texels::Bytes { .. } => 1.0,
+                Texels::Floats(data) => halves::scale(data.iter().flatten().copied()),
+            };
+            TextureRecord { address, size: [image.width, image.height], scale, ..plain }
+        }
+        Pattern::Checkerboard { color0, color1 } => {
+            TextureRecord { colors: [color0, color1].map(|color| color.extend(1.0).into()), ..plain }
+        }
+    }
+}
+
+fn kind(texture: &Texture, images: &[Image]) -> u32 {
+    let transformed = if texture.to_uv == glam::Mat3::IDENTITY { 0 } else { constants::TEXTURE_TRANSFORMED };
+    transformed
+        | match texture.pattern {
+            Pattern::Bitmap { image, filter, wrap } => {
+                texel_kind(&images[image as usize]) | filter_kind(filter) | wrap_kind(wrap)
+            }
+            Pattern::Checkerboard { .. } => constants::TEXTURE_CHECKERBOARD,
+        }
+}
+
+fn texel_kind(image: &Image) -> u32 {
+    match image.texels {
+        Texels::Bytes { srgb: true, .. } => constants::TEXTURE_SRGB_BYTES,
+        Texels::Bytes { srgb: false, .. } => constants::TEXTURE_LINEAR_BYTES,
+        Texels::Floats(_) => constants::TEXTURE_HALVES,
+    }
+}
+
+fn filter_kind(filter: TexelFilter) -> u32 {
+    match filter {
+        TexelFilter::Bilinear => constants::TEXTURE_BILINEAR,
+        TexelFilter::Nearest => constants::TEXTURE_NEAREST,
+    }
+}
+
+fn wrap_kind(wrap: WrapMode) -> u32 {
+    match wrap {
+        WrapMode::Repeat => constants::TEXTURE_REPEAT,
+        WrapMode::Mirror => constants::TEXTURE_MIRROR,
+        WrapMode::Clamp => constants::TEXTURE_CLAMP,
+    }
+}

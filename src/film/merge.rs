@@ -1,0 +1,164 @@
+//! Pictures of the same scene from disjoint samples, averaged into one.
+
+use std::path::PathBuf;
+
+use crate::film::Picture;
+use crate::film::ranges::SampleRanges;
+use crate::session::identity::{Identity, merged_attributes};
+use crate::{Error, Result};
+
+/// A picture of some of the samples.
+#[derive(Debug, Clone)]
+pub struct PartialPicture {
+    /// Its file.
+    pub path: PathBuf,
+    /// What it shows.
+    pub picture: Picture,
+    /// The attributes of its header.
+    pub attributes: Vec<(String, String)>,
+}
+
+impl PartialPicture {
+    fn error(&self, message: String) -> Error {
+        Error::image(&self.path, message)
+    }
+
+    fn ranges(&self) -> Result<SampleRanges> {
+        let attribute = self.attributes.iter().find(|(name, _)| name == "sample_ranges");
+        let ranges = attribute.and_then(|(_, text)| text.parse().ok());
+        ranges.ok_or_else(|| self.error("it does not say which samples it holds; render it again".into()))
+    }
+}
+
+/// The average of the parts, each pixel weighed by its samples, with the attributes of the whole. The order of the parts has
+/// no part in it.
+///
+/// # Errors
+/// [`Error::Image`] where a part shows something else than the first, or samples that another holds already.
+pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>)> {
+    let mut ranged: Vec<_> = parts.iter().map(|part| Ok((part.ranges()?, part))).collect::<Result<_>>()?;
+    // What is summed up in another order is rounded otherwise.
+    ranged.sort_by_key(|(ranges, _)| ranges.first());
+    let mut all = SampleRanges::default();
+    for (at, (ranges, part)) in ranged.iter().enumerate() {
+        check_same(part, ranged[0].1)?;
+        check_even(part)?;
+        if let Some(overlap) = all.overlap(ranges) {
+            let other = ranged[..at].iter().find(|(other, _)| other.overlap(ranges).is_some());
+            let other = other.map(|(_, other)| other.path.display().to_string()).unwrap_or_default();
+            return Err(
+                part.error(format!("{other} holds its samples {overlap} (seed:first..end) too; give other samples"))
+            );
+        }
+        all = all.union(ranges.clone());
+    }
+    let parts: Vec<_> = ranged.into_iter().map(|(_, part)| part).collect();
+    let attributes = merged_attributes(&parts.iter().map(|part| &part.attributes[..]).collect::<Vec<_>>(), &all);
+    Ok((average(&parts.iter().map(|part| &part.picture).collect::<Vec<_>>()), attributes))
+}
+
+/// How many samples a pixel has must not depend on what they are: the average would be biased however many parts it had.
+fn check_even(part: &PartialPicture) -> Result<()> {
+    let value = |of: &str| part.attributes.iter().find(|(name, _)| name == of).map(|(_, value)| &value[..]);
+    if let Some(target) = value("noise").filter(|&target| target != "null") {
+        return Err(part.error(format!(
+            "its pixels ended by --noise {target}, each after its own samples; give every part an --spp"
+        )));
+    }
+    Ok(())
+}
+
+fn check_same(part: &PartialPicture, first: &PartialPicture) -> Result<()> {
+    let shape = |picture: &Picture| {
+        let Picture { width, height, offset: [x, y], full_size: [full_width, full_height], .. } = picture;
+        format!("{width} x {height} pixels at {x},{y} of {full_width} x {full_height}")
+    };
+    let (theirs, ours) = (shape(&first.picture), shape(&part.picture));
+    let other = first.path.display();
+    if theirs != ours {
+        return Err(
+            part.error(format!("it shows {ours}, but {other} shows {theirs}; merge pictures of the same window"))
+        );
+    }
+    match Identity::of_picture(&first.attributes).difference(&Identity::of_picture(&part.attributes)) {
+        Some(difference) => Err(part.error(format!("{other} is of another render: {difference}"))),
+        None => Ok(()),
+    }
+}
+
+/// Of pictures of the same size.
+fn average(pictures: &[&Picture]) -> Picture {
+    match pictures.iter().all(|picture| !picture.sums.is_empty()) {
+        true => sum(pictures),
+        false => average_of_means(pictures),
+    }
+}
+
+/// Neither their number nor their order changes a bit.
+fn sum(pictures: &[&Picture]) -> Picture {
+    let mut sum = pictures[0].clone();
+    for at in 0..sum.sums.len() {
+        let mut pixel = sum.sums[at];
+        pictures[1..].iter().for_each(|picture| pixel.add(&picture.sums[at]));
+        pixel.store(&mut sum, at);
+        sum.sums[at] = pixel;
+    }
+    sum
+}
+
+fn average_of_means(pictures: &[&Picture]) -> Picture {
+    let mut average = Picture { sums: Vec::new(), ..pictures[0].clone() };
+    for at in 0..average.radiance.len() {
+        let samples = Weights::new(pictures, |picture| picture.sample_count[at]);
+        let hits = Weights::new(pictures, |picture| picture.hit_count[at]);
+        for channel in 0..3 {
+            let mean = samples.mean(|picture| picture.radiance[at][channel]);
+            average.radiance[at][channel] = mean as f32;
+            average.variance[at][channel] =
+                samples.variance(mean, |picture| (picture.radiance[at][channel], picture.variance[at][channel])) as f32;
+            average.albedo[at][channel] = samples.mean(|picture| picture.albedo[at][channel]) as f32;
+            average.normal[at][channel] = samples.mean(|picture| picture.normal[at][channel]) as f32;
+        }
+        average.depth[at] =
+            if hits.total > 0.0 { hits.mean(|picture| picture.depth[at]) as f32 } else { f32::INFINITY };
+        (average.sample_count[at], average.hit_count[at]) = (samples.total_count(), hits.total_count());
+    }
+    average
+}
+
+/// How much each picture's pixel counts.
+struct Weights<'a> {
+    counted: Vec<(&'a Picture, f64)>,
+    total: f64,
+}
+
+impl<'a> Weights<'a> {
+    fn new(pictures: &[&'a Picture], count: impl Fn(&Picture) -> u32) -> Self {
+        let counted: Vec<_> = pictures.iter().map(|&picture| (picture, f64::from(count(picture)))).collect();
+        // Where there is none, the value may not be a number.
+        let counted: Vec<_> = counted.into_iter().filter(|&(_, count)| count > 0.0).collect();
+        let total = counted.iter().map(|(_, count)| count).sum();
+        Self { counted, total }
+    }
+
+    fn total_count(&self) -> u32 {
+        // Disjoint samples of a few seeds may be more than 2^32.
+        self.total as u32
+    }
+
+    fn mean(&self, value: impl Fn(&Picture) -> f32) -> f64 {
+        let sum: f64 = self.counted.iter().map(|&(picture, count)| count * f64::from(value(picture))).sum();
+        if self.total > 0.0 { sum / self.total } else { 0.0 }
+    }
+
+    /// Of the mean of all samples, from every picture's mean and variance of it (Chan, Golub and LeVeque 1979).
+    fn variance(&self, mean: f64, mean_and_variance: impl Fn(&Picture) -> (f32, f32)) -> f64 {
+        let squared_deviation = |&(picture, count): &(&Picture, f64)| {
+            let (part_mean, variance) = mean_and_variance(picture);
+            let within = f64::from(variance) * count * (count - 1.0);
+            within + count * (f64::from(part_mean) - mean).powi(2)
+        };
+        let sum: f64 = self.counted.iter().map(squared_deviation).sum();
+        if self.total > 1.0 { sum / (self.total * (self.total - 1.0)) } else { 0.0 }
+    }
+}

@@ -1,0 +1,10 @@
+//! What a pixel holds, and how pictures are put together from parts. CPU only: no Vulkan, no `unsafe`.
+
+pub mod merge;
+pub mod noise;
+mod picture;
+pub mod ranges;
+pub mod sums;
+pub mod weights;
+
+pub use picture::*;

@@ -1,0 +1,256 @@
+//! The film on the device, in pages that one binding can hold. Pixels lie in tile order: 8 x 8 tiles row by row, pixels of a
+//! tile likewise, so that a workgroup's writes are contiguous.
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use crate::Result;
+use crate::film::Picture;
+use crate::film::noise::TileNoise;
+use crate::film::sums::PixelSums;
+use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
+use crate::generated::layout::{FilmFeatures, FilmRadiance};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
+use crate::renderer::state::Span;
+use crate::scene::Crop;
+use crate::settings::Settings;
+
+const _: () = assert!(TILE_PIXELS == TILE_SIDE * TILE_SIDE);
+
+/// Some tiles of the film, with the descriptor set through which kernels see them.
+pub(crate) struct FilmPage {
+    first_pixel: u32,
+    pixel_count: u32,
+    radiance: Arc<Buffer>,
+    features: Arc<Buffer>,
+    adaptive: Arc<Buffer>,
+    sampled_tiles: Cell<u32>,
+    set: DescriptorSet,
+}
+
+/// The buffers of a page, before its set is made.
+pub(crate) struct PageBuffers {
+    first_pixel: u32,
+    pixel_count: u32,
+    pub radiance: Arc<Buffer>,
+    pub features: Arc<Buffer>,
+    /// Of each tile, then of each pixel: see `glsl/include/film/halves.glsl`. Nearly empty where no noise ends a tile.
+    pub adaptive: Arc<Buffer>,
+}
+
+/// A word-quadruple of the adaptive buffer.
+type Quadruple = [u32; 4];
+
+impl PageBuffers {
+    /// Buffers for all pages of the window.
+    pub fn allocate(context: &Arc<Context>, settings: &Settings) -> Result<Vec<Self>> {
+        let pixels = u32::try_from(padded_pixels(settings)).map_err(|_| too_large(&settings.window()))?;
+        let bindable = context.device().limits.max_storage_buffer_bytes / size_of::<FilmRadiance>() as u64;
+        let most = bindable.min(u64::from(settings.film_page_pixels.unwrap_or(u32::MAX))).min(1 << 24) as u32;
+        let page_pixels = (most / TILE_PIXELS).max(1) * TILE_PIXELS;
+        (0..pixels)
+            .step_by(page_pixels as usize)
+            .map(|first| Self::new(context, settings, first, page_pixels.min(pixels - first)))
+            .collect()
+    }
+
+    fn new(context: &Arc<Context>, settings: &Settings, first_pixel: u32, pixel_count: u32) -> Result<Self> {
+        let buffer_of = |name: &str, elements: u32, size: usize| {
+            let bytes = u64::from(elements) * size as u64;
+            Buffer::new(context, &format!("{name} from pixel {first_pixel}"), bytes, BufferKind::Storage)
+        };
+        let buffer = |name, size| buffer_of(name, pixel_count, size);
+        let quadruples = if settings.noise.is_some() { pixel_count / TILE_PIXELS + pixel_count } else { 1 };
+        Ok(Self {
+            first_pixel,
+            pixel_count,
+            radiance: buffer("film radiance", size_of::<FilmRadiance>())?,
+            features: buffer("film features", size_of::<FilmFeatures>())?,
+            adaptive: buffer_of("halves of the film", quadruples, size_of::<Quadruple>())?,
+        })
+    }
+
+    /// The page, seen through `set`. All its tiles are sampled.
+    pub fn with_set(self, set: DescriptorSet) -> Result<FilmPage> {
+        let Self { first_pixel, pixel_count, radiance, features, adaptive } = self;
+        let sampled_tiles = Cell::new(0);
+        let page = FilmPage { first_pixel, pixel_count, radiance, features, adaptive, sampled_tiles, set };
+        page.sample_all()?;
+        Ok(page)
+    }
+}
+
+impl FilmPage {
+    /// Pixels, in tile order, before this page.
+    pub fn first_pixel(&self) -> u32 {
+        self.first_pixel
+    }
+
+    /// Pixels of this page, a multiple of a tile's.
+    pub fn pixel_count(&self) -> u32 {
+        self.pixel_count
+    }
+
+    pub fn tile_count(&self) -> u32 {
+        self.pixel_count / TILE_PIXELS
+    }
+
+    /// Its tiles that are sampled.
+    pub fn sampled_tiles(&self) -> u32 {
+        self.sampled_tiles.get()
+    }
+
+    /// Has all tiles sampled from now on.
+    pub fn sample_all(&self) -> Result<()> {
+        self.sample(&(0..self.tile_count()).collect::<Vec<_>>())
+    }
+
+    /// Has these tiles sampled from now on, and no other.
+    pub fn sample(&self, tiles: &[u32]) -> Result<()> {
+        self.sampled_tiles.set(tiles.len() as u32);
+        if !self.is_adaptive() {
+            return Ok(());
+        }
+        let records: Vec<Quadruple> = tiles.iter().map(|&tile| [tile, 0, 0, 0]).collect();
+        self.adaptive.upload(0, &records)
+    }
+
+    /// What `judge_noise` has found out about each tile.
+    pub fn tile_noise(&self) -> Result<Vec<TileNoise>> {
+        let records: Vec<Quadruple> = self.adaptive.read(0, self.tile_count() as usize)?;
+        let noise = |[_, squared_error, radiance, _]: Quadruple| TileNoise {
+            squared_error: f32::from_bits(squared_error).into(),
+            radiance: f32::from_bits(radiance).into(),
+        };
+        Ok(records.into_iter().map(noise).collect())
+    }
+
+    /// The halves of the pixels' samples, which outlive a step.
+    pub fn halves(&self) -> Span<'_> {
+        let first = u64::from(self.tile_count()) * size_of::<Quadruple>() as u64;
+        Span { buffer: &self.adaptive, bytes: first..self.adaptive.len_bytes() }
+    }
+
+    /// Whether noise ends tiles.
+    pub fn is_adaptive(&self) -> bool {
+        self.adaptive.len_bytes() > size_of::<Quadruple>() as u64
+    }
+
+    pub fn set(&self) -> &DescriptorSet {
+        &self.set
+    }
+
+    pub fn radiance(&self) -> &Buffer {
+        &self.radiance
+    }
+
+    pub fn features(&self) -> &Buffer {
+        &self.features
+    }
+
+    /// Writes this page's pixels where they belong in the picture.
+    pub fn read_into(&self, picture: &mut Picture, settings: &Settings) -> Result<()> {
+        let (radiance, features) = self.read()?;
+        for (index, (radiance, features)) in (self.first_pixel..).zip(radiance.iter().zip(&features)) {
+            if let Some(at) = picture_index(index, picture) {
+                store_pixel(picture, at, radiance, features, settings);
+            }
+        }
+        Ok(())
+    }
+
+    /// Every pixel's moments, in tile order.
+    pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
+        let count = self.pixel_count as usize;
+        Ok((self.radiance.read(0, count)?, self.features.read(0, count)?))
+    }
+}
+
+/// Where the pixel of that index in tile order lies in the picture, unless beyond its border.
+pub(crate) fn picture_index(index: u32, picture: &Picture) -> Option<usize> {
+    let (x, y) = tile_order_pixel(index, picture.width);
+    (x < picture.width && y < picture.height).then(|| y as usize * picture.width as usize + x as usize)
+}
+
+/// Twin of the GLSL function of the same name.
+fn tile_order_pixel(index: u32, width: u32) -> (u32, u32) {
+    let tiles_per_row = width.div_ceil(TILE_SIDE);
+    let (tile, within) = (index / TILE_PIXELS, index % TILE_PIXELS);
+    let (x, y) = (tile % tiles_per_row, tile / tiles_per_row);
+    (x * TILE_SIDE + within % TILE_SIDE, y * TILE_SIDE + within / TILE_SIDE)
+}
+
+fn store_pixel(
+    picture: &mut Picture,
+    at: usize,
+    radiance: &FilmRadiance,
+    features: &FilmFeatures,
+    settings: &Settings,
+) {
+    let count = radiance.sample_count;
+    let scale = settings.weight_sums(count).variance_scale() as f32;
+    picture.radiance[at] = radiance.mean;
+    picture.variance[at] = radiance.squared_deviation.map(|squared| squared * scale);
+    picture.sample_count[at] = count;
+    picture.hit_count[at] = radiance.hit_count;
+    picture.albedo[at] = features.albedo;
+    picture.normal[at] = features.normal;
+    picture.depth[at] = if radiance.hit_count > 0 { features.depth } else { f32::INFINITY };
+}
+
+/// A picture of nothing.
+pub(crate) fn empty_picture(settings: &Settings) -> Picture {
+    let Crop { x, y, width, height } = settings.window();
+    Picture::empty(width, height, [x, y], [settings.width, settings.height])
+}
+
+/// Bytes that a pixel takes on the device.
+const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64;
+/// Read back, on the host.
+const HOST_PIXEL_BYTES: u64 = 64;
+/// The same of a part of a picture besides: its sums, in tile order, and those of a picture that is read back, in both orders.
+const PART_PIXEL_BYTES: u64 = 3 * size_of::<PixelSums>() as u64;
+
+/// Bytes of the film on the device.
+pub(crate) fn film_bytes(settings: &Settings) -> u64 {
+    let of_half = if settings.noise.is_some() { size_of::<Quadruple>() as u64 } else { 0 };
+    padded_pixels(settings).saturating_mul(PIXEL_BYTES + of_half)
+}
+
+/// Bytes that reading it back takes of the host.
+pub(crate) fn host_film_bytes(settings: &Settings) -> u64 {
+    let of_part = if settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { 0 };
+    padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part)
+}
+
+/// Pixels of whole tiles.
+pub(crate) fn padded_pixels(settings: &Settings) -> u64 {
+    let window = settings.window();
+    u64::from(window.width.div_ceil(TILE_SIDE)) * u64::from(window.height.div_ceil(TILE_SIDE)) * u64::from(TILE_PIXELS)
+}
+
+fn too_large(window: &Crop) -> crate::Error {
+    crate::Error::Settings(format!(
+        "a film of {} x {} pixels has more than 2^32 of them: render it in parts with --crop",
+        window.width, window.height
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tile_order_visits_every_pixel_once() {
+        let (width, height) = (19, 10);
+        let tiles = 3 * 2;
+        let mut seen = vec![0; width * height];
+        for index in 0..tiles * TILE_PIXELS {
+            let (x, y) = tile_order_pixel(index, width as u32);
+            if (x as usize) < width && (y as usize) < height {
+                seen[y as usize * width + x as usize] += 1;
+            }
+        }
+        assert!(seen.iter().all(|&times| times == 1));
+    }
+}

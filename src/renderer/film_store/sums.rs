@@ -1,0 +1,74 @@
+//! The film of a render that is one part of several: after every step its moments go into sums that do not depend on order,
+//! and the device's film begins anew.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::Result;
+use crate::film::Picture;
+use crate::film::sums::PixelSums;
+use crate::gpu::Context;
+use crate::renderer::film_store::pages::{empty_picture, picture_index};
+use crate::renderer::sets::frame::Frame;
+use crate::settings::Settings;
+
+/// The sums of complete steps, in tile order.
+pub(crate) struct FilmSums(Vec<PixelSums>);
+
+impl FilmSums {
+    /// None yet, for every pixel of the film.
+    pub fn new(frame: &Frame) -> Self {
+        Self(vec![PixelSums::default(); frame.pages().iter().map(|page| page.pixel_count() as usize).sum()])
+    }
+
+    /// Takes over what a step has left in the film.
+    pub fn take(&mut self, context: &Arc<Context>, frame: &Frame) -> Result<()> {
+        add_film(&mut self.0, frame)?;
+        context.submit("clearing the film", |recorder| {
+            for page in frame.pages() {
+                recorder.fill_zero(page.radiance());
+                recorder.fill_zero(page.features());
+            }
+        })?;
+        Ok(())
+    }
+
+    /// The picture so far, of a step under way too.
+    pub fn picture(&self, frame: &Frame, settings: &Settings) -> Result<Picture> {
+        let mut sums = self.0.clone();
+        add_film(&mut sums, frame)?;
+        let mut picture = empty_picture(settings);
+        picture.sums = vec![PixelSums::default(); picture.radiance.len()];
+        for (index, pixel) in (0..).zip(&sums) {
+            if let Some(at) = picture_index(index, &picture) {
+                pixel.store(&mut picture, at);
+                picture.sums[at] = *pixel;
+            }
+        }
+        Ok(picture)
+    }
+
+    pub fn bytes(&self) -> &[u8] {
+        bytemuck::cast_slice(&self.0)
+    }
+
+    /// # Panics
+    /// Where the bytes are not as many.
+    pub fn restore(&mut self, bytes: &[u8]) {
+        bytemuck::cast_slice_mut(&mut self.0).copy_from_slice(bytes);
+    }
+}
+
+fn add_film(mut sums: &mut [PixelSums], frame: &Frame) -> Result<()> {
+    for page in frame.pages() {
+        let (radiance, features) = page.read()?;
+        let (of_page, rest) = sums.split_at_mut(radiance.len());
+        let moments = radiance.par_iter().zip(&features);
+        of_page.par_iter_mut().zip(moments).for_each(|(sums, (radiance, features))| {
+            sums.add(&PixelSums::of_moments(radiance, features));
+        });
+        sums = rest;
+    }
+    Ok(())
+}

@@ -1,0 +1,3 @@
+//! Learning between two steps.
+
+pub(super) mod quadtrees;

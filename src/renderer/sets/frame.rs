@@ -1,0 +1,197 @@
+//! Set 0, Frame: film pages, scene constants, materials, emitters and counters.
+
+use std::sync::Arc;
+
+use glam::Mat4;
+
+use crate::Result;
+use crate::encode::cells::Cells;
+use crate::encode::lights::Lights;
+use crate::encode::textures::TexelWords;
+use crate::film::Picture;
+use crate::generated::kernels::bindings::frame as numbers;
+use crate::generated::kernels::{self, Kernels};
+use crate::generated::layout;
+use crate::gpu::{Buffer, BufferKind, Context, Recorder, SetShape};
+use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture};
+use crate::renderer::state::{Persistent, Span};
+use crate::renderer::statistics::Counts;
+use crate::renderer::trace::wavefront::wave_buffer;
+use crate::renderer::{Shading, Surfaces};
+use crate::renderer::{buffer_kind, set_over, set_shape, word_buffer_kind};
+use crate::scene::texel_pages::MAX_PAGES;
+use crate::scene::{Projection, Scene};
+use crate::settings::{Learner, Settings};
+
+/// Targets of learners that bootstrap saturate at this multiple of the largest emitted radiance.
+const TARGET_LIMIT: f32 = 16.0;
+/// The same of collected returns: few paths survive roulette, and these are weighed up.
+const RETURN_LIMIT: f32 = 1024.0;
+/// Nor do targets exceed this, so that no sum of 2^40 of them leaves single precision.
+const MOST_LIMIT: f32 = 1.0e26;
+
+/// The set, once for every film page; all else is shared between them.
+pub(crate) struct Frame {
+    pages: Vec<FilmPage>,
+    counters: Arc<Buffer>,
+    /// The counters where the host reads them.
+    counters_read: Arc<Buffer>,
+}
+
+impl Frame {
+    pub fn new(
+        context: &Arc<Context>,
+        kernels: &Kernels,
+        scene: &Scene,
+        shading: &Shading,
+        cells: &Cells,
+        settings: &Settings,
+    ) -> Result<Self> {
+        let wave = wave_buffer(context, settings)?;
+        let Shading { surfaces: Surfaces { materials, textures }, lights } = shading;
+        let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
+        let constants = scene_constants(scene, cells, lights, settings);
+        let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
+        let shape = set_shape(kernels, kernels::FRAME_SET);
+        let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape, numbers::MATERIALS))?;
+        let emitters = lights.texels();
+        let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape, numbers::EMITTERS))?;
+        // After the counters, the lengths of a wave's queues: of paths and of connections, for every edge.
+        let counter_bytes = u64::from(kernels::COUNTER_COUNT + 2 * settings.max_depth) * 4;
+        let counters = Buffer::new(context, "counters", counter_bytes, BufferKind::Storage)?;
+        let counters_read = Buffer::new(context, "counters for the host", counter_bytes, BufferKind::Readback)?;
+        let records = bytemuck::cast_slice(&textures.records);
+        let records = uploaded("textures", records, buffer_kind(shape, numbers::TEXTURES))?;
+        let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
+        let page = |buffers: PageBuffers| -> Result<FilmPage> {
+            let (radiance, features) = (&buffers.radiance, &buffers.features);
+            let all = [
+                (numbers::FILM_RADIANCE_PAGE, radiance),
+                (numbers::FILM_FEATURES_PAGE, features),
+                (numbers::SCENE, &constants),
+                (numbers::MATERIALS, &materials),
+                (numbers::EMITTERS, &emitters),
+                (numbers::COUNTERS, &counters),
+                (numbers::TEXEL_WORDS, words0),
+                (numbers::TEXTURES, &records),
+                (numbers::TEXEL_WORDS1, words1),
+                (numbers::TEXEL_WORDS2, words2),
+                (numbers::TEXEL_WORDS3, words3),
+                (numbers::SCRATCH, wave.as_ref().unwrap_or(&buffers.adaptive)),
+            ];
+            let set = set_over(context, "frame", shape, &all)?;
+            buffers.with_set(set)
+        };
+        let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
+        Ok(Self { pages, counters, counters_read })
+    }
+
+    pub fn pages(&self) -> &[FilmPage] {
+        &self.pages
+    }
+
+    /// A film has at least one pixel, so at least one page.
+    pub fn first_page(&self) -> &FilmPage {
+        &self.pages[0]
+    }
+
+    /// Records that all counters begin at zero.
+    pub fn clear_counts<'a>(&'a self, recorder: &mut Recorder<'a>) {
+        recorder.fill_zero(&self.counters);
+        recorder.barrier();
+    }
+
+    /// Records that the host can [read](Self::read_counts) what was counted.
+    pub fn hand_over_counts<'a>(&'a self, recorder: &mut Recorder<'a>) {
+        recorder.barrier();
+        recorder.copy(&self.counters, 0, &self.counters_read, 0, self.counters.len_bytes());
+    }
+
+    /// What was counted up to the last submission that handed it over.
+    pub fn read_counts(&self) -> Result<Counts> {
+        Ok(Counts::from_counters(&self.counters_read.read(0, kernels::COUNTER_COUNT as usize)?))
+    }
+
+    /// Paths that were queued for an edge, likewise.
+    pub fn read_queued(&self, edge: u32) -> Result<u32> {
+        let length: Vec<u32> = self.counters_read.read(u64::from(kernels::COUNTER_COUNT + edge) * 4, 1)?;
+        Ok(length[0])
+    }
+
+    pub fn persistent(&self) -> Vec<Persistent<'_>> {
+        let spans = |span: fn(&FilmPage) -> Span<'_>| self.pages.iter().map(span).collect();
+        let mut parts = vec![
+            Persistent { name: "film radiance", spans: spans(|page| page.radiance().into()) },
+            Persistent { name: "film features", spans: spans(|page| page.features().into()) },
+        ];
+        if self.first_page().is_adaptive() {
+            parts.push(Persistent { name: "film halves", spans: spans(FilmPage::halves) });
+        }
+        parts
+    }
+
+    pub fn picture(&self, settings: &Settings) -> Result<Picture> {
+        let mut picture = empty_picture(settings);
+        self.pages.iter().try_for_each(|page| page.read_into(&mut picture, settings))?;
+        Ok(picture)
+    }
+}
+
+/// The pages of words. Those beyond the last stand for it, for every binding needs a buffer.
+fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> Result<[Arc<Buffer>; MAX_PAGES]> {
+    let kind = word_buffer_kind(shape, numbers::TEXEL_WORDS);
+    let mut buffers = Vec::new();
+    for (i, page) in words.pages().iter().enumerate() {
+        buffers.push(Buffer::with_values(context, &format!("texel words {i}"), page, kind)?);
+    }
+    Ok(std::array::from_fn(|i| Arc::clone(&buffers[i.min(buffers.len() - 1)])))
+}
+
+fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Settings) -> layout::SceneConstants {
+    let camera = &scene.camera;
+    let (aperture_radius, focus_distance) = match camera.projection {
+        Projection::ThinLens { aperture_radius, focus_distance } => (aperture_radius, focus_distance),
+        _ => (0.0, 1.0),
+    };
+    let window = settings.window();
+    let rows = rows(&camera.world_from_camera);
+    let mut constants = layout::SceneConstants {
+        world_from_camera: rows,
+        film_size: [settings.width as f32, settings.height as f32],
+        raster_scale: camera.half_extent(settings.width, settings.height).into(),
+        principal_point: camera.principal_point.into(),
+        near_clip: camera.near_clip,
+        far_clip: camera.far_clip,
+        bounds_min: cells.grid.origin.into(),
+        aperture_radius,
+        cells_per_unit: cells.grid.per_unit.into(),
+        target_limit: target_limit(lights, settings.learner),
+        seed: settings.seed,
+        window_offset: [window.x, window.y],
+        window_size: [window.width, window.height],
+        focus_distance,
+        grid_size: cells.grid.size.into(),
+        cell_count: cells.count(),
+        all_cell_count: cells.all_count(),
+        ..bytemuck::Zeroable::zeroed()
+    };
+    lights.write_constants(&mut constants);
+    constants
+}
+
+/// The upper three rows, as the kernels read them.
+fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
+    [0, 1, 2].map(|i| matrix.row(i).into())
+}
+
+fn target_limit(lights: &Lights, learner: Learner) -> f32 {
+    let multiple = match learner {
+        Learner::Sarsa | Learner::ExpectedSarsa | Learner::IrradianceSarsa => TARGET_LIMIT,
+        Learner::MonteCarlo => RETURN_LIMIT,
+    };
+    match lights.brightest() {
+        0.0 => multiple,
+        // Also of what is no number.
+        most => (multiple * most).min(MOST_LIMIT),
+    }
+}

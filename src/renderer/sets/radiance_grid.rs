@@ -1,0 +1,149 @@
+//! Set 2, RadianceGrid: what has been learned, L(cell, direction bin), and what the step under way adds to it. Or quadtrees of
+//! directions, in the same buffers.
+
+use std::sync::Arc;
+
+use crate::Result;
+use crate::encode::cells::Cells;
+use crate::encode::cosine_trees::{Node, nodes_per_tree};
+use crate::generated::kernels::bindings::radiance_grid as numbers;
+use crate::generated::kernels::{Kernels, RADIANCE_GRID_SET, SHARE_SUMS, SHARE_WORDS, SHARES_PER_CELL};
+use crate::generated::layout::{LearnedRadiance, RadianceSum};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
+use crate::renderer::learn::quadtrees;
+use crate::renderer::state::Persistent;
+use crate::renderer::{set_over, set_shape, table_kind};
+use crate::settings::{Sampler, Settings};
+
+/// The grid of Sec. 3: cells of `directions^2` bins. What cells learn of the scattering function's share follows their bins.
+pub(crate) struct RadianceGrid {
+    set: DescriptorSet,
+    radiance: Arc<Buffer>,
+    learned: Arc<Buffer>,
+    /// Of a step, or with quadtrees of an iteration of steps.
+    sums: Arc<Buffer>,
+    keeps_sums: bool,
+    /// Ends of the bins' shares, of sphere inversion alone.
+    ends: Arc<Buffer>,
+    /// Of the product sampler and of quadtrees alone.
+    nodes: Arc<Buffer>,
+    bin_count: usize,
+    share_count: usize,
+}
+
+impl RadianceGrid {
+    /// Texels of the largest table.
+    pub fn texels(settings: &Settings, cells: &Cells) -> u64 {
+        Self::radiances(settings, cells).max(Self::nodes(settings, cells))
+    }
+
+    fn bins(settings: &Settings, cells: &Cells) -> u64 {
+        u64::from(cells.count()) * u64::from(settings.directions.pow(2))
+    }
+
+    fn shares(settings: &Settings, cells: &Cells) -> u64 {
+        if settings.learns_share() { u64::from(SHARES_PER_CELL) * u64::from(cells.count()) } else { 0 }
+    }
+
+    /// Words of bins' ends.
+    fn end_words(settings: &Settings, cells: &Cells) -> u64 {
+        if settings.sampler == Sampler::SphereInversion { Self::bins(settings, cells) } else { 0 }
+    }
+
+    /// Words of the table that is sampled by: means and shares.
+    fn radiances(settings: &Settings, cells: &Cells) -> u64 {
+        Self::bins(settings, cells) + u64::from(SHARE_WORDS) * Self::shares(settings, cells)
+    }
+
+    /// Bins of which something is learned: also of the larger cells where cells fall back on these.
+    fn learned_bins(settings: &Settings, cells: &Cells) -> u64 {
+        let count = if settings.fallback > 0.0 { cells.all_count() } else { cells.count() };
+        u64::from(count) * u64::from(settings.directions.pow(2))
+    }
+
+    fn sums(settings: &Settings, cells: &Cells) -> u64 {
+        match settings.sampler {
+            Sampler::Quadtree => quadtrees::quarters(settings),
+            _ => Self::bins(settings, cells) + u64::from(SHARE_SUMS) * Self::shares(settings, cells),
+        }
+    }
+
+    fn nodes(settings: &Settings, cells: &Cells) -> u64 {
+        match settings.sampler {
+            Sampler::Product => u64::from(cells.count()) * u64::from(nodes_per_tree(settings.directions)),
+            Sampler::Quadtree => quadtrees::texels(settings),
+            _ => 0,
+        }
+    }
+
+    /// Bytes of the grid on the device.
+    pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
+        let words = Self::radiances(settings, cells) + Self::end_words(settings, cells);
+        let learned = Self::learned_bins(settings, cells) * size_of::<LearnedRadiance>() as u64;
+        let sums = Self::sums(settings, cells) * size_of::<RadianceSum>() as u64;
+        let table = size_of_val(&cells.table[..]) as u64;
+        words * size_of::<u32>() as u64 + learned + sums + Self::node_bytes(settings, cells) + table
+    }
+
+    fn node_bytes(settings: &Settings, cells: &Cells) -> u64 {
+        Self::nodes(settings, cells) * size_of::<Node>() as u64
+    }
+
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings, cells: &Cells) -> Result<Self> {
+        let shape = set_shape(kernels, RADIANCE_GRID_SET);
+        let bins = Self::bins(settings, cells);
+        let buffer = |name: &str, count: u64, size: usize, kind| Buffer::new(context, name, count * size as u64, kind);
+        let radiance_kind = table_kind(shape, BufferKind::StorageTexelFloat1);
+        let radiance = buffer("radiance", Self::radiances(settings, cells), size_of::<f32>(), radiance_kind)?;
+        let learned_bins = Self::learned_bins(settings, cells);
+        let learned = buffer("learned radiance", learned_bins, size_of::<LearnedRadiance>(), BufferKind::Storage)?;
+        let sum_count = Self::sums(settings, cells);
+        let sums = buffer("radiance sums", sum_count, size_of::<RadianceSum>(), BufferKind::Storage)?;
+        let end_words = Self::end_words(settings, cells);
+        let ends = buffer("bin ends", end_words, size_of::<u32>(), BufferKind::Storage)?;
+        let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
+        let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings, cells), node_kind)?;
+        let table = Buffer::with_values(context, "cells", &cells.table, BufferKind::Storage)?;
+        let buffers = [
+            (numbers::RADIANCE_TABLE, &radiance),
+            (numbers::LEARNED_TABLE, &learned),
+            (numbers::RADIANCE_SUMS, &sums),
+            (numbers::BIN_ENDS, &ends),
+            (numbers::RADIANCE_NODES, &nodes),
+            (numbers::RADIANCE_TEXELS, &radiance),
+            (numbers::RADIANCE_NODE_TEXELS, &nodes),
+            (numbers::CELL_TABLE, &table),
+        ];
+        let set = set_over(context, "radiance grid", shape, &buffers)?;
+        let keeps_sums = settings.sampler == Sampler::Quadtree;
+        let (bin_count, share_count) = (bins as usize, Self::shares(settings, cells) as usize);
+        Ok(Self { set, radiance, learned, sums, keeps_sums, ends, nodes, bin_count, share_count })
+    }
+
+    pub fn set(&self) -> &DescriptorSet {
+        &self.set
+    }
+
+    /// What outlives a step: its sums only where several steps add to them.
+    pub fn persistent(&self) -> Vec<Persistent<'_>> {
+        let sums = self.keeps_sums.then(|| Persistent::whole("radiance sums", &self.sums));
+        let tables = [
+            Persistent::whole("radiance", &self.radiance),
+            Persistent::whole("learned radiance", &self.learned),
+            Persistent::whole("bin ends", &self.ends),
+            Persistent::whole("radiance nodes", &self.nodes),
+        ];
+        tables.into_iter().chain(sums).collect()
+    }
+
+    pub fn read(&self) -> Result<Vec<f32>> {
+        self.radiance.read(0, self.bin_count)
+    }
+
+    /// Both shares of every cell.
+    pub fn read_shares(&self) -> Result<Vec<[f32; 2]>> {
+        let offset = (self.bin_count * size_of::<f32>()) as u64;
+        let words = self.radiance.read::<[f32; SHARE_WORDS as usize]>(offset, self.share_count)?;
+        Ok(words.chunks_exact(SHARES_PER_CELL as usize).map(|of_cell| [of_cell[0][0], of_cell[1][0]]).collect())
+    }
+}

@@ -1,0 +1,300 @@
+//! Polygon files (PLY), as text or binary of either byte order. What is not needed is passed over; no count that a file
+//! gives is trusted, so memory grows only as data arrives.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::words::Words;
+use super::{Mesh, add_polygon};
+use crate::{Error, Result};
+
+/// The mesh in the PLY file at `path`, which holds `bytes`.
+pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Mesh> {
+    let fault = |(line, message): (Option<u32>, String)| Error::scene(path, line, message);
+    let (header, source) = read_header(bytes).map_err(fault)?;
+    read_body(&header, source).map_err(fault)
+}
+
+/// The line, of a text, and what is wrong there.
+type Fault = (Option<u32>, String);
+
+#[derive(Clone, Copy)]
+enum Encoding {
+    Text,
+    LittleEndian,
+    BigEndian,
+}
+
+/// A kind of number.
+#[derive(Clone, Copy, PartialEq)]
+enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+struct Property {
+    name: String,
+    scalar: Scalar,
+    /// The kind of a list's length.
+    length: Option<Scalar>,
+}
+
+struct Element {
+    name: String,
+    count: u64,
+    properties: Vec<Property>,
+}
+
+fn read_header(bytes: &[u8]) -> Result<(Vec<Element>, Source<'_>), Fault> {
+    let mut words = Words::new(bytes);
+    if words.next() != b"ply" {
+        return Err((None, "this is not a PLY file: it does not begin with `ply`".to_string()));
+    }
+    let (mut encoding, mut elements) = (None, Vec::new());
+    while words.next_line() {
+        let line = words.line();
+        let fault = |message| (Some(line), message);
+        match words.next() {
+            b"format" => encoding = Some(read_format(&mut words).map_err(fault)?),
+            b"element" => elements.push(read_element(&mut words).map_err(fault)?),
+            b"property" => {
+                let property = read_property(&mut words).map_err(fault)?;
+                let owner: &mut Element =
+                    elements.last_mut().ok_or_else(|| fault("a property without an element".to_string()))?;
+                owner.properties.push(property);
+            }
+            b"end_header" => {
+                words.next_line();
+                let encoding = encoding.ok_or_else(|| fault("the header names no format".to_string()))?;
+                return Ok((elements, Source { encoding, words }));
+            }
+            [] | b"comment" | b"obj_info" => {}
+            word => return Err(fault(format!("`{}` has no meaning in a PLY header", text(word)))),
+        }
+    }
+    Err((Some(words.line()), "the header does not end: is the file cut short?".to_string()))
+}
+
+fn read_format(words: &mut Words) -> Result<Encoding, String> {
+    match words.next() {
+        b"ascii" => Ok(Encoding::Text),
+        b"binary_little_endian" => Ok(Encoding::LittleEndian),
+        b"binary_big_endian" => Ok(Encoding::BigEndian),
+        word => Err(format!("the PLY format `{}` is not supported", text(word))),
+    }
+}
+
+fn read_element(words: &mut Words) -> Result<Element, String> {
+    let (name, count) = (text(words.next()), text(words.next()));
+    let count = count.parse().map_err(|_| format!("`{count}` is not a number of elements"))?;
+    Ok(Element { name, count, properties: Vec::new() })
+}
+
+fn read_property(words: &mut Words) -> Result<Property, String> {
+    let first = words.next();
+    let (length, scalar) = match first {
+        b"list" => (Some(scalar(words.next())?), scalar(words.next())?),
+        _ => (None, scalar(first)?),
+    };
+    Ok(Property { name: text(words.next()), scalar, length })
+}
+
+fn scalar(word: &[u8]) -> Result<Scalar, String> {
+    Ok(match word {
+        b"char" | b"int8" => Scalar::I8,
+        b"uchar" | b"uint8" => Scalar::U8,
+        b"short" | b"int16" => Scalar::I16,
+        b"ushort" | b"uint16" => Scalar::U16,
+        b"int" | b"int32" => Scalar::I32,
+        b"uint" | b"uint32" => Scalar::U32,
+        b"float" | b"float32" => Scalar::F32,
+        b"double" | b"float64" => Scalar::F64,
+        _ => return Err(format!("`{}` is not a type of a PLY property", text(word))),
+    })
+}
+
+fn text(word: &[u8]) -> String {
+    String::from_utf8_lossy(word).into_owned()
+}
+
+/// What follows the header.
+struct Source<'a> {
+    encoding: Encoding,
+    words: Words<'a>,
+}
+
+impl Source<'_> {
+    /// The next number; `None` where the file ends.
+    fn number(&mut self, scalar: Scalar) -> Result<Option<f64>, String> {
+        match self.encoding {
+            Encoding::Text => self.word(),
+            Encoding::LittleEndian => Ok(self.binary(scalar, false)),
+            Encoding::BigEndian => Ok(self.binary(scalar, true)),
+        }
+    }
+
+    fn word(&mut self) -> Result<Option<f64>, String> {
+        loop {
+            let word = self.words.next();
+            if !word.is_empty() {
+                let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
+                return number.map(Some).ok_or_else(|| format!("`{}` is not a number", text(word)));
+            }
+            if !self.words.next_line() {
+                return Ok(None);
+            }
+        }
+    }
+
+    fn binary(&mut self, scalar: Scalar, is_big_endian: bool) -> Option<f64> {
+        let bytes = self.words.bytes(scalar.size())?;
+        let mut b = [0; 8];
+        b[..bytes.len()].copy_from_slice(bytes);
+        if is_big_endian {
+            b[..bytes.len()].reverse();
+        }
+        Some(match scalar {
+            Scalar::I8 => f64::from(b[0] as i8),
+            Scalar::U8 => f64::from(b[0]),
+            Scalar::I16 => f64::from(i16::from_le_bytes([b[0], b[1]])),
+            Scalar::U16 => f64::from(u16::from_le_bytes([b[0], b[1]])),
+            Scalar::I32 => f64::from(i32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            Scalar::U32 => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            Scalar::F32 => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
+            Scalar::F64 => f64::from_le_bytes(b),
+        })
+    }
+
+    /// The line that has been reached, of a text.
+    fn line(&self) -> Option<u32> {
+        matches!(self.encoding, Encoding::Text).then(|| self.words.line())
+    }
+}
+
+impl Scalar {
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+/// What is kept of a vertex, each under any of its names.
+const VERTEX_NUMBERS: [&[&str]; 8] =
+    [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
+
+fn read_body(elements: &[Element], mut source: Source) -> Result<Mesh, Fault> {
+    let mut mesh = Mesh::default();
+    for element in elements {
+        read_items(element, &mut source, &mut mesh).map_err(|message| (source.line(), message))?;
+    }
+    Ok(mesh)
+}
+
+fn read_items(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result<(), String> {
+    match element.name.as_str() {
+        "vertex" => read_vertices(element, source, mesh),
+        "face" => read_faces(element, source, mesh),
+        // Nothing is stored for items without properties, however many.
+        _ if element.properties.is_empty() => Ok(()),
+        _ => (0..element.count).try_for_each(|_| element.read(source, |_, _| Ok(()))),
+    }
+}
+
+impl Element {
+    /// Reads one item; `keep` is given each number with its property's place. Of a list it gets the numbers one by one.
+    fn read(&self, source: &mut Source, mut keep: impl FnMut(usize, f64) -> Result<(), String>) -> Result<(), String> {
+        for (place, property) in self.properties.iter().enumerate() {
+            let length = match property.length {
+                Some(length) => whole(self.number(source, length)?, "the length of a list")?,
+                None => 1,
+            };
+            for _ in 0..length {
+                keep(place, self.number(source, property.scalar)?)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn number(&self, source: &mut Source, scalar: Scalar) -> Result<f64, String> {
+        source.number(scalar)?.ok_or_else(|| {
+            format!("the file ends too early: its header promises {} of the element `{}`", self.count, self.name)
+        })
+    }
+
+    /// Where a property of one of these names stands, a list or not.
+    fn place(&self, names: &[&str], is_list: bool) -> Option<usize> {
+        let is_it = |p: &Property| names.contains(&p.name.as_str()) && p.length.is_some() == is_list;
+        self.properties.iter().position(is_it)
+    }
+}
+
+fn whole(number: f64, what: &str) -> Result<u32, String> {
+    if (0.0..=f64::from(u32::MAX)).contains(&number) && number.fract() == 0.0 {
+        return Ok(number as u32);
+    }
+    Err(format!("{number} is not {what}"))
+}
+
+fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result<(), String> {
+    let places = VERTEX_NUMBERS.map(|names| element.place(names, false));
+    let has = |range: std::ops::Range<usize>| places[range].iter().all(Option::is_some);
+    if !has(0..3) {
+        return Err("the element `vertex` lacks x, y or z".to_string());
+    }
+    let (has_normals, has_uvs) = (has(3..6), has(6..8));
+    for _ in 0..element.count {
+        let mut vertex = [0.0_f32; VERTEX_NUMBERS.len()];
+        element.read(source, |place, number| {
+            if let Some(at) = places.iter().position(|&own| own == Some(place)) {
+                vertex[at] = finite(number)?;
+            }
+            Ok(())
+        })?;
+        let [x, y, z, nx, ny, nz, u, v] = vertex;
+        mesh.positions.push(Vec3::new(x, y, z));
+        if has_normals {
+            mesh.normals.push(Vec3::new(nx, ny, nz));
+        }
+        if has_uvs {
+            mesh.uvs.push(Vec2::new(u, v));
+        }
+    }
+    Ok(())
+}
+
+fn finite(number: f64) -> Result<f32, String> {
+    Some(number as f32).filter(|number| number.is_finite()).ok_or_else(|| format!("`{number}` is not a finite number"))
+}
+
+fn read_faces(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result<(), String> {
+    let place = element.place(&["vertex_indices", "vertex_index"], true);
+    let place = place.ok_or("the element `face` lacks its list `vertex_indices`")?;
+    let vertex_count = mesh.positions.len();
+    let mut polygon = Vec::new();
+    for _ in 0..element.count {
+        polygon.clear();
+        element.read(source, |own, number| {
+            if own == place {
+                let index = whole(number, "the index of a vertex")?;
+                if index as usize >= vertex_count {
+                    return Err(format!("vertex index {index} is out of range; {vertex_count} come before the faces"));
+                }
+                polygon.push(index);
+            }
+            Ok(())
+        })?;
+        add_polygon(&mut mesh.triangles, &polygon)?;
+    }
+    Ok(())
+}

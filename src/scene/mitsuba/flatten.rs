@@ -1,0 +1,221 @@
+//! Shapes to world-space primitives.
+
+use glam::{DMat4, DVec3, Vec2, Vec3};
+
+use super::transform::{axes, is_mirrored, normal_matrix};
+use crate::scene::mesh::Mesh;
+use crate::scene::{Primitive, PrimitiveShape};
+
+/// What the primitives of one shape have in common.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Common {
+    /// To the world or, within a group, to the group.
+    pub to_world: DMat4,
+    /// From the group to the world. Mitsuba takes normals along with it, and those of meshes are made before.
+    pub instance_to_world: DMat4,
+    pub flip_normals: bool,
+    pub material: u32,
+    pub emitter: Option<u32>,
+}
+
+/// What a mesh's shape can ask for besides.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct MeshOptions {
+    pub face_normals: bool,
+    pub flip_uvs: bool,
+}
+
+/// Texture coordinates of a triangle without any: its barycentric ones.
+const BARYCENTRIC_UVS: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
+
+/// A square or disk in the xy plane, from -1 to 1, that faces `+z`.
+pub(super) fn flat(shape: PrimitiveShape, common: &Common) -> Vec<Primitive> {
+    oriented(shape, common, DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z).into_iter().collect()
+}
+
+/// The six faces of the cube from -1 to 1. Each is given by its center and where u and v run, so that the texture lies
+/// on it as Mitsuba's does.
+pub(super) fn cube(common: &Common) -> Vec<Primitive> {
+    let [x, y, z] = DVec3::AXES;
+    [(-y, z, x), (y, -x, -z), (x, y, -z), (z, y, x), (-x, y, z), (-z, -y, x)]
+        .into_iter()
+        .filter_map(|(outward, u, v)| oriented(PrimitiveShape::Parallelogram, common, outward, u, v, outward))
+        .collect()
+}
+
+/// A flat shape given in object space, with the side that its normal points to; `None` if it has no area.
+fn oriented(
+    shape: PrimitiveShape,
+    common: &Common,
+    center: DVec3,
+    u: DVec3,
+    v: DVec3,
+    normal: DVec3,
+) -> Option<Primitive> {
+    let edge_u = common.to_world.transform_vector3(u).as_vec3();
+    let edge_v = common.to_world.transform_vector3(v).as_vec3();
+    let left_handed = u.cross(v).dot(normal) < 0.0;
+    // A normal goes along with its surface, so in a mirror the cross product turns over and the normal does not.
+    let flip_normal = left_handed ^ is_mirrored(&common.to_world) ^ common.flip_normals;
+    let origin = common.to_world.transform_point3(center).as_vec3();
+    has_area(edge_u, edge_v).then(|| primitive(shape, common, origin, edge_u, edge_v, flip_normal))
+}
+
+/// The sphere that the unit sphere becomes; `to_world` is a similarity.
+pub(super) fn sphere(common: &Common) -> Primitive {
+    let [x, _, z] = axes(&common.to_world);
+    let mirrored = is_mirrored(&common.to_world);
+    let flip_normal = common.flip_normals ^ mirrored;
+    let center = common.to_world.w_axis.truncate().as_vec3();
+    let handedness = if mirrored { -1.0 } else { 1.0 };
+    let sphere = primitive(PrimitiveShape::Sphere, common, center, x.as_vec3(), z.as_vec3(), flip_normal);
+    Primitive { uvs: [Vec2::splat(handedness); 3], ..sphere }
+}
+
+fn primitive(
+    shape: PrimitiveShape,
+    common: &Common,
+    origin: Vec3,
+    edge_u: Vec3,
+    edge_v: Vec3,
+    flip_normal: bool,
+) -> Primitive {
+    let Common { material, emitter, .. } = *common;
+    Primitive { shape, origin, edge_u, edge_v, normals: None, uvs: BARYCENTRIC_UVS, flip_normal, material, emitter }
+}
+
+/// The copy of a group's primitive, unless it has no area any more.
+pub(super) fn instantiated(p: Primitive, instance_to_world: &DMat4) -> Option<Primitive> {
+    let vector = |v: Vec3| instance_to_world.transform_vector3(v.as_dvec3()).as_vec3();
+    let origin = instance_to_world.transform_point3(p.origin.as_dvec3()).as_vec3();
+    let (edge_u, edge_v) = (vector(p.edge_u), vector(p.edge_v));
+    // A sphere's normal is told by its center alone.
+    let turns_over = p.shape != PrimitiveShape::Sphere && is_mirrored(instance_to_world);
+    let flip_normal = p.flip_normal ^ turns_over;
+    has_area(edge_u, edge_v).then_some(Primitive { origin, edge_u, edge_v, flip_normal, ..p })
+}
+
+/// A mesh in its place in the world, whose triangles can be made one by one; those without area are left out.
+pub(super) struct PlacedMesh<'a> {
+    mesh: &'a Mesh,
+    flip_uvs: bool,
+    common: Common,
+    /// World-space positions of the vertices.
+    positions: Vec<Vec3>,
+    /// World-space unit normals of the vertices, zero where there is none to be had; empty for flat shading.
+    normals: Vec<Vec3>,
+    /// Indices of the triangles that have area; `None` where all have.
+    kept: Option<Vec<u32>>,
+}
+
+impl<'a> PlacedMesh<'a> {
+    /// Puts the mesh in its place; `None` where that is out of the range of single precision.
+    pub fn new(mesh: &'a Mesh, options: &MeshOptions, common: &Common) -> Option<Self> {
+        let to_world = common.instance_to_world * common.to_world;
+        let to_world = |position: &Vec3| to_world.transform_point3(position.as_dvec3()).as_vec3();
+        let positions: Vec<Vec3> = mesh.positions.iter().map(to_world).collect();
+        let normals = if options.face_normals { Vec::new() } else { vertex_normals(mesh, common) };
+        let mut placed = Self { mesh, flip_uvs: options.flip_uvs, common: *common, positions, normals, kept: None };
+        let indices = 0..mesh.triangles.len();
+        if !indices.clone().all(|index| placed.is_finite(index)) {
+            return None;
+        }
+        let has_area = |&index: &usize| {
+            let [edge_u, edge_v] = placed.edges(index);
+            has_area(edge_u, edge_v)
+        };
+        if !indices.clone().all(|index| has_area(&index)) {
+            placed.kept = Some(indices.filter(has_area).map(|index| index as u32).collect());
+        }
+        Some(placed)
+    }
+
+    /// How many triangles it has.
+    pub fn len(&self) -> usize {
+        self.kept.as_ref().map_or(self.mesh.triangles.len(), Vec::len)
+    }
+
+    /// Its triangle of that index.
+    pub fn triangle(&self, index: usize) -> Primitive {
+        let index = self.kept.as_ref().map_or(index, |kept| kept[index] as usize);
+        let vertices = self.mesh.triangles[index].map(|vertex| vertex as usize);
+        let [edge_u, edge_v] = self.edges(index);
+        let flip = self.common.flip_normals ^ is_mirrored(&self.common.instance_to_world);
+        let origin = self.positions[vertices[0]];
+        let mut triangle = primitive(PrimitiveShape::Triangle, &self.common, origin, edge_u, edge_v, flip);
+        if !self.normals.is_empty() {
+            set_normals(&mut triangle, vertices.map(|vertex| self.normals[vertex]));
+        }
+        if !self.mesh.uvs.is_empty() {
+            triangle.uvs = vertices.map(|vertex| self.uv(vertex));
+        }
+        triangle
+    }
+
+    fn edges(&self, index: usize) -> [Vec3; 2] {
+        let [a, b, c] = self.mesh.triangles[index].map(|vertex| self.positions[vertex as usize]);
+        [b - a, c - a]
+    }
+
+    fn is_finite(&self, index: usize) -> bool {
+        let [edge_u, edge_v] = self.edges(index);
+        self.positions[self.mesh.triangles[index][0] as usize].is_finite()
+            && edge_u.cross(edge_v).length_squared().is_finite()
+    }
+
+    fn uv(&self, vertex: usize) -> Vec2 {
+        let uv = self.mesh.uvs[vertex];
+        if self.flip_uvs { Vec2::new(uv.x, 1.0 - uv.y) } else { uv }
+    }
+}
+
+/// Shading normals say which side is the front: it is by them that Mitsuba tells whether light is emitted or reflected.
+/// The geometric normal follows.
+fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
+    let geometric = triangle.edge_u.cross(triangle.edge_v).normalize();
+    let sum: Vec3 = normals.iter().sum();
+    if sum != Vec3::ZERO {
+        triangle.flip_normal = geometric.dot(sum) < 0.0;
+    }
+    let facing = if triangle.flip_normal { -geometric } else { geometric };
+    triangle.normals = Some(normals.map(|normal| if normal == Vec3::ZERO { facing } else { normal }));
+}
+
+/// World-space unit normals of the vertices; zero where there is none to be had.
+fn vertex_normals(mesh: &Mesh, common: &Common) -> Vec<Vec3> {
+    let sign = if common.flip_normals { -1.0 } else { 1.0 };
+    let (to_world, instance) = (normal_matrix(&common.to_world), normal_matrix(&common.instance_to_world));
+    if mesh.normals.is_empty() {
+        let place = |normal: DVec3| (sign * (instance * normal).normalize_or_zero()).as_vec3();
+        return smooth_normals(mesh, &common.to_world).into_iter().map(place).collect();
+    }
+    let to_world = instance * to_world;
+    let place = |normal: &Vec3| (sign * (to_world * normal.as_dvec3()).normalize_or_zero()).as_vec3();
+    mesh.normals.iter().map(place).collect()
+}
+
+/// The sum of the adjacent faces' normals, weighted by the angle the face has at the vertex, as in Mitsuba.
+fn smooth_normals(mesh: &Mesh, to_world: &DMat4) -> Vec<DVec3> {
+    let position = |vertex: u32| to_world.transform_point3(mesh.positions[vertex as usize].as_dvec3());
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    for vertices in &mesh.triangles {
+        for (vertex, weighted) in vertices.iter().zip(weighted_normals(vertices.map(position))) {
+            sums[*vertex as usize] += weighted;
+        }
+    }
+    sums
+}
+
+/// The face's normal, scaled with the angle at each corner.
+fn weighted_normals(corners: [DVec3; 3]) -> [DVec3; 3] {
+    let [a, b, c] = corners;
+    let Some(normal) = (b - a).cross(c - a).try_normalize() else { return [DVec3::ZERO; 3] };
+    [(a, b, c), (b, c, a), (c, a, b)].map(|(at, left, right)| normal * (left - at).angle_between(right - at))
+}
+
+/// Whether the cross product is long enough to be normalized in f32, which is what the device will do. What is not a
+/// number passes here, so that it is reported rather than dropped.
+fn has_area(edge_u: Vec3, edge_v: Vec3) -> bool {
+    let length_squared = edge_u.cross(edge_v).length_squared();
+    length_squared >= f32::MIN_POSITIVE || length_squared.is_nan()
+}

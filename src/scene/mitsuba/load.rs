@@ -1,0 +1,345 @@
+//! Reads a Mitsuba XML scene.
+
+use std::cmp::Reverse;
+use std::collections::{HashMap, HashSet};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::element::Element;
+use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
+use super::flatten::Common;
+use super::materials::Materials;
+use super::properties::{Ids, Properties, collect_ids};
+use super::shape::{self, Geometry, MeshFile, Shape};
+use super::textures::Textures;
+use super::{document, sensor, texture_images};
+use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
+use crate::scene::{
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene,
+};
+use crate::{Error, Result};
+
+/// What the caller overrides while a scene is read.
+#[derive(Debug, Clone, Default)]
+pub struct LoadOptions {
+    /// `-D name=value`: replaces the scene's `<default>` of that name.
+    pub defines: Vec<(String, String)>,
+}
+
+/// Is told how far the reading of a scene is.
+type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
+
+/// How far the reading of a scene is. Prints as `reading meshes 120/295`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LoadProgress {
+    /// Mesh files read so far.
+    pub meshes_read: usize,
+    /// Mesh files that the scene names.
+    pub mesh_count: usize,
+}
+
+impl fmt::Display for LoadProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "reading meshes {}/{}", self.meshes_read, self.mesh_count)
+    }
+}
+
+/// [`load_with_progress`] without anyone watching.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    load_with_progress(path, options, &|_| {})
+}
+
+/// Reads the scene at `path` with everything it includes. `progress` is called after every mesh, from several threads.
+///
+/// Of the sampler only `sample_count` is read: plugins differ in their patterns alone. Parameters that cannot change
+/// the picture (a film's `file_format`, say) are skipped in silence; other unknown ones end up in [`Scene::warnings`].
+pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+    let elements = document::read(path, &options.defines)?;
+    let mut ids = HashMap::new();
+    collect_ids(&elements, &mut ids)?;
+    let (ids, top_folder) = (Rc::new(ids), document::folder(path));
+    let mut builder = Builder {
+        materials: Materials::new(Rc::clone(&ids)),
+        textures: Textures::new(Rc::clone(&ids), top_folder.clone()),
+        ids,
+        top_folder,
+        emitters: Vec::new(),
+        environment: None,
+        delta_emitters: Vec::new(),
+        images: Vec::new(),
+        shapes: Vec::new(),
+        groups: HashMap::new(),
+        sensors: Vec::new(),
+        integrators: Vec::new(),
+        warnings: Vec::new(),
+    };
+    for element in &elements {
+        builder.add(element)?;
+    }
+    builder.finish(path, progress)
+}
+
+/// Shapes of a scene at most. Few instances of a large group can ask for more than any memory holds.
+const MAX_SHAPES: usize = 1 << 20;
+
+/// The scene as far as it has been read.
+struct Builder<'a> {
+    ids: Ids<'a>,
+    top_folder: PathBuf,
+    materials: Materials<'a>,
+    textures: Textures<'a>,
+    emitters: Vec<AreaEmitter>,
+    environment: Option<Environment>,
+    delta_emitters: Vec<DeltaEmitter>,
+    images: Vec<Image>,
+    shapes: Vec<Shape>,
+    /// Keyed by the address of the `shapegroup`.
+    groups: HashMap<*const Element, Rc<Vec<Shape>>>,
+    sensors: Vec<&'a Element>,
+    integrators: Vec<&'a Element>,
+    warnings: Vec<String>,
+}
+
+impl<'a> Builder<'a> {
+    /// Takes in an element that stands directly in `<scene>`.
+    fn add(&mut self, element: &'a Element) -> Result<()> {
+        match element.tag.as_str() {
+            "integrator" => self.integrators.push(element),
+            "sensor" => self.sensors.push(element),
+            "emitter" => self.add_emitter(element)?,
+            "shape" => self.add_shape(element)?,
+            // Also where no shape uses it: a plugin that is not supported should not pass unseen.
+            "bsdf" => self.materials.check(element, &mut self.textures, &mut self.warnings)?,
+            // Does nothing by itself; what refers to it reports it.
+            "texture" => {}
+            tag => return Err(element.error(format!("<{tag}> is not supported in <scene>"))),
+        }
+        Ok(())
+    }
+
+    fn add_emitter(&mut self, element: &'a Element) -> Result<()> {
+        let environment = match emitter_plugin::parse(element, &self.ids, &self.top_folder, &mut self.warnings)? {
+            SceneEmitter::Delta(emitter) => {
+                self.delta_emitters.push(emitter);
+                return Ok(());
+            }
+            SceneEmitter::Environment(environment) => environment,
+            SceneEmitter::Map(file) => self.read_environment_map(element, file)?,
+        };
+        match self.environment.replace(environment) {
+            Some(_) => {
+                let plugin = element.plugin()?;
+                Err(element.error(format!("emitter plugin `{plugin}`: a second environment; a scene has one")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
+        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
+        let image = texture_images::decode_environment(&path)?;
+        if image.width < 2 || image.height < 3 {
+            return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
+        }
+        let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
+        self.images.push(image);
+        Ok(Environment { kind, sampling_weight })
+    }
+
+    fn add_shape(&mut self, element: &'a Element) -> Result<()> {
+        match element.plugin()? {
+            "shapegroup" => self.group(element).map(drop),
+            "instance" => self.add_instance(element),
+            _ => {
+                let shape = self.parse_shape(element)?;
+                self.shapes.push(shape);
+                Ok(())
+            }
+        }
+    }
+
+    fn parse_shape(&mut self, element: &'a Element) -> Result<Shape> {
+        let mut properties = Properties::new(element, &self.ids)?;
+        let mut common = Common { material: 0, ..Common::default() };
+        let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
+        let emitter = properties.object("emitter")?;
+        common.material = match properties.object("bsdf")? {
+            Some(bsdf) => {
+                let shape_id = element.attribute("id");
+                self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings)?
+            }
+            None => self.materials.keep_default(emitter.is_some()),
+        };
+        if let Some(emitter) = emitter {
+            common.emitter = Some(self.emitters.len() as u32);
+            let (ids, textures) = (&self.ids, &mut self.textures);
+            self.emitters.push(emitter_plugin::parse_area(emitter, ids, textures, &mut self.warnings)?);
+        }
+        properties.finish(&mut self.warnings)?;
+        Ok(Shape { geometry, common, location: element.location.clone() })
+    }
+
+    /// What stands in a `shapegroup`; by itself it is nowhere in the scene.
+    fn group(&mut self, element: &'a Element) -> Result<Rc<Vec<Shape>>> {
+        if let Some(group) = self.groups.get(&std::ptr::from_ref(element)) {
+            return Ok(group.clone());
+        }
+        let mut properties = Properties::new(element, &self.ids)?;
+        let members = properties.objects("shape");
+        properties.finish(&mut self.warnings)?;
+        let group: Rc<Vec<_>> = Rc::new(members.into_iter().map(|member| self.member(member)).collect::<Result<_>>()?);
+        self.groups.insert(element, group.clone());
+        Ok(group)
+    }
+
+    fn member(&mut self, element: &'a Element) -> Result<Shape> {
+        if let plugin @ ("shapegroup" | "instance") = element.plugin()? {
+            return Err(element.error(format!("shape plugin `{plugin}` cannot stand inside a `shapegroup`")));
+        }
+        let shape = self.parse_shape(element)?;
+        match shape.common.emitter {
+            Some(_) => Err(element.error("a shape in a `shapegroup` cannot emit; put it into the <scene> itself")),
+            None => Ok(shape),
+        }
+    }
+
+    fn add_instance(&mut self, element: &'a Element) -> Result<()> {
+        let mut properties = Properties::new(element, &self.ids)?;
+        let to_world = properties.take_to_world()?;
+        let group = properties.object("shape")?.filter(|shape| shape.attribute("type") == Some("shapegroup"));
+        let group = group.ok_or_else(|| element.error("shape plugin `instance` needs a <ref> to a `shapegroup`"))?;
+        properties.finish(&mut self.warnings)?;
+        let group = self.group(group)?;
+        if self.shapes.len() + group.len() > MAX_SHAPES {
+            return Err(element.error(format!("more than {MAX_SHAPES} shapes, those of instances included")));
+        }
+        let copy = |shape: &Shape| shape.instantiated(to_world, element);
+        self.shapes.extend(group.iter().map(copy).collect::<Result<Vec<_>>>()?);
+        Ok(())
+    }
+
+    fn integrator(&mut self) -> Result<IntegratorDescription> {
+        let Some(element) = self.first("integrator", &self.integrators.clone()) else {
+            return Ok(IntegratorDescription::default());
+        };
+        let mut properties = Properties::new(element, &self.ids)?;
+        if properties.plugin() != "path" {
+            return Err(element.unsupported(&["path"]));
+        }
+        let depth = |depth: Option<i64>| depth.map(|depth| depth as i32);
+        let description = IntegratorDescription {
+            max_depth: depth(properties.integer("max_depth", -1..=i32::MAX as i64)?),
+            rr_depth: depth(properties.integer("rr_depth", 1..=i32::MAX as i64)?),
+            hide_emitters: properties.boolean("hide_emitters")?.unwrap_or(false),
+        };
+        properties.finish(&mut self.warnings)?;
+        Ok(description)
+    }
+
+    /// The first of several elements of which one is used, with a warning for the others.
+    fn first(&mut self, what: &str, elements: &[&'a Element]) -> Option<&'a Element> {
+        for other in elements.iter().skip(1) {
+            self.warnings.push(format!("{}: a second <{what}>; the first is used", other.location));
+        }
+        elements.first().copied()
+    }
+
+    fn finish(mut self, path: &Path, progress: &Watch) -> Result<Scene> {
+        let integrator = self.integrator()?;
+        let sensor = self
+            .first("sensor", &self.sensors.clone())
+            .ok_or_else(|| Error::scene(path, None, "the scene has no <sensor>; it needs a `perspective` one"))?;
+        let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
+        let mut images = self.images;
+        let (textures, requests) = self.textures.finish(images.len() as u32);
+        let shapes = &self.shapes;
+        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
+        let (decoded, warnings) = decoded?;
+        let meshes = meshes?;
+        images.extend(decoded);
+        self.warnings.extend(warnings);
+        Ok(Scene {
+            name: scene_name(path),
+            camera: sensor.camera,
+            film: sensor.film,
+            integrator,
+            sample_count: sensor.sample_count,
+            primitives: flatten_all(&self.shapes, &meshes)?,
+            materials: self.materials.finish(),
+            emitters: self.emitters,
+            environment: self.environment,
+            delta_emitters: self.delta_emitters,
+            textures,
+            images,
+            warnings: self.warnings,
+        })
+    }
+}
+
+/// Reads every mesh once, in parallel. Of several faulty files the first in the scene is reported.
+fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, Mesh>> {
+    let files = shapes.iter().filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh(file, _) => Some(file),
+        _ => None,
+    });
+    let mut seen = HashSet::new();
+    let mut files: Vec<_> = files.filter(|file| seen.insert(*file)).enumerate().collect();
+    // The largest come first, lest one be left over when all else is done.
+    files.sort_by_cached_key(|(_, file)| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
+    let (mesh_count, read_count) = (files.len(), AtomicUsize::new(0));
+    let read = |(place, file): (usize, &MeshFile)| {
+        let mesh = mesh::read(&file.path, file.format);
+        progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
+        (place, mesh.map(|mesh| (file.clone(), mesh)))
+    };
+    // Handed out one by one, so that the order holds.
+    let mut results: Vec<_> = files.into_iter().par_bridge().map(read).collect();
+    results.sort_by_key(|(place, _)| *place);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// All primitives, in the order of the shapes.
+fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec<Primitive>> {
+    check_size(shapes, meshes)?;
+    let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
+    let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
+    let mut ends = Vec::with_capacity(placed.len());
+    let mut count = 0;
+    for shape in &placed {
+        count += shape.len();
+        ends.push(count);
+    }
+    let primitive = |index: usize| {
+        let shape = ends.partition_point(|&end| end <= index);
+        placed[shape].primitive(index + placed[shape].len() - ends[shape])
+    };
+    Ok((0..count).into_par_iter().map(primitive).collect())
+}
+
+/// Refuses what no device could hold before any memory is taken for it.
+fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<()> {
+    let mut triangles = 0;
+    for shape in shapes {
+        if let Geometry::Mesh(file, _) = &shape.geometry {
+            triangles += meshes.get(file).map_or(0, |mesh| mesh.triangles.len());
+        }
+        if triangles > MAX_TRIANGLES {
+            let message =
+                format!("with this shape the scene has {triangles} triangles; no more than {MAX_TRIANGLES} fit");
+            return Err(shape.location.error(message));
+        }
+    }
+    Ok(())
+}
+
+/// The file's stem, or its folder's name where that says more.
+fn scene_name(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let folder = canonical.parent().and_then(Path::file_name).filter(|_| stem == "scene");
+    folder.unwrap_or(stem).to_string_lossy().into_owned()
+}

@@ -1,0 +1,263 @@
+//! `<bsdf>` to [`Material`]s.
+
+mod ior;
+mod named_conductors;
+mod parameters;
+mod surfaces;
+mod tree;
+
+use std::collections::HashMap;
+use std::ptr;
+
+use glam::Vec3;
+
+use super::element::Element;
+use super::properties::{Ids, Properties};
+use super::textures::{Role, Textures};
+use crate::Result;
+use crate::generated::constants;
+use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};
+use crate::scene::texture::Textured;
+use parameters::Parameters;
+use tree::Tree;
+
+/// What takes other BSDFs.
+const MODIFIERS: [&str; 6] = ["twosided", "mask", "blendbsdf", "bumpmap", "normalmap", "coating"];
+
+/// Links to textures that a material's record has.
+const MAX_TEXTURES: usize = constants::TEXTURE_LINKS as usize;
+/// What blends of blends of the same few materials may come to.
+const MAX_SURFACES: usize = 64;
+/// Choices within choices that the kernels follow.
+const MAX_CHOICES: usize = constants::MAX_CHOICES as usize;
+/// BSDFs inside each other, references followed.
+const MAX_DEPTH: usize = 64;
+
+/// The materials of a scene while it is read. What no shape uses is read, but not kept.
+pub(super) struct Materials<'a> {
+    ids: Ids<'a>,
+    /// Keyed by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
+    trees: HashMap<*const Element, Tree>,
+    /// The elements being read, from the outermost.
+    open: Vec<*const Element>,
+    kept: HashMap<*const Element, u32>,
+    /// Of shapes without a BSDF: those that do not emit, and those that do.
+    defaults: [Option<u32>; 2],
+    list: Vec<Material>,
+}
+
+impl<'a> Materials<'a> {
+    pub fn new(ids: Ids<'a>) -> Self {
+        Self {
+            ids,
+            trees: HashMap::new(),
+            open: Vec::new(),
+            kept: HashMap::new(),
+            defaults: [None; 2],
+            list: Vec::new(),
+        }
+    }
+
+    /// `Scene::materials`
+    pub fn finish(self) -> Vec<Material> {
+        self.list
+    }
+
+    /// The index in `Scene::materials` of what a shape without a BSDF is made of: as in Mitsuba, black
+    /// where it emits.
+    pub fn keep_default(&mut self, emits: bool) -> u32 {
+        let list = &mut self.list;
+        *self.defaults[usize::from(emits)].get_or_insert_with(|| {
+            let (name, albedo) =
+                if emits { ("default of emitters", 0.0) } else { ("default", surfaces::DEFAULT_REFLECTANCE) };
+            let reflectance = Textured::constant(Vec3::splat(albedo));
+            let kind = MaterialKind::Surface(SurfaceMaterial::plain(Bsdf::Diffuse { reflectance }));
+            list.push(Material { name: name.to_string(), kind });
+            list.len() as u32 - 1
+        })
+    }
+
+    /// The index in `Scene::materials` of a `<bsdf>` that a shape uses.
+    pub fn keep(
+        &mut self,
+        element: &'a Element,
+        shape_id: Option<&str>,
+        textures: &mut Textures<'a>,
+        warnings: &mut Vec<String>,
+    ) -> Result<u32> {
+        if let Some(&index) = self.kept.get(&ptr::from_ref(element)) {
+            return Ok(index);
+        }
+        let tree = self.read(element, textures, warnings)?;
+        let name = match element.attribute("id").or(shape_id) {
+            Some(id) => id.to_string(),
+            None => format!("{} at line {}", element.plugin()?, element.location.line),
+        };
+        let index = self.push(&name, tree, textures);
+        self.kept.insert(ptr::from_ref(element), index);
+        Ok(index)
+    }
+
+    fn push(&mut self, name: &str, tree: Tree, textures: &mut Textures) -> u32 {
+        let kind = match tree {
+            Tree::Surface(mut surface) => {
+                surface.textures_mut().into_iter().for_each(|texture| *texture = textures.keep(*texture));
+                MaterialKind::Surface(surface)
+            }
+            Tree::Blend { mut weight, parts } => {
+                weight.texture = weight.texture.map(|texture| textures.keep(texture));
+                MaterialKind::Blend { weight, materials: self.push_both(name, *parts, textures) }
+            }
+            Tree::Sides { parts } => {
+                let [front, back] = self.push_both(name, *parts, textures);
+                MaterialKind::Sides { front, back }
+            }
+        };
+        self.list.push(Material { name: name.to_string(), kind });
+        self.list.len() as u32 - 1
+    }
+
+    fn push_both(&mut self, name: &str, parts: [Tree; 2], textures: &mut Textures) -> [u32; 2] {
+        parts.map(|part| self.push(name, part, textures))
+    }
+
+    /// Says what is wrong with a `<bsdf>`, whether or not a shape uses it.
+    pub fn check(
+        &mut self,
+        element: &'a Element,
+        textures: &mut Textures<'a>,
+        warnings: &mut Vec<String>,
+    ) -> Result<()> {
+        self.read(element, textures, warnings).map(drop)
+    }
+
+    fn read(&mut self, element: &'a Element, textures: &mut Textures<'a>, warnings: &mut Vec<String>) -> Result<Tree> {
+        let key = ptr::from_ref(element);
+        if let Some(tree) = self.trees.get(&key) {
+            return Ok(tree.clone());
+        }
+        if self.open.contains(&key) {
+            return Err(element.error("this <bsdf> contains itself, directly or through others"));
+        }
+        if self.open.len() >= MAX_DEPTH {
+            return Err(element.error(format!("BSDFs are nested more than {MAX_DEPTH} deep")));
+        }
+        self.open.push(key);
+        let tree = self.read_new(element, textures, warnings)?;
+        self.open.pop();
+        if tree.surfaces().len() > MAX_SURFACES {
+            return Err(element.error(format!("a material of more than {MAX_SURFACES} surfaces is not supported")));
+        }
+        if tree.choice_depth() > MAX_CHOICES {
+            return Err(element.error(format!("blends within blends, more than {MAX_CHOICES} deep, are not supported")));
+        }
+        self.trees.insert(key, tree.clone());
+        Ok(tree)
+    }
+
+    fn read_new(
+        &mut self,
+        element: &'a Element,
+        textures: &mut Textures<'a>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Tree> {
+        let mut properties = Properties::new(element, &self.ids)?;
+        let mut parts = Vec::new();
+        if MODIFIERS.contains(&properties.plugin()) {
+            for nested in properties.objects("bsdf") {
+                parts.push(self.read(nested, textures, warnings)?);
+            }
+        }
+        let mut parameters = Parameters::new(properties, textures, warnings);
+        let tree = match surfaces::parse(&mut parameters)? {
+            Some(bsdf) => Tree::Surface(SurfaceMaterial::plain(bsdf)),
+            None => modify(&mut parameters, parts)?,
+        };
+        parameters.finish()?;
+        check_texture_count(element, &tree)?;
+        Ok(tree)
+    }
+}
+
+/// What a plugin of [`MODIFIERS`] makes of the BSDFs in it.
+fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
+    let element = parameters.element();
+    let plugin = parameters.properties.plugin();
+    let one = |parts: Vec<Tree>| match <[Tree; 1]>::try_from(parts) {
+        Ok([only]) => Ok(only),
+        Err(_) => Err(element.error(format!("bsdf plugin `{plugin}` needs exactly one nested <bsdf>"))),
+    };
+    let result = match plugin {
+        "twosided" => match <[Tree; 2]>::try_from(parts) {
+            Ok([front, back]) => Tree::sides(front, back),
+            Err(parts) => one(parts)?.two_sided(),
+        },
+        "mask" => {
+            let opacity = parameters.share("opacity", 0.5)?;
+            one(parts)?.masked(opacity)
+        }
+        "blendbsdf" => Ok(blend(parameters, parts)?),
+        "bumpmap" => one(parts)?.with_relief(bump_map(parameters)?),
+        "normalmap" => one(parts)?.with_relief(normal_map(parameters)?),
+        "coating" => one(parts)?.coated(coating(parameters)?),
+        _ => return Err(element.unsupported(&[&surfaces::SUPPORTED[..], &MODIFIERS].concat())),
+    };
+    result.map_err(|message| element.error(message))
+}
+
+fn blend(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
+    let element = parameters.element();
+    let parts = <[Tree; 2]>::try_from(parts)
+        .map_err(|_| element.error("bsdf plugin `blendbsdf` needs exactly two nested <bsdf>s"))?;
+    if !parameters.properties.has("weight") {
+        return Err(element.error("bsdf plugin `blendbsdf` needs its parameter `weight`"));
+    }
+    Ok(Tree::Blend { weight: parameters.share("weight", 0.5)?, parts: Box::new(parts) })
+}
+
+fn bump_map(parameters: &mut Parameters) -> Result<Relief> {
+    check_relief_options(parameters)?;
+    let scale = parameters.properties.float("scale")?.unwrap_or(1.0);
+    let (texture, factor) = parameters.relief_texture(None, Role::Heights)?;
+    Ok(Relief::Bump { texture, scale: scale * factor })
+}
+
+fn normal_map(parameters: &mut Parameters) -> Result<Relief> {
+    check_relief_options(parameters)?;
+    let (texture, _) = parameters.relief_texture(Some("normalmap"), Role::Normals)?;
+    Ok(Relief::NormalMap { texture })
+}
+
+/// What Mitsuba does against invalid normals is done unless the scene asks for the contrary.
+fn check_relief_options(parameters: &mut Parameters) -> Result<()> {
+    for name in ["flip_invalid_normals", "use_shadowing_function"] {
+        let location = parameters.properties.location(name);
+        if parameters.properties.boolean(name)? == Some(false) {
+            return Err(location.error(format!("`{name}` cannot be switched off; leave it out")));
+        }
+    }
+    Ok(())
+}
+
+/// Mitsuba 0.6's; Mitsuba 3 has none.
+fn coating(parameters: &mut Parameters) -> Result<Coating> {
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
+    for name in ["sigma_a", "specular_reflectance"] {
+        if let Some(texture) = parameters.properties.texture(name)? {
+            return Err(texture.error(format!("`{name}` of a `coating` must be a color, not a texture")));
+        }
+    }
+    let eta = ior::relative(&mut parameters.properties, "bk7")?;
+    let thickness = parameters.properties.positive_float("thickness", 1.0)?;
+    let absorption = parameters.properties.color("sigma_a")?.unwrap_or(Vec3::ZERO);
+    let specular_reflectance = parameters.constant_reflectance("specular_reflectance", 1.0)?;
+    Ok(Coating { eta, optical_thickness: absorption * thickness, specular_reflectance })
+}
+
+fn check_texture_count(element: &Element, tree: &Tree) -> Result<()> {
+    let count = |surface: &SurfaceMaterial| surface.clone().parameter_textures_mut().len();
+    match tree.surfaces().into_iter().map(count).find(|&count| count > MAX_TEXTURES) {
+        Some(count) => Err(element.error(format!("{count} textured parameters: a material may have {MAX_TEXTURES}"))),
+        None => Ok(()),
+    }
+}

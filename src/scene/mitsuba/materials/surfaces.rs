@@ -1,0 +1,162 @@
+//! The plugins that scatter by themselves.
+
+use super::ior;
+use super::parameters::Parameters;
+use crate::Result;
+use crate::scene::bsdf::{Bsdf, Principled};
+
+/// What [`parse`] knows.
+pub(super) const SUPPORTED: [&str; 10] = [
+    "diffuse",
+    "roughdiffuse",
+    "dielectric",
+    "thindielectric",
+    "roughdielectric",
+    "conductor",
+    "roughconductor",
+    "plastic",
+    "roughplastic",
+    "principled",
+];
+
+/// Mitsuba's albedo where none is given.
+pub(super) const DEFAULT_REFLECTANCE: f32 = 0.5;
+
+/// What dielectrics and plastics are made of where nothing is said.
+const DEFAULT_GLASS: &str = "bk7";
+const DEFAULT_PLASTIC: &str = "polypropylene";
+
+/// Reads the parameters of a plugin in [`SUPPORTED`]; `None` for any other.
+pub(super) fn parse(parameters: &mut Parameters) -> Result<Option<Bsdf>> {
+    let bsdf = match parameters.properties.plugin() {
+        "diffuse" => Bsdf::Diffuse { reflectance: parameters.reflectance("reflectance", DEFAULT_REFLECTANCE)? },
+        "roughdiffuse" => rough_diffuse(parameters)?,
+        "dielectric" => dielectric(parameters, false)?,
+        "thindielectric" => dielectric(parameters, true)?,
+        "roughdielectric" => rough_dielectric(parameters)?,
+        "conductor" => conductor(parameters)?,
+        "roughconductor" => rough_conductor(parameters)?,
+        "plastic" => plastic(parameters)?,
+        "roughplastic" => rough_plastic(parameters)?,
+        "principled" => Bsdf::Principled(principled(parameters)?),
+        _ => return Ok(None),
+    };
+    Ok(Some(bsdf))
+}
+
+/// Mitsuba 0.6's; Mitsuba 3 has none.
+fn rough_diffuse(parameters: &mut Parameters) -> Result<Bsdf> {
+    Ok(Bsdf::RoughDiffuse {
+        reflectance: parameters.reflectance("reflectance", DEFAULT_REFLECTANCE)?,
+        alpha: parameters.scalar("alpha", 0.2)?,
+        fast_approximation: parameters.properties.boolean("use_fast_approx")?.unwrap_or(false),
+    })
+}
+
+fn dielectric(parameters: &mut Parameters, thin: bool) -> Result<Bsdf> {
+    let eta = ior::relative(&mut parameters.properties, DEFAULT_GLASS)?;
+    let specular_reflectance = parameters.reflectance("specular_reflectance", 1.0)?;
+    let specular_transmittance = parameters.reflectance("specular_transmittance", 1.0)?;
+    Ok(match thin {
+        true => Bsdf::ThinDielectric { eta, specular_reflectance, specular_transmittance },
+        false => Bsdf::Dielectric { eta, specular_reflectance, specular_transmittance },
+    })
+}
+
+fn rough_dielectric(parameters: &mut Parameters) -> Result<Bsdf> {
+    let eta = ior::relative(&mut parameters.properties, DEFAULT_GLASS)?;
+    if eta == 1.0 {
+        return Err(parameters.element().error("`int_ior` and `ext_ior` of a rough dielectric must differ"));
+    }
+    Ok(Bsdf::RoughDielectric {
+        microfacets: parameters.microfacets()?,
+        eta,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+        specular_transmittance: parameters.reflectance("specular_transmittance", 1.0)?,
+    })
+}
+
+fn conductor(parameters: &mut Parameters) -> Result<Bsdf> {
+    let (eta, k) = parameters.conductor()?;
+    Ok(Bsdf::Conductor { eta, k, specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)? })
+}
+
+fn rough_conductor(parameters: &mut Parameters) -> Result<Bsdf> {
+    let (eta, k) = parameters.conductor()?;
+    Ok(Bsdf::RoughConductor {
+        microfacets: parameters.microfacets()?,
+        eta,
+        k,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+    })
+}
+
+fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
+    // How often each lobe is drawn changes the noise only.
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
+    Ok(Bsdf::Plastic {
+        eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
+        diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+        nonlinear: parameters.properties.boolean("nonlinear")?.unwrap_or(false),
+    })
+}
+
+fn rough_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
+    let (distribution, alpha) = parameters.uniform_microfacets()?;
+    Ok(Bsdf::RoughPlastic {
+        distribution,
+        alpha,
+        eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
+        diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+        nonlinear: parameters.properties.boolean("nonlinear")?.unwrap_or(false),
+    })
+}
+
+fn principled(parameters: &mut Parameters) -> Result<Principled> {
+    // How often each lobe is drawn changes the noise only.
+    let rates = ["main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"];
+    parameters.properties.ignore_sampling(&rates);
+    let base_color = parameters.reflectance("base_color", DEFAULT_REFLECTANCE)?;
+    let roughness = parameters.share("roughness", 0.5)?;
+    let spec_trans = parameters.share("spec_trans", 0.0)?;
+    let transmits = spec_trans.texture.is_some() || spec_trans.value > 0.0;
+    let eta = principled_eta(parameters, transmits)?;
+    let mut share = |name: &str| parameters.share(name, 0.0);
+    Ok(Principled {
+        base_color,
+        roughness,
+        anisotropic: share("anisotropic")?,
+        metallic: share("metallic")?,
+        spec_trans,
+        eta,
+        spec_tint: share("spec_tint")?,
+        sheen: share("sheen")?,
+        sheen_tint: share("sheen_tint")?,
+        flatness: share("flatness")?,
+        clearcoat: share("clearcoat")?,
+        clearcoat_gloss: share("clearcoat_gloss")?,
+    })
+}
+
+/// From `eta`, or from `specular`, the reflectance at normal incidence over 0.08 (Burley 2012). What transmits needs an
+/// index other than 1; Mitsuba shifts it a little.
+fn principled_eta(parameters: &mut Parameters, transmits: bool) -> Result<f32> {
+    let properties = &mut parameters.properties;
+    if properties.has("eta") && properties.has("specular") {
+        return Err(properties.location("eta").error("give either `eta` or `specular`, not both"));
+    }
+    if properties.has("eta") {
+        let eta = properties.positive_float("eta", 1.5)?;
+        return Ok(if transmits && eta == 1.0 { 1.001 } else { eta });
+    }
+    let location = properties.location("specular");
+    let specular = properties.float("specular")?.unwrap_or(0.5);
+    if !(0.0..=1.0).contains(&specular) {
+        return Err(location.error(format!("`specular` must lie in 0..1, not {specular}")));
+    }
+    let specular = if transmits && specular == 0.0 { 1e-3 } else { specular };
+    Ok(2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0)
+}

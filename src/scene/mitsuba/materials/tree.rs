@@ -1,0 +1,132 @@
+//! Nested BSDFs in their normal form: choices between surfaces above, and what modifies a surface pushed down into it.
+
+use crate::scene::bsdf::{Bsdf, Coating, Relief, SurfaceMaterial};
+use crate::scene::texture::Textured;
+
+/// A material: a surface, or a choice.
+#[derive(Debug, Clone)]
+pub(super) enum Tree {
+    Surface(SurfaceMaterial),
+    /// With the probability `weight` the second part.
+    Blend {
+        weight: Textured<f32>,
+        parts: Box<[Tree; 2]>,
+    },
+    /// Front and back; each part scatters the same on its other side, too.
+    Sides {
+        parts: Box<[Tree; 2]>,
+    },
+}
+
+impl Tree {
+    /// Changes every surface, or says why one cannot be changed.
+    fn map(
+        self,
+        change: &impl Fn(SurfaceMaterial) -> Result<SurfaceMaterial, &'static str>,
+    ) -> Result<Self, &'static str> {
+        let both = |parts: [Tree; 2]| -> Result<Box<[Tree; 2]>, &'static str> {
+            let [first, second] = parts;
+            Ok(Box::new([first.map(change)?, second.map(change)?]))
+        };
+        Ok(match self {
+            Self::Surface(surface) => Self::Surface(change(surface)?),
+            Self::Blend { weight, parts } => Self::Blend { weight, parts: both(*parts)? },
+            Self::Sides { parts } => Self::Sides { parts: both(*parts)? },
+        })
+    }
+
+    /// All surfaces that it chooses between.
+    pub fn surfaces(&self) -> Vec<&SurfaceMaterial> {
+        match self {
+            Self::Surface(surface) => vec![surface],
+            Self::Blend { parts, .. } | Self::Sides { parts } => parts.iter().flat_map(Self::surfaces).collect(),
+        }
+    }
+
+    /// How many choices lie inside each other.
+    pub fn choice_depth(&self) -> usize {
+        match self {
+            Self::Surface(_) => 0,
+            Self::Blend { parts, .. } | Self::Sides { parts } => {
+                1 + parts.iter().map(Self::choice_depth).max().unwrap_or(0)
+            }
+        }
+    }
+
+    /// `mask`
+    pub fn masked(self, opacity: Textured<f32>) -> Result<Self, &'static str> {
+        self.map(&|surface| match surface.opacity == Textured::constant(1.0) {
+            true => Ok(SurfaceMaterial { opacity, ..surface }),
+            false => Err("a `mask` inside another is not supported"),
+        })
+    }
+
+    /// `twosided` around one BSDF: what lies inside is always met from its front.
+    pub fn two_sided(self) -> Result<Self, &'static str> {
+        match self {
+            Self::Sides { parts } => {
+                let [front, _] = *parts;
+                front.two_sided()
+            }
+            Self::Blend { weight, parts } => {
+                let [first, second] = *parts;
+                Ok(Self::Blend { weight, parts: Box::new([first.two_sided()?, second.two_sided()?]) })
+            }
+            Self::Surface(surface) if is_transmissive(&surface) => {
+                Err("`twosided` takes only materials that transmit nothing")
+            }
+            Self::Surface(surface) if surface.relief_outside => Err(NESTED_TWICE),
+            Self::Surface(surface) => Ok(Self::Surface(SurfaceMaterial { two_sided: true, ..surface })),
+        }
+    }
+
+    /// `twosided` around two BSDFs.
+    pub fn sides(front: Self, back: Self) -> Result<Self, &'static str> {
+        Ok(Self::Sides { parts: Box::new([front.two_sided()?, back.two_sided()?]) })
+    }
+
+    /// `bumpmap` or `normalmap`
+    pub fn with_relief(self, relief: Relief) -> Result<Self, &'static str> {
+        if matches!(self, Self::Sides { .. }) {
+            return Err(
+                "a bump or normal map around a `twosided` with two sides is not supported; put one into each side",
+            );
+        }
+        self.map(&|surface| match surface.relief {
+            None => Ok(SurfaceMaterial { relief: Some(relief), relief_outside: surface.two_sided, ..surface }),
+            Some(_) => Err("a bump or normal map inside another is not supported"),
+        })
+    }
+
+    /// `coating`
+    pub fn coated(self, coating: Coating) -> Result<Self, &'static str> {
+        self.map(&|surface| {
+            if surface.two_sided {
+                return Err("a `coating` around `twosided` is not supported; put `twosided` around the `coating`");
+            }
+            if surface.relief.is_some() {
+                return Err(
+                    "a `coating` around a bump or normal map is not supported; put the map around the `coating`",
+                );
+            }
+            if surface.coating.is_some() {
+                return Err("a `coating` inside another is not supported");
+            }
+            if is_transmissive(&surface) {
+                return Err("a `coating` over a material that transmits light is not supported");
+            }
+            Ok(SurfaceMaterial { coating: Some(coating), ..surface })
+        })
+    }
+}
+
+const NESTED_TWICE: &str = "`twosided` around a bump or normal map around another `twosided` is not supported";
+
+fn is_transmissive(surface: &SurfaceMaterial) -> bool {
+    let transmits = match &surface.bsdf {
+        Bsdf::Dielectric { .. } | Bsdf::ThinDielectric { .. } | Bsdf::RoughDielectric { .. } => true,
+        Bsdf::Principled(principled) => principled.spec_trans != Textured::constant(0.0),
+        _ => false,
+    };
+    transmits || surface.opacity != Textured::constant(1.0)
+}

@@ -1,0 +1,18 @@
+//! Mitsuba's scenes: XML of any version to a [`Scene`](super::Scene).
+
+mod color;
+mod color_matching;
+mod document;
+mod element;
+mod emitter_plugin;
+mod flatten;
+pub mod load;
+mod materials;
+mod numbers;
+mod properties;
+mod sensor;
+mod shape;
+mod spectrum;
+mod texture_images;
+mod textures;
+mod transform;

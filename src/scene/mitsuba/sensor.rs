@@ -1,0 +1,224 @@
+//! `<sensor>`, `<film>`, `<rfilter>` and `<sampler>`.
+
+use glam::{DMat4, Vec2};
+
+use super::element::Element;
+use super::properties::{Ids, Properties};
+use super::transform;
+use crate::Result;
+use crate::scene::{Camera, Crop, FilmDescription, FovAxis, Projection, ReconstructionFilter};
+
+/// Everything that stands in a `<sensor>`.
+pub(super) struct Sensor {
+    pub camera: Camera,
+    pub film: FilmDescription,
+    pub sample_count: Option<u32>,
+}
+
+/// The diagonal of 35 mm film in millimeters, which `focal_length` is relative to.
+const FILM_DIAGONAL: f64 = 43.266_615_305_567_87;
+const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
+
+/// Reads a `<sensor>`.
+pub(super) fn parse<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<Sensor> {
+    let mut properties = Properties::new(element, ids)?;
+    let camera = match properties.plugin() {
+        "perspective" => parse_perspective(&mut properties)?,
+        "thinlens" => parse_thin_lens(&mut properties, warnings)?,
+        "orthographic" => parse_orthographic(&mut properties)?,
+        _ => return Err(element.unsupported(&["perspective", "thinlens", "orthographic"])),
+    };
+    let film = match properties.object("film")? {
+        Some(film) => parse_film(film, ids, warnings)?,
+        None => FilmDescription { width: 768, height: 576, crop: None, filter: DEFAULT_FILTER },
+    };
+    let sampler = properties.object("sampler")?;
+    let sample_count = sampler.map(|sampler| parse_sample_count(sampler, ids)).transpose()?.flatten();
+    // A camera without a lens is in focus everywhere, and nothing moves.
+    properties.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
+    properties.finish(warnings)?;
+    Ok(Sensor { camera, film, sample_count })
+}
+
+fn parse_perspective(properties: &mut Properties) -> Result<Camera> {
+    let camera = parse_pinhole(properties)?;
+    let mut offset = |name: &str| Ok(properties.float(name)?.unwrap_or(0.0));
+    let principal_point = Vec2::new(offset("principal_point_offset_x")?, offset("principal_point_offset_y")?);
+    Ok(Camera { principal_point, ..camera })
+}
+
+fn parse_thin_lens(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<Camera> {
+    let element = properties.element();
+    let camera = parse_pinhole(properties)?;
+    let focus_distance = properties.positive_float("focus_distance", camera.far_clip)?;
+    match properties.float("aperture_radius")? {
+        Some(aperture_radius) if aperture_radius > 0.0 => {
+            Ok(Camera { projection: Projection::ThinLens { aperture_radius, focus_distance }, ..camera })
+        }
+        Some(0.0) => {
+            warnings.push(format!("{}: an `aperture_radius` of 0 makes a pinhole", element.location));
+            Ok(camera)
+        }
+        Some(radius) => Err(element.error(format!("`aperture_radius` must not be negative, but is {radius}"))),
+        None => Err(element.error("sensor plugin `thinlens` needs its parameter `aperture_radius`")),
+    }
+}
+
+fn parse_orthographic(properties: &mut Properties) -> Result<Camera> {
+    let element = properties.element();
+    let world_from_camera = properties.take_to_world()?.as_mat4();
+    let forward = world_from_camera.z_axis.truncate();
+    if !world_from_camera.is_finite() || forward.length_squared() < f32::MIN_POSITIVE {
+        return Err(element.error("the sensor's `to_world` leaves it no direction to look in"));
+    }
+    let (near_clip, far_clip) = parse_clips(properties)?;
+    let (fov, fov_axis, principal_point) = (90.0, FovAxis::X, Vec2::ZERO);
+    let projection = Projection::Orthographic;
+    Ok(Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
+}
+
+/// What cameras with a center of projection have in common.
+fn parse_pinhole(properties: &mut Properties) -> Result<Camera> {
+    let world_from_camera = properties.take_to_world()?;
+    check_rigid(&world_from_camera, properties.element())?;
+    let world_from_camera = world_from_camera.as_mat4();
+    let (fov, fov_axis) = parse_fov(properties)?;
+    let (near_clip, far_clip) = parse_clips(properties)?;
+    let (projection, principal_point) = (Projection::Perspective, Vec2::ZERO);
+    Ok(Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
+}
+
+fn parse_clips(properties: &mut Properties) -> Result<(f32, f32)> {
+    let near_clip = properties.positive_float("near_clip", 1e-2)?;
+    let far_clip = properties.positive_float("far_clip", 1e4)?;
+    if far_clip <= near_clip {
+        let message = format!("`far_clip` ({far_clip}) must exceed `near_clip` ({near_clip})");
+        return Err(properties.element().error(message));
+    }
+    Ok((near_clip, far_clip))
+}
+
+fn check_rigid(matrix: &DMat4, element: &Element) -> Result<()> {
+    let [x, ..] = transform::axes(matrix);
+    // Scene files are printed with six digits.
+    if (x.length_squared() - 1.0).abs() > 1e-3 || !transform::is_similarity(matrix, 1e-3) {
+        return Err(element.error("the sensor's `to_world` must neither scale nor shear"));
+    }
+    Ok(())
+}
+
+fn parse_fov(properties: &mut Properties) -> Result<(f32, FovAxis)> {
+    let fov_element = properties.take("fov_axis");
+    let axis = match fov_element {
+        Some(element) => parse_fov_axis(element)?,
+        None => FovAxis::X,
+    };
+    let element = properties.element();
+    let focal_length = properties.string("focal_length")?;
+    let fov = properties.float("fov")?;
+    match (fov, focal_length) {
+        (Some(_), Some(_)) => Err(element.error("give either `fov` or `focal_length`, not both")),
+        (Some(fov), None) if fov > 0.0 && fov < 180.0 => Ok((fov, axis)),
+        (Some(fov), None) => Err(element.error(format!("`fov` must lie between 0 and 180 degrees, not {fov}"))),
+        // A focal length speaks of the diagonal, whatever the axis.
+        (None, length) => Ok((fov_from_focal_length(element, length)?, FovAxis::Diagonal)),
+    }
+}
+
+fn parse_fov_axis(element: &Element) -> Result<FovAxis> {
+    match element.required("value")?.trim() {
+        "x" => Ok(FovAxis::X),
+        "y" => Ok(FovAxis::Y),
+        "diagonal" => Ok(FovAxis::Diagonal),
+        "smaller" => Ok(FovAxis::Smaller),
+        "larger" => Ok(FovAxis::Larger),
+        text => Err(element.error(format!("`fov_axis` is x, y, diagonal, smaller or larger, not `{text}`"))),
+    }
+}
+
+fn fov_from_focal_length(element: &Element, length: Option<&str>) -> Result<f32> {
+    let millimeters = match length {
+        Some(text) => text.trim().trim_end_matches("mm").trim_end().parse::<f64>().ok(),
+        None => Some(DEFAULT_FOCAL_LENGTH),
+    };
+    let fov = millimeters
+        .filter(|length| length.is_finite() && *length > 0.0)
+        .map(|length| (2.0 * (0.5 * FILM_DIAGONAL / length).atan()).to_degrees() as f32)
+        .filter(|fov| *fov > 0.0 && *fov < 180.0);
+    fov.ok_or_else(|| {
+        let text = length.unwrap_or_default();
+        element.error(format!("`focal_length` should be a length such as `50mm`, not `{text}`"))
+    })
+}
+
+fn parse_film<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<FilmDescription> {
+    let mut properties = Properties::new(element, ids)?;
+    if !["hdrfilm", "ldrfilm"].contains(&properties.plugin()) {
+        return Err(element.unsupported(&["hdrfilm", "ldrfilm"]));
+    }
+    let side = |size: Option<i64>, default: u32| size.map_or(default, |size| size as u32);
+    let width = side(properties.integer("width", SIDE)?, 768);
+    let height = side(properties.integer("height", SIDE)?, 576);
+    let crop = parse_crop(&mut properties, width, height)?;
+    let filter = match properties.object("rfilter")? {
+        Some(filter) => parse_filter(filter, ids, warnings)?,
+        None => DEFAULT_FILTER,
+    };
+    properties.ignore(&[
+        "attach_log",
+        "banner",
+        "component_format",
+        "file_format",
+        "high_quality_edges",
+        "metadata",
+        "pixel_format",
+        "sample_border",
+    ]);
+    properties.finish(warnings)?;
+    Ok(FilmDescription { width, height, crop, filter })
+}
+
+const SIDE: std::ops::RangeInclusive<i64> = 1..=i32::MAX as i64;
+
+fn parse_crop(properties: &mut Properties, width: u32, height: u32) -> Result<Option<Crop>> {
+    let x = properties.integer("crop_offset_x", 0..=i64::from(width) - 1)?;
+    let y = properties.integer("crop_offset_y", 0..=i64::from(height) - 1)?;
+    let left = x.unwrap_or(0);
+    let top = y.unwrap_or(0);
+    let crop_width = properties.integer("crop_width", 1..=i64::from(width) - left)?;
+    let crop_height = properties.integer("crop_height", 1..=i64::from(height) - top)?;
+    if [x, y, crop_width, crop_height].iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    Ok(Some(Crop {
+        x: left as u32,
+        y: top as u32,
+        width: crop_width.unwrap_or(i64::from(width) - left) as u32,
+        height: crop_height.unwrap_or(i64::from(height) - top) as u32,
+    }))
+}
+
+const DEFAULT_FILTER: ReconstructionFilter = ReconstructionFilter::Gaussian { stddev: 0.5 };
+
+fn parse_filter<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<ReconstructionFilter> {
+    let mut properties = Properties::new(element, ids)?;
+    let filter = match properties.plugin() {
+        "box" => ReconstructionFilter::Box,
+        "tent" => ReconstructionFilter::Tent { radius: properties.positive_float("radius", 1.0)? },
+        "gaussian" => ReconstructionFilter::Gaussian { stddev: properties.positive_float("stddev", 0.5)? },
+        name @ ("mitchell" | "catmullrom" | "lanczos") => {
+            // Its negative lobes cannot be sampled; the pictures differ in sharpness alone.
+            warnings.push(format!("{}: rfilter `{name}` is not supported; `gaussian` is used", element.location));
+            return Ok(DEFAULT_FILTER);
+        }
+        _ => return Err(element.unsupported(&["box", "tent", "gaussian"])),
+    };
+    properties.finish(warnings)?;
+    Ok(filter)
+}
+
+/// Samplers differ in their patterns only, so any plugin's `sample_count` is taken and the rest is left alone.
+fn parse_sample_count<'a>(element: &'a Element, ids: &Ids<'a>) -> Result<Option<u32>> {
+    let count = Properties::new(element, ids)?.integer("sample_count", 1..=i32::MAX as i64)?;
+    Ok(count.map(|count| count as u32))
+}

@@ -1,0 +1,178 @@
+//! `<shape>`: what it asks for, read first; the primitives come when all mesh files are there.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use glam::{DMat4, DVec3};
+
+use super::document;
+use super::element::{Element, Location};
+use super::flatten::{self, Common, MeshOptions, PlacedMesh};
+use super::properties::Properties;
+use super::transform;
+use crate::Result;
+use crate::scene::mesh::{Mesh, MeshFormat};
+use crate::scene::{Primitive, PrimitiveShape};
+
+const SUPPORTED: [&str; 9] =
+    ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "shapegroup", "instance"];
+
+/// How far from a similarity a transform may be: scene files are printed with six digits.
+const SIMILARITY: f64 = 1e-3;
+
+/// A `<shape>`, ready to be flattened.
+#[derive(Clone)]
+pub(super) struct Shape {
+    pub geometry: Geometry,
+    pub common: Common,
+    pub location: Location,
+}
+
+/// The kinds of shape.
+#[derive(Clone)]
+pub(super) enum Geometry {
+    Mesh(MeshFile, MeshOptions),
+    Rectangle,
+    Disk,
+    Cube,
+    Sphere,
+}
+
+/// Which mesh to read: the canonical path of its file, and what that holds.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct MeshFile {
+    pub path: PathBuf,
+    pub format: MeshFormat,
+}
+
+/// Reads what is special to a shape's plugin, and its transform into `common`.
+pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common, top_folder: &Path) -> Result<Geometry> {
+    let element = properties.element();
+    common.to_world = properties.take_to_world()?;
+    common.flip_normals = properties.boolean("flip_normals")?.unwrap_or(false);
+    let mesh_format = match properties.plugin() {
+        "obj" => Some(MeshFormat::Obj),
+        "ply" => Some(MeshFormat::Ply),
+        "serialized" => Some(parse_shape_index(properties)?),
+        _ => None,
+    };
+    if let Some(format) = mesh_format {
+        return parse_mesh(properties, format, top_folder);
+    }
+    // Other faces are flat anyway, and a sphere has none.
+    properties.ignore(&["face_normals"]);
+    match properties.plugin() {
+        "rectangle" => Ok(Geometry::Rectangle),
+        "disk" => Ok(Geometry::Disk),
+        "cube" => Ok(Geometry::Cube),
+        "sphere" => {
+            common.to_world = parse_sphere(properties, common.to_world)?;
+            Ok(Geometry::Sphere)
+        }
+        _ => Err(element.unsupported(&SUPPORTED)),
+    }
+}
+
+fn parse_mesh(properties: &mut Properties, format: MeshFormat, top_folder: &Path) -> Result<Geometry> {
+    let element = properties.element();
+    let flips_uvs = match format {
+        MeshFormat::Serialized(_) => Some(false),
+        _ => properties.boolean("flip_tex_coords")?,
+    };
+    let options = MeshOptions {
+        face_normals: properties.boolean("face_normals")?.unwrap_or(false),
+        flip_uvs: flips_uvs.unwrap_or(format == MeshFormat::Obj),
+    };
+    let parameter = properties.take("filename");
+    let parameter = parameter.ok_or_else(|| {
+        element.error(format!("shape plugin `{}` needs its parameter `filename`", properties.plugin()))
+    })?;
+    Ok(Geometry::Mesh(MeshFile { path: find_mesh(parameter, top_folder)?, format }, options))
+}
+
+fn parse_shape_index(properties: &mut Properties) -> Result<MeshFormat> {
+    let index = properties.integer("shape_index", 0..=i64::from(u32::MAX))?;
+    Ok(MeshFormat::Serialized(index.unwrap_or(0) as usize))
+}
+
+fn find_mesh(parameter: &Element, top_folder: &Path) -> Result<PathBuf> {
+    let name = parameter.required("value")?;
+    document::resolve(name, &parameter.location.file, top_folder)
+        .and_then(|path| path.canonicalize().ok())
+        .ok_or_else(|| parameter.error(format!("the mesh file `{name}` does not exist")))
+}
+
+/// World from the unit sphere.
+fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
+    let element = properties.element();
+    let center = properties.point("center")?.unwrap_or(DVec3::ZERO);
+    let radius = f64::from(properties.positive_float("radius", 1.0)?);
+    let result = to_world * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius));
+    if !transform::is_similarity(&result, SIMILARITY) {
+        return Err(element.error("the `to_world` of a sphere must not scale unevenly or shear"));
+    }
+    if transform::axes(&result)[0].as_vec3().length_squared() < f32::MIN_POSITIVE {
+        return Err(element.error("a sphere needs a radius greater than 0"));
+    }
+    Ok(result)
+}
+
+impl Shape {
+    /// The copy of a group's shape that `instance` asks for.
+    pub fn instantiated(&self, to_world: DMat4, instance: &Element) -> Result<Self> {
+        if matches!(self.geometry, Geometry::Sphere) && !transform::is_similarity(&to_world, SIMILARITY) {
+            return Err(instance.error("an instance with a sphere must not be scaled unevenly or sheared"));
+        }
+        let common = Common { instance_to_world: to_world, ..self.common };
+        Ok(Self { common, location: instance.location.clone(), ..self.clone() })
+    }
+}
+
+/// A shape whose primitives can be made one by one.
+pub(super) enum Placed<'a> {
+    Mesh(Box<PlacedMesh<'a>>),
+    Few(Vec<Primitive>),
+}
+
+/// Puts a shape in its place; `meshes` holds every mesh that a shape names.
+pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Mesh>) -> Result<Placed<'a>> {
+    let common = &shape.common;
+    let placed = match &shape.geometry {
+        Geometry::Mesh(file, options) => match meshes.get(file) {
+            Some(mesh) => PlacedMesh::new(mesh, options, common).map(|mesh| Placed::Mesh(Box::new(mesh))),
+            None => Some(Placed::Few(Vec::new())),
+        },
+        Geometry::Rectangle => few(flatten::flat(PrimitiveShape::Parallelogram, common), common),
+        Geometry::Disk => few(flatten::flat(PrimitiveShape::Disk, common), common),
+        Geometry::Cube => few(flatten::cube(common), common),
+        Geometry::Sphere => few(vec![flatten::sphere(common)], common),
+    };
+    placed.ok_or_else(|| {
+        shape.location.error("the shape's `to_world` takes it out of the range of single-precision numbers")
+    })
+}
+
+fn few<'a>(primitives: Vec<Primitive>, common: &Common) -> Option<Placed<'a>> {
+    let instantiated = |p: Primitive| flatten::instantiated(p, &common.instance_to_world);
+    let primitives: Vec<_> = primitives.into_iter().filter_map(instantiated).collect();
+    let is_finite = |p: &Primitive| p.origin.is_finite() && p.edge_u.cross(p.edge_v).length_squared().is_finite();
+    primitives.iter().all(is_finite).then_some(Placed::Few(primitives))
+}
+
+impl Placed<'_> {
+    /// How many primitives it has.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.len(),
+            Self::Few(primitives) => primitives.len(),
+        }
+    }
+
+    /// Its primitive of that index.
+    pub fn primitive(&self, index: usize) -> Primitive {
+        match self {
+            Self::Mesh(mesh) => mesh.triangle(index),
+            Self::Few(primitives) => primitives[index],
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Image files to [`Image`]s, in parallel, within what a device can hold.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::textures::ImageRequest;
+use crate::image::texels::{self, FileTexels, TexelImage};
+use crate::scene::shrink::shrink;
+use crate::scene::texture::{Image, Texels};
+use crate::{Error, Result};
+
+/// Decodes every file once. Of several faulty files the first in the scene is reported. Returns warnings, too.
+pub(super) fn decode(requests: &[ImageRequest]) -> Result<(Vec<Image>, Vec<String>)> {
+    let mut seen = HashSet::new();
+    let paths: Vec<&Path> =
+        requests.iter().map(|request| request.path.as_path()).filter(|path| seen.insert(*path)).collect();
+    let files: Vec<_> = paths.par_iter().map(|path| (*path, texels::read(path))).collect();
+    let mut files: HashMap<&Path, Result<TexelImage>> = files.into_iter().collect();
+    let (mut images, mut warnings) = (Vec::with_capacity(requests.len()), Vec::new());
+    for (i, request) in requests.iter().enumerate() {
+        let file = match files.remove(request.path.as_path()) {
+            Some(Ok(file)) => file,
+            Some(Err(error)) => return Err(at_line(request, &error)),
+            None => return Err(request.location.error(format!("the image `{}` was not read", request.name))),
+        };
+        if requests[i + 1..].iter().any(|later| later.path == request.path) {
+            files.insert(&request.path, Ok(file.clone()));
+        }
+        images.push(image(request, file, &mut warnings)?);
+    }
+    let sizes: Vec<_> = images.iter().map(|image| [image.width, image.height]).collect();
+    for i in shrink(&mut images) {
+        let (ImageRequest { location, name, .. }, [width, height]) = (&requests[i], sizes[i]);
+        let size = format!("{}x{}", images[i].width, images[i].height);
+        let message =
+            format!("{location}: the image `{name}` of {width}x{height} texels does not fit; reduced to {size}");
+        warnings.push(message);
+    }
+    Ok((images, warnings))
+}
+
+/// The image of an environment, linear; what is no light is black.
+pub(super) fn decode_environment(path: &Path) -> Result<Image> {
+    let TexelImage { width, height, texels } = texels::read(path)?;
+    let linear = match texels {
+        FileTexels::Bytes(data) => {
+            data.into_iter().map(|texel| decode_srgb(texel.map(|c| f32::from(c) / 255.0))).collect()
+        }
+        FileTexels::Encoded(data) => data.into_iter().map(decode_srgb).collect(),
+        FileTexels::Linear(data) => data,
+    };
+    let light = |c: f32| if c.is_finite() { c.max(0.0) } else { 0.0 };
+    let texels = linear.into_iter().map(|[red, green, blue, _]| [light(red), light(green), light(blue), 1.0]).collect();
+    Ok(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) })
+}
+
+fn image(request: &ImageRequest, file: TexelImage, warnings: &mut Vec<String>) -> Result<Image> {
+    let texels = match file.texels {
+        FileTexels::Bytes(data) => Texels::Bytes { srgb: !request.raw, data },
+        FileTexels::Encoded(data) if !request.raw => Texels::Floats(data.into_iter().map(decode_srgb).collect()),
+        FileTexels::Encoded(data) | FileTexels::Linear(data) => Texels::Floats(data),
+    };
+    if let Texels::Floats(data) = &texels {
+        check_floats(request, file.width, data, warnings)?;
+    }
+    Ok(Image { name: request.name.clone(), width: file.width, height: file.height, texels })
+}
+
+/// What is wrong with the file, with the line that names it.
+fn at_line(request: &ImageRequest, error: &Error) -> Error {
+    request.location.error(format!("the image `{}`: {error}", request.name))
+}
+
+fn check_floats(request: &ImageRequest, width: u32, data: &[[f32; 4]], warnings: &mut Vec<String>) -> Result<()> {
+    let color = |texel: &[f32; 4]| [texel[0], texel[1], texel[2]];
+    if let Some(index) = data.iter().position(|texel| !color(texel).iter().all(|value| value.is_finite())) {
+        let (x, y) = (index % width as usize, index / width as usize);
+        let message = format!("the texel ({x}, {y}) of `{}` is infinite or not a number", request.name);
+        return Err(request.location.error(message));
+    }
+    // As in Mitsuba, which warns, too.
+    if request.is_reflectance && data.iter().any(|texel| color(texel).iter().any(|&value| value > 1.0)) {
+        let (location, name) = (&request.location, &request.name);
+        warnings
+            .push(format!("{location}: the image `{name}` has values above 1, which create light as a reflectance"));
+    }
+    Ok(())
+}
+
+/// Colors by the inverse of the sRGB curve (IEC 61966-2-1), alpha as it is.
+fn decode_srgb(texel: [f32; 4]) -> [f32; 4] {
+    let [red, green, blue, alpha] = texel;
+    let [red, green, blue] = [red, green, blue].map(|value| super::color::linear_from_srgb(f64::from(value)) as f32);
+    [red, green, blue, alpha]
+}

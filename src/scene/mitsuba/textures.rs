@@ -1,0 +1,309 @@
+//! `<texture>`: what it asks for, read first; image files are decoded when the whole scene is known.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::ptr;
+
+use glam::{DMat3, DMat4, DVec3, Mat3, Vec3};
+
+use super::document;
+use super::element::{Element, Location};
+use super::properties::{Ids, Properties};
+use crate::Result;
+use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
+
+const SUPPORTED: [&str; 3] = ["bitmap", "checkerboard", "scale"];
+
+/// Textures of textures, however deep in reality, come from a reference to themselves.
+const MAX_DEPTH: usize = 16;
+
+/// What a texture is looked up for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// A color that should not exceed 1.
+    Reflectance,
+    /// Emitted light.
+    Radiance,
+    /// A number: the luminance of the color.
+    Scalar,
+    /// Heights, of which the slope matters.
+    Heights,
+    /// Normals in tangent space.
+    Normals,
+}
+
+/// A texture as a parameter uses it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TextureUse {
+    /// Index among the textures read.
+    pub texture: u32,
+    /// What `scale` textures multiply it by.
+    pub factor: Vec3,
+}
+
+/// An image file that a texture names.
+#[derive(Debug, Clone)]
+pub(super) struct ImageRequest {
+    /// Canonical.
+    pub path: PathBuf,
+    /// As the scene writes it.
+    pub name: String,
+    /// Whether bytes are linear rather than encoded by the sRGB curve.
+    pub raw: bool,
+    /// Whether a color of it is a reflectance.
+    pub is_reflectance: bool,
+    /// Where it is first named.
+    pub location: Location,
+}
+
+/// The textures of a scene while it is read. What no surface uses is read, but not kept.
+pub(super) struct Textures<'a> {
+    ids: Ids<'a>,
+    top_folder: PathBuf,
+    /// Keyed by the element's address and whether it gives numbers that it does not give as a color.
+    known: HashMap<(*const Element, bool), TextureUse>,
+    read: Vec<Texture>,
+    requests: Vec<ImageRequest>,
+    kept_textures: Kept,
+    kept_images: Kept,
+}
+
+/// Which of the things read the scene keeps, in the order of their first use.
+#[derive(Default)]
+struct Kept {
+    indices: HashMap<u32, u32>,
+    order: Vec<u32>,
+}
+
+impl Kept {
+    fn index(&mut self, read: u32) -> u32 {
+        *self.indices.entry(read).or_insert_with(|| {
+            self.order.push(read);
+            self.order.len() as u32 - 1
+        })
+    }
+}
+
+impl<'a> Textures<'a> {
+    pub fn new(ids: Ids<'a>, top_folder: PathBuf) -> Self {
+        Self {
+            ids,
+            top_folder,
+            known: HashMap::new(),
+            read: Vec::new(),
+            requests: Vec::new(),
+            kept_textures: Kept::default(),
+            kept_images: Kept::default(),
+        }
+    }
+
+    /// Reads a `<texture>`; the index returned is one that [`Textures::keep`] takes.
+    pub fn read(&mut self, element: &'a Element, role: Role, warnings: &mut Vec<String>) -> Result<TextureUse> {
+        self.read_nested(element, role, 0, warnings)
+    }
+
+    fn read_nested(
+        &mut self,
+        element: &'a Element,
+        role: Role,
+        depth: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<TextureUse> {
+        if depth > MAX_DEPTH {
+            return Err(element.error("textures are nested too deep: does one refer to itself?"));
+        }
+        let differs = role == Role::Scalar && element.attribute("type") != Some("bitmap");
+        let key = (ptr::from_ref(element), differs);
+        let found = match self.known.get(&key) {
+            Some(&found) => found,
+            None => self.read_new(element, role, depth, warnings)?,
+        };
+        self.check_role(element, role, found)?;
+        self.known.insert(key, found);
+        Ok(found)
+    }
+
+    fn read_new(
+        &mut self,
+        element: &'a Element,
+        role: Role,
+        depth: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<TextureUse> {
+        let mut properties = Properties::new(element, &self.ids)?;
+        let pattern = match properties.plugin() {
+            "bitmap" => self.bitmap(&mut properties, role, warnings)?,
+            "checkerboard" => checkerboard(&mut properties, role, warnings)?,
+            "scale" => return self.scale(properties, role, depth, warnings),
+            _ => return Err(element.unsupported(&SUPPORTED)),
+        };
+        let to_uv = to_uv(&mut properties)?;
+        properties.finish(warnings)?;
+        let name = match element.attribute("id") {
+            Some(id) => id.to_string(),
+            None => format!("{} at line {}", element.plugin()?, element.location.line),
+        };
+        self.read.push(Texture { name, pattern, to_uv });
+        Ok(TextureUse { texture: self.read.len() as u32 - 1, factor: Vec3::ONE })
+    }
+
+    /// Mitsuba 0.6's: another texture times a factor.
+    fn scale(
+        &mut self,
+        mut properties: Properties<'a>,
+        role: Role,
+        depth: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<TextureUse> {
+        let element = properties.element();
+        let factor = properties.color("scale")?.unwrap_or(Vec3::ONE);
+        let nested = properties.object("texture")?;
+        let nested = nested.ok_or_else(|| element.error("texture plugin `scale` needs a nested <texture>"))?;
+        properties.finish(warnings)?;
+        let is_number = !matches!(role, Role::Reflectance | Role::Radiance);
+        if is_number && factor != Vec3::splat(factor.x) {
+            return Err(element.error("the `scale` of a texture that gives a number must be gray"));
+        }
+        let found = self.read_nested(nested, role, depth + 1, warnings)?;
+        Ok(TextureUse { factor: factor * found.factor, ..found })
+    }
+
+    fn bitmap(&mut self, properties: &mut Properties<'a>, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
+        let filter = filter(properties, warnings)?;
+        let wrap = wrap_mode(properties)?;
+        let raw = is_raw(properties, warnings)?;
+        // How texels are stored, fetched and cached.
+        properties.ignore(&["format", "accel", "cache", "max_anisotropy"]);
+        let element = properties.element();
+        let filename = properties.take("filename");
+        let filename =
+            filename.ok_or_else(|| element.error("texture plugin `bitmap` needs its parameter `filename`"))?;
+        Ok(Pattern::Bitmap { image: self.read_image(filename, raw, role)?, filter, wrap })
+    }
+
+    /// The image that the parameter `filename` names.
+    fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
+        let name = filename.required("value")?;
+        let path = document::resolve(name, &filename.location.file, &self.top_folder)
+            .and_then(|path| path.canonicalize().ok())
+            .ok_or_else(|| filename.error(format!("the image file `{name}` does not exist")))?;
+        let is_reflectance = role == Role::Reflectance;
+        let same = |request: &ImageRequest| request.raw == raw && request.path == path;
+        if let Some(index) = self.requests.iter().position(same) {
+            self.requests[index].is_reflectance |= is_reflectance;
+            return Ok(index as u32);
+        }
+        let location = filename.location.clone();
+        self.requests.push(ImageRequest { path, name: name.to_string(), raw, is_reflectance, location });
+        Ok(self.requests.len() as u32 - 1)
+    }
+
+    /// What Mitsuba's checkerboard cannot tell.
+    fn check_role(&self, element: &Element, role: Role, found: TextureUse) -> Result<()> {
+        let is_bitmap = matches!(self.read[found.texture as usize].pattern, Pattern::Bitmap { .. });
+        match role {
+            Role::Heights if !is_bitmap => Err(element.error("a bump map must be a `bitmap`")),
+            Role::Normals if !is_bitmap => Err(element.error("a normal map must be a `bitmap`")),
+            Role::Normals if found.factor != Vec3::ONE => Err(element.error("a normal map cannot be scaled")),
+            _ => Ok(()),
+        }
+    }
+
+    /// The index in `Scene::textures` of a texture that was read.
+    pub fn keep(&mut self, texture: u32) -> u32 {
+        if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern {
+            self.kept_images.index(image);
+        }
+        self.kept_textures.index(texture)
+    }
+
+    /// What has been kept: `Scene::textures`, and the images to decode for `Scene::images`, which come after
+    /// `first_image` others.
+    pub fn finish(mut self, first_image: u32) -> (Vec<Texture>, Vec<ImageRequest>) {
+        let order = std::mem::take(&mut self.kept_textures.order);
+        let textures = order.iter().map(|&read| self.kept_texture(read, first_image)).collect();
+        let images = self.kept_images.order.iter().map(|&read| self.requests[read as usize].clone()).collect();
+        (textures, images)
+    }
+
+    fn kept_texture(&mut self, read: u32, first_image: u32) -> Texture {
+        let mut texture = self.read[read as usize].clone();
+        if let Pattern::Bitmap { image, .. } = &mut texture.pattern {
+            *image = first_image + self.kept_images.index(*image);
+        }
+        texture
+    }
+}
+
+fn filter(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<TexelFilter> {
+    let location = properties.location("filter_type");
+    match properties.string("filter_type")? {
+        None | Some("bilinear") => Ok(TexelFilter::Bilinear),
+        Some("nearest") => Ok(TexelFilter::Nearest),
+        // Mitsuba 0.6's, for what is far away.
+        Some(other @ ("trilinear" | "ewa")) => {
+            warnings.push(format!("{location}: the filter `{other}` is not supported; `bilinear` is used"));
+            Ok(TexelFilter::Bilinear)
+        }
+        Some(other) => Err(location.error(format!("the filter `{other}` is not known; use `bilinear` or `nearest`"))),
+    }
+}
+
+fn wrap_mode(properties: &mut Properties) -> Result<WrapMode> {
+    let location = properties.location("wrap_mode");
+    match properties.string("wrap_mode")? {
+        None | Some("repeat") => Ok(WrapMode::Repeat),
+        Some("mirror") => Ok(WrapMode::Mirror),
+        Some("clamp") => Ok(WrapMode::Clamp),
+        Some(other) => {
+            let message = format!("the wrap mode `{other}` is not supported; use `repeat`, `mirror` or `clamp`");
+            Err(location.error(message))
+        }
+    }
+}
+
+/// Mitsuba 3's `raw`, or Mitsuba 0.6's `gamma`: -1 for what the file says, 1 for linear.
+fn is_raw(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<bool> {
+    let location = properties.location("gamma");
+    let raw = properties.boolean("raw")?;
+    let gamma = properties.float("gamma")?;
+    if let Some(gamma) = gamma.filter(|&gamma| gamma != -1.0 && gamma != 1.0) {
+        warnings.push(format!("{location}: a `gamma` of {gamma} is not supported; the sRGB curve is used"));
+    }
+    Ok(raw.unwrap_or(gamma == Some(1.0)))
+}
+
+/// Mitsuba 3.9's checkerboard gives a number the other color than it gives a color.
+fn checkerboard(properties: &mut Properties, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
+    let mut color = |name: &str, default: f32| -> Result<Vec3> {
+        if let Some(texture) = properties.texture(name)? {
+            return Err(texture.error(format!("`{name}` of a checkerboard must be a color, not a texture")));
+        }
+        let location = properties.location(name);
+        let color = properties.color(name)?.unwrap_or(Vec3::splat(default));
+        if role == Role::Reflectance && color.max_element() > 1.0 {
+            warnings.push(format!("{location}: a `{name}` above 1 would create light; clamped to 1"));
+            return Ok(color.min(Vec3::ONE));
+        }
+        Ok(color)
+    };
+    let (color0, color1) = (color("color0", 0.4)?, color("color1", 0.2)?);
+    // A number is the mean of a constant color.
+    let mean = |color: Vec3| Vec3::splat(color.element_sum() / 3.0);
+    Ok(match role {
+        Role::Scalar => Pattern::Checkerboard { color0: mean(color1), color1: mean(color0) },
+        _ => Pattern::Checkerboard { color0, color1 },
+    })
+}
+
+/// `to_uv`, or the offsets and scales of old files, which Mitsuba 3 applies in this order.
+fn to_uv(properties: &mut Properties) -> Result<Mat3> {
+    let mut number = |name: &str, default: f32| Ok(f64::from(properties.float(name)?.unwrap_or(default)));
+    let offset = DVec3::new(number("uoffset", 0.0)?, number("voffset", 0.0)?, 0.0);
+    let scale = DVec3::new(number("uscale", 1.0)?, number("vscale", 1.0)?, 1.0);
+    let own = DMat4::from_scale(scale) * DMat4::from_translation(offset);
+    let matrix = properties.take_transform("to_uv")? * own;
+    let column = |column: glam::DVec4, w: f64| DVec3::new(column.x, column.y, w);
+    let columns = (column(matrix.x_axis, 0.0), column(matrix.y_axis, 0.0), column(matrix.w_axis, 1.0));
+    Ok(DMat3::from_cols(columns.0, columns.1, columns.2).as_mat3())
+}

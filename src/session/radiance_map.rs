@@ -1,0 +1,242 @@
+//! Radiance that arrives at a point of the scene, by direction: what a guide has learned of it, and what is true (the paper's
+//! Fig. 6). Maps are squares of `directions` x `directions` bins, rows from the top, as the radiance grid has them.
+
+use std::sync::Arc;
+
+use glam::{Mat4, Vec2, Vec3, dvec2};
+
+use crate::encode::bvh::Bvh;
+use crate::film::Picture;
+use crate::gpu::Context;
+use crate::image::Image;
+use crate::image::false_color::false_color;
+use crate::reference::direction_map::{bin_center, bin_point};
+use crate::renderer::Renderer;
+use crate::scene::{Camera, Crop, FovAxis, Projection, ReconstructionFilter, Scene};
+use crate::settings::{EXPECTED_DIRECTIONS, Learner, MAX_FILM_SIDE, Mix, Sampler, Settings};
+use crate::{Error, Result};
+
+/// Pixels of the film into which a pixel is cut to find what its center shows; odd.
+const CENTER_CUT: u32 = 31;
+/// Pixels of a face of the cube of true radiance, relative to the map's side.
+const FACE_SCALE: u32 = 2;
+/// Points of a bin, along each side, at which the cube is looked up.
+const LOOKUPS: u32 = 8;
+/// How far off a surface the cube stands, relative to the scene's largest coordinate.
+const OFFSET: f32 = 1.0e-4;
+
+/// Further than any scene.
+const FAR: f32 = 1.0e20;
+/// Pixels of a picture of a map, along each side, about.
+const PICTURE_SIDE: u32 = 512;
+
+/// A point of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Where it is, world space.
+    pub position: Vec3,
+    /// The shading normal, on the side that is seen.
+    pub normal: Vec3,
+}
+
+/// A scene on a device.
+pub struct Place<'a> {
+    /// The device.
+    pub context: &'a Arc<Context>,
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its hierarchy.
+    pub bvh: &'a Bvh,
+}
+
+/// The settings of a plain path tracer on a film of that size.
+fn plain(settings: &Settings, width: u32, height: u32) -> Settings {
+    let defaults = Settings { width, height, crop: None, filter: ReconstructionFilter::Box, ..settings.clone() };
+    let expected_directions = EXPECTED_DIRECTIONS;
+    let guide = Settings { learner: Learner::Sarsa, mix: Mix::Density, epsilon: None, expected_directions, ..defaults };
+    Settings { sampler: Sampler::Bsdf, hide_emitters: false, sample_weights: None, ..guide }
+}
+
+impl Place<'_> {
+    /// What the center of a pixel shows.
+    ///
+    /// # Errors
+    /// Where the pixel lies outside the film, the camera is no pinhole, or there is nothing to be seen.
+    pub fn visible_point(&self, settings: &Settings, [x, y]: [u32; 2]) -> Result<SurfacePoint> {
+        let refuse = |why: &str| Err(Error::Settings(format!("--pixel {x},{y}: {why}")));
+        let Settings { width, height, .. } = *settings;
+        if x >= width || y >= height {
+            return refuse(&format!("the film has {width} x {height} pixels"));
+        }
+        if self.scene.camera.projection != Projection::Perspective {
+            return refuse("what a pixel shows is one point for a `perspective` sensor only");
+        }
+        let cut = (MAX_FILM_SIDE / width.max(height)).min(CENTER_CUT);
+        let cut = if cut.is_multiple_of(2) { cut - 1 } else { cut }.max(1);
+        let center = [x, y].map(|at| at * cut + cut / 2);
+        let crop = Crop { x: center[0], y: center[1], width: 1, height: 1 };
+        let settings = Settings { crop: Some(crop), max_depth: 1, ..plain(settings, width * cut, height * cut) };
+        let picture = self.picture(self.scene, &settings, 1)?;
+        if picture.hit_count[0] == 0 {
+            return refuse("there is nothing to be seen");
+        }
+        let at =
+            (Vec2::from(center.map(|at| at as f32)) + 0.5) / Vec2::new(settings.width as f32, settings.height as f32);
+        let direction = direction_through(&self.scene.camera, at, [settings.width, settings.height]);
+        let eye = self.scene.camera.world_from_camera.w_axis.truncate();
+        let normal = Vec3::from(picture.normal[0]);
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        Ok(SurfacePoint { position: eye + picture.depth[0] * direction, normal: normal.normalize_or(-direction) })
+    }
+
+    /// Mean over RGB and each bin of the radiance that arrives, by `spp` samples per pixel of six views around the point. Bins
+    /// below the surface see its inside.
+    ///
+    /// # Errors
+    /// Where the device cannot hold the scene or is lost.
+    pub fn true_radiance(&self, settings: &Settings, point: &SurfacePoint, spp: u32) -> Result<Vec<f32>> {
+        let side = FACE_SCALE * settings.directions;
+        let offset = OFFSET * self.bvh.largest_coordinate();
+        let eye = point.position + offset * point.normal;
+        // Emitters are sampled where that loses nothing: the expected value is the same.
+        let settings = Settings { nee: true, ..plain(settings, side, side) };
+        let mut faces = Vec::new();
+        for axes in FACES {
+            let camera = face_camera(axes, eye, 0.01 * offset.max(1.0e-30));
+            let scene = Scene { camera, ..self.scene.clone() };
+            faces.push(self.picture(&scene, &settings, spp)?);
+        }
+        let bins = 0..settings.directions * settings.directions;
+        Ok(bins.map(|bin| bin_mean(&faces, &settings, bin)).collect())
+    }
+
+    fn picture(&self, scene: &Scene, settings: &Settings, spp: u32) -> Result<Picture> {
+        let mut renderer = Renderer::new(self.context, scene, self.bvh, settings)?;
+        renderer.step(spp, &|| false)?;
+        renderer.picture()
+    }
+}
+
+/// Left, up and forward of the cube's faces in world space: right-handed, as a camera's.
+const FACES: [[Vec3; 3]; 6] = [
+    [Vec3::NEG_Z, Vec3::Y, Vec3::X],
+    [Vec3::Z, Vec3::Y, Vec3::NEG_X],
+    [Vec3::Z, Vec3::X, Vec3::Y],
+    [Vec3::X, Vec3::Z, Vec3::NEG_Y],
+    [Vec3::X, Vec3::Y, Vec3::Z],
+    [Vec3::NEG_X, Vec3::Y, Vec3::NEG_Z],
+];
+
+/// A camera that sees one face of the cube around `eye`.
+fn face_camera([left, up, forward]: [Vec3; 3], eye: Vec3, near_clip: f32) -> Camera {
+    let axes = [left, up, forward].map(|axis| axis.extend(0.0));
+    Camera {
+        projection: Projection::Perspective,
+        world_from_camera: Mat4::from_cols(axes[0], axes[1], axes[2], eye.extend(1.0)),
+        fov: 90.0,
+        fov_axis: FovAxis::X,
+        principal_point: Vec2::ZERO,
+        near_clip,
+        far_clip: FAR,
+    }
+}
+
+/// Unit direction from the eye through a point of the film, in widths and heights from its top left.
+fn direction_through(camera: &Camera, at: Vec2, [width, height]: [u32; 2]) -> Vec3 {
+    let on_screen = (1.0 - 2.0 * (at + camera.principal_point)) * camera.half_extent(width, height);
+    camera.world_from_camera.transform_vector3(on_screen.extend(1.0)).normalize()
+}
+
+fn bin_mean(faces: &[Picture], settings: &Settings, bin: u32) -> f32 {
+    let points = (0..LOOKUPS * LOOKUPS).map(|i| {
+        let within = dvec2(f64::from(i % LOOKUPS), f64::from(i / LOOKUPS)) + 0.5;
+        bin_point(settings.map, bin, settings.directions, within / f64::from(LOOKUPS))
+    });
+    points.map(|direction| look_up(faces, direction.as_vec3())).sum::<f32>() / (LOOKUPS * LOOKUPS) as f32
+}
+
+/// Mean over RGB of what is seen in that direction.
+fn look_up(faces: &[Picture], direction: Vec3) -> f32 {
+    let ahead = |face: &usize| FACES[*face][2].dot(direction);
+    let face = (0..FACES.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b))).unwrap_or(0);
+    let ([left, up, forward], picture) = (FACES[face], &faces[face]);
+    let across = Vec2::new(left.dot(direction), up.dot(direction)) / forward.dot(direction);
+    let place = |across: f32, side: u32| ((0.5 - 0.5 * across) * side as f32).clamp(0.0, side as f32 - 1.0) as u32;
+    let [x, y] = [place(across.x, picture.width), place(across.y, picture.height)];
+    picture.radiance[(y * picture.width + x) as usize].iter().sum::<f32>() / 3.0
+}
+
+/// A map in false colors, each bin a square of pixels: half way up the ramp is the mean over all bins.
+pub fn false_colors(map: &[f32], side: u32) -> Image {
+    let zoom = (PICTURE_SIDE / side).max(1);
+    let mean = f64::from(map.iter().sum::<f32>()) / map.len() as f64;
+    let pixel = |i: u32| {
+        let [x, y] = [i % (zoom * side) / zoom, i / (zoom * side) / zoom];
+        let value = f64::from(map[(y * side + x) as usize]);
+        false_color(value / (value + mean).max(1.0e-30))
+    };
+    let size = zoom * side;
+    Image { width: size, height: size, pixels: (0..size * size).map(pixel).collect() }
+}
+
+/// Mean absolute difference of two maps over the bins above the surface, relative to the mean of the second.
+pub fn relative_error(map: &[f32], truth: &[f32], settings: &Settings, normal: Vec3) -> f64 {
+    let is_above =
+        |bin: &usize| bin_center(settings.map, *bin as u32, settings.directions).dot(normal.as_dvec3()) > 0.0;
+    let above = || (0..truth.len()).filter(is_above);
+    let difference: f64 = above().map(|bin| f64::from((map[bin] - truth[bin]).abs())).sum();
+    difference / above().map(|bin| f64::from(truth[bin])).sum::<f64>().max(1.0e-30)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{FilmDescription, IntegratorDescription};
+    use crate::settings::DirectionMap;
+
+    fn settings() -> Settings {
+        let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
+        Settings { directions: 8, ..Settings::for_film(&film, &IntegratorDescription::default()) }
+    }
+
+    #[test]
+    fn faces_are_right_handed_and_look_everywhere() {
+        for [left, up, forward] in FACES {
+            assert_eq!(left.cross(up), forward);
+        }
+        assert_eq!(FACES.map(|[_, _, forward]| forward).into_iter().sum::<Vec3>(), Vec3::ZERO);
+    }
+
+    /// A face on which every pixel holds a component of the direction that a camera sees there.
+    fn face(axes: [Vec3; 3], component: usize) -> Picture {
+        const SIDE: u32 = 64;
+        let camera = face_camera(axes, Vec3::ONE, 0.1);
+        let radiance = (0..SIDE * SIDE).map(|i| {
+            let at = (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32;
+            [direction_through(&camera, at, [SIDE, SIDE])[component]; 3]
+        });
+        Picture { radiance: radiance.collect(), ..Picture::empty(SIDE, SIDE, [0, 0], [SIDE, SIDE]) }
+    }
+
+    #[test]
+    fn directions_are_looked_up_where_cameras_see_them() {
+        let components = [0, 1, 2].map(|component| FACES.map(|axes| face(axes, component)));
+        for map in [DirectionMap::EqualArea, DirectionMap::Cylindrical] {
+            let settings = Settings { map, ..settings() };
+            for bin in 0..64 {
+                let seen = Vec3::from(std::array::from_fn(|axis| bin_mean(&components[axis], &settings, bin)));
+                let center = bin_center(map, bin, settings.directions).as_vec3();
+                assert!(seen.normalize().dot(center) > 0.97, "{map:?} {bin}: {seen} is not {center}");
+            }
+        }
+    }
+
+    #[test]
+    fn errors_count_above_the_surface_only() {
+        let settings = settings();
+        let above = |bin: u32| bin_center(settings.map, bin, settings.directions).z > 0.0;
+        let truth = vec![2.0; 64];
+        let map: Vec<_> = (0..64).map(|bin| if above(bin) { 2.5 } else { 100.0 }).collect();
+        assert!((relative_error(&map, &truth, &settings, Vec3::Z) - 0.25).abs() < 1.0e-6);
+    }
+}

@@ -1,0 +1,7 @@
+//! SPIR-V as data: read by engineers, specialized before a driver sees it, and replaced by edited kernels.
+
+pub mod inspect;
+mod module;
+pub mod replace;
+pub(crate) mod specialization;
+pub(crate) mod tools;

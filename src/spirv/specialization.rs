@@ -1,0 +1,117 @@
+//! Kernels with the code that a variant never reaches taken out, before a driver sees them.
+//!
+//! Vulkan leaves it to drivers to fold specialization constants. Most do; SwiftShader translates every branch that is not
+//! taken as well, which for the path tracer of a plain scene takes it ten minutes and 10 GB of memory instead of a second.
+//! So branches that the constants decide are decided here. Nothing that is reached is altered: the constants stay, and the
+//! arithmetic is the driver's.
+
+mod blocks;
+mod values;
+
+use std::collections::{HashMap, HashSet};
+
+use rspirv::binary::Assemble;
+use rspirv::dr::{Module, Operand, load_words};
+use rspirv::spirv::{Decoration, Op};
+
+use values::Values;
+
+/// The words of a module in which every branch that the constants, given as (id, bits), decide is decided, and blocks that
+/// are then out of reach are gone. Nothing where the module cannot be read: the driver will say why.
+pub fn resolve_branches(words: &[u32], constants: &[(u32, u32)]) -> Option<Vec<u32>> {
+    let mut module = load_words(words).ok()?;
+    let spec_ids = spec_ids(&module);
+    let constants: HashMap<u32, u32> = constants.iter().copied().collect();
+    let globals = Values::of_globals(&module, |id| constants.get(spec_ids.get(&id)?).copied());
+    let mut bound = module.header.as_ref()?.bound;
+    let mut undefined = Vec::new();
+    for function in &mut module.functions {
+        // A branch that is gone may leave a phi with a single value, which may decide another.
+        while blocks::decide(function, &globals) {
+            undefined.extend(blocks::remove_unreachable(function, &mut bound));
+        }
+    }
+    module.types_global_values.extend(undefined);
+    module.header.as_mut()?.bound = bound;
+    forget_removed(&mut module);
+    Some(module.assemble())
+}
+
+/// Specialization constant ids by result id.
+fn spec_ids(module: &Module) -> HashMap<u32, u32> {
+    let of = |operands: &[Operand]| match *operands {
+        [Operand::IdRef(target), Operand::Decoration(Decoration::SpecId), Operand::LiteralBit32(id)] => {
+            Some((target, id))
+        }
+        _ => None,
+    };
+    module.annotations.iter().filter_map(|i| of(&i.operands)).collect()
+}
+
+/// Drops names and decorations of what is gone.
+fn forget_removed(module: &mut Module) {
+    let defined: HashSet<u32> = module.all_inst_iter().filter_map(|i| i.result_id).collect();
+    let is_about_removed = |operands: &[Operand]| match operands.first() {
+        Some(Operand::IdRef(target)) => !defined.contains(target),
+        _ => false,
+    };
+    module.debug_names.retain(|i| i.class.opcode == Op::MemberName || !is_about_removed(&i.operands));
+    module.annotations.retain(|i| !is_about_removed(&i.operands));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::generated::kernels::{Registry, Variant};
+    use crate::gpu::KernelSource;
+    use crate::spirv::tools::{self, ToolFault};
+
+    fn words(source: &KernelSource) -> Vec<u32> {
+        source.spirv.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+    }
+
+    fn block_count(words: &[u32]) -> usize {
+        load_words(words).expect("SPIR-V").functions.iter().map(|function| function.blocks.len()).sum()
+    }
+
+    /// The features of a rich scene, then everything that has a bit.
+    fn variants() -> [Variant; 4] {
+        let rich = Variant { sampler: 1, nee: true, ..Variant::default() };
+        let all = |mask| Variant { material_kinds: mask, light_kinds: mask, texture_kinds: mask, ..rich };
+        [Variant::default(), rich, all(0x155), all(!0)]
+    }
+
+    #[test]
+    fn what_is_left_is_valid_and_smaller() {
+        let registry = Registry::built_in();
+        for source in registry.texel.iter().chain(registry.storage.iter()) {
+            let before = words(source);
+            for variant in variants() {
+                let after = resolve_branches(&before, &variant.entries()).expect("SPIR-V");
+                let counts = [&before, &after].map(|words| block_count(words));
+                println!("{}: {} blocks, {} left", source.file, counts[0], counts[1]);
+                assert!(counts[1] <= counts[0]);
+                match tools::validate(&after) {
+                    Ok(()) => {}
+                    Err(ToolFault::Failed(message)) => panic!("{}: {message}", source.file),
+                    Err(missing) => println!("not validated: {missing}"),
+                }
+            }
+        }
+        let plain = resolve_branches(&words(&registry.texel.path_trace), &Variant::default().entries());
+        let [all, left] = [words(&registry.texel.path_trace), plain.expect("SPIR-V")].map(|words| block_count(&words));
+        assert!(left * 4 < all, "{left} of {all} blocks are left of the simplest path tracer");
+    }
+
+    #[test]
+    fn a_second_time_changes_nothing() {
+        let constants = Variant::default().entries();
+        let once = resolve_branches(&words(&Registry::built_in().texel.path_trace), &constants).expect("SPIR-V");
+        assert!(resolve_branches(&once, &constants).expect("SPIR-V") == once);
+    }
+
+    #[test]
+    fn what_is_no_module_is_left_to_the_driver() {
+        assert_eq!(resolve_branches(&[1, 2, 3], &[]), None);
+    }
+}
