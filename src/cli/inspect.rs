@@ -26,7 +26,7 @@ use super::{inspect_text, print_json, print_line, report};
 /// it. Options choose the variant; what the scene decides keeps its default unless --scene names one.
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
-    /// The kernel, such as path_trace [default: all].
+    /// The kernel, such as trace [default: all].
     kernel: Option<String>,
     /// Only this back end [default: both].
     #[arg(long, value_enum)]

@@ -8,11 +8,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use lodestar::encode::bvh::Bvh;
+use lodestar::encode::surfaces::Surfaces;
 use lodestar::film::Picture;
 use lodestar::film::ranges::SampleRanges;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{Image, metrics};
-use lodestar::renderer::{RenderState, Renderer, StepReport, Surfaces};
+use lodestar::renderer::{RenderState, Renderer, StepReport};
 use lodestar::scene::{self, LoadOptions, LoadProgress};
 use lodestar::session::checkpoint::{Checkpoint, SceneSource};
 use lodestar::session::identity::{self, Identity};

@@ -285,10 +285,10 @@ pub struct PathVertex {
     pub factor: [f32; 3],
 }
 
-/// Pushed to `glsl/kernels/trace/path_trace.comp`: a slice of a film page and its next samples.
+/// Pushed to `glsl/kernels/trace/trace.comp`: a slice of a film page and its next samples.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct PathTracePush {
+pub struct TracePush {
     /// First workgroup of the slice among those of the film page's tiles that are sampled.
     pub first_workgroup: u32,
     /// Workgroups of the slice.
@@ -297,13 +297,13 @@ pub struct PathTracePush {
     pub workgroup_stride: u32,
     /// Pixels, in tile order, before this film page.
     pub page_first_pixel: u32,
-    /// What the samples count for beside those before them.
-    pub weights: SampleWeights,
+    /// Weights of the samples, and of all samples before them.
+    pub weights: DispatchWeights,
     /// Index of the first sample.
     pub first_sample: u32,
     /// Samples to take.
     pub sample_count: u32,
-    /// Index of the first sample whose set may reach to these.
+    /// Index of the first sample that may share a set with these.
     pub first_of_sets: u32,
 }
 
@@ -311,21 +311,21 @@ pub struct PathTracePush {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct WavePush {
-    /// Whose samples the wave takes.
-    pub slice: PathTracePush,
-    /// That the paths travel: 0 from the camera.
+    /// Slice whose samples the wave takes.
+    pub slice: TracePush,
+    /// Edge that the paths travel; 0 begins at the camera.
     pub edge: u32,
 }
 
 /// `glsl/include/film/slice.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct SampleWeights {
-    /// Of each of a dispatch's samples.
+pub struct DispatchWeights {
+    /// Weight of each sample of the dispatch.
     pub of_sample: f32,
-    /// By how much the sum of the weights of all samples before them falls short of their number.
+    /// Number of the samples before, less the sum of their weights.
     pub lost_weight: f32,
-    /// The same of the number of samples of one weight whose mean has the variance of theirs.
+    /// Number of the samples before, less their effective number: of even samples with a mean as noisy.
     pub lost_samples: f32,
 }
 

@@ -199,7 +199,7 @@ fn options_given_in_vain() {
     }
     let fixed_share = ["--sampler", "rejection-mix", "--epsilon", "0.5", "--min-uniform", "0.1"];
     refuse(&folder, &fixed_share, 1, &["--min-uniform", "not for a share that --epsilon fixes"]);
-    let output = folder.run(&["inspect", "path_trace", "--sampler", "product", "--max-tries", "15"]);
+    let output = folder.run(&["inspect", "trace", "--sampler", "product", "--max-tries", "15"]);
     assert_sentence(&output, 1, &["--max-tries", by_rejection]);
 }
 

@@ -4,6 +4,9 @@ use crate::source::Source;
 
 /// Folders and files that keep the rule so far. The others join as they are rewritten.
 const HELD: &[&str] = &[
+    "glsl/include/path",
+    "glsl/kernels/trace",
+    "glsl/kernels/wave",
     "src/encode",
     "src/error.rs",
     "src/files.rs",
@@ -11,6 +14,7 @@ const HELD: &[&str] = &[
     "src/gpu",
     "src/image",
     "src/main.rs",
+    "src/renderer",
     "src/scene",
     "src/spirv",
 ];

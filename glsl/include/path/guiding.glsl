@@ -20,7 +20,7 @@ struct DirectionSample {
     ShareEvidence evidence;  // for the share that cells learn
 };
 
-// How a surface scatters at the point where a path meets it.
+// A surface as it scatters at the point where a path meets it.
 struct Scatterer {
     Bsdf bsdf;
     mat3 frame;    // world from local; z along the shading normal, on the side of `wo` where the surface is two-sided
