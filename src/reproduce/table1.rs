@@ -54,14 +54,14 @@ pub fn sheet(results: &Results) -> Sheet {
         beside(mean(column, &|record| record.errors.mae_ldr), paper, 4)
     });
     let plain = columns[0];
-    summary(&format!("MAE over that of `{}`, geometric mean", plain.method.name()), &|column| {
+    summary(&format!("MAE relative to `{}`, geometric mean", plain.method.name()), &|column| {
         let paper = column.paper.zip(plain.paper).map(|(at, plain)| paper_ratio(&scenes, at, plain));
         beside(results.ratio(&scenes, &column.method, &plain.method, |record| record.errors.mae_ldr), paper, 2)
     });
     summary("time per sample (ms)", &|column| {
         beside(mean(column, &Record::ms_per_sample), column.paper.map(|at| TABLE1_MS[at]), 2)
     });
-    summary(&format!("time per sample over that of `{}`", plain.method.name()), &|column| {
+    summary(&format!("time per sample relative to `{}`", plain.method.name()), &|column| {
         let paper = column.paper.zip(plain.paper).map(|(at, plain)| TABLE1_MS[at] / TABLE1_MS[plain]);
         beside(results.ratio(&scenes, &column.method, &plain.method, Record::ms_per_sample), paper, 2)
     });
@@ -108,7 +108,7 @@ mod tests {
              | 8 x 4 |"
         );
         assert!(
-            line("| **MAE over").contains("| 1.00 (1.00) | 2.00 (0.54) | 3.00 (0.82) | 4.00 (0.86) | 5.00 (0.63) |"),
+            line("| **MAE relative").contains("| 1.00 (1.00) | 2.00 (0.54) | 3.00 (0.82) | 4.00 (0.86) | 5.00 (0.63) |"),
             "{markdown}"
         );
         assert!(line("| **time per sample (ms)").contains("62.50 (10.59)"), "{markdown}");
