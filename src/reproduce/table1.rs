@@ -108,7 +108,8 @@ mod tests {
              | 8 x 4 |"
         );
         assert!(
-            line("| **MAE relative").contains("| 1.00 (1.00) | 2.00 (0.54) | 3.00 (0.82) | 4.00 (0.86) | 5.00 (0.63) |"),
+            line("| **MAE relative")
+                .contains("| 1.00 (1.00) | 2.00 (0.54) | 3.00 (0.82) | 4.00 (0.86) | 5.00 (0.63) |"),
             "{markdown}"
         );
         assert!(line("| **time per sample (ms)").contains("62.50 (10.59)"), "{markdown}");
