@@ -8,7 +8,7 @@ pub use super::constants::*;
 
 include!(concat!(env!("OUT_DIR"), "/registry.rs"));
 
-/// Where kernels read geometry and tables from.
+/// Kind of buffer from which kernels read geometry and tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum BackEnd {

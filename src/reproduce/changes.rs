@@ -27,7 +27,7 @@ pub struct Changes {
 }
 
 impl Changes {
-    /// No change.
+    /// Changes that keep every setting.
     pub const NONE: Self = Self {
         grid: None,
         fallback: None,

@@ -53,7 +53,7 @@ pub enum Target {
     Resolution,
     /// Effect of each part of the default guide. Not in the paper, and not included in `all`.
     Ablation,
-    /// All of these except `ablation`.
+    /// All targets except `ablation`.
     All,
 }
 

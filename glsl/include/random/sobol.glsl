@@ -48,7 +48,7 @@ uvec4 hashed_owen_scramble(uvec4 x, uvec4 seed) {
     return x ^ (x * 0x53a22864u);
 }
 
-// Both coordinates, with reversed digits, of the points i.x and i.y below 2^16: x and y of i.x, then x and y of i.y.
+// Coordinates x and y, with reversed digits, of the points i.x and i.y below 2^16: first those of i.x, then those of i.y.
 uvec4 reversed_sobol(uvec2 i) {
     // The second dimension's generator matrix is Pascal's triangle mod 2. Digit k is the parity of the digits of the
     // number whose positions contain all bits of k.
