@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, dvec3};
 use rayon::prelude::*;
 
-use crate::reference::fresnel::fresnel_dielectric;
-use crate::reference::microfacet::{Microfacets, smith_g1};
+use crate::math::fresnel::fresnel_dielectric;
+use crate::math::microfacet::{Microfacets, smith_g1};
 
 /// Entries of a table over the cosine, from grazing to normal incidence.
 pub const TRANSMITTANCE_ENTRIES: usize = 64;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::texel_pages::{PAGE_WORDS, place, word_count};
 use super::texture::{Image, Texels};
 use crate::image::tone;
-use crate::reference::texture::decode_srgb;
+use crate::math::srgb::linear_from_srgb;
 
 /// Beyond, coordinates in single precision would miss a texel's neighbors by visible amounts.
 const MAX_SIDE: u32 = 16384;
@@ -46,7 +46,7 @@ fn halved(image: &Image) -> Image {
             }
         }
         Texels::Bytes { srgb: true, data } => {
-            let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f64::from(byte) / 255.0) as f32).collect();
+            let linear: Vec<f32> = (0..=255u8).map(|byte| linear_from_srgb(f64::from(byte) / 255.0) as f32).collect();
             let texels = mean_texels(image, width, height, |index| {
                 let [red, green, blue, alpha] = data[index];
                 let [red, green, blue] = [red, green, blue].map(|byte| linear[usize::from(byte)]);

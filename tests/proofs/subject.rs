@@ -5,9 +5,8 @@ use std::borrow::Cow;
 use lodestar::generated::kernels::{Registry, test};
 use lodestar::gpu::KernelSource;
 use lodestar::settings::Settings;
-
-use crate::device::GROUP;
-use crate::guide_cases::GuideKernels;
+use support::device::GROUP;
+use support::guide_cases::GuideKernels;
 
 /// A change to settings.
 pub type Change = fn(&mut Settings);

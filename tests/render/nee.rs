@@ -6,12 +6,12 @@ use lodestar::generated::kernels::{MIS_BLIND_TO_GUIDE, MIS_COUNTS_TWICE, MIS_EXA
 use lodestar::scene::bsdf::Distribution;
 use lodestar::scene::{Bsdf, Material, Textured};
 use lodestar::settings::{Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::floor::{DELTA, SPREAD, floor_radiance};
+use support::scenes::{ALL_SAMPLERS, SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
+use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::{Device, steps};
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::floor::{DELTA, SPREAD, floor_radiance};
-use crate::scenes::{ALL_SAMPLERS, SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
-use crate::significance::{ALPHA, sidak, two_sided};
 
 /// The floor's radiance, as it is rendered.
 fn render_floor(device: &Device, light: &str, change: impl FnOnce(&mut Settings)) -> (f64, f64) {

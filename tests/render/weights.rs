@@ -4,13 +4,13 @@ use lodestar::film::Picture;
 use lodestar::renderer::RenderState;
 use lodestar::scene::Scene;
 use lodestar::settings::{SampleWeights, Sampler, Settings, StepSchedule};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::floor::floor_radiance;
+use support::scenes::{ours, settings};
+use support::significance::{ALPHA, two_sided};
 
 use crate::determinism::bits;
 use crate::device::{Device, steps};
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::floor::floor_radiance;
-use crate::scenes::{ours, settings};
-use crate::significance::{ALPHA, two_sided};
 use crate::variance::{ratio_and_deviation, spread_and_claim};
 
 /// Not a whole number of tiles.

@@ -4,7 +4,7 @@ use glam::{DVec2, Vec2, dvec2};
 
 use crate::generated::kernels;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
-use crate::reference::texture::sample;
+use crate::scene::texture_lookup::sample;
 use crate::scene::{Image, Texture};
 
 /// Look-ups for all primitives together, and for one at least and at most.
