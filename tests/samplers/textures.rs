@@ -10,7 +10,7 @@ use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, Wra
 use lodestar::scene::texture_lookup::sample;
 use support::device::{Device, GROUP};
 use support::statistics::Numbers;
-use support::twins::texture::gradient;
+use support::twins::texture as twin;
 
 /// What the polynomial for the sRGB curve may be off by.
 const CURVE_TOLERANCE: f64 = 1.0e-5;
@@ -220,7 +220,7 @@ fn gradients_agree(tamper: f64) -> bool {
         let uv = DVec2::from_array(input.uv.map(f64::from));
         let gradient = DVec2::from_array(output.gradient.map(f64::from));
         let near = |shift: DVec2| {
-            let expected = (1.0 + tamper) * gradient(texture, &images, uv + 1.0e-6 * shift);
+            let expected = (1.0 + tamper) * twin::gradient(texture, &images, uv + 1.0e-6 * shift);
             (expected - gradient).length() < 1.0e-3 * expected.length().max(1.0)
         };
         ![DVec2::ZERO, DVec2::ONE, DVec2::NEG_ONE, DVec2::X, DVec2::Y].into_iter().any(near)

@@ -7,6 +7,7 @@ pub mod device;
 pub mod estimate;
 pub mod floor;
 pub mod guide_cases;
+pub mod mutated;
 pub mod sampled_directions;
 pub mod scattering_cases;
 pub mod scenes;
