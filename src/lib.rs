@@ -77,7 +77,9 @@
 //!    invocation, and learned sums are fixed-point integers.
 //! 3. **Every loop is bounded**, what happens at the bound is part of the density, and a loop that the driver cuts short is
 //!    an error, never a dark pixel.
-//! 4. **GLSL is the single source** of structs, constants and enum values; Rust is checked against it when it compiles.
+//! 4. **GLSL is the single source** of structs, constants, enum values, bindings and defaults of the kernels. Constants that both
+//!    sides know stand in `glsl/include/shared`; Rust takes them from there and is checked against GLSL when it compiles.
+//!    The twins in [`mod@reference`] state numbers anew, for they are what GLSL is checked against.
 //! 5. A value that leaves a GLSL loop is carried by the loop (set before it, read in it): Mesa 22.3's lavapipe keeps no
 //!    other value per lane.
 //! 6. `scene`, `encode`, `layout` and `math` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
