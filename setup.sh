@@ -2,9 +2,12 @@
 # Installs the system packages that Lodestar needs:
 #   - the Vulkan loader, and Mesa's Vulkan drivers, including lavapipe, which renders on the CPU;
 #   - the validation layers, which the tests turn on;
-#   - the tools that build shaderc from source;
-#   - SPIRV-Tools, for `lodestar inspect`.
-# It can be run again: it installs only missing packages and leaves installed ones alone.
+#   - SPIRV-Tools, for `lodestar inspect`;
+#   - the shader compiler shaderc.
+# If the distribution has a shaderc that links, it is put into the folder .shaderc, where cargo finds it
+# (.cargo/config.toml). Otherwise cargo builds shaderc from source, which takes about ten minutes of processor time, and
+# this script installs the tools for that build.
+# The script can be run again: it installs only missing packages and leaves installed ones alone.
 #
 # usage: setup.sh            install missing packages
 #        setup.sh --check    only list missing tools; exit 1 if any is missing
@@ -15,6 +18,8 @@
 set -eu
 
 MIN_RUST=1.88
+# Folder where cargo looks for shaderc; see .cargo/config.toml.
+SHADERC_FOLDER="$(cd "$(dirname "$0")" && pwd)/.shaderc"
 
 say() { echo "setup: $*"; }
 fail() { echo "setup: error: $*" >&2; exit 1; }
@@ -65,7 +70,9 @@ has_tool() { # TOOL
 
 # --- Names of tools and packages ---------------------------------------------------------------------------------------
 
-TOOLS="loader driver layers compiler cmake ninja python3 git spirv-tools"
+TOOLS="loader driver layers compiler spirv-tools"
+# Tools that build shaderc from source.
+SOURCE_TOOLS="cmake ninja python3 git"
 
 describe() { # TOOL
   case "$1" in
@@ -164,7 +171,7 @@ find_missing() {
   done
 }
 
-install_missing() {
+install_missing() { # installs the packages of $missing
   packages=""
   for tool in $missing; do
     if [ "$system:$tool" = macos:compiler ]; then
@@ -178,6 +185,82 @@ install_missing() {
   install_packages $packages
   find_missing
   if [ -n "$missing" ]; then fail "still missing after the installation: $missing_names; install by hand"; fi
+}
+
+# --- shaderc ------------------------------------------------------------------------------------------------------------
+
+# Prints the packages that contain shaderc and its parts.
+shaderc_packages() {
+  case "$system" in
+    debian) echo "libshaderc-dev glslang-dev" ;;
+    fedora) echo libshaderc-devel ;;
+    arch | macos) echo shaderc ;;
+  esac
+}
+
+# Prints the path of the system's shaderc library. Fails if there is none.
+system_shaderc() {
+  for file in /usr/lib/*-linux-gnu/libshaderc_combined.a /usr/lib64/libshaderc_shared.so /usr/lib/libshaderc_shared.so \
+    /opt/homebrew/lib/libshaderc_combined.a /usr/local/lib/libshaderc_combined.a; do
+    if [ -e "$file" ]; then
+      echo "$file"
+      return 0
+    fi
+  done
+  return 1
+}
+
+# Combines Debian's libshaderc_combined.a with the libraries that it lacks. The combined archive links.
+combine_debian_shaderc() { # LIBRARY TARGET
+  folder=$(dirname "$1")
+  {
+    echo "create $2"
+    for part in shaderc_combined glslang SPIRV MachineIndependent GenericCodeGen OSDependent OGLCompiler \
+      SPIRV-Tools-opt SPIRV-Tools glslang-default-resource-limits; do
+      if [ -e "$folder/lib$part.a" ]; then echo "addlib $folder/lib$part.a"; fi
+    done
+    echo save
+    echo end
+  } | ar -M
+}
+
+links_shaderc() { # FOLDER
+  trial=$(mktemp -d)
+  echo 'extern "C" void *shaderc_compiler_initialize(void); int main() { return shaderc_compiler_initialize() == nullptr; }' \
+    >"$trial/trial.cpp"
+  status=0
+  c++ "$trial/trial.cpp" -o "$trial/trial" "$1"/libshaderc_* -pthread >/dev/null 2>&1 && "$trial/trial" || status=1
+  rm -rf "$trial"
+  return "$status"
+}
+
+has_shaderc() { [ -n "$(find "$SHADERC_FOLDER/" -name 'libshaderc_*' 2>/dev/null)" ]; }
+
+# Puts a shaderc that links into $SHADERC_FOLDER. Fails if the system has none.
+provide_shaderc() {
+  if has_shaderc; then return 0; fi
+  packages=$(shaderc_packages)
+  if ! system_shaderc >/dev/null && [ -n "$packages" ]; then
+    say "installing: $packages"
+    # Word splitting is intended: each package becomes one argument. A system without these packages builds shaderc from source.
+    # shellcheck disable=SC2086
+    install_packages $packages || true
+  fi
+  library=$(system_shaderc) || return 1
+  trial_folder=$(mktemp -d)
+  case "$library" in
+    /usr/lib/*-linux-gnu/*) combine_debian_shaderc "$library" "$trial_folder/libshaderc_combined.a" || return 1 ;;
+    *) ln -s "$library" "$trial_folder/$(basename "$library")" ;;
+  esac
+  if links_shaderc "$trial_folder"; then
+    mkdir -p "$SHADERC_FOLDER"
+    mv "$trial_folder"/libshaderc_* "$SHADERC_FOLDER/"
+    rmdir "$trial_folder"
+    say "cargo uses shaderc from $library"
+  else
+    rm -rf "$trial_folder"
+    return 1
+  fi
 }
 
 # --- A second driver for tests ------------------------------------------------------------------------------------------
@@ -219,6 +302,7 @@ main() {
         say "missing: $missing_names"
         status=1
       fi
+      has_shaderc || say "no shaderc in $SHADERC_FOLDER: cargo will build it from source"
       if [ "$status" -eq 0 ]; then say "all required tools are installed"; fi
       exit "$status"
       ;;
@@ -228,6 +312,12 @@ main() {
   if [ -n "$missing" ]; then
     say "missing: $missing_names"
     install_missing
+  fi
+  if ! provide_shaderc; then
+    say "this system has no shaderc that links: cargo will build it from source"
+    TOOLS=$SOURCE_TOOLS
+    find_missing
+    if [ -n "$missing" ]; then install_missing; fi
   fi
   check_rust || exit 1
   say "all required tools are installed"

@@ -5,14 +5,10 @@
 //! `cargo bench --bench loading`. `LODESTAR_SCENES` chooses the shared scenes, `LODESTAR_LOADING_SCENE` another file.
 //! Mitsuba needs `DRJIT_LIBLLVM_PATH`.
 
-#[path = "common/mod.rs"]
-#[allow(dead_code)] // This bench renders by the command line.
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::median;
+use support::bench::median;
 
 const ROUNDS: usize = 7;
 const VARIANTS: [&str; 2] = ["llvm_ad_rgb", "scalar_rgb"];

@@ -5,21 +5,15 @@
 //! maximum number of triangles (default: a million). The threads are those of lavapipe, set by `LP_NUM_THREADS`.
 //! Everything that is compared takes turns, so that a slow minute affects all of it.
 
-#[path = "common/mod.rs"]
-#[allow(dead_code)] // This bench loads no scene by name.
-mod common;
-#[path = "common/relief.rs"]
-mod relief;
-
 use std::process::Command;
 use std::sync::Arc;
 
-use common::{context, median, renderer, run_for, settings};
 use lodestar::gpu::Context;
 use lodestar::renderer::Renderer;
 use lodestar::scene::Scene;
 use lodestar::settings::{Sampler, Settings};
-use relief::tessellated;
+use support::bench::relief::tessellated;
+use support::bench::{context, median, renderer, run_for, settings};
 
 const ROUNDS: usize = 5;
 const SECONDS: f64 = 1.5;

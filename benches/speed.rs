@@ -4,17 +4,14 @@
 //! `cargo bench --bench speed [-- SCENE...]` measures cornell-box and staircase2 by default. `LODESTAR_SCENES` chooses
 //! the shared scenes. Mitsuba needs `DRJIT_LIBLLVM_PATH`.
 
-#[path = "common/mod.rs"]
-mod common;
-
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
-use common::{context, load, median, renderer, run_for, scene_path, settings};
 use lodestar::gpu::Context;
 use lodestar::scene::Scene;
 use lodestar::settings::{Sampler, Settings};
+use support::bench::{context, load, median, renderer, run_for, scene_path, settings};
 
 const WIDTH: u32 = 512;
 const ROUNDS: usize = 5;

@@ -1,11 +1,12 @@
-//! Time of the kernels that end a step, in milliseconds by the device's clock (`benches/common/guide_updates.rs`).
+//! Time of the kernels that end a step, in milliseconds by the device's clock
+//! (`tests/support/src/bench/guide_updates.rs`).
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
 use lodestar::settings::Sampler;
+use support::bench::guide_updates::{Ground, Stepper, steppers};
 
-use crate::guide_updates::{Ground, Stepper, steppers};
 use crate::quantity::{Place, Quantity, Unit};
 
 /// Minimum time for which each measurement is repeated, in seconds.
