@@ -4,6 +4,7 @@
 //! `+z` with `+x` to the *left* of the picture, depth counted in path edges (1 is emission seen directly).
 
 pub mod bsdf;
+mod build;
 pub mod emitter;
 pub mod fingerprint;
 pub mod geometry;
@@ -16,6 +17,7 @@ pub mod texture;
 use glam::{Mat4, Vec2, Vec3};
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
+pub use build::Surface;
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use fingerprint::fingerprint;
 pub use geometry::{Primitive, PrimitiveShape};
