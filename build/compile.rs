@@ -1,16 +1,16 @@
-//! GLSL to SPIR-V, for the build scripts of the crate and of `tests/tampered`.
+//! GLSL to SPIR-V on all cores, for the build scripts of the crate and of `tests/tampered`.
 
-use std::cell::RefCell;
 use std::fmt::Write as _;
-use std::fs;
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+use std::{env, fs, thread};
 
-const INCLUDE_FOLDER: &str = "glsl/include";
+/// Where includes are looked for.
+pub const INCLUDE_FOLDER: &str = "glsl/include";
 
-/// Compiles `file`, which lies in the folder `root` with all that it includes. Returns the SPIR-V and what was included.
-pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<(Vec<u8>, Vec<String>), String> {
+/// Compiles `file`, which lies in the folder `root` with all that it includes. Returns the SPIR-V.
+pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, String> {
     let source = fs::read_to_string(root.join(file)).map_err(|e| format!("{file}: cannot be read: {e}"))?;
-    let included = RefCell::new(Vec::new());
     let compiler = shaderc::Compiler::new().map_err(|e| e.to_string())?;
     let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
@@ -22,16 +22,30 @@ pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<(Vec<u8>, Vec
     for name in macros {
         options.add_macro_definition(name, Some("1"));
     }
-    options.set_include_callback(|name, _, _, _| {
-        let found = resolve_include(root, name)?;
-        included.borrow_mut().push(found.resolved_name.clone());
-        Ok(found)
-    });
+    options.set_include_callback(|name, _, _, _| resolve_include(root, name));
     let artifact = compiler
         .compile_into_spirv(&source, shaderc::ShaderKind::Compute, file, "main", Some(&options))
         .map_err(|e| diagnostics(root, &e.to_string()))?;
-    drop(options);
-    Ok((artifact.as_binary_u8().to_vec(), included.into_inner()))
+    Ok(artifact.as_binary_u8().to_vec())
+}
+
+/// Results of all jobs, in their order.
+pub fn on_all_cores<T: Send>(job_count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let queue = Mutex::new(0..job_count);
+    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || std::iter::from_fn(next).map(|index| (index, job(index))).collect::<Vec<_>>();
+    let mut results = thread::scope(|scope| {
+        let workers: Vec<_> = (0..core_count().min(job_count)).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("no compilation panics")).collect::<Vec<_>>()
+    });
+    results.sort_by_key(|(index, _)| *index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+/// As many as Cargo was told to use.
+fn core_count() -> usize {
+    let told = env::var("NUM_JOBS").ok().and_then(|jobs| jobs.parse().ok());
+    told.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
 fn resolve_include(root: &Path, name: &str) -> Result<shaderc::ResolvedInclude, String> {

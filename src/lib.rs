@@ -54,7 +54,6 @@
 //! | SARSA target, Eq. 6 | `target_sarsa` in `learning.glsl` | the same |
 //! | Monte-Carlo target | `record_returns` in `monte_carlo.glsl` | the same |
 //! | update, Eq. 7 | `learn` in `update_radiance.comp` | `tests/proofs/claims/updates.rs` |
-//! | directions by the root of second moments (beyond the paper) | `target_density` and `add_square` in `radiance_grid.glsl`, `learn_second_moment` in `update_radiance.comp` | the same, `tests/proofs/claims/sums.rs` |
 //! | ray queues in place of one kernel (beyond the paper) | `wavefront.glsl`, `wave_extend.comp`, `wave_connect.comp`, `wave_shadow.comp`, `wave_shade.comp`, `wave_film.comp` | `tests/render/execution.rs` |
 //! | cells that fall back on their parents (beyond the paper) | `pool_radiance.comp`, `blend_radiance.comp` | `tests/samplers/parents.rs` |
 //! | normal-aware rejection, plain and mixed (Eq. 8, 9) | `sample_rejection_mix`, `pdf_rejection_mix` in `rejection_mix.glsl` | `tests/proofs/claims/samples.rs` (chi-square), `densities.rs`, `tests/render/ztest.rs` |
@@ -65,7 +64,7 @@
 //! | optimal mix, Eq. 8 | `optimal_uniform_share` in `normalization_entry.glsl` | `tests/samplers/normalization.rs` |
 //! | samples in scrambled Sobol sets (beyond the paper) | `random_bits` and `camera_bits` in `random.glsl`, `sobol.glsl` | `tests/samplers/random.rs`, `tests/render/pattern.rs` |
 //! | these across the pixels of a tile: blue noise (beyond the paper) | `tile_digits` in `blue_noise.glsl` | the same, `tests/render/blue_noise.rs` |
-//! | samples weighed by a schedule or by measured variance (beyond the paper) | `merge_radiance` in `tally.glsl`, [`film::weights`], [`film::measured_weights`] | `tests/render/weights.rs` |
+//! | samples weighted by a schedule (beyond the paper) | `merge_radiance` in `tally.glsl`, [`film::weights`] | `tests/render/weights.rs` |
 //! | adaptive sampling by two halves (beyond the paper) | `halves.glsl`, `judge_noise.comp`, [`film::noise`] | `tests/render/noise.rs` |
 //! | emitter sampling, exact with every sampler | `sample_light` in `light.glsl`, `pdf_direction` in `guiding.glsl` | `tests/samplers/area_lights.rs`, `environments.rs`, `tests/render/nee.rs` |
 //! | memoised normalizer `N(x, n)` | `normalize_cell` in `normalization_entry.glsl`, `update_normalization.comp` | `tests/samplers/normalization.rs`, `tests/proofs/claims/entries.rs` |
@@ -78,8 +77,8 @@
 //!    Learned targets saturate (16 times the largest emitted radiance; 1024 times for Monte-Carlo returns, which roulette
 //!    divides by survival), and inversion draws what the table has missed with little more than the least uniform share,
 //!    weighing it by up to 2 / share an edge: that costs variance, never bias.
-//!    What samples count for is fixed beforehand. Where it or their number depends on what they are ([`film::measured_weights`],
-//!    [`film::noise`]), which a user must ask for, a picture is consistent only.
+//!    What samples count for is fixed beforehand. Where their number depends on what they are ([`film::noise`]), which a user
+//!    must ask for, a picture is consistent only.
 //!    The samples of a set are dependent, each alone is uniform; no set reaches over an update of the guide, so what a sample
 //!    is guided by was learned from others.
 //! 2. **The same seed gives the same bits** on a device, however the picture is cut into dispatches or spread over threads:
@@ -87,7 +86,9 @@
 //!    invocation, and learned sums are fixed-point integers.
 //! 3. **Every loop is bounded**, what happens at the bound is part of the density, and a loop that the driver cuts short is
 //!    an error, never a dark pixel.
-//! 4. **GLSL is the single source** of structs, constants and enum values; Rust is checked against it when it compiles.
+//! 4. **GLSL is the single source** of structs, constants, enum values, bindings and defaults of the kernels. Constants that both
+//!    sides know stand in `glsl/include/shared`; Rust takes them from there and is checked against GLSL when it compiles.
+//!    The twins in [`mod@reference`] state numbers anew, for they are what GLSL is checked against.
 //! 5. A value that leaves a GLSL loop is carried by the loop (set before it, read in it): Mesa 22.3's lavapipe keeps no
 //!    other value per lane.
 //! 6. `scene`, `encode`, `layout` and `reference` never mention `gpu`; `gpu` never mentions `scene` or `renderer`

@@ -1,7 +1,8 @@
-// Never dispatched: declares the records that kernels read as texels, so that build.rs can hold layout.rs against them.
+// Never dispatched: declares the records that kernels read as texels or keep to themselves, so that build.rs can hold layout.rs against them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#include "guide/learners/path_vertex.glsl"
 #include "guide/normalization/normalization_record.glsl"
 layout(local_size_x = 1) in;
 
@@ -77,6 +78,7 @@ layout(scalar, set = 0, binding = 4) restrict buffer Probe4 { EmitterRecord emit
 layout(scalar, set = 0, binding = 5) restrict buffer Probe5 { DeltaLightRecord delta_lights[]; };
 
 layout(scalar, set = 0, binding = 6) restrict buffer Probe6 { NormalizationEntry normalization_entries[]; };
+layout(scalar, set = 0, binding = 7) restrict buffer Probe7 { PathVertex path_vertices[]; };
 layout(scalar, set = 0, binding = 10) restrict buffer Probe10 { TextureRecord textures[]; };
 
 void main() {
@@ -86,6 +88,7 @@ void main() {
     emitters[0].texture_index = uint(emitters[1].radiance.x);
     delta_lights[0].cutoff_angle = delta_lights[1].position.x;
     normalization_entries[0].uniform_share = normalization_entries[1].guide_scale;
+    path_vertices[0].factor.x = path_vertices[1].segment.scale + path_vertices[1].light.x;
     attributes[0].light = attributes[1].normals.x + attributes[1].material + attributes[1].emitter;
     materials[0].relief_scale = materials[1].colors[0].x + materials[1].scalars[0] + materials[1].coating.x;
 }

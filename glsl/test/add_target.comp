@@ -1,4 +1,4 @@
-// Adds given targets and their squares to the sums of given bins, each invocation every so many of them.
+// Adds given targets to the sums of given bins, each invocation every so many of them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -22,6 +22,5 @@ void main() {
     for (uint i = gl_GlobalInvocationID.x; i < push.target_count; i += stride) {
         TargetInput t = target_inputs[i];
         add_target(t.index, fixed_point(t.target, push.target_limit, t.u));
-        add_square(t.index, t.target, push.target_limit, t.u);
     }
 }

@@ -2,7 +2,7 @@
 
 use lodestar::settings::{
     AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, SampleWeights, Sampler, Settings,
-    StepSchedule, TargetDensity,
+    StepSchedule,
 };
 
 /// How directions are sampled and learned.
@@ -32,13 +32,6 @@ pub struct GuidingArgs {
     /// a fixed share, 0.25 or --epsilon [default: learned; with monte-carlo: fixed].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub bsdf_share: Option<BsdfShare>,
-    /// Directions that product draws at a vertex, of which one is taken by f cos L: resampled importance sampling [default: 1].
-    #[arg(long, value_name = "N", help_heading = "Guiding")]
-    pub candidates: Option<u32>,
-    /// What guided directions are drawn in proportion to: the mean of what a bin has learned, or the root of its second moment,
-    /// which is larger where that varies [default: mean].
-    #[arg(long, value_enum, help_heading = "Guiding")]
-    pub target_density: Option<TargetDensity>,
     /// What Russian roulette goes by: throughput, after --rr-depth edges; or with product, from the first edge on, what the guide
     /// expects a path still to bring to its pixel [default: contribution with product, unless --rr-depth is no less than
     /// --max-depth, which leaves roulette out].
@@ -53,9 +46,6 @@ pub struct GuidingArgs {
     /// Targets that what a cell's neighbors have learned counts for in each of its bins; 0: nothing [default: 0].
     #[arg(long, value_name = "K", help_heading = "Guiding")]
     pub fallback: Option<f32>,
-    /// How far, in cells, a path looks for its cell along the surface: it blurs borders of cells; 0: not at all [default: 0].
-    #[arg(long, value_name = "J", help_heading = "Guiding")]
-    pub jitter: Option<f32>,
     /// Direction bins of a cell along each axis [default: 16].
     #[arg(long, value_name = "N", help_heading = "Guiding")]
     pub directions: Option<u32>,
@@ -65,9 +55,8 @@ pub struct GuidingArgs {
     /// Whether there are fewer at first: a quarter of the samples so far, from 1 up to the most [default: growing].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub steps: Option<StepSchedule>,
-    /// What samples count for: all the same; those of an early guide less, by a fixed schedule; or the less, the noisier their
-    /// steps were, as measured: such a picture is consistent, not unbiased [default: growing with product,
-    /// but for --noise and --sample-offset; else even].
+    /// What samples count for: all the same; or those of an early guide less, by a fixed schedule [default: growing with
+    /// product, but for --noise and --sample-offset; else even].
     #[arg(long, value_enum, help_heading = "Guiding")]
     pub sample_weights: Option<SampleWeights>,
     /// Normal bins of a cell along each side [default: 16].
@@ -102,13 +91,10 @@ impl GuidingArgs {
         settings.mix = self.mix.unwrap_or(settings.mix);
         settings.epsilon = self.epsilon;
         settings.bsdf_share = self.bsdf_share;
-        settings.candidates = self.candidates.unwrap_or(settings.candidates);
-        settings.target_density = self.target_density.unwrap_or(settings.target_density);
         settings.roulette = self.roulette;
         settings.map = self.map.unwrap_or(settings.map);
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.fallback = self.fallback.unwrap_or(settings.fallback);
-        settings.jitter = self.jitter.unwrap_or(settings.jitter);
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.normals = self.normals.unwrap_or(settings.normals);
         settings.spp_per_step = self.spp_per_step.unwrap_or(settings.spp_per_step);

@@ -8,7 +8,7 @@ use super::guiding_args::GuidingArgs;
 /// An option, and who has a use for it.
 struct Use {
     option: &'static str,
-    /// Whether it is given and asks for something: with 0, `--fallback` and `--jitter` do not.
+    /// Whether it is given and asks for something: with 0, `--fallback` does not.
     is_given: bool,
     has_use: bool,
     /// What it is for.
@@ -49,8 +49,6 @@ impl GuidingArgs {
             given("grid", self.grid.is_some(), is_guided, GUIDED),
             given("directions", self.directions.is_some(), is_guided, GUIDED),
             given("fallback", is_positive(self.fallback), has_cells, WITH_CELLS),
-            given("jitter", is_positive(self.jitter), has_cells, WITH_CELLS),
-            given("target-density", self.target_density.is_some(), has_cells, WITH_CELLS),
             given("decay", self.decay.is_some(), has_cells, WITH_CELLS),
             given("steps growing", self.steps == Some(StepSchedule::Growing), has_cells, WITH_CELLS),
             given(

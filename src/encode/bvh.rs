@@ -7,12 +7,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use self::split::Boxes;
-use crate::generated::kernels;
-use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
+use crate::generated::constants;
+use crate::generated::layout::{AttributeRecord, PrimitiveRecord, TEXEL_BYTES};
 use crate::scene::{Primitive, PrimitiveShape};
 
 /// Words of one compressed wide node (Ylitie et al. 2017).
-pub const NODE_WORDS: usize = 20;
+pub const NODE_WORDS: usize = constants::NODE_TEXELS as usize * TEXEL_BYTES / size_of::<u32>();
 
 /// Boxes grow by this share of the scene's largest coordinate: as far as the primitives' edge tests reach beyond an edge.
 const BOX_MARGIN: f32 = 1.0e-6;
@@ -52,12 +52,12 @@ impl Bvh {
 
     /// Whether any primitive is a sphere.
     pub fn has_spheres(&self) -> bool {
-        self.primitives.iter().any(|p| p.flags & kernels::PRIMITIVE_SHAPE_MASK == kernels::SHAPE_SPHERE)
+        self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE)
     }
 
     /// Whether any primitive has normals at its vertices.
     pub fn has_vertex_normals(&self) -> bool {
-        self.primitives.iter().any(|p| p.flags & kernels::PRIMITIVE_VERTEX_NORMALS != 0)
+        self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_VERTEX_NORMALS != 0)
     }
 
     /// The largest absolute coordinate of the scene: what rounding errors of positions scale with.
@@ -119,13 +119,13 @@ fn widest_corner_first(p: &Primitive) -> Primitive {
 
 fn primitive_record(p: &Primitive) -> PrimitiveRecord {
     let shape = match p.shape {
-        PrimitiveShape::Triangle => kernels::SHAPE_TRIANGLE,
-        PrimitiveShape::Parallelogram => kernels::SHAPE_PARALLELOGRAM,
-        PrimitiveShape::Disk => kernels::SHAPE_DISK,
-        PrimitiveShape::Sphere => kernels::SHAPE_SPHERE,
+        PrimitiveShape::Triangle => constants::SHAPE_TRIANGLE,
+        PrimitiveShape::Parallelogram => constants::SHAPE_PARALLELOGRAM,
+        PrimitiveShape::Disk => constants::SHAPE_DISK,
+        PrimitiveShape::Sphere => constants::SHAPE_SPHERE,
     };
-    let flip = if p.flip_normal { kernels::PRIMITIVE_FLIP_NORMAL } else { 0 };
-    let normals = if p.normals.is_some() { kernels::PRIMITIVE_VERTEX_NORMALS } else { 0 };
+    let flip = if p.flip_normal { constants::PRIMITIVE_FLIP_NORMAL } else { 0 };
+    let normals = if p.normals.is_some() { constants::PRIMITIVE_VERTEX_NORMALS } else { 0 };
     let longest = match p.shape {
         PrimitiveShape::Sphere => p.edge_u.length(),
         _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),
@@ -147,14 +147,14 @@ fn attribute_record(p: &Primitive) -> AttributeRecord {
         uv0: p.uvs[0].into(),
         uv1: p.uvs[1].into(),
         uv2: p.uvs[2].into(),
-        emitter: p.emitter.unwrap_or(kernels::NONE),
-        light: kernels::NONE,
+        emitter: p.emitter.unwrap_or(constants::NONE),
+        light: constants::NONE,
     }
 }
 
 /// Every emitting primitive is a light of its own, numbered in the order of the leaves.
 fn number_lights(attributes: &mut [AttributeRecord]) {
-    let emitting = attributes.iter_mut().filter(|attributes| attributes.emitter != kernels::NONE);
+    let emitting = attributes.iter_mut().filter(|attributes| attributes.emitter != constants::NONE);
     emitting.zip(0..).for_each(|(attributes, light)| attributes.light = light);
 }
 

@@ -8,11 +8,9 @@ use std::ops::Range;
 use glam::{UVec3, Vec3, uvec3};
 
 use crate::encode::bvh::Bvh;
-use crate::generated::kernels;
+use crate::generated::constants;
 use occupancy::occupied_places;
 
-/// `CELL_BORROWED` of `glsl/include/guide/grid/cells.glsl`.
-const BORROWED: u32 = 0x8000_0000;
 /// Places along the longest side of the scene that are tried.
 const LONGEST_SIDES: [u32; 19] = [4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 21, 24, 28, 32, 38, 44, 52, 64];
 /// Thinnest extent of the scene along an axis, relative to its largest coordinate.
@@ -72,8 +70,8 @@ fn extent(bvh: &Bvh) -> Vec3 {
 pub struct Cells {
     /// Where they lie.
     pub grid: Grid,
-    /// The table that `glsl/include/guide/grid/cells.glsl` reads: the cell of every place, with `BORROWED` where a place holds no
-    /// surface and stands for the next cell; the parent of every cell, `NONE` for the last; and of every parent, and of one
+    /// The table that `glsl/include/guide/grid/cells.glsl` reads: the cell of every place, which is the next cell where a place
+    /// holds no surface; the parent of every cell, `NONE` for the last; and of every parent, and of one
     /// beyond the last, the first of its cells.
     pub table: Vec<u32>,
     levels: Vec<Range<u32>>,
@@ -135,19 +133,17 @@ impl Cells {
         self.levels.get(1..).unwrap_or_default()
     }
 
-    /// `cell_at_place` of `glsl/include/guide/grid/cells.glsl`: the cell of a point of a surface.
+    /// `grid_cell` of `glsl/include/guide/grid/cells.glsl`: the cell of a point of a surface.
     pub fn cell_of(&self, position: Vec3) -> usize {
         let place = self.grid.clamped(self.grid.coordinates(position));
-        self.table.get(self.grid.index(place)).map_or(0, |cell| (cell & !BORROWED) as usize)
+        self.table.get(self.grid.index(place)).map_or(0, |&cell| cell as usize)
     }
 }
 
-/// The cell of that key or, borrowed, the next one.
+/// The cell of that key, else the next one.
 fn cell_or_next(keys: &[u64], key: u64) -> u32 {
-    match keys.binary_search(&key) {
-        Ok(cell) => cell as u32,
-        Err(next) => next.min(keys.len() - 1) as u32 | BORROWED,
-    }
+    let (Ok(cell) | Err(cell)) = keys.binary_search(&key);
+    cell.min(keys.len() - 1) as u32
 }
 
 /// The parent of every cell, the first cell of every parent, and the ranges of the levels. The parent of a key is an eighth
@@ -169,7 +165,7 @@ fn ancestry(mut keys: Vec<u64>) -> (Vec<u32>, Vec<u32>, Vec<Range<u32>>) {
         (keys, first) = (of_parents, end);
     }
     levels.push(first..first + 1);
-    parents.push(kernels::NONE);
+    parents.push(constants::NONE);
     first_children.push(first);
     (parents, first_children, levels)
 }
@@ -201,31 +197,29 @@ mod tests {
         let (grid, is_occupied, cells) = some();
         let mut seen = vec![false; cells.count() as usize];
         for place in Grid::places(UVec3::ZERO, grid.size - 1) {
-            let entry = cells.table[grid.index(place)];
-            assert_eq!(entry & BORROWED == 0, is_occupied[grid.index(place)]);
-            let cell = (entry & !BORROWED) as usize;
+            let cell = cells.table[grid.index(place)] as usize;
             assert_eq!(cells.cell_of(place.as_vec3() + 0.5), cell);
-            assert!(entry & BORROWED != 0 || !std::mem::replace(&mut seen[cell], true));
+            assert!(!is_occupied[grid.index(place)] || !std::mem::replace(&mut seen[cell], true));
         }
         assert!(seen.iter().all(|&seen| seen));
     }
 
     #[test]
     fn parents_hold_two_places_along_each_axis() {
-        let (grid, _, cells) = some();
+        let (grid, is_occupied, cells) = some();
         let parents = &cells.table[grid.place_count()..][..cells.all_count() as usize];
         let first_children = &cells.table[grid.place_count() + cells.all_count() as usize..];
         let shared = |a: UVec3, b: UVec3| {
-            let mut pair = [a, b].map(|place| cells.table[grid.index(place)]);
-            if pair.iter().any(|entry| entry & BORROWED != 0) {
+            if [a, b].iter().any(|&place| !is_occupied[grid.index(place)]) {
                 return;
             }
+            let mut pair = [a, b].map(|place| cells.table[grid.index(place)]);
             for level in 1..4_u32 {
                 pair = pair.map(|cell| parents[cell as usize]);
                 assert_eq!(pair[0] == pair[1], a >> level == b >> level, "{a} {b} {level}");
                 assert!(pair.iter().all(|cell| cells.parent_levels()[level as usize - 1].contains(cell)));
             }
-            assert_eq!(parents[pair[0] as usize], kernels::NONE);
+            assert_eq!(parents[pair[0] as usize], constants::NONE);
         };
         for a in Grid::places(UVec3::ZERO, grid.size - 1) {
             Grid::places(UVec3::ZERO, grid.size - 1).for_each(|b| shared(a, b));

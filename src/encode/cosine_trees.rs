@@ -1,6 +1,7 @@
 //! The trees of the clamped cosine that the product sampler multiplies with those of radiance: one for every representative
 //! normal, laid out as `glsl/include/guide/samplers/tree.glsl` says, with the weights of `glsl/include/math/small_floats.glsl`.
 
+use crate::generated::constants::{BIAS_8, DROPPED_BITS, LARGEST_SMALL_FLOAT};
 use crate::generated::layout::CosineIntegral;
 
 /// Sixteen weights of eight bits, four to a row.
@@ -8,11 +9,6 @@ pub type Node = [u32; 4];
 
 /// Parts of a node along each side, and blocks of the map.
 const PARTS: u32 = 4;
-/// The exponent, as that of a float, of the code 0 of eight bits.
-const BIAS_8: u32 = 96;
-const LARGEST_SMALL_FLOAT: f32 = 1.875;
-/// Bits of a float below the mantissa of a small one.
-const DROPPED_BITS: u32 = 20;
 
 /// Nodes of a tree of `directions * directions` bins.
 pub fn nodes_per_tree(directions: u32) -> u32 {

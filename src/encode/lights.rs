@@ -15,15 +15,15 @@ pub use environment_table::{EnvironmentMap, EnvironmentTable};
 
 use crate::encode::bvh::Bvh;
 use crate::encode::textures::halves;
-use crate::generated::kernels;
+use crate::generated::constants;
 use crate::generated::layout::{
-    AttributeRecord, DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants,
+    AttributeRecord, DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants, TEXEL_BYTES,
 };
 use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene, Textured};
 use textured::{brightness, points_for};
 
-/// 16-byte texels of a [`DeltaLightRecord`].
-const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / 16;
+/// Texels of a [`DeltaLightRecord`].
+const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / TEXEL_BYTES;
 
 /// A scene's lights and what they emit.
 pub struct Lights {
@@ -69,7 +69,7 @@ impl Lights {
             scene.environment.map(|environment| EnvironmentLight::new(&environment, scene, candidates.len() as u32));
         if let (Some(light), Some(environment)) = (&environment, &scene.environment) {
             let power = light.flux() * PI * radius * radius * f64::from(environment.sampling_weight);
-            candidates.push(Candidate { kind: kernels::LIGHT_ENVIRONMENT, index: 0, power });
+            candidates.push(Candidate { kind: constants::LIGHT_ENVIRONMENT, index: 0, power });
         }
         Self {
             emitters: scene.emitters.iter().map(emitter_record).collect(),
@@ -88,15 +88,15 @@ impl Lights {
 
     /// Bit `1 << kind` for every kind of light.
     pub fn kinds(&self) -> u32 {
-        self.lights.iter().fold(0, |bits, light| bits | 1 << (light.kind_and_index >> kernels::LIGHT_KIND_SHIFT))
+        self.lights.iter().fold(0, |bits, light| bits | 1 << (light.kind_and_index >> constants::LIGHT_KIND_SHIFT))
     }
 
     /// `ENVIRONMENT_*`
     pub fn environment_kind(&self) -> u32 {
         match &self.environment {
-            None => kernels::ENVIRONMENT_NONE,
-            Some(EnvironmentLight { map: None, .. }) => kernels::ENVIRONMENT_CONSTANT,
-            Some(EnvironmentLight { map: Some(_), .. }) => kernels::ENVIRONMENT_MAP,
+            None => constants::ENVIRONMENT_NONE,
+            Some(EnvironmentLight { map: None, .. }) => constants::ENVIRONMENT_CONSTANT,
+            Some(EnvironmentLight { map: Some(_), .. }) => constants::ENVIRONMENT_MAP,
         }
     }
 
@@ -136,7 +136,7 @@ impl Lights {
     pub fn write_constants(&self, constants: &mut SceneConstants) {
         constants.light_count = self.lights.len() as u32;
         constants.first_light = self.emitters.len() as u32;
-        constants.environment_light = kernels::NONE;
+        constants.environment_light = constants::NONE;
         let Some(environment) = &self.environment else { return };
         let first_block = self.first_block();
         constants.environment = (environment.radiance * environment.unit()).into();
@@ -219,7 +219,7 @@ fn mean_rgb(color: Vec3) -> f64 {
 }
 
 fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
-    let emitting = (0_u32..).zip(&bvh.attributes).filter(|(_, attributes)| attributes.light != kernels::NONE);
+    let emitting = (0_u32..).zip(&bvh.attributes).filter(|(_, attributes)| attributes.light != constants::NONE);
     let emitting: Vec<_> = emitting.collect();
     let has_texture =
         |attributes: &AttributeRecord| scene.emitters[attributes.emitter as usize].radiance.texture.is_some();
@@ -231,7 +231,7 @@ fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
             |texture: u32| brightness(&scene.textures[texture as usize], &scene.images, primitive, attributes, points);
         let radiance = mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
         let power = area(primitive) * PI * radiance * f64::from(emitter.sampling_weight);
-        Candidate { kind: kernels::LIGHT_AREA, index, power }
+        Candidate { kind: constants::LIGHT_AREA, index, power }
     };
     emitting.par_iter().map(candidate).collect()
 }
@@ -240,10 +240,10 @@ fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
 fn area(primitive: &PrimitiveRecord) -> f64 {
     let [edge_u, edge_v] = [primitive.edge_u, primitive.edge_v].map(|edge| Vec3::from(edge).as_dvec3());
     let spanned = edge_u.cross(edge_v).length();
-    match primitive.flags & kernels::PRIMITIVE_SHAPE_MASK {
-        kernels::SHAPE_TRIANGLE => 0.5 * spanned,
-        kernels::SHAPE_PARALLELOGRAM => 4.0 * spanned,
-        kernels::SHAPE_DISK => PI * spanned,
+    match primitive.flags & constants::PRIMITIVE_SHAPE_MASK {
+        constants::SHAPE_TRIANGLE => 0.5 * spanned,
+        constants::SHAPE_PARALLELOGRAM => 4.0 * spanned,
+        constants::SHAPE_DISK => PI * spanned,
         _ => 4.0 * PI * edge_u.length_squared(),
     }
 }
@@ -253,7 +253,7 @@ fn light_records(candidates: &[Candidate]) -> Vec<LightRecord> {
     let record = |(candidate, entry): (&Candidate, AliasEntry)| LightRecord {
         threshold: entry.threshold,
         alias: entry.alias,
-        kind_and_index: candidate.kind << kernels::LIGHT_KIND_SHIFT | candidate.index,
+        kind_and_index: candidate.kind << constants::LIGHT_KIND_SHIFT | candidate.index,
         probability: entry.probability,
     };
     candidates.iter().zip(alias_table(&powers)).map(record).collect()
@@ -261,14 +261,14 @@ fn light_records(candidates: &[Candidate]) -> Vec<LightRecord> {
 
 fn emitter_record(emitter: &AreaEmitter) -> EmitterRecord {
     let Textured { value, texture } = emitter.radiance;
-    EmitterRecord { radiance: value.into(), texture_index: texture.unwrap_or(kernels::NONE) }
+    EmitterRecord { radiance: value.into(), texture_index: texture.unwrap_or(constants::NONE) }
 }
 
 fn delta_light_kind(emitter: &DeltaEmitter) -> u32 {
     match emitter.kind {
-        DeltaKind::Point { .. } => kernels::LIGHT_POINT,
-        DeltaKind::Spot { .. } => kernels::LIGHT_SPOT,
-        DeltaKind::Directional { .. } => kernels::LIGHT_DIRECTIONAL,
+        DeltaKind::Point { .. } => constants::LIGHT_POINT,
+        DeltaKind::Spot { .. } => constants::LIGHT_SPOT,
+        DeltaKind::Directional { .. } => constants::LIGHT_DIRECTIONAL,
     }
 }
 

@@ -2,13 +2,11 @@
 
 use glam::Vec3;
 
-use crate::generated::kernels;
+use crate::generated::constants;
 use crate::generated::layout::MaterialRecord;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial};
 use crate::scene::{Scene, Textured};
 
-/// Index of the first scalar among the parameters that [`MaterialRecord::links`] counts.
-const FIRST_SCALAR: u32 = 3;
 const OPACITY: usize = 3;
 
 /// The record of a material.
@@ -16,15 +14,18 @@ pub(crate) fn record(material: &Material) -> MaterialRecord {
     match &material.kind {
         MaterialKind::Surface(surface) => surface_record(surface),
         MaterialKind::Sides { front, back } => {
-            choice(kernels::MATERIAL_SIDES, [*front, *back], Textured::constant(0.0))
+            choice(constants::MATERIAL_SIDES, [*front, *back], Textured::constant(0.0))
         }
-        MaterialKind::Blend { weight, materials } => choice(kernels::MATERIAL_BLEND, *materials, *weight),
+        MaterialKind::Blend { weight, materials } => choice(constants::MATERIAL_BLEND, *materials, *weight),
     }
 }
 
 /// Bit `1 << kind` for every kind of material in the scene.
 pub(crate) fn kinds(scene: &Scene) -> u32 {
-    scene.materials.iter().fold(0, |bits, material| bits | 1 << (record(material).kind_and_flags & 0xff))
+    scene
+        .materials
+        .iter()
+        .fold(0, |bits, material| bits | 1 << (record(material).kind_and_flags & constants::MATERIAL_KIND_MASK))
 }
 
 /// `FEATURE_*` bits of what the scene uses.
@@ -34,11 +35,11 @@ pub(crate) fn features(scene: &Scene) -> u32 {
         _ => None,
     });
     let mut features = surfaces.fold(0, |bits, surface| bits | surface_features(surface));
-    if scene.materials.iter().any(|material| record(material).links[0][0] != kernels::NONE) {
-        features |= kernels::FEATURE_TEXTURES;
+    if scene.materials.iter().any(|material| record(material).links[0][0] != constants::NONE) {
+        features |= constants::FEATURE_TEXTURES;
     }
     if scene.emitters.iter().any(|emitter| emitter.radiance.texture.is_some()) {
-        features |= kernels::FEATURE_TEXTURED_EMITTERS;
+        features |= constants::FEATURE_TEXTURED_EMITTERS;
     }
     features
 }
@@ -47,25 +48,28 @@ pub(crate) fn features(scene: &Scene) -> u32 {
 pub(crate) fn textured_parameters(scene: &Scene) -> (u32, u32) {
     let links = scene.materials.iter().map(|material| record(material).links.concat());
     links.fold((0, 0), |(bits, most), links| {
-        let links: Vec<u32> = links.into_iter().filter(|&link| link != kernels::NONE).collect();
-        (links.iter().fold(bits, |bits, link| bits | 1 << (link >> 24)), most.max(links.len() as u32))
+        let links: Vec<u32> = links.into_iter().filter(|&link| link != constants::NONE).collect();
+        (
+            links.iter().fold(bits, |bits, link| bits | 1 << (link >> constants::LINK_PARAMETER_SHIFT)),
+            most.max(links.len() as u32),
+        )
     })
 }
 
 fn surface_features(surface: &SurfaceMaterial) -> u32 {
     let opacity = surface.opacity != Textured::constant(1.0);
     let relief = match surface.relief {
-        Some(Relief::Bump { .. }) => kernels::FEATURE_BUMP | kernels::FEATURE_TANGENTS,
-        Some(Relief::NormalMap { .. }) => kernels::FEATURE_NORMAL_MAP | kernels::FEATURE_TANGENTS,
+        Some(Relief::Bump { .. }) => constants::FEATURE_BUMP | constants::FEATURE_TANGENTS,
+        Some(Relief::NormalMap { .. }) => constants::FEATURE_NORMAL_MAP | constants::FEATURE_TANGENTS,
         None => 0,
     };
     let bit = |used: bool, feature: u32| if used { feature } else { 0 };
-    bit(opacity, kernels::FEATURE_OPACITY)
+    bit(opacity, constants::FEATURE_OPACITY)
         | relief
-        | bit(surface.relief_outside, kernels::FEATURE_RELIEF_OUTSIDE)
-        | bit(surface.coating.is_some(), kernels::FEATURE_COATING)
-        | bit(is_anisotropic(&surface.bsdf), kernels::FEATURE_TANGENTS)
-        | bit(has_beckmann_facets(&surface.bsdf), kernels::FEATURE_BECKMANN)
+        | bit(surface.relief_outside, constants::FEATURE_RELIEF_OUTSIDE)
+        | bit(surface.coating.is_some(), constants::FEATURE_COATING)
+        | bit(is_anisotropic(&surface.bsdf), constants::FEATURE_TANGENTS)
+        | bit(has_beckmann_facets(&surface.bsdf), constants::FEATURE_BECKMANN)
 }
 
 fn has_beckmann_facets(bsdf: &Bsdf) -> bool {
@@ -99,8 +103,8 @@ impl Writer {
     fn new(kind: u32) -> Self {
         let record = MaterialRecord {
             kind_and_flags: kind,
-            material1_or_relief: kernels::NONE,
-            links: [[kernels::NONE; 4]; 2],
+            material1_or_relief: constants::NONE,
+            links: [[constants::NONE; 4]; 2],
             ..bytemuck::Zeroable::zeroed()
         };
         Self { record, link_count: 0 }
@@ -117,7 +121,7 @@ impl Writer {
 
     fn scalar(&mut self, index: usize, scalar: &Textured<f32>) {
         self.record.scalars[index] = scalar.value;
-        self.link(FIRST_SCALAR + index as u32, scalar.texture);
+        self.link(constants::PARAMETER_SCALAR0 + index as u32, scalar.texture);
     }
 
     fn number(&mut self, index: usize, value: f32) {
@@ -127,13 +131,14 @@ impl Writer {
     /// The loader lets no material have more textures than there are links.
     fn link(&mut self, parameter: u32, texture: Option<u32>) {
         if let Some(texture) = texture {
-            self.record.links[self.link_count / 4][self.link_count % 4] = parameter << 24 | texture;
+            self.record.links[self.link_count / 4][self.link_count % 4] =
+                parameter << constants::LINK_PARAMETER_SHIFT | texture;
             self.link_count += 1;
         }
     }
 
     fn microfacets(&mut self, microfacets: &Microfacets) {
-        self.flag(kernels::MATERIAL_GGX, microfacets.distribution == Distribution::Ggx);
+        self.flag(constants::MATERIAL_GGX, microfacets.distribution == Distribution::Ggx);
         self.scalar(0, &microfacets.alpha_u);
         self.scalar(1, &microfacets.alpha_v);
     }
@@ -149,23 +154,23 @@ fn choice(kind: u32, materials: [u32; 2], weight: Textured<f32>) -> MaterialReco
 
 fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     let mut writer = Writer::new(kind(&surface.bsdf));
-    writer.flag(kernels::MATERIAL_TWO_SIDED, surface.two_sided);
-    writer.flag(kernels::MATERIAL_RELIEF_OUTSIDE, surface.relief_outside);
+    writer.flag(constants::MATERIAL_TWO_SIDED, surface.two_sided);
+    writer.flag(constants::MATERIAL_RELIEF_OUTSIDE, surface.relief_outside);
     writer.scalar(OPACITY, &surface.opacity);
     write_bsdf(&mut writer, &surface.bsdf);
     match surface.relief {
         Some(Relief::Bump { texture, scale }) => {
-            writer.flag(kernels::MATERIAL_BUMP, true);
+            writer.flag(constants::MATERIAL_BUMP, true);
             (writer.record.material1_or_relief, writer.record.relief_scale) = (texture, scale);
         }
         Some(Relief::NormalMap { texture }) => {
-            writer.flag(kernels::MATERIAL_NORMAL_MAP, true);
+            writer.flag(constants::MATERIAL_NORMAL_MAP, true);
             writer.record.material1_or_relief = texture;
         }
         None => {}
     }
     if let Some(coating) = surface.coating {
-        writer.flag(kernels::MATERIAL_COATED, true);
+        writer.flag(constants::MATERIAL_COATED, true);
         writer.record.coating = coating.optical_thickness.extend(coating.eta).into();
         writer.record.coating_specular = coating.specular_reflectance.extend(0.0).into();
     }
@@ -174,16 +179,16 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
 
 fn kind(bsdf: &Bsdf) -> u32 {
     match bsdf {
-        Bsdf::Diffuse { .. } => kernels::BSDF_DIFFUSE,
-        Bsdf::RoughDiffuse { .. } => kernels::BSDF_ROUGH_DIFFUSE,
-        Bsdf::Dielectric { .. } => kernels::BSDF_DIELECTRIC,
-        Bsdf::ThinDielectric { .. } => kernels::BSDF_THIN_DIELECTRIC,
-        Bsdf::RoughDielectric { .. } => kernels::BSDF_ROUGH_DIELECTRIC,
-        Bsdf::Conductor { .. } => kernels::BSDF_CONDUCTOR,
-        Bsdf::RoughConductor { .. } => kernels::BSDF_ROUGH_CONDUCTOR,
-        Bsdf::Plastic { .. } => kernels::BSDF_PLASTIC,
-        Bsdf::RoughPlastic { .. } => kernels::BSDF_ROUGH_PLASTIC,
-        Bsdf::Principled(_) => kernels::BSDF_PRINCIPLED,
+        Bsdf::Diffuse { .. } => constants::BSDF_DIFFUSE,
+        Bsdf::RoughDiffuse { .. } => constants::BSDF_ROUGH_DIFFUSE,
+        Bsdf::Dielectric { .. } => constants::BSDF_DIELECTRIC,
+        Bsdf::ThinDielectric { .. } => constants::BSDF_THIN_DIELECTRIC,
+        Bsdf::RoughDielectric { .. } => constants::BSDF_ROUGH_DIELECTRIC,
+        Bsdf::Conductor { .. } => constants::BSDF_CONDUCTOR,
+        Bsdf::RoughConductor { .. } => constants::BSDF_ROUGH_CONDUCTOR,
+        Bsdf::Plastic { .. } => constants::BSDF_PLASTIC,
+        Bsdf::RoughPlastic { .. } => constants::BSDF_ROUGH_PLASTIC,
+        Bsdf::Principled(_) => constants::BSDF_PRINCIPLED,
     }
 }
 
@@ -191,7 +196,7 @@ fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
     match bsdf {
         Bsdf::Diffuse { reflectance } => writer.color(0, reflectance),
         Bsdf::RoughDiffuse { reflectance, alpha, fast_approximation } => {
-            writer.flag(kernels::MATERIAL_FAST_APPROXIMATION, *fast_approximation);
+            writer.flag(constants::MATERIAL_FAST_APPROXIMATION, *fast_approximation);
             writer.color(0, reflectance);
             writer.scalar(0, alpha);
         }
@@ -212,13 +217,13 @@ fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
             write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
         }
         Bsdf::RoughPlastic { distribution, alpha, eta, diffuse_reflectance, specular_reflectance, nonlinear } => {
-            writer.flag(kernels::MATERIAL_GGX, *distribution == Distribution::Ggx);
+            writer.flag(constants::MATERIAL_GGX, *distribution == Distribution::Ggx);
             writer.number(0, *alpha);
             writer.number(1, *alpha);
             write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
         }
         Bsdf::Principled(principled) => {
-            writer.flag(kernels::MATERIAL_GGX, true);
+            writer.flag(constants::MATERIAL_GGX, true);
             writer.color(0, &principled.base_color);
             writer.scalar(0, &principled.roughness);
             writer.scalar(1, &principled.anisotropic);
@@ -248,7 +253,7 @@ fn write_conductor(writer: &mut Writer, eta: Vec3, k: Vec3, reflectance: &Textur
 }
 
 fn write_plastic(writer: &mut Writer, eta: f32, diffuse: &Textured<Vec3>, specular: &Textured<Vec3>, nonlinear: bool) {
-    writer.flag(kernels::MATERIAL_NONLINEAR, nonlinear);
+    writer.flag(constants::MATERIAL_NONLINEAR, nonlinear);
     writer.color(0, diffuse);
     writer.color(1, specular);
     writer.number(2, eta);

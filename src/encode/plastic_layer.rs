@@ -5,11 +5,12 @@ use std::f64::consts::PI;
 use glam::{DVec3, dvec3};
 use rayon::prelude::*;
 
+use crate::generated::constants;
 use crate::reference::fresnel::fresnel_dielectric;
 use crate::reference::microfacet::{Microfacets, smith_g1};
 
 /// Entries of a table over the cosine, from grazing to normal incidence.
-pub const TRANSMITTANCE_ENTRIES: usize = 64;
+pub const TRANSMITTANCE_ENTRIES: usize = constants::TRANSMITTANCE_ENTRIES as usize;
 /// Facets seen from one direction are integrated over this many points radially, and over as many angles or slopes.
 const POINTS: usize = 24;
 /// The same radially where total reflection cuts through them.

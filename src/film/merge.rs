@@ -57,19 +57,13 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
     Ok((average(&parts.iter().map(|part| &part.picture).collect::<Vec<_>>()), attributes))
 }
 
-/// What samples count for must not depend on what they are: the average would be biased however many parts it had.
+/// How many samples a pixel has must not depend on what they are: the average would be biased however many parts it had.
 fn check_even(part: &PartialPicture) -> Result<()> {
     let value = |of: &str| part.attributes.iter().find(|(name, _)| name == of).map(|(_, value)| &value[..]);
     if let Some(target) = value("noise").filter(|&target| target != "null") {
         return Err(part.error(format!(
             "its pixels ended by --noise {target}, each after its own samples; give every part an --spp"
         )));
-    }
-    if value("sample_weights") == Some("measured") {
-        return Err(part.error(
-            "its samples are weighed by their noise (--sample-weights measured), which is not unbiased; give every part another"
-                .into(),
-        ));
     }
     Ok(())
 }

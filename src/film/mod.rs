@@ -1,6 +1,5 @@
 //! What a pixel holds, and how pictures are put together from parts. CPU only: no Vulkan, no `unsafe`.
 
-pub mod measured_weights;
 pub mod merge;
 pub mod noise;
 mod picture;

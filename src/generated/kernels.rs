@@ -1,10 +1,12 @@
-//! The kernel registry that `build.rs` writes: SPIR-V with its interface, specialization constants, shared enum values.
+//! The kernel registry that `build.rs` writes: SPIR-V with its interface.
 
 use std::borrow::Cow;
 
 use crate::gpu::{BindingKind, BindingShape, KernelSource, SetShape};
 
-include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+pub use super::constants::*;
+
+include!(concat!(env!("OUT_DIR"), "/registry.rs"));
 
 /// Where kernels read geometry and tables from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]

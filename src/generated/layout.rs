@@ -263,6 +263,28 @@ pub struct CosineIntegral {
     pub maximum: f32,
 }
 
+/// `glsl/include/guide/learners/path_vertex.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct Segment {
+    /// Bin that learns a target, or `NONE`.
+    pub index: u32,
+    /// Factor of its targets.
+    pub scale: f32,
+}
+
+/// `glsl/include/guide/learners/path_vertex.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct PathVertex {
+    /// The segment that leads there.
+    pub segment: Segment,
+    /// Light of the vertex itself.
+    pub light: [f32; 3],
+    /// Factor of the next segment's radiance.
+    pub factor: [f32; 3],
+}
+
 /// Pushed to `glsl/kernels/trace/path_trace.comp`: a slice of a film page and its next samples.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -332,3 +354,32 @@ pub struct RefinePush {
     /// Of how many steps, as a power of two.
     pub iteration: u32,
 }
+
+/// Bytes of a texel.
+pub const TEXEL_BYTES: usize = 16;
+
+/// Where a member of a record begins, in texels.
+macro_rules! first_texel {
+    ($record:ident, $member:ident) => {
+        std::mem::offset_of!($record, $member) / TEXEL_BYTES
+    };
+}
+
+// The sizes and places that GLSL gives the records that it reads as texels.
+const _: () = {
+    use super::constants::*;
+    assert!(size_of::<PrimitiveRecord>() == PRIMITIVE_TEXELS as usize * TEXEL_BYTES);
+    assert!(size_of::<AttributeRecord>() == ATTRIBUTE_TEXELS as usize * TEXEL_BYTES);
+    assert!(size_of::<MaterialRecord>() == MATERIAL_TEXELS as usize * TEXEL_BYTES);
+    assert!(size_of::<TextureRecord>() == TEXTURE_TEXELS as usize * TEXEL_BYTES);
+    assert!(first_texel!(MaterialRecord, kind_and_flags) == MATERIAL_HEAD as usize);
+    assert!(first_texel!(MaterialRecord, colors) == MATERIAL_COLORS as usize);
+    assert!(first_texel!(MaterialRecord, scalars) == MATERIAL_SCALARS as usize);
+    assert!(first_texel!(MaterialRecord, links) == MATERIAL_LINKS as usize);
+    assert!(first_texel!(MaterialRecord, coating) == MATERIAL_COATING as usize);
+    assert!(first_texel!(TextureRecord, kind) == TEXTURE_HEAD as usize);
+    assert!(first_texel!(TextureRecord, u_row) == TEXTURE_TO_UV as usize);
+    assert!(first_texel!(TextureRecord, colors) == TEXTURE_COLORS as usize);
+};
+
+include!(concat!(env!("OUT_DIR"), "/layout_checks.rs"));

@@ -1,4 +1,5 @@
 //! What `build.rs` writes from `glsl/`, and the structs that it holds against the kernels.
 
+pub mod constants;
 pub mod kernels;
 pub mod layout;

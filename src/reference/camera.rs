@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 use glam::{DVec2, DVec3, Vec2, Vec4, dvec2};
 
 use super::intersect::Ray;
-use crate::generated::kernels;
+use crate::generated::constants;
 use crate::generated::layout::SceneConstants;
 
 /// Inverse of the cumulative tent on [-1, 1].
@@ -40,12 +40,12 @@ pub fn camera_ray(camera: u32, scene: &SceneConstants, position: DVec2, u: DVec2
     let rows = scene.world_from_camera.map(|row| Vec4::from(row).as_dvec4());
     let point = |p: DVec3| DVec3::from(rows.map(|row| row.dot(p.extend(1.0))));
     let vector = |v: DVec3| DVec3::from(rows.map(|row| row.dot(v.extend(0.0))));
-    if camera == kernels::CAMERA_ORTHOGRAPHIC {
+    if camera == constants::CAMERA_ORTHOGRAPHIC {
         let direction = vector(DVec3::Z).normalize();
         return Ray { origin: point(on_screen.extend(near)), direction, t_max: far - near };
     }
     let (focus, radius) = match camera {
-        kernels::CAMERA_THINLENS => (f64::from(scene.focus_distance), f64::from(scene.aperture_radius)),
+        constants::CAMERA_THINLENS => (f64::from(scene.focus_distance), f64::from(scene.aperture_radius)),
         _ => (1.0, 0.0),
     };
     // From a point of the lens to where the ray through its center meets the plane in focus.

@@ -23,16 +23,6 @@ pub fn fixed_point(target: f64, target_limit: f64, u: f64) -> u64 {
     units.floor() as u64 + u64::from(u < units.fract())
 }
 
-/// Units of the square of a target as large as the limit.
-pub const SQUARE_UNITS: f64 = 281_474_976_710_656.0;
-
-/// Units of a target's square likewise. It is a square of single precision, whose digits decide.
-pub fn fixed_point_square(target: f32, target_limit: f32, u: f64) -> u64 {
-    let share = (target / target_limit).clamp(0.0, 1.0);
-    let units = f64::from(share * share) * SQUARE_UNITS;
-    units.floor() as u64 + u64::from(u < units.fract())
-}
-
 /// Eq. 7, at the rate count / (count + decayed count of before).
 pub fn learn(before: LearnedRadiance, sum: f64, target_count: f64, decay: f64) -> LearnedRadiance {
     let weight = before.weight * decay + target_count;

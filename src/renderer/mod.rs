@@ -30,12 +30,11 @@ use crate::encode::{materials, plastics};
 use crate::film::Picture;
 use crate::film::noise::{LEAST_SAMPLES, NoiseReport};
 use crate::generated::kernels::{BackEnd, Kernels, Registry};
-use crate::generated::layout::{MaterialRecord, PathTracePush, SampleWeights, UpdatePush};
+use crate::generated::layout::{MaterialRecord, PathTracePush, SampleWeights, TEXEL_BYTES, UpdatePush};
 use crate::gpu::{BindingKind, Buffer, BufferKind, Context, DescriptorSet, Kernel, SetShape};
 use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::film_store::pages::FilmPage;
 use crate::renderer::film_store::sums::FilmSums;
-use crate::renderer::film_store::weighed::WeighedFilm;
 use crate::renderer::sets::bvh::Geometry;
 use crate::renderer::sets::frame::Frame;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
@@ -70,8 +69,6 @@ pub struct Renderer {
     back_end: BackEnd,
     /// Where the render is one part of several.
     film_sums: Option<FilmSums>,
-    /// Where steps are weighed by measured variance.
-    weighed_film: Option<WeighedFilm>,
     needs: MemoryNeeds,
     samples_done: u32,
     stopped: bool,
@@ -111,7 +108,7 @@ impl Shading {
     /// Texels of the largest buffer.
     fn texels(&self) -> u64 {
         let Surfaces { materials, textures } = &self.surfaces;
-        let materials = size_of_val(&materials[..]) as u64 / 16;
+        let materials = size_of_val(&materials[..]) as u64 / TEXEL_BYTES as u64;
         materials.max(textures.longest()).max(self.lights.texel_count() as u64)
     }
 }
@@ -209,7 +206,6 @@ impl Renderer {
             context: Arc::clone(context),
             settings: settings.clone(),
             film_sums: None,
-            weighed_film: None,
             needs: MemoryNeeds::new(context.device(), shading, bvh, &cells, settings),
             cells,
             samples_done: 0,
@@ -217,7 +213,6 @@ impl Renderer {
             at_step_end: true,
         };
         renderer.film_sums = settings.sample_offset.map(|_| FilmSums::new(&renderer.frame));
-        renderer.weighed_film = settings.measures_weights().then(|| WeighedFilm::new(&renderer.frame, settings));
         renderer.warm_up()?;
         Ok(renderer)
     }
@@ -247,9 +242,6 @@ impl Renderer {
         }
         if let Some(sums) = self.film_sums.as_mut().filter(|_| complete) {
             sums.take(&self.context, &self.frame)?;
-        }
-        if let Some(film) = self.weighed_film.as_mut().filter(|_| complete) {
-            film.take(&self.frame, samples)?;
         }
         if complete {
             self.judge()?;
@@ -306,12 +298,10 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        if let Some(sums) = &self.film_sums {
-            return sums.picture(&self.frame, &self.settings);
+        match &self.film_sums {
+            Some(sums) => sums.picture(&self.frame, &self.settings),
+            None => self.frame.picture(&self.settings),
         }
-        let mut picture = self.frame.picture(&self.settings)?;
-        self.weighed_film.as_ref().map_or(Ok(()), |film| film.write_to(&mut picture, &self.frame))?;
-        Ok(picture)
     }
 
     /// What the radiance grid holds: `[cell][direction bin]` of the cells that hold surfaces, radiance as the next step will sample it.
@@ -436,10 +426,6 @@ impl Renderer {
     }
 
     fn weights_of_next_samples(&self) -> SampleWeights {
-        if let Some(film) = &self.weighed_film {
-            let lost = film.samples() as f32;
-            return SampleWeights { of_sample: 1.0, lost_weight: lost, lost_samples: lost };
-        }
         let before = self.settings.weight_sums(self.samples_done);
         let lost = |effective: f64| (f64::from(self.samples_done) - effective) as f32;
         SampleWeights {
@@ -548,14 +534,15 @@ fn cells_of(settings: &Settings, bvh: &Bvh) -> Cells {
     }
 }
 
-/// The shape of set `set`, the same for all kernels of a registry.
-fn set_shape(kernels: &Kernels, set: usize) -> &'static SetShape {
-    &kernels.path_trace.sets[set]
+/// The shape of the set of this number, the same for all kernels of a registry.
+fn set_shape(kernels: &Kernels, set: u32) -> &'static SetShape {
+    &kernels.path_trace.sets[set as usize]
 }
 
-/// The kind of buffer that a read-only binding takes.
-fn buffer_kind(binding: BindingKind) -> BufferKind {
-    match binding {
+/// The kind of buffer that the read-only binding of this number takes.
+fn buffer_kind(shape: &SetShape, binding: u32) -> BufferKind {
+    let binding = shape.bindings.iter().find(|shape| shape.binding == binding);
+    match binding.map_or(BindingKind::StorageBuffer, |shape| shape.kind) {
         BindingKind::StorageBuffer => BufferKind::Storage,
         BindingKind::UniformBuffer => BufferKind::Uniform,
         BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
@@ -563,22 +550,27 @@ fn buffer_kind(binding: BindingKind) -> BufferKind {
     }
 }
 
-/// The same for a buffer of single words.
-fn word_buffer_kind(binding: BindingKind) -> BufferKind {
-    match buffer_kind(binding) {
+/// The kind of buffer of single words that such a binding takes.
+fn word_buffer_kind(shape: &SetShape, binding: u32) -> BufferKind {
+    match buffer_kind(shape, binding) {
         BufferKind::TexelUint => BufferKind::TexelUint1,
         other => other,
     }
 }
 
-/// A set over `buffers`, one for each number of a binding; tables are also seen as texels, at a number of their own, where the
-/// shape has that.
-fn table_set(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: &[&Arc<Buffer>]) -> Result<DescriptorSet> {
-    let used: Vec<_> = shape.bindings.iter().map(|binding| buffers[binding.binding as usize]).collect();
+/// A set over `buffers`, each with the number of its binding. Those that no kernel of the registry sees are left out.
+fn set_over(
+    context: &Arc<Context>,
+    name: &str,
+    shape: &SetShape,
+    buffers: &[(u32, &Arc<Buffer>)],
+) -> Result<DescriptorSet> {
+    let buffer_of = |number: u32| buffers.iter().find(|(binding, _)| *binding == number).map(|(_, buffer)| *buffer);
+    let used: Vec<_> = shape.bindings.iter().filter_map(|binding| buffer_of(binding.binding)).collect();
     DescriptorSet::new(context, name, shape, &used)
 }
 
-/// The kind of such a table: `texel` where the set sees it as texels.
+/// The kind of a table that kernels write as words and may read as texels: `texel` where the set sees it as texels.
 fn table_kind(shape: &SetShape, texel: BufferKind) -> BufferKind {
     let is_texel = |kind| matches!(kind, BindingKind::TexelBufferFloat | BindingKind::TexelBufferUint);
     let has_texels = shape.bindings.iter().any(|binding| is_texel(binding.kind));

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::Renderer;
+use super::film_store::sums::FilmSums;
 use crate::gpu::Buffer;
 use crate::{Error, Result};
 
@@ -115,18 +116,14 @@ impl Renderer {
         if let (Some(sums), Some(saved)) = (&mut self.film_sums, state.parts.last()) {
             sums.restore(&saved.bytes);
         }
-        if let (Some(film), Some(saved)) = (&mut self.weighed_film, state.parts.last()) {
-            film.restore(&saved.bytes);
-        }
         (self.samples_done, self.stopped, self.at_step_end) = (state.samples_done, false, true);
         self.judge()
     }
 
-    /// What is kept beside the device's memory: one of these at most, for parts of pictures weigh all samples alike.
+    /// What is kept beside the device's memory.
     fn host_part(&self) -> Option<StatePart> {
-        let part = |name: &str, bytes| StatePart { name: name.into(), bytes };
-        let sums = self.film_sums.as_ref().map(|sums| part("film sums", sums.bytes().to_vec()));
-        sums.or_else(|| self.weighed_film.as_ref().map(|film| part("film blocks", film.bytes())))
+        let part = |sums: &FilmSums| StatePart { name: "film sums".into(), bytes: sums.bytes().to_vec() };
+        self.film_sums.as_ref().map(part)
     }
 
     /// What outlives a step. A complete one leaves no sums in a radiance grid: it has learned from them.

@@ -1,7 +1,6 @@
 //! The specialization constants of a render: what settings and scene make of the kernels.
 
 use super::learn::quadtrees;
-use super::sets::radiance_grid;
 use super::{Shading, Surfaces, cells_of};
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
@@ -40,7 +39,6 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),
         shares_at: shares_at(settings, cells.count()),
-        second_moments_at: radiance_grid::second_moments_at(settings, cells.count()),
         ..variant_of_settings(settings)
     }
 }
@@ -64,7 +62,6 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,
         fallback: settings.fallback,
-        jitter: settings.jitter,
         quadtree_nodes: quadtrees::node_limit(settings) as u32,
         direction_resolution: settings.directions,
         normal_resolution: settings.normal_resolution(),
@@ -75,17 +72,12 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         mix: settings.mix as u32,
         epsilon: settings.epsilon.unwrap_or(0.0),
         shares_at: shares_at(settings, cell_count),
-        second_moments_at: radiance_grid::second_moments_at(settings, cell_count),
-        candidates: settings.candidates,
         roulette: settings.roulette() as u32,
         expected_directions: settings.expected_directions,
         kept_vertices: settings.kept_vertices(),
-        attenuation_tamper: settings.attenuation_tamper,
         filter,
         filter_width,
         nee: settings.nee,
-        pdf_tamper: settings.pdf_tamper,
-        mis_fault: settings.mis_fault,
         ..Variant::default()
     }
 }

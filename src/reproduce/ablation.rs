@@ -9,7 +9,6 @@ use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{
     AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule,
-    TargetDensity,
 };
 
 /// A plain path tracer.
@@ -37,12 +36,9 @@ const ROWS: &[Method] = &[
     PRODUCT,
     PRODUCT.with(Changes { steps: Some(StepSchedule::Even), ..NONE }),
     PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Even), ..NONE }),
-    PRODUCT.with(Changes { sample_weights: Some(SampleWeights::Measured), ..NONE }),
     PRODUCT.with(Changes { pattern: Some(SamplePattern::Independent), ..NONE }),
     ALONE,
     PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),
-    PRODUCT.with(Changes { candidates: Some(2), ..NONE }),
-    PRODUCT.with(Changes { target_density: Some(TargetDensity::SecondMoment), ..NONE }),
     PRODUCT.with(Changes { roulette: Some(Roulette::Throughput), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Diffuse), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Authors), ..NONE }),
@@ -51,7 +47,6 @@ const ROWS: &[Method] = &[
     Method { learner: Learner::MonteCarlo, ..PRODUCT },
     PRODUCT.with(Changes { directions: Some(32), ..NONE }),
     PRODUCT.with(Changes { grid: Some(AUTO_GRID), fallback: Some(4.0), ..NONE }),
-    PRODUCT.with(Changes { grid: Some(AUTO_GRID), fallback: Some(4.0), candidates: Some(2), ..NONE }),
 ];
 
 /// The methods that it compares.

@@ -1,9 +1,7 @@
 //! What a method changes of its settings besides the sampler, how it learns and whether emitters are sampled.
 
 use super::methods::word;
-use crate::settings::{
-    AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule, TargetDensity,
-};
+use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule};
 
 /// Settings in place of others; `None` leaves what is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,10 +22,6 @@ pub struct Changes {
     pub pattern: Option<SamplePattern>,
     /// [`Settings::bsdf_share`].
     pub bsdf_share: Option<BsdfShare>,
-    /// [`Settings::candidates`].
-    pub candidates: Option<u32>,
-    /// [`Settings::target_density`].
-    pub target_density: Option<TargetDensity>,
     /// [`Settings::roulette`].
     pub roulette: Option<Roulette>,
 }
@@ -43,8 +37,6 @@ impl Changes {
         sample_weights: None,
         pattern: None,
         bsdf_share: None,
-        candidates: None,
-        target_density: None,
         roulette: None,
     };
 
@@ -58,8 +50,6 @@ impl Changes {
         settings.sample_weights = self.sample_weights.or(settings.sample_weights);
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
         settings.bsdf_share = self.bsdf_share.or(settings.bsdf_share);
-        settings.candidates = self.candidates.unwrap_or(settings.candidates);
-        settings.target_density = self.target_density.unwrap_or(settings.target_density);
         settings.roulette = self.roulette.or(settings.roulette);
     }
 
@@ -90,8 +80,6 @@ impl Changes {
             ("sample-weights", self.sample_weights.map(word)),
             ("pattern", self.pattern.map(word)),
             ("bsdf-share", self.bsdf_share.map(word)),
-            ("candidates", self.candidates.map(|candidates| candidates.to_string())),
-            ("target-density", self.target_density.map(word)),
             ("roulette", self.roulette.map(word)),
         ];
         words.into_iter().filter_map(|(option, value)| Some((option, value?)))

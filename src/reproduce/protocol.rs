@@ -4,7 +4,7 @@
 
 use crate::image::Image;
 use crate::scene::ReconstructionFilter;
-use crate::settings::{GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule, TargetDensity};
+use crate::settings::{GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule};
 use crate::{Error, Result};
 
 const MAX_DEPTH: u32 = 16;
@@ -40,11 +40,8 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
             sample_weights: Some(SampleWeights::Even),
             grid: GRID,
             fallback: 0.0,
-            jitter: 0.0,
             directions: DIRECTIONS,
             bsdf_share: None,
-            candidates: 1,
-            target_density: TargetDensity::Mean,
             roulette: Some(Roulette::Throughput),
             ..common
         },

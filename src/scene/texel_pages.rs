@@ -1,11 +1,12 @@
 //! How images are laid out as 32-bit words in the buffers of a device, so that a scene that loads fits any device.
 
 use super::texture::{Image, Texels};
+use crate::generated::constants::TEXEL_PAGE_SHIFT;
 
 /// Words of a page: 128 MiB, the largest storage binding that every device has.
 pub const PAGE_WORDS: u64 = 32 << 20;
-/// Pages that the kernels can tell apart.
-pub const MAX_PAGES: usize = 4;
+/// Pages that the upper bits of an address can tell apart.
+pub const MAX_PAGES: usize = 1 << (u32::BITS - TEXEL_PAGE_SHIFT);
 /// What the first page keeps for the tables of materials.
 const TABLE_WORDS: u64 = 1 << 20;
 

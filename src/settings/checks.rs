@@ -2,7 +2,7 @@
 
 use super::{
     AUTO_GRID, BsdfShare, EXPECTED_DIRECTIONS, Execution, Learner, MAX_DEPTH_LIMIT, MAX_FILM_SIDE, MAX_KEPT_VERTICES,
-    Mix, Roulette, SamplePattern, SampleWeights, Sampler, Settings, in_range,
+    Mix, Roulette, SampleWeights, Sampler, Settings, in_range,
 };
 use crate::{Error, Result};
 
@@ -20,7 +20,6 @@ impl Settings {
             in_range("grid", self.grid, 1, 32)?;
         }
         in_range("fallback", self.fallback, 0.0, 1.0e6)?;
-        in_range("jitter", self.jitter, 0.0, 1.0)?;
         self.validate_directions()?;
         in_range("normals", self.normals, 4, 32)?;
         in_range("spp-per-step", self.spp_per_step, 1, 65_536)?;
@@ -36,11 +35,9 @@ impl Settings {
         in_range("min-uniform", self.min_uniform, 1.0e-4, 1.0)?;
         in_range("decay", self.decay, 0.0, 1.0)?;
         in_range("epsilon", self.epsilon.unwrap_or(1.0), 1.0e-4, 1.0)?;
-        in_range("candidates", self.candidates, 1, 2)?;
         in_range("expected-directions", self.expected_directions, 1, 4096)?;
         self.validate_sample_weights()?;
         self.validate_mix()?;
-        self.validate_target_density()?;
         self.validate_learner()?;
         in_range("slice-ms", self.slice_milliseconds.unwrap_or(1.0), 0.001, 60_000.0)?;
         if self.execution == Execution::Wavefront {
@@ -64,11 +61,9 @@ impl Settings {
     }
 
     fn validate_sample_weights(&self) -> Result<()> {
-        let is_measured = match self.sample_weights() {
-            SampleWeights::Even => return Ok(()),
-            SampleWeights::Growing => false,
-            SampleWeights::Measured => true,
-        };
+        if self.sample_weights() == SampleWeights::Even {
+            return Ok(());
+        }
         let refused = [
             (self.sampler == Sampler::Bsdf, "--sampler bsdf: without a guide, no sample is better than another"),
             (self.noise.is_some(), "--noise, which is estimated from samples that all count the same"),
@@ -76,15 +71,10 @@ impl Settings {
                 self.sample_offset.is_some(),
                 "--sample-offset: parts of a picture are averaged by their numbers of samples",
             ),
-            (
-                is_measured && self.pattern == SamplePattern::BlueNoise,
-                "--pattern blue-noise: no half of the pixels may depend on the other",
-            ),
         ];
-        let word = if is_measured { "measured" } else { "growing" };
         let refusal = refused.iter().find(|(is_refused, _)| *is_refused);
         refusal.map_or(Ok(()), |(_, with)| {
-            Err(Error::Settings(format!("--sample-weights {word} does not go with {with}")))
+            Err(Error::Settings(format!("--sample-weights growing does not go with {with}")))
         })
     }
 
@@ -95,9 +85,6 @@ impl Settings {
         if self.epsilon.is_some() && !matches!(self.sampler, Sampler::RejectionMix | Sampler::Product) {
             return Err(Error::Settings("--epsilon is for the samplers rejection-mix and product only".into()));
         }
-        if self.candidates > 1 && self.sampler != Sampler::Product {
-            return Err(Error::Settings("--candidates is for --sampler product only".into()));
-        }
         if self.roulette == Some(Roulette::Contribution) && self.sampler != Sampler::Product {
             return Err(Error::Settings("--roulette contribution is for --sampler product only".into()));
         }
@@ -107,23 +94,6 @@ impl Settings {
         if self.bsdf_share == Some(BsdfShare::Learned) && !self.learns_share() {
             return Err(Error::Settings(
                 "--bsdf-share learned goes with neither --epsilon nor --learner monte-carlo".into(),
-            ));
-        }
-        Ok(())
-    }
-
-    fn validate_target_density(&self) -> Result<()> {
-        if !self.keeps_second_moments() {
-            return Ok(());
-        }
-        if matches!(self.sampler, Sampler::Bsdf | Sampler::Quadtree) {
-            return Err(Error::Settings(
-                "--target-density second-moment is for samplers with cells, not for bsdf or quadtree".into(),
-            ));
-        }
-        if self.fallback > 0.0 {
-            return Err(Error::Settings(
-                "--target-density second-moment does not go with --fallback: larger cells keep means only".into(),
             ));
         }
         Ok(())
@@ -152,9 +122,9 @@ impl Settings {
                     .into(),
             ));
         }
-        if self.sampler == Sampler::Quadtree && (self.grid == AUTO_GRID || self.fallback > 0.0 || self.jitter > 0.0) {
+        if self.sampler == Sampler::Quadtree && (self.grid == AUTO_GRID || self.fallback > 0.0) {
             return Err(Error::Settings(
-                "--grid auto, --fallback and --jitter are for samplers with cells, not for --sampler quadtree".into(),
+                "--grid auto and --fallback are for samplers with cells, not for --sampler quadtree".into(),
             ));
         }
         if self.learner == Learner::IrradianceSarsa && self.sampler != Sampler::Product {

@@ -5,20 +5,23 @@ pub(crate) mod schedule;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::generated::kernels;
+use crate::generated::constants::{self, Variant};
+use crate::generated::layout::PathVertex;
 use crate::scene::{Crop, FilmDescription, IntegratorDescription, ReconstructionFilter, Scene};
 use crate::{Error, Result};
 
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
 /// Directions over which `expected-sarsa` takes its mean by default.
-pub(crate) const EXPECTED_DIRECTIONS: u32 = 128;
+pub(crate) const EXPECTED_DIRECTIONS: u32 = DEFAULTS.expected_directions;
 /// What `--grid auto` sets.
 pub const AUTO_GRID: u32 = u32::MAX;
 /// Longest path of which a learner keeps all vertices.
 const MAX_KEPT_VERTICES: u32 = 128;
 /// Most pixels a film may have along a side.
-pub const MAX_FILM_SIDE: u32 = 65_536;
+pub const MAX_FILM_SIDE: u32 = 1 << constants::PIXEL_DIGITS;
+/// Defaults that the kernels have.
+const DEFAULTS: Variant = Variant::DEFAULT;
 
 /// Where scattered directions come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -26,20 +29,20 @@ pub const MAX_FILM_SIDE: u32 = 65_536;
 #[repr(u32)]
 pub enum Sampler {
     /// The scattering function times the cosine: an ordinary path tracer.
-    Bsdf = kernels::SAMPLER_BSDF,
+    Bsdf = constants::SAMPLER_BSDF,
     /// The paper's "Rej+": rejection sampling of learned radiance times cosine, with the optimal uniform share (Eq. 8).
-    RejectionMix = kernels::SAMPLER_REJECTION_MIX,
+    RejectionMix = constants::SAMPLER_REJECTION_MIX,
     /// The same with the least uniform share only.
-    Rejection = kernels::SAMPLER_REJECTION,
+    Rejection = constants::SAMPLER_REJECTION,
     /// Inversion of learned radiance over the whole sphere, without regard to the normal.
-    SphereInversion = kernels::SAMPLER_SPHERE_INVERSION,
+    SphereInversion = constants::SAMPLER_SPHERE_INVERSION,
     /// Inversion of learned radiance times the cosine's integral over each bin, summed for every sample.
-    HemisphereInversion = kernels::SAMPLER_HEMISPHERE_INVERSION,
+    HemisphereInversion = constants::SAMPLER_HEMISPHERE_INVERSION,
     /// Learned radiance times cosine by a descent of fixed length, mixed with a share of the cosine.
-    Product = kernels::SAMPLER_PRODUCT,
+    Product = constants::SAMPLER_PRODUCT,
     /// What the paper compares with: learned flux, whatever the normal, by quadtrees in the leaves of a binary tree (Müller,
     /// Gross and Novák 2017), half and half with the scattering function.
-    Quadtree = kernels::SAMPLER_QUADTREE,
+    Quadtree = constants::SAMPLER_QUADTREE,
 }
 
 impl Sampler {
@@ -58,9 +61,9 @@ impl Sampler {
 #[repr(u32)]
 pub enum Mix {
     /// Densities (Eq. 8).
-    Density = kernels::MIX_DENSITY,
+    Density = constants::MIX_DENSITY,
     /// Probabilities of acceptance (Eq. 9).
-    Acceptance = kernels::MIX_ACCEPTANCE,
+    Acceptance = constants::MIX_ACCEPTANCE,
 }
 
 /// Map between directions and the squares of their bins; each keeps areas.
@@ -69,9 +72,9 @@ pub enum Mix {
 #[repr(u32)]
 pub enum DirectionMap {
     /// The hemispheres as the inside and the corners of a square (Shirley and Chiu 1997; Clarberg 2008).
-    EqualArea = kernels::MAP_EQUAL_AREA,
+    EqualArea = constants::MAP_EQUAL_AREA,
     /// Azimuth and cosine about the z-axis (Lambert).
-    Cylindrical = kernels::MAP_CYLINDRICAL,
+    Cylindrical = constants::MAP_CYLINDRICAL,
 }
 
 /// Which scattering functions a guide is used on.
@@ -80,11 +83,11 @@ pub enum DirectionMap {
 #[repr(u32)]
 pub enum GuideSet {
     /// `diffuse`, `roughdiffuse` and the diffuse lobe of `plastic` and `roughplastic`.
-    Diffuse = kernels::GUIDE_SET_DIFFUSE,
+    Diffuse = constants::GUIDE_SET_DIFFUSE,
     /// These, and as in the code of the paper's authors `roughconductor` and `roughdielectric`.
-    Authors = kernels::GUIDE_SET_AUTHORS,
+    Authors = constants::GUIDE_SET_AUTHORS,
     /// Also `principled`, and those two by a share that grows with their roughness.
-    All = kernels::GUIDE_SET_ALL,
+    All = constants::GUIDE_SET_ALL,
 }
 
 /// What a surface's own scattering function keeps of the samples where a guide has the rest, with `product`.
@@ -104,13 +107,13 @@ pub enum BsdfShare {
 #[repr(u32)]
 pub enum Learner {
     /// Eq. 6: bootstraps from the one direction that was sampled next.
-    Sarsa = kernels::LEARNER_SARSA,
+    Sarsa = constants::LEARNER_SARSA,
     /// Eq. 5: bootstraps from the mean over many directions.
-    ExpectedSarsa = kernels::LEARNER_EXPECTED_SARSA,
+    ExpectedSarsa = constants::LEARNER_EXPECTED_SARSA,
     /// Learns the radiance that the rest of the path has collected.
-    MonteCarlo = kernels::LEARNER_MONTE_CARLO,
+    MonteCarlo = constants::LEARNER_MONTE_CARLO,
     /// Eq. 5 at a constant cost: bootstraps from the irradiance that the product sampler's normalization grid holds.
-    IrradianceSarsa = kernels::LEARNER_IRRADIANCE_SARSA,
+    IrradianceSarsa = constants::LEARNER_IRRADIANCE_SARSA,
 }
 
 /// How the samples of a pixel are distributed.
@@ -119,14 +122,14 @@ pub enum Learner {
 #[repr(u32)]
 pub enum SamplePattern {
     /// Each for itself.
-    Independent = kernels::PATTERN_INDEPENDENT,
+    Independent = constants::PATTERN_INDEPENDENT,
     /// In sets of eight: Sobol's points in two dimensions, scrambled after Owen, for every decision of a path. A set never
     /// reaches over an update of the guide, so that every decision is independent of what it is guided by. Camera rays, on
     /// which no guide has a say, go on along the sequence over all samples of a pixel.
-    Sobol = kernels::PATTERN_SOBOL,
+    Sobol = constants::PATTERN_SOBOL,
     /// In sets of eight as well, those of all pixels of a tile being one large set: what a pixel errs its neighbors make up
     /// for, so that the noise of a picture is blue.
-    BlueNoise = kernels::PATTERN_BLUE_NOISE,
+    BlueNoise = constants::PATTERN_BLUE_NOISE,
 }
 
 /// What Russian roulette goes by.
@@ -135,21 +138,10 @@ pub enum SamplePattern {
 #[repr(u32)]
 pub enum Roulette {
     /// Throughput, from edge [`Settings::rr_depth`] on.
-    Throughput = kernels::ROULETTE_THROUGHPUT,
+    Throughput = constants::ROULETTE_THROUGHPUT,
     /// With `product`, what the guide expects the path still to bring, from the first edge on, over what it expects of the pixel
     /// (Vorba and Křivánek 2016). Where there is no guide, throughput.
-    Contribution = kernels::ROULETTE_CONTRIBUTION,
-}
-
-/// What a guide's directions are drawn in proportion to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum TargetDensity {
-    /// The mean of what a bin has learned.
-    Mean,
-    /// The root of its second moment, which also counts how much what it has learned varies over the cell and from path to path
-    /// (Rath et al. 2020, "Variance-Aware Path Guiding"). All that is learned from the table is still learned from the mean.
-    SecondMoment,
+    Contribution = constants::ROULETTE_CONTRIBUTION,
 }
 
 /// How many samples per pixel are taken between two updates of the grids.
@@ -184,8 +176,6 @@ pub enum SampleWeights {
     /// Those that an early guide has drawn less than later ones, by a schedule that is fixed before the render begins
     /// ([`crate::film::weights`]).
     Growing,
-    /// The noisier their steps were, the less: such a picture is consistent, not unbiased ([`crate::film::measured_weights`]).
-    Measured,
 }
 
 /// How a film is rendered. [`Settings::for_scene`] gives the defaults.
@@ -234,10 +224,6 @@ pub struct Settings {
     pub epsilon: Option<f32>,
     /// What a scattering function keeps of the samples where `product` has the rest: where `None`, what cells learn if they can.
     pub bsdf_share: Option<BsdfShare>,
-    /// Directions of which `product` takes one, by f cos L, in [1, 2].
-    pub candidates: u32,
-    /// What a guide's directions are drawn in proportion to.
-    pub target_density: TargetDensity,
     /// What Russian roulette goes by. `None`: see [`Settings::roulette`].
     pub roulette: Option<Roulette>,
     /// Directions over which `expected-sarsa` takes its mean, in [1, 4096].
@@ -248,9 +234,6 @@ pub struct Settings {
     pub grid: u32,
     /// Targets that what a cell's parents have learned counts for in each of its bins, in [0, 1e6]; with 0 it stands for itself.
     pub fallback: f32,
-    /// How far a vertex looks for its cell along the surface, in [0, 1] cells: it takes the one of a point drawn within half of
-    /// that in either direction.
-    pub jitter: f32,
     /// Direction bins along each side of the map, in [4, 64].
     pub directions: u32,
     /// Normal bins along each side of the equal-area square, in [4, 32].
@@ -286,22 +269,6 @@ pub struct Settings {
     #[serde(skip)]
     #[doc(hidden)]
     pub storage_reads: bool,
-    /// Factor on what learning takes a surface to reflect: a fault that the tests must detect. 1 is right.
-    #[serde(skip, default = "exact_attenuation")]
-    #[doc(hidden)]
-    pub attenuation_tamper: f32,
-    /// Factor on the densities that samples are divided by: a fault that the tests must detect. 1 is right.
-    #[serde(skip, default = "exact_pdf")]
-    #[doc(hidden)]
-    pub pdf_tamper: f32,
-    /// Has the variance of the very samples decide their measured weights: a fault that the tests must detect.
-    #[serde(skip)]
-    #[doc(hidden)]
-    pub own_weights: bool,
-    /// `MIS_*`: a fault of multiple importance sampling that the tests must detect.
-    #[serde(skip, default = "exact_mis")]
-    #[doc(hidden)]
-    pub mis_fault: u32,
 }
 
 impl Settings {
@@ -317,8 +284,8 @@ impl Settings {
             height: film.height,
             crop: film.crop,
             filter: film.filter,
-            max_depth: integrator.max_depth.map_or(16, depth_from_scene),
-            rr_depth: integrator.rr_depth.map_or(8, depth_from_scene),
+            max_depth: integrator.max_depth.map_or(DEFAULTS.max_depth, depth_from_scene),
+            rr_depth: integrator.rr_depth.map_or(DEFAULTS.rr_depth, depth_from_scene),
             hide_emitters: integrator.hide_emitters,
             nee: true,
             seed: 0,
@@ -332,31 +299,24 @@ impl Settings {
             mix: Mix::Density,
             epsilon: None,
             bsdf_share: None,
-            candidates: 1,
-            target_density: TargetDensity::Mean,
             roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
             fallback: 0.0,
-            jitter: 0.0,
-            directions: 16,
-            normals: 16,
+            directions: DEFAULTS.direction_resolution,
+            normals: DEFAULTS.normal_resolution,
             spp_per_step: 8,
             steps: StepSchedule::Growing,
             sample_weights: None,
             samples_per_dispatch: 8,
-            max_tries: 15,
-            min_uniform: 1.0 / 16.0,
+            max_tries: DEFAULTS.max_tries,
+            min_uniform: DEFAULTS.min_uniform_share,
             decay: 0.95,
             slice_milliseconds: None,
             execution: Execution::Auto,
             queue_groups: None,
             film_page_pixels: None,
             storage_reads: false,
-            attenuation_tamper: exact_attenuation(),
-            pdf_tamper: exact_pdf(),
-            own_weights: false,
-            mis_fault: exact_mis(),
         }
     }
 
@@ -394,26 +354,15 @@ impl Settings {
         self.sample_weights.unwrap_or(if grow { SampleWeights::Growing } else { SampleWeights::Even })
     }
 
-    /// Whether steps are weighed by their measured variance.
-    pub(crate) fn measures_weights(&self) -> bool {
-        self.sample_weights() == SampleWeights::Measured
-    }
-
-    /// Whether cells keep the second moments of what they learn.
-    pub fn keeps_second_moments(&self) -> bool {
-        self.target_density == TargetDensity::SecondMoment
-    }
-
     /// Vertices that a kernel keeps of a path.
     pub(crate) fn kept_vertices(&self) -> u32 {
         if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
     }
 
-    /// Bytes of the vertices that the learner keeps of each path under way: `PathVertex` of `glsl/include/guide/learners/monte_carlo.glsl`,
-    /// eight words each. None where it keeps none.
+    /// Bytes of the vertices that the learner keeps of each path under way: none where it keeps none.
     pub fn path_bytes(&self) -> u64 {
         let keeps_vertices = self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo;
-        if keeps_vertices { u64::from(self.kept_vertices()) * 8 * 4 } else { 0 }
+        if keeps_vertices { u64::from(self.kept_vertices()) * size_of::<PathVertex>() as u64 } else { 0 }
     }
 
     /// Normal bins along each side of the equal-area square that the sampler tells apart.
@@ -487,18 +436,6 @@ fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::resul
         NumberOrWord::Word(word) if word == "auto" => Ok(AUTO_GRID),
         NumberOrWord::Word(word) => Err(serde::de::Error::custom(format!("`{word}` is neither a number nor auto"))),
     }
-}
-
-fn exact_attenuation() -> f32 {
-    1.0
-}
-
-fn exact_pdf() -> f32 {
-    1.0
-}
-
-fn exact_mis() -> u32 {
-    kernels::MIS_EXACT
 }
 
 fn depth_from_scene(depth: i32) -> u32 {

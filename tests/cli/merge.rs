@@ -191,18 +191,6 @@ fn pictures_that_ended_by_noise_are_refused() {
     assert!(!folder.path("c.exr").exists());
 }
 
-/// What samples count for depends on what they are.
-#[test]
-fn pictures_of_measured_weights_are_refused() {
-    let folder = Folder::new();
-    for (name, seed) in [("a.exr", "5"), ("b.exr", "6")] {
-        folder.render(&["--sample-weights", "measured", "--spp", "16", "--seed", seed, "-o", name]);
-    }
-    let output = folder.run(&["merge", "a.exr", "b.exr", "-o", "c.exr"]);
-    assert_sentence(&output, 1, &["a.exr: ", "--sample-weights measured", "give every part another"]);
-    assert!(!folder.path("c.exr").exists());
-}
-
 #[test]
 fn samples_are_numbered_in_32_bits() {
     let folder = Folder::new();

@@ -1,5 +1,6 @@
 //! The layering that the crate's documentation promises, checked on the sources themselves.
 
+mod faults;
 mod glsl;
 mod rust;
 mod source;
@@ -24,7 +25,18 @@ fn rust_layers_keep_to_themselves() {
 
 #[test]
 fn only_the_declaring_file_names_a_glsl_binding() {
+    assert_none(glsl::violations(&read_glsl()));
+}
+
+#[test]
+fn no_fault_ships() {
+    let mut sources = source::read_all(root(), "src", "rs");
+    sources.extend(read_glsl());
+    assert_none(faults::violations(&sources));
+}
+
+fn read_glsl() -> Vec<source::Source> {
     let mut sources = source::read_all(root(), "glsl", "comp");
     sources.extend(source::read_all(root(), "glsl", "glsl"));
-    assert_none(glsl::violations(&sources));
+    sources
 }

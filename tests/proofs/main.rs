@@ -24,6 +24,9 @@ mod floor;
 #[path = "../samplers/guide_cases.rs"]
 mod guide_cases;
 #[allow(dead_code)]
+#[path = "../render/mutated.rs"]
+mod mutated;
+#[allow(dead_code)]
 #[path = "../samplers/sampled_directions.rs"]
 mod sampled_directions;
 #[allow(dead_code)]

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use lodestar::encode::bvh::Bvh;
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
-use lodestar::renderer::{Counts, Renderer, Surfaces};
+use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
 
+use crate::mutated;
 use crate::subject::Subject;
 
 /// A device under the validation layer.
@@ -23,9 +24,7 @@ impl Studio {
 
     pub fn renderer(&self, subject: &Subject, scene: &Scene, settings: Settings) -> Renderer {
         let (bvh, settings) = (Bvh::build(&scene.primitives), subject.settings(settings));
-        let registry = subject.registry();
-        Renderer::with_surfaces(&self.context, scene, Surfaces::new(scene), &bvh, &settings, &registry)
-            .expect("a renderer")
+        mutated::renderer(&self.context, scene, &bvh, &settings, subject.mutation)
     }
 
     /// A picture of `spp` samples a pixel, in steps of eight unless the subject has others, and what was counted.

@@ -2,9 +2,7 @@
 //! all claims.
 
 use lodestar::reference::normalization_entry::Rules;
-use lodestar::settings::{
-    BsdfShare, DirectionMap, GuideSet, Learner, Mix, SampleWeights, Sampler, Settings, TargetDensity,
-};
+use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, SampleWeights, Sampler, Settings};
 
 use crate::guide_cases::Kind;
 use crate::scenes::ours;
@@ -38,12 +36,6 @@ pub const GUIDED: &[Row] = &[
     row("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
     row("hemisphere-inversion", |s| s.sampler = Sampler::HemisphereInversion),
     row("product", |s| s.sampler = Sampler::Product),
-    row("rejection-mix, second moments", |s| {
-        (s.sampler, s.target_density) = (Sampler::RejectionMix, TargetDensity::SecondMoment);
-    }),
-    row("product, second moments", |s| {
-        (s.sampler, s.target_density) = (Sampler::Product, TargetDensity::SecondMoment);
-    }),
     // With a much smaller share the few uniform samples weigh so much that their sums are far from normally distributed.
     more("rejection-mix, share 0.05, cylindrical", |s| {
         (s.sampler, s.epsilon, s.map) = (Sampler::RejectionMix, Some(0.05), DirectionMap::Cylindrical);
@@ -67,25 +59,17 @@ pub const GUIDED: &[Row] = &[
     more("hemisphere-inversion, cylindrical", |s| {
         (s.sampler, s.map) = (Sampler::HemisphereInversion, DirectionMap::Cylindrical);
     }),
-    more("sphere-inversion, second moments", |s| {
-        (s.sampler, s.target_density) = (Sampler::SphereInversion, TargetDensity::SecondMoment);
-    }),
-    more("hemisphere-inversion, second moments", |s| {
-        (s.sampler, s.target_density) = (Sampler::HemisphereInversion, TargetDensity::SecondMoment);
-    }),
     more("product, cylindrical", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
     more("product, half by the cosine", |s| (s.sampler, s.epsilon) = (Sampler::Product, Some(0.5))),
     more("hemisphere-inversion, half uniform", |s| (s.sampler, s.min_uniform) = (Sampler::HemisphereInversion, 0.5)),
 ];
 
 /// What stands in pictures only: it has no table of bins, or more parts than the kernels of single functions have. Of samples and
-/// trees of quadtrees tells `tests/samplers/quadtree.rs`, of learned shares and candidates `tests/samplers/shares.rs`.
+/// trees of quadtrees tells `tests/samplers/quadtree.rs`, of learned shares `tests/samplers/shares.rs`.
 pub const RENDERED: &[Row] = &[
     row("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
-    // Mostly by the cosine: the more they differ, the more it matters how they are weighed.
-    row("product, two candidates", |s| (s.sampler, s.candidates, s.epsilon) = (Sampler::Product, 2, Some(0.9))),
     row("product, every part", |s| {
-        (s.sampler, s.candidates, s.guide_set, s.fallback) = (Sampler::Product, 2, GuideSet::All, 4.0);
+        (s.sampler, s.guide_set, s.fallback) = (Sampler::Product, GuideSet::All, 4.0);
     }),
     row("product, growing weights", |s| {
         (s.sampler, s.sample_weights) = (Sampler::Product, Some(SampleWeights::Growing));
@@ -112,7 +96,7 @@ impl Row {
             max_tries: s.max_tries,
             min_uniform_share: f64::from(s.min_uniform),
         };
-        Kind { rules, map: s.map, second_moments: s.keeps_second_moments() }
+        Kind { rules, map: s.map }
     }
 }
 

@@ -1,13 +1,12 @@
 //! What is put to the proof: the kernels as they are shipped, or a change to them or to their settings.
 
-use std::borrow::Cow;
-
-use lodestar::generated::kernels::{Registry, test};
+use lodestar::generated::kernels::test;
 use lodestar::gpu::KernelSource;
 use lodestar::settings::Settings;
 
 use crate::device::GROUP;
 use crate::guide_cases::GuideKernels;
+use crate::mutated;
 
 /// A change to settings.
 pub type Change = fn(&mut Settings);
@@ -43,11 +42,7 @@ impl Subject {
 
     /// The kernel that is run in place of a built-in one.
     pub fn kernel(&self, built_in: &KernelSource) -> KernelSource {
-        let mut source = built_in.clone();
-        if let Some(mutation) = self.mutation {
-            source.spirv = Cow::Owned(tampered::kernel(built_in.name, mutation));
-        }
-        source
+        self.mutation.map_or_else(|| built_in.clone(), |mutation| mutated::kernel(built_in, mutation))
     }
 
     pub fn guide_kernels(&self) -> GuideKernels {
@@ -59,19 +54,9 @@ impl Subject {
         }
     }
 
-    /// The renderer's kernels. Mutated ones read storage buffers.
-    pub fn registry(&self) -> Registry {
-        let mut registry = Registry::built_in();
-        if self.mutation.is_some() {
-            registry.storage.iter_mut().for_each(|kernel| *kernel = self.kernel(kernel));
-        }
-        registry
-    }
-
     /// Settings of a render, given those of a claim.
     pub fn settings(&self, mut settings: Settings) -> Settings {
         settings.seed += self.seed;
-        settings.storage_reads |= self.mutation.is_some();
         (self.change)(&mut settings);
         settings
     }

@@ -5,6 +5,7 @@ use lodestar::settings::{Learner, Roulette, Sampler, Settings};
 
 use crate::device::{Device, steps};
 use crate::estimate::Estimate;
+use crate::mutated::{BRIGHTER, DENSITIES, TWICE_AS_BRIGHT};
 use crate::scenes::{ALL_SAMPLERS, ours, settings, steady};
 use crate::significance::{ALPHA, sidak, two_sided};
 
@@ -51,17 +52,17 @@ fn every_sampler_is_within_its_confidence_interval() {
 #[test]
 fn inversion_is_right_at_its_default_share() {
     let device = Device::new();
+    let faulty = device.mutated(DENSITIES);
     let scene = ours("furnace/scene.xml", &[]);
     for sampler in [Sampler::SphereInversion, Sampler::HemisphereInversion] {
-        let z = |pdf_tamper| {
+        let z = |device: &Device| {
             let default = Settings::for_scene(&scene).min_uniform;
-            let short =
-                Settings { max_depth: 3, pdf_tamper, min_uniform: default, ..settings(&scene, SIZE, sampler, 6) };
+            let short = Settings { max_depth: 3, min_uniform: default, ..settings(&scene, SIZE, sampler, 6) };
             let (mean, error) = Estimate::of(&device.render(&scene, &short, 256)).gray();
-            println!("{sampler:?} x {pdf_tamper}: {mean:.6} +- {error:.6}");
+            println!("{sampler:?}, {}: {mean:.6} +- {error:.6}", device.mutation());
             (mean - answer(3)) / error
         };
-        let (right, twin) = (z(1.0), z(1.05));
+        let (right, twin) = (z(&device), z(&faulty));
         assert!(
             sidak(two_sided(right), 4) > ALPHA && sidak(two_sided(twin), 4) < ALPHA,
             "{sampler:?}: {right}, {twin}"
@@ -72,11 +73,12 @@ fn inversion_is_right_at_its_default_share() {
 #[test]
 fn a_wrong_density_or_albedo_is_found_in_the_furnace() {
     let device = Device::new();
+    let faulty = device.mutated(DENSITIES);
     for sampler in ALL_SAMPLERS {
-        let tampered = |s: &mut Settings| (s.sampler, s.pdf_tamper) = (sampler, 1.05);
+        let set = |s: &mut Settings| s.sampler = sampler;
         for (albedo, z) in [
-            ("0.5", deviation(&device, "furnace/scene.xml", &[], tampered)),
-            ("0.515", deviation(&device, "furnace/scene.xml", &[("albedo", "0.515")], |s| s.sampler = sampler)),
+            ("0.5", deviation(&faulty, "furnace/scene.xml", &[], set)),
+            ("0.515", deviation(&device, "furnace/scene.xml", &[("albedo", "0.515")], set)),
         ] {
             assert!(sidak(two_sided(z), 4 * ALL_SAMPLERS.len()) < ALPHA, "{sampler:?} with albedo {albedo}: z = {z}");
         }
@@ -119,8 +121,8 @@ fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: imp
     steps(&mut renderer, &settings, LEARNING_STEPS * 8);
     let bins = learned_bins(&renderer);
     let (mean, rms) = mean_and_deviation(&bins, expected);
-    let (learner, tamper) = (settings.learner, settings.attenuation_tamper);
-    println!("{learner:?} x {tamper}: {} bins, mean {mean:.4} (expected {expected:.4}), rms {rms:.4}", bins.len());
+    let (learner, mutation) = (settings.learner, device.mutation());
+    println!("{learner:?}, {mutation}: {} bins, mean {mean:.4} (expected {expected:.4}), rms {rms:.4}", bins.len());
     assert!(bins.len() > 1000, "{}", bins.len());
     (mean, rms)
 }
@@ -171,15 +173,12 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
 #[test]
 fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
     let device = Device::new();
-    let fall_back = |s: &mut Settings| (s.grid, s.fallback, s.jitter, s.decay) = (7, 20.0, 1.0, 0.0);
+    let fall_back = |s: &mut Settings| (s.grid, s.fallback, s.decay) = (7, 20.0, 0.0);
     let expected = 1.0 - 0.5_f64.powi(LEARNING_STEPS as i32);
     let found = learned(&device, &[], expected, fall_back);
     assert!(is_learned(found, expected), "{found:?}");
-    let tampered = learned(&device, &[], expected, |s| {
-        fall_back(s);
-        s.attenuation_tamper = 1.1;
-    });
-    assert!(!is_learned(tampered, expected), "the twin, 10 % off: {tampered:?}");
+    let faulty = learned(&device.mutated(BRIGHTER), &[], expected, fall_back);
+    assert!(!is_learned(faulty, expected), "the twin, 5 % off: {faulty:?}");
 }
 
 /// A segment that ends at edge e of 16 collects 1 - 2^-(17 - e); those of edges 2 to 15 are recorded.
@@ -224,15 +223,15 @@ fn monte_carlo_divides_by_survival() {
 fn a_learner_without_attenuation_is_found() {
     let device = Device::new();
     for learner in [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo, Learner::IrradianceSarsa] {
-        let tampered = |attenuation_tamper| {
-            learned(&device, &[], 1.0, |s| {
-                (s.learner, s.attenuation_tamper, s.decay) = (learner, attenuation_tamper, 0.5);
+        let faulty = |mutation| {
+            learned(&device.mutated(mutation), &[], 1.0, |s| {
+                (s.learner, s.decay) = (learner, 0.5);
                 follow_product(s);
             })
         };
-        let found = tampered(2.0);
+        let found = faulty(TWICE_AS_BRIGHT);
         assert!(!is_learned(found, 1.0) && found.0 > 1.5, "{learner:?}: {found:?}");
-        let slightly = tampered(1.1);
-        assert!(!is_learned(slightly, 1.0), "{learner:?}, 10 % off: {slightly:?}");
+        let slightly = faulty(BRIGHTER);
+        assert!(!is_learned(slightly, 1.0), "{learner:?}, 5 % off: {slightly:?}");
     }
 }

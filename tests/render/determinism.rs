@@ -154,7 +154,7 @@ fn one_thread_and_two_give_the_same_bits() {
         "sphere-inversion",
         "hemisphere-inversion",
         "product",
-        "product --grid auto --fallback 4 --jitter 1",
+        "product --grid auto --fallback 4",
         "quadtree",
     ] {
         let pictures = ["1", "2"].map(|threads| {

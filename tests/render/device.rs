@@ -9,19 +9,32 @@ use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
 
+use crate::mutated;
+
 /// A context whose validation messages fail the test when it is dropped.
 pub struct Device {
     context: Arc<Context>,
+    mutation: Option<&'static str>,
 }
 
 impl Device {
     pub fn new() -> Self {
         let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device");
-        Self { context }
+        Self { context, mutation: None }
+    }
+
+    /// A device whose kernels have a mutation of `tests/tampered` in them.
+    pub fn mutated(&self, mutation: &'static str) -> Self {
+        Self { context: self.context.clone(), mutation: Some(mutation) }
+    }
+
+    /// What the kernels have in them, in words.
+    pub fn mutation(&self) -> &'static str {
+        self.mutation.unwrap_or("no fault")
     }
 
     pub fn renderer(&self, scene: &Scene, settings: &Settings) -> Renderer {
-        Renderer::new(&self.context, scene, &Bvh::build(&scene.primitives), settings).expect("a renderer")
+        mutated::renderer(&self.context, scene, &Bvh::build(&scene.primitives), settings, self.mutation)
     }
 
     pub fn render(&self, scene: &Scene, settings: &Settings, spp: u32) -> Picture {

@@ -117,10 +117,8 @@ fn waves_change_no_bit_of_any_option() {
     check("deeper than a submission", &|s| (s.max_depth, s.rr_depth) = (40, 40));
     check("one edge", &|s| s.max_depth = 1);
     check("weights by a schedule", &|s| s.sample_weights = Some(SampleWeights::Growing));
-    check("measured weights", &|s| s.sample_weights = Some(SampleWeights::Measured));
     check("sets of samples", &|s| s.pattern = SamplePattern::Sobol);
     check("blue noise", &|s| s.pattern = SamplePattern::BlueNoise);
-    check("two candidates", &|s| s.candidates = 2);
-    check("larger cells and jitter", &|s| (s.fallback, s.jitter) = (8.0, 1.0));
+    check("larger cells", &|s| s.fallback = 8.0);
     check("hidden emitters", &|s| s.hide_emitters = true);
 }

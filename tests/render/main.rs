@@ -16,6 +16,7 @@ mod execution;
 mod floor;
 mod guide_set;
 mod learning;
+mod mutated;
 mod nee;
 mod noise;
 mod pattern;

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use lodestar::film::Picture;
-use lodestar::generated::kernels::{MIS_BLIND_TO_GUIDE, MIS_COUNTS_TWICE, MIS_EXACT};
 use lodestar::scene::bsdf::Distribution;
 use lodestar::scene::{Bsdf, Material, Textured};
 use lodestar::settings::{Sampler, Settings};
@@ -10,6 +9,7 @@ use lodestar::settings::{Sampler, Settings};
 use crate::device::{Device, steps};
 use crate::estimate::{Comparison, Estimate, WHOLE};
 use crate::floor::{DELTA, SPREAD, floor_radiance};
+use crate::mutated::{BLIND_TO_GUIDE, COUNTED_TWICE, DENSITIES};
 use crate::scenes::{ALL_SAMPLERS, SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
 use crate::significance::{ALPHA, sidak, two_sided};
 
@@ -19,8 +19,8 @@ fn render_floor(device: &Device, light: &str, change: impl FnOnce(&mut Settings)
     let mut settings = settings(&scene, [16, 16], Sampler::Bsdf, 71);
     change(&mut settings);
     let (mean, error) = Estimate::of(&device.render(&scene, &settings, 512)).gray();
-    let Settings { sampler, nee, mis_fault, pdf_tamper, .. } = settings;
-    println!("{light} {sampler:?}, emitters sampled: {nee}, faults {mis_fault}, {pdf_tamper}: {mean:.6} +- {error:.6}");
+    let (Settings { sampler, nee, .. }, mutation) = (settings, device.mutation());
+    println!("{light} {sampler:?}, emitters sampled: {nee}, {mutation}: {mean:.6} +- {error:.6}");
     (mean, error)
 }
 
@@ -47,22 +47,22 @@ fn direct_light_is_its_closed_form() {
 #[test]
 fn faults_of_the_weights_are_found_on_the_floor() {
     let device = Device::new();
-    let is_found = |light, sampler, fault, tamper| {
-        let change = |s: &mut Settings| (s.nee, s.sampler, s.mis_fault, s.pdf_tamper) = (true, sampler, fault, tamper);
-        let z = deviation(render_floor(&device, light, change), floor_radiance(light));
+    let is_found = |light, sampler, fault| {
+        let change = |s: &mut Settings| (s.nee, s.sampler) = (true, sampler);
+        let z = deviation(render_floor(&device.mutated(fault), light, change), floor_radiance(light));
         sidak(two_sided(z), 32) < ALPHA
     };
     for light in SPREAD {
         for sampler in SAMPLERS {
-            assert!(is_found(light, sampler, MIS_COUNTS_TWICE, 1.0), "{light} {sampler:?} counts light twice");
+            assert!(is_found(light, sampler, COUNTED_TWICE), "{light} {sampler:?} counts light twice");
         }
     }
     for light in ["constant", "rectangle"] {
-        assert!(is_found(light, Sampler::RejectionMix, MIS_BLIND_TO_GUIDE, 1.0), "{light}: weights blind to the guide");
+        assert!(is_found(light, Sampler::RejectionMix, BLIND_TO_GUIDE), "{light}: weights blind to the guide");
     }
     // Of smaller lights so little is left to scattered rays that their density hardly matters.
     for sampler in SAMPLERS {
-        assert!(is_found("constant", sampler, MIS_EXACT, 1.05), "{sampler:?}: density 5 % off");
+        assert!(is_found("constant", sampler, DENSITIES), "{sampler:?}: density 5 % off");
     }
 }
 
@@ -125,15 +125,16 @@ impl Case {
 
     fn check(&self) {
         let device = Device::new();
+        let twice = device.mutated(COUNTED_TWICE);
         let off = self.render(&device, 1.0, |s| s.seed = 1);
         for (sampler, seed) in SAMPLERS.into_iter().zip([2, 5]) {
-            let on = |albedo, fault, seed| {
-                self.render(&device, albedo, |s| (s.nee, s.sampler, s.seed, s.mis_fault) = (true, sampler, seed, fault))
+            let on = |device: &Device, albedo, seed| {
+                self.render(device, albedo, |s| (s.nee, s.sampler, s.seed) = (true, sampler, seed))
             };
             let name = format!("{sampler:?}");
-            assert!(self.agrees(&name, &on(1.0, MIS_EXACT, seed), &off), "{name}");
-            assert!(!self.agrees(&format!("{name}, twice"), &on(1.0, MIS_COUNTS_TWICE, seed + 1), &off), "{name}");
-            assert!(!self.agrees(&format!("{name}, albedo"), &on(0.97, MIS_EXACT, seed + 2), &off), "{name}");
+            assert!(self.agrees(&name, &on(&device, 1.0, seed), &off), "{name}");
+            assert!(!self.agrees(&format!("{name}, twice"), &on(&twice, 1.0, seed + 1), &off), "{name}");
+            assert!(!self.agrees(&format!("{name}, albedo"), &on(&device, 0.97, seed + 2), &off), "{name}");
         }
     }
 }
@@ -162,17 +163,18 @@ fn emitter_sampling_leaves_the_sky_as_it_is() {
 #[test]
 fn the_furnace_is_as_bright_with_emitter_sampling() {
     let device = Device::new();
+    let twice = device.mutated(COUNTED_TWICE);
     for file in ["furnace/scene.xml", "furnace/mesh.xml"] {
         for sampler in ALL_SAMPLERS {
-            let z = |mis_fault| {
+            let z = |device: &Device| {
                 let scene = ours(file, &[]);
-                let settings = Settings { nee: true, mis_fault, ..settings(&scene, [32, 32], sampler, 5) };
+                let settings = Settings { nee: true, ..settings(&scene, [32, 32], sampler, 5) };
                 let rendered = Estimate::of(&device.render(&scene, &settings, 64)).gray();
                 let z = deviation(rendered, 1.0 - 1.0 / f64::from(1 << 16));
-                println!("{file} {sampler:?}, fault {mis_fault}: {rendered:?}, z = {z:.2}");
+                println!("{file} {sampler:?}, {}: {rendered:?}, z = {z:.2}", device.mutation());
                 sidak(two_sided(z), 2 * ALL_SAMPLERS.len())
             };
-            assert!(z(MIS_EXACT) > ALPHA && z(MIS_COUNTS_TWICE) < ALPHA, "{file} {sampler:?}");
+            assert!(z(&device) > ALPHA && z(&twice) < ALPHA, "{file} {sampler:?}");
         }
     }
 }

@@ -5,7 +5,6 @@ use std::path::Path;
 use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
 use lodestar::settings::{
     AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, SamplePattern, Sampler, Settings,
-    TargetDensity,
 };
 
 /// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
@@ -32,7 +31,7 @@ pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
 type Change = fn(&mut Settings);
 
 /// Every way to follow a guide.
-pub const GUIDED: [(&str, Change); 20] = [
+pub const GUIDED: [(&str, Change); 18] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),
@@ -49,20 +48,12 @@ pub const GUIDED: [(&str, Change); 20] = [
         (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed));
         s.roulette = Some(Roulette::Throughput);
     }),
-    ("product with two candidates on all rough surfaces", |s| {
-        (s.sampler, s.candidates, s.guide_set) = (Sampler::Product, 2, GuideSet::All);
-    }),
-    ("product by second moments", |s| {
-        (s.sampler, s.target_density) = (Sampler::Product, TargetDensity::SecondMoment);
-    }),
-    ("rejection-mix by second moments", |s| {
-        (s.sampler, s.target_density) = (Sampler::RejectionMix, TargetDensity::SecondMoment);
-    }),
+    ("product on all rough surfaces", |s| (s.sampler, s.guide_set) = (Sampler::Product, GuideSet::All)),
     ("product in cells that fall back on their parents", |s| {
-        (s.sampler, s.grid, s.fallback, s.jitter) = (Sampler::Product, AUTO_GRID, 4.0, 1.0);
+        (s.sampler, s.grid, s.fallback) = (Sampler::Product, AUTO_GRID, 4.0);
     }),
     ("rejection-mix in such cells", |s| {
-        (s.sampler, s.grid, s.fallback, s.jitter) = (Sampler::RejectionMix, 13, 16.0, 0.5);
+        (s.sampler, s.grid, s.fallback) = (Sampler::RejectionMix, 13, 16.0);
     }),
     ("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
     ("quadtree on the cylinder", |s| {

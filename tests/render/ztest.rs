@@ -5,6 +5,7 @@ use lodestar::settings::{Sampler, Settings};
 
 use crate::device::Device;
 use crate::estimate::{Comparison, Estimate, WHOLE};
+use crate::mutated::{DENSITIES, DENSITIES_FAR};
 use crate::scenes::{GUIDED, ours, settings, steady};
 
 /// A scene, how it is sampled and at which scales it is compared.
@@ -52,6 +53,7 @@ impl Case {
     /// Seeds differ, for the first step of all samplers draws the same numbers.
     fn check(&self) {
         let device = Device::new();
+        let faulty = device.mutated(DENSITIES);
         let compare = |name: &str, a: &Estimate, b: &Estimate| {
             let comparison = Comparison::new(a, b, self.sides);
             println!("{} {name}: {comparison:?}", self.file);
@@ -67,9 +69,9 @@ impl Case {
             let comparison = compare(name, &bsdf, &guided);
             let known = comparison.largest.iter().all(|&(_, count)| count > 0);
             assert!(comparison.agrees() && known, "{name}");
-            let wrong_pdf = self.render(&device, &[], |s| {
+            let wrong_pdf = self.render(&faulty, &[], |s| {
                 set(s);
-                (s.seed, s.pdf_tamper) = (100 + seed, 1.05);
+                s.seed = 100 + seed;
             });
             assert!(!compare("density 5 % wrong", &bsdf, &wrong_pdf).agrees(), "{name}");
         }
@@ -98,15 +100,13 @@ fn finer_directions_agree() {
     let case = Case { spp: [4096, 4096, 4096], sides: &[8, WHOLE], ..CORNELL_BOX };
     let device = Device::new();
     let bsdf = case.render(&device, &[], |s| s.seed = 1);
-    let compare = |seed, pdf_tamper| {
-        let set = |s: &mut Settings| {
-            (s.sampler, s.directions, s.seed, s.pdf_tamper) = (Sampler::Product, 32, seed, pdf_tamper);
-        };
-        let comparison = Comparison::new(&bsdf, &case.render(&device, &[], set), case.sides);
-        println!("densities times {pdf_tamper}: {comparison:?}");
+    let compare = |seed, device: &Device| {
+        let set = |s: &mut Settings| (s.sampler, s.directions, s.seed) = (Sampler::Product, 32, seed);
+        let comparison = Comparison::new(&bsdf, &case.render(device, &[], set), case.sides);
+        println!("{}: {comparison:?}", device.mutation());
         comparison.agrees()
     };
-    assert!(compare(2, 1.0) && !compare(4, 1.05));
+    assert!(compare(2, &device) && !compare(4, &device.mutated(DENSITIES)));
 }
 
 /// So few samples that a slow driver takes them in seconds; the fault is larger in turn.
@@ -115,13 +115,13 @@ fn a_small_picture_agrees() {
     let small = Case { size: [16, 16], spp: [1024, 512, 512], sides: &[8, WHOLE], ..CORNELL_BOX };
     let device = Device::new();
     let bsdf = small.render(&device, &[], |s| s.seed = 1);
-    let compare = |pdf_tamper| {
-        let set = |s: &mut Settings| (s.sampler, s.seed, s.pdf_tamper) = (Sampler::RejectionMix, 2, pdf_tamper);
-        let comparison = Comparison::new(&bsdf, &small.render(&device, &[], set), small.sides);
-        println!("densities times {pdf_tamper}: {comparison:?}");
+    let compare = |device: &Device| {
+        let set = |s: &mut Settings| (s.sampler, s.seed) = (Sampler::RejectionMix, 2);
+        let comparison = Comparison::new(&bsdf, &small.render(device, &[], set), small.sides);
+        println!("{}: {comparison:?}", device.mutation());
         comparison.agrees()
     };
-    assert!(compare(1.0) && !compare(1.25));
+    assert!(compare(&device) && !compare(&device.mutated(DENSITIES_FAR)));
 }
 
 /// A picture of 16 x 16 pixels of which some deviate by `z` standard deviations.

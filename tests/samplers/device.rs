@@ -145,7 +145,6 @@ pub struct Cell {
     normalize: Kernel,
     normals: u32,
     bins: u32,
-    second_moments_at: u32,
 }
 
 /// Of each share: `glsl/include/guide/samplers/bsdf_share.glsl`.
@@ -166,9 +165,9 @@ impl Cell {
         let is_product = variant.sampler == SAMPLER_PRODUCT;
         let trees = if is_product { cosine_trees(&integrals, directions, normals) } else { vec![Node::default()] };
         Self {
-            // Room for shares, or for roots of second moments.
+            // With room for shares.
             radiance: device
-                .storage("radiance", (2 * directions * directions + 2 * SHARE_WORDS) as usize * size_of::<f32>()),
+                .storage("radiance", (directions * directions + 2 * SHARE_WORDS) as usize * size_of::<f32>()),
             bin_ends: device.storage("bin ends", (directions * directions) as usize * size_of::<u32>()),
             nodes: device.storage("nodes", nodes_per_tree(directions) as usize * size_of::<Node>()),
             entries: device.storage("entries", entries),
@@ -177,7 +176,6 @@ impl Cell {
             normalize: device.kernel(normalize, variant),
             normals,
             bins: directions * directions,
-            second_moments_at: variant.second_moments_at,
         }
     }
 
@@ -188,17 +186,9 @@ impl Cell {
         self.radiance.upload(u64::from(self.bins) * size_of::<f32>() as u64, &words).expect("uploaded");
     }
 
-    /// Sets what its directions are drawn in proportion to and has the device fill all normalizers: radiance, or roots of second
-    /// moments, whose means are other ones below them.
+    /// Sets its radiance and has the device fill all normalizers.
     pub fn fill(&self, device: &Device, radiance: &[f32]) {
-        if self.second_moments_at == 0 {
-            self.radiance.upload(0, radiance).expect("uploaded");
-        } else {
-            let means: Vec<_> = radiance.iter().zip(0..).map(|(root, bin)| root / (1 + bin % 5) as f32).collect();
-            self.radiance.upload(0, &means).expect("uploaded");
-            let offset = u64::from(self.second_moments_at) * size_of::<f32>() as u64;
-            self.radiance.upload(offset, radiance).expect("uploaded");
-        }
+        self.radiance.upload(0, radiance).expect("uploaded");
         let buffers = [&self.radiance, &self.bin_ends, &self.nodes, &self.entries, &self.integrals];
         device.dispatch(&self.normalize, &buffers, &[], 4);
     }

@@ -63,22 +63,16 @@ pub struct PushedNormal {
 pub struct Kind {
     pub rules: Rules,
     pub map: DirectionMap,
-    /// Whether directions are drawn in proportion to roots of second moments.
-    pub second_moments: bool,
 }
 
 impl Kind {
     pub const fn new(sampler: Sampler, max_tries: u32, min_uniform_share: f64) -> Self {
         let rules = Rules { sampler, mix: Mix::Density, epsilon: None, max_tries, min_uniform_share };
-        Self { rules, map: DirectionMap::EqualArea, second_moments: false }
+        Self { rules, map: DirectionMap::EqualArea }
     }
 
     pub const fn on_cylinder(self) -> Self {
         Self { map: DirectionMap::Cylindrical, ..self }
-    }
-
-    pub const fn by_second_moments(self) -> Self {
-        Self { second_moments: true, ..self }
     }
 
     pub const fn mixing_acceptances(self) -> Self {
@@ -91,8 +85,7 @@ impl Kind {
 
     /// The constants of the kernels.
     pub fn variant(&self) -> Variant {
-        let second_moments_at = if self.second_moments { DIRECTIONS * DIRECTIONS } else { 0 };
-        Variant { second_moments_at, ..variant(&self.rules, self.map) }
+        variant(&self.rules, self.map)
     }
 
     /// Whether a bin is chosen first, and then a direction anywhere in it, be that below the surface.

@@ -59,11 +59,11 @@ fn run(out: &Path) -> Result<(), String> {
         }
     }
     let mut code = String::from("// Written by build.rs.\nconst KERNELS: &[(&str, &[u8])] = &[\n");
-    for file in KERNELS {
-        let (spirv, _) = compile::compile(&sources, file, &[])?;
+    let compiled = compile::on_all_cores(KERNELS.len(), |kernel| compile::compile(&sources, KERNELS[kernel], &[]));
+    for (file, spirv) in KERNELS.into_iter().zip(compiled) {
         let name = Path::new(file).file_stem().expect("a name").to_string_lossy();
         let path = out.join(format!("{name}.spv"));
-        fs::write(&path, spirv).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+        fs::write(&path, spirv?).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
         let _ = writeln!(code, "    ({name:?}, include_bytes!({path:?})),");
     }
     code.push_str("];\n");

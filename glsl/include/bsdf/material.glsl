@@ -3,13 +3,7 @@
 #define MATERIAL_GLSL
 #include "bsdf/bsdf.glsl"
 #include "film/frame.glsl"
-
-// Texels of a record (layout.rs, MaterialRecord).
-const uint MATERIAL_HEAD = 0u;      // kind and flags; second material; texture and scale of a bump or normal map
-const uint MATERIAL_COLORS = 1u;    // three colors
-const uint MATERIAL_SCALARS = 4u;   // twelve numbers
-const uint MATERIAL_LINKS = 7u;     // eight parameters with textures: parameter << 24 | texture, or NONE
-const uint MATERIAL_COATING = 9u;   // of a coating: optical thickness and eta; specular reflectance
+#include "shared/records.glsl"
 
 // Whether any kind of material in the scene reads a parameter: what none reads is not fetched.
 bool any_kind(uint kinds) {

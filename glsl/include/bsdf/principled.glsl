@@ -3,7 +3,7 @@
 #define BSDF_PRINCIPLED_GLSL
 #include "bsdf/parameters.glsl"
 #include "bsdf/rough_dielectric.glsl"
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 #include "math/direction.glsl"
 #include "math/fresnel.glsl"
 #include "math/microfacet.glsl"

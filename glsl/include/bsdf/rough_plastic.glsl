@@ -4,8 +4,7 @@
 #include "bsdf/plastic.glsl"
 #include "film/frame.glsl"
 #include "math/microfacet.glsl"
-
-const uint TRANSMITTANCE_ENTRIES = 64u;
+#include "shared/records.glsl"
 
 // Share of the light from above that the layer lets through to the base, between neighbors in a table over the cosine. A
 // word holds an entry and the next; tables lie in the first page.

@@ -1,7 +1,9 @@
 // Set 0, Frame: the film, the camera, materials, emitters and counters. The only file that indexes them.
 #ifndef FRAME_GLSL
 #define FRAME_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
+#include "shared/records.glsl"
+#include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
 // Running mean and sum of squared deviations of a pixel's samples (Welford 1962), per channel.
@@ -50,35 +52,30 @@ struct SceneConstants {
     uint all_cell_count;        // these and the larger ones that they are part of
 };
 
-// Texels of a material's record. See material.glsl.
-const uint MATERIAL_TEXELS = 11u;
-// Texels of a texture's record. See textures.glsl.
-const uint TEXTURE_TEXELS = 5u;
-
-layout(scalar, set = 0, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
-layout(scalar, set = 0, binding = 1) restrict buffer FilmFeaturesPage { FilmFeatures film_features[]; };
-layout(scalar, set = 0, binding = 2) uniform Scene { SceneConstants scene_constants; };
+layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
+layout(scalar, set = FRAME_SET, binding = 1) restrict buffer FilmFeaturesPage { FilmFeatures film_features[]; };
+layout(scalar, set = FRAME_SET, binding = 2) uniform Scene { SceneConstants scene_constants; };
 #ifdef TEXEL_READS
-layout(set = 0, binding = 3) uniform usamplerBuffer materials;
-layout(set = 0, binding = 4) uniform usamplerBuffer emitters;
-layout(set = 0, binding = 6) uniform usamplerBuffer texel_words;
-layout(set = 0, binding = 7) uniform usamplerBuffer textures;
-layout(set = 0, binding = 8) uniform usamplerBuffer texel_words1;
-layout(set = 0, binding = 9) uniform usamplerBuffer texel_words2;
-layout(set = 0, binding = 10) uniform usamplerBuffer texel_words3;
+layout(set = FRAME_SET, binding = 3) uniform usamplerBuffer materials;
+layout(set = FRAME_SET, binding = 4) uniform usamplerBuffer emitters;
+layout(set = FRAME_SET, binding = 6) uniform usamplerBuffer texel_words;
+layout(set = FRAME_SET, binding = 7) uniform usamplerBuffer textures;
+layout(set = FRAME_SET, binding = 8) uniform usamplerBuffer texel_words1;
+layout(set = FRAME_SET, binding = 9) uniform usamplerBuffer texel_words2;
+layout(set = FRAME_SET, binding = 10) uniform usamplerBuffer texel_words3;
 #else
-layout(scalar, set = 0, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
-layout(scalar, set = 0, binding = 4) restrict readonly buffer Emitters { uvec4 emitters[]; };
-layout(scalar, set = 0, binding = 6) restrict readonly buffer TexelWords { uint texel_words[]; };
-layout(scalar, set = 0, binding = 7) restrict readonly buffer Textures { uvec4 textures[]; };
-layout(scalar, set = 0, binding = 8) restrict readonly buffer TexelWords1 { uint texel_words1[]; };
-layout(scalar, set = 0, binding = 9) restrict readonly buffer TexelWords2 { uint texel_words2[]; };
-layout(scalar, set = 0, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
+layout(scalar, set = FRAME_SET, binding = 3) restrict readonly buffer Materials { uvec4 materials[]; };
+layout(scalar, set = FRAME_SET, binding = 4) restrict readonly buffer Emitters { uvec4 emitters[]; };
+layout(scalar, set = FRAME_SET, binding = 6) restrict readonly buffer TexelWords { uint texel_words[]; };
+layout(scalar, set = FRAME_SET, binding = 7) restrict readonly buffer Textures { uvec4 textures[]; };
+layout(scalar, set = FRAME_SET, binding = 8) restrict readonly buffer TexelWords1 { uint texel_words1[]; };
+layout(scalar, set = FRAME_SET, binding = 9) restrict readonly buffer TexelWords2 { uint texel_words2[]; };
+layout(scalar, set = FRAME_SET, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
 #endif
-layout(scalar, set = 0, binding = 5) restrict buffer Counters { uint counters[]; };
+layout(scalar, set = FRAME_SET, binding = 5) restrict buffer Counters { uint counters[]; };
 // What adaptive sampling keeps of a film page (halves.glsl), or the paths of a wave (wavefront.glsl): one binding, for devices
 // have few. Nearly empty without either.
-layout(scalar, set = 0, binding = 11) restrict buffer Scratch { uvec4 scratch[]; };
+layout(scalar, set = FRAME_SET, binding = 11) restrict buffer Scratch { uvec4 scratch[]; };
 
 SceneConstants scene() {
     return scene_constants;

@@ -5,8 +5,7 @@
 #define HALVES_GLSL
 #include "film/frame.glsl"
 #include "random/sobol.glsl"
-
-const uint TILE_PIXELS = 64u;
+#include "shared/film.glsl"
 
 struct FilmHalf {
     vec3 mean;

@@ -3,6 +3,7 @@
 #define SLICE_GLSL
 #include "film/frame.glsl"
 #include "film/halves.glsl"
+#include "shared/film.glsl"
 
 // What a dispatch's samples count for beside those before them.
 struct SampleWeights {
@@ -23,12 +24,12 @@ struct PathTracePush {
     uint first_of_sets;      // sample; no set of samples reaches back beyond it
 };
 
-// Tiles of 8 x 8 pixels, row by row, and pixels within a tile likewise.
+// Tiles of pixels, row by row, and pixels within a tile likewise.
 uvec2 tile_order_pixel(uint index) {
-    uint tiles_per_row = (scene().window_size.x + 7u) / 8u;
-    uint tile = index / 64u;
-    uint within = index % 64u;
-    return uvec2(tile % tiles_per_row, tile / tiles_per_row) * 8u + uvec2(within % 8u, within / 8u);
+    uint tiles_per_row = (scene().window_size.x + (TILE_SIDE - 1u)) / TILE_SIDE;
+    uint tile = index / TILE_PIXELS;
+    uint within = index % TILE_PIXELS;
+    return uvec2(tile % tiles_per_row, tile / tiles_per_row) * TILE_SIDE + uvec2(within % TILE_SIDE, within / TILE_SIDE);
 }
 
 // The page's pixel, in tile order, of a lane of one of the slice's workgroups.

@@ -2,18 +2,13 @@
 // (faster where loads are emulated one component at a time) and storage buffers (where texel buffers are too small).
 #ifndef BVH_GLSL
 #define BVH_GLSL
-
-// Five texels: a compressed wide BVH node (Ylitie et al. 2017).
-const uint NODE_TEXELS = 5u;
-// Three texels: origin and flags, edge_u and edge tolerance, edge_v.
-const uint PRIMITIVE_TEXELS = 3u;
-// Three texels: vertex normals, texture coordinates, material and emitter.
-const uint ATTRIBUTE_TEXELS = 3u;
+#include "shared/records.glsl"
+#include "shared/sets.glsl"
 
 #ifdef TEXEL_READS
-layout(set = 1, binding = 0) uniform usamplerBuffer bvh_nodes;
-layout(set = 1, binding = 1) uniform usamplerBuffer bvh_primitives;
-layout(set = 1, binding = 2) uniform usamplerBuffer bvh_attributes;
+layout(set = BVH_SET, binding = 0) uniform usamplerBuffer bvh_nodes;
+layout(set = BVH_SET, binding = 1) uniform usamplerBuffer bvh_primitives;
+layout(set = BVH_SET, binding = 2) uniform usamplerBuffer bvh_attributes;
 
 uvec4 fetch_node(uint node, uint texel) {
     return texelFetch(bvh_nodes, int(node * NODE_TEXELS + texel));
@@ -28,9 +23,9 @@ uvec4 fetch_attributes(uint primitive, uint texel) {
     return texelFetch(bvh_attributes, int(primitive * ATTRIBUTE_TEXELS + texel));
 }
 #else
-layout(scalar, set = 1, binding = 0) restrict readonly buffer BvhNodes { uvec4 bvh_nodes[]; };
-layout(scalar, set = 1, binding = 1) restrict readonly buffer BvhPrimitives { vec4 bvh_primitives[]; };
-layout(scalar, set = 1, binding = 2) restrict readonly buffer BvhAttributes { uvec4 bvh_attributes[]; };
+layout(scalar, set = BVH_SET, binding = 0) restrict readonly buffer BvhNodes { uvec4 bvh_nodes[]; };
+layout(scalar, set = BVH_SET, binding = 1) restrict readonly buffer BvhPrimitives { vec4 bvh_primitives[]; };
+layout(scalar, set = BVH_SET, binding = 2) restrict readonly buffer BvhAttributes { uvec4 bvh_attributes[]; };
 
 uvec4 fetch_node(uint node, uint texel) {
     return bvh_nodes[node * NODE_TEXELS + texel];

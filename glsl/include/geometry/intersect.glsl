@@ -1,7 +1,7 @@
 // Ray against primitive and ray against box.
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 #include "shared/variant.glsl"
 
 struct Ray {

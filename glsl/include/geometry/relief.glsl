@@ -2,7 +2,7 @@
 // surface's local frame unless they are said to be in the tilted one.
 #ifndef RELIEF_GLSL
 #define RELIEF_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 
 // The normal of a surface that is raised by a height with the given gradient in u and v (Blinn 1978), not normalized; on
 // the side of the geometric normal.

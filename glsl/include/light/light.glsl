@@ -135,7 +135,6 @@ Ray shadow_ray(Surface s, LightSample light) {
 // Share that a sample of density `own` has of a path that another sampler draws with density `other`: the power heuristic
 // (Veach 1997, exponent 2), which leaves less noise than the balance heuristic where one of the two samples well.
 float mis_weight(float own, float other) {
-    if (MIS_FAULT == MIS_COUNTS_TWICE) return 1.0;
     float ratio = other / own;
     return 1.0 / (1.0 + ratio * ratio);
 }

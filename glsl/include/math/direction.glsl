@@ -1,7 +1,7 @@
 // Directions: bases, the cosine-weighted and the uniform hemisphere.
 #ifndef DIRECTION_GLSL
 #define DIRECTION_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 
 // Sine and cosine of x in [-pi/4, pi/4] by their Taylor series: drivers' own may be 1e-5 off, these are within 2e-7.
 vec2 sin_cos_quarter(float x) {

@@ -3,10 +3,8 @@
 #ifndef MICROFACET_GLSL
 #define MICROFACET_GLSL
 #include "math/direction.glsl"
+#include "shared/records.glsl"
 #include "shared/variant.glsl"
-
-// Mitsuba's least roughness.
-const float MIN_ALPHA = 1.0e-4;
 
 struct Microfacets {
     vec2 alpha;  // roughness along x and y

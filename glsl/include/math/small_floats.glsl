@@ -2,15 +2,10 @@
 // for, and at least four of exponent. A weight is never 0.
 #ifndef SMALL_FLOATS_GLSL
 #define SMALL_FLOATS_GLSL
+#include "shared/guide.glsl"
 
-// Of 7 and 8 bits: the exponent, as that of a float, of the code 0. The largest code is 1.875 in both.
+// BIAS_8 for 7 bits.
 const uint BIAS_7 = 112u;
-const uint BIAS_8 = 96u;
-
-const float LARGEST_SMALL_FLOAT = 1.875;
-
-// Bits of a float below the mantissa of a small one.
-const uint DROPPED_BITS = 20u;
 
 // The code nearest to `x`, which is at most LARGEST_SMALL_FLOAT.
 uint small_float(float x, uint bias) {

@@ -15,7 +15,6 @@ Connection connect(Path path, Surface s, Scatterer x, Guide guide) {
     LightSample light = sample_light(path.key, path.depth, s.position);
     vec3 wi = light.wi * x.frame;
     float pdf = pdf_direction(x, guide, wi);
-    if (MIS_FAULT == MIS_BLIND_TO_GUIDE) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));
     float weight = light.delta ? 1.0 : mis_weight(light.pdf, pdf);
     vec3 scattered = eval_scatterer(x, wi) * light.radiance;
     Connection connection = Connection(vec3(0.0), shadow_ray(s, light));

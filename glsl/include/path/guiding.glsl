@@ -21,10 +21,10 @@ struct DirectionSample {
     ShareEvidence evidence;
 };
 
-// What a guide knows a point of a surface by: its cell, which `u` may choose, or the first node of its quadtree.
-uint cell_at(vec3 position, vec3 normal, vec3 u) {
+// What a guide knows a point of a surface by: its cell, or the first node of its quadtree.
+uint cell_at(vec3 position) {
     if (SAMPLER == SAMPLER_BSDF) return 0u;
-    return SAMPLER == SAMPLER_QUADTREE ? quadtree_at(position) : grid_cell(position, normal, u);
+    return SAMPLER == SAMPLER_QUADTREE ? quadtree_at(position) : grid_cell(position);
 }
 
 // What a surface is at the point where a path meets it.
@@ -121,7 +121,7 @@ float sample_pdf(Scatterer x, Guide guide, BsdfSample s, float density) {
 // f cos / pdf of a sample.
 vec3 sample_weight(Scatterer x, BsdfSample s, float pdf) {
     if (s.lobe == LOBE_DELTA) return has_relief() ? s.weight * relief_shadowing(x.upright, s.wi) : s.weight;
-    return pdf > 0.0 ? eval_scatterer(x, s.wi) / (pdf * PDF_TAMPER) : vec3(0.0);
+    return pdf > 0.0 ? eval_scatterer(x, s.wi) / pdf : vec3(0.0);
 }
 
 // The BSDF's own sample; with a grid at work, also what that holds for its direction.
@@ -192,47 +192,10 @@ DirectionSample sample_direction_descent(vec3 u, vec4 u_guide, Scatterer x, Guid
     return DirectionSample(guided.wi, weight, pdf, s.eta, guided.bin, guided.radiance, lost, tries, false, evidence);
 }
 
-// What a candidate is taken in proportion to: f cos L / pdf, where the mean of L over the hemisphere is added to L. So none
-// weighs much more than it does alone, however little its bin has learned.
-float candidate_score(Guide guide, DirectionSample s) {
-    float incident = keeps_second_moments() ? bin_target_density(guide, s.bin) : s.radiance;
-    return mean_rgb(s.weight) * max(incident + mean_radiance(guide), 1.0e-30);
-}
-
-// The same by resampling (Talbot et al. 2005, "Importance Resampling for Global Illumination"): of two samples of one lobe one
-// is taken in proportion to its score, and weighs as much as makes up for that. Its density is still a candidate's.
-DirectionSample resample_descent(RandomKey key, uint vertex, vec3 u, vec4 u_guide, Scatterer x, Guide guide) {
-    vec3 v = unit_floats(random_bits(key, vertex, RANDOM_CANDIDATE)).xyz;
-    vec4 v_guide = unit_floats(random_bits(key, vertex, RANDOM_CANDIDATE_TRIES));
-    DirectionSample taken;
-    float taken_score = 0.0;
-    float sum = 0.0;
-    uint tries = 0u;
-    for (uint candidate = 0u; candidate < 2u; ++candidate) {
-        bool first = candidate == 0u;
-        vec3 own = first ? u : vec3(v.xy, u.z);
-        DirectionSample s = sample_direction_descent(own, first ? u_guide : v_guide, x, guide);
-        float score = candidate_score(guide, s);
-        sum += score;
-        tries += s.tries;
-        if (first || v.z * sum < score) {
-            taken = s;
-            taken_score = score;
-        }
-    }
-    // What is no number stays none.
-    float factor = sum > 0.0 ? 0.5 * sum / taken_score : sum;
-    taken.weight *= factor;
-    taken.evidence.scattered *= factor;
-    taken.tries = tries;
-    return taken;
-}
-
 // Draws the direction in which a path leaves a surface.
 DirectionSample sample_direction(RandomKey key, uint vertex, vec4 u, Scatterer x, Guide guide) {
     if (descends()) {
         vec4 u_guide = unit_floats(random_bits(key, vertex, RANDOM_TRIES));
-        if (CANDIDATES == 2u) return resample_descent(key, vertex, u.xyz, u_guide, x, guide);
         return sample_direction_descent(u.xyz, u_guide, x, guide);
     }
     float share = guided_share(x.bsdf, guide);

@@ -7,10 +7,8 @@
 #include "random/random.glsl"
 #include "geometry/relief.glsl"
 #include "geometry/surface.glsl"
+#include "shared/records.glsl"
 #include "texture/textures.glsl"
-
-// Choices within choices; the loader admits no more.
-const uint MAX_CHOICES = 8u;
 
 bool has_choices() {
     return has_kind(MATERIAL_BLEND) || has_kind(MATERIAL_SIDES);
@@ -75,12 +73,8 @@ void mirror_behind(inout Scatterer x) {
 Scatterer scatterer_at(Surface s, vec3 wo, RandomKey key, uint vertex) {
     Scatterer x;
     uint material = s.material;
-    // One number for the material, three for the cell.
-    vec4 u4 = vec4(0.0);
-    if (has_choices() || has_feature(FEATURE_OPACITY) || JITTER > 0.0) {
-        u4 = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL));
-    }
-    float u = u4.x;
+    float u = 0.0;
+    if (has_choices() || has_feature(FEATURE_OPACITY)) u = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL)).x;
     if (has_choices()) material = chosen_material(material, dot(wo, s.shading_normal) < 0.0, s.uv, u);
     x.bsdf = textured_bsdf(material, s.uv);
     x.passes = has_feature(FEATURE_OPACITY) && u >= x.bsdf.scalars0.w;
@@ -97,7 +91,7 @@ Scatterer scatterer_at(Surface s, vec3 wo, RandomKey key, uint vertex) {
         x.upright = upright_in(tilted);
     }
     if (relief_outside) mirror_behind(x);
-    x.cell = cell_at(s.position, s.geometric_normal, u4.yzw);
+    x.cell = cell_at(s.position);
     return x;
 }
 

@@ -4,6 +4,7 @@
 #define WAVEFRONT_GLSL
 #include "path/connection.glsl"
 #include "path/path.glsl"
+#include "shared/film.glsl"
 #include "film/slice.glsl"
 
 struct WavePush {
@@ -12,12 +13,11 @@ struct WavePush {
 };
 layout(push_constant, scalar) uniform Push { WavePush push; };
 
-// Word-quadruples of a slot: its path's state, which lies together, its connection to a light, what its camera ray has hit, and
-// what its ray has.
-const uint STATE_QUADRUPLES = 6u;
+// Word-quadruples of a slot: its connection to a light, what its camera ray has hit, what its ray has, and in the rest of them its
+// path's state, which lies together.
 const uint CONNECTION_QUADRUPLES = 3u;
 const uint FIRST_HIT_QUADRUPLES = 2u;
-const uint SLOT_QUADRUPLES = STATE_QUADRUPLES + CONNECTION_QUADRUPLES + FIRST_HIT_QUADRUPLES + 1u;
+const uint STATE_QUADRUPLES = SLOT_QUADRUPLES - CONNECTION_QUADRUPLES - FIRST_HIT_QUADRUPLES - 1u;
 // Of the state: ray, throughput, radiance, and what a guide or emitter sampling wants to know.
 const uint RADIANCE = 3u;
 
@@ -69,7 +69,7 @@ void store_state(uint slot, uint quadruple, uvec4 value) {
 }
 
 // Queues: of paths, those of even and odd edges in turns; then of connections.
-const uint CONNECTIONS = 2u;
+const uint CONNECTIONS = QUEUE_COUNT - 1u;
 
 uint queue_at(uint queue) {
     return (4u * SLOT_QUADRUPLES + queue) * slot_count();
@@ -198,9 +198,9 @@ bool keeps_origin() {
     return SAMPLER != SAMPLER_BSDF;
 }
 
-// What the next edges need of a path, or only its radiance where it has ended. Pixels have coordinates of 16 bits.
+// What the next edges need of a path, or only its radiance where it has ended. Pixels have coordinates of PIXEL_DIGITS.
 void store_path(uint slot, uvec2 film_pixel, Path path) {
-    store_state(slot, RADIANCE, uvec4(floatBitsToUint(path.radiance), film_pixel.x | (film_pixel.y << 16u)));
+    store_state(slot, RADIANCE, uvec4(floatBitsToUint(path.radiance), film_pixel.x | (film_pixel.y << PIXEL_DIGITS)));
     if (path.depth == 0u) return;
     store_state(slot, 0u, uvec4(floatBitsToUint(path.ray.origin), floatBitsToUint(path.ray.t_max)));
     store_state(slot, 1u, uvec4(floatBitsToUint(path.ray.direction), floatBitsToUint(path.evidence.of_guide)));
@@ -219,7 +219,7 @@ Path load_path(uint slot, out uvec2 film_pixel) {
         return path_from_camera(slot, film_pixel);
     }
     uvec4 radiance = load_state(slot, RADIANCE);
-    film_pixel = uvec2(radiance.w & 0xffffu, radiance.w >> 16u);
+    film_pixel = uvec2(radiance.w & ((1u << PIXEL_DIGITS) - 1u), radiance.w >> PIXEL_DIGITS);
     vec4 direction = uintBitsToFloat(load_state(slot, 1u));
     vec4 throughput = uintBitsToFloat(load_state(slot, 2u));
     Path path = new_path(key_of_slot(slot, film_pixel));

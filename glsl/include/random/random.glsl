@@ -28,9 +28,6 @@ const uint RANDOM_MATERIAL = 2u;
 const uint RANDOM_EMITTER = 3u;
 const uint RANDOM_ENVIRONMENT = 4u;
 const uint RANDOM_LEARNING = 5u;
-// Of a second candidate: its scattering, which of both is taken, and its tries.
-const uint RANDOM_CANDIDATE = 6u;
-const uint RANDOM_CANDIDATE_TRIES = 7u;
 
 // Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
 uvec4 pcg4d(uvec4 v) {

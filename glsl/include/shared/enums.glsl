@@ -1,4 +1,6 @@
-// Values that both sides name. build.rs reads these lines and writes the Rust constants, so this file holds nothing else.
+// Values that both sides name. As of every file of this folder, build.rs makes Rust constants of these lines.
+#ifndef ENUMS_GLSL
+#define ENUMS_GLSL
 
 // Sampler of scattered directions.
 const uint SAMPLER_BSDF = 0u;
@@ -133,11 +135,6 @@ const uint LIGHT_SPOT = 3u;
 const uint LIGHT_DIRECTIONAL = 4u;
 const uint LIGHT_KIND_SHIFT = 29u;
 
-// Faults of multiple importance sampling, which tests must notice.
-const uint MIS_EXACT = 0u;
-const uint MIS_BLIND_TO_GUIDE = 1u;
-const uint MIS_COUNTS_TWICE = 2u;
-
 // "No such thing" as an index.
 const uint NONE = 4294967295u;
 
@@ -152,3 +149,5 @@ const uint COUNTER_NONFINITE = 6u;
 const uint COUNTER_OVERRUNS = 7u;
 const uint COUNTER_SHADOW_RAYS = 8u;
 const uint COUNTER_COUNT = 9u;
+
+#endif

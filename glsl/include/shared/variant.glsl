@@ -2,6 +2,7 @@
 #ifndef VARIANT_GLSL
 #define VARIANT_GLSL
 #include "shared/enums.glsl"
+#include "shared/records.glsl"
 
 layout(local_size_x_id = 0) in;
 // Invocations per workgroup; the same number as local_size_x.
@@ -18,8 +19,6 @@ layout(constant_id = 5) const bool HIDE_EMITTERS = false;
 
 // Targets that a cell's parents count for in the mean of each of its bins; 0: it stands for itself.
 layout(constant_id = 60) const float FALLBACK = 0.0;
-// How far, in cells, a vertex looks for its cell along the surface.
-layout(constant_id = 61) const float JITTER = 0.0;
 // Most nodes of all quadtrees of directions.
 layout(constant_id = 6) const uint QUADTREE_NODES = 131072u;
 // Direction bins along each side of the map.
@@ -30,10 +29,6 @@ layout(constant_id = 8) const uint NORMAL_RESOLUTION = 16u;
 layout(constant_id = 9) const uint MAX_TRIES = 15u;
 // Words of the radiance table before the cells' shares of the scattering function, where a guide descends; 0: fixed shares.
 layout(constant_id = 56) const uint SHARES_AT = 0u;
-// Words of the radiance table before the roots of the bins' second moments, which directions then are drawn by; 0: by the means.
-layout(constant_id = 59) const uint SECOND_MOMENTS_AT = 0u;
-// Directions of which one is taken, where a guide descends: 1, or 2.
-layout(constant_id = 57) const uint CANDIDATES = 1u;
 // What Russian roulette goes by.
 layout(constant_id = 58) const uint ROULETTE = ROULETTE_THROUGHPUT;
 // Least share of uniformly drawn directions.
@@ -71,29 +66,22 @@ layout(constant_id = 32) const float EPSILON = 0.0;
 layout(constant_id = 33) const uint EXPECTED_DIRECTIONS = 128u;
 // Vertices that monte-carlo keeps of a path: all of them, or 1 for the other learners.
 layout(constant_id = 34) const uint KEPT_VERTICES = 1u;
-// Multiplies what learning takes a surface to reflect. Not 1 only in tests, which must notice.
-layout(constant_id = 35) const float ATTENUATION_TAMPER = 1.0;
 
 // Emitter sampling.
 layout(constant_id = 40) const bool NEE = false;
 // Bit 1 << kind for every kind of light in the scene.
 layout(constant_id = 41) const uint LIGHT_KINDS = 0u;
 layout(constant_id = 42) const uint ENVIRONMENT = ENVIRONMENT_NONE;
-// Not MIS_EXACT only in tests, which must notice.
-layout(constant_id = 43) const uint MIS_FAULT = MIS_EXACT;
 
 // TEXTURE_* bits of all textures.
 layout(constant_id = 50) const uint TEXTURE_KINDS = 0u;
 // Bit 1 << parameter for every parameter that has a texture in some material.
 layout(constant_id = 51) const uint TEXTURED_PARAMETERS = 0u;
 // The most textures that parameters of one material have.
-layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = 8u;
+layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = TEXTURE_LINKS;
 // Buffers that texel words are spread over.
 layout(constant_id = 53) const uint TEXEL_PAGES = 1u;
 layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;
-
-// Multiplies the density that samples are divided by. Not 1 only in tests, which must notice.
-layout(constant_id = 17) const float PDF_TAMPER = 1.0;
 
 bool mixes_acceptances() {
     return MIX == MIX_ACCEPTANCE;

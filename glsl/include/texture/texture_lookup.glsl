@@ -1,7 +1,7 @@
 // Where a texture is looked up, and what its texels mean. Pure.
 #ifndef TEXTURE_LOOKUP_GLSL
 #define TEXTURE_LOOKUP_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 #include "shared/variant.glsl"
 
 // Four texels and how they are mixed.

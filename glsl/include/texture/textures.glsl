@@ -3,12 +3,8 @@
 #ifndef TEXTURES_GLSL
 #define TEXTURES_GLSL
 #include "bsdf/material.glsl"
+#include "shared/records.glsl"
 #include "texture/texture_lookup.glsl"
-
-// Texels of a record (layout.rs, TextureRecord).
-const uint TEXTURE_HEAD = 0u;     // kind; address of the first word; width; height
-const uint TEXTURE_TO_UV = 1u;    // two rows of the map from the surface's coordinates; beside the first, factor of halves
-const uint TEXTURE_COLORS = 3u;   // of a checkerboard
 
 struct TextureSampler {
     uint index;
@@ -112,8 +108,8 @@ void apply_textures(inout Bsdf b, uint material, vec2 uv) {
     for (uint i = 0u; i < MAX_TEXTURE_LINKS && more; ++i) {
         uint link = fetch_material(material, MATERIAL_LINKS + i / 4u)[i % 4u];
         more = link != NONE;
-        vec3 color = sample_texture(more ? link & 0xffffffu : 0u, uv).rgb;
-        if (more) scale_parameter(b, link >> 24u, color);
+        vec3 color = sample_texture(more ? link & ((1u << LINK_PARAMETER_SHIFT) - 1u) : 0u, uv).rgb;
+        if (more) scale_parameter(b, link >> LINK_PARAMETER_SHIFT, color);
     }
 }
 

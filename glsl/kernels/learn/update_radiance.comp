@@ -21,16 +21,6 @@ LearnedRadiance learn(LearnedRadiance before, float sum, float target_count) {
     return LearnedRadiance(mix(before.mean, sum / target_count, alpha), weight);
 }
 
-// The same for the second moment of the bin's targets, of which the root is kept. Kept squares are shares of the limit's: those
-// of radiance would leave the range of numbers.
-void learn_second_moment(uint index, float target_count, float weight) {
-    float sum_of_squares = take_squares(index);
-    if (target_count == 0.0) return;
-    float before = root_second_moment(index) / scene().target_limit;
-    float learned = mix(before * before, sum_of_squares / target_count, target_count / weight);
-    store_root_second_moment(index, sqrt(learned) * scene().target_limit);
-}
-
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
     float sum_of_means = 0.0;
@@ -40,7 +30,6 @@ void main() {
         take_targets(index, scene().target_limit, sum, target_count);
         LearnedRadiance learned = learn(learned_radiance(index), sum, target_count);
         store_learned_radiance(index, learned);
-        if (keeps_second_moments()) learn_second_moment(index, target_count, learned.weight);
         sum_of_means += learned.mean;
     }
     if (learns_share() && gl_LocalInvocationIndex < SHARES_PER_CELL) learn_share(share_index(cell, gl_LocalInvocationIndex));

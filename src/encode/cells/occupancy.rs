@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Grid;
 use crate::encode::bvh::Bvh;
-use crate::generated::kernels;
+use crate::generated::constants;
 use crate::generated::layout::PrimitiveRecord;
 
 /// A place reaches this much further than it does, in places: further than the rounding of a point takes it.
@@ -42,11 +42,11 @@ impl Shape {
     fn new(grid: &Grid, p: &PrimitiveRecord) -> Self {
         let origin = grid.coordinates(p.origin.into());
         let [u, v] = [p.edge_u, p.edge_v].map(|edge| Vec3::from(edge) * grid.per_unit);
-        let corners = match p.flags & kernels::PRIMITIVE_SHAPE_MASK {
-            kernels::SHAPE_SPHERE => {
+        let corners = match p.flags & constants::PRIMITIVE_SHAPE_MASK {
+            constants::SHAPE_SPHERE => {
                 return Self::Ellipsoid { center: origin, radii: p.edge_tolerance * grid.per_unit };
             }
-            kernels::SHAPE_TRIANGLE => [origin, origin + u, origin + v, origin],
+            constants::SHAPE_TRIANGLE => [origin, origin + u, origin + v, origin],
             _ => [origin - u - v, origin - u + v, origin + u - v, origin + u + v],
         };
         let [min, max] = [corners.iter().copied().reduce(Vec3::min), corners.iter().copied().reduce(Vec3::max)]

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, Vec2, dvec2};
 
-use crate::generated::kernels;
+use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
 use crate::reference::texture::sample;
 use crate::scene::{Image, Texture};
@@ -40,14 +40,14 @@ fn even_point(i: usize) -> DVec2 {
 
 /// Texture coordinates of a point of the primitive; where `u` is uniform on the unit square, so is the point in area.
 fn coordinates(primitive: &PrimitiveRecord, attributes: &AttributeRecord, u: DVec2) -> DVec2 {
-    match primitive.flags & kernels::PRIMITIVE_SHAPE_MASK {
-        kernels::SHAPE_TRIANGLE => {
+    match primitive.flags & constants::PRIMITIVE_SHAPE_MASK {
+        constants::SHAPE_TRIANGLE => {
             let [a, b, c] = [attributes.uv0, attributes.uv1, attributes.uv2].map(|uv| Vec2::from(uv).as_dvec2());
             let root = u.x.sqrt();
             a + (1.0 - root) * (b - a) + root * u.y * (c - a)
         }
-        kernels::SHAPE_PARALLELOGRAM => u,
-        kernels::SHAPE_DISK => dvec2(u.x.sqrt(), u.y),
+        constants::SHAPE_PARALLELOGRAM => u,
+        constants::SHAPE_DISK => dvec2(u.x.sqrt(), u.y),
         _ => dvec2(u.x, (1.0 - 2.0 * u.y).acos() / std::f64::consts::PI),
     }
 }
@@ -67,7 +67,7 @@ mod tests {
     fn triangle(uvs: [[f32; 2]; 3]) -> f64 {
         let [uv0, uv1, uv2] = uvs;
         let attributes = AttributeRecord { uv0, uv1, uv2, ..bytemuck::Zeroable::zeroed() };
-        let primitive = PrimitiveRecord { flags: kernels::SHAPE_TRIANGLE, ..bytemuck::Zeroable::zeroed() };
+        let primitive = PrimitiveRecord { flags: constants::SHAPE_TRIANGLE, ..bytemuck::Zeroable::zeroed() };
         brightness(&checkerboard(), &[], &primitive, &attributes, 4096)
     }
 
@@ -81,13 +81,13 @@ mod tests {
 
     #[test]
     fn other_shapes_show_the_whole_texture() {
-        for flags in [kernels::SHAPE_PARALLELOGRAM, kernels::SHAPE_SPHERE] {
+        for flags in [constants::SHAPE_PARALLELOGRAM, constants::SHAPE_SPHERE] {
             let primitive = PrimitiveRecord { flags, ..bytemuck::Zeroable::zeroed() };
             let found = brightness(&checkerboard(), &[], &primitive, &bytemuck::Zeroable::zeroed(), 4096);
             assert!((found - 0.5).abs() < 0.01, "{found}");
         }
         // The inner half of the radius is a quarter of a disk.
-        let primitive = PrimitiveRecord { flags: kernels::SHAPE_DISK, ..bytemuck::Zeroable::zeroed() };
+        let primitive = PrimitiveRecord { flags: constants::SHAPE_DISK, ..bytemuck::Zeroable::zeroed() };
         let texture = Texture { to_uv: Mat3::from_scale(glam::vec2(1.0, 0.0)), ..checkerboard() };
         let found = brightness(&texture, &[], &primitive, &bytemuck::Zeroable::zeroed(), 4096);
         assert!((found - 0.75).abs() < 0.01, "{found}");

@@ -5,7 +5,7 @@ pub(crate) mod halves;
 mod records;
 mod words;
 
-use crate::generated::layout::TextureRecord;
+use crate::generated::layout::{TEXEL_BYTES, TextureRecord};
 use crate::scene::texture::{Image, Texture};
 
 pub use words::TexelWords;
@@ -29,7 +29,7 @@ impl PackedTextures {
 
     /// Texels of the largest buffer.
     pub fn longest(&self) -> u64 {
-        let records = size_of_val(&self.records[..]) / 16;
+        let records = size_of_val(&self.records[..]) / TEXEL_BYTES;
         self.words.longest_page().max(records) as u64
     }
 }

@@ -2,7 +2,7 @@
 
 use super::halves;
 use super::words::TexelWords;
-use crate::generated::kernels;
+use crate::generated::constants;
 use crate::generated::layout::TextureRecord;
 use crate::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
 
@@ -55,35 +55,35 @@ fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRec
 }
 
 fn kind(texture: &Texture, images: &[Image]) -> u32 {
-    let transformed = if texture.to_uv == glam::Mat3::IDENTITY { 0 } else { kernels::TEXTURE_TRANSFORMED };
+    let transformed = if texture.to_uv == glam::Mat3::IDENTITY { 0 } else { constants::TEXTURE_TRANSFORMED };
     transformed
         | match texture.pattern {
             Pattern::Bitmap { image, filter, wrap } => {
                 texel_kind(&images[image as usize]) | filter_kind(filter) | wrap_kind(wrap)
             }
-            Pattern::Checkerboard { .. } => kernels::TEXTURE_CHECKERBOARD,
+            Pattern::Checkerboard { .. } => constants::TEXTURE_CHECKERBOARD,
         }
 }
 
 fn texel_kind(image: &Image) -> u32 {
     match image.texels {
-        Texels::Bytes { srgb: true, .. } => kernels::TEXTURE_SRGB_BYTES,
-        Texels::Bytes { srgb: false, .. } => kernels::TEXTURE_LINEAR_BYTES,
-        Texels::Floats(_) => kernels::TEXTURE_HALVES,
+        Texels::Bytes { srgb: true, .. } => constants::TEXTURE_SRGB_BYTES,
+        Texels::Bytes { srgb: false, .. } => constants::TEXTURE_LINEAR_BYTES,
+        Texels::Floats(_) => constants::TEXTURE_HALVES,
     }
 }
 
 fn filter_kind(filter: TexelFilter) -> u32 {
     match filter {
-        TexelFilter::Bilinear => kernels::TEXTURE_BILINEAR,
-        TexelFilter::Nearest => kernels::TEXTURE_NEAREST,
+        TexelFilter::Bilinear => constants::TEXTURE_BILINEAR,
+        TexelFilter::Nearest => constants::TEXTURE_NEAREST,
     }
 }
 
 fn wrap_kind(wrap: WrapMode) -> u32 {
     match wrap {
-        WrapMode::Repeat => kernels::TEXTURE_REPEAT,
-        WrapMode::Mirror => kernels::TEXTURE_MIRROR,
-        WrapMode::Clamp => kernels::TEXTURE_CLAMP,
+        WrapMode::Repeat => constants::TEXTURE_REPEAT,
+        WrapMode::Mirror => constants::TEXTURE_MIRROR,
+        WrapMode::Clamp => constants::TEXTURE_CLAMP,
     }
 }

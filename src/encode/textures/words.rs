@@ -3,7 +3,7 @@
 use bytemuck::cast_slice;
 
 use super::halves;
-use crate::generated::kernels;
+use crate::generated::constants;
 use crate::scene::texel_pages::{PAGE_WORDS, place, word_count};
 use crate::scene::texture::{Image, Texels};
 
@@ -23,7 +23,7 @@ impl TexelWords {
         for (i, place) in indices.into_iter().zip(place(&counts).unwrap_or_default()) {
             let word = place.word + if place.page == 0 { first_word } else { 0 };
             words.write(place.page, word as usize, &images[i]);
-            words.addresses[i] = Some((place.page as u32) << kernels::TEXEL_PAGE_SHIFT | word as u32);
+            words.addresses[i] = Some((place.page as u32) << constants::TEXEL_PAGE_SHIFT | word as u32);
         }
         words
     }
@@ -58,4 +58,4 @@ impl TexelWords {
     }
 }
 
-const _: () = assert!(PAGE_WORDS <= 1 << kernels::TEXEL_PAGE_SHIFT);
+const _: () = assert!(PAGE_WORDS <= 1 << constants::TEXEL_PAGE_SHIFT);

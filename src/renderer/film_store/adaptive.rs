@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::film::noise::{NoiseReport, TileNoise, Tiles};
+use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::JudgePush;
 use crate::gpu::{Context, DescriptorSet, Kernel};
-use crate::renderer::film_store::pages::{FilmPage, TILE_PIXELS, TILE_SIDE};
+use crate::renderer::film_store::pages::FilmPage;
 use crate::renderer::trace::slices::Slicer;
 use crate::settings::Settings;
 use crate::settings::schedule::PARTS;

@@ -3,4 +3,3 @@
 pub(super) mod adaptive;
 pub(super) mod pages;
 pub(super) mod sums;
-pub(super) mod weighed;

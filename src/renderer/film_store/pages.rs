@@ -6,19 +6,16 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::film::Picture;
-use crate::film::measured_weights::WeighedPixel;
 use crate::film::noise::TileNoise;
 use crate::film::sums::PixelSums;
+use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::state::Span;
 use crate::scene::Crop;
 use crate::settings::Settings;
 
-/// Pixels along a side of a tile.
-pub(crate) const TILE_SIDE: u32 = 8;
-/// Pixels of a tile.
-pub(crate) const TILE_PIXELS: u32 = TILE_SIDE * TILE_SIDE;
+const _: () = assert!(TILE_PIXELS == TILE_SIDE * TILE_SIDE);
 
 /// Some tiles of the film, with the descriptor set through which kernels see them.
 pub(crate) struct FilmPage {
@@ -162,15 +159,10 @@ impl FilmPage {
         Ok(())
     }
 
-    /// Every pixel's moments of radiance, in tile order.
-    pub fn read_radiance(&self) -> Result<Vec<FilmRadiance>> {
-        self.radiance.read(0, self.pixel_count as usize)
-    }
-
     /// Every pixel's moments, in tile order.
     pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
         let count = self.pixel_count as usize;
-        Ok((self.read_radiance()?, self.features.read(0, count)?))
+        Ok((self.radiance.read(0, count)?, self.features.read(0, count)?))
     }
 }
 
@@ -218,8 +210,6 @@ const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>())
 const HOST_PIXEL_BYTES: u64 = 64;
 /// The same of a part of a picture besides: its sums, in tile order, and those of a picture that is read back, in both orders.
 const PART_PIXEL_BYTES: u64 = 3 * size_of::<PixelSums>() as u64;
-/// The same of a film whose steps are weighed by measured variance: its blocks, and the moments that are read back for them.
-const WEIGHED_PIXEL_BYTES: u64 = (size_of::<WeighedPixel>() + size_of::<FilmRadiance>()) as u64;
 
 /// Bytes of the film on the device.
 pub(crate) fn film_bytes(settings: &Settings) -> u64 {
@@ -230,8 +220,7 @@ pub(crate) fn film_bytes(settings: &Settings) -> u64 {
 /// Bytes that reading it back takes of the host.
 pub(crate) fn host_film_bytes(settings: &Settings) -> u64 {
     let of_part = if settings.sample_offset.is_some() { PART_PIXEL_BYTES } else { 0 };
-    let of_blocks = if settings.measures_weights() { WEIGHED_PIXEL_BYTES } else { 0 };
-    padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part + of_blocks)
+    padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part)
 }
 
 /// Pixels of whole tiles.

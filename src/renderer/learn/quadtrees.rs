@@ -1,15 +1,13 @@
 //! The quadtrees of Müller, Gross and Novák (2017): how much room they have, and when they are refined. What is in them says
 //! `glsl/include/guide/samplers/quadtree_nodes.glsl`; they lie in the nodes and sums of set 2.
 
-use crate::generated::kernels::{REFINE_DRAFT, REFINE_MEASURE, REFINE_PLACE, REFINE_SETTLE, Variant};
+use crate::generated::kernels::{NODES_PER_LEAF, REFINE_DRAFT, REFINE_MEASURE, REFINE_PLACE, REFINE_SETTLE, Variant};
 use crate::generated::layout::RefinePush;
 use crate::gpu::{DescriptorSet, Kernel, Recorder};
 use crate::settings::Settings;
 
 /// No more nodes than this, however many bins the grid has: their sums are to fit a storage buffer.
 const MOST_NODES: u64 = 1 << 20;
-/// `NODES_PER_LEAF` in GLSL.
-const NODES_PER_LEAF: u64 = 8;
 /// Workgroups that share the leaves when their trees are copied.
 const SETTLE_GROUPS: u32 = 256;
 
@@ -21,7 +19,7 @@ pub(crate) fn node_limit(settings: &Settings) -> u64 {
 }
 
 fn leaf_limit(settings: &Settings) -> u64 {
-    node_limit(settings) / NODES_PER_LEAF
+    node_limit(settings) / u64::from(NODES_PER_LEAF)
 }
 
 /// Quarters of nodes, which have a sum each.

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::encode::bvh::Bvh;
-use crate::generated::kernels::Kernels;
+use crate::generated::kernels::bindings::bvh::{BVH_ATTRIBUTES, BVH_NODES, BVH_PRIMITIVES};
+use crate::generated::kernels::{BVH_SET, Kernels};
+use crate::generated::layout::TEXEL_BYTES;
 use crate::gpu::{Buffer, Context, DescriptorSet};
-use crate::renderer::{buffer_kind, set_shape};
-
-const TEXEL_BYTES: u64 = 16;
+use crate::renderer::{buffer_kind, set_over, set_shape};
 
 /// The geometry of a scene on the device.
 pub(crate) struct Geometry {
@@ -20,22 +20,22 @@ impl Geometry {
     pub fn texels(bvh: &Bvh) -> u64 {
         let bytes =
             size_of_val(&bvh.nodes[..]).max(size_of_val(&bvh.primitives[..])).max(size_of_val(&bvh.attributes[..]));
-        bytes as u64 / TEXEL_BYTES
+        (bytes / TEXEL_BYTES) as u64
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, bvh: &Bvh) -> Result<Self> {
-        let shape = set_shape(kernels, 1);
-        let contents: [(&str, &[u8]); 3] = [
-            ("BVH nodes", bytemuck::cast_slice(&bvh.nodes)),
-            ("primitives", bytemuck::cast_slice(&bvh.primitives)),
-            ("attributes", bytemuck::cast_slice(&bvh.attributes)),
+        let shape = set_shape(kernels, BVH_SET);
+        let contents: [(u32, &str, &[u8]); 3] = [
+            (BVH_NODES, "BVH nodes", bytemuck::cast_slice(&bvh.nodes)),
+            (BVH_PRIMITIVES, "primitives", bytemuck::cast_slice(&bvh.primitives)),
+            (BVH_ATTRIBUTES, "attributes", bytemuck::cast_slice(&bvh.attributes)),
         ];
-        let buffers = contents
-            .iter()
-            .zip(shape.bindings)
-            .map(|((name, bytes), binding)| Buffer::with_values(context, name, bytes, buffer_kind(binding.kind)));
-        let buffers = buffers.collect::<Result<Vec<_>>>()?;
-        let set = DescriptorSet::new(context, "bvh", shape, &buffers.iter().collect::<Vec<_>>())?;
+        let upload = |(binding, name, bytes): (u32, &str, &[u8])| {
+            Ok((binding, Buffer::with_values(context, name, bytes, buffer_kind(shape, binding))?))
+        };
+        let buffers = contents.into_iter().map(upload).collect::<Result<Vec<_>>>()?;
+        let numbered: Vec<_> = buffers.iter().map(|(binding, buffer)| (*binding, buffer)).collect();
+        let set = set_over(context, "bvh", shape, &numbered)?;
         Ok(Self { set })
     }
 

@@ -9,21 +9,20 @@ use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
 use crate::encode::textures::TexelWords;
 use crate::film::Picture;
+use crate::generated::kernels::bindings::frame as numbers;
 use crate::generated::kernels::{self, Kernels};
-use crate::generated::layout::{self, FilmRadiance};
-use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, Recorder, SetShape};
+use crate::generated::layout;
+use crate::gpu::{Buffer, BufferKind, Context, Recorder, SetShape};
 use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture};
 use crate::renderer::state::{Persistent, Span};
 use crate::renderer::statistics::Counts;
 use crate::renderer::trace::wavefront::wave_buffer;
 use crate::renderer::{Shading, Surfaces};
-use crate::renderer::{buffer_kind, set_shape, word_buffer_kind};
+use crate::renderer::{buffer_kind, set_over, set_shape, word_buffer_kind};
 use crate::scene::texel_pages::MAX_PAGES;
 use crate::scene::{Projection, Scene};
 use crate::settings::{Learner, Settings};
 
-/// `texel_words` of `glsl/include/film/frame.glsl`.
-const TEXEL_WORDS_BINDING: u32 = 6;
 /// Targets of learners that bootstrap saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;
 /// The same of collected returns: few paths survive roulette, and these are weighed up.
@@ -53,35 +52,34 @@ impl Frame {
         let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
         let constants = scene_constants(scene, cells, lights, settings);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
-        let shape = set_shape(kernels, 0);
-        let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape.bindings[3].kind))?;
+        let shape = set_shape(kernels, kernels::FRAME_SET);
+        let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape, numbers::MATERIALS))?;
         let emitters = lights.texels();
-        let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape.bindings[4].kind))?;
+        let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape, numbers::EMITTERS))?;
         // After the counters, the lengths of a wave's queues: of paths and of connections, for every edge.
         let counter_bytes = u64::from(kernels::COUNTER_COUNT + 2 * settings.max_depth) * 4;
         let counters = Buffer::new(context, "counters", counter_bytes, BufferKind::Storage)?;
         let counters_read = Buffer::new(context, "counters for the host", counter_bytes, BufferKind::Readback)?;
         let records = bytemuck::cast_slice(&textures.records);
-        let records = uploaded("textures", records, buffer_kind(shape.bindings[3].kind))?;
+        let records = uploaded("textures", records, buffer_kind(shape, numbers::TEXTURES))?;
         let [words0, words1, words2, words3] = &texel_words(context, shape, &textures.words)?;
         let page = |buffers: PageBuffers| -> Result<FilmPage> {
             let (radiance, features) = (&buffers.radiance, &buffers.features);
             let all = [
-                radiance,
-                features,
-                &constants,
-                &materials,
-                &emitters,
-                &counters,
-                words0,
-                &records,
-                words1,
-                words2,
-                words3,
-                wave.as_ref().unwrap_or(&buffers.adaptive),
+                (numbers::FILM_RADIANCE_PAGE, radiance),
+                (numbers::FILM_FEATURES_PAGE, features),
+                (numbers::SCENE, &constants),
+                (numbers::MATERIALS, &materials),
+                (numbers::EMITTERS, &emitters),
+                (numbers::COUNTERS, &counters),
+                (numbers::TEXEL_WORDS, words0),
+                (numbers::TEXTURES, &records),
+                (numbers::TEXEL_WORDS1, words1),
+                (numbers::TEXEL_WORDS2, words2),
+                (numbers::TEXEL_WORDS3, words3),
+                (numbers::SCRATCH, wave.as_ref().unwrap_or(&buffers.adaptive)),
             ];
-            let used: Vec<_> = shape.bindings.iter().map(|binding| all[binding.binding as usize]).collect();
-            let set = DescriptorSet::new(context, "frame", shape, &used)?;
+            let set = set_over(context, "frame", shape, &all)?;
             buffers.with_set(set)
         };
         let pages = PageBuffers::allocate(context, settings)?.into_iter().map(page).collect::<Result<_>>()?;
@@ -132,22 +130,6 @@ impl Frame {
         parts
     }
 
-    /// Every pixel's moments of radiance, in tile order.
-    pub fn radiance(&self) -> Result<Vec<FilmRadiance>> {
-        let pages: Vec<_> = self.pages.iter().map(FilmPage::read_radiance).collect::<Result<_>>()?;
-        Ok(pages.concat())
-    }
-
-    /// Has the moments of this film begin anew, beside counts of all samples.
-    pub fn restart_moments(&self, mut film: &[FilmRadiance]) -> Result<()> {
-        for page in &self.pages {
-            let (of_page, rest) = film.split_at(page.pixel_count() as usize);
-            page.radiance().upload(0, &of_page.iter().map(restarted).collect::<Vec<_>>())?;
-            film = rest;
-        }
-        Ok(())
-    }
-
     pub fn picture(&self, settings: &Settings) -> Result<Picture> {
         let mut picture = empty_picture(settings);
         self.pages.iter().try_for_each(|page| page.read_into(&mut picture, settings))?;
@@ -155,15 +137,9 @@ impl Frame {
     }
 }
 
-/// Without samples, but for their counts.
-fn restarted(pixel: &FilmRadiance) -> FilmRadiance {
-    FilmRadiance { mean: [0.0; 3], squared_deviation: [0.0; 3], ..*pixel }
-}
-
 /// The pages of words. Those beyond the last stand for it, for every binding needs a buffer.
 fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> Result<[Arc<Buffer>; MAX_PAGES]> {
-    let binding = shape.bindings.iter().find(|binding| binding.binding == TEXEL_WORDS_BINDING);
-    let kind = binding.map_or(BufferKind::Storage, |binding| word_buffer_kind(binding.kind));
+    let kind = word_buffer_kind(shape, numbers::TEXEL_WORDS);
     let mut buffers = Vec::new();
     for (i, page) in words.pages().iter().enumerate() {
         buffers.push(Buffer::with_values(context, &format!("texel words {i}"), page, kind)?);

@@ -7,11 +7,12 @@ use crate::Result;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_integrals::cosine_integrals;
 use crate::encode::cosine_trees::{Node, cosine_trees, nodes_per_tree};
-use crate::generated::kernels::Kernels;
+use crate::generated::kernels::bindings::normalization_grid as numbers;
+use crate::generated::kernels::{Kernels, NORMALIZATION_GRID_SET};
 use crate::generated::layout::{CosineIntegral, NormalizationEntry};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::state::Persistent;
-use crate::renderer::{set_shape, table_kind, table_set};
+use crate::renderer::{set_over, set_shape, table_kind};
 use crate::settings::{Sampler, Settings};
 
 /// The grid of Sec. 4, with an entry per cell and normal bin.
@@ -44,7 +45,7 @@ impl NormalizationGrid {
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings, cells: &Cells) -> Result<Self> {
-        let shape = set_shape(kernels, 3);
+        let shape = set_shape(kernels, NORMALIZATION_GRID_SET);
         let entries = Self::texels(settings, cells);
         let cosines = match settings.sampler {
             Sampler::Bsdf | Sampler::SphereInversion | Sampler::Quadtree => Vec::new(),
@@ -61,7 +62,14 @@ impl NormalizationGrid {
         };
         let node_kind = table_kind(shape, BufferKind::TexelUint);
         let trees = Buffer::with_values(context, "cosine nodes", &trees, node_kind)?;
-        let set = table_set(context, "normalization grid", shape, &[&table, &marks, &integrals, &table, &trees])?;
+        let buffers = [
+            (numbers::NORMALIZATION_TABLE, &table),
+            (numbers::NORMALIZATION_MARKS, &marks),
+            (numbers::COSINE_INTEGRALS, &integrals),
+            (numbers::NORMALIZATION_TEXELS, &table),
+            (numbers::COSINE_NODES, &trees),
+        ];
+        let set = set_over(context, "normalization grid", shape, &buffers)?;
         Ok(Self { set, table, marks })
     }
 

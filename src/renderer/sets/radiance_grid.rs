@@ -6,27 +6,14 @@ use std::sync::Arc;
 use crate::Result;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_trees::{Node, nodes_per_tree};
-use crate::generated::kernels::Kernels;
+use crate::generated::kernels::bindings::radiance_grid as numbers;
+use crate::generated::kernels::{Kernels, RADIANCE_GRID_SET, SHARE_SUMS, SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, RadianceSum};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::learn::quadtrees;
 use crate::renderer::state::Persistent;
-use crate::renderer::{set_shape, table_kind, table_set};
+use crate::renderer::{set_over, set_shape, table_kind};
 use crate::settings::{Sampler, Settings};
-
-/// Of each cell: `SHARES_PER_CELL` of `glsl/include/guide/samplers/bsdf_share.glsl`, four words and two sums each.
-const SHARES: u64 = 2;
-const SHARE_WORDS: u64 = 4;
-const SHARE_SUMS: u64 = 2;
-
-/// Words of the sum of a bin's squared targets, in fixed point.
-const SQUARE_WORDS: u64 = 2;
-
-/// Where roots of second moments are in the table of so many cells; 0 where none are kept.
-pub(crate) fn second_moments_at(settings: &Settings, cell_count: u32) -> u32 {
-    let shares = if settings.learns_share() { (SHARES * SHARE_WORDS) as u32 } else { 0 };
-    if settings.keeps_second_moments() { cell_count * (settings.directions.pow(2) + shares) } else { 0 }
-}
 
 /// The grid of Sec. 3: cells of `directions^2` bins. What cells learn of the scattering function's share follows their bins.
 pub(crate) struct RadianceGrid {
@@ -36,7 +23,7 @@ pub(crate) struct RadianceGrid {
     /// Of a step, or with quadtrees of an iteration of steps.
     sums: Arc<Buffer>,
     keeps_sums: bool,
-    /// Of sphere inversion; sums of squares where second moments are kept.
+    /// Ends of the bins' shares, of sphere inversion alone.
     ends: Arc<Buffer>,
     /// Of the product sampler and of quadtrees alone.
     nodes: Arc<Buffer>,
@@ -55,25 +42,17 @@ impl RadianceGrid {
     }
 
     fn shares(settings: &Settings, cells: &Cells) -> u64 {
-        if settings.learns_share() { SHARES * u64::from(cells.count()) } else { 0 }
+        if settings.learns_share() { u64::from(SHARES_PER_CELL) * u64::from(cells.count()) } else { 0 }
     }
 
-    /// Bins whose second moments are kept.
-    fn second_moments(settings: &Settings, cells: &Cells) -> u64 {
-        if settings.keeps_second_moments() { Self::bins(settings, cells) } else { 0 }
-    }
-
-    /// Words of bins' ends and sums of squares.
+    /// Words of bins' ends.
     fn end_words(settings: &Settings, cells: &Cells) -> u64 {
-        let ends = if settings.sampler == Sampler::SphereInversion { Self::bins(settings, cells) } else { 0 };
-        ends + SQUARE_WORDS * Self::second_moments(settings, cells)
+        if settings.sampler == Sampler::SphereInversion { Self::bins(settings, cells) } else { 0 }
     }
 
-    /// Words of the table that is sampled by: means, shares, and roots of second moments.
+    /// Words of the table that is sampled by: means and shares.
     fn radiances(settings: &Settings, cells: &Cells) -> u64 {
-        Self::bins(settings, cells)
-            + SHARE_WORDS * Self::shares(settings, cells)
-            + Self::second_moments(settings, cells)
+        Self::bins(settings, cells) + u64::from(SHARE_WORDS) * Self::shares(settings, cells)
     }
 
     /// Bins of which something is learned: also of the larger cells where cells fall back on these.
@@ -85,7 +64,7 @@ impl RadianceGrid {
     fn sums(settings: &Settings, cells: &Cells) -> u64 {
         match settings.sampler {
             Sampler::Quadtree => quadtrees::quarters(settings),
-            _ => Self::bins(settings, cells) + SHARE_SUMS * Self::shares(settings, cells),
+            _ => Self::bins(settings, cells) + u64::from(SHARE_SUMS) * Self::shares(settings, cells),
         }
     }
 
@@ -111,7 +90,7 @@ impl RadianceGrid {
     }
 
     pub fn new(context: &Arc<Context>, kernels: &Kernels, settings: &Settings, cells: &Cells) -> Result<Self> {
-        let shape = set_shape(kernels, 2);
+        let shape = set_shape(kernels, RADIANCE_GRID_SET);
         let bins = Self::bins(settings, cells);
         let buffer = |name: &str, count: u64, size: usize, kind| Buffer::new(context, name, count * size as u64, kind);
         let radiance_kind = table_kind(shape, BufferKind::StorageTexelFloat1);
@@ -125,8 +104,17 @@ impl RadianceGrid {
         let node_kind = table_kind(shape, BufferKind::StorageTexelUint);
         let nodes = Buffer::new(context, "radiance nodes", Self::node_bytes(settings, cells), node_kind)?;
         let table = Buffer::with_values(context, "cells", &cells.table, BufferKind::Storage)?;
-        let buffers = [&radiance, &learned, &sums, &ends, &nodes, &radiance, &nodes, &table];
-        let set = table_set(context, "radiance grid", shape, &buffers)?;
+        let buffers = [
+            (numbers::RADIANCE_TABLE, &radiance),
+            (numbers::LEARNED_TABLE, &learned),
+            (numbers::RADIANCE_SUMS, &sums),
+            (numbers::BIN_ENDS, &ends),
+            (numbers::RADIANCE_NODES, &nodes),
+            (numbers::RADIANCE_TEXELS, &radiance),
+            (numbers::RADIANCE_NODE_TEXELS, &nodes),
+            (numbers::CELL_TABLE, &table),
+        ];
+        let set = set_over(context, "radiance grid", shape, &buffers)?;
         let keeps_sums = settings.sampler == Sampler::Quadtree;
         let (bin_count, share_count) = (bins as usize, Self::shares(settings, cells) as usize);
         Ok(Self { set, radiance, learned, sums, keeps_sums, ends, nodes, bin_count, share_count })
@@ -156,6 +144,6 @@ impl RadianceGrid {
     pub fn read_shares(&self) -> Result<Vec<[f32; 2]>> {
         let offset = (self.bin_count * size_of::<f32>()) as u64;
         let words = self.radiance.read::<[f32; SHARE_WORDS as usize]>(offset, self.share_count)?;
-        Ok(words.chunks_exact(SHARES as usize).map(|of_cell| [of_cell[0][0], of_cell[1][0]]).collect())
+        Ok(words.chunks_exact(SHARES_PER_CELL as usize).map(|of_cell| [of_cell[0][0], of_cell[1][0]]).collect())
     }
 }

@@ -5,8 +5,9 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::time::Duration;
 
+use crate::generated::constants::TILE_PIXELS;
 use crate::gpu::{DeviceInfo, DeviceKind};
-use crate::renderer::film_store::pages::{FilmPage, TILE_PIXELS};
+use crate::renderer::film_store::pages::FilmPage;
 use crate::settings::Settings;
 
 /// Target duration of a dispatch on a GPU, in seconds; watchdogs bite at some 2 s.

@@ -4,17 +4,17 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::generated::kernels::{Kernels, Variant};
+use crate::generated::kernels::{Kernels, QUEUE_COUNT, SLOT_QUADRUPLES, TILE_PIXELS, Variant};
 use crate::generated::layout::{PathTracePush, WavePush};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceInfo, DeviceKind, Kernel};
-use crate::renderer::film_store::pages::{TILE_PIXELS, padded_pixels};
+use crate::renderer::film_store::pages::padded_pixels;
 use crate::renderer::sets::frame::Frame;
 use crate::renderer::statistics::Counts;
 use crate::settings::{Execution, Settings};
 use crate::{Error, Result};
 
-/// Bytes of a slot: `SLOT_QUADRUPLES` of `glsl/include/path/wavefront.glsl`, and a word in each of three queues.
-const SLOT_BYTES: u64 = 12 * 16 + 3 * 4;
+/// Bytes of a slot, with its word in each queue.
+const SLOT_BYTES: u64 = (SLOT_QUADRUPLES as u64 * 4 + QUEUE_COUNT as u64) * size_of::<u32>() as u64;
 /// Most bytes of a wave, some four million paths, and the most of the device's memory, as a part of it. More paths keep a device busy
 /// to the end of a wave; on an NVIDIA H100 half as many cost 4 %, twice as many brought nothing.
 const WAVE_BYTES: u64 = 800 << 20;

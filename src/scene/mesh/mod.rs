@@ -17,6 +17,9 @@ const MAX_FILE_BYTES: u64 = 8 << 30;
 /// Triangles of a scene at most, copies of instances included: what the devices at hand can address, three texels each.
 pub(super) const MAX_TRIANGLES: usize = 1 << 25;
 
+/// Says that a face is a point or a line.
+pub(super) const TOO_FEW_VERTICES: &str = "a face needs at least three vertices";
+
 /// One mesh. Vertices that differ in anything are different ones, as in Mitsuba, so that smooth normals do not go across
 /// seams of the texture.
 #[derive(Debug, Default)]
@@ -64,7 +67,7 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
 /// Cuts a polygon into triangles around its first vertex.
 pub(super) fn add_polygon<T: Copy>(triangles: &mut Vec<[T; 3]>, polygon: &[T]) -> Result<(), String> {
     if polygon.len() < 3 {
-        return Err("a face needs at least three vertices".to_string());
+        return Err(TOO_FEW_VERTICES.to_string());
     }
     triangles.extend(polygon[1..].windows(2).map(|pair| [polygon[0], pair[0], pair[1]]));
     Ok(())

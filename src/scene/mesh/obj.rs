@@ -1,221 +1,327 @@
-//! Wavefront OBJ: positions, texture coordinates, normals and faces. All else, grouping too, is passed over: smooth
-//! normals go across objects, as in Mitsuba.
+//! Wavefront OBJ, read by `tobj`: positions, texture coordinates, normals and faces. All else, grouping too, is passed
+//! over: smooth normals go across objects, as in Mitsuba.
+//!
+//! `tobj` takes some lines otherwise than Mitsuba does, or silently for something else. It gets such a line in plain
+//! words, or not at all.
 
-use std::collections::HashMap;
+use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
-
 use super::words::Words;
-use super::{Mesh, add_polygon};
+use super::{MAX_TRIANGLES, Mesh, TOO_FEW_VERTICES, add_polygon};
 use crate::{Error, Result};
-
-/// Stands for an index that a corner lacks.
-const NONE: u32 = u32::MAX;
-/// Vertices at one position that are searched one by one; more are found by a hash.
-const MAX_CHAIN: usize = 16;
 
 /// The mesh in the OBJ file at `path`, which holds `text`.
 pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Mesh> {
-    let fault = |fault: Fault| Error::scene(path, Some(fault.line), fault.message);
-    let mut obj = Obj::default();
-    obj.read(text).map_err(fault)?;
-    if !obj.has_valid_indices() {
-        // A face may refer to what stands below it, so only now can the line be named.
-        let mut strict = Obj { totals: Some(obj.totals()), ..Obj::default() };
-        strict.read(text).map_err(fault)?;
+    if let Ok(mesh) = Lines::new(text, None).mesh() {
+        return Ok(mesh);
     }
-    Ok(obj.unify())
-}
-
-/// What is wrong, and in which line, counted from 1.
-struct Fault {
-    line: u32,
-    message: String,
+    // The second look checks each line, with totals known, so that it names the line that is wrong.
+    let mut lines = Lines::new(text, Some(totals(text)));
+    lines.mesh().map_err(|message| Error::scene(path, Some(lines.line), message))
 }
 
 /// How many positions, texture coordinates and normals there are.
 type Totals = [usize; 3];
+const KEYWORDS: [&str; 3] = ["v", "vt", "vn"];
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+/// Numbers of each kind.
+const SIZES: [usize; 3] = [3, 2, 3];
 
-/// Indices into positions, texture coordinates and normals; the last two may be `NONE`.
-type Corner = [u32; 3];
+/// Numbers without exponent are finite in a line of at most so many bytes.
+const FINITE_BYTES: usize = 38;
+/// Indices of a corner of at most so many bytes are far from overflow.
+const CORNER_BYTES: usize = 18;
 
-/// The file as it stands.
-#[derive(Default)]
-struct Obj {
-    positions: Vec<Vec3>,
-    uvs: Vec<Vec2>,
-    normals: Vec<Vec3>,
-    triangles: Vec<[Corner; 3]>,
-    /// Largest index of each kind plus one, or more than there can be where one is out of range.
-    used: Totals,
-    /// Given where an index out of range is an error at once.
-    totals: Option<Totals>,
+/// Indices into positions, texture coordinates and normals, from 1.
+type Corner = [Option<usize>; 3];
+
+/// What a line says, by its first word.
+enum Keyword {
+    /// Numbers of this kind.
+    Numbers(usize),
+    Face,
+    Other,
 }
 
-impl Obj {
-    fn read(&mut self, text: &[u8]) -> Result<(), Fault> {
-        let mut words = Words::new(text);
-        let mut polygon = Vec::new();
-        loop {
-            self.read_line(&mut words, &mut polygon).map_err(|message| Fault { line: words.line(), message })?;
-            if !words.next_line() {
-                return Ok(());
-            }
+impl Keyword {
+    fn of(words: &mut Words) -> Self {
+        match words.next() {
+            b"v" => Self::Numbers(0),
+            b"vt" => Self::Numbers(1),
+            b"vn" => Self::Numbers(2),
+            b"f" => Self::Face,
+            _ => Self::Other,
+        }
+    }
+}
+
+fn totals(text: &[u8]) -> Totals {
+    let (mut totals, mut words) = ([0; 3], Words::new(text));
+    loop {
+        if let Keyword::Numbers(kind) = Keyword::of(&mut words) {
+            totals[kind] += 1;
+        }
+        if !words.next_line() {
+            return totals;
+        }
+    }
+}
+
+/// Lines of a mesh as `tobj` gets them. A plain line goes as it stands, another one is checked and rewritten.
+struct Lines<'a> {
+    rest: &'a [u8],
+    /// The current line, counted from 1.
+    line: u32,
+    /// What is left of a plain line.
+    plain: &'a [u8],
+    /// A rewritten line, and how much of it is taken.
+    rewritten: Vec<u8>,
+    taken: usize,
+    /// What has been read so far.
+    counts: Totals,
+    faces: usize,
+    /// Whether corners of rewritten faces have an index of each kind.
+    has: [bool; 3],
+    /// Given for the second look: no line counts as plain, and corners that lack an index get one past the last, zero.
+    totals: Option<Totals>,
+    polygon: Vec<Corner>,
+    fault: Option<String>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a [u8], totals: Option<Totals>) -> Self {
+        Self {
+            rest: text,
+            line: 0,
+            plain: &[],
+            rewritten: Vec::new(),
+            taken: 0,
+            counts: [0; 3],
+            faces: 0,
+            has: [false; 3],
+            totals,
+            polygon: Vec::new(),
+            fault: None,
         }
     }
 
-    fn read_line(&mut self, words: &mut Words, polygon: &mut Vec<Corner>) -> Result<(), String> {
-        match words.next() {
-            b"v" => self.positions.push(words.floats()?.into()),
-            b"vt" => self.uvs.push(words.floats()?.into()),
-            b"vn" => self.normals.push(words.floats()?.into()),
-            b"f" => self.read_face(words, polygon)?,
-            _ => {}
+    /// The mesh of all lines, or what is wrong with the current one.
+    fn mesh(&mut self) -> Result<Mesh, String> {
+        let options = tobj::LoadOptions { single_index: true, ..Default::default() };
+        let read = tobj::load_obj_buf(self, &options, |_| Ok(Default::default()));
+        let (models, _) = read.map_err(|error| self.fault.take().unwrap_or_else(|| error.to_string()))?;
+        // Without names of objects and materials there is one model.
+        let mesh = models.into_iter().next().ok_or("there is no mesh")?.mesh;
+        Ok(Mesh {
+            uvs: bytemuck::cast_slice(self.complete(1, &mesh.texcoords, &mesh)?).to_vec(),
+            normals: bytemuck::cast_slice(self.complete(2, &mesh.normals, &mesh)?).to_vec(),
+            triangles: triangles(&mesh)?,
+            positions: bytemuck::cast_slice(&mesh.positions).to_vec(),
+        })
+    }
+
+    /// The `numbers` of a kind if each vertex has some, none if no vertex has. `tobj` leaves gaps out: the rest slips.
+    fn complete<'b>(&self, kind: usize, numbers: &'b [f32], mesh: &tobj::Mesh) -> Result<&'b [f32], String> {
+        let is_complete = numbers.len() / SIZES[kind] == mesh.positions.len() / SIZES[0];
+        match self.totals {
+            Some(_) if !self.has[kind] => Ok(&[]),
+            _ if is_complete => Ok(numbers),
+            None if numbers.is_empty() && !(self.has[kind] && self.counts[kind] == 0) => Ok(&[]),
+            _ => Err(format!("some vertices lack a {}", KINDS[kind])),
+        }
+    }
+
+    /// Makes the next line that counts ready, or none at the end.
+    fn advance(&mut self) -> Result<(), String> {
+        self.rewritten.clear();
+        self.taken = 0;
+        while self.plain.is_empty() && self.rewritten.is_empty() && !self.rest.is_empty() {
+            let length = self.rest.iter().position(|&byte| byte == b'\n').map_or(self.rest.len(), |end| end + 1);
+            let (line, rest) = self.rest.split_at(length);
+            self.rest = rest;
+            self.line = self.line.saturating_add(1);
+            self.take(line)?;
+            if rest.is_empty() && self.totals.is_some() {
+                self.rewritten.extend(b"vt 0 0\nvn 0 0 0\n");
+            }
         }
         Ok(())
     }
 
-    fn read_face(&mut self, words: &mut Words, polygon: &mut Vec<Corner>) -> Result<(), String> {
-        polygon.clear();
+    fn take(&mut self, line: &'a [u8]) -> Result<(), String> {
+        let mut words = Words::new(line);
+        let keyword = Keyword::of(&mut words);
+        let is_plain = self.totals.is_none() && self.is_plain(&keyword, line);
+        match keyword {
+            Keyword::Numbers(kind) => self.counts[kind] += 1,
+            Keyword::Face => self.faces += 1,
+            Keyword::Other => return Ok(()),
+        }
+        if self.faces > MAX_TRIANGLES {
+            return Err(format!("no more than {MAX_TRIANGLES} faces fit"));
+        }
+        match keyword {
+            _ if is_plain => self.plain = line,
+            Keyword::Numbers(kind) => self.rewrite_numbers(kind, &mut words)?,
+            _ => self.rewrite_face(&mut words)?,
+        }
+        Ok(())
+    }
+
+    /// Whether `tobj` reads the line as it is meant, or refuses it.
+    fn is_plain(&self, keyword: &Keyword, line: &[u8]) -> bool {
+        let line = line.trim_ascii_end();
+        match *keyword {
+            Keyword::Numbers(kind) => line.strip_prefix(KEYWORDS[kind].as_bytes()).is_some_and(|numbers| {
+                let blanks = numbers.iter().filter(|&&byte| byte == b' ').count();
+                let is_plain = |&byte: &u8| byte == b' ' || (b'-'..=b'9').contains(&byte);
+                // More than three numbers are divided by the fourth, or are a color; elsewhere they are passed over.
+                numbers.len() <= FINITE_BYTES && (kind > 0 || blanks == SIZES[0]) && numbers.iter().all(is_plain)
+            }),
+            // Where there is nothing to refer to, `tobj` passes over indices, whatever they are.
+            Keyword::Face => {
+                self.counts[1] > 0 && self.counts[2] > 0 && line.strip_prefix(b"f").is_some_and(is_plain_face)
+            }
+            Keyword::Other => false,
+        }
+    }
+
+    fn rewrite_numbers(&mut self, kind: usize, words: &mut Words) -> Result<(), String> {
+        self.rewritten.extend(KEYWORDS[kind].as_bytes());
+        if SIZES[kind] == 3 {
+            self.write_numbers(words.floats::<3>()?)
+        } else {
+            self.write_numbers(words.floats::<2>()?)
+        }
+    }
+
+    fn write_numbers<const N: usize>(&mut self, numbers: [f32; N]) -> Result<(), String> {
+        for number in numbers {
+            write!(self.rewritten, " {number:e}").map_err(|error| error.to_string())?;
+        }
+        self.rewritten.push(b'\n');
+        Ok(())
+    }
+
+    fn rewrite_face(&mut self, words: &mut Words) -> Result<(), String> {
+        self.polygon.clear();
         loop {
             match words.next() {
                 [] | [b'#', ..] => break,
-                word => polygon.push(self.corner(word)?),
+                word => {
+                    let corner = self.corner(word)?;
+                    self.polygon.push(corner);
+                }
             }
         }
-        add_polygon(&mut self.triangles, polygon)
+        if self.polygon.len() < 3 {
+            return Err(TOO_FEW_VERTICES.to_string());
+        }
+        self.rewritten.push(b'f');
+        for corner in &self.polygon {
+            for (kind, index) in corner.iter().enumerate() {
+                self.has[kind] |= index.is_some();
+                self.rewritten.push(if kind == 0 { b' ' } else { b'/' });
+                if let Some(index) = index.or(self.totals.map(|totals| totals[kind] + 1)) {
+                    write!(self.rewritten, "{index}").map_err(|error| error.to_string())?;
+                }
+            }
+        }
+        self.rewritten.push(b'\n');
+        Ok(())
     }
 
     /// `position`, `position/uv`, `position//normal` or `position/uv/normal`.
-    fn corner(&mut self, word: &[u8]) -> Result<Corner, String> {
-        let mut corner = [NONE; 3];
-        let mut rest = word;
-        for kind in 0..3 {
-            let (index, after) = split_integer(rest);
-            match index {
-                Some(index) => corner[kind] = self.index(kind, index)?,
-                None if kind > 0 && (after.is_empty() || after[0] == b'/') => {}
-                None => return Err(not_a_corner(word)),
+    fn corner(&self, word: &[u8]) -> Result<Corner, String> {
+        let word = String::from_utf8_lossy(word);
+        let mut corner = [None; 3];
+        for (kind, index) in word.split('/').enumerate() {
+            if kind == 3 {
+                return Err(format!("`{word}` has too many indices"));
             }
-            match after {
-                [] => return Ok(corner),
-                [b'/', more @ ..] => rest = more,
-                _ => return Err(not_a_corner(word)),
+            if kind == 0 || !index.is_empty() {
+                corner[kind] = Some(self.index(kind, index).ok_or_else(|| self.not_an_index(kind, index, &word))?);
             }
         }
-        Err(format!("`{}` has too many indices", String::from_utf8_lossy(word)))
+        Ok(corner)
     }
 
-    /// From 1, or relative to what has been read so far, to from 0.
-    fn index(&mut self, kind: usize, index: i64) -> Result<u32, String> {
-        let here = self.totals_so_far()[kind];
-        let absolute = if index < 0 { here as i64 + index } else { index - 1 };
-        let limit = self.totals.map_or(NONE as usize, |totals| totals[kind]);
-        match usize::try_from(absolute) {
-            Ok(absolute) if absolute < limit => {
-                self.used[kind] = self.used[kind].max(absolute + 1);
-                Ok(absolute as u32)
-            }
-            _ if self.totals.is_some() => {
-                Err(format!("{} index {index} is out of range; the file has {limit}", KINDS[kind]))
-            }
-            _ => {
-                self.used[kind] = usize::MAX;
-                Ok(NONE)
-            }
+    /// From 1, or relative to what has been read so far, to from 1.
+    fn index(&self, kind: usize, index: &str) -> Option<usize> {
+        let limit = self.totals.map_or(u32::MAX as usize, |totals| totals[kind]);
+        let distance: isize = index.parse().ok()?;
+        let index = if distance < 0 { self.counts[kind] + 1 } else { 0 }.checked_add_signed(distance)?;
+        (index != 0 && index <= limit).then_some(index)
+    }
+
+    fn not_an_index(&self, kind: usize, index: &str, word: &str) -> String {
+        let digits = index.strip_prefix(['-', '+']).unwrap_or(index);
+        if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+            return format!("`{word}` is not a vertex of a face");
         }
+        let total = self.totals.map_or(0, |totals| totals[kind]);
+        format!("{} index {index} is out of range; the file has {total}", KINDS[kind])
+    }
+}
+
+impl BufRead for Lines<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.plain.is_empty() && self.taken == self.rewritten.len() {
+            self.advance().map_err(|fault| {
+                self.fault = Some(fault);
+                io::ErrorKind::InvalidData
+            })?;
+        }
+        Ok(if self.plain.is_empty() { &self.rewritten[self.taken..] } else { self.plain })
     }
 
-    fn totals_so_far(&self) -> Totals {
-        [self.positions.len(), self.uvs.len(), self.normals.len()]
-    }
-
-    fn totals(&self) -> Totals {
-        self.totals_so_far()
-    }
-
-    fn has_valid_indices(&self) -> bool {
-        self.used.iter().zip(self.totals()).all(|(&used, total)| used <= total)
-    }
-
-    /// The mesh whose vertices are the different corners.
-    fn unify(self) -> Mesh {
-        let mut vertices = Vertices::new(self.positions.len());
-        let triangles = self.triangles.iter().map(|corners| corners.map(|corner| vertices.id(corner))).collect();
-        let corners = vertices.corners;
-        let [_, has_uvs, has_normals] = self.used.map(|used| used > 0);
-        let uv = |corner: &Corner| self.uvs.get(corner[1] as usize).copied().unwrap_or_default();
-        let normal = |corner: &Corner| self.normals.get(corner[2] as usize).copied().unwrap_or_default();
-        Mesh {
-            positions: corners.iter().map(|corner| self.positions[corner[0] as usize]).collect(),
-            uvs: if has_uvs { corners.iter().map(uv).collect() } else { Vec::new() },
-            normals: if has_normals { corners.iter().map(normal).collect() } else { Vec::new() },
-            triangles,
+    fn consume(&mut self, count: usize) {
+        if self.plain.is_empty() {
+            self.taken += count;
+        } else {
+            self.plain = &self.plain[count..];
         }
     }
 }
 
-/// Different corners, numbered in the order in which they come.
-struct Vertices {
-    corners: Vec<Corner>,
-    /// The first vertex at each position, and the next one at the same position.
-    first: Vec<u32>,
-    next: Vec<u32>,
-    hashed: HashMap<Corner, u32>,
+impl Read for Lines<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.fill_buf()?.read(buffer)?;
+        self.consume(count);
+        Ok(count)
+    }
 }
 
-impl Vertices {
-    fn new(position_count: usize) -> Self {
-        Self { corners: Vec::new(), first: vec![NONE; position_count], next: Vec::new(), hashed: HashMap::new() }
-    }
-
-    fn id(&mut self, corner: Corner) -> u32 {
-        let position = corner[0] as usize;
-        let mut id = self.first[position];
-        for _ in 0..MAX_CHAIN {
-            if id == NONE {
-                let new = self.push(corner);
-                self.next[new as usize] = std::mem::replace(&mut self.first[position], new);
-                return new;
-            }
-            if self.corners[id as usize] == corner {
-                return id;
-            }
-            id = self.next[id as usize];
+/// Whether corners are parted by single spaces, and have up to three indices from 1 or none.
+fn is_plain_face(corners: &[u8]) -> bool {
+    let (mut length, mut slashes, mut before) = (0, 0, b' ');
+    for &byte in corners {
+        match byte {
+            b' ' => (length, slashes) = (0, 0),
+            b'/' => slashes += 1,
+            b'1'..=b'9' => {}
+            b'0' if before.is_ascii_digit() => {}
+            _ => return false,
         }
-        if let Some(&id) = self.hashed.get(&corner) {
-            return id;
+        length += 1;
+        if length > CORNER_BYTES || slashes > 2 {
+            return false;
         }
-        let new = self.push(corner);
-        self.hashed.insert(corner, new);
-        new
+        before = byte;
     }
-
-    fn push(&mut self, corner: Corner) -> u32 {
-        self.corners.push(corner);
-        self.next.push(NONE);
-        self.corners.len() as u32 - 1
-    }
+    true
 }
 
-fn not_a_corner(word: &[u8]) -> String {
-    format!("`{}` is not a vertex of a face", String::from_utf8_lossy(word))
-}
-
-/// The integer at the beginning of a word, saturated, and what follows it.
-fn split_integer(word: &[u8]) -> (Option<i64>, &[u8]) {
-    let (negative, digits) = match word {
-        [b'-', rest @ ..] => (true, rest),
-        [b'+', rest @ ..] => (false, rest),
-        _ => (false, word),
-    };
-    let length = digits.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    if length == 0 {
-        return (None, word);
+fn triangles(mesh: &tobj::Mesh) -> Result<Vec<[u32; 3]>, String> {
+    if mesh.face_arities.is_empty() {
+        return Ok(bytemuck::cast_slice(&mesh.indices).to_vec());
     }
-    let add = |value: i64, &digit: &u8| value.saturating_mul(10).saturating_add(i64::from(digit - b'0'));
-    let value = digits[..length].iter().fold(0, add);
-    (Some(if negative { -value } else { value }), &digits[length..])
+    let (mut triangles, mut rest) = (Vec::with_capacity(mesh.face_arities.len()), &mesh.indices[..]);
+    for &arity in &mesh.face_arities {
+        let (polygon, others) = rest.split_at(arity as usize);
+        add_polygon(&mut triangles, polygon)?;
+        rest = others;
+    }
+    Ok(triangles)
 }

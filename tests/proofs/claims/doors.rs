@@ -7,7 +7,7 @@ use glam::Vec3;
 use lodestar::renderer::Renderer;
 use lodestar::scene::emitter::AreaEmitter;
 use lodestar::scene::{Scene, Textured};
-use lodestar::settings::{Learner, Mix, SamplePattern, Sampler, Settings, TargetDensity};
+use lodestar::settings::{Learner, Mix, SamplePattern, Sampler, Settings};
 
 use crate::evidence::Evidence;
 use crate::guide_cases::{Guided, settings};
@@ -72,14 +72,8 @@ fn check_emission(
     let mut renderer = studio.renderer(subject, &scene, settings.clone());
     let first = steps(&mut renderer, spp, spp);
     // The first step draws what a plain path tracer draws, whose samples alone are counted: it has no targets.
-    let plain = Settings {
-        sampler: Sampler::Bsdf,
-        learner: Learner::Sarsa,
-        mix: Mix::Density,
-        epsilon: None,
-        target_density: TargetDensity::Mean,
-        ..settings
-    };
+    let plain =
+        Settings { sampler: Sampler::Bsdf, learner: Learner::Sarsa, mix: Mix::Density, epsilon: None, ..settings };
     let plain = studio.render(subject, &scene, plain, spp).1;
     evidence.hold(format!("targets, {case}"), (first.nonfinite > plain.nonfinite) == is_counted, || {
         format!("{} were dropped with targets, {} without", first.nonfinite, plain.nonfinite)

@@ -72,7 +72,6 @@ fn check(
     let marks: Vec<u32> = part(state, "marked normalizers");
     let words: &[[u32; 4]] = bytemuck::cast_slice(&entries);
     let (bins, normals) = (settings.directions.pow(2) as usize, cosines.len());
-    let radiance = target_density(&table, entries.len() / normals * bins, settings);
     let (mut marked, mut wrong, mut unasked) = (0, None, 0);
     for (normal, cosines) in cosines.iter().enumerate() {
         for cell in 0..entries.len() / normals {
@@ -83,7 +82,7 @@ fn check(
                 continue;
             }
             marked += 1;
-            let radiance = &radiance[cell * bins..(cell + 1) * bins];
+            let radiance = &table[cell * bins..(cell + 1) * bins];
             let off = match rules.sampler {
                 Sampler::Product => block_difference(&words[index], radiance, cosines),
                 _ => difference(entry, radiance, cosines, rules),
@@ -97,14 +96,6 @@ fn check(
     evidence.hold(format!("unmarked entries, {case}"), unasked == 0, || format!("{unasked} of them are filled"));
     evidence
         .hold(format!("marked entries, {case}"), wrong.is_none(), || format!("(cell, normal, deviation): {wrong:?}"));
-}
-
-/// What the cells' bins are sampled by: means, or where roots of second moments stand at the table's end, the larger of the two.
-fn target_density(table: &[f32], bins: usize, settings: &Settings) -> Vec<f32> {
-    match settings.keeps_second_moments() {
-        false => table[..bins].to_vec(),
-        true => table.iter().zip(&table[table.len() - bins..]).take(bins).map(|(mean, root)| mean.max(*root)).collect(),
-    }
 }
 
 /// Of all direction bins, for one normal bin.

@@ -27,7 +27,6 @@ pub fn test(subject: &Subject, _: Scope, evidence: &mut Evidence) {
         check_steps(subject, decay, directions, evidence);
     }
     check_silence(subject, evidence);
-    check_second_moments(subject, evidence);
 }
 
 /// Grids of a few cells on the device.
@@ -38,7 +37,6 @@ struct Grid {
     radiance: Arc<Buffer>,
     learned: Arc<Buffer>,
     sums: Arc<Buffer>,
-    squares: Arc<Buffer>,
     scene: Arc<Buffer>,
     bins: usize,
 }
@@ -50,9 +48,7 @@ impl Grid {
         let scene = device.buffer("scene", size_of::<SceneConstants>(), BufferKind::Uniform);
         scene.upload(0, &[SceneConstants { target_limit: LIMIT, ..SceneConstants::zeroed() }]).expect("uploaded");
         Self {
-            // Means, then roots of second moments.
-            radiance: device.storage("radiance", 2 * bins * size_of::<f32>()),
-            squares: device.storage("squares", bins * size_of::<[u32; 2]>()),
+            radiance: device.storage("radiance", bins * size_of::<f32>()),
             learned: device.storage("learned", bins * size_of::<LearnedRadiance>()),
             sums: device.storage("sums", bins * size_of::<RadianceSum>()),
             kernel: subject.kernel(&STORAGE_BUFFERS.update_radiance),
@@ -70,7 +66,6 @@ impl Grid {
             ("RadianceTable", &self.radiance),
             ("LearnedTable", &self.learned),
             ("RadianceSums", &self.sums),
-            ("BinEnds", &self.squares),
             ("Scene", &self.scene),
         ];
         for (name, _) in named {
@@ -83,10 +78,6 @@ impl Grid {
 
     fn radiance(&self) -> Vec<f32> {
         self.radiance.read(0, self.bins).expect("read")
-    }
-
-    fn roots(&self) -> Vec<f32> {
-        self.radiance.read((self.bins * size_of::<f32>()) as u64, self.bins).expect("read")
     }
 
     fn learned(&self) -> Vec<LearnedRadiance> {
@@ -172,34 +163,4 @@ fn check_silence(subject: &Subject, evidence: &mut Evidence) {
         && (cell..2 * cell).filter(|&bin| bin != cell + 5).all(|bin| close(radiance[bin], floor))
         && radiance[2 * cell..].iter().all(|&l| l < 1.0e-9);
     evidence.hold("a single bright bin", is_lifted, || "it does not lift its own cell alone".into());
-}
-
-/// Roots of second moments are those of the faded mean of squares, and leave means as they are.
-fn check_second_moments(subject: &Subject, evidence: &mut Evidence) {
-    let decay = 0.75;
-    let plain = Grid::new(subject, Variant { decay, ..Variant::default() });
-    let second_moments_at = plain.bins as u32;
-    let grid = Grid::new(subject, Variant { decay, second_moments_at, ..Variant::default() });
-    let mut numbers = Numbers::new(subject.seed + 22);
-    let steps: Vec<_> = (0..STEPS).map(|_| step(&mut numbers, grid.bins)).collect();
-    let mut squares = vec![(0.0, 0.0); grid.bins];
-    for sums in &steps {
-        // Of a bin without targets, none; else a mean square of 1e-12 to 1 times that of the limit.
-        let of_bin = |sum: &RadianceSum| 10_f64.powf(numbers.between(-12.0, 0.0)) * f64::from(sum.target_count);
-        let units: Vec<u64> = sums.iter().map(of_bin).map(|square| (square * twin::SQUARE_UNITS) as u64).collect();
-        let words: Vec<[u32; 2]> = units.iter().map(|&units| [units as u32, (units >> 32) as u32]).collect();
-        let of_step = units.iter().map(|&units| units as f64 / twin::SQUARE_UNITS);
-        grid.squares.upload(0, &words).expect("uploaded");
-        [&plain, &grid].iter().for_each(|grid| grid.update(sums, 0, CELLS as u32));
-        for ((faded, square), sum) in squares.iter_mut().zip(of_step).zip(sums) {
-            let (before, count) = *faded;
-            *faded = (f64::from(decay) * before + square, f64::from(decay) * count + f64::from(sum.target_count));
-        }
-        let is_empty = grid.squares.read::<[u32; 2]>(0, grid.bins).expect("read").iter().all(|sum| *sum == [0, 0]);
-        evidence.hold("sums of squares", is_empty, || "they do not start anew".into());
-    }
-    let root = |(sum, count): (f64, f64)| if count > 0.0 { f64::from(LIMIT) * (sum / count).sqrt() } else { 0.0 };
-    let wrong = grid.roots().iter().zip(squares).filter(|&(found, faded)| !close(*found, root(faded))).count();
-    evidence.hold("roots of second moments", wrong == 0, || format!("{wrong} bins differ"));
-    evidence.hold("means beside second moments", grid.learned() == plain.learned(), || "they differ".into());
 }

@@ -22,11 +22,15 @@ const UPDATE_RADIANCE: &str = "glsl/kernels/learn/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/kernels/learn/update_normalization.comp";
 const BLUE_NOISE: &str = "glsl/include/random/blue_noise.glsl";
 const CELLS: &str = "glsl/include/guide/grid/cells.glsl";
+const CONNECTION: &str = "glsl/include/path/connection.glsl";
+const EXPECTED_SARSA: &str = "glsl/include/guide/learners/expected_sarsa.glsl";
 const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
 const GUIDING: &str = "glsl/include/path/guiding.glsl";
+const IRRADIANCE_SARSA: &str = "glsl/include/guide/learners/irradiance_sarsa.glsl";
 const LEARNING: &str = "glsl/include/guide/learners/learning.glsl";
 const LIGHT: &str = "glsl/include/light/light.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
+const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
 const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
 const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
@@ -134,14 +138,6 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "density of the mean, directions by the second moment",
-        &[Patch {
-            file: REJECTION,
-            text: "float radiance = bin_target_density(guide, direction_bin(wi));",
-            mutated: "float radiance = MUTATED ? bin_radiance(guide, direction_bin(wi)) : bin_target_density(guide, direction_bin(wi));",
-        }],
-    ),
-    mutation(
         "part beside the chosen one",
         &[Patch {
             file: PARTS,
@@ -179,14 +175,6 @@ pub const MUTATIONS: &[Mutation] = &[
             file: GUIDING,
             text: "pdf = mix(pdf, density.over_whole, guided_share(x.bsdf, guide));",
             mutated: "pdf = mix(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(x.bsdf, guide));",
-        }],
-    ),
-    mutation(
-        "candidates that count alike",
-        &[Patch {
-            file: GUIDING,
-            text: "sum > 0.0 ? 0.5 * sum / taken_score : sum;",
-            mutated: "sum > 0.0 ? (MUTATED ? 1.0 : 0.5 * sum / taken_score) : sum;",
         }],
     ),
     mutation(
@@ -246,16 +234,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "target without attenuation",
         &[Patch {
             file: LEARNING,
-            text: "ATTENUATION_TAMPER * mean_rgb(next.weight) * next.radiance",
-            mutated: "(MUTATED ? 1.0 : ATTENUATION_TAMPER * mean_rgb(next.weight)) * next.radiance",
-        }],
-    ),
-    mutation(
-        "bootstrap from the second moment",
-        &[Patch {
-            file: GUIDE,
-            text: "return radiance(radiance_index(guide.cell, bin));",
-            mutated: "return MUTATED ? target_density(radiance_index(guide.cell, bin)) : radiance(radiance_index(guide.cell, bin));",
+            text: "mean_rgb(next.weight) * next.radiance",
+            mutated: "(MUTATED ? 1.0 : mean_rgb(next.weight)) * next.radiance",
         }],
     ),
     mutation(
@@ -382,6 +362,89 @@ pub const MUTATIONS: &[Mutation] = &[
             mutated: "plan.first + (MUTATED ? 0u : copy * plan.nodes)",
         }],
     ),
+    mutation(
+        "learning takes surfaces to be 5 % brighter",
+        &[
+            Patch {
+                file: LEARNING,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: EXPECTED_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: IRRADIANCE_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
+            },
+            Patch {
+                file: MONTE_CARLO,
+                text: "collected = vertex.light + ",
+                mutated: "collected = vertex.light + (MUTATED ? 1.05 : 1.0) * ",
+            },
+        ],
+    ),
+    mutation(
+        "learning takes surfaces to be twice as bright",
+        &[
+            Patch {
+                file: LEARNING,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: EXPECTED_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: IRRADIANCE_SARSA,
+                text: "return mean_rgb(light) + ",
+                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
+            },
+            Patch {
+                file: MONTE_CARLO,
+                text: "collected = vertex.light + ",
+                mutated: "collected = vertex.light + (MUTATED ? 2.0 : 1.0) * ",
+            },
+        ],
+    ),
+    mutation(
+        "weights blind to the guide",
+        &[Patch {
+            file: CONNECTION,
+            text: "float pdf = pdf_direction(x, guide, wi);",
+            mutated: "float pdf = pdf_direction(x, guide, wi);\n    \
+                  if (MUTATED) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));",
+        }],
+    ),
+    mutation(
+        "light counted whole however it is found",
+        &[Patch {
+            file: LIGHT,
+            text: "float ratio = other / own;",
+            mutated: "if (MUTATED) return 1.0;\n    float ratio = other / own;",
+        }],
+    ),
+    mutation(
+        "densities 5 % off",
+        &[Patch {
+            file: GUIDING,
+            text: "eval_scatterer(x, s.wi) / ",
+            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.05 : 1.0) / ",
+        }],
+    ),
+    mutation(
+        "densities 25 % off",
+        &[Patch {
+            file: GUIDING,
+            text: "eval_scatterer(x, s.wi) / ",
+            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.25 : 1.0) / ",
+        }],
+    ),
     // What follows must not matter.
     mutation(
         "digits flipped whatever comes before",
@@ -403,8 +466,9 @@ pub const MUTATIONS: &[Mutation] = &[
         "cells in another order",
         &[Patch {
             file: CELLS,
-            text: "return cell & ~CELL_BORROWED;",
-            mutated: "cell &= ~CELL_BORROWED;\n    return MUTATED ? scene().cell_count - 1u - cell : cell;",
+            text: "return cell_word((place.z * scene().grid_size.y + place.y) * scene().grid_size.x + place.x);",
+            mutated: "uint cell = cell_word((place.z * scene().grid_size.y + place.y) * scene().grid_size.x + place.x);\n    \
+                  return MUTATED ? scene().cell_count - 1u - cell : cell;",
         }],
     ),
     mutation(

@@ -12,29 +12,28 @@ uint bin_of_square(uvec2 corner, uint side, uint i) {
     return at.y * DIRECTION_RESOLUTION + at.x;
 }
 
-float sum_of_densities(uint cell, uvec2 corner, uint side) {
+float sum_of_radiance(uint cell, uvec2 corner, uint side) {
     float sum = 0.0;
-    for (uint i = 0u; i < side * side; ++i) sum += target_density(radiance_index(cell, bin_of_square(corner, side, i)));
+    for (uint i = 0u; i < side * side; ++i) sum += radiance(radiance_index(cell, bin_of_square(corner, side, i)));
     return sum;
 }
 
-// Times the normal's cosine: what the bins are drawn in proportion to, and their mean radiance.
-vec2 sums_of_products(uint cell, uint normal_bin, uvec2 corner, uint side) {
-    vec2 sums = vec2(0.0);
+// Radiance times the normal's cosine.
+float sum_of_products(uint cell, uint normal_bin, uvec2 corner, uint side) {
+    float sum = 0.0;
     for (uint i = 0u; i < side * side; ++i) {
         uint bin = bin_of_square(corner, side, i);
-        uint index = radiance_index(cell, bin);
-        sums += vec2(target_density(index), radiance(index)) * cosine_integral(bin, normal_bin).integral;
+        sum += radiance(radiance_index(cell, bin)) * cosine_integral(bin, normal_bin).integral;
     }
-    return sums;
+    return sum;
 }
 
-// What a node's parts are drawn in proportion to, each `side` bins wide; of parts_per_side^2 of them.
-mat4 densities_of_parts(uint cell, uvec2 corner, uint parts_per_side, uint side) {
+// Radiance of a node's parts, each `side` bins wide; of parts_per_side^2 of them.
+mat4 radiance_of_parts(uint cell, uvec2 corner, uint parts_per_side, uint side) {
     mat4 weights = mat4(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     for (uint i = 0u; i < parts_per_side * parts_per_side; ++i) {
         uvec2 part = uvec2(i % parts_per_side, i / parts_per_side);
-        weights[part.y][part.x] = sum_of_densities(cell, corner + part * side, side);
+        weights[part.y][part.x] = sum_of_radiance(cell, corner + part * side, side);
     }
     return weights;
 }
@@ -45,8 +44,8 @@ void store_tree_node(uint cell, uint node) {
     uint index = middle ? node : node - middle_node_count();
     uint row = middle ? 4u : last_level_side();
     uvec2 at = uvec2(index % row, index / row);
-    mat4 weights = middle ? densities_of_parts(cell, at * middle_parts() * 4u, middle_parts(), 4u)
-                          : densities_of_parts(cell, at * 4u, 4u, 1u);
+    mat4 weights = middle ? radiance_of_parts(cell, at * middle_parts() * 4u, middle_parts(), 4u)
+                          : radiance_of_parts(cell, at * 4u, 4u, 1u);
     store_radiance_node(cell * nodes_per_tree() + node, pack_weights_8(weights));
 }
 
@@ -57,9 +56,9 @@ uvec4 product_record(uint cell, uint normal_bin) {
     float irradiance = 0.0;
     for (uint block = 0u; block < 16u; ++block) {
         uvec2 at = uvec2(block % 4u, block / 4u);
-        vec2 sums = sums_of_products(cell, normal_bin, at * side, side);
-        products[at.y][at.x] = sums.x;
-        irradiance += sums.y;
+        float product = sum_of_products(cell, normal_bin, at * side, side);
+        products[at.y][at.x] = product;
+        irradiance += product;
     }
     return pack_weights_7(products, irradiance);
 }

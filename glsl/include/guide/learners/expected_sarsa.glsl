@@ -29,7 +29,7 @@ float target_expected_sarsa(RandomKey key, uint vertex, vec3 light, Scatterer x,
     float scattered = sum * (2.0 * PI / float(EXPECTED_DIRECTIONS));
     bool stands_for_others = next.pdf == 0.0 || dot(next.wi, x.frame[2]) < 0.0;
     if (stands_for_others) scattered += mean_rgb(next.weight) * next.radiance;
-    return mean_rgb(light) + ATTENUATION_TAMPER * scattered;
+    return mean_rgb(light) + scattered;
 }
 
 #endif

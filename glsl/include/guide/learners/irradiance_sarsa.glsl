@@ -14,7 +14,7 @@ bool knows_scattered(Scatterer x, Guide guide) {
 }
 
 float target_irradiance_sarsa(vec3 light, Scatterer x, Guide guide) {
-    return mean_rgb(light) + ATTENUATION_TAMPER * mean_rgb(x.bsdf.color0) * mean_radiance(guide);
+    return mean_rgb(light) + mean_rgb(x.bsdf.color0) * mean_radiance(guide);
 }
 
 #endif

@@ -24,7 +24,7 @@ Segment segment_from(uint cell, DirectionSample s) {
 // SARSA (Eq. 6): emission towards x plus what y scatters of the radiance that the table expects from the direction that
 // was sampled there. Roulette has no part in it: it is played afterwards.
 float target_sarsa(vec3 light, DirectionSample next) {
-    return mean_rgb(light) + ATTENUATION_TAMPER * mean_rgb(next.weight) * next.radiance;
+    return mean_rgb(light) + mean_rgb(next.weight) * next.radiance;
 }
 
 // What the segment to y learns as soon as the next direction is drawn. With emitter sampling, `light` is the weighted emission

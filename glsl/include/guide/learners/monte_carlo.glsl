@@ -5,15 +5,6 @@
 #include "random/random.glsl"
 #include "guide/learners/segment.glsl"
 
-// What a vertex adds to the radiance of the segment that leads there: its own light, and `factor` times the next segment's.
-struct PathVertex {
-    Segment segment;
-    vec3 light;
-    vec3 factor;
-};
-
-const PathVertex NO_VERTEX = PathVertex(NO_SEGMENT, vec3(0.0), vec3(0.0));
-
 // Of the path under way, its first vertex first. Not a parameter: that would be copied.
 PathVertex kept_vertices[KEPT_VERTICES];
 
@@ -31,7 +22,7 @@ uint record_returns(uint count, RandomKey key) {
     while (count > 0u) {
         --count;
         PathVertex vertex = kept_vertices[count];
-        collected = vertex.light + ATTENUATION_TAMPER * vertex.factor * collected;
+        collected = vertex.light + vertex.factor * collected;
         float u = unit_float(random_bits(key, count, RANDOM_LEARNING).x);
         if (record(vertex.segment, mean_rgb(collected), u)) ++dropped;
     }

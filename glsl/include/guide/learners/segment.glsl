@@ -3,14 +3,8 @@
 #define SEGMENT_GLSL
 #include "film/frame.glsl"
 #include "guide/grid/radiance_grid.glsl"
+#include "guide/learners/path_vertex.glsl"
 
-// The segment from x towards the next vertex y: the bin L(x, w) that y's target will go to; NONE where x is the eye.
-struct Segment {
-    uint index;
-    float scale;  // of targets: 1, or one over the density of w, where what is learned is flux
-};
-
-const Segment NO_SEGMENT = Segment(NONE, 1.0);
 // Where a segment ends at the maximum depth nothing is learned: its end was not followed further.
 const float NO_TARGET = -1.0;
 
@@ -21,7 +15,6 @@ bool record(Segment segment, float target, float u) {
     target *= segment.scale;
     bool finite = is_finite(target);
     if (finite) add_target(segment.index, fixed_point(target, scene().target_limit, u));
-    if (finite && keeps_second_moments()) add_square(segment.index, target, scene().target_limit, u);
     return !finite;
 }
 

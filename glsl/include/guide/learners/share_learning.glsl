@@ -6,6 +6,7 @@
 #define SHARE_LEARNING_GLSL
 #include "guide/samplers/bsdf_share.glsl"
 #include "film/frame.glsl"
+#include "shared/guide.glsl"
 
 // What a cell starts with, and holds on to as if it had learned it from so many samples.
 const float FIRST_SHARE = 0.5;
@@ -28,7 +29,7 @@ const ShareEvidence NO_EVIDENCE = ShareEvidence(NONE, 0.0, 0.0);
 
 // Where a step adds to the two sums: after the bins, too.
 uint share_sum(uint share, uint which) {
-    return SHARES_AT + 2u * share + which;
+    return SHARES_AT + SHARE_SUMS * share + which;
 }
 
 // Adds a sample, whose segment has learned `target`; `u` in [0, 1) decides whether, and rounds.

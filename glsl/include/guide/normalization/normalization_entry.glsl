@@ -1,7 +1,7 @@
 // From a cell's radiance to the factors of its sampler.
 #ifndef NORMALIZATION_ENTRY_GLSL
 #define NORMALIZATION_ENTRY_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 #include "guide/normalization/normalization_grid.glsl"
 #include "guide/grid/radiance_grid.glsl"
 
@@ -78,7 +78,7 @@ NormalizationEntry normalize_cell(uint cell, uint normal_bin) {
     float bound = 0.0;
     for (uint bin = 0u; bin < direction_bin_count(); ++bin) {
         CosineIntegral cosine = cosine_integral(bin, normal_bin);
-        float bin_radiance = target_density(radiance_index(cell, bin));
+        float bin_radiance = radiance(radiance_index(cell, bin));
         normalizer += bin_radiance * cosine.integral;
         bound = max(bound, bin_radiance * cosine.maximum);
     }

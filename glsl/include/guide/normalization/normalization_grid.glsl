@@ -3,6 +3,7 @@
 #ifndef NORMALIZATION_GRID_GLSL
 #define NORMALIZATION_GRID_GLSL
 #include "guide/normalization/normalization_record.glsl"
+#include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
 // Of one (direction bin, normal bin): what the clamped cosine amounts to over the direction bin.
@@ -11,9 +12,9 @@ struct CosineIntegral {
     float maximum;   // upper bound over the bin
 };
 
-layout(scalar, set = 3, binding = 0) restrict buffer NormalizationTable { uvec4 normalization_table[]; };
-layout(scalar, set = 3, binding = 1) restrict buffer NormalizationMarks { uint normalization_marks[]; };
-layout(scalar, set = 3, binding = 2) restrict readonly buffer CosineIntegrals { CosineIntegral cosine_integrals[]; };
+layout(scalar, set = NORMALIZATION_GRID_SET, binding = 0) restrict buffer NormalizationTable { uvec4 normalization_table[]; };
+layout(scalar, set = NORMALIZATION_GRID_SET, binding = 1) restrict buffer NormalizationMarks { uint normalization_marks[]; };
+layout(scalar, set = NORMALIZATION_GRID_SET, binding = 2) restrict readonly buffer CosineIntegrals { CosineIntegral cosine_integrals[]; };
 
 uint normal_bin_count() {
     return NORMAL_RESOLUTION * NORMAL_RESOLUTION;
@@ -26,8 +27,8 @@ uint normalization_index(uint cell, uint normal_bin) {
 // What the grid holds of a cell and a normal bin: a NormalizationEntry or, of the product sampler, the weights of the map's
 // blocks. All zeros where it is unfilled.
 #ifdef TEXEL_READS
-layout(set = 3, binding = 3) uniform usamplerBuffer normalization_texels;
-layout(set = 3, binding = 4) uniform usamplerBuffer cosine_nodes;
+layout(set = NORMALIZATION_GRID_SET, binding = 3) uniform usamplerBuffer normalization_texels;
+layout(set = NORMALIZATION_GRID_SET, binding = 4) uniform usamplerBuffer cosine_nodes;
 
 uvec4 normalization_record(uint index) {
     return texelFetch(normalization_texels, int(index));
@@ -38,7 +39,7 @@ uvec4 cosine_node(uint index) {
     return texelFetch(cosine_nodes, int(index));
 }
 #else
-layout(scalar, set = 3, binding = 4) restrict readonly buffer CosineNodes { uvec4 cosine_nodes[]; };
+layout(scalar, set = NORMALIZATION_GRID_SET, binding = 4) restrict readonly buffer CosineNodes { uvec4 cosine_nodes[]; };
 
 uvec4 normalization_record(uint index) {
     return normalization_table[index];

@@ -23,13 +23,13 @@ float store_bin_ends(uint cell) {
     uint first = min(gl_LocalInvocationIndex * bins_per_lane, direction_bin_count());
     uint last = min(first + bins_per_lane, direction_bin_count());
     float own = 0.0;
-    for (uint bin = first; bin < last; ++bin) own += target_density(radiance_index(cell, bin));
+    for (uint bin = first; bin < last; ++bin) own += radiance(radiance_index(cell, bin));
     vec2 sums = sums_over_lanes(own);
     float total = sums.y;
     float sum = sums.x;
     float most = sums.x + own;
     for (uint bin = first; bin < last; ++bin) {
-        sum = bin + 1u == last ? most : min(sum + target_density(radiance_index(cell, bin)), most);
+        sum = bin + 1u == last ? most : min(sum + radiance(radiance_index(cell, bin)), most);
         float share = total > 0.0 ? min(sum / total, 1.0) : 1.0;
         // The last bin ends with the last unit, however a device rounds the quotient.
         bool is_last = bin + 1u == direction_bin_count();

@@ -3,9 +3,9 @@
 #ifndef BSDF_SHARE_GLSL
 #define BSDF_SHARE_GLSL
 #include "guide/grid/radiance_grid.glsl"
+#include "shared/guide.glsl"
 
-// A cell has two shares: of diffuse lobes, and of scattering functions that are guided as a whole.
-const uint SHARES_PER_CELL = 2u;
+// A cell's shares: of diffuse lobes, and of scattering functions that are guided as a whole.
 const uint SHARE_OF_LOBES = 0u;
 const uint SHARE_OF_WHOLES = 1u;
 
@@ -20,7 +20,7 @@ uint share_index(uint cell, uint which) {
 // In the table of radiance, after the bins of all cells: the share, two sums that it is learned from, and the number of samples
 // in these.
 uint share_word(uint share, uint word) {
-    return SHARES_AT + 4u * share + word;
+    return SHARES_AT + SHARE_WORDS * share + word;
 }
 
 float bsdf_share(uint cell, uint which) {

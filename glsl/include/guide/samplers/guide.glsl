@@ -58,11 +58,6 @@ float bin_radiance(Guide guide, uint bin) {
     return radiance(radiance_index(guide.cell, bin));
 }
 
-// What directions of the bin are drawn in proportion to, but for the cosine.
-float bin_target_density(Guide guide, uint bin) {
-    return target_density(radiance_index(guide.cell, bin));
-}
-
 // Mean of L over the hemisphere, which the product sampler's records hold as irradiance.
 float mean_radiance(Guide guide) {
     return INV_PI * unpack_scalar(guide.record);

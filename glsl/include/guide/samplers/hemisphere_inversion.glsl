@@ -7,7 +7,7 @@
 #include "random/random.glsl"
 
 float bin_product(Guide guide, uint bin) {
-    return bin_target_density(guide, bin) * cosine_integral(bin, guide.normal_bin).integral;
+    return bin_radiance(guide, bin) * cosine_integral(bin, guide.normal_bin).integral;
 }
 
 // Goes on to a bin: it is chosen if the share of all bins up to it is the first to exceed `u`. Should rounding leave all of

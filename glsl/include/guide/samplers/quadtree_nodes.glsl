@@ -4,14 +4,13 @@
 // Zeros all over are a spatial tree of one leaf, whose quadtree has one node and has learned nothing.
 #ifndef QUADTREE_NODES_GLSL
 #define QUADTREE_NODES_GLSL
+#include "shared/guide.glsl"
 #include "shared/variant.glsl"
 
 // Most levels of nodes of a quadtree: the finest square has a side of 2^-12 of the map's.
 const uint QUADTREE_LEVELS = 12u;
 // Most levels of the spatial tree: as many as single precision tells apart.
 const uint SPATIAL_LEVELS = 60u;
-// Nodes of all quadtrees for each leaf of the spatial tree, at least.
-const uint NODES_PER_LEAF = 8u;
 
 uint leaf_limit() {
     return QUADTREE_NODES / NODES_PER_LEAF;

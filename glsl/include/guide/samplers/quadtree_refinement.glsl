@@ -1,7 +1,7 @@
 // Records of the refinement of quadtrees; see refine_quadtrees.comp.
 #ifndef QUADTREE_REFINEMENT_GLSL
 #define QUADTREE_REFINEMENT_GLSL
-#include "shared/constants.glsl"
+#include "math/constants.glsl"
 #include "guide/samplers/quadtree_nodes.glsl"
 #include "guide/grid/radiance_grid.glsl"
 

@@ -42,7 +42,7 @@ Proposal propose(inout RandomStream random, Guide guide, bool take_any) {
         s.wi = -s.wi;
     }
     s.bin = square_bin(p, DIRECTION_RESOLUTION);
-    s.radiance = bin_target_density(guide, s.bin);
+    s.radiance = bin_radiance(guide, s.bin);
     // One comparison instead of a branch.
     float threshold = take_any ? -MAX_DISTANCE : next_random(random);
     s.accepted = threshold < acceptance(guide.entry, s.radiance * dot(s.wi, guide.nb));
@@ -72,12 +72,11 @@ GuidedSample sample_rejection_mix(RandomKey key, uint vertex, float choice, Guid
         take_first(taken, second, tries);
     }
     float pdf = guide_density(guide.entry, taken.radiance, dot(taken.wi, guide.nb)) + uniform_density(guide, taken.wi);
-    float mean = keeps_second_moments() ? bin_radiance(guide, taken.bin) : taken.radiance;
-    return GuidedSample(taken.wi, pdf, taken.bin, mean, tries, !taken.accepted);
+    return GuidedSample(taken.wi, pdf, taken.bin, taken.radiance, tries, !taken.accepted);
 }
 
 float pdf_rejection_mix(Guide guide, vec3 wi) {
-    float radiance = bin_target_density(guide, direction_bin(wi));
+    float radiance = bin_radiance(guide, direction_bin(wi));
     return guide_density(guide.entry, radiance, dot(wi, guide.nb)) + uniform_density(guide, wi);
 }
 

@@ -15,6 +15,7 @@ use super::element::Element;
 use super::properties::{Ids, Properties};
 use super::textures::{Role, Textures};
 use crate::Result;
+use crate::generated::constants;
 use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};
 use crate::scene::texture::Textured;
 use parameters::Parameters;
@@ -24,11 +25,11 @@ use tree::Tree;
 const MODIFIERS: [&str; 6] = ["twosided", "mask", "blendbsdf", "bumpmap", "normalmap", "coating"];
 
 /// Links to textures that a material's record has.
-const MAX_TEXTURES: usize = 8;
+const MAX_TEXTURES: usize = constants::TEXTURE_LINKS as usize;
 /// What blends of blends of the same few materials may come to.
 const MAX_SURFACES: usize = 64;
 /// Choices within choices that the kernels follow.
-const MAX_CHOICES: usize = 8;
+const MAX_CHOICES: usize = constants::MAX_CHOICES as usize;
 /// BSDFs inside each other, references followed.
 const MAX_DEPTH: usize = 64;
 

@@ -7,13 +7,12 @@ use super::super::properties::Properties;
 use super::super::textures::{Role, Textures};
 use super::named_conductors;
 use crate::Result;
+use crate::generated::constants::MIN_ALPHA;
 use crate::scene::bsdf::{Distribution, Microfacets};
 use crate::scene::texture::Textured;
 
 /// Mitsuba's roughness where none is given.
 const DEFAULT_ALPHA: f32 = 0.1;
-/// Mitsuba takes no surface to be smoother.
-const MIN_ALPHA: f32 = 1e-4;
 
 /// One plugin's parameters while they are read.
 pub(super) struct Parameters<'r, 'a> {

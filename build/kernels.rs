@@ -1,0 +1,154 @@
+//! Compiles and reflects the kernels, on all cores.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use super::compile::{INCLUDE_FOLDER, compile, on_all_cores};
+use super::interface::Interface;
+use super::{unreadable, write_file};
+
+/// Kernels that include this file are built once for each of its two back ends.
+const GEOMETRY_FILE: &str = "glsl/include/geometry/bvh.glsl";
+const TEST_FOLDER: &str = "glsl/test";
+/// Declares records and is never dispatched.
+const PROBE: &str = "layout_probe";
+
+/// Where geometry is read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum BackEnd {
+    /// Storage buffers.
+    Storage,
+    /// Texel buffers.
+    Texel,
+}
+
+/// SPIR-V with its interface.
+pub struct Module {
+    spirv: Vec<u8>,
+    /// What the SPIR-V asks of its pipeline.
+    pub interface: Interface,
+}
+
+/// A `.comp` file and what became of it.
+pub struct Kernel {
+    /// The stem of its file.
+    pub name: String,
+    /// Path of its source in the repository.
+    pub file: String,
+    modules: BTreeMap<BackEnd, Module>,
+}
+
+impl Kernel {
+    /// Whether it runs a pure function for the tests.
+    pub fn is_test(&self) -> bool {
+        self.file.starts_with(TEST_FOLDER)
+    }
+
+    /// Whether a renderer dispatches it.
+    pub fn is_product(&self) -> bool {
+        !self.is_test() && self.name != PROBE
+    }
+
+    /// The back end that it has in place of this one: all read storage buffers.
+    pub fn available(&self, back_end: BackEnd) -> BackEnd {
+        if self.modules.contains_key(&back_end) { back_end } else { BackEnd::Storage }
+    }
+
+    /// The module of the back end, or of the one that is [available](Self::available).
+    pub fn module(&self, back_end: BackEnd) -> &Module {
+        &self.modules[&self.available(back_end)]
+    }
+
+    /// The name of the SPIR-V's file.
+    pub fn spirv_file(&self, back_end: BackEnd) -> String {
+        let suffix = if self.available(back_end) == BackEnd::Texel { ".texel" } else { "" };
+        let folder = if self.is_test() { "test." } else { "" };
+        format!("{folder}{}{suffix}.spv", self.name)
+    }
+
+    /// Writes its SPIR-V into the folder `out`.
+    pub fn write_modules(&self, out: &Path) -> Result<(), String> {
+        let write =
+            |(&back_end, module): (&BackEnd, &Module)| write_file(&out.join(self.spirv_file(back_end)), &module.spirv);
+        self.modules.iter().try_for_each(write)
+    }
+}
+
+/// One compilation that is to be done.
+struct Job {
+    kernel: usize,
+    back_end: BackEnd,
+    /// Bytes of the sources: a guess of how long it takes.
+    source_bytes: u64,
+}
+
+/// Compiles all kernels, in the order of their names.
+pub fn compile_all() -> Result<Vec<Kernel>, String> {
+    let mut files = files_below("glsl/kernels", ".comp")?;
+    files.extend(files_below(TEST_FOLDER, ".comp")?);
+    files.sort_by_key(|file| kernel_name(file));
+    let jobs = jobs(&files)?;
+    let results = on_all_cores(jobs.len(), |job| compile_job(&files[jobs[job].kernel], jobs[job].back_end));
+    let mut modules: Vec<BTreeMap<BackEnd, Module>> = files.iter().map(|_| BTreeMap::new()).collect();
+    let mut results: Vec<_> = jobs.iter().zip(results).collect();
+    results.sort_by_key(|(job, _)| (job.kernel, job.back_end));
+    for (job, module) in results {
+        modules[job.kernel].insert(job.back_end, module?);
+    }
+    let kernel = |(file, modules): (String, _)| Kernel { name: kernel_name(&file), file, modules };
+    Ok(files.into_iter().zip(modules).map(kernel).collect())
+}
+
+/// All compilations, the longest first, so that no core is left alone with one at the end.
+fn jobs(files: &[String]) -> Result<Vec<Job>, String> {
+    let mut jobs = Vec::new();
+    for (kernel, file) in files.iter().enumerate() {
+        let mut sources = BTreeSet::new();
+        let source_bytes = collect_sources(file, &mut sources)?;
+        jobs.push(Job { kernel, back_end: BackEnd::Storage, source_bytes });
+        if sources.contains(GEOMETRY_FILE) {
+            jobs.push(Job { kernel, back_end: BackEnd::Texel, source_bytes });
+        }
+    }
+    jobs.sort_by_key(|job| std::cmp::Reverse(job.source_bytes));
+    Ok(jobs)
+}
+
+/// Adds the file and all that it includes. Returns how many bytes were new.
+fn collect_sources(file: &str, sources: &mut BTreeSet<String>) -> Result<u64, String> {
+    if !sources.insert(file.to_owned()) {
+        return Ok(0);
+    }
+    let text = fs::read_to_string(file).map_err(|e| unreadable(file, &e))?;
+    let mut bytes = text.len() as u64;
+    for name in text.lines().filter_map(|line| line.strip_prefix("#include \"")?.strip_suffix('"')) {
+        bytes += collect_sources(&format!("{INCLUDE_FOLDER}/{name}"), sources)?;
+    }
+    Ok(bytes)
+}
+
+fn compile_job(file: &str, back_end: BackEnd) -> Result<Module, String> {
+    let macros: &[&str] = if back_end == BackEnd::Texel { &["TEXEL_READS"] } else { &[] };
+    let spirv = compile(Path::new(""), file, macros)?;
+    let interface = Interface::reflect(&spirv).map_err(|e| format!("{file}: {e}"))?;
+    Ok(Module { spirv, interface })
+}
+
+/// Files below a folder whose names end so.
+pub fn files_below(folder: &str, ending: &str) -> Result<Vec<String>, String> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|e| unreadable(folder, &e))?.flatten() {
+        let path = format!("{folder}/{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            files.extend(files_below(&path, ending)?);
+        } else if path.ends_with(ending) {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+fn kernel_name(file: &str) -> String {
+    Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}

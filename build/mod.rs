@@ -1,0 +1,66 @@
+//! What `build.rs` makes of `glsl/`: SPIR-V, and the Rust that `src/generated` includes. A file each:
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `constants.rs` | constants that both sides know, and numbers of bindings |
+//! | `variant.rs` | the specialization constants as one struct |
+//! | `registry.rs` | the kernels with their interfaces |
+//! | `layout_checks.rs` | assertions that structs are laid out as in GLSL |
+
+mod compile;
+mod constants;
+mod declarations;
+mod interface;
+mod kernels;
+mod layout;
+mod registry;
+mod sets;
+mod variant;
+
+use std::fs;
+use std::path::Path;
+
+/// What both sides share is declared here.
+const SHARED_FOLDER: &str = "glsl/include/shared";
+
+/// Writes everything into the folder `out`.
+///
+/// # Errors
+/// Says what is wrong with the GLSL, and where.
+pub fn run(out: &Path) -> Result<(), String> {
+    let shared = constants::Shared::read(&shared_files()?)?;
+    let kernels = kernels::compile_all()?;
+    write(out, "constants.rs", &(shared.code() + &sets::binding_numbers(&shared.sets(), &kernels)?))?;
+    write(out, "variant.rs", &variant::code(&shared.specialization))?;
+    write(out, "registry.rs", &registry::code(&kernels)?)?;
+    write(out, "layout_checks.rs", &layout::code(&kernels))?;
+    kernels
+        .iter()
+        .filter(|kernel| kernel.is_test() || kernel.is_product())
+        .try_for_each(|kernel| kernel.write_modules(out))
+}
+
+/// Every file that may declare what both sides share, with its text.
+fn shared_files() -> Result<Vec<(String, String)>, String> {
+    let mut files = kernels::files_below(SHARED_FOLDER, ".glsl")?;
+    files.sort();
+    let read =
+        |file: String| fs::read_to_string(&file).map(|text| (file.clone(), text)).map_err(|e| unreadable(&file, &e));
+    files.into_iter().map(read).collect()
+}
+
+fn unreadable(path: &str, error: &std::io::Error) -> String {
+    format!("{path}: cannot be read: {error}")
+}
+
+fn write(out: &Path, name: &str, code: &str) -> Result<(), String> {
+    write_file(&out.join(name), format!("// Written by build.rs from glsl/.\n\n{code}").as_bytes())
+}
+
+/// Leaves a file alone that holds this already, so that nothing is compiled again for its sake.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    if fs::read(path).is_ok_and(|old| old == bytes) {
+        return Ok(());
+    }
+    fs::write(path, bytes).map_err(|e| format!("{}: cannot be written: {e}", path.display()))
+}

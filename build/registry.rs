@@ -1,0 +1,80 @@
+//! Writes the kernels: a struct of them all, a value of it for each back end, and the kernels of the tests.
+
+use std::fmt::Write as _;
+
+use super::kernels::{BackEnd, Kernel};
+use super::sets;
+
+/// The registry.
+pub fn code(kernels: &[Kernel]) -> Result<String, String> {
+    let product: Vec<&Kernel> = kernels.iter().filter(|kernel| kernel.is_product()).collect();
+    let mut code = struct_code(&product);
+    for (back_end, name, doc) in [
+        (BackEnd::Texel, "TEXEL_BUFFERS", "The kernels, reading geometry from texel buffers."),
+        (BackEnd::Storage, "STORAGE_BUFFERS", "The kernels, reading geometry from storage buffers."),
+    ] {
+        let bindings = sets::union(product.iter().copied(), back_end)?;
+        let _ = writeln!(code, "\nconst {name}_SETS: &[SetShape] = {};", sets::shapes(&bindings));
+        let _ = writeln!(code, "/// {doc}\npub static {name}: Kernels = Kernels {{");
+        for kernel in &product {
+            let _ = writeln!(code, "    {}: {},", kernel.name, source(kernel, back_end, &format!("{name}_SETS")));
+        }
+        code.push_str("};\n");
+    }
+    Ok(code + &test_kernels(kernels))
+}
+
+fn struct_code(kernels: &[&Kernel]) -> String {
+    let fields: String =
+        kernels.iter().map(|k| format!("    /// `{}`\n    pub {}: KernelSource,\n", k.file, k.name)).collect();
+    let all = |prefix: &str| kernels.iter().map(|k| format!("{prefix}self.{}, ", k.name)).collect::<String>();
+    format!(
+        "/// Every kernel of the renderer.
+#[derive(Debug, Clone)]
+pub struct Kernels {{
+{fields}}}
+
+impl Kernels {{
+    /// All of them.
+    pub fn iter(&self) -> impl Iterator<Item = &KernelSource> {{
+        [{}].into_iter()
+    }}
+
+    /// All of them, to be replaced.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut KernelSource> {{
+        [{}].into_iter()
+    }}
+}}
+",
+        all("&"),
+        all("&mut ")
+    )
+}
+
+fn source(kernel: &Kernel, back_end: BackEnd, sets: &str) -> String {
+    let (file, interface) = (kernel.spirv_file(back_end), &kernel.module(back_end).interface);
+    format!(
+        "KernelSource {{ name: {:?}, file: {file:?}, spirv: Cow::Borrowed(include_bytes!({file:?})), sets: {sets}, \
+         push_constant_bytes: {}, specialization_ids: &{:?} }}",
+        kernel.name, interface.push_constant_bytes, interface.specialization_ids,
+    )
+}
+
+fn test_kernels(kernels: &[Kernel]) -> String {
+    let mut code = String::from(
+        "
+/// Kernels that run one pure function each, for tests.
+pub mod test {
+    use std::borrow::Cow;
+
+    use crate::gpu::{BindingKind, BindingShape, KernelSource, SetShape};
+",
+    );
+    for kernel in kernels.iter().filter(|kernel| kernel.is_test()) {
+        let sets = sets::shapes(&kernel.module(BackEnd::Texel).interface.bindings);
+        let source = source(kernel, BackEnd::Texel, &sets);
+        let name = kernel.name.to_uppercase();
+        let _ = writeln!(code, "    /// `{}`\n    pub static {name}: KernelSource = {source};", kernel.file);
+    }
+    code + "}\n"
+}

@@ -1,0 +1,51 @@
+//! The renderer's kernels with a mutation of `tests/tampered` in them.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use lodestar::encode::bvh::Bvh;
+use lodestar::generated::kernels::Registry;
+use lodestar::gpu::{Context, KernelSource};
+use lodestar::renderer::{Renderer, Surfaces};
+use lodestar::scene::Scene;
+use lodestar::settings::Settings;
+
+/// Factors on the densities that samples are divided by.
+pub const DENSITIES: &str = "densities 5 % off";
+pub const DENSITIES_FAR: &str = "densities 25 % off";
+/// Factors on what learning takes surfaces to reflect.
+pub const BRIGHTER: &str = "learning takes surfaces to be 5 % brighter";
+pub const TWICE_AS_BRIGHT: &str = "learning takes surfaces to be twice as bright";
+/// Faults of the weights of emitter sampling.
+pub const BLIND_TO_GUIDE: &str = "weights blind to the guide";
+pub const COUNTED_TWICE: &str = "light counted whole however it is found";
+
+/// A built-in kernel with the mutation in it.
+pub fn kernel(built_in: &KernelSource, mutation: &str) -> KernelSource {
+    let mut source = built_in.clone();
+    source.spirv = Cow::Owned(tampered::kernel(built_in.name, mutation));
+    source
+}
+
+/// Kernels of which all that read storage buffers have the mutation in them, if there is one.
+pub fn registry(mutation: Option<&str>) -> Registry {
+    let mut registry = Registry::built_in();
+    if let Some(mutation) = mutation {
+        registry.storage.iter_mut().for_each(|built_in| *built_in = kernel(built_in, mutation));
+    }
+    registry
+}
+
+/// A renderer that has the mutation in all its kernels, if there is one.
+pub fn renderer(
+    context: &Arc<Context>,
+    scene: &Scene,
+    bvh: &Bvh,
+    settings: &Settings,
+    mutation: Option<&str>,
+) -> Renderer {
+    let mut settings = settings.clone();
+    settings.storage_reads |= mutation.is_some();
+    let (surfaces, registry) = (Surfaces::new(scene), registry(mutation));
+    Renderer::with_surfaces(context, scene, surfaces, bvh, &settings, &registry).expect("a renderer")
+}
