@@ -14,6 +14,7 @@ pub mod mitsuba;
 mod shrink;
 pub mod texel_pages;
 pub mod texture;
+pub mod texture_lookup;
 
 use glam::{Mat4, Vec2, Vec3};
 
