@@ -1,14 +1,16 @@
-//! Everything that decides how fast a render is, in one table beside what it was: rays, samplers, updates, loading and
-//! hierarchies, whole renders, and beside Mitsuba 3 where Python has it.
+//! Baseline of everything that determines the speed of a render, in one table: rays, samplers, updates, loading,
+//! hierarchies and whole renders. The stored baseline stands beside the new values, and Mitsuba 3 too where Python has
+//! it.
 //!
-//! `cargo bench --bench baseline [-- WORD... --rounds N --store]`: the quantities whose names hold one of the words, or
-//! all. `--store` writes the baseline that later runs on such a device are compared with,
-//! `benches/baselines/DEVICE.json`. The project's own scenes are always measured, the shared ones as well where
-//! `LODESTAR_SCENES` names their folder; `LODESTAR_DEVICE` chooses the device, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
+//! `cargo bench --bench baseline [-- WORD... --rounds N --store]` measures the quantities whose names contain one of
+//! the words, or all quantities. `--store` writes the baseline with which later runs on this device are compared,
+//! `benches/baselines/DEVICE.json`. The project's own scenes are always measured. The shared scenes are measured if
+//! `LODESTAR_SCENES` names their folder. `LODESTAR_DEVICE` chooses the device. Mitsuba needs `DRJIT_LIBLLVM_PATH`.
 //!
-//! Every number is the median of rounds, in each of which every quantity has its turn. Right before each, a fixed piece
-//! of work is timed: on the device for what runs there, else on the processor's threads. The corrected ratio is that of
-//! speeds relative to this work, so that a machine that is slower on the day does not pass for a slower build.
+//! Every number is the median over rounds. In each round every quantity is measured once. Right before each
+//! measurement, a fixed piece of work is timed, on the device or on the processor's threads, depending on where the
+//! quantity runs. The corrected ratio compares speeds relative to this work. A machine that is slower on the day is
+//! thus not mistaken for a slower build.
 
 mod calibration;
 mod hierarchies;
@@ -23,40 +25,18 @@ mod table;
 mod traced_rays;
 mod updates;
 
-#[path = "../common/mod.rs"]
-#[allow(dead_code)] // It measures no rates of paths.
-mod common;
-#[path = "../../tests/samplers/device.rs"]
-#[allow(dead_code)]
-mod device;
-#[path = "../common/digits.rs"]
-mod digits;
-#[path = "../common/guide_updates.rs"]
-#[allow(dead_code)]
-mod guide_updates;
-#[path = "../common/rates.rs"]
-#[allow(dead_code)]
-mod rates;
-#[path = "../common/rays.rs"]
-#[allow(dead_code)]
-mod rays;
-#[path = "../common/relief.rs"]
-mod relief;
-#[path = "../common/subjects.rs"]
-mod subjects;
-
 use std::sync::Arc;
 
 use calibration::Calibration;
-use device::Device;
 use machine::Machine;
 use mitsuba::Mitsuba;
 use quantity::Quantity;
 use store::Baseline;
+use support::device::Device;
 
 const ROUNDS: usize = 5;
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Options {
     words: Vec<String>,
     rounds: usize,
@@ -73,7 +53,7 @@ impl Options {
                 "--rounds" => {
                     options.rounds = arguments.next().and_then(|n| n.parse().ok()).expect("--rounds takes a number");
                 }
-                // Cargo adds this one itself.
+                // Cargo itself adds `--bench`.
                 "--bench" => {}
                 _ => options.words.push(argument),
             }
@@ -90,7 +70,7 @@ impl Options {
 
 fn main() {
     let options = Options::from_command_line();
-    let context = common::context();
+    let context = support::bench::context();
     let machine = Machine::here(context.device());
     machine.print();
     let load = machine::load();
@@ -112,7 +92,7 @@ fn main() {
 
 /// All quantities, in the order of the table.
 fn all(device: &Arc<Device>, folder: &std::path::Path) -> Vec<Quantity> {
-    let subjects = subjects::all();
+    let subjects = support::bench::subjects::all();
     let mut quantities = traced_rays::quantities(device, &subjects, folder);
     quantities.extend(samplers::quantities(device));
     quantities.extend(updates::quantities());

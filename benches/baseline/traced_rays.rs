@@ -1,4 +1,4 @@
-//! Rays per second of the traversal alone (`glsl/test/traverse.comp`), and of Mitsuba's on the same rays.
+//! Rays per second of the traversal alone (`glsl/test/traverse.comp`), and of Mitsuba on the same rays.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use lodestar::generated::kernels::test;
 use serde_json::json;
+use support::bench::rates::{mean_seconds, seconds_of};
+use support::bench::rays::{Batch, KINDS, Tracer, make, picture};
+use support::bench::subjects::Subject;
+use support::device::Device;
 
-use crate::device::Device;
 use crate::quantity::{Place, Quantity, Unit};
-use crate::rates::{mean_seconds, seconds_of};
-use crate::rays::{Batch, KINDS, Tracer, make, picture};
-use crate::subjects::Subject;
 
-/// Each is repeated for at least so long.
+/// Minimum time for which each measurement is repeated, in seconds.
 const SECONDS: f64 = 0.15;
 
 pub fn quantities(device: &Arc<Device>, subjects: &[Rc<Subject>], folder: &Path) -> Vec<Quantity> {

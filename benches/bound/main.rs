@@ -1,49 +1,30 @@
-//! Where the time goes: what rays and updates read and compute, counted; how fast the device does either, measured; and
-//! which share of the time that follows the kernels take.
+//! Bounds on the speed of rays and updates. The bench counts what they read and compute, and measures how fast the
+//! device does either. It prints which share of the kernels' time this explains.
 //!
-//! `cargo bench --bench bound [-- --rounds N]`: the project's own scenes, and the shared ones where `LODESTAR_SCENES`
-//! names their folder. `LODESTAR_DEVICE` chooses the device.
+//! `cargo bench --bench bound [-- --rounds N]` measures the project's own scenes, and the shared scenes if
+//! `LODESTAR_SCENES` names their folder. `LODESTAR_DEVICE` chooses the device.
 //!
-//! A bound is the longer of two times: of the operations at the rate of `glsl/test/arithmetic.comp`, and of the bytes
-//! at that of `glsl/test/gather.comp` in the nearest cache (of updates: at that of `glsl/test/copy.comp`). It supposes
-//! that nothing waits for anything and that lanes never idle. Beside it stands what the bytes would take if every node
-//! came from a random place of the whole hierarchy: no bound, for neighbors' rays read the same nodes. Lanes are idle
-//! while others of their subgroup still have nodes to visit; how many are busy is counted.
+//! A bound is the longer of two times: the operations at the rate of `glsl/test/arithmetic.comp`, and the bytes at the
+//! rate of `glsl/test/gather.comp` in the nearest cache. For updates, the bytes count at the rate of
+//! `glsl/test/copy.comp`. The bound assumes that nothing waits for anything and that lanes never idle.
+//!
+//! The table also has the time that the bytes would take if every node came from a random place of the whole hierarchy.
+//! This time is no bound, because neighboring rays read the same nodes. Lanes idle while others of their subgroup still
+//! have nodes to visit; the bench counts how many lanes are busy.
 
 mod operations;
 mod path_bounds;
 mod ray_bounds;
 mod update_bounds;
 
-#[path = "../common/mod.rs"]
-#[allow(dead_code)] // It loads no scene by name.
-mod common;
-#[path = "../../tests/samplers/device.rs"]
-#[allow(dead_code)]
-mod device;
-#[path = "../common/digits.rs"]
-mod digits;
-#[path = "../common/guide_updates.rs"]
-#[allow(dead_code)] // It refines no quadtrees.
-mod guide_updates;
-#[path = "../common/rates.rs"]
-mod rates;
-#[path = "../common/rays.rs"]
-mod rays;
-#[path = "../common/relief.rs"]
-mod relief;
-#[path = "../common/subjects.rs"]
-#[allow(dead_code)] // No other renderer reads their files.
-mod subjects;
-
 use std::sync::Arc;
 
-use device::Device;
-use rates::{Arithmetic, Fetches};
+use support::bench::rates::{Arithmetic, Fetches};
+use support::device::Device;
 
 const ROUNDS: usize = 5;
 
-/// What the device can do.
+/// Rates that the device can reach.
 pub struct Limits {
     pub arithmetic: Arithmetic,
     pub fetches: Fetches,
@@ -52,14 +33,14 @@ pub struct Limits {
 fn main() {
     let mut arguments = std::env::args().skip_while(|argument| argument != "--rounds").skip(1);
     let rounds = arguments.next().map_or(ROUNDS, |text| text.parse().expect("--rounds takes a number"));
-    let device = Arc::new(Device { context: common::context() });
+    let device = Arc::new(Device { context: support::bench::context() });
     let limits = Limits { arithmetic: Arithmetic::new(&device), fetches: Fetches::new(&device) };
-    let subjects = subjects::all();
+    let subjects = support::bench::subjects::all();
     let mut rays = ray_bounds::all(&device, &subjects);
     let mut paths = path_bounds::all(&device.context, &subjects, &rays);
     let mut updates = update_bounds::all(&device);
     for round in 0..=rounds {
-        // The first warms up.
+        // The first round warms up.
         let counts = round > 0;
         rays.iter_mut().for_each(|row| row.measure(&limits, counts));
         paths.iter_mut().for_each(|row| row.measure(&limits, counts));

@@ -2,26 +2,20 @@
 //! render, 128 and its number: 130 for Ctrl-C.
 
 mod compare;
+mod console;
 mod devices;
 mod guiding_args;
 mod guiding_uses;
 mod inspect;
 mod inspect_text;
 mod interrupt;
-mod keeper;
-mod kernel_dir;
 mod merge;
-mod outputs;
-mod profile;
 mod progress;
 mod radiance;
 mod render;
 mod render_args;
 mod reproduce;
 mod resume;
-mod safety_copy;
-mod stats;
-mod task;
 
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
@@ -64,13 +58,13 @@ pub fn run() -> ExitCode {
     };
     take_file_size_limits_as_errors();
     let outcome = match cli.command {
-        Command::Render(args) => render::run(&args),
+        Command::Render(args) => render::run(*args),
         Command::Resume(args) => resume::run(*args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
-        Command::Radiance(args) => radiance::run(&args),
+        Command::Radiance(args) => radiance::run(*args),
         Command::Reproduce(args) => reproduce::run(&args),
     };
     outcome.unwrap_or_else(|error| {

@@ -5,6 +5,7 @@
 //! seen directly).
 
 pub mod bsdf;
+mod build;
 pub mod emitter;
 pub mod fingerprint;
 pub mod geometry;
@@ -13,10 +14,12 @@ pub mod mitsuba;
 mod shrink;
 pub mod texel_pages;
 pub mod texture;
+pub mod texture_lookup;
 
 use glam::{Mat4, Vec2, Vec3};
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
+pub use build::Surface;
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use fingerprint::fingerprint;
 pub use geometry::{Primitive, PrimitiveShape};

@@ -1,4 +1,4 @@
-// The switch over the samplers: which function finds a guide's cell, draws from it and gives its density.
+// Switch over the samplers: the functions that find a guide's cell, draw from the guide and give its density.
 #ifndef GUIDED_DIRECTION_GLSL
 #define GUIDED_DIRECTION_GLSL
 #include "guide/grid/cells.glsl"
@@ -9,33 +9,34 @@
 #include "guide/samplers/sampler.glsl"
 #include "guide/samplers/sphere_inversion.glsl"
 
-// The guide's cell at a point: a cell of the grids, or the first node of the point's quadtree.
+// Guide's cell at a point: a cell of the grids, or the first node of the point's quadtree.
 uint cell_at(vec3 position) {
     if (!uses_guide()) return 0u;
     return is_quadtree() ? quadtree_at(position) : grid_cell(position);
 }
 
-// Draws a direction from a filled guide and its uniform share, between which `choice` in [0, 1) chooses. For samplers that do
-// not descend.
+// Samples a filled guide, for the samplers that mix with a uniform share. `choice` in [0, 1) selects the uniform share
+// or the guide. The samplers that descend mix with the surface's own sampler instead; sample_descent serves them.
 GuidedSample sample_guide(RandomKey key, uint vertex, float choice, Guide guide) {
     if (is_sphere_inversion()) return sample_sphere_inversion(key, vertex, choice, guide);
     if (is_hemisphere_inversion()) return sample_hemisphere_inversion(key, vertex, choice, guide);
     return sample_rejection_mix(key, vertex, choice, guide);
 }
 
-// Draws a direction by a descent. Returns the surface's `own` direction instead with the probability `own_share`, and always
-// where `follows` is false. `pdf` is the descent's density of either. For samplers that descend.
+// Samples a guide, for the samplers that descend. The result is `own`, a direction that the caller has drawn, with the
+// probability `own_share`, and always where `follows` is false. The density is that of the descent.
 GuidedSample sample_descent(vec4 u, Guide guide, bool follows, float own_share, vec3 own) {
     if (is_quadtree()) return sample_quadtree(u, guide, follows, own_share, own);
     return sample_product(u, guide, follows, own_share, own);
 }
 
-// The descent's density of a direction.
+// Density of the descent in a direction, per steradian.
 float pdf_descent(Guide guide, vec3 wi) {
     return is_quadtree() ? pdf_quadtree(guide, wi) : pdf_product(guide, wi);
 }
 
-// Density of `wi` where the guide stands for a diffuse lobe: of the guide mixed with its uniform share, or with the cosine.
+// Density of `wi` under a guide, per steradian. For samplers that descend, it is the density of the mixture with the
+// cosine.
 float pdf_guide(Guide guide, vec3 wi) {
     if (is_sphere_inversion()) return pdf_sphere_inversion(guide, wi);
     if (is_hemisphere_inversion()) return pdf_hemisphere_inversion(guide, wi);

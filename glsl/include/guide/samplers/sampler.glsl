@@ -1,10 +1,10 @@
-// The samplers: what tells one from another. This file alone names SAMPLER; all others ask its questions. Which function draws
-// for which sampler stands in guided_direction.glsl.
+// Questions about the sampler. No other file names SAMPLER: all ask these questions. The functions that draw for each sampler
+// are chosen in guided_direction.glsl.
 #ifndef SAMPLER_GLSL
 #define SAMPLER_GLSL
 #include "shared/variant.glsl"
 
-// A guide is learned and followed. Without one, all directions come from the BSDF.
+// Whether a guide is learned and followed. Without one, all directions come from the BSDF.
 bool uses_guide() {
     return SAMPLER != SAMPLER_BSDF;
 }
@@ -25,12 +25,12 @@ bool is_hemisphere_inversion() {
     return SAMPLER == SAMPLER_HEMISPHERE_INVERSION;
 }
 
-// The paper's plain rejection, which takes the least uniform share.
+// Whether the sampler is the paper's plain rejection, which takes the least uniform share.
 bool is_plain_rejection() {
     return SAMPLER == SAMPLER_REJECTION;
 }
 
-// Bit 1 << sampler of those that draw by a descent, which is mixed with the surface's own samples.
+// Samplers that draw by a descent: bit 1 << sampler for each. Their samples are mixed with the surface's own samples.
 const uint DESCENDING_SAMPLERS = (1u << SAMPLER_PRODUCT) | (1u << SAMPLER_QUADTREE);
 
 bool descends() {
