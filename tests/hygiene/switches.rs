@@ -5,10 +5,8 @@ use crate::source::{Source, words};
 /// Where the constants are declared.
 const DECLARATION: &str = "glsl/include/shared/variant.glsl";
 /// Constants, each with the file that may name it.
-const SWITCHES: [(&str, &str); 2] = [
-    ("SAMPLER", "glsl/include/guide/samplers/sampler.glsl"),
-    ("LEARNER", "glsl/include/guide/learners/learning.glsl"),
-];
+const SWITCHES: [(&str, &str); 2] =
+    [("SAMPLER", "glsl/include/guide/samplers/sampler.glsl"), ("LEARNER", "glsl/include/guide/learners/learning.glsl")];
 
 /// Violations of the rule in `sources`, one line each.
 pub fn violations(sources: &[Source]) -> Vec<String> {
