@@ -1,18 +1,18 @@
-//! The one error type. Every variant prints as one sentence that names the thing at fault and what to do about it.
+//! The crate's error type. Every variant prints as one sentence that names the thing at fault and what to do about it.
 
 use std::path::{Path, PathBuf};
 
-/// What can go wrong, from a scene file to a lost device.
+/// Everything that can go wrong, from a scene file to a lost device.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A scene file or a mesh it names is malformed or asks for something unsupported.
+    /// A scene file, or a mesh that it names, is malformed or uses an unsupported feature.
     #[error("{}{}: {message}", file.display(), line_suffix(*line))]
     Scene {
         /// The file at fault.
         file: PathBuf,
-        /// Its line, counted from 1, where one can be named.
+        /// The line at fault, counted from 1, where one is known.
         line: Option<u32>,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
     /// A file could not be read.
@@ -20,15 +20,15 @@ pub enum Error {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error that the system reported.
         source: std::io::Error,
     },
-    /// A file could not be written; nothing of it is left behind.
+    /// A file could not be written. No part of it is left on the disk.
     #[error("{}: cannot be written: {source}", path.display())]
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error that the system reported.
         source: std::io::Error,
     },
     /// An image file is malformed or of a kind that is not supported.
@@ -36,29 +36,29 @@ pub enum Error {
     Image {
         /// The file.
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
-    /// A checkpoint is damaged, or another version's.
+    /// A checkpoint is damaged or was written by another version.
     #[error("{}: {message}", path.display())]
     Checkpoint {
         /// The file.
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
-    /// A kernel's SPIR-V cannot be read, or cannot stand in for the built-in one.
+    /// A kernel's SPIR-V cannot be read or cannot replace the built-in kernel.
     #[error("{}: {message}", path.display())]
     Kernel {
         /// The file.
         path: PathBuf,
-        /// What is wrong and what to do.
+        /// The fault and its remedy.
         message: String,
     },
     /// A setting is out of its range, or two settings contradict each other.
     #[error("{0}")]
     Settings(String),
-    /// No usable Vulkan device, or the one asked for is refused.
+    /// No usable Vulkan device was found, or the device asked for is refused.
     #[error("{0}")]
     Device(String),
     /// A Vulkan call failed.
@@ -69,59 +69,59 @@ pub enum Error {
         /// The driver's answer in words.
         reason: String,
     },
-    /// The device was lost, and with it all that was only there.
+    /// The device was lost together with all data that was only in its memory.
     #[error(
         "{call} failed: the device was lost (a fault in the driver, or a watchdog ended work that took too long){note}"
     )]
     DeviceLost {
         /// The call, or the kernel that was running.
         call: String,
-        /// What else is to be said, after a semicolon; nothing at first.
+        /// Further clauses, each after a semicolon; empty at first.
         note: String,
     },
-    /// The device has no more memory.
+    /// The device has no memory left.
     #[error("{call} failed: out of device memory{note}")]
     OutOfDeviceMemory {
         /// The call, or the kernel that was to run.
         call: String,
-        /// What else is to be said, after a semicolon; nothing at first.
+        /// Further clauses, each after a semicolon; empty at first.
         note: String,
     },
-    /// A result would be wrong: a loop ran out of its budget, say.
+    /// A result would be wrong, for instance because a loop ran out of its budget.
     #[error("{0}")]
     Render(String),
 }
 
-/// The crate's result.
+/// Result with this crate's [`Error`] by default.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// An [`Error::Scene`].
+    /// Makes an [`Error::Scene`].
     pub fn scene(file: impl AsRef<Path>, line: Option<u32>, message: impl Into<String>) -> Self {
         Self::Scene { file: file.as_ref().to_path_buf(), line, message: message.into() }
     }
 
-    /// An [`Error::Read`], for `map_err`.
+    /// Makes an [`Error::Read`]; for `map_err`.
     pub fn read(path: impl AsRef<Path>) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Read { path: path.as_ref().to_path_buf(), source }
     }
 
-    /// An [`Error::Write`], for `map_err`.
+    /// Makes an [`Error::Write`]; for `map_err`.
     pub fn write(path: impl AsRef<Path>) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::Write { path: path.as_ref().to_path_buf(), source }
     }
 
-    /// An [`Error::Kernel`].
+    /// Makes an [`Error::Kernel`].
     pub fn kernel(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self::Kernel { path: path.as_ref().to_path_buf(), message: message.into() }
     }
 
-    /// An [`Error::Image`].
+    /// Makes an [`Error::Image`].
     pub fn image(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self::Image { path: path.as_ref().to_path_buf(), message: message.into() }
     }
 
-    /// A fault of the device with a clause more.
+    /// Adds a clause to the message of a lost device or of lacking device memory. Other errors stay as they are.
     #[must_use]
     pub fn noting(mut self, clause: &str) -> Self {
         if let Self::DeviceLost { note, .. } | Self::OutOfDeviceMemory { note, .. } = &mut self {
@@ -131,7 +131,8 @@ impl Error {
         self
     }
 
-    /// A fault of the device with the work that the call belonged to.
+    /// Names the work that the failed call belonged to, for a lost device or lacking device memory. Other errors stay
+    /// as they are.
     #[must_use]
     pub fn during(mut self, work: &str) -> Self {
         if let Self::DeviceLost { call, .. } | Self::OutOfDeviceMemory { call, .. } = &mut self {
@@ -140,7 +141,7 @@ impl Error {
         self
     }
 
-    /// An [`Error::Checkpoint`].
+    /// Makes an [`Error::Checkpoint`].
     pub fn checkpoint(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self::Checkpoint { path: path.as_ref().to_path_buf(), message: message.into() }
     }

@@ -1,4 +1,4 @@
-//! Writing files whole: a reader sees the old file or the new one, never a part of it.
+//! Whole-file writes: a reader sees the old file or the new one, never a part of it.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use crate::{Error, Result};
 
-/// A file that was not written to for so long is not being written any more.
+/// Age after which a temporary file counts as abandoned: a process that still writes would have touched it.
 const ABANDONED_AFTER: Duration = Duration::from_secs(10);
 
-/// Keeps the temporary names of one process apart.
+/// Number of temporary files made so far; it makes each temporary name unique within the process.
 static TEMPORARY_COUNT: AtomicU32 = AtomicU32::new(0);
 
 /// Writes `path` under a temporary name in the same folder and renames it once everything has reached the disk.
@@ -38,16 +38,19 @@ pub fn write_json(path: &Path, value: &impl serde::Serialize) -> Result<()> {
     })
 }
 
-/// Fails as [`write_whole`] would, so that a long render is refused before it starts and not after it ends. Clears away what
-/// processes that were killed while they wrote `path` have left behind.
+/// Checks that [`write_whole`] could write `path`, so that a long render is refused before it starts. Removes temporary
+/// files of `path` that killed processes have left behind.
+///
+/// # Errors
+/// [`Error::Write`] where the temporary file cannot be created.
 pub fn check_writable(path: &Path) -> Result<()> {
     let (temporary, _) = Temporary::create(path).map_err(Error::write(path))?;
     remove_abandoned(&temporary.target);
     Ok(())
 }
 
-/// Removes the temporary files of `target` whose processes are gone, where the system tells. They are no use to anybody, so
-/// one that cannot be removed is left alone.
+/// Removes abandoned temporary files of `target` whose processes have ended. Failures are ignored, because such a file
+/// does no harm.
 fn remove_abandoned(target: &Path) {
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let (Some(name), Ok(entries)) = (target.file_name(), fs::read_dir(folder)) else { return };
@@ -56,7 +59,7 @@ fn remove_abandoned(target: &Path) {
         let name = entry.file_name();
         let owner = name.to_str().and_then(|name| name.strip_prefix(&prefix)?.strip_suffix(".part")?.split_once('-'));
         let is_gone = owner.is_some_and(|(id, _)| id.parse().is_ok_and(is_gone));
-        // Elsewhere on a shared disk a process may be alive that is not listed here.
+        // A process on another machine that shares the disk is not listed here, so the file must be old too.
         let age = entry.metadata().and_then(|metadata| metadata.modified()).ok().and_then(|time| time.elapsed().ok());
         if is_gone && age.is_some_and(|age| age >= ABANDONED_AFTER) {
             let _ = fs::remove_file(entry.path());
@@ -64,12 +67,12 @@ fn remove_abandoned(target: &Path) {
     }
 }
 
-/// Whether the process of that number is known to have ended.
+/// Whether the process with this number is known to have ended. Always false where there is no `/proc`.
 fn is_gone(process: u32) -> bool {
     Path::new("/proc/self").exists() && !Path::new(&format!("/proc/{process}")).exists()
 }
 
-/// A file under a temporary name; removed when dropped unless it was renamed.
+/// Temporary file that is removed when dropped, unless it was renamed to its target.
 struct Temporary {
     path: PathBuf,
     target: PathBuf,
@@ -97,13 +100,14 @@ impl Temporary {
 impl Drop for Temporary {
     fn drop(&mut self) {
         if !self.renamed {
-            // Nothing is left to do about a failure here: the caller already reports the first one.
+            // A failure here is ignored: the caller already reports the first one.
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Where a write to `path` ends up. Renaming would replace a symbolic link by a file, and so would it a device.
+/// Final path of a write to `path`: symbolic links are followed, because renaming would replace the link itself.
+/// Folders and devices are refused.
 fn target_of(path: &Path) -> io::Result<PathBuf> {
     match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => Err(io::Error::other("it is a folder; give a file name")),
@@ -173,7 +177,7 @@ mod tests {
     fn what_killed_processes_left_is_cleared_away() {
         let folder = tempfile::tempdir().unwrap();
         let own = std::process::id();
-        // Above any that Linux gives.
+        // Linux gives no process number above 2^22.
         let gone = (1 << 22) + 1;
         let old = std::time::SystemTime::now() - Duration::from_secs(3600);
         for (name, modified) in [

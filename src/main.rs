@@ -1,4 +1,4 @@
-//! The command line of Lodestar.
+//! Entry point of the `lodestar` command line.
 #![deny(missing_docs)]
 
 mod cli;

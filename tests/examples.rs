@@ -58,11 +58,12 @@ fn a_scene_is_made_in_code() {
     assert_eq!((picture.width, picture.height), (64, 48));
     assert!(picture.sample_count.iter().all(|&count| count == 32));
     let at = |x: usize, y: usize| picture.rgb()[64 * y + x];
-    let [red, green, _] = at(40, 26);
-    assert!(red > 3.0 * green && red > 0.1, "the sphere is red and lit: {:?}", at(40, 26));
+    let [red, green, _] = at(42, 16);
+    assert!(red > 3.0 * green && red > 0.1, "the sphere is red and lit: {:?}", at(42, 16));
     let [red, green, blue] = at(32, 44);
     assert!(red > 0.2 && (red - blue).abs() < 0.5 * red && green > 0.2, "the floor is gray and lit: {:?}", at(32, 44));
-    assert_eq!(at(1, 1), [0.1, 0.15, 0.2], "the sky");
+    let sky = at(1, 1).into_iter().zip([0.1, 0.15, 0.2]);
+    assert!(sky.into_iter().all(|(found, sky)| (found - sky).abs() < 1.0e-5), "the sky: {:?}", at(1, 1));
 }
 
 /// A request of 16 samples is 12 steps of the schedule, so that the guide learns within it.

@@ -1,4 +1,4 @@
-//! Builds the bounding volume hierarchy and lays geometry out as the kernels read it. The only module that names `obvhs`.
+//! Bounding volume hierarchy, and geometry laid out for the kernels. Only this module and its children name `obvhs`.
 
 mod split;
 mod wide;
@@ -11,28 +11,29 @@ use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord, TEXEL_BYTES};
 use crate::scene::{Primitive, PrimitiveShape};
 
-/// Words of one compressed wide node (Ylitie et al. 2017).
+/// Number of words of one compressed wide node (Ylitie et al. 2017).
 pub const NODE_WORDS: usize = constants::NODE_TEXELS as usize * TEXEL_BYTES / size_of::<u32>();
 
-/// Boxes grow by this share of the scene's largest coordinate: as far as the primitives' edge tests reach beyond an edge.
+/// Margin of boxes as a share of the scene's largest coordinate: the distance by which primitives' edge tests reach
+/// beyond an edge.
 const BOX_MARGIN: f32 = 1.0e-6;
 
-/// A hierarchy over primitives, with what is needed to shade them.
+/// Hierarchy over primitives, with the attributes that shading needs.
 pub struct Bvh {
     /// Compressed wide nodes; at least one.
     pub nodes: Vec<[u32; NODE_WORDS]>,
-    /// Primitives in the order of the leaves. A triangle of which several boxes hold a part is there several times.
+    /// Primitives in the order of the leaves. A triangle that was split into several boxes occurs several times.
     pub primitives: Vec<PrimitiveRecord>,
-    /// Shading attributes in the same order.
+    /// Shading attributes, in the order of `primitives`.
     pub attributes: Vec<AttributeRecord>,
-    /// Longest way from the root to a leaf, in nodes: one more than the entries that a traversal stack needs.
+    /// Number of nodes on the longest way from the root to a leaf; a traversal stack needs one entry fewer.
     pub depth: u32,
     /// Lower and upper corner of all primitives; a unit box at the origin where there are none.
     pub bounds: (Vec3, Vec3),
 }
 
 impl Bvh {
-    /// Builds the hierarchy. Any number of primitives will do, of any shape and size, as long as all numbers are finite.
+    /// Builds the hierarchy over any number of primitives of any shape and size. All their numbers must be finite.
     pub fn build(primitives: &[Primitive]) -> Self {
         let bounds = scene_bounds(primitives);
         let margin = BOX_MARGIN * largest_coordinate(bounds);
@@ -60,7 +61,7 @@ impl Bvh {
         self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_VERTEX_NORMALS != 0)
     }
 
-    /// The largest absolute coordinate of the scene: what rounding errors of positions scale with.
+    /// Largest absolute coordinate of the scene. Rounding errors of positions are proportional to it.
     pub fn largest_coordinate(&self) -> f32 {
         largest_coordinate(self.bounds)
     }
@@ -81,7 +82,7 @@ fn largest_coordinate(bounds: (Vec3, Vec3)) -> f32 {
     bounds.0.abs().max(bounds.1.abs()).max_element()
 }
 
-/// Nodes on the longest way down, by the children's indices that every node holds.
+/// Number of nodes on the longest way down, found through the children's indices in the nodes.
 fn depth(nodes: &[[u32; NODE_WORDS]]) -> u32 {
     let mut deepest = 1;
     let mut pending = vec![(0_u32, 1_u32)];
@@ -94,8 +95,9 @@ fn depth(nodes: &[[u32; NODE_WORDS]]) -> u32 {
     deepest
 }
 
-/// A triangle that begins at the vertex opposite its longest edge. Cross products of the two edges from there lose the
-/// fewest digits: from another corner of a slender triangle, rays miss it by more than they start off a surface.
+/// Reorders a triangle to begin at the vertex opposite its longest edge. Cross products of the two edges from there
+/// lose the fewest digits. From another corner of a slender triangle, hit points err by more than the offset of new
+/// rays.
 fn widest_corner_first(p: &Primitive) -> Primitive {
     if p.shape != PrimitiveShape::Triangle {
         return *p;
@@ -152,13 +154,13 @@ fn attribute_record(p: &Primitive) -> AttributeRecord {
     }
 }
 
-/// Every emitting primitive is a light of its own, numbered in the order of the leaves.
+/// Numbers the emitting primitives in the order of the leaves. Each is a light of its own.
 fn number_lights(attributes: &mut [AttributeRecord]) {
     let emitting = attributes.iter_mut().filter(|attributes| attributes.emitter != constants::NONE);
     emitting.zip(0..).for_each(|(attributes, light)| attributes.light = light);
 }
 
-/// A unit vector in two signed 16-bit numbers (Cigolle et al. 2014), as `unpackSnorm2x16` reads them.
+/// Unit vector as two signed 16-bit numbers (Cigolle et al. 2014), which GLSL reads by `unpackSnorm2x16`.
 fn octahedral_encode(n: Vec3) -> u32 {
     let p = n / (n.x.abs() + n.y.abs() + n.z.abs());
     let (x, y) =
@@ -211,7 +213,7 @@ mod tests {
         }
     }
 
-    /// All primitives below a node, each of which must lie within the node's quantized boxes on the way down.
+    /// Collects all primitives below a node. Each must lie within the node's quantized boxes on the way down.
     fn below(bvh: &Bvh, index: usize, found: &mut Vec<usize>) {
         let node = &bvh.nodes[index];
         let bytes: &[u8] = bytemuck::cast_slice(node);
@@ -241,7 +243,7 @@ mod tests {
 
     #[test]
     fn every_primitive_lies_in_some_leaf() {
-        // One, few, and so many that subtrees are built apart; among them a few large ones.
+        // One primitive; few; and so many that subtrees are built apart, with a few large ones among them.
         for count in [1, 1000, 60_000] {
             let place = |i: u32| vec3((i % 251) as f32, (i * 7 % 13) as f32, (i / 251) as f32);
             let size = |i: u32| if i.is_multiple_of(997) { 100.0 } else { 0.5 };

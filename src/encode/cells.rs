@@ -1,5 +1,5 @@
-//! The cells that a guide learns for: those places of a regular grid over the scene that hold surfaces, and the larger cells,
-//! each of up to two by two by two, that they fall back on while they have learned little. Knows nothing of the device.
+//! Cells of a guide: the places of a regular grid over the scene that hold surfaces, and their parents. A parent joins
+//! up to 2 x 2 x 2 cells, which borrow from it while they have learned little. CPU only.
 
 mod occupancy;
 
@@ -11,39 +11,39 @@ use crate::encode::bvh::Bvh;
 use crate::generated::constants;
 use occupancy::occupied_places;
 
-/// Places along the longest side of the scene that are tried.
+/// Numbers of places that are tried along the longest side of the scene.
 const LONGEST_SIDES: [u32; 19] = [4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 21, 24, 28, 32, 38, 44, 52, 64];
-/// Thinnest extent of the scene along an axis, relative to its largest coordinate.
+/// Least extent of the scene along an axis, relative to its largest coordinate.
 const THINNEST: f32 = 1.0e-6;
 
-/// A regular grid over a box.
+/// Regular grid over a box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     /// Lower corner, world space.
     pub origin: Vec3,
-    /// Places along each axis over the box's extent there.
+    /// Places per unit of length, along each axis.
     pub per_unit: Vec3,
-    /// Places along each axis.
+    /// Number of places along each axis.
     pub size: UVec3,
 }
 
 impl Grid {
-    /// A grid of that many places over the scene's box.
+    /// Grid of `size` places over the scene's box.
     pub fn new(bvh: &Bvh, size: UVec3) -> Self {
         Self { origin: bvh.bounds.0, per_unit: size.as_vec3() / extent(bvh), size }
     }
 
-    /// Where a point is, in places from the lower corner.
+    /// Coordinates of a point, in places from the lower corner.
     fn coordinates(&self, position: Vec3) -> Vec3 {
         (position - self.origin) * self.per_unit
     }
 
-    /// The place of such coordinates, the nearest one for those outside.
+    /// Place at the given coordinates; for coordinates outside, the nearest place.
     fn clamped(&self, coordinates: Vec3) -> UVec3 {
         coordinates.clamp(Vec3::ZERO, self.size.as_vec3() - 0.5).as_uvec3()
     }
 
-    /// A place's number, the x-axis first.
+    /// Index of a place, with the x-axis running fastest.
     fn index(&self, place: UVec3) -> usize {
         ((place.z * self.size.y + place.y) * self.size.x + place.x) as usize
     }
@@ -52,40 +52,41 @@ impl Grid {
         self.size.element_product() as usize
     }
 
-    /// All places within these bounds, both included.
+    /// All places within the given bounds, both included.
     fn places(from: UVec3, to: UVec3) -> impl Iterator<Item = UVec3> {
         (from.z..=to.z)
             .flat_map(move |z| (from.y..=to.y).flat_map(move |y| (from.x..=to.x).map(move |x| uvec3(x, y, z))))
     }
 }
 
-/// Extents of the scene's box, none of them zero.
+/// Extents of the scene's box, all above zero.
 fn extent(bvh: &Bvh) -> Vec3 {
     (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * THINNEST))
 }
 
-/// The cells of a scene, in an order that keeps neighbors together (Morton 1966): those that hold surfaces first, then the
-/// cells that these are part of, level by level, the one that is all of the scene last.
+/// Cells of a scene, level by level: first the cells that hold surfaces, then their parents, and so on to the one cell
+/// that is all of the scene. Within a level, Morton order (Morton 1966) keeps neighbors together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
-    /// Where they lie.
+    /// Grid in which the cells lie.
     pub grid: Grid,
-    /// The table that `glsl/include/guide/grid/cells.glsl` reads: the cell of every place, which is the next cell where a place
-    /// holds no surface; the parent of every cell, `NONE` for the last; and of every parent, and of one
-    /// beyond the last, the first of its cells.
+    /// Table that `glsl/include/guide/grid/cells.glsl` reads, in three parts. First, the cell of every place; a place
+    /// without surfaces has the next cell. Second, the parent of every cell, `NONE` for the last. Third, the first
+    /// child of every parent, and one end marker.
     pub table: Vec<u32>,
     levels: Vec<Range<u32>>,
 }
 
 impl Cells {
-    /// The cells of a grid of that many places over a scene.
+    /// Cells of a grid of `size` places over a scene.
     pub fn new(bvh: &Bvh, size: UVec3) -> Self {
         let grid = Grid::new(bvh, size);
         let is_occupied = occupied_places(bvh, &grid);
         Self::of_places(grid, &is_occupied)
     }
 
-    /// The finest cells that `fits` accepts, as near to cubes as the scene's box allows: of sizes that grow by about a sixth.
+    /// Finest cells that `fits` accepts, as near to cubes as the scene's box allows. Sizes grow in steps of about a
+    /// sixth.
     pub fn fitting(bvh: &Bvh, fits: impl Fn(&Self) -> bool) -> Self {
         let extent = extent(bvh);
         let of_longest = |longest: u32| {
@@ -96,7 +97,7 @@ impl Cells {
         of_longest(LONGEST_SIDES[first_too_fine.saturating_sub(1)])
     }
 
-    /// No cells, where nothing is learned.
+    /// No cells, for renders that learn nothing.
     pub fn none(bvh: &Bvh) -> Self {
         Self { grid: Grid::new(bvh, UVec3::ONE), table: Vec::new(), levels: Vec::new() }
     }
@@ -118,36 +119,36 @@ impl Cells {
         Self { grid, table, levels }
     }
 
-    /// Cells that hold surfaces.
+    /// Number of cells that hold surfaces.
     pub fn count(&self) -> u32 {
         self.levels.first().map_or(0, |level| level.end)
     }
 
-    /// These and the larger ones that they are part of.
+    /// Number of all cells, parents included.
     pub fn all_count(&self) -> u32 {
         self.levels.last().map_or(0, |level| level.end)
     }
 
-    /// The larger cells, level by level: every level's are part of the next one's.
+    /// Ranges of the parent cells, level by level, from the smallest cells to the largest.
     pub fn parent_levels(&self) -> &[Range<u32>] {
         self.levels.get(1..).unwrap_or_default()
     }
 
-    /// `grid_cell` of `glsl/include/guide/grid/cells.glsl`: the cell of a point of a surface.
+    /// Cell of a point on a surface, as `grid_cell` of `glsl/include/guide/grid/cells.glsl` finds it.
     pub fn cell_of(&self, position: Vec3) -> usize {
         let place = self.grid.clamped(self.grid.coordinates(position));
         self.table.get(self.grid.index(place)).map_or(0, |&cell| cell as usize)
     }
 }
 
-/// The cell of that key, else the next one.
+/// Cell with the given key; without one, the next cell.
 fn cell_or_next(keys: &[u64], key: u64) -> u32 {
     let (Ok(cell) | Err(cell)) = keys.binary_search(&key);
     cell.min(keys.len() - 1) as u32
 }
 
-/// The parent of every cell, the first cell of every parent, and the ranges of the levels. The parent of a key is an eighth
-/// of it.
+/// Parent of every cell, first cell of every parent, and ranges of the levels. A parent's key is an eighth of its
+/// children's keys, rounded down.
 fn ancestry(mut keys: Vec<u64>) -> (Vec<u32>, Vec<u32>, Vec<Range<u32>>) {
     let (mut parents, mut first_children, mut levels) = (Vec::new(), Vec::new(), Vec::new());
     let mut first = 0;
@@ -170,7 +171,7 @@ fn ancestry(mut keys: Vec<u64>) -> (Vec<u32>, Vec<u32>, Vec<Range<u32>>) {
     (parents, first_children, levels)
 }
 
-/// The bits of the three coordinates in turn.
+/// Morton key of a place: the bits of its three coordinates interleaved.
 fn morton_key(place: UVec3) -> u64 {
     let spread = |x: u32| (0..21).fold(0, |key, bit| key | u64::from(x >> bit & 1) << (3 * bit));
     spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2

@@ -1,11 +1,11 @@
-//! What the clamped cosine of every representative normal amounts to over every direction bin: the table from which the
-//! normalization grid is filled.
+//! Integrals of the clamped cosine around every representative normal over every direction bin. The normalization grid
+//! is filled from this table.
 
 use glam::{DVec3, dvec2};
 use rayon::prelude::*;
 
 use crate::generated::layout::CosineIntegral;
-use crate::reference::direction_map::{bin_point, representative_normal};
+use crate::math::direction_map::{bin_point, representative_normal};
 use crate::settings::DirectionMap;
 
 mod border;
@@ -13,23 +13,23 @@ mod symmetry;
 use border::Border;
 use symmetry::{Symmetry, symmetries};
 
-/// Meshes along each side of a bin, for the bound of the cosine; pieces of its border are as long.
+/// Meshes along each side of a bin for the bound of the cosine. Pieces of the bin's border are as long as a mesh.
 const MESHES: u32 = 24;
 
-/// One direction bin, independent of any normal.
+/// Direction bin, independent of any normal.
 struct Bin {
     border: Border,
     /// Points of a grid over the bin, its border included.
     grid: Vec<DVec3>,
-    /// No direction of the bin is farther than this from some point of the grid, as a chord.
+    /// Largest distance (as a chord) from a direction of the bin to the nearest point of the grid.
     reach: f64,
 }
 
-/// Entries `[direction bin][normal bin]` for maps of the given resolutions.
+/// Table `[direction bin][normal bin]` for maps of `directions * directions` and `normals * normals` bins.
 pub fn cosine_integrals(map: DirectionMap, directions: u32, normals: u32) -> Vec<CosineIntegral> {
     let representative: Vec<DVec3> = (0..normals * normals).map(|bin| representative_normal(bin, normals)).collect();
     let turned: Vec<(u32, Symmetry)> = least_images(map, directions, normals);
-    // A bin's row is that of the least of its mirror images, with the normals mirrored too.
+    // The row of a bin equals the row of its least mirror image, with the normals mirrored too.
     let mut least: Vec<u32> = turned.iter().map(|image| image.0).collect();
     least.sort_unstable();
     least.dedup();
@@ -48,7 +48,7 @@ pub fn cosine_integrals(map: DirectionMap, directions: u32, normals: u32) -> Vec
     entries.collect()
 }
 
-/// For each direction bin the least of its images, and the symmetry of both maps that leads there.
+/// Least image of each direction bin, and the symmetry of both maps that leads there.
 fn least_images(map: DirectionMap, directions: u32, normals: u32) -> Vec<(u32, Symmetry)> {
     let symmetries = symmetries(map, directions, normals);
     let images = |bin: u32| symmetries.iter().map(move |&symmetry| (symmetry.image(map, bin, directions), symmetry));
@@ -59,11 +59,11 @@ impl Bin {
     fn new(map: DirectionMap, index: u32, directions: u32) -> Self {
         let grid: Vec<DVec3> = points(map, index, directions, MESHES);
         let row = MESHES as usize + 1;
-        // Half the longest diagonal of the grid's meshes, twice over for their curvature.
+        // Half the longest diagonal of the grid's meshes, doubled to allow for their curvature.
         let diagonal = |i: usize| (grid[i] - grid[i + row + 1]).length().max((grid[i + 1] - grid[i + row]).length());
         let meshes = (0..row - 1).flat_map(|y| (0..row - 1).map(move |x| y * row + x));
         let reach = meshes.map(diagonal).fold(0.0, f64::max);
-        // Every piece of the border has a middle.
+        // Every piece of the border has a middle point, so twice the points are needed.
         let fine = points(map, index, directions, 2 * MESHES);
         let around: Vec<DVec3> = around(2 * MESHES as usize).map(|at| fine[at]).collect();
         Self { border: Border::new(&around), grid, reach }
@@ -71,7 +71,7 @@ impl Bin {
 
     fn cosine_integral(&self, n: DVec3) -> CosineIntegral {
         let most = self.grid.iter().map(|w| w.dot(n)).fold(-1.0, f64::max);
-        // A cosine cannot rise by more than the chord to the nearest point of the grid.
+        // A cosine rises by at most the chord to the nearest point of the grid.
         let maximum = (most + self.reach).clamp(0.0, 1.0);
         let integral = if maximum > 0.0 { self.border.cosine_integral(n).max(0.0) } else { 0.0 };
         CosineIntegral { integral: integral as f32, maximum: maximum as f32 }
@@ -88,7 +88,8 @@ fn around(meshes: usize) -> impl Iterator<Item = usize> {
     bottom.chain(right).chain(top).chain(left)
 }
 
-/// The directions of a grid of `meshes * meshes` over a bin, its border included, about as far from each other all over it.
+/// Directions of a grid of `meshes * meshes` over a bin, its border included. Their distances are about equal all over
+/// the bin.
 fn points(map: DirectionMap, bin: u32, directions: u32, meshes: u32) -> Vec<DVec3> {
     let step = 1.0 / f64::from(meshes);
     let height = |y: u32| match map {
@@ -99,7 +100,7 @@ fn points(map: DirectionMap, bin: u32, directions: u32, meshes: u32) -> Vec<DVec
     (0..=meshes).flat_map(|y| (0..=meshes).map(move |x| (x, y))).map(|(x, y)| point(x, y)).collect()
 }
 
-/// Where in [0, 1] of a row of the cylindrical map's bins this share of its angle lies.
+/// Height in [0, 1] within a row of the cylindrical map's bins at which the given share of the row's angle is reached.
 fn height_at_even_angle(row: u32, directions: u32, share: f64) -> f64 {
     let height = |angle: f64| (0.5 * angle.sin() + 0.5) * f64::from(directions) - f64::from(row);
     let angle = |row: u32| (2.0 * f64::from(row) / f64::from(directions) - 1.0).asin();
@@ -130,11 +131,11 @@ mod tests {
         }
     }
 
-    /// Over a bin of the cylindrical map, for a normal in its equator: azimuths and heights separate.
+    /// Integral over a bin of the cylindrical map for a normal in the equator, where azimuths and heights separate.
     fn closed_form(bin: u32, directions: u32, azimuth: f64) -> f64 {
         let edge = |i: u32| 2.0 * f64::from(i) / f64::from(directions) - 1.0;
         let planar = |z: f64| 0.5 * (z * (1.0 - z * z).max(0.0).sqrt() + z.asin());
-        // Within half a turn of the normal.
+        // Azimuth relative to the normal, within half a turn.
         let from_normal = |i: u32| {
             let middle = PI * (edge(bin % directions) + 1.0 / f64::from(directions)) - azimuth;
             PI * edge(i) - azimuth - (middle / (2.0 * PI)).round() * 2.0 * PI

@@ -1,5 +1,6 @@
-//! The trees of the clamped cosine that the product sampler multiplies with those of radiance: one for every representative
-//! normal, laid out as `glsl/include/guide/samplers/tree.glsl` says, with the weights of `glsl/include/math/small_floats.glsl`.
+//! Trees of the clamped cosine, which the product sampler multiplies by trees of radiance: one tree for every
+//! representative normal. The layout is that of `glsl/include/guide/samplers/tree.glsl`, the weights are those of
+//! `glsl/include/math/small_floats.glsl`.
 
 use crate::generated::constants::{BIAS_8, DROPPED_BITS, LARGEST_SMALL_FLOAT};
 use crate::generated::layout::CosineIntegral;
@@ -10,13 +11,13 @@ pub type Node = [u32; 4];
 /// Parts of a node along each side, and blocks of the map.
 const PARTS: u32 = 4;
 
-/// Nodes of a tree of `directions * directions` bins.
+/// Number of nodes of a tree of `directions * directions` bins.
 pub fn nodes_per_tree(directions: u32) -> u32 {
     let middle = if directions > PARTS * PARTS { PARTS * PARTS } else { 0 };
     middle + (directions / PARTS).pow(2)
 }
 
-/// The trees of all normals, one after the other, from the integrals `[direction bin][normal bin]`.
+/// Trees of all normals, one after the other, from the integrals `[direction bin][normal bin]`.
 pub fn cosine_trees(integrals: &[CosineIntegral], directions: u32, normals: u32) -> Vec<Node> {
     let normals = normals * normals;
     (0..normals)
@@ -24,7 +25,7 @@ pub fn cosine_trees(integrals: &[CosineIntegral], directions: u32, normals: u32)
         .collect()
 }
 
-/// The tree of a non-negative function of the bins.
+/// Tree of a non-negative function of the bins.
 fn tree(directions: u32, value: impl Fn(u32) -> f32) -> Vec<Node> {
     let side = directions / PARTS;
     let bins = |node: u32| parts(node % side, node / side, PARTS).map(|(x, y)| value(y * directions + x));

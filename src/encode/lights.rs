@@ -1,5 +1,5 @@
-//! What emitter sampling draws from: every light of a scene with a probability in proportion to its power. CPU only; the
-//! kernels read it as texels (`glsl/include/light/light.glsl`, `glsl/include/light/environment.glsl`).
+//! Lights for emitter sampling: every light of a scene has a probability in proportion to its power. CPU only; the
+//! kernels read them as texels (`glsl/include/light/light.glsl`, `glsl/include/light/environment.glsl`).
 
 mod alias_table;
 mod environment_table;
@@ -22,10 +22,10 @@ use crate::generated::layout::{
 use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene, Textured};
 use textured::{brightness, points_for};
 
-/// Texels of a [`DeltaLightRecord`].
+/// Number of texels of a [`DeltaLightRecord`].
 const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / TEXEL_BYTES;
 
-/// A scene's lights and what they emit.
+/// Lights of a scene and their emission.
 pub struct Lights {
     emitters: Vec<EmitterRecord>,
     lights: Vec<LightRecord>,
@@ -35,16 +35,16 @@ pub struct Lights {
     brightest: f32,
 }
 
-/// An environment as the kernels know it.
+/// Environment in the form that the kernels read.
 struct EnvironmentLight {
-    /// Radiance, or factor of the map.
+    /// Radiance, or a factor of the map.
     radiance: Vec3,
     map: Option<(EnvironmentMap, EnvironmentTable)>,
     local_from_world: Mat3,
     light: u32,
 }
 
-/// A light before its probability is known.
+/// Light whose probability is not known yet.
 struct Candidate {
     kind: u32,
     index: u32,
@@ -52,12 +52,12 @@ struct Candidate {
 }
 
 impl Lights {
-    /// Of a scene whose hierarchy is `bvh`: every emitting primitive in the order of the leaves, then delta lights, then the
-    /// environment.
+    /// Lights of a scene whose hierarchy is `bvh`: every emitting primitive in the order of the leaves, then delta
+    /// lights, then the environment.
     pub fn new(scene: &Scene, bvh: &Bvh) -> Self {
         let radius = 0.5 * f64::from((bvh.bounds.1 - bvh.bounds.0).length());
         let mut candidates = area_candidates(scene, bvh);
-        // Their texels come after those of the emitters and of the lights.
+        // Texels of delta lights follow those of the emitters and of the lights.
         let light_count = candidates.len() + scene.delta_emitters.len() + usize::from(scene.environment.is_some());
         let first_delta = scene.emitters.len() + light_count;
         candidates.extend(scene.delta_emitters.iter().enumerate().map(|(i, emitter)| Candidate {
@@ -86,12 +86,12 @@ impl Lights {
         self.total_power <= 0.0
     }
 
-    /// Bit `1 << kind` for every kind of light.
+    /// Bits `1 << kind` of all kinds of light in the scene.
     pub fn kinds(&self) -> u32 {
         self.lights.iter().fold(0, |bits, light| bits | 1 << (light.kind_and_index >> constants::LIGHT_KIND_SHIFT))
     }
 
-    /// `ENVIRONMENT_*`
+    /// Kind of the environment, one of `ENVIRONMENT_*`.
     pub fn environment_kind(&self) -> u32 {
         match &self.environment {
             None => constants::ENVIRONMENT_NONE,
@@ -100,13 +100,14 @@ impl Lights {
         }
     }
 
-    /// The largest radiance of RGB's mean that may arrive anywhere; of delta lights, what a white surface at a sixteenth of
-    /// the scene's radius reflects of them.
+    /// Largest radiance (mean of RGB) that may arrive anywhere. A delta light counts by the radiance that a white
+    /// surface reflects at a sixteenth of the scene's radius from it.
     pub fn brightest(&self) -> f32 {
         self.brightest
     }
 
-    /// The buffer that the kernels read: emitters, lights, delta lights, then the table and the map of the environment.
+    /// Content of the buffer that the kernels read: emitters, lights, delta lights, then table and map of the
+    /// environment.
     pub fn texels(&self) -> Vec<[u32; 4]> {
         let mut texels: Vec<[u32; 4]> = Vec::with_capacity(self.texel_count());
         texels.extend_from_slice(bytemuck::cast_slice(&self.emitters));
@@ -120,19 +121,19 @@ impl Lights {
         texels
     }
 
-    /// Their number.
+    /// Number of texels in the buffer.
     pub fn texel_count(&self) -> usize {
         let map = self.environment.as_ref().and_then(|environment| environment.map.as_ref());
         let of_map = map.map_or(0, |(map, table)| map.texels.len().div_ceil(2) + table.entries.len());
         self.first_block() + of_map
     }
 
-    /// Where the environment's table begins.
+    /// Index of the texel at which the environment's table begins.
     fn first_block(&self) -> usize {
         self.emitters.len() + self.lights.len() + self.delta_lights.len() * DELTA_TEXELS
     }
 
-    /// Sets what the kernels need to know about the lights.
+    /// Sets the constants through which kernels find the lights.
     pub fn write_constants(&self, constants: &mut SceneConstants) {
         constants.light_count = self.lights.len() as u32;
         constants.first_light = self.emitters.len() as u32;
@@ -167,12 +168,12 @@ impl EnvironmentLight {
         }
     }
 
-    /// What the texels of its map count in.
+    /// Unit of the map's texels, as radiance.
     fn unit(&self) -> f32 {
         self.map.as_ref().map_or(1.0, |(map, _)| map_unit(map))
     }
 
-    /// Integral of its mean radiance over all directions, W/m^2.
+    /// Integral of the mean radiance (of RGB) over all directions, W/m^2.
     fn flux(&self) -> f64 {
         let over_sphere = self.map.as_ref().map_or(4.0 * PI, |(_, table)| table.flux);
         mean_rgb(self.radiance) * over_sphere
@@ -188,7 +189,8 @@ fn map_unit(map: &EnvironmentMap) -> f32 {
     halves::scale(map.texels.iter().map(|texel| texel.max_element()))
 }
 
-/// A map as halves, of which a texel of the buffer holds eight: red, green, blue and nothing, twice.
+/// Texels of a map as halves, two texels of the map in one texel of the buffer. Each has red, green, blue and an unused
+/// half.
 fn map_texels(map: &EnvironmentMap) -> Vec<[u32; 4]> {
     let unit = map_unit(map);
     let pair = |pair: &[Vec3]| {
@@ -272,7 +274,7 @@ fn delta_light_kind(emitter: &DeltaEmitter) -> u32 {
     }
 }
 
-/// Power in W; of a directional light what meets the disk that the scene's sphere casts its shadow on.
+/// Power of a delta light in W. A directional light counts by the power that meets the disk of the scene's radius.
 fn delta_power(emitter: &DeltaEmitter, scene_radius: f64) -> f64 {
     match emitter.kind {
         DeltaKind::Point { intensity, .. } => 4.0 * PI * mean_rgb(intensity),
@@ -296,7 +298,7 @@ fn delta_record(kind: &DeltaKind) -> DeltaLightRecord {
             direction: direction.into(),
             cutoff_angle,
             intensity: intensity.into(),
-            // Where there is no transition, the intensity falls at once.
+            // Without a transition, the intensity falls at once.
             falloff: 1.0 / (cutoff_angle - beam_width).max(1.0e-20),
         },
         DeltaKind::Directional { direction, irradiance } => {

@@ -1,4 +1,4 @@
-//! Materials as the kernels read them: `glsl/include/bsdf/material.glsl` and `bsdf/parameters.glsl`.
+//! Materials as the kernels read them (`glsl/include/bsdf/material.glsl` and `bsdf/parameters.glsl`).
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::scene::{Scene, Textured};
 
 const OPACITY: usize = 3;
 
-/// The record of a material.
+/// Record of a material.
 pub(crate) fn record(material: &Material) -> MaterialRecord {
     match &material.kind {
         MaterialKind::Surface(surface) => surface_record(surface),
@@ -20,7 +20,7 @@ pub(crate) fn record(material: &Material) -> MaterialRecord {
     }
 }
 
-/// Bit `1 << kind` for every kind of material in the scene.
+/// Bits `1 << kind` of all kinds of material in the scene.
 pub(crate) fn kinds(scene: &Scene) -> u32 {
     scene
         .materials
@@ -28,7 +28,7 @@ pub(crate) fn kinds(scene: &Scene) -> u32 {
         .fold(0, |bits, material| bits | 1 << (record(material).kind_and_flags & constants::MATERIAL_KIND_MASK))
 }
 
-/// `FEATURE_*` bits of what the scene uses.
+/// `FEATURE_*` bits of the features that the scene uses.
 pub(crate) fn features(scene: &Scene) -> u32 {
     let surfaces = scene.materials.iter().filter_map(|material| match &material.kind {
         MaterialKind::Surface(surface) => Some(surface),
@@ -44,7 +44,8 @@ pub(crate) fn features(scene: &Scene) -> u32 {
     features
 }
 
-/// Bit `1 << parameter` for every parameter that a texture multiplies, and the most textures of one material.
+/// Bits `1 << parameter` of all parameters that a texture multiplies, and the largest number of textures of one
+/// material.
 pub(crate) fn textured_parameters(scene: &Scene) -> (u32, u32) {
     let links = scene.materials.iter().map(|material| record(material).links.concat());
     links.fold((0, 0), |(bits, most), links| {
@@ -93,7 +94,7 @@ fn is_anisotropic(bsdf: &Bsdf) -> bool {
     }
 }
 
-/// A record with nothing in it, which parameters are then written to.
+/// Record that starts empty and takes parameters one by one.
 struct Writer {
     record: MaterialRecord,
     link_count: usize,
@@ -128,7 +129,7 @@ impl Writer {
         self.scalar(index, &Textured::constant(value));
     }
 
-    /// The loader lets no material have more textures than there are links.
+    /// Links a parameter to a texture. The loader refuses materials with more textures than there are links.
     fn link(&mut self, parameter: u32, texture: Option<u32>) {
         if let Some(texture) = texture {
             self.record.links[self.link_count / 4][self.link_count % 4] =

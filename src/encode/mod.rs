@@ -1,4 +1,4 @@
-//! From a [`Scene`](crate::scene::Scene) to the words that kernels read. CPU only: no Vulkan, no `unsafe`.
+//! Encoding of a [`Scene`](crate::scene::Scene) as the words that kernels read. CPU only: no Vulkan, no `unsafe`.
 
 pub mod bvh;
 pub mod cells;

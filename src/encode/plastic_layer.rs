@@ -1,4 +1,5 @@
-//! What the dielectric layers of plastics let through and reflect inside, on average: the constants that the kernels read.
+//! Dielectric layers of plastics: their mean transmittance and internal reflectance, which the kernels read as
+//! constants.
 
 use std::f64::consts::PI;
 
@@ -6,29 +7,29 @@ use glam::{DVec3, dvec3};
 use rayon::prelude::*;
 
 use crate::generated::constants;
-use crate::reference::fresnel::fresnel_dielectric;
-use crate::reference::microfacet::{Microfacets, smith_g1};
+use crate::math::fresnel::fresnel_dielectric;
+use crate::math::microfacet::{Microfacets, smith_g1};
 
 /// Entries of a table over the cosine, from grazing to normal incidence.
 pub const TRANSMITTANCE_ENTRIES: usize = constants::TRANSMITTANCE_ENTRIES as usize;
-/// Facets seen from one direction are integrated over this many points radially, and over as many angles or slopes.
+/// Number of integration points along the radius over the facets seen from one direction, and along the angle or slope.
 const POINTS: usize = 24;
-/// The same radially where total reflection cuts through them.
+/// Number of integration points along the radius where total reflection cuts through the facets.
 const POINTS_ACROSS_EDGE: usize = 256;
-/// Beyond this slope, in units of the roughness, Beckmann's distribution holds less than 1e-8 of all facets.
+/// Slope, in units of the roughness, beyond which Beckmann's distribution holds less than 1e-8 of all facets.
 const STEEPEST: f64 = 4.5;
 
-/// A layer of microfacets.
+/// Layer of microfacets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoughLayer {
-    /// Share of the light from above that gets through, at equidistant cosines of incidence from 0 to 1.
+    /// Share of the light from above that is transmitted, at equidistant cosines of incidence from 0 to 1.
     pub transmittance: [f64; TRANSMITTANCE_ENTRIES],
-    /// Share of diffuse light from below that is sent back.
+    /// Share of diffuse light from below that is reflected back.
     pub internal_reflectance: f64,
 }
 
 impl RoughLayer {
-    /// Of relative index `eta`, interior over exterior. Light that facets shadow counts as lost, as in Mitsuba.
+    /// Layer of relative index `eta` (interior over exterior). Light that facets shadow counts as lost, as in Mitsuba.
     pub fn new(facets: &Microfacets, eta: f64) -> Self {
         let (radii, across_edge) = (gauss_legendre(POINTS), gauss_legendre(POINTS_ACROSS_EDGE));
         let cosine = |entry: usize| (entry as f64 / (TRANSMITTANCE_ENTRIES - 1) as f64).max(1.0e-6);
@@ -49,15 +50,15 @@ impl RoughLayer {
         }
     }
 
-    /// One word for every pair of neighbors, each a 16-bit fraction, the lower half first.
+    /// Words of the table: one for every pair of neighbors, each neighbor a 16-bit fraction, the lower half first.
     pub fn words(&self) -> Vec<u32> {
         let fraction = |value: f64| (value.clamp(0.0, 1.0) * 65535.0).round() as u32;
         self.transmittance.windows(2).map(|pair| fraction(pair[0]) | fraction(pair[1]) << 16).collect()
     }
 }
 
-/// Share of diffuse light that a smooth surface sends back: Egan and Hilgeman (1973) for `eta` < 1, d'Eon and Irving (2011)
-/// else. `eta` is that beyond the surface over that in front.
+/// Share of diffuse light that a smooth surface reflects: Egan and Hilgeman (1973) for `eta` < 1, d'Eon and Irving
+/// (2011) otherwise. `eta` is the index beyond the surface over the index in front of it.
 pub fn fresnel_diffuse_reflectance(eta: f64) -> f64 {
     if eta < 1.0 {
         return -1.4399 * eta * eta + 0.7099 * eta + 0.6681 + 0.0636 / eta;
@@ -99,7 +100,7 @@ fn visible_normals(facets: &Microfacets, v: DVec3, radii: &[(f64, f64)]) -> Weig
     points.into_iter().map(|(m, weight)| (unstretched(m), weight / total)).collect()
 }
 
-/// Uniform over a spherical cap, as in `sample_visible_ggx`.
+/// Normals of GGX, uniform over a spherical cap as in `sample_visible_ggx`.
 fn ggx_normals(v: DVec3, radii: &[(f64, f64)]) -> WeightedNormals {
     let k = 1.0 + v.z;
     let point = |r2: f64, angle: f64| {
@@ -110,7 +111,8 @@ fn ggx_normals(v: DVec3, radii: &[(f64, f64)]) -> WeightedNormals {
     angles.flat_map(|angle| radii.iter().map(move |&(r2, weight)| (point(r2, angle), weight))).collect()
 }
 
-/// Slopes along and across the plane of incidence, weighed by their Gaussian and by how they turn to the viewer.
+/// Normals of Beckmann from slopes along and across the plane of incidence. Each is weighted by its Gaussian and by its
+/// cosine to the viewer.
 fn beckmann_normals(v: DVec3, radii: &[(f64, f64)]) -> WeightedNormals {
     let most = (v.z / v.x.max(1.0e-12)).min(STEEPEST);
     let across = (0..POINTS).map(|i| STEEPEST * (i as f64 + 0.5) / POINTS as f64);
@@ -123,7 +125,7 @@ fn beckmann_normals(v: DVec3, radii: &[(f64, f64)]) -> WeightedNormals {
         .collect()
 }
 
-/// Points and weights of Gauss and Legendre's quadrature over [0, 1].
+/// Points and weights of Gauss-Legendre quadrature over [0, 1].
 fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     (0..count)
         .map(|index| {
@@ -139,7 +141,7 @@ fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The Legendre polynomial of the given degree, and its derivative.
+/// Legendre polynomial of the given degree, and its derivative.
 fn legendre(degree: usize, x: f64) -> (f64, f64) {
     let (mut previous, mut value) = (1.0, x);
     for n in 2..=degree {
@@ -174,7 +176,7 @@ fn finer_quadratures_agree() {
         }
         let ours = layer.internal_reflectance;
         assert!((ours - internal).abs() < 5.0e-4, "{is_ggx}, {alpha}: {ours}, not {internal}");
-        // From inside no other index has the same share.
+        // Another index gives another share from inside.
         let denser = RoughLayer::new(&facets, 1.51).internal_reflectance;
         assert!((denser - internal).abs() > 1.0e-3, "{is_ggx}, {alpha}: the index hardly matters");
     }

@@ -1,4 +1,4 @@
-//! What the records of plastics hold besides their scene's parameters: constants of their layers, and tables of words.
+//! Completion of plastics' records: constants of their layers, and tables of words.
 
 use std::collections::HashMap;
 
@@ -6,16 +6,16 @@ use glam::Vec3;
 
 use crate::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
 use crate::generated::layout::MaterialRecord;
-use crate::reference::microfacet::Microfacets;
+use crate::math::microfacet::Microfacets;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind};
 use crate::scene::{Scene, Textured};
 
-/// Places among [`MaterialRecord::scalars`]; see `bsdf/parameters.glsl`.
+/// Indices into [`MaterialRecord::scalars`]; see `bsdf/parameters.glsl`.
 const INTERNAL_REFLECTANCE: usize = 4;
 const SPECULAR_SAMPLING: usize = 5;
 const TRANSMITTANCE_TABLE: usize = 6;
 
-/// Completes the records of a scene's plastics. Returns the words of their tables, which have addresses from 0 on.
+/// Completes the records of a scene's plastics. Returns the words of their tables, whose addresses start at 0.
 pub(crate) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32> {
     let mut tables = Tables::default();
     for (material, record) in scene.materials.iter().zip(records) {
@@ -35,14 +35,14 @@ fn complete_record(scene: &Scene, material: &Material, record: &mut MaterialReco
             let table = tables.of(*distribution, *alpha, *eta);
             record.scalars[INTERNAL_REFLECTANCE] = table.internal_reflectance;
             record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
-            // A whole number: words of tables come first in their buffer, so there are far fewer than 2^24.
+            // The address is exact as a float: tables come first in their buffer, so it is far below 2^24.
             record.scalars[TRANSMITTANCE_TABLE] = table.address as f32;
         }
         _ => {}
     }
 }
 
-/// Tables so far; equal layers share theirs.
+/// Tables made so far; equal layers share one.
 #[derive(Default)]
 struct Tables {
     words: Vec<u32>,
@@ -69,7 +69,7 @@ impl Tables {
     }
 }
 
-/// Share of the specular lobe's mean albedo in both lobes'.
+/// Mean albedo of the specular lobe as a share of both lobes' mean albedo.
 fn specular_sampling(scene: &Scene, specular: &Textured<Vec3>, diffuse: &Textured<Vec3>) -> f32 {
     let (specular, diffuse) = (mean(scene, specular), mean(scene, diffuse));
     if specular + diffuse > 0.0 { specular / (specular + diffuse) } else { 0.0 }

@@ -1,4 +1,4 @@
-//! Pictures of the same scene from disjoint samples, averaged into one.
+//! Averages pictures of one scene, rendered from disjoint samples, into one picture.
 
 use std::path::PathBuf;
 
@@ -7,14 +7,14 @@ use crate::film::ranges::SampleRanges;
 use crate::session::identity::{Identity, merged_attributes};
 use crate::{Error, Result};
 
-/// A picture of some of the samples.
+/// Picture made from some of a render's samples.
 #[derive(Debug, Clone)]
 pub struct PartialPicture {
-    /// Its file.
+    /// Path of the picture's file.
     pub path: PathBuf,
-    /// What it shows.
+    /// The picture itself.
     pub picture: Picture,
-    /// The attributes of its header.
+    /// Attributes of the file's header, as names and values.
     pub attributes: Vec<(String, String)>,
 }
 
@@ -30,14 +30,15 @@ impl PartialPicture {
     }
 }
 
-/// The average of the parts, each pixel weighed by its samples, with the attributes of the whole. The order of the parts has
-/// no part in it.
+/// Averages the parts, each pixel weighted by its number of samples. Returns the picture and the attributes of the
+/// whole. The result does not depend on the order of the parts.
 ///
 /// # Errors
-/// [`Error::Image`] where a part shows something else than the first, or samples that another holds already.
+/// [`Error::Image`] where a part shows another scene or window than the first, or holds samples that another part holds
+/// too.
 pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>)> {
     let mut ranged: Vec<_> = parts.iter().map(|part| Ok((part.ranges()?, part))).collect::<Result<_>>()?;
-    // What is summed up in another order is rounded otherwise.
+    // Floating-point sums depend on the order of their terms, so the order is fixed.
     ranged.sort_by_key(|(ranges, _)| ranges.first());
     let mut all = SampleRanges::default();
     for (at, (ranges, part)) in ranged.iter().enumerate() {
@@ -46,9 +47,9 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
         if let Some(overlap) = all.overlap(ranges) {
             let other = ranged[..at].iter().find(|(other, _)| other.overlap(ranges).is_some());
             let other = other.map(|(_, other)| other.path.display().to_string()).unwrap_or_default();
-            return Err(
-                part.error(format!("{other} holds its samples {overlap} (seed:first..end) too; give other samples"))
-            );
+            return Err(part.error(format!(
+                "{other} also holds samples {overlap} (seed:first..end); merge parts with different samples"
+            )));
         }
         all = all.union(ranges.clone());
     }
@@ -57,12 +58,13 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
     Ok((average(&parts.iter().map(|part| &part.picture).collect::<Vec<_>>()), attributes))
 }
 
-/// How many samples a pixel has must not depend on what they are: the average would be biased however many parts it had.
+/// Refuses parts whose sample counts depend on the samples themselves: their average would be biased however many parts
+/// it had.
 fn check_even(part: &PartialPicture) -> Result<()> {
     let value = |of: &str| part.attributes.iter().find(|(name, _)| name == of).map(|(_, value)| &value[..]);
     if let Some(target) = value("noise").filter(|&target| target != "null") {
         return Err(part.error(format!(
-            "its pixels ended by --noise {target}, each after its own samples; give every part an --spp"
+            "--noise {target} ended its pixels after different numbers of samples; render every part with --spp"
         )));
     }
     Ok(())
@@ -81,12 +83,12 @@ fn check_same(part: &PartialPicture, first: &PartialPicture) -> Result<()> {
         );
     }
     match Identity::of_picture(&first.attributes).difference(&Identity::of_picture(&part.attributes)) {
-        Some(difference) => Err(part.error(format!("{other} is of another render: {difference}"))),
+        Some(difference) => Err(part.error(format!("{other} belongs to another render: {difference}"))),
         None => Ok(()),
     }
 }
 
-/// Of pictures of the same size.
+/// Averages pictures of one size, exactly where all of them hold sums.
 fn average(pictures: &[&Picture]) -> Picture {
     match pictures.iter().all(|picture| !picture.sums.is_empty()) {
         true => sum(pictures),
@@ -94,7 +96,7 @@ fn average(pictures: &[&Picture]) -> Picture {
     }
 }
 
-/// Neither their number nor their order changes a bit.
+/// Adds up the pictures' integer sums, so neither their number nor their order changes a bit.
 fn sum(pictures: &[&Picture]) -> Picture {
     let mut sum = pictures[0].clone();
     for at in 0..sum.sums.len() {
@@ -126,7 +128,7 @@ fn average_of_means(pictures: &[&Picture]) -> Picture {
     average
 }
 
-/// How much each picture's pixel counts.
+/// Weight of each picture in the average of one pixel.
 struct Weights<'a> {
     counted: Vec<(&'a Picture, f64)>,
     total: f64,
@@ -135,14 +137,14 @@ struct Weights<'a> {
 impl<'a> Weights<'a> {
     fn new(pictures: &[&'a Picture], count: impl Fn(&Picture) -> u32) -> Self {
         let counted: Vec<_> = pictures.iter().map(|&picture| (picture, f64::from(count(picture)))).collect();
-        // Where there is none, the value may not be a number.
+        // The value of a pixel without samples may not be a number.
         let counted: Vec<_> = counted.into_iter().filter(|&(_, count)| count > 0.0).collect();
         let total = counted.iter().map(|(_, count)| count).sum();
         Self { counted, total }
     }
 
     fn total_count(&self) -> u32 {
-        // Disjoint samples of a few seeds may be more than 2^32.
+        // The count saturates: disjoint samples of several seeds may be more than 2^32.
         self.total as u32
     }
 
@@ -151,7 +153,8 @@ impl<'a> Weights<'a> {
         if self.total > 0.0 { sum / self.total } else { 0.0 }
     }
 
-    /// Of the mean of all samples, from every picture's mean and variance of it (Chan, Golub and LeVeque 1979).
+    /// Variance of the mean of all samples, from each picture's mean and variance of the mean (Chan, Golub and LeVeque
+    /// 1979).
     fn variance(&self, mean: f64, mean_and_variance: impl Fn(&Picture) -> (f32, f32)) -> f64 {
         let squared_deviation = |&(picture, count): &(&Picture, f64)| {
             let (part_mean, variance) = mean_and_variance(picture);

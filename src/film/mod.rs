@@ -1,4 +1,4 @@
-//! What a pixel holds, and how pictures are put together from parts. CPU only: no Vulkan, no `unsafe`.
+//! Pictures: what a pixel holds, and how parts are merged. CPU only: no Vulkan, no `unsafe`.
 
 pub mod merge;
 pub mod noise;

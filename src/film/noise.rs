@@ -1,46 +1,47 @@
-//! When a picture is good enough: how noisy its tiles are by estimate, and which of them go on. CPU only.
+//! Noise estimates of tiles, which decide where sampling goes on. CPU only.
 //!
-//! Whether a pixel gets another sample depends on those it has, so a mean of such samples is biased: pictures that end by noise
-//! are consistent, not unbiased. As the target falls, the bias falls with the noise.
+//! Whether a pixel gets another sample depends on the samples it has, so a mean of such samples is biased: pictures
+//! that end by noise are consistent, not unbiased. The bias falls with the target.
 
 use std::ops::Range;
 
 use serde::Serialize;
 
-/// Samples per pixel before noise is estimated: two of each half's parts.
+/// Samples per pixel before noise is estimated: two samples for each part of the two halves.
 pub const LEAST_SAMPLES: u32 = 32;
 
-/// Sums over the pixels of a tile, of what is averaged over the color channels (`glsl/kernels/noise/judge_noise.comp`).
+/// Sums over the pixels of a tile; each term is averaged over the color channels
+/// (`glsl/kernels/noise/judge_noise.comp`).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TileNoise {
-    /// Of the estimated variances of their mean radiances, each relative to the square of that mean, or of the tile's where
-    /// that is more.
+    /// Sum of the relative variances of the pixels' mean radiances. Each variance is divided by the square of the
+    /// pixel's mean or of the tile's mean, whichever is larger.
     pub squared_error: f64,
-    /// Of their mean radiances.
+    /// Sum of the pixels' mean radiances.
     pub radiance: f64,
 }
 
-/// How far a picture is.
+/// How close a picture is to its noise target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct NoiseReport {
-    /// The relative error at which tiles end.
+    /// Relative error at or below which a tile ends.
     pub target: f32,
-    /// That of the noisiest tile, by estimate; `None` before there is one.
+    /// Estimated relative error of the noisiest tile; `None` before noise is estimated.
     pub largest: Option<f64>,
-    /// Root mean square over all tiles.
+    /// Root mean square of the relative errors of all tiles; `None` before noise is estimated.
     pub mean: Option<f64>,
-    /// Share of the pixels that go on.
+    /// Share of the pixels that are still sampled, in [0, 1].
     pub sampled_share: f64,
 }
 
 impl NoiseReport {
-    /// Of a picture whose noise is not estimated yet.
+    /// Report for a picture whose noise is not estimated yet.
     pub fn unknown(target: f32) -> Self {
         Self { target, largest: None, mean: None, sampled_share: 1.0 }
     }
 }
 
-/// The tiles of a window, row by row.
+/// Square tiles that cover a window, row by row.
 #[derive(Debug, Clone, Copy)]
 pub struct Tiles {
     width: u32,
@@ -49,7 +50,8 @@ pub struct Tiles {
 }
 
 impl Tiles {
-    /// Of a window of so many pixels, which the last tiles of a row or column may reach beyond.
+    /// Tiles of `side` pixels that cover a window of `width` x `height` pixels. The last tile of a row or column may
+    /// reach beyond the window.
     pub fn new(width: u32, height: u32, side: u32) -> Self {
         Self { width, height, side }
     }
@@ -62,22 +64,22 @@ impl Tiles {
         self.height.div_ceil(self.side) as usize
     }
 
-    /// Their number.
+    /// Number of tiles.
     pub fn count(&self) -> usize {
         self.columns() * self.rows()
     }
 
-    /// Pixels of one of them that lie in the window.
+    /// Number of the tile's pixels that lie in the window.
     pub fn pixels(&self, tile: usize) -> u32 {
         let extent = |index: usize, size: u32| (size - index as u32 * self.side).min(self.side);
         extent(tile % self.columns(), self.width) * extent(tile / self.columns(), self.height)
     }
 
-    /// The estimated relative error of each: root mean square over its pixels. That of tiles darker than the picture counts for
-    /// less, by the root of what their mean radiance is of the picture's: else dark corners would never end (Dammertz et al.
-    /// 2010 divide by the root of radiance likewise).
+    /// Estimated relative error of each tile: the root mean square over its pixels. The error of a tile darker than the
+    /// picture is multiplied by the square root of (tile radiance / picture radiance), else dark corners would never
+    /// end. Dammertz et al. 2010 also divide by the root of radiance.
     ///
-    /// A black tile has none, as long as no light has been seen in it; what is no number is infinite.
+    /// A tile in which no light has been seen has error 0. A value that is not a number gives an infinite error.
     pub fn relative_errors(&self, noise: &[TileNoise]) -> Vec<f64> {
         let of_picture = noise.iter().map(|tile| tile.radiance).sum::<f64>() / self.all_pixels() as f64;
         let error = |(index, tile): (usize, &TileNoise)| {
@@ -93,7 +95,8 @@ impl Tiles {
         noise.iter().enumerate().map(error).collect()
     }
 
-    /// Which go on: those above the target, and their neighbors, whose estimates may have missed what they have met.
+    /// Whether each tile goes on: its error or a neighbor's is above the target. A neighbor's samples may have met
+    /// light that this tile's estimate has missed.
     pub fn going_on(&self, errors: &[f64], target: f64) -> Vec<bool> {
         let is_noisy: Vec<bool> = errors.iter().map(|&error| error > target).collect();
         let around = |at: usize, end: usize| -> Range<usize> { at.saturating_sub(1)..(at + 2).min(end) };
@@ -105,7 +108,7 @@ impl Tiles {
         (0..self.count()).map(goes_on).collect()
     }
 
-    /// All pixels of the window.
+    /// Number of pixels in the window.
     pub fn all_pixels(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
@@ -115,7 +118,7 @@ impl Tiles {
 mod tests {
     use super::*;
 
-    /// 3 x 2 tiles, of which the last column is 4 pixels wide and the last row 2 high.
+    /// 3 x 2 tiles; the last column is 4 pixels wide and the last row 2 pixels high.
     const TILES: Tiles = Tiles { width: 20, height: 10, side: 8 };
 
     #[test]

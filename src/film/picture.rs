@@ -1,9 +1,9 @@
-//! A finished picture with everything measured per pixel. CPU only.
+//! A finished picture with everything that is measured per pixel. CPU only.
 
 use crate::film::sums::PixelSums;
 use crate::image::Image;
 
-/// What a render leaves for every pixel of its window, row by row from the top left.
+/// Results of a render for every pixel of its window, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// Width of the rendered window in pixels.
@@ -16,25 +16,26 @@ pub struct Picture {
     pub full_size: [u32; 2],
     /// Mean radiance, linear sRGB.
     pub radiance: Vec<[f32; 3]>,
-    /// Variance of that mean, were its samples independent (those in sets leave less); 0 where fewer than two
-    /// were taken.
+    /// Variance of the mean radiance, computed as if samples were independent (samples in sets have less). 0 where
+    /// fewer than two samples were taken.
     pub variance: Vec<[f32; 3]>,
-    /// Samples taken.
+    /// Number of samples taken.
     pub sample_count: Vec<u32>,
-    /// Those of them whose camera ray hit something.
+    /// Number of samples whose camera ray hit a surface.
     pub hit_count: Vec<u32>,
-    /// Mean albedo of the first hit (0 where it misses).
+    /// Mean albedo of the first hit; a miss counts as 0.
     pub albedo: Vec<[f32; 3]>,
-    /// Mean shading normal of the first hit, world space, not normalised.
+    /// Mean shading normal of the first hit, in world space, not normalized.
     pub normal: Vec<[f32; 3]>,
-    /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none does.
+    /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none
+    /// did.
     pub depth: Vec<f32>,
-    /// What all of these were computed from, where the picture is one part of several; empty elsewhere.
+    /// Exact integer sums of all layers, where the picture is one part of several; empty otherwise.
     pub sums: Vec<PixelSums>,
 }
 
 impl Picture {
-    /// A picture of nothing, of the window of that size at that offset within the film.
+    /// Empty picture of a window of `width` x `height` pixels that begins at `offset` within a film of `full_size`.
     pub fn empty(width: u32, height: u32, offset: [u32; 2], full_size: [u32; 2]) -> Self {
         let pixels = width as usize * height as usize;
         Self {
@@ -58,12 +59,12 @@ impl Picture {
         &self.radiance
     }
 
-    /// The mean radiance alone.
+    /// The mean radiance as an image.
     pub fn image(&self) -> Image {
         self.with_pixels(&self.radiance)
     }
 
-    /// The variance of the mean, as a picture of the same size.
+    /// The variance of the mean radiance as an image.
     pub fn variance_image(&self) -> Image {
         self.with_pixels(&self.variance)
     }

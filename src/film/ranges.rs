@@ -1,4 +1,4 @@
-//! Which samples a picture holds.
+//! Samples that a picture holds, as ranges of sample numbers.
 
 use std::fmt;
 use std::ops::Range;
@@ -7,26 +7,28 @@ use std::str::FromStr;
 use crate::film::Picture;
 use crate::settings::Settings;
 
-/// Samples by seed and number; written as `7:0..64, 7:128..192`. Sorted, disjoint, and joined where they touch.
+/// Ranges of sample numbers by seed, written as `7:0..64, 7:128..192`. They are sorted and disjoint; touching ranges
+/// are joined.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SampleRanges(Vec<SeededRange>);
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct SeededRange {
     seed: u32,
-    /// In 64 bits, for the end may be 2^32.
+    /// Sample numbers in 64 bits, because the end may be 2^32.
     samples: Range<u64>,
 }
 
 impl SampleRanges {
-    /// Those of a render's picture. Where a step was stopped, some pixels have fewer.
+    /// Sample range of a render's picture, up to the largest count of a pixel. Pixels have fewer where a step was
+    /// stopped.
     pub fn of_picture(picture: &Picture, settings: &Settings) -> Self {
         let first = u64::from(settings.sample_offset.unwrap_or(0));
         let most = picture.sample_count.iter().copied().max().unwrap_or(0);
         Self(vec![SeededRange { seed: settings.seed, samples: first..first + u64::from(most) }])
     }
 
-    /// The first range that is in both.
+    /// First range of samples that both hold, as text; `None` where they are disjoint.
     pub fn overlap(&self, other: &Self) -> Option<String> {
         let pairs = self.0.iter().flat_map(|a| other.0.iter().map(move |b| (a, b)));
         pairs.filter(|(a, b)| a.seed == b.seed).find_map(|(a, b)| {
@@ -35,7 +37,7 @@ impl SampleRanges {
         })
     }
 
-    /// Both together.
+    /// Union of two disjoint sets of ranges.
     pub fn union(self, other: Self) -> Self {
         let mut all = [self.0, other.0].concat();
         all.sort_by_key(|range| (range.seed, range.samples.start));
@@ -51,7 +53,7 @@ impl SampleRanges {
         Self(joined)
     }
 
-    /// By which pictures are put in order: seed and number of the first sample.
+    /// Seed and number of the first sample; parts are sorted by it.
     pub fn first(&self) -> Option<(u32, u64)> {
         self.0.first().map(|range| (range.seed, range.samples.start))
     }
@@ -71,7 +73,7 @@ impl fmt::Display for SeededRange {
 }
 
 impl FromStr for SampleRanges {
-    /// What is not such a range.
+    /// Part of the text that is no range, or that overlaps an earlier range.
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {

@@ -1,21 +1,21 @@
-//! Sums over a pixel's samples that do not depend on the order in which they are added up, so that a frame can be shared out
-//! between renders: integers, of which every step adds one set.
+//! Integer sums over a pixel's samples. Integer addition does not depend on order, so a frame can be shared out between
+//! renders. Every step adds one set of sums.
 
 use bytemuck::{Pod, Zeroable};
 
 use crate::film::Picture;
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 
-/// Units of 2^-64: sums up to 9e18, of radiance and depth.
+/// Units of radiance and depth sums per 1: 2^64, for sums up to 9e18.
 const UNITS: f64 = 18_446_744_073_709_551_616.0;
-/// Upper words of squares are units of 2^-32, lower ones of 2^-96.
+/// Units per 1 in the upper words of squares: 2^32. The lower words hold units of 2^-96.
 const SQUARE_UNITS: f64 = 4_294_967_296.0;
-/// Units of 2^-32: sums up to 2e9, of albedo and normal.
+/// Units of albedo and normal sums per 1: 2^32, for sums up to 2e9.
 const FEATURE_UNITS: f64 = 4_294_967_296.0;
-/// A variance below this share of the mean square is the rounding of samples in 24 bits.
+/// Variance, as a share of the mean square, below which it is only the rounding of samples to 24 bits.
 const ROUNDING_SHARE: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// What a pixel's samples add up to.
+/// Sums over the samples of one pixel.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct PixelSums {
@@ -30,10 +30,10 @@ pub struct PixelSums {
 }
 
 impl PixelSums {
-    /// Number of 32-bit words that it consists of.
+    /// Size in 32-bit words.
     pub const WORDS: usize = size_of::<Self>() / 4;
 
-    /// Of the samples behind these moments. Rounded, but the same samples come out the same.
+    /// Sums of the samples that the film's moments describe. The sums are rounded, but equal moments give equal sums.
     pub fn of_moments(radiance: &FilmRadiance, features: &FilmFeatures) -> Self {
         let (samples, hits) = (f64::from(radiance.sample_count), f64::from(radiance.hit_count));
         let mean = radiance.mean.map(f64::from);
@@ -52,7 +52,7 @@ impl PixelSums {
         }
     }
 
-    /// Adds another's samples.
+    /// Adds the samples of `other`.
     pub fn add(&mut self, other: &Self) {
         for c in 0..3 {
             self.radiance[c] = self.radiance[c].wrapping_add(other.radiance[c]);
@@ -67,7 +67,7 @@ impl PixelSums {
         self.hit_count = self.hit_count.saturating_add(other.hit_count);
     }
 
-    /// Writes the means, and the variance of the mean radiance, to a picture's pixel.
+    /// Writes the means, and the variance of the mean radiance, to pixel `at` of `picture`.
     pub fn store(&self, picture: &mut Picture, at: usize) {
         let (samples, hits) = (f64::from(self.sample_count), f64::from(self.hit_count));
         let per_sample = 1.0 / samples.max(1.0);
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(picture_of(&PixelSums::default()).depth[0], f32::INFINITY);
     }
 
-    /// Means and variance of the whole, by the textbook in twice the precision.
+    /// Means and variance of the whole are checked against the textbook formula in twice the precision.
     #[test]
     fn steps_add_up_to_the_whole() {
         let steps = [(0.5, 2.0, 8), (3.0, 0.25, 8), (1e4, 1e6, 4)];

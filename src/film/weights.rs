@@ -1,44 +1,44 @@
-//! What samples count for in the picture: a guide's early ones are noisier than its later ones, so they count for less. The weights
-//! are fixed before a render begins and depend on a sample's index alone, so that the picture stays unbiased.
+//! Sample weights: early samples of a guide are noisier than later ones, so they get smaller weights. A weight depends
+//! on the sample's index alone and is fixed before a render begins, so the picture stays unbiased.
 
 use crate::settings::{SampleWeights, Settings};
 
-/// Samples per pixel of the first block; every other begins where the ones before it have as many samples as it has.
+/// Samples per pixel in the first block. Every later block is as long as all blocks before it together.
 const FIRST_BLOCK: u32 = 8;
-/// Weights of the blocks; after them, samples count whole.
+/// Weights of the first blocks. All later samples have weight 1.
 const WEIGHTS: [f32; 2] = [0.5, 0.75];
 
-/// What the first samples of a pixel come to.
+/// Sums over the weights of a pixel's first samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightSums {
-    /// Of their weights.
+    /// Sum of the weights.
     pub weight: f64,
-    /// Of the squares of these.
+    /// Sum of the squared weights.
     pub squares: f64,
     /// Weight of the first sample.
     pub first: f64,
 }
 
 impl Settings {
-    /// Whether early samples count for less.
+    /// Whether early samples have smaller weights.
     fn weighs_samples(&self) -> bool {
         self.sample_weights() == SampleWeights::Growing
     }
 
-    /// Weight of a pixel's sample after so many.
+    /// Weight of a pixel's sample that follows `samples_before` others.
     pub fn weight_of_sample(&self, samples_before: u32) -> f32 {
         let weight = WEIGHTS.get(block_of(samples_before) as usize).copied().unwrap_or(1.0);
         if self.weighs_samples() { weight } else { 1.0 }
     }
 
-    /// Samples after so many that weigh the same.
+    /// Number of samples, beginning after `samples_before`, that have one weight.
     pub fn samples_of_same_weight(&self, samples_before: u32) -> u32 {
         let block = block_of(samples_before);
         let ends = self.weighs_samples() && (block as usize) < WEIGHTS.len();
         if ends { (FIRST_BLOCK << block) - samples_before } else { u32::MAX }
     }
 
-    /// What a pixel's first samples come to.
+    /// Weight sums of a pixel's first `samples` samples.
     pub fn weight_sums(&self, samples: u32) -> WeightSums {
         let mut sums = WeightSums { weight: 0.0, squares: 0.0, first: f64::from(self.weight_of_sample(0)) };
         let mut done = 0;
@@ -54,19 +54,19 @@ impl Settings {
 }
 
 impl WeightSums {
-    /// As many samples of one weight have a mean of the same variance.
+    /// Number of equally weighted samples whose mean would have the same variance.
     pub fn effective_samples(&self) -> f64 {
         if self.squares > 0.0 { self.weight * self.weight / self.squares } else { 0.0 }
     }
 
-    /// The variance of the mean over the film's sum of squared deviations; 0 for fewer than two samples.
+    /// Variance of the mean divided by the film's sum of squared deviations; 0 for fewer than two samples.
     pub fn variance_scale(&self) -> f64 {
         let spread = self.squares - self.first * self.first;
         if spread > 0.0 { self.squares / (spread * self.weight * self.weight) } else { 0.0 }
     }
 }
 
-/// Index of the block of the sample after so many.
+/// Index of the block that holds the sample after `samples_before` others.
 fn block_of(samples_before: u32) -> u32 {
     (samples_before / FIRST_BLOCK).checked_ilog2().map_or(0, |exponent| exponent + 1)
 }
@@ -128,7 +128,7 @@ mod tests {
             assert_eq!((sums.weight, sums.squares), expected, "{samples}");
         }
         assert_eq!(growing.weight_sums(1).variance_scale(), 0.0);
-        // Hardly anything is lost where samples are all alike.
+        // Little is lost where all samples have the same variance.
         assert!(growing.weight_sums(64).effective_samples() > 61.0);
     }
 }

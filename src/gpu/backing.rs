@@ -1,4 +1,4 @@
-//! A Vulkan buffer with the memory bound to it: what buffers and staging areas are made of.
+//! Vulkan buffers with their memory: the common part of kernel buffers and staging areas.
 
 use std::ptr::NonNull;
 use std::sync::{Arc, MutexGuard};
@@ -11,10 +11,10 @@ use super::context::Context;
 use super::fault::failed;
 use crate::{Error, Result};
 
-/// A Vulkan buffer and its memory.
+/// Vulkan buffer and the memory bound to it.
 pub(super) struct Backing {
     raw: vk::Buffer,
-    /// Absent only while the buffer is being made.
+    /// `None` only while the buffer is being made.
     allocation: Option<Allocation>,
     bytes: u64,
     context: Arc<Context>,
@@ -46,17 +46,17 @@ impl Backing {
     }
 
     fn bind(&mut self, name: &str, place: MemoryLocation) -> Result<()> {
-        // SAFETY: invariant 1: the buffer is alive and ours.
+        // SAFETY: invariant 1: the buffer is alive and owned by this value.
         let needs = unsafe { self.context.raw().get_buffer_memory_requirements(self.raw) };
         let allocation = self.context.memory().allocate(name, needs, place)?;
         let allocation = self.allocation.insert(allocation);
-        // SAFETY: invariant 1: buffer and memory are alive and ours, of the size and alignment asked for, and the buffer is
-        // not yet bound.
+        // SAFETY: invariant 1: buffer and memory are alive and owned by this value, of the size and alignment asked
+        // for, and the buffer is not yet bound.
         unsafe { self.context.raw().bind_buffer_memory(self.raw, allocation.memory(), allocation.offset()) }
             .map_err(failed(format!("binding memory to the buffer `{name}`")))
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the buffer, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::Buffer {
         self.raw
     }
@@ -69,8 +69,8 @@ impl Backing {
         &self.context
     }
 
-    /// The host's view of the memory, where there is one. Waits for the device and keeps it idle while held: do not submit
-    /// in the meantime.
+    /// The memory as the host sees it; `None` where it is not mapped. Waits until the device is idle and keeps it idle
+    /// while held: do not submit in the meantime.
     pub(super) fn mapped(&self) -> Option<Mapped<'_>> {
         let allocation = self.allocation.as_ref()?;
         let start = allocation.mapped_ptr()?.cast();
@@ -78,7 +78,7 @@ impl Backing {
         Some(Mapped { backing: self, allocation, start, _idle: idle })
     }
 
-    /// Whether the host reads the memory through its cache. Reading without one is slower than copying first.
+    /// Whether the host reads the memory through its cache. Without a cache, copying first is faster than reading.
     pub(super) fn is_host_cached(&self) -> bool {
         let properties = self.allocation.as_ref().map(Allocation::memory_properties).unwrap_or_default();
         properties.contains(vk::MemoryPropertyFlags::HOST_CACHED)
@@ -87,7 +87,7 @@ impl Backing {
 
 impl Drop for Backing {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used it is under way.
         unsafe { self.context.raw().destroy_buffer(self.raw, None) }
         if let Some(allocation) = self.allocation.take() {
             self.context.memory().free(allocation);
@@ -95,7 +95,7 @@ impl Drop for Backing {
     }
 }
 
-/// A buffer's memory as the host sees it, the device being idle.
+/// Buffer memory as the host sees it. The device is idle while this value lives.
 pub(super) struct Mapped<'a> {
     backing: &'a Backing,
     allocation: &'a Allocation,
@@ -106,8 +106,8 @@ pub(super) struct Mapped<'a> {
 impl Mapped<'_> {
     pub(super) fn write(&self, offset: u64, bytes: &[u8]) -> Result<()> {
         let start = self.place(offset, bytes.len());
-        // SAFETY: `place` has checked the range; invariants 1 and 3: the memory is mapped while the buffer lives, and neither
-        // the device nor another thread touches it while the queue is held. `bytes` is host memory: no overlap.
+        // SAFETY: `place` has checked the range; invariants 1 and 3: the memory is mapped while the buffer lives, and
+        // neither the device nor another thread touches it while the queue is held. `bytes` is host memory: no overlap.
         unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), start, bytes.len()) };
         match self.incoherent_range(offset, bytes.len()) {
             // SAFETY: invariant 1: the memory is alive and mapped, the range inside it and in whole atoms.
@@ -124,18 +124,20 @@ impl Mapped<'_> {
             unsafe { self.backing.context.raw().invalidate_mapped_memory_ranges(&[range]) }
                 .map_err(failed("vkInvalidateMappedMemoryRanges"))?;
         }
-        // SAFETY: invariants 1 and 3, as in `write`; every buffer is filled before it is read, so the memory is initialized.
+        // SAFETY: invariants 1 and 3, as in `write`; every buffer is filled before it is read, so the memory is
+        // initialized.
         unsafe { std::ptr::copy_nonoverlapping(start.cast_const(), bytes.as_mut_ptr(), bytes.len()) };
         Ok(())
     }
 
     fn place(&self, offset: u64, len: usize) -> *mut u8 {
         check_range(self.backing.bytes, offset, len as u64);
-        // SAFETY: invariant 1: the range is inside the buffer, which lives and is mapped whole, so `offset` fits in a usize.
+        // SAFETY: invariant 1: the range is inside the buffer, which lives and is mapped whole, so `offset` fits in a
+        // usize.
         unsafe { self.start.as_ptr().add(offset as usize) }
     }
 
-    /// The whole atoms around a range, where host and device must be told of each other's writes.
+    /// Range of whole atoms around a range of bytes, for flushing and invalidating; `None` where memory is coherent.
     fn incoherent_range(&self, offset: u64, len: usize) -> Option<vk::MappedMemoryRange<'static>> {
         if len == 0 || self.allocation.memory_properties().contains(vk::MemoryPropertyFlags::HOST_COHERENT) {
             return None;
@@ -148,14 +150,18 @@ impl Mapped<'_> {
     }
 }
 
-/// The start and length of the atoms that a range touches. `Memory::allocate` has rounded the allocation up to whole atoms.
+/// Start and length in bytes of the atoms that a range touches. `Memory::allocate` has rounded the allocation up to
+/// whole atoms.
 fn whole_atoms(offset: u64, len: u64, atom: u64, allocated: u64) -> (u64, u64) {
     let begin = offset / atom * atom;
     let end = (offset + len).next_multiple_of(atom).min(allocated);
     (begin, end - begin)
 }
 
-/// Panics where a range leaves a buffer: the caller's mistake.
+/// Checks that a range lies inside a buffer of `bytes` bytes.
+///
+/// # Panics
+/// Where it does not: the caller's mistake.
 pub(super) fn check_range(bytes: u64, offset: u64, len: u64) {
     let end = offset.checked_add(len);
     assert!(end.is_some_and(|end| end <= bytes), "{len} bytes at {offset} are outside a buffer of {bytes}");

@@ -12,38 +12,39 @@ use super::fault::failed;
 use super::interface::BindingKind;
 use crate::{Error, Result};
 
-/// A texel is four numbers of 32 bits, where its kind does not say one.
+/// Bytes of a texel: four numbers of 32 bits, unless the buffer's kind says otherwise.
 const TEXEL_BYTES: u64 = 16;
 
-/// Every Vulkan device allows uniform buffers of this size.
+/// Largest uniform buffer in bytes that every Vulkan device allows.
 const MAX_UNIFORM_BYTES: u64 = 16384;
 
-/// Where the host cannot reach a buffer, data travels through a staging area of at most this many bytes.
+/// Limit in bytes of the staging area through which data travels to buffers that the host cannot reach.
 const STAGING_BYTES: usize = 16 << 20;
 
-/// How kernels see a buffer.
+/// Ways in which kernels see a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BufferKind {
-    /// Read and written as storage.
+    /// Storage buffer, read and written.
     Storage,
-    /// Small, and the same for every invocation.
+    /// Small buffer that is equal for every invocation.
     Uniform,
-    /// Read as texels of four floats.
+    /// Texel buffer of four floats, read only.
     TexelFloat,
-    /// Read as texels of four unsigned integers.
+    /// Texel buffer of four unsigned integers, read only.
     TexelUint,
-    /// Read as texels of one unsigned integer.
+    /// Texel buffer of one unsigned integer, read only.
     TexelUint1,
-    /// Seen by no kernel: copied to, and near the host, which reads it where it lies if it has a cache for it.
+    /// Target of copies that no kernel sees. Its memory is near the host, which reads it in place where the memory is
+    /// cached.
     Readback,
-    /// Written as storage, and read as storage or as texels of one float.
+    /// Storage buffer, also read as texels of one float.
     StorageTexelFloat1,
-    /// Written as storage, and read as storage or as texels of four unsigned integers.
+    /// Storage buffer, also read as texels of four unsigned integers.
     StorageTexelUint,
 }
 
 impl BufferKind {
-    /// Whether a buffer of this kind can stand at such a binding.
+    /// Whether a buffer of this kind fits a binding of the given kind.
     pub fn fits(self, binding: BindingKind) -> bool {
         match binding {
             BindingKind::StorageBuffer => self.is_storage(),
@@ -90,32 +91,32 @@ impl BufferKind {
     }
 }
 
-/// A buffer near the device, or near the host where its kind says so.
+/// Buffer in device memory, or in host memory where its kind says so.
 pub struct Buffer {
-    /// Null where kernels do not see texels.
+    /// Null where kernels see no texels.
     view: vk::BufferView,
     kind: BufferKind,
     name: String,
-    // Dropped after the view is destroyed.
+    // Declared last, because the view must be destroyed first.
     backing: Backing,
 }
 
 impl Buffer {
-    /// A buffer of zeros. Its size is rounded up to a multiple of 16 bytes, and is at least that: an empty scene has buffers
-    /// too.
+    /// Makes a buffer of zeros. Its size is rounded up to a multiple of 16 bytes and is at least 16, because an empty
+    /// scene has buffers too.
     ///
     /// # Errors
-    /// Where the device does not allow such a size or is out of memory.
+    /// [`Error::Device`] where the device does not allow the size; other errors where it is out of memory or lost.
     pub fn new(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
         let buffer = Self::allocate(context, name, bytes, kind)?;
         context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
         Ok(Arc::new(buffer))
     }
 
-    /// A buffer of these values, followed by zeros where its size is rounded up.
+    /// Makes a buffer of these values, followed by zeros where its size is rounded up.
     ///
     /// # Errors
-    /// As [`Buffer::new`], or where the device is lost.
+    /// All errors of [`Buffer::new`], and [`Error::DeviceLost`].
     pub fn with_values<T: Pod>(
         context: &Arc<Context>,
         name: &str,
@@ -123,7 +124,7 @@ impl Buffer {
         kind: BufferKind,
     ) -> Result<Arc<Self>> {
         let bytes = size_of_val(values) as u64;
-        // What is overwritten as a whole need not be cleared.
+        // A buffer that is overwritten as a whole need not be cleared.
         let is_filled = bytes > 0 && bytes.is_multiple_of(TEXEL_BYTES);
         let buffer = match is_filled {
             true => Arc::new(Self::allocate(context, name, bytes, kind)?),
@@ -157,28 +158,28 @@ impl Buffer {
         Ok(())
     }
 
-    /// Its size, as rounded.
+    /// Size in bytes, rounded up.
     pub fn len_bytes(&self) -> u64 {
         self.backing.bytes()
     }
 
-    /// How kernels see it.
+    /// How kernels see the buffer.
     pub fn kind(&self) -> BufferKind {
         self.kind
     }
 
-    /// Its name.
+    /// The buffer's name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Copies values into the buffer. Waits for work under way.
+    /// Copies values into the buffer at `offset_bytes`. Waits for work under way.
     ///
     /// # Errors
     /// Where the device is lost or out of memory.
     ///
     /// # Panics
-    /// Where they do not fit.
+    /// Where the values do not fit.
     pub fn upload<T: Pod>(&self, offset_bytes: u64, values: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(values);
         check_range(self.len_bytes(), offset_bytes, bytes.len() as u64);
@@ -188,7 +189,7 @@ impl Buffer {
         self.upload_staged(offset_bytes, bytes)
     }
 
-    /// Copies `count` values out of the buffer. Waits for work under way.
+    /// Copies `count` values out of the buffer, from `offset_bytes`. Waits for work under way.
     ///
     /// # Errors
     /// Where the device is lost or out of memory.
@@ -245,7 +246,8 @@ impl Buffer {
         self.backing.context()
     }
 
-    /// The view of its texels, for a call during which the caller borrows this value; null where there are none.
+    /// View of the buffer's texels, for a call during which the caller borrows this value; null where kernels see no
+    /// texels.
     pub(super) fn view(&self) -> vk::BufferView {
         self.view
     }
@@ -253,7 +255,8 @@ impl Buffer {
 
 impl Drop for Buffer {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone (null is allowed), and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone (null is allowed), and no submission that used it is
+        // under way.
         unsafe { self.context().raw().destroy_buffer_view(self.view, None) }
     }
 }
@@ -300,7 +303,7 @@ mod tests {
     use super::*;
     use crate::gpu::ContextOptions;
 
-    /// lavapipe's memory is the host's, so elsewhere the staged paths would go untested.
+    /// Tests staged copies directly: lavapipe's memory is visible to the host, so other tests never take these paths.
     #[test]
     fn staged_transfers_cross_chunks_at_odd_offsets() {
         let options = ContextOptions { device: None, validate: true };

@@ -1,4 +1,4 @@
-//! Recording: what a submission will do.
+//! Recorders: a submission's dispatches, fills and copies.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -19,17 +19,18 @@ use super::slots::Slot;
 use super::timing::{Clock, DispatchTime};
 use crate::Result;
 
-/// Records work, in order. Dispatches, fills and copies may overlap unless a [`barrier`](Self::barrier) stands between.
+/// Records work, in order. Dispatches, fills and copies may overlap unless a [`barrier`](Self::barrier) stands between
+/// them.
 ///
-/// What is recorded is borrowed for `'a`, which the caller of [`Context::submit`] chooses and which therefore lasts longer
-/// than that call.
+/// Everything recorded is borrowed for `'a`. The caller of [`Context::submit`] chooses `'a`, so it lasts longer than
+/// that call.
 pub struct Recorder<'a> {
-    // Owned, not borrowed: two recorders that a caller swaps each keep a living command buffer.
+    // Owned, not borrowed: if a caller swaps two recorders, each keeps a living command buffer.
     slot: Slot,
-    // Of the dispatches so far, where a record of them is kept.
+    // One entry per dispatch so far; `None` where no record is kept.
     dispatches: Option<Vec<DispatchTime>>,
     times_dispatches: bool,
-    // Invariant in 'a: no reborrowing of the recorder may shorten it.
+    // Invariant in 'a, so that no reborrowing of the recorder can shorten it.
     borrows: PhantomData<fn(&'a ()) -> &'a ()>,
 }
 
@@ -43,7 +44,7 @@ impl<'a> Recorder<'a> {
         let slot = Slot::take(context)?;
         context.logical().name(slot.commands(), label);
         let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: invariant 1: the command buffer is as good as new and ours.
+        // SAFETY: invariant 1: the command buffer is freshly reset and owned by this recorder.
         unsafe { context.raw().begin_command_buffer(slot.commands(), &info) }
             .map_err(failed("vkBeginCommandBuffer"))?;
         if let Some(timestamps) = slot.timestamps() {
@@ -53,23 +54,23 @@ impl<'a> Recorder<'a> {
         Ok(Self { slot, dispatches, times_dispatches, borrows: PhantomData })
     }
 
-    /// Makes all writes visible to the host and to later submissions, and closes the record.
+    /// Makes all writes visible to the host and to later submissions, and ends recording.
     pub(super) fn end(&mut self) -> Result<&Slot> {
         self.memory_barrier(vk::PipelineStageFlags::HOST, vk::AccessFlags::HOST_READ | vk::AccessFlags::HOST_WRITE);
         if let Some(timestamps) = self.slot.timestamps() {
             timestamps.stop(self.commands());
         }
-        // SAFETY: invariant 1: the command buffer is ours and being recorded.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded.
         unsafe { self.device().end_command_buffer(self.commands()) }.map_err(failed("vkEndCommandBuffer"))?;
         Ok(&self.slot)
     }
 
-    /// How long the work took by the device's clock, once the submission is done.
+    /// Time that the work took by the device's clock, once the submission is done.
     pub(super) fn elapsed(&self) -> Option<Duration> {
         self.slot.timestamps()?.elapsed()
     }
 
-    /// The dispatches with their times, once the submission is done; empty where no record is kept.
+    /// Dispatches with their times, once the submission is done; empty where no record is kept.
     pub(super) fn dispatch_times(&mut self) -> Vec<DispatchTime> {
         let mut dispatches = self.dispatches.take().unwrap_or_default();
         let timestamps = self.slot.timestamps().filter(|_| self.times_dispatches);
@@ -79,19 +80,20 @@ impl<'a> Recorder<'a> {
         dispatches
     }
 
-    /// Runs a kernel over `groups` workgroups. `sets` are the kernel's sets 0, 1, ...; one whose shape is empty may be any
-    /// set, and at the end absent. `push` is the push-constant block (`bytemuck::bytes_of`), empty where there is none.
+    /// Runs a kernel over `groups` workgroups. `sets` are the kernel's sets 0, 1, ...; where the kernel's set is empty,
+    /// any set may be given, and empty sets at the end may be left out. `push` is the push-constant block
+    /// (`bytemuck::bytes_of`), empty where the kernel has none.
     ///
     /// # Panics
-    /// Where sets or push constants are not the kernel's, there are more groups than the device allows, or something belongs
-    /// to another context.
+    /// Where sets or push constants do not fit the kernel, there are more groups than the device allows, or an argument
+    /// belongs to another context.
     pub fn dispatch(&mut self, kernel: &'a Kernel, sets: &[&'a DescriptorSet], push: &[u8], groups: [u32; 3]) {
         self.check_dispatch(kernel, sets, push, groups);
         self.begin_label(kernel.name());
         self.time_dispatch(|timestamps, commands, place| timestamps.start_dispatch(commands, place));
         let (device, layout) = (self.device(), kernel.layout().raw());
-        // SAFETY: invariants 1 and 3: all handles are alive until the submission is done; sets, push constants and groups
-        // were checked against the pipeline's layout and the device's limits.
+        // SAFETY: invariants 1 and 3: all handles are alive until the submission is done; sets, push constants and
+        // groups were checked against the pipeline's layout and the device's limits.
         unsafe {
             device.cmd_bind_pipeline(self.commands(), vk::PipelineBindPoint::COMPUTE, kernel.raw());
             for (place, set) in (0..).zip(sets).filter(|(_, set)| !set.shape().bindings.is_empty()) {
@@ -113,7 +115,7 @@ impl<'a> Recorder<'a> {
         self.end_label();
     }
 
-    /// What follows sees what kernels and copies have written so far.
+    /// Makes everything that kernels and copies have written so far visible to the commands that follow.
     pub fn barrier(&mut self) {
         use vk::AccessFlags as Access;
         let kernels = Access::SHADER_READ | Access::SHADER_WRITE;
@@ -123,7 +125,7 @@ impl<'a> Recorder<'a> {
     /// Fills a buffer with zeros.
     ///
     /// # Panics
-    /// Where it belongs to another context.
+    /// Where the buffer belongs to another context.
     pub fn fill_zero(&mut self, buffer: &'a Buffer) {
         self.check_context(buffer.context(), buffer.name());
         // SAFETY: invariants 1 and 3: the buffer is alive until the submission is done; its size is a multiple of 4.
@@ -157,7 +159,7 @@ impl<'a> Recorder<'a> {
             .src_access_mask(vk::AccessFlags::SHADER_WRITE | vk::AccessFlags::TRANSFER_WRITE)
             .dst_access_mask(accesses)];
         let none = vk::DependencyFlags::empty();
-        // SAFETY: invariant 1: the command buffer is ours and being recorded.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded.
         unsafe {
             self.device().cmd_pipeline_barrier(self.commands(), KERNEL_AND_COPY, stages, none, &barrier, &[], &[])
         }
@@ -196,13 +198,13 @@ impl<'a> Recorder<'a> {
         let Some(debug) = self.slot.context().logical().debug() else { return };
         let name = c_name(name);
         let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
-        // SAFETY: invariant 1: the command buffer is ours and being recorded, and `label` is a local.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded, and `label` is a local.
         unsafe { debug.cmd_begin_debug_utils_label(self.commands(), &label) }
     }
 
     fn end_label(&self) {
         let Some(debug) = self.slot.context().logical().debug() else { return };
-        // SAFETY: invariant 1: the command buffer is ours and being recorded, with a label open.
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded, with a label open.
         unsafe { debug.cmd_end_debug_utils_label(self.commands()) }
     }
 

@@ -1,4 +1,4 @@
-//! A device, ready for work.
+//! Contexts: opened devices with their memory and pipelines.
 
 use std::sync::Arc;
 
@@ -15,18 +15,19 @@ use super::slots::IdleSlots;
 use super::timing::{Clock, SubmissionTime, TimingRecord};
 use crate::Result;
 
-/// How to open a device.
+/// Options for opening a device.
 #[derive(Debug, Clone, Default)]
 pub struct ContextOptions {
-    /// Its index, or a part of its name in any case; without it, the best one: discrete, integrated, virtual, CPU, other.
+    /// Index of the device, or a part of its name in any case. Without it, the best device is taken, in this order of
+    /// kinds: discrete, integrated, virtual, CPU, other.
     pub device: Option<String>,
-    /// Whether the validation layer watches.
+    /// Whether the validation layer is enabled.
     pub validate: bool,
 }
 
-/// A Vulkan device, its memory and its pipelines. All that is made from it holds it.
+/// Vulkan device with its memory and its pipelines. Everything made from a context holds it.
 pub struct Context {
-    // These hold the device too; it goes last.
+    // These fields hold the device too, so it is declared last.
     pipeline_cache: PipelineCache,
     memory: Memory,
     idle_slots: IdleSlots,
@@ -34,10 +35,10 @@ pub struct Context {
     device: Arc<LogicalDevice>,
 }
 
-/// All Vulkan devices, usable or not.
+/// Lists all Vulkan devices, usable or not.
 ///
 /// # Errors
-/// Where no loader or no driver is installed.
+/// [`crate::Error::Device`] where no loader or no driver is installed.
 pub fn list_devices() -> Result<Vec<DeviceInfo>> {
     let instance = Instance::new(false)?;
     Ok(describe(&instance, &instance.physical_devices()?))
@@ -52,7 +53,8 @@ impl Context {
     /// Opens a device.
     ///
     /// # Errors
-    /// Where no loader, driver or validation layer is installed, the wanted device is unknown, or none can be used.
+    /// [`crate::Error::Device`] where no loader, driver or validation layer is installed, the wanted device is unknown,
+    /// or no device can be used.
     pub fn new(options: &ContextOptions) -> Result<Arc<Self>> {
         let instance = Instance::new(options.validate)?;
         let physical = instance.physical_devices()?;
@@ -66,54 +68,56 @@ impl Context {
         Ok(Arc::new(Self { pipeline_cache, memory, idle_slots, timings: TimingRecord::default(), device }))
     }
 
-    /// What the device is and allows.
+    /// Name, kind, driver and limits of the device.
     pub fn device(&self) -> &DeviceInfo {
         self.device.info()
     }
 
-    /// The validation layer's warnings and errors so far.
+    /// Warnings and errors of the validation layer so far.
     pub fn validation_messages(&self) -> Vec<String> {
         self.validation_log().messages()
     }
 
-    /// A handle to those messages that outlives the context.
+    /// Handle to the validation messages that may outlive the context.
     pub fn validation_log(&self) -> ValidationLog {
         self.device.instance().log().clone()
     }
 
-    /// Keeps a record of every submission from now on: each dispatch by the device's clock where it has one, else each
-    /// submission as a whole. Returns whose clock it is. Kernels of one submission then no longer overlap.
+    /// Keeps a record of every submission from now on. Each dispatch is timed by the device's clock where it has one,
+    /// else each submission is timed as a whole. Returns the clock in use. Kernels of one submission no longer overlap
+    /// while dispatches are timed.
     pub fn record_timings(&self) -> Clock {
         self.record_timings_by(Clock::Device)
     }
 
-    /// The same by a clock of the caller's choice; a device without one gives way to the host's.
+    /// Keeps a record of every submission from now on, timed by the given clock. A device without a clock falls back on
+    /// the host's. Returns the clock in use.
     pub fn record_timings_by(&self, clock: Clock) -> Clock {
         let clock = if self.device.timestamp_bits() > 0 { clock } else { Clock::Host };
         self.timings.start(clock);
         clock
     }
 
-    /// The submissions since the last call, where a record is kept.
+    /// Submissions recorded since the last call; empty where no record is kept.
     pub fn take_timings(&self) -> Vec<SubmissionTime> {
         self.timings.take()
     }
 
-    /// Bytes that buffers hold now.
+    /// Number of bytes that buffers hold now.
     pub fn allocated_bytes(&self) -> u64 {
         self.memory.allocated_bytes()
     }
 
-    /// The most bytes that buffers ever held at once.
+    /// Largest number of bytes that buffers have held at once.
     pub fn peak_allocated_bytes(&self) -> u64 {
         self.memory.peak_bytes()
     }
 
-    /// Writes the compiled pipelines to the user's cache folder, for a faster start next time. Also done, silently, when the
-    /// context is dropped.
+    /// Writes the compiled pipelines to the user's cache folder, for a faster start next time. Dropping the context
+    /// writes them too, and a failure then is only logged.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// [`crate::Error::Write`] where the file cannot be written.
     pub fn save_pipeline_cache(&self) -> Result<()> {
         self.pipeline_cache.save()
     }

@@ -1,4 +1,4 @@
-//! Messages from the validation layer, and names of objects for it and for debuggers.
+//! Messages from the validation layer, and names of Vulkan objects for messages and debuggers.
 
 use std::ffi::{CStr, CString, c_void};
 use std::fmt::Write;
@@ -6,21 +6,21 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::{ext, vk};
 
-/// Messages kept at most; a loop that repeats a mistake must not fill the memory.
+/// Most messages kept, so that a mistake in a loop does not fill the memory.
 const LOG_CAPACITY: usize = 1000;
 
-/// What the validation layer has said: a handle that may outlive its context, so that leaks reported at the very end are
-/// seen too.
+/// Log of the validation layer's messages. The handle may outlive its context, so that leaks reported at the very end
+/// are seen too.
 #[derive(Clone, Default)]
 pub struct ValidationLog(Arc<Mutex<Vec<String>>>);
 
 impl ValidationLog {
-    /// The warnings and errors so far, in order.
+    /// Warnings and errors so far, in order.
     pub fn messages(&self) -> Vec<String> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What a messenger is created from. The log must outlive that messenger.
+    /// Description of a messenger that writes to this log. The log must outlive the messenger.
     pub(super) fn messenger_info(&self) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
         use vk::{DebugUtilsMessageSeverityFlagsEXT as Severity, DebugUtilsMessageTypeFlagsEXT as Type};
         vk::DebugUtilsMessengerCreateInfoEXT::default()
@@ -31,8 +31,8 @@ impl ValidationLog {
     }
 }
 
-/// Called by the layer, from any thread, while a Vulkan call is under way. The loader's own remarks about the drivers it
-/// tried are of type GENERAL alone and no fault of ours: they go to the trace.
+/// Receives a message. The layer calls this function from any thread while a Vulkan call is under way. Messages of type
+/// GENERAL alone are the loader's remarks about drivers that it tried; they are no fault of ours and go to the trace.
 unsafe extern "system" fn receive(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     types: vk::DebugUtilsMessageTypeFlagsEXT,
@@ -56,7 +56,7 @@ unsafe extern "system" fn receive(
     vk::FALSE
 }
 
-/// The message and the names of the objects that it does not name itself.
+/// Text of a message, with the names of objects that it does not mention itself.
 fn describe(data: &vk::DebugUtilsMessengerCallbackDataEXT<'_>) -> String {
     let mut message = text(data.p_message).unwrap_or_default();
     if data.p_objects.is_null() {
@@ -81,14 +81,14 @@ fn text(chars: *const std::ffi::c_char) -> Option<String> {
     Some(unsafe { CStr::from_ptr(chars) }.to_string_lossy().into_owned())
 }
 
-/// The messenger, where validation is on. The log is kept by the instance, which outlives this.
+/// Messenger of the validation layer. The instance keeps the log, which outlives the messenger.
 pub(super) struct Messenger {
     api: ext::debug_utils::Instance,
     raw: vk::DebugUtilsMessengerEXT,
 }
 
 impl Messenger {
-    /// Must be dropped before `instance` is destroyed.
+    /// Makes the messenger, which must be dropped before `instance` is destroyed.
     pub(super) fn new(entry: &ash::Entry, instance: &ash::Instance, log: &ValidationLog) -> Result<Self, vk::Result> {
         let api = ext::debug_utils::Instance::new(entry, instance);
         // SAFETY: invariant 1: the caller's instance is alive and has the extension enabled; the log outlives it.
@@ -99,12 +99,12 @@ impl Messenger {
 
 impl Drop for Messenger {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 2: ours alone, and the instance is destroyed later.
+        // SAFETY: invariants 1 and 2: owned by this value alone, and the instance is destroyed later.
         unsafe { self.api.destroy_debug_utils_messenger(self.raw, None) }
     }
 }
 
-/// A name as Vulkan takes it; what follows a zero byte is lost.
+/// Name as a C string; anything after a zero byte is cut off.
 pub(super) fn c_name(name: &str) -> CString {
     let until_zero = name.split('\0').next().unwrap_or_default();
     CString::new(until_zero).unwrap_or_default()

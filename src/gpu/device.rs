@@ -12,7 +12,7 @@ use super::fault_injection::{self, May};
 use super::instance::Instance;
 use crate::{Error, Result};
 
-/// A device opened for compute.
+/// Device opened for compute.
 pub(super) struct LogicalDevice {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
@@ -22,7 +22,7 @@ pub(super) struct LogicalDevice {
     queue_family: u32,
     timestamp_bits: u32,
     info: DeviceInfo,
-    // Dropped after the device is destroyed.
+    // Declared last, because the device must be destroyed first.
     instance: Instance,
 }
 
@@ -60,22 +60,22 @@ impl LogicalDevice {
         self.queue_family
     }
 
-    /// How many bits of a timestamp count; 0 where the queue takes none.
+    /// Number of valid bits in a timestamp; 0 where the queue takes no timestamps.
     pub(super) fn timestamp_bits(&self) -> u32 {
         self.timestamp_bits
     }
 
-    /// The queue, idle: whoever holds this guard is alone with the device's memory (invariant 3).
+    /// The queue, idle. The holder of this guard has sole access to the device's memory (invariant 3).
     pub(super) fn idle_queue(&self) -> MutexGuard<'_, vk::Queue> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// VK_EXT_debug_utils, where it is enabled.
+    /// Functions of VK_EXT_debug_utils, where it is enabled.
     pub(super) fn debug(&self) -> Option<&ext::debug_utils::Device> {
         self.debug.as_ref()
     }
 
-    /// VK_KHR_pipeline_executable_properties, where the driver has it.
+    /// Functions of VK_KHR_pipeline_executable_properties, where the driver has it.
     pub(super) fn executables(&self) -> Option<&khr::pipeline_executable_properties::Device> {
         self.executables.as_ref()
     }
@@ -85,7 +85,7 @@ impl LogicalDevice {
         let Some(debug) = &self.debug else { return };
         let name = c_name(name);
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-        // A missing name harms nobody.
+        // A missing name does no harm, so failures are ignored.
         // SAFETY: invariant 1: the caller passes a living handle of this device that no other thread has yet seen.
         let _ = fault_injection::before(May::RunOutOfMemory)
             .and_then(|()| unsafe { debug.set_debug_utils_object_name(&info) });
@@ -94,18 +94,19 @@ impl LogicalDevice {
 
 impl Drop for LogicalDevice {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 2: ours alone, all its children held it and are gone; invariant 3: nothing runs.
+        // SAFETY: invariants 1 and 2: owned by this value alone, all its children held it and are gone; invariant 3:
+        // nothing runs.
         unsafe { self.raw.destroy_device(None) }
     }
 }
 
-/// The device, and whether it tells what its driver made of a pipeline.
+/// Opens the device. The flag says whether the driver reports on the executables of a pipeline.
 fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) -> Result<(ash::Device, bool)> {
     // SAFETY: invariant 1: `physical` comes from the living instance.
     let offered = fault_injection::before(May::RunOutOfMemory)
         .and_then(|()| unsafe { instance.raw().enumerate_device_extension_properties(physical) })
         .map_err(failed("vkEnumerateDeviceExtensionProperties"))?;
-    // A device that implements Vulkan on top of another interface demands that this be enabled.
+    // Devices that implement Vulkan on top of another interface require this extension to be enabled.
     let subset = khr::portability_subset::NAME;
     let is_offered = |name: &CStr| offered.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name));
     let executables = khr::pipeline_executable_properties::NAME;
@@ -136,11 +137,13 @@ fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) ->
     Ok((fault_injection::wrap(device), tells_executables))
 }
 
-/// The feature of VK_KHR_pipeline_executable_properties, to be asked where the extension is offered.
+/// Whether the driver has the feature `pipelineExecutableInfo`. Call it only where the extension
+/// VK_KHR_pipeline_executable_properties is offered.
 fn has_executable_info(instance: &Instance, physical: vk::PhysicalDevice) -> bool {
     let mut executables = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default();
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut executables);
-    // SAFETY: invariant 1: `physical` comes from the living instance, and is of version 1.2 or later: it was not refused.
+    // SAFETY: invariant 1: `physical` comes from the living instance, and is of version 1.2 or later: it was not
+    // refused.
     unsafe { instance.raw().get_physical_device_features2(physical, &mut features) };
     executables.pipeline_executable_info == vk::TRUE
 }

@@ -1,4 +1,4 @@
-//! What a device is and what it allows, as plain data.
+//! Identity and limits of a device, as plain data.
 
 use std::ffi::CStr;
 
@@ -7,81 +7,81 @@ use serde::Serialize;
 
 use super::needs::{self, Capabilities};
 
-/// What a device is made of.
+/// Kinds of device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DeviceKind {
-    /// A GPU with memory of its own.
+    /// GPU with memory of its own.
     Discrete,
-    /// A GPU that shares the host's memory.
+    /// GPU that shares the host's memory.
     Integrated,
-    /// A GPU passed to a virtual machine.
+    /// GPU passed to a virtual machine.
     Virtual,
     /// The CPU, through a software driver.
     Cpu,
-    /// None of these.
+    /// Any other kind.
     Other,
 }
 
-/// A device, whether it can be used, and if not why.
+/// Description of a device, with the reason where it cannot be used.
 #[derive(Debug, Clone, Serialize)]
 pub struct DeviceInfo {
-    /// Its place in the list of devices.
+    /// Index in the list of devices.
     pub index: usize,
-    /// Its name.
+    /// Name of the device.
     pub name: String,
-    /// What it is made of.
+    /// Kind of the device.
     pub kind: DeviceKind,
-    /// The Vulkan version that it offers, such as `1.3.230`.
+    /// Vulkan version that the device offers, such as `1.3.230`.
     pub api_version: String,
-    /// The driver's name.
+    /// Name of the driver.
     pub driver_name: String,
-    /// The driver's description of itself, with its version in words.
+    /// The driver's description of itself, which contains its version in words.
     pub driver_info: String,
     /// The vendor's PCI id, or Khronos' number for a vendor without one.
     pub vendor_id: u32,
-    /// The vendor's number of this device.
+    /// The vendor's number for this device.
     pub device_id: u32,
-    /// The driver's version, encoded as its vendor likes.
+    /// Version of the driver, in the vendor's own encoding.
     pub driver_version: u32,
-    /// Identifies the pipelines that this driver can read back; hexadecimal.
+    /// Identifier of the pipelines that this driver can read back; hexadecimal.
     pub pipeline_cache_uuid: String,
-    /// What it allows.
+    /// Limits of the device.
     pub limits: Limits,
-    /// Why it cannot be used: the needs that it lacks. Nothing where it can.
+    /// Needs that the device lacks, as a clause; `None` where it can be used.
     pub refused: Option<String>,
 }
 
-/// How much a device allows.
+/// Limits of a device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Limits {
-    /// The largest storage buffer, in bytes.
+    /// Largest storage buffer, in bytes.
     pub max_storage_buffer_bytes: u64,
-    /// The largest texel buffer, in texels of 16 bytes.
+    /// Largest texel buffer, in texels of 16 bytes.
     pub max_texel_elements: u64,
-    /// The largest single piece of memory, in bytes.
+    /// Largest single allocation, in bytes.
     pub max_allocation_bytes: u64,
-    /// Invocations in a workgroup.
+    /// Most invocations in a workgroup.
     pub max_workgroup_invocations: u32,
-    /// Workgroups of a dispatch, along each axis.
+    /// Most workgroups of a dispatch, along each axis.
     pub max_workgroup_count: [u32; 3],
-    /// Bytes of shared memory in a workgroup.
+    /// Most bytes of shared memory in a workgroup.
     pub max_shared_bytes: u32,
-    /// Storage buffers that a kernel may bind.
+    /// Most storage buffers that a kernel may bind.
     pub max_storage_buffers: u32,
-    /// Texel buffers that a kernel may bind.
+    /// Most texel buffers that a kernel may bind.
     pub max_texel_buffers: u32,
-    /// Descriptor sets that a kernel may bind.
+    /// Most descriptor sets that a kernel may bind.
     pub max_bound_sets: u32,
-    /// Bytes of push constants.
+    /// Most bytes of push constants.
     pub max_push_constant_bytes: u32,
-    /// Invocations that run in lockstep.
+    /// Number of invocations that run in lockstep.
     pub subgroup_size: u32,
-    /// Whether a subgroup's invocations can ask which of them are active in a kernel.
+    /// Whether a kernel can ask which invocations of its subgroup are active.
     pub has_subgroup_ballot: bool,
-    /// Bytes of memory near the device. Drivers on the CPU may report less than there is.
+    /// Bytes of device-local memory. Drivers on the CPU may report less than there is.
     pub device_local_bytes: u64,
-    /// Host reads and writes of memory that is not coherent are rounded to this many bytes.
+    /// Unit in bytes to which host reads and writes of incoherent memory are rounded.
     pub non_coherent_atom_bytes: u64,
     /// Nanoseconds per tick of the device's clock.
     pub timestamp_nanoseconds: f32,
@@ -99,7 +99,7 @@ impl DeviceInfo {
             has_scalar_block_layout: false,
         };
         info.limits.device_local_bytes = device_local_bytes(instance, device);
-        // The structures below are Vulkan 1.2's; an older device is refused anyway.
+        // The structures below belong to Vulkan 1.2; an older device is refused anyway.
         if properties.api_version >= vk::API_VERSION_1_2 {
             info.add_details(instance, device);
             capabilities.has_scalar_block_layout = has_scalar_block_layout(instance, device);
@@ -126,7 +126,7 @@ impl DeviceInfo {
         }
     }
 
-    /// Driver, subgroups and the largest allocation: what only Vulkan 1.2 tells.
+    /// Adds the properties that only Vulkan 1.2 reports: driver, subgroups and the largest allocation.
     fn add_details(&mut self, instance: &ash::Instance, device: vk::PhysicalDevice) {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
@@ -146,8 +146,8 @@ impl DeviceInfo {
     }
 }
 
-/// The queue family for compute, and how many bits of its timestamps are valid. The first one, unless it cannot tell the
-/// time and another can.
+/// Queue family for compute, and the number of valid bits in its timestamps. The first family with timestamps is
+/// preferred; without one, the first compute family is taken.
 pub(super) fn compute_queue(instance: &ash::Instance, device: vk::PhysicalDevice) -> Option<(u32, u32)> {
     // SAFETY: invariant 1: `device` comes from the living `instance`.
     let families = unsafe { instance.get_physical_device_queue_family_properties(device) };
@@ -176,7 +176,7 @@ fn limits(limits: &vk::PhysicalDeviceLimits) -> Limits {
     Limits {
         max_storage_buffer_bytes: limits.max_storage_buffer_range.into(),
         max_texel_elements: limits.max_texel_buffer_elements.into(),
-        // What Vulkan guarantees; replaced by the driver's answer where there is one.
+        // The least that Vulkan guarantees; replaced by the driver's answer where there is one.
         max_allocation_bytes: 1 << 30,
         max_workgroup_invocations: limits.max_compute_work_group_invocations,
         max_workgroup_count: limits.max_compute_work_group_count,
@@ -203,7 +203,7 @@ fn kind(kind: vk::PhysicalDeviceType) -> DeviceKind {
     }
 }
 
-/// A Vulkan version as people write it.
+/// Vulkan version as text, such as `1.3.230`.
 pub(super) fn version_text(version: u32) -> String {
     let [major, minor, patch] =
         [vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version)];

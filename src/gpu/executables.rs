@@ -1,4 +1,4 @@
-//! What a driver tells of the machine code it made of a kernel: VK_KHR_pipeline_executable_properties.
+//! Reports of the driver on the machine code of a kernel (VK_KHR_pipeline_executable_properties).
 
 use std::ffi::CStr;
 
@@ -10,52 +10,52 @@ use super::fault_injection::{May, before};
 use super::kernel::Kernel;
 use crate::Result;
 
-/// What became of a kernel.
+/// Report on a kernel's pipeline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PipelineReport {
-    /// How long the driver took, without any cache of Lodestar's.
+    /// Time that the driver took to build the pipeline, in seconds, without Lodestar's pipeline cache.
     pub creation_seconds: f64,
-    /// The programs that the driver made; nothing where it lacks VK_KHR_pipeline_executable_properties.
+    /// Programs that the driver made; `None` where it lacks VK_KHR_pipeline_executable_properties.
     pub executables: Option<Vec<Executable>>,
 }
 
 /// One program of a pipeline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Executable {
-    /// Its name, by the driver.
+    /// Name that the driver gives it.
     pub name: String,
-    /// What it is.
+    /// Description by the driver.
     pub description: String,
-    /// Invocations that run in lockstep; 0 where the driver does not say.
+    /// Number of invocations that run in lockstep; 0 where the driver does not say.
     pub subgroup_size: u32,
-    /// Registers, spills, instructions: whatever the driver counts.
+    /// Numbers that the driver reports, such as registers, spills and instructions.
     pub statistics: Vec<Statistic>,
     /// Intermediate and machine code.
     pub representations: Vec<Representation>,
 }
 
-/// A number about a program.
+/// One number about a program.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statistic {
-    /// Its name, by the driver.
+    /// Name that the driver gives it.
     pub name: String,
-    /// What it counts.
+    /// Description by the driver.
     pub description: String,
-    /// The number.
+    /// The number itself.
     pub value: StatisticValue,
 }
 
-/// A number of whatever type the driver chose.
+/// Number of the type that the driver chose.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum StatisticValue {
     /// Yes or no.
     Bool(bool),
-    /// A signed number.
+    /// Signed integer.
     Signed(i64),
-    /// A count.
+    /// Unsigned integer.
     Unsigned(u64),
-    /// A real number.
+    /// Real number.
     Real(f64),
 }
 
@@ -70,21 +70,21 @@ impl std::fmt::Display for StatisticValue {
     }
 }
 
-/// A form that a program took on its way.
+/// One form of a program on its way to machine code.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Representation {
-    /// Its name, by the driver.
+    /// Name that the driver gives it.
     pub name: String,
-    /// What it is.
+    /// Description by the driver.
     pub description: String,
-    /// It, where it is text.
+    /// The code, where it is text.
     pub text: Option<String>,
-    /// It, as the driver gave it.
+    /// The code as the driver gave it.
     #[serde(skip)]
     pub bytes: Vec<u8>,
 }
 
-/// The programs of a kernel that was built to be examined, where the driver tells them.
+/// Programs of a kernel that was built with [`Kernel::examine`]; `None` where the driver does not report them.
 pub(super) fn of_kernel(kernel: &Kernel) -> Result<Option<Vec<Executable>>> {
     let Some(device) = kernel.context().logical().executables() else { return Ok(None) };
     let info = vk::PipelineInfoKHR::default().pipeline(kernel.raw());
@@ -123,13 +123,13 @@ fn statistics(
     Ok(known.collect())
 }
 
-/// Nothing where the format is of a later version of the extension.
+/// Value of a statistic; `None` where its format belongs to a later version of the extension.
 fn value(
     format: vk::PipelineExecutableStatisticFormatKHR,
     value: vk::PipelineExecutableStatisticValueKHR,
 ) -> Option<StatisticValue> {
     use vk::PipelineExecutableStatisticFormatKHR as Format;
-    // SAFETY: every field is a plain number of which any bits are one, and no longer than the union, which ash clears.
+    // SAFETY: every field is a plain number that is valid for any bits and no longer than the union, which ash clears.
     unsafe {
         match format {
             Format::BOOL32 => Some(StatisticValue::Bool(value.b32 != 0)),
@@ -150,7 +150,7 @@ fn representations(
     let mut answers = before(May::RunOutOfMemory)
         .and_then(|()| unsafe { device.get_pipeline_executable_internal_representations(info) })
         .map_err(failed(call))?;
-    // The first answer has sizes only; the second fills what they ask for.
+    // The first answer has sizes only; the second fills buffers of these sizes.
     let mut buffers: Vec<Vec<u8>> = answers.iter().map(|answer| vec![0; answer.data_size]).collect();
     for (answer, buffer) in answers.iter_mut().zip(&mut buffers) {
         answer.p_data = buffer.as_mut_ptr().cast();

@@ -1,4 +1,4 @@
-//! A driver's answers in words.
+//! Errors of Vulkan calls, in words.
 
 use ash::vk;
 

@@ -1,9 +1,9 @@
-//! Faults on purpose, for the tests of what is left after one: the only reader of the variable `LODESTAR_FAULT`.
+//! Injected faults, for tests of what survives a fault. Only this file reads the environment variable `LODESTAR_FAULT`.
 //!
-//! `lost@N` has the N-th of the Vulkan calls that may lose the device lose it, and all later ones find it lost;
-//! `memory@N` has the N-th of those that may run out of device memory do so, once. It counts from 1 and covers every call
-//! that can answer so, the memory allocator's included: the calls are replaced in the device's table of functions, and those
-//! of the instance and of extensions ask before they are made.
+//! With `lost@N`, the N-th Vulkan call that may lose the device loses it, and all later calls find it lost. With
+//! `memory@N`, the N-th call that may run out of device memory does so, once. N counts from 1 and covers every call
+//! that can fail in this way, including those of the memory allocator. Calls in the device's function table are
+//! replaced; calls of the instance and of extensions ask [`before`] first.
 
 use std::ffi::c_void;
 use std::sync::OnceLock;
@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use ash::vk;
 
-/// Environment variable: which fault, and when.
+/// Environment variable that says which fault occurs, and when.
 const VARIABLE: &str = "LODESTAR_FAULT";
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,7 +20,7 @@ enum Fault {
     Memory,
 }
 
-/// Which faults a call may answer with, by the Vulkan specification.
+/// Faults with which a call may answer, by the Vulkan specification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum May {
     RunOutOfMemory,
@@ -44,7 +44,7 @@ impl Plan {
         Some(Self { fault, at: at.parse().ok()?, calls: AtomicU64::new(0) })
     }
 
-    /// What the next call answers, unless it may take its course.
+    /// Fault with which the next call answers; `None` where the call runs normally.
     fn next(&self, may: May) -> Option<vk::Result> {
         if self.fault == Fault::Lost && may == May::RunOutOfMemory {
             return None;
@@ -62,25 +62,25 @@ fn plan() -> Option<&'static Plan> {
     PLAN.get_or_init(|| Plan::parse(&std::env::var(VARIABLE).ok()?)).as_ref()
 }
 
-/// For a call that is not in the device's table: its answer, unless it may take its course.
+/// Fault with which a call outside the device's table answers; `Ok` where the call runs normally.
 pub(super) fn before(may: May) -> Result<(), vk::Result> {
     plan().and_then(|plan| plan.next(may)).map_or(Ok(()), Err)
 }
 
-/// The device with a table of calls that fail as planned; as it is where nothing is planned.
+/// Replaces the device's functions by ones that fail as planned. Without a plan the device is returned unchanged.
 pub(super) fn wrap(device: ash::Device) -> ash::Device {
     if plan().is_none() {
         return device;
     }
     let mut calls = device.fp_v1_0().clone();
-    // Of one driver: a process that tests this opens one device.
+    // One driver only: a process that tests faults opens one device.
     let _ = DRIVERS.set(calls.clone());
     replace(&mut calls);
     let (calls_1_1, calls_1_2, calls_1_3) = (device.fp_v1_1(), device.fp_v1_2(), device.fp_v1_3());
     ash::Device::from_parts_1_3(device.handle(), calls, calls_1_1.clone(), calls_1_2.clone(), calls_1_3.clone())
 }
 
-/// The driver's own calls.
+/// The driver's own functions.
 static DRIVERS: OnceLock<ash::DeviceFnV1_0> = OnceLock::new();
 
 /// Asks the plan, then the driver.
@@ -88,7 +88,7 @@ fn answer(may: May, call: impl FnOnce(&ash::DeviceFnV1_0) -> vk::Result) -> vk::
     match (before(may), DRIVERS.get()) {
         (Ok(()), Some(driver)) => call(driver),
         (Err(code), _) => code,
-        // Before any device was wrapped nothing calls this.
+        // No function of the table is called before a device was wrapped.
         (Ok(()), None) => vk::Result::ERROR_INITIALIZATION_FAILED,
     }
 }
@@ -96,7 +96,7 @@ fn answer(may: May, call: impl FnOnce(&ash::DeviceFnV1_0) -> vk::Result) -> vk::
 macro_rules! hooks {
     ($($may:ident $name:ident($($argument:ident: $type:ty),*);)*) => {
         $(unsafe extern "system" fn $name($($argument: $type),*) -> vk::Result {
-            // SAFETY: invariant 1: called in the driver's stead, with what the driver would have been called with.
+            // SAFETY: invariant 1: called in place of the driver, with the arguments that the driver would have got.
             answer(May::$may, |driver| unsafe { (driver.$name)($($argument),*) })
         })*
 
@@ -137,7 +137,8 @@ hooks! {
     DoBoth get_query_pool_results(device: vk::Device, pool: vk::QueryPool, first: u32, count: u32, size: usize, data: *mut c_void, stride: u64, flags: vk::QueryResultFlags);
 }
 
-/// A device that is said to be lost goes on working: it must be done before what it works on goes.
+/// Waits for the driver even where the plan reports a lost device: in truth the device goes on working, and it must
+/// finish before its buffers are freed.
 unsafe extern "system" fn wait_for_fences(
     device: vk::Device,
     count: u32,
@@ -145,7 +146,7 @@ unsafe extern "system" fn wait_for_fences(
     all: vk::Bool32,
     timeout: u64,
 ) -> vk::Result {
-    // SAFETY: invariant 1: called in the driver's stead, with what the driver would have been called with.
+    // SAFETY: invariant 1: called in place of the driver, with the arguments that the driver would have got.
     let wait = |driver: &ash::DeviceFnV1_0| unsafe { (driver.wait_for_fences)(device, count, fences, all, timeout) };
     match before(May::DoBoth) {
         Err(vk::Result::ERROR_DEVICE_LOST) => {

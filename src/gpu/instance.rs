@@ -1,4 +1,4 @@
-//! The Vulkan library and its instance, with the validation layer where asked for.
+//! Vulkan library and instance, with the validation layer where asked for.
 
 use std::ffi::{CStr, c_char};
 
@@ -13,24 +13,24 @@ const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 const NO_LOADER: &str = "no Vulkan loader found: install it (`apt-get install libvulkan1`, or run setup.sh)";
 const NO_DRIVER: &str = "no Vulkan driver found: install your GPU's, or `apt-get install mesa-vulkan-drivers` to render on \
-                         the CPU (setup.sh does), and see that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or right";
+                         the CPU (setup.sh does), and check that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or correct";
 const NO_LAYER: &str = "the validation layer VK_LAYER_KHRONOS_validation is not installed: \
-                        `apt-get install vulkan-validationlayers` (setup.sh does), or go without --validate";
+                        `apt-get install vulkan-validationlayers` (setup.sh does), or leave out --validate";
 
-/// An instance, and the library that it came from.
+/// Vulkan instance and the library that it came from.
 pub(super) struct Instance {
     messenger: Option<Messenger>,
     raw: ash::Instance,
     /// Whether VK_EXT_debug_utils is enabled.
     has_debug_utils: bool,
-    // These two are dropped after the instance is destroyed: it calls into the one and writes to the other.
+    // Declared last: the instance calls into the library and writes to the log until it is destroyed.
     log: ValidationLog,
     _entry: ash::Entry,
 }
 
 impl Instance {
     pub(super) fn new(validate: bool) -> Result<Self> {
-        // SAFETY: invariant 2's premise: what the system calls the Vulkan loader is one.
+        // SAFETY: invariant 2 trusts the library that the system calls the Vulkan loader.
         let entry = unsafe { ash::Entry::load() }.map_err(|_| Error::Device(NO_LOADER.into()))?;
         let offers = Offers::query(&entry, validate)?;
         let log = ValidationLog::default();
@@ -56,7 +56,7 @@ impl Instance {
         &self.log
     }
 
-    /// All devices, in the loader's order: a device's place here is its index.
+    /// All devices in the loader's order. A device's position is its index.
     pub(super) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>> {
         // SAFETY: invariant 1: the instance is alive.
         let devices = before(May::RunOutOfMemory)
@@ -69,12 +69,12 @@ impl Instance {
 impl Drop for Instance {
     fn drop(&mut self) {
         self.messenger = None;
-        // SAFETY: invariants 1 and 2: ours alone, and all its children held it and are gone.
+        // SAFETY: invariants 1 and 2: owned by this value alone, and all its children held it and are gone.
         unsafe { self.raw.destroy_instance(None) }
     }
 }
 
-/// What loader, drivers and the layer offer together.
+/// Extensions that loader, drivers and validation layer offer together.
 struct Offers {
     extensions: Vec<vk::ExtensionProperties>,
 }
@@ -117,7 +117,8 @@ fn require_version(entry: &ash::Entry) -> Result<()> {
     }
 }
 
-/// Loaders answer ERROR_INCOMPATIBLE_DRIVER (some ERROR_INITIALIZATION_FAILED) where no driver is installed.
+/// Turns the codes of a missing driver into an error that says so. Loaders answer ERROR_INCOMPATIBLE_DRIVER, some
+/// ERROR_INITIALIZATION_FAILED.
 fn no_driver_or(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
     move |code| match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
@@ -127,7 +128,7 @@ fn no_driver_or(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
     }
 }
 
-/// Creates the instance; with a log, under the validation layer.
+/// Creates the instance. With a log, the validation layer is enabled.
 fn create(entry: &ash::Entry, offers: &Offers, log: Option<&ValidationLog>) -> Result<ash::Instance> {
     let name = c_name(env!("CARGO_PKG_NAME"));
     let application = vk::ApplicationInfo::default().application_name(&name).api_version(vk::API_VERSION_1_2);
@@ -139,7 +140,7 @@ fn create(entry: &ash::Entry, offers: &Offers, log: Option<&ValidationLog>) -> R
     if offers.has(khr::portability_enumeration::NAME) {
         info = info.flags(vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR);
     }
-    // Reports barriers that are missing, except between two kernels that both write: they may write apart.
+    // Reports missing barriers, except between two kernels that both write: they may write to different places.
     let checks = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&checks);
     let mut messenger = log.map(ValidationLog::messenger_info);

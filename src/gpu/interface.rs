@@ -1,48 +1,48 @@
-//! What a compiled kernel asks of its pipeline: plain data, written by `build.rs` from the reflected SPIR-V.
+//! Interface of a compiled kernel: plain data that `build.rs` writes from the reflected SPIR-V.
 
 use std::borrow::Cow;
 
-/// What a binding of a descriptor set holds.
+/// Kinds of a descriptor set's bindings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingKind {
-    /// A storage buffer.
+    /// Storage buffer.
     StorageBuffer,
-    /// A small buffer that is the same for every invocation.
+    /// Small buffer that is equal for every invocation.
     UniformBuffer,
-    /// A read-only texel buffer of four 32-bit floats (`samplerBuffer`).
+    /// Read-only texel buffer of four 32-bit floats (`samplerBuffer`).
     TexelBufferFloat,
-    /// A read-only texel buffer of 32-bit unsigned integers, four or one to a texel (`usamplerBuffer`).
+    /// Read-only texel buffer of 32-bit unsigned integers, four or one per texel (`usamplerBuffer`).
     TexelBufferUint,
 }
 
 /// One binding of a descriptor set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BindingShape {
-    /// Its number.
+    /// Number of the binding.
     pub binding: u32,
-    /// What it holds.
+    /// Kind of the binding.
     pub kind: BindingKind,
-    /// Its name in the GLSL.
+    /// Name in the GLSL.
     pub name: &'static str,
 }
 
-/// One descriptor set: its bindings in ascending order of their numbers.
+/// One descriptor set with its bindings, sorted by number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SetShape {
-    /// The set's number.
+    /// Number of the set.
     pub set: u32,
-    /// Its bindings; empty where no kernel of the family uses the set.
+    /// Bindings of the set; empty where no kernel of the family uses it.
     pub bindings: &'static [BindingShape],
 }
 
-/// One kernel: a compute shader with its interface.
+/// Compute shader with its interface.
 #[derive(Debug, Clone)]
 pub struct KernelSource {
-    /// The `.comp` file's stem: also the pipeline's label and the timestamp's.
+    /// Stem of the `.comp` file, also the label of the pipeline and of its timings.
     pub name: &'static str,
-    /// The name of the SPIR-V's file, which tells apart the back ends of one kernel.
+    /// Name of the SPIR-V file, which distinguishes the back ends of one kernel.
     pub file: &'static str,
-    /// The SPIR-V, little-endian words.
+    /// SPIR-V as little-endian words.
     pub spirv: Cow<'static, [u8]>,
     /// Shapes of sets 0, 1, 2, ... of the pipeline layout, without gaps.
     pub sets: &'static [SetShape],

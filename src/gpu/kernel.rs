@@ -1,4 +1,4 @@
-//! Kernels: compute shaders ready to be dispatched.
+//! Kernels: compute shaders that can be dispatched.
 
 use std::io::Cursor;
 use std::sync::Arc;
@@ -14,17 +14,17 @@ use super::layout::PipelineLayout;
 use crate::spirv::specialization::resolve_branches;
 use crate::{Error, Result};
 
-/// A compute pipeline.
+/// Compute pipeline of a kernel.
 pub struct Kernel {
     raw: vk::Pipeline,
     source: KernelSource,
-    // Dropped after the pipeline is destroyed.
+    // Declared last, because the pipeline must be destroyed first.
     layout: PipelineLayout,
 }
 
 impl Kernel {
-    /// Builds the pipeline with specialization constants by id. Ids that the kernel does not use are passed over; constants
-    /// that are not given keep the value in the GLSL.
+    /// Builds the pipeline with specialization constants as (id, bits). Ids that the kernel does not use are ignored.
+    /// Constants that are not given keep their value in the GLSL.
     ///
     /// # Errors
     /// Where the driver cannot compile the kernel or is out of memory.
@@ -36,11 +36,11 @@ impl Kernel {
         Ok(Self { raw, source: source.clone(), layout })
     }
 
-    /// The same, built from nothing and with all that the driver tells of the result, and how long building it took. Some
-    /// drivers do part of the work at the first dispatch.
+    /// Builds the pipeline without the pipeline cache, and returns it with the driver's report and the build time. Some
+    /// drivers do part of the work only at the first dispatch.
     ///
     /// # Errors
-    /// As [`Self::new`], and where the driver does not answer.
+    /// All errors of [`Self::new`], and errors of the driver's report.
     pub fn examine(
         context: &Arc<Context>,
         source: &KernelSource,
@@ -56,17 +56,17 @@ impl Kernel {
         Ok((kernel, PipelineReport { creation_seconds, executables }))
     }
 
-    /// Its name: the `.comp` file's stem.
+    /// Name of the kernel: the stem of its `.comp` file.
     pub fn name(&self) -> &'static str {
         self.source.name
     }
 
-    /// What it was built from.
+    /// Source that the kernel was built from.
     pub fn source(&self) -> &KernelSource {
         &self.source
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the pipeline, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::Pipeline {
         self.raw
     }
@@ -82,17 +82,17 @@ impl Kernel {
 
 impl Drop for Kernel {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used it is under way.
         unsafe { self.context().raw().destroy_pipeline(self.raw, None) }
     }
 }
 
-/// What a pipeline is built for.
+/// Purposes of building a pipeline.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Build {
     ToRun,
-    /// From nothing, the pipeline cache left aside, so that the time it takes is that of a first run; the driver keeps what
-    /// it knows of the result, if it tells at all.
+    /// The pipeline cache is left aside, so that the build takes as long as in a first run. The driver keeps its
+    /// statistics and representations, where it can report them.
     ToExamine,
 }
 
@@ -120,14 +120,15 @@ fn create_pipeline(
         Build::ToExamine => (vk::PipelineCreateFlags::empty(), vk::PipelineCache::null()),
     };
     let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(layout.raw())];
-    // SAFETY: invariant 1: device, module, layout and the cache, if any, are alive; all that `info` points to are locals.
+    // SAFETY: invariant 1: device, module, layout and the cache, if any, are alive; all that `info` points to are
+    // locals.
     let pipelines = unsafe { context.raw().create_compute_pipelines(cache, &info, None) };
-    // One was asked for: where it failed there is none to destroy.
+    // One pipeline was asked for, so none has to be destroyed after a failure.
     let pipelines = pipelines.map_err(|(_, code)| failed(format!("compiling the kernel `{}`", source.name))(code))?;
     Ok(pipelines[0])
 }
 
-/// Entries for those constants that the kernel uses, and the values that they point into, 4 bytes each.
+/// Entries for the constants that the kernel uses, and the values that they point into, 4 bytes each.
 fn specialization(source: &KernelSource, constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u32>) {
     let used = constants.iter().filter(|(id, _)| source.specialization_ids.contains(id));
     let entry = |(place, &(id, value)): (usize, &(u32, u32))| {
@@ -137,7 +138,7 @@ fn specialization(source: &KernelSource, constants: &[(u32, u32)]) -> (Vec<vk::S
     used.enumerate().map(entry).unzip()
 }
 
-/// A shader module, needed only until the pipeline is built.
+/// Shader module, needed only until the pipeline is built.
 struct ShaderModule {
     raw: vk::ShaderModule,
     context: Arc<Context>,
@@ -150,7 +151,7 @@ impl ShaderModule {
             .map_err(|error| Error::Vulkan { call: call.clone(), reason: error.to_string() })?;
         let words = resolve_branches(&words, constants).unwrap_or(words);
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
-        // SAFETY: invariant 1: the device is alive and `words` a local; it is SPIR-V by the module's premise.
+        // SAFETY: invariant 1: the device is alive, and `words` is a local that holds SPIR-V (see `KernelSource`).
         let raw = unsafe { context.raw().create_shader_module(&info, None) }.map_err(failed(call))?;
         context.logical().name(raw, source.name);
         Ok(Self { raw, context: Arc::clone(context) })
@@ -159,7 +160,7 @@ impl ShaderModule {
 
 impl Drop for ShaderModule {
     fn drop(&mut self) {
-        // SAFETY: invariant 1: ours alone; a pipeline does not refer to its module once built.
+        // SAFETY: invariant 1: owned by this value alone; a pipeline does not refer to its module once built.
         unsafe { self.context.raw().destroy_shader_module(self.raw, None) }
     }
 }

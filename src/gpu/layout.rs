@@ -9,11 +9,11 @@ use super::fault::failed;
 use super::interface::{BindingKind, BindingShape, KernelSource, SetShape};
 use crate::Result;
 
-/// All that [`descriptor_type`] can return.
+/// All types that [`descriptor_type`] can return.
 pub(super) const DESCRIPTOR_TYPES: [vk::DescriptorType; 3] =
     [vk::DescriptorType::STORAGE_BUFFER, vk::DescriptorType::UNIFORM_BUFFER, vk::DescriptorType::UNIFORM_TEXEL_BUFFER];
 
-/// A binding's kind as Vulkan calls it.
+/// Vulkan's descriptor type for a kind of binding.
 pub(super) fn descriptor_type(kind: BindingKind) -> vk::DescriptorType {
     match kind {
         BindingKind::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
@@ -22,12 +22,12 @@ pub(super) fn descriptor_type(kind: BindingKind) -> vk::DescriptorType {
     }
 }
 
-/// Whether a set of one shape can stand where another is expected. Names do not count.
+/// Whether a set of one shape can be bound where the other is expected. Names are not compared.
 pub(super) fn shapes_match(a: &[BindingShape], b: &[BindingShape]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a.binding, a.kind) == (b.binding, b.kind))
 }
 
-/// The layout of one descriptor set. Equal shapes give layouts that Vulkan calls identically defined.
+/// Layout of one descriptor set. Equal shapes give layouts that Vulkan calls identically defined.
 pub(super) struct SetLayout {
     raw: vk::DescriptorSetLayout,
     context: Arc<Context>,
@@ -51,7 +51,7 @@ impl SetLayout {
         Ok(Self { raw, context: Arc::clone(context) })
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the layout, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::DescriptorSetLayout {
         self.raw
     }
@@ -59,15 +59,16 @@ impl SetLayout {
 
 impl Drop for SetLayout {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission is under way that used a set or pipeline made with it.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission is under way that used a set or
+        // pipeline made with it.
         unsafe { self.context.raw().destroy_descriptor_set_layout(self.raw, None) }
     }
 }
 
-/// The layout of a kernel's pipeline: its sets and its push constants.
+/// Layout of a kernel's pipeline: its sets and its push constants.
 pub(super) struct PipelineLayout {
     raw: vk::PipelineLayout,
-    // Dropped after the layout made from them.
+    // Declared after the pipeline layout that is made from them, so dropped later.
     _sets: Vec<SetLayout>,
     context: Arc<Context>,
 }
@@ -91,7 +92,7 @@ impl PipelineLayout {
         Ok(Self { raw, _sets: sets, context: Arc::clone(context) })
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the layout, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::PipelineLayout {
         self.raw
     }
@@ -103,7 +104,7 @@ impl PipelineLayout {
 
 impl Drop for PipelineLayout {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used it is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used it is under way.
         unsafe { self.context.raw().destroy_pipeline_layout(self.raw, None) }
     }
 }

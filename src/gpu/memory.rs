@@ -1,4 +1,4 @@
-//! Device memory, and how much of it is in use.
+//! Device memory and a count of the bytes in use.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,12 +10,12 @@ use gpu_allocator::{AllocationError, AllocationSizes, AllocatorDebugSettings, Me
 use super::device::LogicalDevice;
 use crate::{Error, Result};
 
-/// Small buffers share blocks of this many bytes; larger ones have their own.
+/// Size in bytes of a block that small buffers share; larger buffers have their own.
 const BLOCK_BYTES: u64 = 32 << 20;
 
-/// The allocator, with a count of what it gave out.
+/// Allocator with a count of the bytes that it gave out.
 pub(super) struct Memory {
-    // Dropped before the device: it frees its blocks.
+    // Declared before the device, because it frees its blocks when dropped.
     allocator: Mutex<Allocator>,
     allocated_bytes: AtomicU64,
     peak_bytes: AtomicU64,
@@ -37,8 +37,8 @@ impl Memory {
         Ok(Self { allocator: Mutex::new(allocator), allocated_bytes, peak_bytes, device })
     }
 
-    /// Memory for a buffer. Its size and place are rounded to whole atoms of memory that is not coherent, so that a flush
-    /// of one buffer need never reach outside it.
+    /// Allocates memory for a buffer. Size and offset are rounded to whole atoms of incoherent memory, so that a flush
+    /// of one buffer never reaches outside it.
     pub(super) fn allocate(
         &self,
         name: &str,
@@ -81,7 +81,7 @@ impl Memory {
     fn refusal(&self, name: &str, bytes: u64, error: &AllocationError) -> Error {
         let (call, note) = (format!("allocating {bytes} bytes for the buffer `{name}`"), String::new());
         let fault = match error {
-            // What cannot be mapped has no room in the host's address space.
+            // Mapping fails where the host's address space has no room.
             AllocationError::OutOfMemory | AllocationError::FailedToMap(_) => Error::OutOfDeviceMemory { call, note },
             other => Error::Vulkan { call, reason: other.to_string() },
         };
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use crate::gpu::{Buffer, BufferKind, Context, ContextOptions};
 
-    /// More than a heap holds is refused by the allocator in the driver's stead.
+    /// Asks for more than a heap holds, which the allocator itself refuses.
     #[test]
     fn out_of_memory_is_a_sentence() {
         let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a device");

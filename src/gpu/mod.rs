@@ -1,30 +1,32 @@
-//! Vulkan compute, and nothing of rendering: devices, buffers, descriptor sets, kernels, submissions.
+//! Vulkan compute: devices, buffers, descriptor sets, kernels, submissions. This module knows nothing of rendering.
 //!
-//! The only module with `unsafe` and the only one that names `ash`. Everything public here is safe to call; what makes it
-//! so are three invariants, and every `// SAFETY:` comment cites the one it leans on.
+//! Only this module contains `unsafe` or names `ash`. Every public function here is safe to call. Three invariants make
+//! it so, and every `// SAFETY:` comment cites the ones that it rests on.
 //!
-//! 1. **One owner per handle.** Each Vulkan handle is created by, stored in and destroyed by exactly one value whose type
-//!    is neither `Copy` nor `Clone`, and whose fields are private to this module. So a handle reached through a reference
-//!    is alive, was made by the device that the value holds, and is destroyed once. Handles that are passed to a call for
-//!    its duration (a shader module, a staging buffer) are owned by a local of the caller. Pointers handed to Vulkan point
-//!    into locals that outlive the call; Vulkan keeps none of them (the message log, which it does keep, is owned by the
-//!    instance and freed after it). Likewise what Vulkan hands to that log is valid for that call, and only then is it read.
-//! 2. **Children hold their parents.** Every value with a handle holds an `Arc` of the context that made it (or of the
-//!    logical device, which holds the instance, which holds the loaded library: the system's Vulkan loader, which we trust
-//!    to be one). Rust drops a value's fields after its `Drop` has run and in order of declaration, so children are always
-//!    destroyed first. A descriptor set holds its buffers. Values of two contexts are never mixed: each meeting point
-//!    asserts that both have the same. What a submission needs of the driver goes from one to the next: while idle it belongs to
-//!    the context's `IdleSlots`, which holds the device; it is reset before its next use, and destroyed after a failure.
+//! 1. **One owner per handle.** Each Vulkan handle is created by, stored in and destroyed by exactly one value whose
+//!    type is neither `Copy` nor `Clone`, and whose fields are private to this module. So a handle reached through a
+//!    reference is alive, was made by the device that the value holds, and is destroyed once. Handles that are passed
+//!    to a call for its duration (a shader module, a staging buffer) are owned by a local of the caller. Pointers
+//!    handed to Vulkan point into locals that outlive the call. Vulkan keeps only one of them: the message log, which
+//!    is owned by the instance and freed after it. Data that Vulkan hands to that log is valid for the duration of the
+//!    callback, and is read only then.
+//! 2. **Children hold their parents.** Every value with a handle holds an `Arc` of the context that made it, or of the
+//!    logical device, which holds the instance, which holds the loaded library. (The library that the system calls the
+//!    Vulkan loader is trusted to be one.) Rust drops a value's fields after its `Drop` has run, in order of
+//!    declaration, so children are always destroyed first. A descriptor set holds its buffers. Values of two contexts
+//!    are never mixed: each function that takes several asserts that they have one context. Command buffers, fences and
+//!    queries are reused by later submissions. While idle they belong to the context's `IdleSlots`, which holds the
+//!    device. They are reset before their next use, and destroyed after a failure.
 //! 3. **`submit` waits.** A command buffer is recorded, submitted and waited for inside one call of
-//!    [`Context::submit`]. What it uses is borrowed for a lifetime that the caller chose, hence for longer than that call,
-//!    so nothing in use can drop or move. The queue's lock is held from submission to completion, and by every access of
-//!    the host to mapped memory, so host and device never touch a buffer at once. A submission that cannot be waited for,
-//!    though the device lives, ends the process.
+//!    [`Context::submit`]. Everything it uses is borrowed for a lifetime that the caller chose, hence for longer than
+//!    that call, so nothing in use can drop or move. The queue's lock is held from submission to completion, and by
+//!    every access of the host to mapped memory, so host and device never touch a buffer at once. If a submission
+//!    cannot be waited for although the device lives, the process is ended.
 //!
-//! The three argue about the host's calls. What a kernel does is its own affair, with two guards: its SPIR-V is the
-//! compiler's output ([`KernelSource`] is written by `build.rs`), or a user's who has asked for it by name and whose driver
-//! it is, of the same interface and validated ([`crate::spirv::replace`]); and devices are opened with robust buffer
-//! access, so an index out of range reaches no memory outside the buffer's.
+//! These invariants cover the host's calls. Two guards cover what a kernel does. First, its SPIR-V is either the
+//! compiler's output ([`KernelSource`] is written by `build.rs`) or a file that the user has asked for by name,
+//! validated and of the built-in kernel's interface ([`crate::spirv::replace`]). Second, devices are opened with robust
+//! buffer access, so an index out of range reaches no memory outside the buffer.
 
 #![deny(clippy::undocumented_unsafe_blocks)]
 

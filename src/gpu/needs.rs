@@ -1,17 +1,17 @@
-//! The portability floor: what a device must offer.
+//! The portability floor: features and limits that a device must offer.
 
 use ash::vk;
 
 use super::device_info::{Limits, version_text};
 
-/// What is not a limit.
+/// Properties of a device that are not limits.
 pub(super) struct Capabilities {
     pub(super) api_version: u32,
     pub(super) has_compute_queue: bool,
     pub(super) has_scalar_block_layout: bool,
 }
 
-/// The needs that a device lacks, as a clause that begins with "it lacks"; nothing where it can be used.
+/// Needs that a device lacks, as a clause that begins with "it lacks"; `None` where it can be used.
 pub(super) fn lacking(capabilities: &Capabilities, limits: &Limits) -> Option<String> {
     let mut lacks = Vec::new();
     if capabilities.api_version < vk::API_VERSION_1_2 {

@@ -11,14 +11,14 @@ use super::device_info::DeviceInfo;
 use super::fault::failed;
 use crate::{Error, Result};
 
-/// Vulkan's header of a pipeline cache: length, version, vendor, device, uuid.
+/// Size in bytes of Vulkan's header of a pipeline cache: length, version, vendor, device, uuid.
 const HEADER_BYTES: usize = 32;
 
-/// The pipeline cache of one device and driver.
+/// Pipeline cache of one device and driver.
 pub(super) struct PipelineCache {
     raw: vk::PipelineCache,
     file: Option<PathBuf>,
-    /// Checksum of what was read from the file; 0 where nothing was.
+    /// Checksum of the data read from the file; 0 where none was read.
     loaded: u64,
     device: Arc<LogicalDevice>,
 }
@@ -35,12 +35,12 @@ impl PipelineCache {
         Ok(Self { raw, file, loaded, device })
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the cache, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::PipelineCache {
         self.raw
     }
 
-    /// Writes the file, unless there is nothing new. Does nothing where the system has no folder for it.
+    /// Writes the file, unless nothing is new or the system has no cache folder.
     pub(super) fn save(&self) -> Result<()> {
         let Some(file) = &self.file else { return Ok(()) };
         // SAFETY: invariant 1: device and cache are alive.
@@ -56,14 +56,14 @@ impl PipelineCache {
 impl Drop for PipelineCache {
     fn drop(&mut self) {
         if let Err(error) = self.save() {
-            tracing::warn!("the pipeline cache is not kept: {error}");
+            tracing::warn!("the pipeline cache could not be saved: {error}");
         }
-        // SAFETY: invariants 1 and 2: ours alone, and the kernels made with it are gone.
+        // SAFETY: invariants 1 and 2: owned by this value alone, and the kernels made with it are gone.
         unsafe { self.device.raw().destroy_pipeline_cache(self.raw, None) }
     }
 }
 
-/// The file's content, where it is whole and this driver's.
+/// Content of the file; `None` where it is damaged or was written by another driver.
 fn load(file: &Path, info: &DeviceInfo) -> Option<Vec<u8>> {
     let data = unsealed(fs::read(file).ok()?)?;
     has_header_of(&data, info).then_some(data)
@@ -81,7 +81,7 @@ fn has_header_of(data: &[u8], info: &DeviceInfo) -> bool {
         && uuid == info.pipeline_cache_uuid
 }
 
-/// Appends the checksum: drivers check the header at best, and a broken body has crashed some.
+/// Appends a checksum: drivers check the header at best, and a damaged body has crashed some.
 fn sealed(mut data: Vec<u8>) -> Vec<u8> {
     let seal = checksum(&data).to_le_bytes();
     data.extend(seal);
@@ -95,21 +95,21 @@ fn unsealed(mut data: Vec<u8>) -> Option<Vec<u8>> {
     is_whole.then_some(data)
 }
 
-/// FNV-1a of 64 bits.
+/// FNV-1a hash of 64 bits.
 fn checksum(data: &[u8]) -> u64 {
     data.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// Under a temporary name of this process's own first: a reader never sees half a file.
+/// Writes a file under a temporary name of this process and renames it, so that a reader never sees half a file.
 fn write_whole(file: &Path, data: &[u8]) -> std::io::Result<()> {
     if let Some(folder) = file.parent() {
         fs::create_dir_all(folder)?;
     }
-    // The address tells apart contexts of one process that are dropped at once.
+    // The address distinguishes contexts of one process that are dropped at the same time.
     let temporary = file.with_extension(format!("{}-{:x}", process::id(), data.as_ptr() as usize));
     let written = fs::write(&temporary, data).and_then(|()| fs::rename(&temporary, file));
     if written.is_err() {
-        // Whatever stands in the way of removing it is reported by the first error.
+        // A failure to remove it has the cause that the first error already reports.
         let _ = fs::remove_file(&temporary);
     }
     written
@@ -120,7 +120,7 @@ fn file_name(info: &DeviceInfo) -> String {
     format!("pipelines-{vendor_id:x}-{device_id:x}-{driver_version:x}-{pipeline_cache_uuid}.bin")
 }
 
-/// The user's folder for what can be made again.
+/// The user's cache folder for Lodestar; `None` where the system names none.
 fn folder() -> Option<PathBuf> {
     let variable = |name| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let caches = if cfg!(windows) {

@@ -1,4 +1,4 @@
-//! Timestamp queries: the device's own clock.
+//! Timestamp queries: times by the device's own clock.
 
 use std::time::Duration;
 
@@ -9,17 +9,17 @@ use super::context::Context;
 /// Most dispatches of one submission that are timed one by one.
 const TIMED_DISPATCHES: u32 = 32;
 
-/// Queries of a pool: two for all work, two for each dispatch.
+/// Number of queries in a pool: two for the whole submission, two for each dispatch.
 pub(super) const QUERY_COUNT: u32 = 2 + 2 * TIMED_DISPATCHES;
 
-/// Timestamps around a command buffer's work, and around each of its first dispatches where these are asked for.
+/// Timestamps around a command buffer's work, and around each of its first dispatches where asked for.
 pub(super) struct Timestamps<'a> {
     raw: vk::QueryPool,
     context: &'a Context,
 }
 
 impl<'a> Timestamps<'a> {
-    /// Of a pool of [`QUERY_COUNT`] queries, which is the caller's while this lives.
+    /// Timestamps in a pool of [`QUERY_COUNT`] queries, which belongs to the caller while this value lives.
     pub(super) fn new(context: &'a Context, raw: vk::QueryPool) -> Self {
         Self { raw, context }
     }
@@ -36,7 +36,7 @@ impl<'a> Timestamps<'a> {
         self.write(commands, vk::PipelineStageFlags::BOTTOM_OF_PIPE, 1);
     }
 
-    /// Records the start of dispatch number `place`: when all work before it is done.
+    /// Records the start of dispatch number `place`: the time when all work before it is done.
     pub(super) fn start_dispatch(&self, commands: vk::CommandBuffer, place: usize) {
         self.write_dispatch(commands, place, 0);
     }
@@ -54,19 +54,19 @@ impl<'a> Timestamps<'a> {
     }
 
     fn write(&self, commands: vk::CommandBuffer, stage: vk::PipelineStageFlags, query: u32) {
-        // SAFETY: invariants 1 and 3: the recorder owns the queries and the command buffer, which is being recorded; the
-        // pool has this query.
+        // SAFETY: invariants 1 and 3: the recorder owns the queries and the command buffer, which is being recorded;
+        // the pool has this query.
         unsafe { self.context.raw().cmd_write_timestamp(commands, stage, self.raw, query) }
     }
 
-    /// The time between start and end, once the submission is done.
+    /// Time between start and end, once the submission is done.
     pub(super) fn elapsed(&self) -> Option<Duration> {
         let [start, end] = self.ticks(0)?;
         Some(self.between(start, end))
     }
 
-    /// Begin and end of dispatch number `place`, from the start of all work, once the submission is done; nothing where it
-    /// was not timed.
+    /// Begin and end of dispatch number `place`, counted from the start of all work, once the submission is done.
+    /// `None` where the dispatch was not timed.
     pub(super) fn span(&self, place: usize) -> Option<(Duration, Duration)> {
         let query = u32::try_from(place).ok()?.checked_mul(2)?.checked_add(2)?;
         if query >= QUERY_COUNT {
@@ -76,7 +76,7 @@ impl<'a> Timestamps<'a> {
         Some((self.between(zero, start), self.between(zero, end)))
     }
 
-    /// Two queries that follow each other.
+    /// Ticks of query number `query` and of the next one.
     fn ticks(&self, query: u32) -> Option<[u64; 2]> {
         let mut ticks = [0_u64; 2];
         // SAFETY: invariant 1: device and queries are alive, and the slice has room for both.
@@ -93,7 +93,7 @@ impl<'a> Timestamps<'a> {
     }
 }
 
-/// The difference of two counters of so many bits, the second of which may have wrapped round.
+/// Difference of two counters of `bits` bits. The second may have wrapped around.
 fn ticks_between([start, end]: [u64; 2], bits: u32) -> u64 {
     let mask = u64::MAX.checked_shr(64 - bits.min(64)).unwrap_or(0);
     end.wrapping_sub(start) & mask

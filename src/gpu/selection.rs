@@ -1,11 +1,11 @@
-//! Which device to take.
+//! Choice of the device to use.
 
 use std::fmt::Write;
 
 use super::device_info::{DeviceInfo, DeviceKind};
 use crate::{Error, Result};
 
-/// The device asked for by index or by a part of its name, or the best usable one.
+/// Chooses the device with the wanted index or part of a name; without a wish, the best usable one.
 pub(super) fn choose<'a>(devices: &'a [DeviceInfo], wanted: Option<&str>) -> Result<&'a DeviceInfo> {
     match wanted {
         Some(wanted) => usable(find(devices, wanted)?),

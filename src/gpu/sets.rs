@@ -1,4 +1,4 @@
-//! Descriptor sets: which buffers a kernel sees.
+//! Descriptor sets: the buffers that a kernel sees.
 
 use std::sync::Arc;
 
@@ -11,18 +11,18 @@ use super::interface::{BindingKind, SetShape};
 use super::layout::{DESCRIPTOR_TYPES, SetLayout, descriptor_type};
 use crate::Result;
 
-/// A descriptor set, written once. It keeps its buffers alive.
+/// Descriptor set, written once. It keeps its buffers alive.
 pub struct DescriptorSet {
     raw: vk::DescriptorSet,
     shape: SetShape,
-    // Dropped in this order: the pool, with the set in it, before what the set refers to.
+    // Order of dropping: the pool with the set in it, then everything that the set refers to.
     pool: Pool,
     _layout: SetLayout,
     buffers: Vec<Arc<Buffer>>,
 }
 
 impl DescriptorSet {
-    /// A set of the given shape over buffers in ascending order of their bindings.
+    /// Makes a set of the given shape over buffers, sorted by their binding numbers.
     ///
     /// # Errors
     /// Where the device is out of memory.
@@ -54,12 +54,12 @@ impl DescriptorSet {
             }
         });
         let writes: Vec<_> = writes.collect();
-        // SAFETY: invariant 1: the set was just allocated and is ours alone, the buffers are alive, and all that the writes
-        // point to are locals. Each binding and its kind are the layout's.
+        // SAFETY: invariant 1: the set was just allocated and is owned by this value alone, the buffers are alive, and
+        // all that the writes point to are locals. Each binding and its kind are the layout's.
         unsafe { self.pool.context.raw().update_descriptor_sets(&writes, &[]) }
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the set, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::DescriptorSet {
         self.raw
     }
@@ -88,7 +88,7 @@ fn check_buffers(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: 
     }
 }
 
-/// A pool for one set.
+/// Descriptor pool for one set.
 struct Pool {
     raw: vk::DescriptorPool,
     context: Arc<Context>,
@@ -101,7 +101,7 @@ impl Pool {
             vk::DescriptorPoolSize::default().ty(ty).descriptor_count(bindings.count() as u32)
         };
         let sizes = DESCRIPTOR_TYPES.map(size);
-        // A size of zero is not allowed, no size at all is.
+        // Vulkan forbids a size of zero but allows an empty list of sizes.
         let sizes: Vec<_> = sizes.into_iter().filter(|size| size.descriptor_count > 0).collect();
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: invariant 1: the device is alive, and all that `info` points to are locals.
@@ -124,7 +124,8 @@ impl Pool {
 
 impl Drop for Pool {
     fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: pool and set are ours alone, and no submission that used them is under way.
+        // SAFETY: invariants 1 and 3: pool and set are owned by this value alone, and no submission that used them is
+        // under way.
         unsafe { self.context.raw().destroy_descriptor_pool(self.raw, None) }
     }
 }

@@ -1,5 +1,5 @@
-//! What a submission needs of the driver besides its work. It is kept for the next one, for making it costs some drivers as
-//! much time as a small dispatch.
+//! Slots: command buffer, fence and timestamp queries of a submission. They are kept for later submissions, because
+//! some drivers take as long to make them as to run a small dispatch.
 
 use std::cell::Cell;
 use std::mem;
@@ -13,7 +13,7 @@ use super::fault::failed;
 use super::queries::{QUERY_COUNT, Timestamps};
 use crate::Result;
 
-/// A command buffer with its pool, a fence, and timestamp queries where the queue can tell the time (else null).
+/// Command buffer with its pool, a fence, and timestamp queries (null where the queue has no timestamps).
 #[derive(Default)]
 struct Handles {
     pool: vk::CommandPool,
@@ -23,7 +23,7 @@ struct Handles {
 }
 
 impl Handles {
-    /// Makes all of them in place, so that what was made before an error has an owner.
+    /// Makes all handles in place, so that handles made before an error have an owner.
     fn create(&mut self, device: &LogicalDevice) -> Result<()> {
         let raw = device.raw();
         let pool = vk::CommandPoolCreateInfo::default()
@@ -35,7 +35,7 @@ impl Handles {
             .command_pool(self.pool)
             .level(vk::CommandBufferLevel::PRIMARY)
             .command_buffer_count(1);
-        // SAFETY: invariant 1: the pool is alive and ours alone.
+        // SAFETY: invariant 1: the pool is alive and owned by this value alone.
         let buffers = unsafe { raw.allocate_command_buffers(&buffer) };
         self.commands = buffers.map_err(failed("vkAllocateCommandBuffers"))?[0];
         // SAFETY: invariant 1: the device is alive.
@@ -50,9 +50,9 @@ impl Handles {
         Ok(())
     }
 
-    /// Makes them as good as new.
+    /// Resets pool and fence for another submission.
     fn reset(&self, device: &LogicalDevice) -> Result<()> {
-        // SAFETY: invariants 1 and 3: ours alone, and no submission that used them is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used them is under way.
         unsafe {
             device
                 .raw()
@@ -63,7 +63,8 @@ impl Handles {
     }
 
     fn destroy(self, device: &LogicalDevice) {
-        // SAFETY: invariants 1 and 3: ours alone (null is allowed), and no submission that used them is under way.
+        // SAFETY: invariants 1 and 3: owned by this value alone (null is allowed), and no submission that used them is
+        // under way.
         unsafe {
             device.raw().destroy_query_pool(self.queries, None);
             device.raw().destroy_fence(self.fence, None);
@@ -72,7 +73,7 @@ impl Handles {
     }
 }
 
-/// Those that no submission uses.
+/// Handles that no submission uses.
 pub(super) struct IdleSlots {
     idle: Mutex<Vec<Handles>>,
     device: Arc<LogicalDevice>,
@@ -99,10 +100,10 @@ impl Drop for IdleSlots {
     }
 }
 
-/// One submission's own, until it is dropped.
+/// Handles of one submission, returned to the idle ones when dropped.
 pub(super) struct Slot {
     handles: Handles,
-    /// Whether it can serve another submission: not while one is under way, nor after one that has failed.
+    /// Whether the handles can serve another submission: not while one is under way, nor after a failed one.
     reusable: Cell<bool>,
     context: Arc<Context>,
 }
@@ -121,7 +122,7 @@ impl Slot {
         Ok(slot)
     }
 
-    /// To be called before it is submitted, and once that is done.
+    /// Sets whether the handles may be reused: `false` before a submission, `true` once it is done.
     pub(super) fn set_reusable(&self, reusable: bool) {
         self.reusable.set(reusable);
     }
@@ -130,17 +131,17 @@ impl Slot {
         &self.context
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the command buffer, for a call during which the caller borrows this value.
     pub(super) fn commands(&self) -> vk::CommandBuffer {
         self.handles.commands
     }
 
-    /// The handle, for a call during which the caller borrows this value.
+    /// Handle of the fence, for a call during which the caller borrows this value.
     pub(super) fn fence(&self) -> vk::Fence {
         self.handles.fence
     }
 
-    /// Nothing where the queue cannot tell the time.
+    /// Timestamps of the submission; `None` where the queue has none.
     pub(super) fn timestamps(&self) -> Option<Timestamps<'_>> {
         let queries = self.handles.queries;
         (queries != vk::QueryPool::null()).then(|| Timestamps::new(&self.context, queries))

@@ -1,4 +1,4 @@
-//! Submitting recorded work and waiting for it.
+//! Submission of recorded work, and waiting for it.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,18 +11,18 @@ use super::fault::failed;
 use super::slots::Slot;
 use crate::Result;
 
-/// How long a submission took.
+/// Times that a submission took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Submission {
-    /// From handing it over to knowing it done, by the host's clock.
+    /// Time from handing the work over to knowing it done, by the host's clock.
     pub wall: Duration,
-    /// From its start to its end, by the device's clock where it has one.
+    /// Time from the start to the end of the work by the device's clock; `None` where it has none.
     pub device: Option<Duration>,
 }
 
 impl Context {
-    /// Records work, submits it and waits until it is done. Everything that the work uses outlives this call, for it is
-    /// borrowed for `'a`; what it wrote can then be read by the host and by later submissions. The label names the work in
+    /// Records work, submits it and waits until it is done. Everything that the work uses is borrowed for `'a`, so it
+    /// outlives this call. Results can then be read by the host and by later submissions. The label names the work in
     /// errors and in debuggers.
     ///
     /// ```no_run
@@ -53,25 +53,26 @@ impl Context {
         Ok(Submission { wall, device: recorder.elapsed() })
     }
 
-    /// Runs a closed command buffer. Returns when it was handed over, and how long it took.
+    /// Runs a closed command buffer. Returns the time when it was handed over, and how long it took.
     fn run(self: &Arc<Self>, label: &str, slot: &Slot) -> Result<(Instant, Duration)> {
         let commands = [slot.commands()];
         let submits = [vk::SubmitInfo::default().command_buffers(&commands)];
         let queue = self.logical().idle_queue();
         let start = Instant::now();
         slot.set_reusable(false);
-        // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by nobody else; the queue is held.
+        // SAFETY: invariants 1 and 3: queue, fence and command buffer are alive and used by no one else; the queue is
+        // held.
         unsafe { self.raw().queue_submit(*queue, &submits, slot.fence()) }.map_err(failed(label))?;
         self.wait(label, slot)?;
         slot.set_reusable(true);
         Ok((start, start.elapsed()))
     }
 
-    /// Returns only when the device no longer works on the submission: it is done, or the device is lost.
+    /// Waits until the device no longer works on the submission: either it is done, or the device is lost.
     fn wait(&self, label: &str, slot: &Slot) -> Result<()> {
-        // A driver that is out of memory may have some again; one that keeps failing leaves no sound way to go on.
+        // A driver that is out of memory may recover. If it keeps failing, there is no sound way to go on.
         for _ in 0..1000 {
-            // SAFETY: invariant 1: device and fence are alive and ours.
+            // SAFETY: invariant 1: device and fence are alive; the slot owns the fence.
             match unsafe { self.raw().wait_for_fences(&[slot.fence()], true, u64::MAX) } {
                 Ok(()) => return Ok(()),
                 Err(vk::Result::ERROR_DEVICE_LOST) => return Err(failed(label)(vk::Result::ERROR_DEVICE_LOST)),
@@ -82,7 +83,7 @@ impl Context {
                 }
             }
         }
-        tracing::error!("{label} is under way and cannot be waited for");
+        tracing::error!("{label} is still running and cannot be waited for; the process is ended");
         std::process::abort()
     }
 }

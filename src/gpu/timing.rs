@@ -1,45 +1,46 @@
-//! When dispatches ran, for those who ask.
+//! Records of when dispatches ran.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
-/// Whose clock tells when a dispatch ran.
+/// Clocks that can time a dispatch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
-    /// The device's, by timestamp queries.
+    /// The device's clock, by timestamp queries.
     Device,
-    /// The host's, which sees whole submissions only.
+    /// The host's clock, which times whole submissions only.
     Host,
 }
 
 /// One dispatch of a submission.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DispatchTime {
-    /// The kernel's name.
+    /// Name of the kernel.
     pub kernel: &'static str,
     /// Workgroups along each axis.
     pub workgroups: [u32; 3],
-    /// Begin and end, from the submission's begin by the device's clock; nothing where that was not asked.
+    /// Begin and end by the device's clock, counted from the begin of the submission; `None` where dispatches are not
+    /// timed.
     pub span: Option<(Duration, Duration)>,
 }
 
 /// One submission.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SubmissionTime {
-    /// Its label.
+    /// Label of the submission.
     pub label: String,
-    /// When it was handed over, from the begin of the record, by the host's clock.
+    /// Time when the work was handed over, counted from the begin of the record, by the host's clock.
     pub begin: Duration,
-    /// Until it was known to be done, by the host's clock.
+    /// Time from handing the work over to knowing it done, by the host's clock.
     pub wall: Duration,
-    /// Its dispatches, in order.
+    /// Dispatches of the submission, in order.
     pub dispatches: Vec<DispatchTime>,
 }
 
-/// A context's record of submissions, if one is kept.
+/// Record of a context's submissions, where one is kept.
 #[derive(Default)]
 pub(super) struct TimingRecord(Mutex<Option<Running>>);
 
@@ -50,12 +51,12 @@ struct Running {
 }
 
 impl TimingRecord {
-    /// Forgets what was recorded and begins anew.
+    /// Discards the record and begins a new one.
     pub(super) fn start(&self, clock: Clock) {
         *self.lock() = Some(Running { epoch: Instant::now(), clock, submissions: Vec::new() });
     }
 
-    /// Whose clock is used, if a record is kept.
+    /// Clock in use; `None` where no record is kept.
     pub(super) fn clock(&self) -> Option<Clock> {
         self.lock().as_ref().map(|running| running.clock)
     }
@@ -68,7 +69,7 @@ impl TimingRecord {
         }
     }
 
-    /// What was added since the last call.
+    /// Submissions added since the last call.
     pub(super) fn take(&self) -> Vec<SubmissionTime> {
         self.lock().as_mut().map(|running| std::mem::take(&mut running.submissions)).unwrap_or_default()
     }

@@ -1,19 +1,19 @@
-//! OpenEXR. The only file that names the `exr` crate.
+//! OpenEXR files. The only file that names the `exr` crate.
 //!
-//! What [`write_picture`] leaves is one part with these channels, each row by row from the top left:
+//! [`write_picture`] writes one part with these channels, each row by row from the top left:
 //!
 //! | channels                    | type  | what                                                                     |
 //! |-----------------------------|-------|--------------------------------------------------------------------------|
 //! | `R`, `G`, `B`               | float | mean radiance, linear sRGB                                               |
 //! | `variance.R`, `.G`, `.B`    | float | variance of that mean                                                    |
-//! | `samples.N`                 | uint  | samples taken                                                            |
-//! | `hits.N`                    | uint  | those whose camera ray hit something                                     |
+//! | `samples.N`                 | uint  | number of samples taken                                                  |
+//! | `hits.N`                    | uint  | number of samples whose camera ray hit a surface                         |
 //! | `albedo.R`, `.G`, `.B`      | float | mean albedo of the first hit                                             |
 //! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
-//! | `sums.00` to `sums.47`      | uint  | of a part of a picture: the words of [`PixelSums`]                       |
+//! | `sums.00` to `sums.47`      | uint  | the words of [`PixelSums`], where the picture is one part of several     |
 //! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where none does |
 //!
-//! Data window: the rendered window; display window: the whole film. Compression loses nothing.
+//! The data window is the rendered window; the display window is the whole film. Compression is lossless.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
@@ -32,9 +32,9 @@ use crate::film::Picture;
 use crate::film::sums::PixelSums;
 use crate::{Error, Result};
 
-/// What every attribute of ours starts with.
+/// Prefix of every attribute that Lodestar writes.
 const ATTRIBUTE_PREFIX: &str = "lodestar.";
-/// A damaged header may ask for any size; this is 16384 x 16384.
+/// Limit on pixels, 16384 x 16384, because a damaged header may ask for any size.
 const MAX_PIXEL_COUNT: usize = 1 << 28;
 
 type Channel = AnyChannel<FlatSamples>;
@@ -99,7 +99,8 @@ fn layer_attributes(picture: &Picture, attributes: &[(String, String)]) -> Layer
     all
 }
 
-/// UTF-8 as it is: the checked constructor refuses what Latin-1 lacks, and scenes may be named in any script.
+/// Text in UTF-8, unchecked: the checked constructor refuses characters outside Latin-1, and scenes may be named in any
+/// script.
 fn text(string: &str) -> Text {
     Text::from_slice_unchecked(string.as_bytes())
 }
@@ -115,9 +116,9 @@ fn io_error(error: ::exr::error::Error) -> io::Error {
     }
 }
 
-/// Reads the color of any flat EXR image: `R`, `G`, `B` as they are or under the first prefix that has all three, else `Y`.
+/// Reads the color of any flat EXR image: channels `R`, `G`, `B`; else the first prefix that has all three; else `Y`.
 ///
-/// The image is the data window; its offset within the display window moves no pixel of it.
+/// The image covers the data window. The display window is ignored.
 pub fn read_rgb(path: &Path) -> Result<Image> {
     let parts = read_parts(path)?;
     let found = parts.iter().find_map(|part| Some((part, color_channels(part)?)));
@@ -126,8 +127,8 @@ pub fn read_rgb(path: &Path) -> Result<Image> {
     assemble(path, part, channels)
 }
 
-/// Reads the layer that is stored as channels `<prefix>.*`: three of them (`R`, `G`, `B` or `X`, `Y`, `Z`), or one, which
-/// is repeated.
+/// Reads the layer that is stored as channels `<prefix>.*`. A layer has three channels (`R`, `G`, `B` or `X`, `Y`, `Z`)
+/// or one, which is repeated.
 pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
     let parts = read_parts(path)?;
     let found = parts.iter().find_map(|part| Some((part, layer_channels(part, prefix)?)));
@@ -137,10 +138,11 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
     assemble(path, part, channels)
 }
 
-/// Names and values.
+/// Attributes of a file as names and values.
 pub type Attributes = Vec<(String, String)>;
 
-/// Reads what [`write_picture`] has written, to the last bit: every layer, and the attributes as [`read_attributes`] does.
+/// Reads a picture that [`write_picture`] has written, to the last bit: every layer, and the attributes as
+/// [`read_attributes`] returns them.
 pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     let parts = read_parts(path)?;
     let [part] = &parts[..] else { return Err(lacking(path, "one part")) };
@@ -168,7 +170,7 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     Ok((picture, attributes_of(&parts)))
 }
 
-/// A channel of integers.
+/// Values of the integer channel `name`; `None` where the part has no such channel.
 fn words_of<'a>(part: &'a Part, name: &str) -> Option<&'a [u32]> {
     let channel = by_name(part).into_iter().find(|(found, _)| found == name)?.1;
     match &channel.sample_data {
@@ -177,7 +179,7 @@ fn words_of<'a>(part: &'a Part, name: &str) -> Option<&'a [u32]> {
     }
 }
 
-/// None where the picture is a whole one.
+/// Integer sums of every pixel; empty where the picture is a whole one.
 fn sums_of(path: &Path, part: &Part) -> Result<Vec<PixelSums>> {
     if words_of(part, &sums_name(0)).is_none() {
         return Ok(Vec::new());
@@ -189,7 +191,7 @@ fn sums_of(path: &Path, part: &Part) -> Result<Vec<PixelSums>> {
     Ok((0..channels[0].len()).map(pixel).collect())
 }
 
-/// Size of the whole film.
+/// Size of the whole film, from the display window.
 fn display_size(path: &Path) -> Result<[u32; 2]> {
     let file = BufReader::new(File::open(path).map_err(Error::read(path))?);
     let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
@@ -202,7 +204,7 @@ fn lacking(path: &Path, what: &str) -> Error {
     Error::image(path, format!("it lacks {what}; give a picture that this version of lodestar has written"))
 }
 
-/// Reads the attributes that [`write_picture`] has written, sorted by name, without their common prefix.
+/// Reads the attributes that [`write_picture`] has written, sorted by name, without the prefix `lodestar.`.
 pub fn read_attributes(path: &Path) -> Result<Attributes> {
     Ok(attributes_of(&read_parts(path)?))
 }
@@ -234,7 +236,7 @@ fn read_parts(path: &Path) -> Result<Vec<Part>> {
     parts.map_err(|error| read_error(path, error))
 }
 
-/// Refuses a picture that is larger than any real one before room is made for its pixels.
+/// Refuses a picture larger than [`MAX_PIXEL_COUNT`] before memory is allocated for its pixels.
 fn check_size(path: &Path, file: impl Read) -> Result<()> {
     let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
     let pixel_count = |header: &Header| header.layer_size.0.saturating_mul(header.layer_size.1);
@@ -259,7 +261,7 @@ fn name_of(text: &Text) -> String {
     String::from_utf8_lossy(text.bytes()).into_owned()
 }
 
-/// The channels of a part by name, in the file's (alphabetic) order.
+/// Channels of a part by name, in the file's (alphabetic) order.
 fn by_name(part: &Part) -> Vec<(String, &Channel)> {
     part.channel_data.list.iter().map(|channel| (name_of(&channel.name), channel)).collect()
 }
@@ -273,13 +275,13 @@ fn color_channels(part: &Part) -> Option<[&Channel; 3]> {
     let channels = by_name(part);
     let prefixes = channels.iter().filter_map(|(name, _)| name.strip_suffix('R'));
     let prefixes = prefixes.filter(|prefix| prefix.is_empty() || prefix.ends_with('.'));
-    // The empty prefix first: in the file's order, `R` comes after layers with capital letters.
+    // The empty prefix comes first: in the file's order, `R` comes after layers whose names start with earlier letters.
     let mut prefixes = std::iter::once("").chain(prefixes);
     let color = prefixes.find_map(|prefix| three(&channels, ["R", "G", "B"].map(|name| format!("{prefix}{name}"))));
     color.or_else(|| gray_channel(&channels).map(|channel| [channel; 3]))
 }
 
-/// `Y`, unless it is the luminance of a picture whose color is stored as differences to it.
+/// The channel `Y`, unless it is the luminance of a picture that stores color as differences to it.
 fn gray_channel<'a>(channels: &[(String, &'a Channel)]) -> Option<&'a Channel> {
     if channels.iter().any(|(name, _)| name == "RY" || name == "BY") {
         return None;
@@ -321,7 +323,7 @@ mod tests {
     const WIDTH: u32 = 7;
     const HEIGHT: u32 = 5;
 
-    /// Different in every pixel and layer: `layer + pixel / 64 + channel / 1024`, exact in binary.
+    /// Pixel values that differ in every pixel and layer: `layer + pixel / 64 + channel / 1024`, exact in binary.
     fn pixels(layer: f32) -> Vec<[f32; 3]> {
         let pixel = |i: u32| std::array::from_fn(|c| layer + i as f32 / 64.0 + c as f32 / 1024.0);
         (0..WIDTH * HEIGHT).map(pixel).collect()
@@ -482,7 +484,7 @@ mod tests {
             for mask in [0x41, 0x80] {
                 bytes[position] = whole[position] ^ mask;
                 std::fs::write(&path, &bytes).unwrap();
-                // Either answer will do: a flipped bit in a name or an attribute harms no pixel.
+                // Either answer is right: a flipped bit in a name or an attribute harms no pixel.
                 let _ = read_rgb(&path);
             }
         }
@@ -493,7 +495,7 @@ mod tests {
         let (_folder, path) = folder();
         write_picture(&path, &picture(), &[]).unwrap();
         let mut bytes = std::fs::read(&path).unwrap();
-        // After the attribute's name come its type, its length and the window's four corners.
+        // The attribute's name is followed by its type, its length and the window's four corners.
         let window =
             bytes.windows(10).position(|name| name == b"dataWindow").unwrap() + "dataWindow\0box2i\0".len() + 4;
         for corner in [8, 12] {

@@ -1,9 +1,9 @@
-//! False colors for what is no color.
+//! False colors for values that are not colors.
 
-/// From none to the most: black, purple, red, yellow, white, in linear sRGB.
+/// Colors from 0 to 1 in equal steps: black, purple, red, yellow, white, in linear sRGB.
 const RAMP: [[f64; 3]; 5] = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.2], [0.7, 0.05, 0.02], [1.0, 0.6, 0.05], [1.0, 1.0, 1.0]];
 
-/// The color of a value in [0, 1]; of others that of the nearest end.
+/// Color of a value, clamped to [0, 1], in linear sRGB.
 pub fn false_color(value: f64) -> [f32; 3] {
     let at = value.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
     let lower = (at as usize).min(RAMP.len() - 2);

@@ -1,19 +1,19 @@
-//! How far a picture is from a reference.
+//! Error metrics of a picture against a reference.
 
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Image, tone};
 use crate::{Error, Result};
 
-/// Keeps the relative error finite where the reference is black.
+/// Term in the denominator that keeps the relative error finite where the reference is black.
 const RELATIVE_FLOOR: f64 = 1e-2;
-/// Share of the pixels that the trimmed error keeps: a few fireflies would decide the plain mean.
+/// Share of the pixels that the trimmed error keeps. A few fireflies would dominate the plain mean.
 const TRIM_KEEP: f64 = 0.999;
 
 /// Errors of a picture against a reference, averaged over pixels and channels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
-    /// The paper's error: mean absolute difference of what [`tone::paper`] shows.
+    /// The paper's error: mean absolute difference after the tone curve [`tone::paper`].
     pub mae_ldr: f64,
     /// Mean absolute difference.
     pub mae: f64,
@@ -21,20 +21,23 @@ pub struct Metrics {
     pub mse: f64,
     /// Mean of `(a - b)^2 / (b^2 + 0.01)`, `b` the reference.
     pub relmse: f64,
-    /// The same without the worst 0.1 % of the pixels.
+    /// Mean of the terms of `relmse` without the largest 0.1 %.
     pub relmse_trim: f64,
-    /// Mean of the picture over mean of the reference: 1 where no energy is lost or made up. Infinite or not a number
+    /// Mean of the picture over mean of the reference: 1 where no energy is lost or gained. Infinite or not a number
     /// where the reference is black.
     #[serde(deserialize_with = "number_or_null")]
     pub mean_ratio: f64,
 }
 
-/// JSON has `null` for what is not a finite number.
+/// Reads a number, or `null` as NaN: JSON has no number that is not finite.
 fn number_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }
 
 /// Measures `image` against `reference`.
+///
+/// # Errors
+/// [`Error::Settings`] where the sizes differ or there are no pixels; [`Error::Render`] where a pixel is not finite.
 pub fn compare(image: &Image, reference: &Image) -> Result<Metrics> {
     check_same_size(image, reference)?;
     check_finite("first", image)?;
@@ -144,7 +147,7 @@ mod tests {
         assert!((value / expected - 1.0).abs() < 1e-9, "{value} is not {expected}");
     }
 
-    /// The expected numbers were computed from the same formulas by an independent implementation in numpy.
+    /// The expected numbers come from an independent implementation of the formulas in numpy.
     #[test]
     fn agrees_with_an_independent_implementation() {
         let metrics = compare(&first(), &second()).unwrap();

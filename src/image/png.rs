@@ -1,4 +1,4 @@
-//! PNG, 8 bits per channel.
+//! PNG files with 8 bits per channel.
 
 use std::io;
 use std::path::Path;
@@ -26,7 +26,7 @@ fn display_bytes(image: &Image, curve: ToneCurve, exposure_stops: f32) -> Vec<u8
     image.pixels.iter().flat_map(show).collect()
 }
 
-/// Rounds to the nearest of 256 levels. The conversion saturates, and a value that is not a number becomes 0.
+/// Rounds a value in [0, 1] to the nearest of 256 levels. Values outside are clamped, and NaN becomes 0.
 fn quantize(value: f64) -> u8 {
     (255.0 * value).round() as u8
 }

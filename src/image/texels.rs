@@ -1,4 +1,4 @@
-//! Images for textures: JPEG, PNG, TGA, BMP, HDR and EXR, in the precision that the file has.
+//! Texture images: JPEG, PNG, TGA, BMP, HDR and EXR, read in the precision of the file.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
@@ -9,10 +9,10 @@ use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use super::exr;
 use crate::{Error, Result};
 
-/// What a file may decode to; a damaged header may ask for any size.
+/// Limit on the decoded size in bytes, because a damaged header may ask for any size.
 const MAX_DECODED_BYTES: u64 = 2 << 30;
 const MAX_SIDE: u32 = 1 << 16;
-/// No image that decodes to so much takes more on the disk.
+/// Limit on the file's size in bytes: no image within [`MAX_DECODED_BYTES`] takes more on the disk.
 const MAX_FILE_BYTES: u64 = 2 << 30;
 
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -24,25 +24,26 @@ pub struct TexelImage {
     pub width: u32,
     /// Height in texels, > 0.
     pub height: u32,
-    /// `width * height` of them.
+    /// `width * height` texels, row by row.
     pub texels: FileTexels,
 }
 
-/// Red, green, blue and alpha; gray is in all three.
+/// Texels as red, green, blue and alpha. Gray stands in all three color channels.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FileTexels {
-    /// Of a file with at most 8 bits per channel.
+    /// Texels of a file with at most 8 bits per channel.
     Bytes(Vec<[u8; 4]>),
-    /// Of a file with 16 bits per channel, in [0, 1]; encoded like the bytes of other files.
+    /// Texels of a file with 16 bits per channel, in [0, 1], with the transfer curve of 8-bit files.
     Encoded(Vec<[f32; 4]>),
-    /// Of a file of floating-point numbers: linear, any value.
+    /// Texels of a file of floating-point numbers: linear, any value.
     Linear(Vec<[f32; 4]>),
 }
 
-/// Reads the image at `path`. Its content says which format it is, or else its name.
+/// Reads the image at `path`. The format is recognized by the content, or else by the file name.
 ///
 /// # Errors
-/// Where the file cannot be read, is cut short, is larger than 2 GiB when decoded, or is of another format.
+/// [`Error::Image`] where the file is cut short, decodes to more than 2 GiB or has an unsupported format;
+/// [`Error::Read`] where it cannot be read.
 pub fn read(path: &Path) -> Result<TexelImage> {
     let bytes = read_bytes(path)?;
     if bytes.starts_with(&EXR_MAGIC) {
@@ -50,7 +51,7 @@ pub fn read(path: &Path) -> Result<TexelImage> {
     }
     let format = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
     let format = format.ok().filter(ImageFormat::reading_enabled).ok_or_else(|| {
-        Error::image(path, "it is no image of a format that is supported; save it as JPEG, PNG, TGA, BMP, HDR or EXR")
+        Error::image(path, "its image format is not supported; save it as JPEG, PNG, TGA, BMP, HDR or EXR")
     })?;
     if format == ImageFormat::Jpeg && !is_whole_jpeg(&bytes) {
         return Err(Error::image(path, "the JPEG image is cut short; write it again"));
@@ -114,8 +115,8 @@ fn floats(image: DynamicImage) -> Vec<[f32; 4]> {
     image.into_rgba32f().into_raw().chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect()
 }
 
-/// Whether the marker of the end (ITU T.81, B.1.1.3) stands where the segments lead. The decoder itself fills what is
-/// missing with gray.
+/// Whether the end marker (ITU T.81, B.1.1.3) follows the last segment. The decoder itself would fill missing data with
+/// gray.
 fn is_whole_jpeg(bytes: &[u8]) -> bool {
     const END: u8 = 0xd9;
     const START: u8 = 0xd8;
@@ -125,7 +126,7 @@ fn is_whole_jpeg(bytes: &[u8]) -> bool {
         match bytes.get(at) {
             None => return false,
             Some(&END) => return true,
-            // Stuffing, markers without a segment, and fill bytes, before which this one stands.
+            // Stuffing, or a marker without a segment. Below, 0xff is a fill byte: the marker follows it.
             Some(&(0x00 | 0x01 | START | 0xd0..=0xd7)) => at += 1,
             Some(0xff) => {}
             Some(_) => match bytes.get(at + 1..at + 3) {

@@ -1,6 +1,6 @@
-//! Tone curves: from linear radiance to what a screen shows.
+//! Tone curves: from linear radiance to display values.
 
-/// How linear values become display values.
+/// Curve that maps linear values to display values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ToneCurve {
@@ -27,11 +27,12 @@ pub fn srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The paper's curve: `(c / (1 + Y / 1.5))^(1 / 2.2)` with `Y = 0.3 R + 0.6 G + 0.1 B`; negative values count as 0.
+/// The paper's tone curve: `(c / (1 + Y / 1.5))^(1 / 2.2)` with `Y = 0.3 R + 0.6 G + 0.1 B`. Negative values count as
+/// 0.
 ///
-/// Values above 1 are possible: a saturated color may exceed what its luminance is compressed to.
+/// Results above 1 are possible, because a saturated color may exceed its luminance.
 pub fn paper(color: [f64; 3]) -> [f64; 3] {
-    // Infinity would become infinity / infinity; this much is white all the same.
+    // Infinity would give infinity / infinity; 1e30 is shown as white too.
     let color = color.map(|c| c.clamp(0.0, 1e30));
     let luminance = 0.3 * color[0] + 0.6 * color[1] + 0.1 * color[2];
     color.map(|c| (c / (1.0 + luminance / 1.5)).powf(1.0 / 2.2))
@@ -51,7 +52,7 @@ mod tests {
         // 1.055 * 0.5^(1/2.4) - 0.055
         assert_close(srgb(0.5), 0.735_356_983_052_449_6);
         assert_close(srgb(1.0), 1.0);
-        // The pieces meet to within the standard's rounding of their constants.
+        // The two pieces meet to within the rounding of the standard's constants.
         assert!((srgb(0.003_130_8) - srgb(0.003_130_800_01)).abs() < 1e-7);
     }
 
@@ -62,7 +63,7 @@ mod tests {
             assert_close(value, 0.792_792_730_547_422_4);
         }
         assert_eq!(paper([-1.0, 0.0, -0.5]), [0.0; 3]);
-        // Y = 0.6: (2 / 1.4)^(1/2.2) > 1 is left as it is, for the metric.
+        // Y = 0.6: (2 / 1.4)^(1/2.2) > 1 stays above 1, because the metric needs it.
         assert!(paper([2.0, 0.0, 0.0])[0] > 1.0);
     }
 

@@ -4,70 +4,72 @@ use glam::Vec3;
 
 use super::texture::Textured;
 
-/// What a surface is made of.
+/// Material of a surface.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Material {
-    /// The `id`, or the shape's, for messages.
+    /// The material's `id`, or its shape's, for messages.
     #[serde(skip)]
     pub name: String,
-    /// A surface, or a choice between materials.
+    /// Surface, or choice between materials.
     pub kind: MaterialKind,
 }
 
-/// A surface, or a choice between materials.
+/// Surface, or choice between materials.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum MaterialKind {
-    /// Scatters.
+    /// Scattering surface.
     Surface(SurfaceMaterial),
-    /// `blendbsdf`: with the probability `weight` the second material, else the first. Indices into `Scene::materials`.
+    /// `blendbsdf`: the second material with probability `weight`, else the first. Indices into `Scene::materials`.
     Blend {
-        /// In [0, 1].
+        /// Probability of the second material, in [0, 1].
         weight: Textured<f32>,
-        /// What is blended.
+        /// Blended materials.
         materials: [u32; 2],
     },
     /// `twosided` with two materials. Indices into `Scene::materials`.
     Sides {
-        /// Where the shading normal points.
+        /// Material of the side to which the shading normal points.
         front: u32,
-        /// The other side.
+        /// Material of the other side.
         back: u32,
     },
 }
 
-/// A scattering surface: a scattering function and what modifies it.
+/// Scattering surface: a scattering function with its modifiers.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct SurfaceMaterial {
     /// The scattering function.
     pub bsdf: Bsdf,
-    /// Inside `twosided`: the back scatters like the front. Otherwise the back of what only reflects is black.
+    /// Inside `twosided`: the back scatters like the front. Otherwise the back of a material that only reflects is
+    /// black.
     pub two_sided: bool,
-    /// `mask`: share of the light that meets the surface, in [0, 1]; the rest goes straight on.
+    /// `mask`: share of the incident light that meets the surface, in [0, 1]; the rest goes straight on.
     pub opacity: Textured<f32>,
     /// `bumpmap` or `normalmap`.
     pub relief: Option<Relief>,
-    /// Whether the relief lies around `twosided` rather than inside it. Inside, the back shows the front's relief as in a
-    /// mirror; outside, the tilted normal decides which side is met, and heights that rise on the front sink on the back.
+    /// Whether the relief lies around `twosided` rather than inside it. Inside, the back shows the front's relief
+    /// mirrored. Outside, the tilted normal decides which side is met, and heights that rise on the front sink on the
+    /// back.
     pub relief_outside: bool,
     /// `coating`.
     pub coating: Option<Coating>,
 }
 
 impl SurfaceMaterial {
-    /// The scattering function alone: one side, opaque, flat, not coated.
+    /// Surface of the scattering function alone: one-sided, opaque, flat, not coated.
     pub fn plain(bsdf: Bsdf) -> Self {
         let opacity = Textured::constant(1.0);
         Self { bsdf, two_sided: false, opacity, relief: None, relief_outside: false, coating: None }
     }
 
-    /// The textures of the scattering function's parameters and of the opacity.
+    /// Textures of the scattering function's parameters and of the opacity.
     pub(super) fn parameter_textures_mut(&mut self) -> Vec<&mut u32> {
         let mut all = self.bsdf.textures_mut();
         all.push(&mut self.opacity.texture);
         all.into_iter().flatten().collect()
     }
 
-    /// Every texture that it refers to.
+    /// Every texture that the surface refers to.
     pub(super) fn textures_mut(&mut self) -> Vec<&mut u32> {
         let mut all = self.bsdf.textures_mut();
         all.push(&mut self.opacity.texture);
@@ -78,7 +80,7 @@ impl SurfaceMaterial {
     }
 }
 
-/// What tilts the shading normal.
+/// Modifiers that tilt the shading normal.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub enum Relief {
     /// `bumpmap`: heights in scene units.
@@ -88,7 +90,7 @@ pub enum Relief {
         /// Factor of the heights.
         scale: f32,
     },
-    /// `normalmap`: normals in the local frame, `(n + 1) / 2` as a color.
+    /// `normalmap`: normals in the local frame, stored as colors `(n + 1) / 2`.
     NormalMap {
         /// Index into `Scene::textures`.
         texture: u32,
@@ -102,23 +104,23 @@ pub struct Coating {
     pub eta: f32,
     /// Absorption times thickness, each channel >= 0.
     pub optical_thickness: Vec3,
-    /// Factor of what the layer's surface reflects.
+    /// Factor of the light that the layer's surface reflects.
     pub specular_reflectance: Vec3,
 }
 
-/// A distribution of microfacet normals.
+/// Distributions of microfacet normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum Distribution {
-    /// Beckmann (Mitsuba's default).
+    /// Beckmann distribution (Mitsuba's default).
     Beckmann,
-    /// GGX, also called Trowbridge and Reitz.
+    /// GGX, also called Trowbridge-Reitz.
     Ggx,
 }
 
 /// Roughness of a surface of microfacets.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Microfacets {
-    /// Distribution of their normals.
+    /// Distribution of the facets' normals.
     pub distribution: Distribution,
     /// Roughness along the tangent, > 0.
     pub alpha_u: Textured<f32>,
@@ -126,7 +128,7 @@ pub struct Microfacets {
     pub alpha_v: Textured<f32>,
 }
 
-/// A scattering function with its parameters in linear sRGB. `eta` of a dielectric is interior over exterior, > 0.
+/// Scattering function with its parameters in linear sRGB. `eta` of a dielectric is interior over exterior, > 0.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum Bsdf {
     /// Ideal diffuse reflection.
@@ -138,12 +140,12 @@ pub enum Bsdf {
     RoughDiffuse {
         /// Albedo, each channel in [0, 1].
         reflectance: Textured<Vec3>,
-        /// Standard deviation of the facets' slopes, as Mitsuba's `alpha`.
+        /// Standard deviation of the facets' slopes, Mitsuba's `alpha`.
         alpha: Textured<f32>,
-        /// The qualitative model without interreflection.
+        /// Whether the qualitative model without interreflection is used.
         fast_approximation: bool,
     },
-    /// A smooth dielectric.
+    /// Smooth dielectric.
     Dielectric {
         /// Relative index of refraction.
         eta: f32,
@@ -152,7 +154,7 @@ pub enum Bsdf {
         /// Factor of transmission.
         specular_transmittance: Textured<Vec3>,
     },
-    /// A thin sheet of a dielectric: light goes straight on.
+    /// Thin sheet of a dielectric: light goes straight on.
     ThinDielectric {
         /// Relative index of refraction.
         eta: f32,
@@ -161,7 +163,7 @@ pub enum Bsdf {
         /// Factor of transmission.
         specular_transmittance: Textured<Vec3>,
     },
-    /// A rough dielectric (Walter et al. 2007).
+    /// Rough dielectric (Walter et al. 2007).
     RoughDielectric {
         /// Roughness.
         microfacets: Microfacets,
@@ -172,53 +174,54 @@ pub enum Bsdf {
         /// Factor of transmission.
         specular_transmittance: Textured<Vec3>,
     },
-    /// A smooth conductor.
+    /// Smooth conductor.
     Conductor {
-        /// Index of refraction, real part. Fitted to a color, it may be negative in a channel, `k` likewise.
+        /// Real part of the index of refraction. Where it was fitted to a color, a channel may be negative, and so may
+        /// one of `k`.
         eta: Vec3,
-        /// Imaginary part.
+        /// Imaginary part of the index of refraction.
         k: Vec3,
         /// Factor of reflection.
         specular_reflectance: Textured<Vec3>,
     },
-    /// A rough conductor.
+    /// Rough conductor.
     RoughConductor {
         /// Roughness.
         microfacets: Microfacets,
-        /// Index of refraction, real part.
+        /// Real part of the index of refraction.
         eta: Vec3,
-        /// Imaginary part.
+        /// Imaginary part of the index of refraction.
         k: Vec3,
         /// Factor of reflection.
         specular_reflectance: Textured<Vec3>,
     },
-    /// A smooth dielectric layer over a diffuse base.
+    /// Smooth dielectric layer over a diffuse base.
     Plastic {
         /// Relative index of refraction.
         eta: f32,
         /// Albedo of the base.
         diffuse_reflectance: Textured<Vec3>,
-        /// Factor of what the layer reflects.
+        /// Factor of the light that the layer reflects.
         specular_reflectance: Textured<Vec3>,
         /// Whether color shifts by internal scattering are kept.
         nonlinear: bool,
     },
-    /// A rough dielectric layer over a diffuse base.
+    /// Rough dielectric layer over a diffuse base.
     RoughPlastic {
         /// Distribution of the facets' normals.
         distribution: Distribution,
-        /// Roughness, > 0, the same everywhere.
+        /// Roughness, > 0, uniform over the surface.
         alpha: f32,
         /// Relative index of refraction.
         eta: f32,
         /// Albedo of the base.
         diffuse_reflectance: Textured<Vec3>,
-        /// Factor of what the layer reflects.
+        /// Factor of the light that the layer reflects.
         specular_reflectance: Textured<Vec3>,
         /// Whether color shifts by internal scattering are kept.
         nonlinear: bool,
     },
-    /// The principled BSDF (Burley 2012, 2015) as in Mitsuba; every parameter but `eta` in [0, 1].
+    /// Principled BSDF (Burley 2012, 2015) as in Mitsuba; every parameter but `eta` lies in [0, 1].
     Principled(Principled),
 }
 
@@ -252,14 +255,14 @@ impl Bsdf {
     }
 }
 
-/// Parameters of the principled BSDF; each in [0, 1] but `eta`.
+/// Parameters of the principled BSDF. All but `eta` lie in [0, 1].
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Principled {
-    /// Color.
+    /// Base color.
     pub base_color: Textured<Vec3>,
-    /// Roughness; its square is the microfacets'.
+    /// Roughness; its square is the roughness of the microfacets.
     pub roughness: Textured<f32>,
-    /// Stretches highlights along the tangent.
+    /// Stretch of highlights along the tangent.
     pub anisotropic: Textured<f32>,
     /// Share of the metallic model.
     pub metallic: Textured<f32>,
@@ -267,13 +270,13 @@ pub struct Principled {
     pub spec_trans: Textured<f32>,
     /// Relative index of refraction, interior over exterior, > 1 (from `eta` or `specular`).
     pub eta: f32,
-    /// Tints the specular reflection with the base color.
+    /// Tint of the specular reflection by the base color.
     pub spec_tint: Textured<f32>,
-    /// Sheen at grazing angles.
+    /// Strength of the sheen at grazing angles.
     pub sheen: Textured<f32>,
-    /// Tints the sheen.
+    /// Tint of the sheen by the base color.
     pub sheen_tint: Textured<f32>,
-    /// Blends towards approximate subsurface scattering.
+    /// Blend towards approximate subsurface scattering.
     pub flatness: Textured<f32>,
     /// Strength of the clear coat.
     pub clearcoat: Textured<f32>,

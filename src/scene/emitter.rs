@@ -1,20 +1,20 @@
-//! Where light comes from.
+//! Emitters of a scene.
 
 use glam::{Mat3, Vec3};
 
 use super::texture::Textured;
 
-/// An `area` emitter: it emits from the side its normal points to.
+/// `area` emitter: it emits from the side to which its normal points.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct AreaEmitter {
     /// Emitted radiance in linear sRGB, W/(m^2 sr), each channel >= 0.
     pub radiance: Textured<Vec3>,
-    /// Factor of how often the emitter is sampled, >= 0; at 0 only rays that meet it by chance see it.
+    /// Factor of how often the emitter is sampled, >= 0. At 0, only rays that hit it by chance see it.
     pub sampling_weight: f32,
 }
 
 impl AreaEmitter {
-    /// That is sampled as its power asks for.
+    /// Emitter that is sampled in proportion to its power.
     pub fn new(radiance: Textured<Vec3>) -> Self {
         Self { radiance, sampling_weight: 1.0 }
     }
@@ -23,60 +23,61 @@ impl AreaEmitter {
 /// Light from infinitely far away.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Environment {
-    /// How it is spread over the directions.
+    /// Distribution of the light over directions.
     pub kind: EnvironmentKind,
-    /// Factor of how often it is sampled, >= 0.
+    /// Factor of how often the environment is sampled, >= 0.
     pub sampling_weight: f32,
 }
 
-/// How an environment's light is spread over the directions.
+/// Distributions of an environment's light over directions.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub enum EnvironmentKind {
-    /// `constant`: the same radiance from everywhere.
+    /// `constant`: equal radiance from all directions.
     Constant {
-        /// In linear sRGB, W/(m^2 sr), each channel >= 0.
+        /// Radiance in linear sRGB, W/(m^2 sr), each channel >= 0.
         radiance: Vec3,
     },
     /// `envmap`: a latitude-longitude image.
     Map {
-        /// Index into `Scene::images`; at least 2 x 3 texels.
+        /// Index into `Scene::images`; the image has at least 2 x 3 texels.
         image: u32,
-        /// Factor of its radiance, >= 0.
+        /// Factor of the image's radiance, >= 0.
         scale: f32,
-        /// World from the map's space, in which the up axis is `+y` and the map's center `-z`: orthogonal.
+        /// Orthogonal transform from the map's space to the world. In the map's space the up axis is `+y` and the map's
+        /// center lies towards `-z`.
         to_world: Mat3,
     },
 }
 
 impl Environment {
-    /// The same radiance from everywhere, sampled as its power asks for.
+    /// Environment of equal radiance from all directions, sampled in proportion to its power.
     pub fn constant(radiance: Vec3) -> Self {
         Self { kind: EnvironmentKind::Constant { radiance }, sampling_weight: 1.0 }
     }
 }
 
-/// An emitter that no ray can hit.
+/// Emitter that no ray can hit.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct DeltaEmitter {
-    /// Where its light comes from.
+    /// Kind and parameters of the emitter.
     pub kind: DeltaKind,
     /// Factor of how often the emitter is sampled, >= 0; at 0 it is dark.
     pub sampling_weight: f32,
 }
 
-/// Where the light of an emitter that no ray can hit comes from.
+/// Kinds of emitters that no ray can hit.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub enum DeltaKind {
-    /// `point`
+    /// `point`: a point light.
     Point {
-        /// World space.
+        /// Position in world space.
         position: Vec3,
         /// Radiant intensity, W/sr.
         intensity: Vec3,
     },
-    /// `spot`
+    /// `spot`: a point light with a cone.
     Spot {
-        /// World space.
+        /// Position in world space.
         position: Vec3,
         /// Unit axis of the cone, away from the light.
         direction: Vec3,
@@ -84,10 +85,11 @@ pub enum DeltaKind {
         intensity: Vec3,
         /// Half angle of the cone in radians, in (0, pi].
         cutoff_angle: f32,
-        /// Half angle within which the intensity is that of the axis, radians; beyond it falls linearly with the angle.
+        /// Half angle in radians within which the intensity is that of the axis. Beyond it, intensity falls linearly
+        /// with the angle.
         beam_width: f32,
     },
-    /// `directional`
+    /// `directional`: parallel light from infinitely far away.
     Directional {
         /// Unit direction in which the light travels.
         direction: Vec3,
@@ -97,7 +99,7 @@ pub enum DeltaKind {
 }
 
 impl DeltaKind {
-    /// The plugin's name.
+    /// Name of the plugin.
     pub fn plugin(&self) -> &'static str {
         match self {
             Self::Point { .. } => "point",

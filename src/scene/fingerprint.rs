@@ -1,4 +1,4 @@
-//! What two readings of a scene are known by to be the same.
+//! Fingerprint of a scene: two readings with equal fingerprints render equal pictures.
 
 use std::io;
 
@@ -9,17 +9,17 @@ use xxhash_rust::xxh3::Xxh3;
 use super::Scene;
 use crate::{Error, Result};
 
-/// Primitives that one task hashes.
+/// Number of primitives that one task hashes.
 const CHUNK: usize = 1 << 14;
 
-/// A hash (XXH3, 128 bits, in hexadecimal) of everything read that can change a picture: geometry, materials, emitters,
-/// texels, camera, film and integrator, after definitions and transformations. Names, warnings and where the files lie have
-/// no part in it, so a scene may be moved.
+/// Hash (XXH3, 128 bits, in hexadecimal) of everything in the scene that can change a picture: geometry, materials,
+/// emitters, texels, camera, film and integrator, after definitions and transformations. Names, warnings and paths of
+/// files are left out, so a scene may be moved.
 ///
 /// # Errors
-/// Where a part of the scene cannot be written down, which no part is known to refuse.
+/// [`Error::Render`] where a part of the scene cannot be serialized. No such part is known.
 pub fn fingerprint(scene: &Scene) -> Result<String> {
-    // Every field by name, so that a new one cannot be forgotten.
+    // Every field is named, so that a new one cannot be forgotten.
     let Scene {
         name: _,
         warnings: _,
@@ -50,7 +50,7 @@ fn hash(value: &impl Serialize) -> Result<u128> {
     Ok(postcard::to_io(value, Sink(Box::default())).map_err(failed)?.0.digest128())
 }
 
-/// Hashes what is written to it.
+/// Writer that hashes its input.
 struct Sink(Box<Xxh3>);
 
 impl io::Write for Sink {
@@ -74,7 +74,7 @@ mod tests {
     fn scene() -> Scene {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
         let mut scene = load(&path, &LoadOptions::default()).expect("a scene");
-        // More than one task's worth.
+        // More primitives than one task hashes.
         scene.primitives = scene.primitives.iter().copied().cycle().take(CHUNK + 7).collect();
         let texels = Texels::Bytes { srgb: true, data: vec![[1, 2, 3, 4]; 6] };
         let pattern = Pattern::Checkerboard { color0: Vec3::ZERO, color1: Vec3::ONE };

@@ -1,4 +1,4 @@
-//! The primitives every shape is flattened to.
+//! Primitives, to which every shape is flattened.
 
 use glam::{Vec2, Vec3};
 
@@ -7,43 +7,44 @@ use glam::{Vec2, Vec3};
 /// A point on the three flat shapes is `origin + u * edge_u + v * edge_v`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Primitive {
-    /// What `(u, v)` range over, or that it is a sphere.
+    /// Shape, which gives the range of `(u, v)`.
     pub shape: PrimitiveShape,
-    /// A triangle's first vertex; the centre of anything else.
+    /// First vertex of a triangle; center of any other shape.
     pub origin: Vec3,
-    /// A triangle's second vertex minus its first; half a parallelogram's side; a disk's first semi-axis;
-    /// a sphere's x-axis, as long as its radius.
+    /// Triangle: second vertex minus first. Parallelogram: half of one side. Disk: first semi-axis. Sphere: x-axis, as
+    /// long as the radius.
     pub edge_u: Vec3,
-    /// Likewise to the third vertex; the other half side; the other semi-axis; a sphere's z-axis, as long as its radius.
+    /// Triangle: third vertex minus first. Parallelogram: half of the other side. Disk: second semi-axis. Sphere:
+    /// z-axis, as long as the radius.
     pub edge_v: Vec3,
     /// Unit shading normals at a triangle's vertices; `None` shades with the geometric normal.
     pub normals: Option<[Vec3; 3]>,
-    /// Texture coordinates at a triangle's vertices. Other shapes' follow from their axes; a sphere's frame is
-    /// right-handed, y = z x x, where these are 1 and left-handed where they are -1.
+    /// Texture coordinates at a triangle's vertices. Texture coordinates of other shapes follow from their axes. A
+    /// sphere's frame is right-handed (y = z x x) where these are 1, and left-handed where they are -1.
     pub uvs: [Vec2; 3],
-    /// The geometric normal is `-normalize(cross(edge_u, edge_v))`, or points into the sphere.
+    /// Whether the geometric normal is `-normalize(cross(edge_u, edge_v))`, or points into the sphere.
     pub flip_normal: bool,
     /// Index into `Scene::materials`.
     pub material: u32,
-    /// Index into `Scene::emitters`.
+    /// Index into `Scene::emitters`; `None` where the primitive does not emit.
     pub emitter: Option<u32>,
 }
 
-/// The kinds of primitive.
+/// Shapes of primitives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum PrimitiveShape {
-    /// `u >= 0`, `v >= 0`, `u + v <= 1`.
+    /// Triangle: `u >= 0`, `v >= 0`, `u + v <= 1`.
     Triangle,
-    /// `u` and `v` in [-1, 1].
+    /// Parallelogram: `u` and `v` in [-1, 1].
     Parallelogram,
-    /// `u^2 + v^2 <= 1`.
+    /// Disk: `u^2 + v^2 <= 1`.
     Disk,
-    /// All points at the distance `length(edge_u)` from `origin`.
+    /// Sphere: all points at the distance `length(edge_u)` from `origin`.
     Sphere,
 }
 
 impl Primitive {
-    /// The smallest axis-aligned box that holds the primitive, as (minimum, maximum).
+    /// Smallest axis-aligned box that holds the primitive, as (minimum, maximum).
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let half = match self.shape {
             PrimitiveShape::Triangle => {

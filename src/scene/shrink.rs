@@ -1,16 +1,17 @@
-//! Images that are larger than devices can hold, halved until they fit.
+//! Reduction of images that are larger than devices can hold: they are halved until they fit.
 
 use rayon::prelude::*;
 
 use super::texel_pages::{PAGE_WORDS, place, word_count};
 use super::texture::{Image, Texels};
 use crate::image::tone;
-use crate::reference::texture::decode_srgb;
+use crate::math::srgb::linear_from_srgb;
 
-/// Beyond, coordinates in single precision would miss a texel's neighbors by visible amounts.
+/// Largest side of an image in texels. Beyond it, coordinates in single precision would visibly miss a texel's
+/// neighbors.
 const MAX_SIDE: u32 = 16384;
 
-/// Halves images until each fits a page and all fit the pages. Returns which of them have been.
+/// Halves images until each fits a page and all fit the pages. Returns the indices of those that were halved.
 pub(super) fn shrink(images: &mut [Image]) -> Vec<usize> {
     let mut smaller = vec![false; images.len()];
     for (image, smaller) in images.iter_mut().zip(&mut smaller) {
@@ -33,7 +34,7 @@ pub(super) fn shrink(images: &mut [Image]) -> Vec<usize> {
     (0..images.len()).filter(|&i| smaller[i]).collect()
 }
 
-/// Half the texels along each side, rounded up, each the mean light of those that it stands for.
+/// Image of half as many texels along each side, rounded up. Each is the mean light of the texels that it replaces.
 fn halved(image: &Image) -> Image {
     let (width, height) = (image.width.div_ceil(2), image.height.div_ceil(2));
     let texels = match &image.texels {
@@ -46,7 +47,7 @@ fn halved(image: &Image) -> Image {
             }
         }
         Texels::Bytes { srgb: true, data } => {
-            let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f64::from(byte) / 255.0) as f32).collect();
+            let linear: Vec<f32> = (0..=255u8).map(|byte| linear_from_srgb(f64::from(byte) / 255.0) as f32).collect();
             let texels = mean_texels(image, width, height, |index| {
                 let [red, green, blue, alpha] = data[index];
                 let [red, green, blue] = [red, green, blue].map(|byte| linear[usize::from(byte)]);

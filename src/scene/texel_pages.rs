@@ -1,25 +1,25 @@
-//! How images are laid out as 32-bit words in the buffers of a device, so that a scene that loads fits any device.
+//! Layout of images as 32-bit words in a device's buffers. Every scene that loads fits any device.
 
 use super::texture::{Image, Texels};
 use crate::generated::constants::TEXEL_PAGE_SHIFT;
 
 /// Words of a page: 128 MiB, the largest storage binding that every device has.
 pub const PAGE_WORDS: u64 = 32 << 20;
-/// Pages that the upper bits of an address can tell apart.
+/// Most pages, which the upper bits of an address distinguish.
 pub const MAX_PAGES: usize = 1 << (u32::BITS - TEXEL_PAGE_SHIFT);
-/// What the first page keeps for the tables of materials.
+/// Number of words of the first page that are reserved for the tables of materials.
 const TABLE_WORDS: u64 = 1 << 20;
 
-/// Where an image lies.
+/// Place of an image's first word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// Which page.
+    /// Index of the page.
     pub page: usize,
-    /// The first word in it, after the tables where it is the first page.
+    /// Index of the word within the page; in the first page, counted from the end of the tables.
     pub word: u64,
 }
 
-/// The words of an image: one for a texel of bytes, two for one of halves.
+/// Number of words of an image: one per texel of bytes, two per texel of halves.
 pub fn word_count(image: &Image) -> u64 {
     let texels = u64::from(image.width) * u64::from(image.height);
     match image.texels {
@@ -28,8 +28,8 @@ pub fn word_count(image: &Image) -> u64 {
     }
 }
 
-/// Lays out images of these numbers of words, the largest first, each in the first page that has room; `None` where they do
-/// not fit. No image lies in two pages.
+/// Places for images of the given numbers of words: the largest first, each in the first page with room. No image lies
+/// in two pages. `None` where they do not fit.
 pub fn place(word_counts: &[u64]) -> Option<Vec<Place>> {
     let mut order: Vec<usize> = (0..word_counts.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(word_counts[i]));

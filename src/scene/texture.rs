@@ -1,40 +1,40 @@
-//! Textures: what varies over a surface.
+//! Textures: values that vary over a surface.
 
 use glam::{Mat3, Vec3};
 
-/// A value, or a texture times that value.
+/// Value, or texture times a value.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Textured<T> {
     /// The value, or the factor of the texture.
     pub value: T,
-    /// Index into `Scene::textures`.
+    /// Index into `Scene::textures`; `None` for a constant.
     pub texture: Option<u32>,
 }
 
 impl<T> Textured<T> {
-    /// A value that is the same everywhere.
+    /// Value that is constant over the surface.
     pub fn constant(value: T) -> Self {
         Self { value, texture: None }
     }
 }
 
-/// A texture with its mapping.
+/// Texture with its mapping.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Texture {
-    /// Its `id` or file, for messages.
+    /// The texture's `id` or file, for messages.
     #[serde(skip)]
     pub name: String,
-    /// What it shows.
+    /// Pattern of the texture.
     pub pattern: Pattern,
     /// Texture coordinates from the surface's, in homogeneous coordinates (`to_uv`).
     pub to_uv: Mat3,
 }
 
-/// Of a large image at most this many texels, evenly spread, stand for all.
+/// Most texels that the mean of a large image is taken over; they are evenly spread.
 const MEAN_TEXELS: usize = 1 << 14;
 
 impl Texture {
-    /// About the mean color, linear: good enough for shares of samples.
+    /// Approximate mean color, linear. It is accurate enough to share out samples.
     pub fn mean(&self, images: &[Image]) -> Vec3 {
         match self.pattern {
             Pattern::Checkerboard { color0, color1 } => 0.5 * (color0 + color1),
@@ -46,7 +46,7 @@ impl Texture {
         }
     }
 
-    /// The largest value of each channel, linear.
+    /// Largest value of each channel, linear.
     pub fn maximum(&self, images: &[Image]) -> Vec3 {
         match self.pattern {
             Pattern::Checkerboard { color0, color1 } => color0.max(color1),
@@ -55,69 +55,69 @@ impl Texture {
     }
 }
 
-/// What a texture shows.
+/// Patterns of a texture.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum Pattern {
-    /// An image.
+    /// Image.
     Bitmap {
         /// Index into `Scene::images`.
         image: u32,
-        /// How values between texels come about.
+        /// Interpolation between texels.
         filter: TexelFilter,
-        /// What lies beyond the image.
+        /// Continuation beyond the image.
         wrap: WrapMode,
     },
-    /// Two colors in turn, each on half a unit of `u` and of `v`.
+    /// Checkerboard: two colors in turn, each on half a unit of `u` and of `v`.
     Checkerboard {
-        /// Where both coordinates' fractions lie on the same side of one half, linear sRGB.
+        /// Color where both coordinates' fractions lie on the same side of one half, linear sRGB.
         color0: Vec3,
-        /// Elsewhere, linear sRGB.
+        /// Color elsewhere, linear sRGB.
         color1: Vec3,
     },
 }
 
-/// Mitsuba's `filter_type`.
+/// Interpolations between texels: Mitsuba's `filter_type`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum TexelFilter {
-    /// Interpolated between four texels' centers (Mitsuba's default).
+    /// Linear interpolation between four texels' centers (Mitsuba's default).
     Bilinear,
-    /// The nearest texel.
+    /// Nearest texel.
     Nearest,
 }
 
-/// Mitsuba's `wrap_mode`.
+/// Continuations beyond the image: Mitsuba's `wrap_mode`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum WrapMode {
-    /// The image is repeated (Mitsuba's default).
+    /// Repetition of the image (Mitsuba's default).
     Repeat,
-    /// Every other copy is mirrored.
+    /// Repetition in which every other copy is mirrored.
     Mirror,
-    /// The border's texels go on.
+    /// Continuation of the border's texels.
     Clamp,
 }
 
-/// An image as a texture reads it, rows from the top.
+/// Image as a texture reads it, rows from the top.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Image {
-    /// The file, for messages.
+    /// Path of the file, for messages.
     #[serde(skip)]
     pub name: String,
-    /// Texels in a row, > 0.
+    /// Number of texels in a row, > 0.
     pub width: u32,
-    /// Rows, > 0.
+    /// Number of rows, > 0.
     pub height: u32,
-    /// `width * height` of them.
+    /// `width * height` texels, row by row.
     pub texels: Texels,
 }
 
-/// Texels in the precision that their file has.
+/// Texels in the precision of their file.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum Texels {
-    /// Red, green, blue and alpha in [0, 255]; gray is in all three.
+    /// Red, green, blue and alpha in [0, 255]; gray stands in all three color channels.
     Bytes {
         /// Whether the colors (not alpha) are encoded by the sRGB curve.
         srgb: bool,
-        /// The texels.
+        /// Texels, row by row.
         #[serde(serialize_with = "as_bytes")]
         data: Vec<[u8; 4]>,
     },
@@ -125,7 +125,7 @@ pub enum Texels {
     Floats(#[serde(serialize_with = "as_bytes")] Vec<[f32; 4]>),
 }
 
-/// In one piece: one by one, the hash of a large image would take seconds.
+/// Serializes texels as one block of bytes. One by one, the hash of a large image would take seconds.
 fn as_bytes<T: bytemuck::Pod, S: serde::Serializer>(texels: &[T], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_bytes(bytemuck::cast_slice(texels))
 }
@@ -138,7 +138,7 @@ impl Texels {
         }
     }
 
-    /// Every `step`th color, linear but for what a power of 2.2 differs from the sRGB curve.
+    /// Every `step`th color, decoded to linear by a power of 2.2 in place of the sRGB curve.
     fn colors(&self, step: usize) -> Box<dyn Iterator<Item = Vec3> + '_> {
         let power = |srgb: bool| if srgb { 2.2 } else { 1.0 };
         match self {

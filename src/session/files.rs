@@ -49,10 +49,10 @@ impl PictureFiles {
     /// Resolves what a caller asks for: its own words first, then those of an `earlier` part of the render, then the defaults.
     /// Tries every path, so that a file that cannot be written is found before the render begins.
     pub(super) fn new(wanted: &OutputFiles, earlier: Option<&Self>, scene_name: &str) -> Result<Self> {
-        let chosen = || (!wanted.pictures.is_empty()).then(|| wanted.pictures.clone());
+        let given = |paths: &Vec<PathBuf>| (!paths.is_empty()).then(|| paths.clone());
         let default = || vec![PathBuf::from(format!("{scene_name}.exr"))];
         let files = Self {
-            paths: chosen().or_else(|| Some(earlier?.paths.clone())).unwrap_or_else(default),
+            paths: given(&wanted.pictures).or_else(|| given(&earlier?.paths)).unwrap_or_else(default),
             tone: wanted.tone.or_else(|| Some(earlier?.tone)).unwrap_or_default(),
             exposure: wanted.exposure.or_else(|| Some(earlier?.exposure)).unwrap_or_default(),
         };

@@ -21,13 +21,14 @@ impl Session {
     /// Writes picture, checkpoint and statistics.
     fn write_files(&mut self, rendered: Result<()>, watch: &Watch<'_>) -> Result<()> {
         let is_lost = matches!(rendered, Err(Error::DeviceLost { .. }));
-        let (picture, rendered) = self.last_picture(rendered);
+        let (copied, rendered) = self.last_picture(rendered);
         let mut errors = None;
-        let written = picture.and_then(|picture| {
-            picture.map_or(Ok(()), |CopiedPicture { picture, samples }| {
-                let measured = self.measure(&picture).map(|measured| errors = measured);
-                self.write_last(&picture, samples, rendered.is_ok(), watch).and(measured)
-            })
+        let written = copied.and_then(|copied| {
+            let Some(CopiedPicture { picture, samples }) = copied else { return Ok(()) };
+            let measured = self.measure(&picture).map(|measured| errors = measured);
+            let written = self.write_last(&picture, samples, rendered.is_ok(), watch);
+            self.rescued = matches!(rendered, Err(Error::DeviceLost { .. })).then_some(picture);
+            written.and(measured)
         });
         let kept = self.keep(|checkpoints, renderer, history| match is_lost {
             true => checkpoints.write(),

@@ -18,7 +18,7 @@ pub struct Length {
 
 impl Length {
     /// Whether a limit is given.
-    pub fn is_given(&self) -> bool {
+    pub(super) fn is_given(&self) -> bool {
         self.spp.is_some() || self.seconds.is_some()
     }
 

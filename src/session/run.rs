@@ -51,6 +51,8 @@ pub struct Session {
     pub(super) profiler: Option<Profiler>,
     /// Times of all dispatches, once their trace is written.
     pub(super) profile: Option<Summary>,
+    /// The safety copy of the picture, once the device is lost.
+    pub(super) rescued: Option<Picture>,
 }
 
 /// The scene and the kernels of a render.
@@ -78,7 +80,7 @@ pub(super) struct Output {
 impl Session {
     /// Takes `samples` more samples per pixel, whatever the length of the render. They are split into steps by the guide's
     /// schedule, so that the guide learns between them. A step that `samples` cuts short makes the next ones differ from those
-    /// of a longer request.
+    /// of a longer request. Files are written by [`Session::run`].
     ///
     /// # Errors
     /// Where the device is lost or a result would be wrong.
@@ -108,12 +110,12 @@ impl Session {
         self.finish(rendered, watch)
     }
 
-    /// The picture so far.
+    /// The picture so far. Where the device was lost during [`Session::run`], its last safety copy.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Where the device is lost and there is no copy.
     pub fn picture(&self) -> Result<Picture> {
-        self.renderer.picture()
+        self.rescued.clone().map_or_else(|| self.renderer.picture(), Ok)
     }
 
     /// How far the render is.

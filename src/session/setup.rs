@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::encode::bvh::Bvh;
 use crate::gpu::Context;
+use crate::image::Image;
 use crate::renderer::{RenderState, Renderer, Surfaces};
 use crate::scene::{self, LoadOptions, Scene};
 use crate::session::checkpoint::{Checkpoint, Record, SceneSource};
@@ -64,8 +65,22 @@ struct Plan {
     earlier: Option<Earlier>,
 }
 
+/// A checkpoint to go on from, and its file.
+type Resumed = (PathBuf, Checkpoint);
+
+/// Files and kernels of a render, read and tried before any time is spent.
+struct Inputs {
+    wanted: OutputFiles,
+    pictures: PictureFiles,
+    checkpoint: Option<CheckpointFile>,
+    kernels: KernelFiles,
+    /// The picture that errors are measured against.
+    reference: Option<Image>,
+}
+
 /// The part of a render that a checkpoint holds.
 struct Earlier {
+    file: PathBuf,
     record: Record,
     device: String,
     state: RenderState,
@@ -106,73 +121,34 @@ impl Session {
     pub fn start(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Self> {
         let (input, resumed) = start.read()?;
         let begin = Instant::now();
-        // Drivers take a while to start.
-        let (context, loaded) = thread::scope(|scope| {
-            let context = scope.spawn(|| options.device.open());
-            let loaded = timed(|| input.load(watch));
-            (context.join(), loaded)
-        });
-        let (mut scene, load_seconds) = loaded?;
+        let (opened, loaded) = open_and_load(&input, options, watch);
+        let (scene, load_seconds) = loaded?;
         warn_once(&scene.warnings, watch);
         let scene_hash = scene::fingerprint(&scene)?;
-        let mut plan = match &resumed {
-            None => Plan::anew(&scene, options)?,
-            Some((path, checkpoint)) => Plan::resumed(path, checkpoint, options, &scene_hash)?,
-        };
-        plan.complete(options)?;
-        if plan.earlier.is_none() {
-            options.depth_warning(&scene).iter().for_each(|warning| watch.warn(warning));
-        }
-        let Plan { settings, length, earlier } = plan;
-        let wanted = options.files.clone().unwrap_or_default();
-        let pictures = match &options.files {
-            Some(wanted) => {
-                PictureFiles::new(wanted, earlier.as_ref().map(|earlier| &earlier.record.outputs), &scene.name)?
-            }
-            None => PictureFiles::none(),
-        };
-        let checkpoint_file = checkpoint_file(resumed.as_ref().map(|(path, _)| path), options);
-        if let Some(file) = &checkpoint_file {
-            file.check_writable()?;
-            if earlier.is_none() {
-                file.check_absent(&Identity::of_render(&scene_hash, &settings))?;
-            }
-        }
-        let kernels = KernelFiles::load(options.kernel_folder.as_deref())?;
-        kernels.warnings().iter().for_each(|warning| watch.warn(warning));
-        let reference = wanted.reference.as_deref().map(|path| read_reference(path, &settings)).transpose()?;
-        let context = context.unwrap_or_else(|panic| resume_unwind(panic))?;
-        watch.tell(Event::Preparing(Preparation::Hierarchy(scene.primitives.len())));
-        let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
-        let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
-        let primitive_count = scene.primitives.len();
-        if let Cow::Owned(scene) = &mut scene {
-            // From here on the device's copy is the one that is used.
-            drop(std::mem::take(&mut scene.primitives));
-        }
-        watch.tell(Event::Preparing(Preparation::Kernels));
-        let build = || Renderer::with_surfaces(&context, &scene, surfaces, &bvh, &settings, kernels.registry());
-        let (renderer, pipeline_seconds) = timed(build)?;
-        drop(bvh);
-        watch.tell(Event::Ready);
-        kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
+        let plan = Plan::new(&scene, &scene_hash, resumed, options, watch)?;
+        let inputs = Inputs::new(&plan, &scene, &scene_hash, options, watch)?;
+        let context = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
 
+        let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
+        let (renderer, bvh_seconds, pipeline_seconds) = build(scene, &context, &plan.settings, &inputs.kernels, watch)?;
+        watch.tell(Event::Ready);
+        inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
         let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
-        let subject = Subject {
-            scene_name: scene.name.clone(),
-            scene_path: input.path().unwrap_or(Path::new(&scene.name)).to_path_buf(),
-            scene_hash,
-            kernels: kernels.used(renderer.back_end()),
-            times,
-        };
+        let scene_path = input.path().unwrap_or(Path::new(&scene_name)).to_path_buf();
+        let kernels = inputs.kernels.used(renderer.back_end());
+        let subject = Subject { scene_name, scene_path, scene_hash, kernels, times };
+
+        let Plan { settings, length, earlier } = plan;
+        let Inputs { wanted, pictures, checkpoint, reference, .. } = inputs;
         let mut session = Self {
             length,
             subject,
             reference,
-            output: output(&wanted, pictures, checkpoint_file.as_ref()),
+            output: output(&wanted, pictures, checkpoint.as_ref()),
             profiler: wanted.profile.map(|path| Profiler::start(path, &context)),
             profile: None,
+            rescued: None,
             checkpoints: None,
             history: History::default(),
             context,
@@ -180,7 +156,7 @@ impl Session {
             settings,
         };
         let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
-        if let Some(file) = checkpoint_file {
+        if let Some(file) = checkpoint {
             session.checkpoints = Some(Checkpoints::new(file, session.template(&input)?, samples_written));
         }
         Ok(session)
@@ -188,7 +164,7 @@ impl Session {
 
     /// Goes on from a checkpoint and returns the samples per pixel that it holds.
     fn go_on_from(&mut self, earlier: Earlier, watch: &Watch<'_>) -> Result<u32> {
-        let Earlier { record: Record { kernels, history, .. }, device, state } = earlier;
+        let Earlier { record: Record { kernels, history, .. }, device, state, .. } = earlier;
         self.check_kernels(&kernels)?;
         let own_device = self.device_name();
         if device != own_device {
@@ -233,7 +209,7 @@ impl Session {
 
 impl<'a> Start<'a> {
     /// The scene to read, and the checkpoint to go on from with its file.
-    fn read(self) -> Result<(SceneInput<'a>, Option<(PathBuf, Checkpoint)>)> {
+    fn read(self) -> Result<(SceneInput<'a>, Option<Resumed>)> {
         match self {
             Self::Anew(input) => Ok((input, None)),
             Self::Resume { checkpoint: file, moved_scene } => {
@@ -277,21 +253,39 @@ impl DeviceChoice {
 }
 
 impl Plan {
+    fn new(
+        scene: &Scene,
+        scene_hash: &str,
+        resumed: Option<Resumed>,
+        options: &Options,
+        watch: &Watch<'_>,
+    ) -> Result<Self> {
+        let mut plan = match resumed {
+            None => Self::anew(scene, options)?,
+            Some(resumed) => Self::resumed(resumed, options, scene_hash)?,
+        };
+        plan.complete(options)?;
+        if plan.earlier.is_none() {
+            options.depth_warning(scene).iter().for_each(|warning| watch.warn(warning));
+        }
+        Ok(plan)
+    }
+
     fn anew(scene: &Scene, options: &Options) -> Result<Self> {
         let settings = options.settings_for(scene)?;
         let length = options.length_for(scene, &settings);
         Ok(Self { settings, length, earlier: None })
     }
 
-    fn resumed(path: &Path, checkpoint: &Checkpoint, options: &Options, scene_hash: &str) -> Result<Self> {
-        let Checkpoint { scene, settings, device, record, state } = checkpoint.clone();
+    fn resumed((file, checkpoint): Resumed, options: &Options, scene_hash: &str) -> Result<Self> {
+        let Checkpoint { scene, settings, device, record, state } = checkpoint;
         if scene.hash != scene_hash {
             let message = format!(
                 "the scene is not the one it was begun with: scene_hash ({} there, {scene_hash} here); undo what has changed \
                  in {} and what that reads",
                 scene.hash, scene.path
             );
-            return Err(Error::checkpoint(path, message));
+            return Err(Error::checkpoint(file, message));
         }
         let length = match options.length {
             asked if asked.is_given() => {
@@ -302,9 +296,9 @@ impl Plan {
         };
         if length.spp.is_some_and(|spp| spp < state.samples_done) {
             let message = format!("it holds {} samples per pixel already; ask for more with --spp", state.samples_done);
-            return Err(Error::checkpoint(path, message));
+            return Err(Error::checkpoint(file, message));
         }
-        Ok(Self { settings, length, earlier: Some(Earlier { record, device, state }) })
+        Ok(Self { settings, length, earlier: Some(Earlier { file, record, device, state }) })
     }
 
     /// Sets the settings that change no bit of a picture, and checks the whole.
@@ -320,9 +314,65 @@ impl Plan {
     }
 }
 
+impl Inputs {
+    fn new(plan: &Plan, scene: &Scene, scene_hash: &str, options: &Options, watch: &Watch<'_>) -> Result<Self> {
+        let earlier = plan.earlier.as_ref().map(|earlier| &earlier.record.outputs);
+        let pictures = match &options.files {
+            Some(wanted) => PictureFiles::new(wanted, earlier, &scene.name)?,
+            None => earlier.cloned().unwrap_or_else(PictureFiles::none),
+        };
+        let checkpoint = checkpoint_file(plan.earlier.as_ref(), options);
+        if let Some(file) = &checkpoint {
+            file.check_writable()?;
+            if plan.earlier.is_none() {
+                file.check_absent(&Identity::of_render(scene_hash, &plan.settings))?;
+            }
+        }
+        let kernels = KernelFiles::load(options.kernel_folder.as_deref())?;
+        kernels.warnings().iter().for_each(|warning| watch.warn(warning));
+        let wanted = options.files.clone().unwrap_or_default();
+        let reference = wanted.reference.as_deref().map(|path| read_reference(path, &plan.settings)).transpose()?;
+        Ok(Self { wanted, pictures, checkpoint, kernels, reference })
+    }
+}
+
+/// Opens the device while the scene is read, for drivers take a while to start.
+fn open_and_load<'a>(
+    input: &SceneInput<'a>,
+    options: &Options,
+    watch: &Watch<'_>,
+) -> (thread::Result<Result<Arc<Context>>>, Result<(Cow<'a, Scene>, f64)>) {
+    thread::scope(|scope| {
+        let context = scope.spawn(|| options.device.open());
+        let loaded = timed(|| input.load(watch));
+        (context.join(), loaded)
+    })
+}
+
+/// The renderer of a scene, and the seconds that its hierarchy and its kernels took.
+fn build(
+    mut scene: Cow<'_, Scene>,
+    context: &Arc<Context>,
+    settings: &Settings,
+    kernels: &KernelFiles,
+    watch: &Watch<'_>,
+) -> Result<(Renderer, f64, f64)> {
+    watch.tell(Event::Preparing(Preparation::Hierarchy(scene.primitives.len())));
+    let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
+    let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
+    if let Cow::Owned(scene) = &mut scene {
+        // From here on the device's copy is the one that is used.
+        drop(std::mem::take(&mut scene.primitives));
+    }
+    watch.tell(Event::Preparing(Preparation::Kernels));
+    let build = || Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
+    let (renderer, pipeline_seconds) = timed(build)?;
+    Ok((renderer, bvh_seconds, pipeline_seconds))
+}
+
 /// A resumed render keeps its checkpoint in the file that it came from.
-fn checkpoint_file(resumed: Option<&PathBuf>, options: &Options) -> Option<CheckpointFile> {
-    let path = resumed.or(options.checkpoint.as_ref())?;
+fn checkpoint_file(earlier: Option<&Earlier>, options: &Options) -> Option<CheckpointFile> {
+    let path = earlier.map(|earlier| &earlier.file).or(options.checkpoint.as_ref())?;
     Some(CheckpointFile::new(path, options.checkpoint_every))
 }
 

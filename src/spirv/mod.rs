@@ -1,4 +1,4 @@
-//! SPIR-V as data: read by engineers, specialized before a driver sees it, and replaced by edited kernels.
+//! SPIR-V as data: inspected by engineers, specialized before a driver sees it, and replaced by edited kernels.
 
 pub mod inspect;
 mod module;

@@ -6,19 +6,19 @@ use rspirv::binary::Disassemble;
 use rspirv::dr::{self, Instruction, Operand};
 use rspirv::spirv::{Decoration, Op, StorageClass};
 
-/// First word of every module.
+/// First word of every SPIR-V module.
 const MAGIC: u32 = 0x0723_0203;
 
-/// A module, as words and as instructions.
+/// SPIR-V module, as words and as instructions.
 pub struct Module {
     words: Vec<u32>,
     pub(super) parsed: dr::Module,
-    /// Every instruction outside functions that has a result, by that.
+    /// Instructions outside functions, by result id.
     globals: HashMap<u32, Instruction>,
 }
 
 impl Module {
-    /// From little-endian words. The error says why they are no SPIR-V.
+    /// Parses little-endian words. The error says why they are no SPIR-V.
     pub fn parse(bytes: &[u8]) -> Result<Self, String> {
         let words: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
         if !bytes.len().is_multiple_of(4) || words.first() != Some(&MAGIC) {
@@ -36,17 +36,17 @@ impl Module {
         &self.words
     }
 
-    /// With numbers for names.
+    /// Disassembly with numbers for names.
     pub fn disassemble(&self) -> String {
         self.parsed.disassemble()
     }
 
-    /// The type, constant or variable of that number.
+    /// Type, constant or variable with the given id.
     pub fn global(&self, id: u32) -> Option<&Instruction> {
         self.globals.get(&id)
     }
 
-    /// The name of that number in the GLSL.
+    /// Name in the GLSL of the given id.
     pub fn name(&self, id: u32) -> Option<&str> {
         let named = |i: &&Instruction| i.class.opcode == Op::Name && operand_id(i, 0) == Some(id);
         let name = self.parsed.debug_names.iter().find(named)?;
@@ -56,7 +56,7 @@ impl Module {
         }
     }
 
-    /// (number, operand) of everything that has such a decoration.
+    /// Ids with the given decoration, and the decoration's operand.
     pub fn decorated(&self, decoration: Decoration) -> impl Iterator<Item = (u32, Option<&Operand>)> {
         self.parsed.annotations.iter().filter_map(move |i| {
             let is_it = i.class.opcode == Op::Decorate && i.operands.get(1) == Some(&Operand::Decoration(decoration));
@@ -64,13 +64,14 @@ impl Module {
         })
     }
 
-    /// The number's specialization constant id, if it is one.
+    /// Specialization constant id of the given result id; `None` where it is no specialization constant.
     pub fn spec_id(&self, id: u32) -> Option<u32> {
         let mut all = self.decorated(Decoration::SpecId);
         all.find(|&(target, _)| target == id).and_then(|(_, operand)| literal(operand?))
     }
 
-    /// Scalars in a value of that type; an array whose length a constant chooses counts by its default length.
+    /// Number of scalars in a value of the given type. An array whose length is a specialization constant counts by its
+    /// default length.
     pub fn scalars(&self, ty: u32) -> u64 {
         let Some(instruction) = self.global(ty) else { return 0 };
         let operand = |place| operand_id(instruction, place);
@@ -91,7 +92,7 @@ impl Module {
         }
     }
 
-    /// Where a pointer of that type points.
+    /// Storage class of a pointer type.
     pub fn storage_class(&self, pointer_type: u32) -> Option<StorageClass> {
         let instruction = self.global(pointer_type).filter(|i| i.class.opcode == Op::TypePointer)?;
         match instruction.operands.first() {
@@ -101,12 +102,12 @@ impl Module {
     }
 }
 
-/// The number that an operand refers to.
+/// Id that an operand refers to.
 pub fn operand_id(instruction: &Instruction, place: usize) -> Option<u32> {
     instruction.operands.get(place).and_then(Operand::id_ref_any)
 }
 
-/// The bits of a literal.
+/// Bits of a literal of 32 bits.
 pub fn literal(operand: &Operand) -> Option<u32> {
     match *operand {
         Operand::LiteralBit32(bits) => Some(bits),

@@ -1,4 +1,5 @@
-//! Kernels from files in place of the built-in ones, for tuners: the same interface, another way.
+//! Replacement of built-in kernels by files, for people who tune kernels. A file must have the built-in kernel's
+//! interface.
 
 use std::borrow::Cow;
 use std::fs;
@@ -11,22 +12,23 @@ use crate::spirv::module::Module;
 use crate::spirv::tools::{self, ToolFault};
 use crate::{Error, Result};
 
-/// Kernels of which some came from files.
+/// Registry in which some kernels came from files.
 #[derive(Debug, Clone)]
 pub struct Replacement {
-    /// All kernels.
+    /// All kernels, built-in and replaced.
     pub registry: Registry,
-    /// Names of the files that were taken.
+    /// Names of the files that replaced a kernel.
     pub files: Vec<String>,
-    /// What was passed over or could not be checked, one sentence each.
+    /// Warnings about files that were ignored or could not be checked, one sentence each.
     pub warnings: Vec<String>,
 }
 
-/// Reads every `.spv` file of a folder that has a kernel's name, as `lodestar inspect --out` gives them: `path_trace.spv`
-/// reads storage buffers, `path_trace.texel.spv` texel buffers.
+/// Reads every `.spv` file of a folder that has a kernel's name. `lodestar inspect --out` writes such files:
+/// `path_trace.spv` reads storage buffers, `path_trace.texel.spv` texel buffers.
 ///
 /// # Errors
-/// Where the folder or a file cannot be read, or a file is not SPIR-V, not valid, or not of the built-in kernel's interface.
+/// [`Error::Read`] where the folder or a file cannot be read; [`Error::Kernel`] where a file is no valid SPIR-V or has
+/// another interface than the built-in kernel.
 pub fn load(folder: &Path) -> Result<Replacement> {
     let mut replacement = Replacement { registry: Registry::built_in(), files: Vec::new(), warnings: Vec::new() };
     for name in file_names(folder)? {
@@ -47,7 +49,7 @@ pub fn load(folder: &Path) -> Result<Replacement> {
 }
 
 impl Replacement {
-    /// Names of those files that a render with this back end uses.
+    /// Names of the replacing files that a render with this back end uses.
     pub fn files_of(&self, back_end: BackEnd) -> Vec<&str> {
         let used: Vec<_> = self.registry.kernels(back_end).iter().map(|kernel| kernel.file).collect();
         self.files.iter().map(String::as_str).filter(|file| used.contains(file)).collect()
@@ -78,7 +80,7 @@ impl Replacement {
             }
         }
         let mut own = Module::parse(&built_in.spirv).and_then(|module| Interface::of(&module)).map_err(refused)?;
-        // Every variant has the same workgroup size, which a file may have as a plain number.
+        // Every variant has one workgroup size, which a file may contain as a plain number.
         own.set_values(&Variant::default().entries());
         let given = Interface::of(&module).map_err(refused)?;
         let differences = own.differences(&given);
@@ -91,13 +93,15 @@ impl Replacement {
     }
 }
 
-/// Options have no say over constants that a file no longer has.
+/// Warning about constants that are missing from the file, so that options cannot set them; `None` where it has all.
 fn frozen(path: &Path, own: &Interface, given: &Interface) -> Option<String> {
     let is_gone = |id: u32| given.constants.iter().all(|constant| constant.id != id);
     let gone: Vec<_> = own.constants.iter().filter(|c| is_gone(c.id)).map(|c| c.name.as_str()).collect();
     let path = path.display();
     let list = gone.join(", ");
-    (!gone.is_empty()).then(|| format!("{path}: fixed in it, whatever options and scene say: {list}"))
+    (!gone.is_empty()).then(|| {
+        format!("{path}: options and scene do not change these constants, which are fixed in the file: {list}")
+    })
 }
 
 fn built_in(registry: &Registry, file: &str) -> Option<KernelSource> {
@@ -136,7 +140,7 @@ mod tests {
         module.assemble().iter().flat_map(|word| word.to_le_bytes()).collect()
     }
 
-    /// The same with every decoration of that kind and value changed.
+    /// The texel-buffer path tracer with every decoration of one kind and value changed.
     fn redecorated(decoration: Decoration, from: u32, to: u32) -> Vec<u8> {
         let is_it = |i: &Instruction| {
             i.operands.contains(&Operand::Decoration(decoration))
@@ -197,7 +201,7 @@ mod tests {
     fn another_constant_is_refused_and_a_missing_one_is_told() {
         let message = refusal(&redecorated(Decoration::SpecId, 9, 99));
         assert!(message.contains("specialization constant 99 (`MAX_TRIES`) is not among"), "{message}");
-        // As spirv-opt does with --freeze-spec-const.
+        // Does the same as spirv-opt with --freeze-spec-const.
         let id = [Operand::Decoration(Decoration::SpecId), Operand::LiteralBit32(9)];
         let frozen = edited(|module| {
             let place = module.annotations.iter().position(|i| i.operands.ends_with(&id)).expect("MAX_TRIES");
@@ -206,11 +210,7 @@ mod tests {
             constant.class = INSTRUCTION_TABLE.get(Op::Constant);
         });
         let taken = load_one("path_trace.texel.spv", &frozen).expect("less is no harm");
-        assert!(
-            taken.warnings.concat().contains("fixed in it, whatever options and scene say: MAX_TRIES"),
-            "{:?}",
-            taken.warnings
-        );
+        assert!(taken.warnings.concat().contains("which are fixed in the file: MAX_TRIES"), "{:?}", taken.warnings);
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! Kernels with the code that a variant never reaches taken out, before a driver sees them.
+//! Removal of code that a variant never reaches, before a driver sees the kernel.
 //!
-//! Vulkan leaves it to drivers to fold specialization constants. Most do; SwiftShader translates every branch that is not
-//! taken as well, which for the path tracer of a plain scene takes it ten minutes and 10 GB of memory instead of a second.
-//! So branches that the constants decide are decided here. Nothing that is reached is altered: the constants stay, and the
-//! arithmetic is the driver's.
+//! Vulkan leaves it to drivers to fold specialization constants, and most do. SwiftShader also translates every branch
+//! that is not taken: the path tracer of a plain scene then takes ten minutes and 10 GB of memory instead of a second.
+//! So branches that constants decide are decided here. Code that is reached is not altered: constants and arithmetic
+//! are left to the driver.
 
 mod blocks;
 mod values;
@@ -16,8 +16,8 @@ use rspirv::spirv::{Decoration, Op};
 
 use values::Values;
 
-/// The words of a module in which every branch that the constants, given as (id, bits), decide is decided, and blocks that
-/// are then out of reach are gone. Nothing where the module cannot be read: the driver will say why.
+/// Decides every branch that the constants, given as (id, bits), decide, and removes blocks that are then unreachable.
+/// Returns the words of the new module; `None` where the module cannot be read, which the driver will report.
 pub fn resolve_branches(words: &[u32], constants: &[(u32, u32)]) -> Option<Vec<u32>> {
     let mut module = load_words(words).ok()?;
     let spec_ids = spec_ids(&module);
@@ -26,7 +26,7 @@ pub fn resolve_branches(words: &[u32], constants: &[(u32, u32)]) -> Option<Vec<u
     let mut bound = module.header.as_ref()?.bound;
     let mut undefined = Vec::new();
     for function in &mut module.functions {
-        // A branch that is gone may leave a phi with a single value, which may decide another.
+        // Removing a branch may leave a phi with a single value, which may decide another branch.
         while blocks::decide(function, &globals) {
             undefined.extend(blocks::remove_unreachable(function, &mut bound));
         }
@@ -48,7 +48,7 @@ fn spec_ids(module: &Module) -> HashMap<u32, u32> {
     module.annotations.iter().filter_map(|i| of(&i.operands)).collect()
 }
 
-/// Drops names and decorations of what is gone.
+/// Drops names and decorations of removed ids.
 fn forget_removed(module: &mut Module) {
     let defined: HashSet<u32> = module.all_inst_iter().filter_map(|i| i.result_id).collect();
     let is_about_removed = |operands: &[Operand]| match operands.first() {
@@ -74,7 +74,7 @@ mod tests {
         load_words(words).expect("SPIR-V").functions.iter().map(|function| function.blocks.len()).sum()
     }
 
-    /// The features of a rich scene, then everything that has a bit.
+    /// Variants with the features of a plain scene, of a rich scene, with every other kind, and with all kinds.
     fn variants() -> [Variant; 4] {
         let rich = Variant { sampler: 1, nee: true, ..Variant::default() };
         let all = |mask| Variant { material_kinds: mask, light_kinds: mask, texture_kinds: mask, ..rich };

@@ -1,17 +1,17 @@
-//! SPIRV-Tools, the Khronos Group's: the programs `spirv-dis`, `spirv-opt` and `spirv-val` on the PATH. Compiled in, they would
-//! cost eight minutes of every first build.
+//! SPIRV-Tools of the Khronos Group: the programs `spirv-dis`, `spirv-opt` and `spirv-val` on the PATH. Compiling them
+//! in would add eight minutes to every first build.
 
 use std::io::{ErrorKind, Write};
 use std::process::{Command, Stdio};
 
 const TARGET: &str = "vulkan1.2";
 
-/// Why a tool gave no answer.
+/// Reasons why a tool gave no answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ToolFault {
-    /// It is not installed.
+    /// The tool is not installed.
     Missing,
-    /// What it said.
+    /// The tool failed with this message.
     Failed(String),
 }
 
@@ -24,26 +24,27 @@ impl std::fmt::Display for ToolFault {
     }
 }
 
-/// The text that `spirv-as` reads, with names for numbers.
+/// Disassembles words to the text that `spirv-as` reads, with names for numbers.
 pub fn disassemble(words: &[u32]) -> Result<String, ToolFault> {
     let text = run("spirv-dis", &["-"], words)?;
     String::from_utf8(text).map_err(|_| ToolFault::Failed("spirv-dis gave no text".into()))
 }
 
-/// Whether the module keeps Vulkan's rules.
+/// Checks that the module keeps Vulkan's rules.
 pub fn validate(words: &[u32]) -> Result<(), ToolFault> {
     run("spirv-val", &["--target-env", TARGET, "--scalar-block-layout", "-"], words).map(drop)
 }
 
-/// The module with its specialization constants frozen at their defaults and all that follows from them: what the drivers'
-/// own optimizers can be expected to find.
+/// Freezes specialization constants at their defaults and optimizes the module (`spirv-opt -O`), as drivers' own
+/// optimizers are expected to do.
 pub fn fold_constants(words: &[u32]) -> Result<Vec<u8>, ToolFault> {
     let target = format!("--target-env={TARGET}");
     let passes = ["--freeze-spec-const", "--fold-spec-const-op-composite", "-O"];
     run("spirv-opt", &[&[&target, "--scalar-block-layout"], &passes[..], &["-", "-o", "-"]].concat(), words)
 }
 
-/// What the program writes when fed the words. All three read to the end before they write.
+/// Runs a program with the words as input and returns its output. All three programs read their whole input before they
+/// write.
 fn run(program: &str, arguments: &[&str], words: &[u32]) -> Result<Vec<u8>, ToolFault> {
     let failed = |error: std::io::Error| match error.kind() {
         ErrorKind::NotFound => ToolFault::Missing,
@@ -54,7 +55,7 @@ fn run(program: &str, arguments: &[&str], words: &[u32]) -> Result<Vec<u8>, Tool
     let mut child = command.spawn().map_err(failed)?;
     if let Some(mut stdin) = child.stdin.take() {
         match stdin.write_all(bytemuck::cast_slice(words)) {
-            // It has seen enough, and says below of what.
+            // The program has stopped reading, and its error output says why.
             Err(error) if error.kind() != ErrorKind::BrokenPipe => return Err(failed(error)),
             _ => {}
         }
@@ -64,6 +65,6 @@ fn run(program: &str, arguments: &[&str], words: &[u32]) -> Result<Vec<u8>, Tool
         return Ok(output.stdout);
     }
     let said = String::from_utf8_lossy(&output.stderr);
-    let first = said.lines().find(|line| !line.trim().is_empty()).unwrap_or("it failed and did not say why");
+    let first = said.lines().find(|line| !line.trim().is_empty()).unwrap_or("it failed without a message");
     Err(ToolFault::Failed(format!("{program}: {}", first.trim().trim_start_matches("error: "))))
 }

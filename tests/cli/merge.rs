@@ -115,7 +115,7 @@ fn merged_pictures_can_be_merged_again() {
     folder.merge(&["ac.exr", "b.exr"], "acb.exr");
     assert_eq!(attribute(&folder.path("acb.exr"), "sample_ranges"), "5:0..16, 5:24..32");
     let output = folder.run(&["merge", "ac.exr", "c.exr", "-o", "d.exr"]);
-    assert_sentence(&output, 1, &["holds its samples 5:24..32"]);
+    assert_sentence(&output, 1, &["also holds samples 5:24..32"]);
 }
 
 #[test]

@@ -1,7 +1,8 @@
-//! The layering that the crate's documentation promises, checked on the sources themselves.
+//! Layering and prose that the crate's documentation promises, checked on the sources themselves.
 
 mod faults;
 mod glsl;
+mod prose;
 mod rust;
 mod source;
 
@@ -39,4 +40,12 @@ fn read_glsl() -> Vec<source::Source> {
     let mut sources = source::read_all(root(), "glsl", "comp");
     sources.extend(source::read_all(root(), "glsl", "glsl"));
     sources
+}
+
+#[test]
+fn doc_comments_name_their_subject() {
+    let mut sources = source::read_all(root(), "src", "rs");
+    sources.extend(source::read_all(root(), "glsl", "comp"));
+    sources.extend(source::read_all(root(), "glsl", "glsl"));
+    assert_none(prose::violations(&sources));
 }

@@ -146,7 +146,7 @@ fn read_by_name(name: &str, bytes: &[u8]) -> lodestar::Result<()> {
 
 #[test]
 fn the_unmangled_files_are_fine() {
-    assert_eq!(read_checkpoint(&checkpoint_file()).unwrap().job, [0.5, 1.0]);
+    assert_eq!(read_checkpoint(&checkpoint_file()).unwrap().record.history.seconds, 0.5);
     let folder = Folder::new(&[]);
     let parts = [0, 8].map(|first| {
         let name = format!("{first}.exr");

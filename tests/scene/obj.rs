@@ -1,101 +1,211 @@
-//! OBJ files, against `tobj`'s reading of the same text.
+//! OBJ files: meshes written as text in many ways and read back, and lines that `tobj` alone takes otherwise.
 
 use glam::{Vec2, Vec3};
+use lodestar::scene::{Primitive, Scene};
 use proptest::prelude::*;
 
 use super::load_mesh;
 
-/// A mesh as text, whose faces have three to six corners, each with the indices that `kinds` asks for.
-fn text(seed: &[u32], kinds: (bool, bool), grouped: bool) -> String {
-    let mut words = seed.iter().copied().cycle();
-    let mut next = |limit: u32| words.next().unwrap_or(0) % limit;
-    let mut text = String::new();
-    let number = |next: &mut dyn FnMut(u32) -> u32| match next(4) {
-        0 => format!("{}", next(2000) as f32 / 64.0 - 9.0),
-        1 => format!("{:e}", f64::from(next(1 << 30)) / 3.0e8),
-        2 => format!("-{}.{:06}", next(10), next(1_000_000)),
-        _ => format!("+{}.", next(100)),
-    };
-    for (keyword, count, size) in [("v", 12, 3), ("vt", 5, 2), ("vn", 4, 3)] {
-        for _ in 0..count {
-            let numbers: Vec<_> = (0..size).map(|_| number(&mut next)).collect();
-            text += &format!("{keyword}  {}\n", numbers.join("\t"));
-        }
-    }
-    for _ in 0..6 {
-        if grouped {
-            text += ["g a\n", "s 1\n", "# remark\n", "\n"][next(4) as usize];
-        }
-        text += "f";
-        for _ in 0..3 + next(4) {
-            let index = |next: &mut dyn FnMut(u32) -> u32, count: u32| match next(2) {
-                0 => (1 + next(count)).to_string(),
-                _ => format!("-{}", 1 + next(count)),
-            };
-            text += &match kinds {
-                (false, false) => format!(" {}", index(&mut next, 12)),
-                (true, false) => format!(" {}/{}", index(&mut next, 12), index(&mut next, 5)),
-                (false, true) => format!(" {}//{}", index(&mut next, 12), index(&mut next, 4)),
-                (true, true) => {
-                    format!(" {}/{}/{}", index(&mut next, 12), index(&mut next, 5), index(&mut next, 4))
-                }
-            };
-        }
-        text += "\r\n";
-    }
-    text
+const PLAIN_UVS: &str = r#"<boolean name="flip_tex_coords" value="false"/>"#;
+/// How many positions, texture coordinates and normals a random mesh has.
+const COUNTS: [u32; 3] = [12, 5, 4];
+
+/// Position, texture coordinates and normal; the last two are zero where the file gives none.
+type Corner = (Vec3, Vec2, Vec3);
+
+/// Random choices, and the text that they make.
+struct Writer<'a> {
+    words: std::iter::Cycle<std::iter::Copied<std::slice::Iter<'a, u32>>>,
+    text: String,
 }
 
-/// Corners (position, texture coordinates, normal) of all triangles that have area, in `tobj`'s reading.
-fn oracle(text: &str) -> Vec<[(Vec3, Vec2, Vec3); 3]> {
-    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-    let (models, _) =
-        tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| Ok(Default::default())).expect("tobj reads it");
-    let corner = |mesh: &tobj::Mesh, at: usize| {
-        let take = |values: &[f32], index: Option<&u32>, size: usize| {
-            let first = index.map_or(0, |&index| index as usize * size);
-            values.get(first..first + size).map_or([0.0; 3], |v| [v[0], v[1], v.get(2).copied().unwrap_or(0.0)])
+impl Writer<'_> {
+    fn one_of(&mut self, words: &[&'static str]) -> &'static str {
+        words[self.below(words.len() as u32) as usize]
+    }
+
+    fn below(&mut self, limit: u32) -> u32 {
+        self.words.next().unwrap_or(0) % limit
+    }
+
+    /// Writes a number in one of several ways.
+    fn number(&mut self) -> f32 {
+        let (value, word) = match self.below(4) {
+            0 => {
+                let value = self.below(2000) as f32 / 64.0 - 9.0;
+                (value, format!("{value}"))
+            }
+            1 => {
+                let value = self.below(1 << 30) as f32 / 3.0e8;
+                (value, format!("{value:e}"))
+            }
+            2 => {
+                let millionths = self.below(10_000_000);
+                let value = -(f64::from(millionths) / 1.0e6) as f32;
+                (value, format!("-{}.{:06}", millionths / 1_000_000, millionths % 1_000_000))
+            }
+            _ => {
+                let value = self.below(100);
+                (value as f32, format!("+{value}."))
+            }
         };
-        let position: Vec3 = take(&mesh.positions, mesh.indices.get(at), 3).into();
-        let uv: Vec3 = take(&mesh.texcoords, mesh.texcoord_indices.get(at), 2).into();
-        (position, uv.truncate(), Vec3::from(take(&mesh.normals, mesh.normal_indices.get(at), 3)))
+        let blank = self.one_of(&[" ", "\t", "  "]);
+        self.text += &format!("{blank}{word}");
+        value
+    }
+
+    fn row(&mut self, keyword: &str, size: usize) -> Vec3 {
+        self.text += keyword;
+        let mut row = Vec3::ZERO;
+        (0..size).for_each(|i| row[i] = self.number());
+        let end = self.one_of(&["\n", "\r\n", " 2\n"]);
+        self.text += end;
+        row
+    }
+
+    /// Writes an index from 1 or from behind; it counts from 0.
+    fn index(&mut self, count: u32) -> usize {
+        let index = self.below(count);
+        let is_relative = self.below(2) == 0;
+        self.text += &if is_relative { format!("-{}", count - index) } else { (index + 1).to_string() };
+        index as usize
+    }
+
+    /// Writes one corner. `kinds`: 0 gives texture coordinates or normals to none, 1 to some corners, 2 to all.
+    fn corner(&mut self, kinds: [u32; 2], rows: &[Vec<Vec3>; 3]) -> Corner {
+        self.text += " ";
+        let position = rows[0][self.index(COUNTS[0])];
+        let [has_uv, has_normal] = kinds.map(|kind| kind == 2 || kind == 1 && self.below(2) == 0);
+        let (mut uv, mut normal) = (Vec3::ZERO, Vec3::ZERO);
+        if has_uv || has_normal {
+            self.text += "/";
+        }
+        if has_uv {
+            uv = rows[1][self.index(COUNTS[1])];
+        }
+        if has_normal {
+            self.text += "/";
+            normal = rows[2][self.index(COUNTS[2])];
+        }
+        (position, uv.truncate(), normal)
+    }
+}
+
+/// A mesh as text, and the triangles with area that it stands for.
+fn random_mesh(seed: &[u32], kinds: [u32; 2]) -> (String, Vec<[Corner; 3]>) {
+    let mut writer = Writer { words: seed.iter().copied().cycle(), text: String::new() };
+    let rows = [("v", 3, COUNTS[0]), ("vt", 2, COUNTS[1]), ("vn", 3, COUNTS[2])]
+        .map(|(keyword, size, count)| (0..count).map(|_| writer.row(keyword, size)).collect::<Vec<_>>());
+    let mut triangles = Vec::new();
+    for _ in 0..6 {
+        let others = ["g a\n", "o b\n", "usemtl c\n", "mtllib gone.mtl\n", "# remark\n", "l 1 2 3\n", "p 1\n", "\n"];
+        let other = writer.one_of(&others);
+        writer.text += other;
+        writer.text += "f";
+        let polygon: Vec<_> = (0..3 + writer.below(4)).map(|_| writer.corner(kinds, &rows)).collect();
+        let end = writer.one_of(&["\n", "\r\n", " # remark\n"]);
+        writer.text += end;
+        triangles.extend((2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]));
+    }
+    let has_area = |[a, b, c]: &[Corner; 3]| (b.0 - a.0).cross(c.0 - a.0).length_squared() >= f32::MIN_POSITIVE;
+    triangles.retain(has_area);
+    (writer.text, triangles)
+}
+
+/// What differs between a scene and the triangles that it should have.
+fn difference(scene: &Scene, expected: &[[Corner; 3]], [has_uvs, has_normals]: [bool; 2]) -> Option<String> {
+    if scene.primitives.len() != expected.len() {
+        return Some(format!("{} triangles, not {}", scene.primitives.len(), expected.len()));
+    }
+    let pairs = scene.primitives.iter().zip(expected);
+    let differs = |(p, [a, b, c]): &(&Primitive, &[Corner; 3])| {
+        let normal_differs = |(own, corner): (Vec3, &Corner)| {
+            let length = corner.2.length();
+            length > 0.0 && (own - corner.2 / length).length() >= 1.0e-6
+        };
+        [p.origin, p.edge_u, p.edge_v] != [a.0, b.0 - a.0, c.0 - a.0]
+            || has_uvs && p.uvs != [a.1, b.1, c.1]
+            || has_normals && p.normals.is_none_or(|normals| normals.into_iter().zip([a, b, c]).any(normal_differs))
     };
-    let triangles = models
-        .iter()
-        .flat_map(|model| (0..model.mesh.indices.len() / 3).map(|i| [0, 1, 2].map(|k| corner(&model.mesh, 3 * i + k))));
-    let has_area =
-        |[a, b, c]: &[(Vec3, Vec2, Vec3); 3]| (b.0 - a.0).cross(c.0 - a.0).length_squared() >= f32::MIN_POSITIVE;
-    triangles.filter(has_area).collect()
+    pairs.into_iter().find(differs).map(|(p, expected)| format!("{p:?} is not {expected:?}"))
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..Default::default() })]
 
     #[test]
-    fn meshes_are_those_of_tobj(
-        seed in prop::collection::vec(any::<u32>(), 400), uvs: bool, normals: bool, grouped: bool
+    fn meshes_are_read_as_they_were_written(
+        seed in prop::collection::vec(any::<u32>(), 400), kinds in prop::array::uniform2(0_u32..3)
     ) {
-        let text = text(&seed, (uvs, normals), grouped);
-        let expected = oracle(&text);
-        let options = r#"<boolean name="flip_tex_coords" value="false"/>"#;
-        let scene = match load_mesh(&text, options) {
-            Ok(scene) => scene,
-            Err(error) => panic!("{error}\n{text}"),
-        };
-        prop_assert_eq!(scene.primitives.len(), expected.len());
-        for (p, [a, b, c]) in scene.primitives.iter().zip(&expected) {
-            prop_assert_eq!([p.origin, p.edge_u, p.edge_v], [a.0, b.0 - a.0, c.0 - a.0]);
-            if uvs {
-                prop_assert_eq!(p.uvs, [a.1, b.1, c.1]);
-            }
-            if normals {
-                for (own, corner) in p.normals.unwrap().iter().zip([a, b, c]) {
-                    let length = corner.2.length();
-                    prop_assert!(length == 0.0 || (*own - corner.2 / length).length() < 1.0e-6);
-                }
-            }
-        }
+        let (text, expected) = random_mesh(&seed, kinds);
+        let scene = load_mesh(&text, PLAIN_UVS).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let found = difference(&scene, &expected, kinds.map(|kind| kind > 0));
+        prop_assert!(found.is_none(), "{found:?}\n{text}");
     }
+
+    /// The twin of the property: a file in which a corner of a triangle moved is told from the one that was written.
+    #[test]
+    fn a_mesh_of_another_file_is_told_apart(seed in prop::collection::vec(any::<u32>(), 400)) {
+        let (text, mut expected) = random_mesh(&seed, [2, 2]);
+        let scene = load_mesh(&text, PLAIN_UVS).unwrap();
+        prop_assume!(!expected.is_empty());
+        let triangle = seed[0] as usize % expected.len();
+        match seed[1] % 3 {
+            0 => expected[triangle][1].0.x += 1.0,
+            1 => expected[triangle][1].1.y += 0.5,
+            _ => expected[triangle].swap(0, 1),
+        }
+        prop_assert!(difference(&scene, &expected, [true, true]).is_some());
+    }
+}
+
+/// Each line that `tobj` alone reads otherwise, in the words of a file that says the same plainly.
+#[test]
+fn lines_that_tobj_takes_otherwise() {
+    let plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let expected = load_mesh(plain, "").unwrap().primitives;
+    for text in [
+        // A fourth number divides; six are a color, which all vertices need; other counts are refused.
+        "v 0 0 0\nv 1 0 0 2\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0\nv 1 0 0 0\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0\nv 1 0 0 .5 .5 .5\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0 1 1\nv 1 0 0 # here\nv 0 1 0\nf 1 2 3\n",
+        // Lines are faces.
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\nf 1 2 3\nl 1 2\n",
+        // Indices in front of the vertices, across an object.
+        "f 1 2 3\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\n",
+        // Names that are missing.
+        "usemtl\nmtllib\ng\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # remark\n",
+        // Other blanks.
+        "v\x010 0 0\nv 1\x0b0 0\nv 0 1 0\r\nf 1\t2 3\r\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1",
+    ] {
+        let scene = load_mesh(text, "").unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let corners = |p: &Primitive| (p.origin, p.edge_u, p.edge_v, p.normals, p.uvs);
+        assert_eq!(scene.primitives.iter().map(corners).collect::<Vec<_>>(), [corners(&expected[0])], "{text}");
+    }
+}
+
+#[test]
+fn what_tobj_passes_over_is_refused() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n";
+    for (lines, part) in [
+        ("f 1/0/1 2/1/1 3/1/1", "texture coordinate index 0"),
+        ("f 1/1/1 2/1/1 3/1/-2", "normal index -2"),
+        ("f 1/1/1/ 2/1/1 3/1/1", "too many indices"),
+        ("f 1/9223372036854775808/1 2/1/1 3/1/1", "texture coordinate index 9223372036854775808"),
+        ("f 1/1/6148914691236517207 2/1/1 3/1/1", "normal index 6148914691236517207"),
+        ("f", "three vertices"),
+        ("f 1/1/1 2/1/1", "three vertices"),
+        ("vt inf 0", "`inf`"),
+        ("vn 0 0 1000000000000000000000000000000000000000", "is not a finite number"),
+    ] {
+        let error = load_mesh(&format!("{vertices}{lines}\nf 1 2 3\n"), "").map(drop).expect_err(lines).to_string();
+        assert!(error.contains("mesh.obj:6: ") && error.contains(part), "{lines}: {error}");
+    }
+    // Without any texture coordinates `tobj` looks at no index into them.
+    let error = load_mesh("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "").map(drop).expect_err("none").to_string();
+    assert!(error.contains("mesh.obj:4: texture coordinate index 1 is out of range; the file has 0"), "{error}");
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The boxes that the hierarchy is built over: one of each primitive, but several of a triangle that fills its own badly, which
-//! rays then meet in vain less often (early split clipping: Ernst and Greiner 2007).
+//! Boxes for building the hierarchy: one per primitive, but several for a triangle that fills its box badly, so that
+//! fewer rays enter the box without a hit (early split clipping: Ernst and Greiner 2007).
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -9,18 +9,18 @@ use rayon::prelude::*;
 
 use crate::scene::{Primitive, PrimitiveShape};
 
-/// Boxes of fewer times the mean area are not split: `split_aabbs_preset` passes them over.
+/// Least area of a box to be split, as a multiple of the mean area: `split_aabbs_preset` ignores smaller ones.
 const SMALLEST_SPLIT: f32 = 3.0;
 
-/// Boxes, and the primitive that each holds, or holds a part of. The first are the primitives' own, in their order, as the
-/// builder expects it.
+/// Boxes, and the index of the primitive that each holds wholly or in part. The first boxes are the primitives' own in
+/// their order, as the builder expects.
 pub(super) struct Boxes {
     pub boxes: Vec<Aabb>,
     pub primitives: Vec<u32>,
 }
 
 impl Boxes {
-    /// Of all primitives; each box reaches `margin` beyond what it holds.
+    /// Boxes of all primitives; each reaches `margin` beyond its content.
     pub fn new(primitives: &[Primitive], margin: f32) -> Self {
         let boxes: Vec<Aabb> = primitives.par_iter().map(box_of).collect();
         let mut all = Self { boxes, primitives: (0..primitives.len() as u32).collect() };
@@ -42,7 +42,7 @@ impl Boxes {
         let mut triangle_of_part: Vec<u32> = (0..split.len() as u32).collect();
         split_aabbs_preset(&mut parts, &mut triangle_of_part, &triangles, mean, largest);
 
-        // Where they have been cut is rounded.
+        // The cuts are rounded, so parts are padded to overlap.
         let mut parts = parts.into_iter().map(|part| padded(ordered(part), margin));
         for (&primitive, part) in split.iter().zip(parts.by_ref()) {
             self.boxes[primitive as usize] = part;
@@ -52,7 +52,8 @@ impl Boxes {
     }
 }
 
-/// A light is one primitive, and other shapes fill their boxes.
+/// Whether a primitive may be split: only a triangle, because other shapes fill their boxes, and no emitter, because a
+/// light is one primitive.
 fn can_be_split(p: &Primitive) -> bool {
     p.shape == PrimitiveShape::Triangle && p.emitter.is_none()
 }
@@ -71,7 +72,7 @@ fn padded(aabb: Aabb, margin: f32) -> Aabb {
     Aabb::new(aabb.min - margin, aabb.max + margin)
 }
 
-/// With corners that rounding has not exchanged.
+/// Box whose corners are in order, which rounding may have exchanged.
 fn ordered(aabb: Aabb) -> Aabb {
     Aabb::new(aabb.min.min(aabb.max), aabb.min.max(aabb.max))
 }
@@ -99,7 +100,7 @@ mod tests {
         }
     }
 
-    /// A slender triangle along the diagonal of its box, between many small ones.
+    /// A slender triangle along the diagonal of its box, between many small triangles.
     fn among_small_ones(large: Primitive) -> Vec<Primitive> {
         let small = primitive(PrimitiveShape::Triangle, None, 0.01);
         (0..100).map(|i| if i == 50 { large } else { small }).collect()
@@ -146,7 +147,7 @@ mod tests {
         }
     }
 
-    /// Also far from the origin, where coordinates are rounded.
+    /// Tests triangles far from the origin too, where coordinates are rounded.
     #[test]
     fn parts_of_any_slender_triangle_hold_it() {
         let mut state = 1_u32;

@@ -1,4 +1,5 @@
-//! The compressed wide hierarchy (Ylitie et al. 2017) over boxes: a binary one, whose subtrees are widened in parallel.
+//! Compressed wide hierarchy over boxes (Ylitie et al. 2017): a binary hierarchy is built, and its subtrees are widened
+//! in parallel.
 
 use std::collections::HashMap;
 
@@ -13,24 +14,25 @@ use rayon::prelude::*;
 
 use super::split::Boxes;
 
-/// Children of a wide node at most.
+/// Most children of a wide node.
 const WIDTH: usize = 8;
-/// Primitives of a leaf at most, which is what a node's encoding can hold.
+/// Most primitives of a leaf, limited by the encoding of nodes.
 const LEAF_SIZE: usize = 3;
-/// Primitives of a subtree that one task widens: so few that all it reads and writes stays in a core's cache.
+/// Most primitives of a subtree that one task widens, so that its data stays in a core's cache.
 const SUBTREE_SIZE: usize = 1 << 14;
-/// Levels of the binary tree whose nodes' primitives are counted; what is deeper is small, or the tree very uneven.
+/// Levels of the binary tree whose nodes' primitives are counted. Subtrees below are small, unless the tree is very
+/// uneven.
 const COUNTED_LEVELS: u32 = 14;
 /// Share of the nodes that are tried elsewhere in the tree (Meister and Bittner 2018, "Parallel Reinsertion").
 const REINSERTED_SHARE: f32 = 0.02;
 
-/// A child's meta byte: the number of its primitives in the upper three bits, unary, and their first in the lower five;
-/// an inner child counts as one and has 24 plus its slot there.
+/// Meta bytes of children by number of primitives. The upper three bits hold the number, unary; the lower five hold the
+/// first primitive. An inner child counts as one primitive and holds 24 plus its slot there.
 const COUNTS: [u8; LEAF_SIZE + 1] = [0b000_00000, 0b001_00000, 0b011_00000, 0b111_00000];
 const INNER: u8 = COUNTS[1] | 24;
 const FIRST: u8 = 0b000_11111;
 
-/// Nodes, the root first, and the primitives' indices in the order of the leaves.
+/// Wide nodes, the root first, and the primitives' indices in the order of the leaves.
 pub(super) struct Wide {
     pub nodes: Vec<CwBvhNode>,
     pub order: Vec<u32>,
@@ -49,7 +51,7 @@ pub(super) fn build(boxes: Boxes) -> Wide {
     wide
 }
 
-/// By locally ordered clustering (Meister and Bittner 2018).
+/// Builds the binary hierarchy by locally ordered clustering (Meister and Bittner 2018).
 fn build_binary(Boxes { boxes, primitives }: Boxes) -> Bvh2 {
     let mut binary = PlocBuilder::new().build(PlocSearchDistance::VeryLow, &boxes, primitives, SortPrecision::U64, 2);
     drop(boxes);
@@ -64,7 +66,7 @@ fn widen(binary: &Bvh2) -> Wide {
 }
 
 impl Wide {
-    /// Hangs a hierarchy in, with its root at `place`.
+    /// Attaches a hierarchy, with its root at index `place`.
     fn hang(&mut self, part: Wide, place: usize) {
         let (first_node, first_primitive) = (self.nodes.len() as u32 - 1, self.order.len() as u32);
         let mut moved = part.nodes.iter().map(|node| CwBvhNode {
@@ -78,7 +80,7 @@ impl Wide {
     }
 }
 
-/// The uppermost wide nodes, and what is to hang below them.
+/// Uppermost wide nodes, and the subtrees that will hang below them.
 struct Top<'a> {
     binary: &'a Bvh2,
     counts: HashMap<u32, usize>,
@@ -86,7 +88,7 @@ struct Top<'a> {
     parts: Vec<Part>,
 }
 
-/// A subtree of the binary tree, and where its wide root belongs.
+/// Subtree of the binary tree, and the index at which its wide root belongs.
 struct Part {
     root: u32,
     place: usize,
@@ -100,7 +102,7 @@ impl<'a> Top<'a> {
         top
     }
 
-    /// Makes the binary node `root` the wide one at `place`, or leaves it to be widened later if it is small.
+    /// Makes the binary node `root` the wide node at `place`, or leaves it to be widened later if it is small.
     fn add(&mut self, root: u32, place: usize) {
         if self.counts.get(&root).is_none_or(|&count| count <= SUBTREE_SIZE) {
             self.parts.push(Part { root, place });
@@ -126,8 +128,8 @@ impl<'a> Top<'a> {
         inner.into_iter().for_each(|(child, place)| self.add(child, place));
     }
 
-    /// The node's descendants that become its children: always the largest is opened (Wald et al. 2008, "Getting Rid of
-    /// Packets"), unless it can be a leaf.
+    /// Descendants of a node that become its children. The largest is opened first (Wald et al. 2008, "Getting Rid of
+    /// Packets"), unless it fits into a leaf.
     fn open(&self, root: u32) -> Vec<u32> {
         let mut open = vec![root];
         while open.len() < WIDTH
@@ -146,10 +148,10 @@ impl<'a> Top<'a> {
     }
 }
 
-/// The wide node of `root` alone, without inner children so far, and which of `ends` stands in which slot.
+/// Wide node of `root` alone, without inner children so far, and the member of `ends` in each slot.
 fn encode(binary: &Bvh2, root: u32, ends: &[u32]) -> (CwBvhNode, Vec<(usize, u32)>) {
     let tree = copy(binary, root, |index| ends.contains(&index).then_some(index));
-    // Nothing is gained by a second node for so few.
+    // A second node would gain nothing for so few.
     let CwBvh { nodes, primitive_indices, .. } = bvh2_to_cwbvh(&tree, 1, true, false);
     let node = nodes[0];
     let slots = node.child_meta.iter().enumerate().filter(|(_, meta)| **meta != 0);
@@ -164,7 +166,7 @@ fn subtree(binary: &Bvh2, root: u32) -> Bvh2 {
     })
 }
 
-/// The tree from `root` down to the nodes that `primitive` makes leaves, in an order that is kind to caches.
+/// Copy of the tree from `root` down to the nodes that `primitive` makes leaves, in an order that suits caches.
 fn copy(binary: &Bvh2, root: u32, primitive: impl Fn(u32) -> Option<u32>) -> Bvh2 {
     let mut copy = Bvh2 { nodes: vec![Bvh2Node::default()], ..Bvh2::default() };
     let mut pending = vec![(root, 0)];
@@ -183,7 +185,7 @@ fn copy(binary: &Bvh2, root: u32, primitive: impl Fn(u32) -> Option<u32>) -> Bvh
     copy
 }
 
-/// How many primitives each of the uppermost nodes holds.
+/// Number of primitives below each of the uppermost nodes.
 fn primitive_counts(binary: &Bvh2) -> HashMap<u32, usize> {
     let mut counts = HashMap::new();
     let (mut level, mut parents) = (vec![0], Vec::new());
@@ -212,7 +214,7 @@ fn primitive_count(binary: &Bvh2, root: u32) -> usize {
     count
 }
 
-/// The primitives below `root` if they fit into one leaf.
+/// Primitives below `root` if they fit into one leaf, else `None`.
 fn leaf_primitives(binary: &Bvh2, root: u32) -> Option<Vec<u32>> {
     let (mut found, mut pending) = (Vec::new(), vec![root]);
     while let Some(index) = pending.pop() {

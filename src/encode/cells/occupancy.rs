@@ -1,4 +1,4 @@
-//! Which places of a grid hold surfaces.
+//! Places of a grid that hold surfaces.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,10 +10,10 @@ use crate::encode::bvh::Bvh;
 use crate::generated::constants;
 use crate::generated::layout::PrimitiveRecord;
 
-/// A place reaches this much further than it does, in places: further than the rounding of a point takes it.
+/// Margin around a place, in places: more than the rounding of a point moves it.
 const MARGIN: f32 = 1.0e-3;
 
-/// For every place whether a surface may touch it. No place that one does touch is left out.
+/// Whether a surface may touch each place. Every place that a surface does touch is marked.
 pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
     let occupied: Vec<_> = (0..grid.place_count()).map(|_| AtomicBool::new(false)).collect();
     bvh.primitives.par_iter().for_each(|primitive| {
@@ -30,11 +30,11 @@ fn for_touched(grid: &Grid, primitive: &PrimitiveRecord, mut touch: impl FnMut(U
     Grid::places(from, to).filter(|&place| shape.touches(place)).for_each(&mut touch);
 }
 
-/// A primitive in the grid's coordinates, where places are unit cubes.
+/// Primitive in the grid's coordinates, where places are unit cubes.
 enum Shape {
-    /// Corners, and a plane: normal and where it lies along that.
+    /// Bounds, and the plane through the primitive: its normal, and its offset along the normal.
     Flat { min: Vec3, max: Vec3, normal: Vec3, offset: f32 },
-    /// Center, and the places per unit of length times the radius.
+    /// Center and half axes.
     Ellipsoid { center: Vec3, radii: Vec3 },
 }
 
@@ -62,7 +62,7 @@ impl Shape {
         }
     }
 
-    /// Whether the shape may touch the place, of those within its bounds. The outermost places take what lies outside.
+    /// Whether the shape may touch a place within its bounds. Outermost places also take surfaces beyond the grid.
     fn touches(&self, place: UVec3) -> bool {
         let half = Vec3::splat(0.5 + MARGIN);
         let middle = place.as_vec3() + 0.5;
@@ -99,7 +99,7 @@ mod tests {
         Bvh::build(&[primitive])
     }
 
-    /// Points all over a primitive, by two numbers in [0, 1].
+    /// Point of a primitive from two numbers in [0, 1], which cover all of it.
     fn point(shape: PrimitiveShape, [u, v]: [Vec3; 2], [a, b]: [f32; 2]) -> Vec3 {
         let origin = vec3(0.1, -0.2, 0.3);
         let turn = std::f32::consts::TAU * b;

@@ -1,28 +1,29 @@
-//! Integrals of a clamped cosine over a part of the sphere, along the part's border.
+//! Integrals of a clamped cosine over a part of the sphere, computed along the part's border.
 //!
-//! Stokes' theorem makes the integral of n.w over a part half that of n.(r x dr) around it, counterclockwise (Lambert's formula
-//! for the illumination by a polygon). Of a part that the horizon cuts, what is above it has an arc of the horizon for a
-//! border, along which the integral is its angle.
+//! By Stokes' theorem, the integral of n.w over a part is half the integral of n.(r x dr) around it, counterclockwise
+//! (Lambert's formula for the illumination by a polygon). Where the horizon cuts the part, an arc of the horizon closes
+//! the border above it; the integral along the arc is its angle.
 
 use glam::DVec3;
 
-/// The border of a part of the sphere, smaller than a hemisphere and with curved edges.
+/// Border of a part of the sphere that is smaller than a hemisphere and has curved edges.
 pub(super) struct Border {
     pieces: Vec<Piece>,
 }
 
-/// A short curve, taken for a parabola: its integrals err by the fourth power of its length.
+/// Short curve, approximated by a parabola. The error of its integrals is of the fourth power of its length.
 struct Piece {
     ends: [DVec3; 2],
     linear: DVec3,
     quadratic: DVec3,
 }
 
-/// Halvings that find where a piece meets the horizon, to the last bit of a double.
+/// Number of bisections that find where a piece meets the horizon, to the last bit of a double.
 const HALVINGS: u32 = 52;
 
 impl Border {
-    /// From points around it, counterclockwise seen from outside; every second one is the middle of a piece.
+    /// Border through points around a part, counterclockwise seen from outside. Every second point is the middle of a
+    /// piece.
     pub fn new(points: &[DVec3]) -> Self {
         let next = |at: usize| points[at % points.len()];
         Self {
@@ -33,7 +34,7 @@ impl Border {
     /// Integral of max(0, n.w) over the part, sr.
     pub fn cosine_integral(&self, n: DVec3) -> f64 {
         let mut twice = 0.0;
-        // The first point where the border meets the horizon, from which angles are measured.
+        // First point where the border meets the horizon; angles are measured from it.
         let mut origin = None;
         for piece in &self.pieces {
             let [begins_above, ends_above] = piece.ends.map(|end| end.dot(n) > 0.0);
@@ -57,18 +58,18 @@ impl Piece {
         Self { ends: [start, end], linear, quadratic: 2.0 * (start + end) - 4.0 * middle }
     }
 
-    /// The point at `t` in [0, 1] of it.
+    /// Point of the piece at `t` in [0, 1].
     fn at(&self, t: f64) -> DVec3 {
         self.ends[0] + t * (self.linear + t * self.quadratic)
     }
 
-    /// Integral of r x dr up to there.
+    /// Integral of r x dr from the start of the piece to `t`.
     fn moment(&self, t: f64) -> DVec3 {
         let Self { ends: [start, _], linear, quadratic } = *self;
         t * (start.cross(linear) + t * (start.cross(quadratic) + t / 3.0 * linear.cross(quadratic)))
     }
 
-    /// Where it meets the horizon, on either side of which its ends are.
+    /// Parameter `t` at which the piece meets the horizon. Its ends must lie on either side.
     fn horizon(&self, n: DVec3) -> f64 {
         let begins_above = self.ends[0].dot(n) > 0.0;
         let (mut low, mut high) = (0.0, 1.0);
@@ -81,7 +82,7 @@ impl Piece {
     }
 }
 
-/// By how much one has to turn about `n` to get from a point of the horizon to another, in (-pi, pi].
+/// Angle of the turn about `n` from one point of the horizon to another, in (-pi, pi].
 fn angle_about(n: DVec3, from: DVec3, to: DVec3) -> f64 {
     n.dot(from.cross(to)).atan2(from.dot(to))
 }

@@ -1,9 +1,9 @@
-//! The symmetries of the direction maps that take bins to bins: reflections of the sphere in its coordinate planes, and that
-//! which exchanges x and y.
+//! Symmetries of the direction maps that map bins to bins: reflections of the sphere in its coordinate planes, and the
+//! reflection that exchanges x and y.
 
 use crate::settings::DirectionMap;
 
-/// A symmetry of the sphere, a reflection or several.
+/// Symmetry of the sphere: one reflection or several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Symmetry {
     mirror_x: bool,
@@ -12,8 +12,7 @@ pub(super) struct Symmetry {
     exchange: bool,
 }
 
-/// Those that take the bins of a map of directions, and those of the equal-area map of normals, to bins: of all sixteen not
-/// those that split some.
+/// Symmetries, of all sixteen, that map bins to bins both in a map of directions and in the equal-area map of normals.
 pub(super) fn symmetries(map: DirectionMap, directions: u32, normals: u32) -> Vec<Symmetry> {
     let bit = |i: u32, place: u32| i >> place & 1 == 1;
     let symmetry = |i| Symmetry { mirror_x: bit(i, 0), mirror_y: bit(i, 1), exchange: bit(i, 2), mirror_z: bit(i, 3) };
@@ -26,16 +25,16 @@ impl Symmetry {
         match map {
             // The middle bins of an odd resolution lie in both hemispheres.
             DirectionMap::EqualArea => !self.mirror_z || side.is_multiple_of(2),
-            // These add half a turn and a quarter of one to the azimuth.
+            // The mirror adds half a turn to the azimuth, the exchange a quarter.
             DirectionMap::Cylindrical => {
                 (!self.mirror_x || side.is_multiple_of(2)) && (!self.exchange || side.is_multiple_of(4))
             }
         }
     }
 
-    /// Where it takes a bin of a map of `side * side` bins.
+    /// Image of a bin in a map of `side * side` bins.
     pub fn image(self, map: DirectionMap, bin: u32, side: u32) -> u32 {
-        // Centers of bins in halves of a bin, from the middle of the map.
+        // Centers of bins in units of half a bin, from the middle of the map.
         let side = side as i32;
         let center = |index: u32| 2 * index as i32 + 1 - side;
         let (x, y) = (center(bin % side as u32), center(bin / side as u32));
@@ -62,7 +61,7 @@ impl Symmetry {
         (x, y)
     }
 
-    /// `azimuth` of a whole turn is twice `side`.
+    /// Image of a point of the cylindrical map. A whole turn of `azimuth` is twice `side`.
     fn image_on_cylinder(self, mut azimuth: i32, height: i32, side: i32) -> (i32, i32) {
         if self.mirror_x {
             azimuth = side - azimuth;
@@ -82,7 +81,7 @@ mod tests {
     use glam::{DVec3, dvec3};
 
     use super::*;
-    use crate::reference::direction_map::bin_center;
+    use crate::math::direction_map::bin_center;
 
     fn image_of_direction(symmetry: Symmetry, w: DVec3) -> DVec3 {
         let sign = |mirror: bool| if mirror { -1.0 } else { 1.0 };

@@ -1,20 +1,20 @@
-//! Drawing from a discrete distribution by two look-ups (Walker 1974), built as Vose 1991 does.
+//! Alias tables: draws from a discrete distribution by two look-ups (Walker 1974), built by the method of Vose 1991.
 
-/// One entry: with probability `threshold / 2^32` it is taken, else its alias.
+/// Entry of an alias table: taken with probability `threshold / 2^32`, else its alias is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AliasEntry {
-    /// Of 32 random bits: those below take this entry.
+    /// Threshold for 32 random bits: values below it take this entry.
     pub threshold: u32,
-    /// Another entry.
+    /// Index of the entry that is taken otherwise.
     pub alias: u32,
-    /// With which the whole table yields this entry, thresholds as they are.
+    /// Probability with which the whole table yields this entry, with rounded thresholds.
     pub probability: f32,
 }
 
 const WHOLE: f64 = 4_294_967_296.0;
 
-/// A table that yields entries with probabilities proportional to `weights`, finite and >= 0; all zero where the weights are.
-/// What has no weight is never drawn.
+/// Table that yields entries with probabilities proportional to `weights`, which are finite and >= 0. An entry without
+/// weight is never drawn. Where all weights are zero, all probabilities are zero.
 pub fn alias_table(weights: &[f64]) -> Vec<AliasEntry> {
     let sum: f64 = weights.iter().sum();
     if sum <= 0.0 {
@@ -26,7 +26,7 @@ pub fn alias_table(weights: &[f64]) -> Vec<AliasEntry> {
     table
 }
 
-/// Gives what has less than the mean weight an alias that has more, which pays the difference.
+/// Pairs each entry below the mean weight with an alias above it, which pays the difference.
 fn pair_up(weights: &[f64], sum: f64) -> Vec<AliasEntry> {
     let scale = weights.len() as f64 / sum;
     let mut left: Vec<f64> = weights.iter().map(|weight| weight * scale).collect();
@@ -43,7 +43,7 @@ fn pair_up(weights: &[f64], sum: f64) -> Vec<AliasEntry> {
             small.push(rich);
         }
     }
-    // Rounding alone leaves any over. They keep all of their share, but for those that must have none.
+    // Entries are left over by rounding alone. They keep their whole share, except entries without weight.
     let heaviest = (0..weights.len()).max_by(|&a, &b| weights[a].total_cmp(&weights[b])).unwrap_or(0);
     for weightless in small.into_iter().filter(|&i| weights[i] == 0.0) {
         table[weightless].threshold = 0;

@@ -1,4 +1,5 @@
-//! How directions towards an environment map are drawn: the map cut into blocks, chosen by the light that comes from them.
+//! Sampling of directions towards an environment map: the map is cut into blocks, which are chosen by the light that
+//! comes from them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,29 +10,29 @@ use super::alias_table::{AliasEntry, alias_table};
 use crate::scene::Image;
 use crate::scene::texture::Texels;
 
-/// Most columns and rows of blocks.
+/// Most columns and most rows of blocks.
 const MOST_BLOCKS: [usize; 2] = [512, 256];
-/// Blocks for every texel of a small map along each axis.
+/// Blocks per texel of a small map, along each axis.
 const BLOCKS_PER_TEXEL: usize = 4;
-/// Points of a block along each axis at which the map is looked up.
+/// Number of points along each axis at which the map is looked up in a block, at least.
 const LEAST_POINTS: usize = 2;
 const MOST_POINTS: usize = 16;
-/// Share of its brightest texel that every block counts besides its mean, so that it is drawn wherever it is not black.
+/// Share of its brightest texel that is added to a block's mean, so that every block that is not black can be drawn.
 const BRIGHTEST_SHARE: f64 = 1.0 / 1024.0;
 
-/// A latitude-longitude image: texel centers are spread over the azimuth, the first and the last row are the poles.
+/// Latitude-longitude image. Texel centers are spread over the azimuth; the first and the last row are the poles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentMap {
-    /// Texels of a row, at least 2.
+    /// Number of texels in a row, at least 2.
     pub width: usize,
-    /// Rows, at least 3, from the up axis down.
+    /// Number of rows, at least 3, from the up axis down.
     pub height: usize,
     /// Radiance, finite and >= 0.
     pub texels: Vec<Vec3>,
 }
 
 impl EnvironmentMap {
-    /// Of an image, decoded.
+    /// Map of an image, decoded to linear radiance.
     pub fn new(image: &Image) -> Self {
         let texels = match &image.texels {
             Texels::Bytes { srgb, data } => {
@@ -62,7 +63,7 @@ impl EnvironmentMap {
         row(y0) * (1.0 - down) + row(y0 + 1) * down
     }
 
-    /// The brightest of all texels that the interpolation reads between two coordinates each.
+    /// Brightest of all texels that interpolation reads within a range of each coordinate.
     fn brightest(&self, u: [f64; 2], v: [f64; 2]) -> f64 {
         let column = |u: f64| (u * self.width as f64 - 0.5 + self.width as f64).floor() as usize;
         let row = |v: f64| (v * (self.height - 1) as f64) as usize;
@@ -77,12 +78,12 @@ fn linear_from_srgb(byte: u8) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
-/// The blocks of a map, row by row; each spans as much of both coordinates as any other.
+/// Blocks of a map, row by row. All blocks span equal parts of both coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentTable {
-    /// Blocks of a row.
+    /// Number of blocks in a row.
     pub columns: usize,
-    /// Rows.
+    /// Number of rows.
     pub rows: usize,
     /// One entry per block.
     pub entries: Vec<AliasEntry>,
@@ -91,7 +92,7 @@ pub struct EnvironmentTable {
 }
 
 impl EnvironmentTable {
-    /// Of a map with at least 2 x 3 texels.
+    /// Table for a map with at least 2 x 3 texels.
     pub fn new(map: &EnvironmentMap) -> Self {
         let [columns, rows] =
             [(map.width, MOST_BLOCKS[0]), (map.height, MOST_BLOCKS[1])].map(|(n, most)| most.min(BLOCKS_PER_TEXEL * n));

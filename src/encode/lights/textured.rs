@@ -1,25 +1,26 @@
-//! How bright a textured emitter is on a primitive.
+//! Brightness of a textured emitter on a primitive.
 
 use glam::{DVec2, Vec2, dvec2};
 
 use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
-use crate::reference::texture::sample;
+use crate::scene::texture_lookup::sample;
 use crate::scene::{Image, Texture};
 
-/// Look-ups for all primitives together, and for one at least and at most.
+/// Number of look-ups for all primitives together, and the least and most for one primitive.
 const POINTS: usize = 1 << 20;
 const POINTS_OF_PRIMITIVE: [usize; 2] = [16, 1 << 14];
-/// Share of its brightest texel that a texture counts besides its mean: no part of it is so small that it is never drawn.
+/// Share of its brightest texel that is added to a texture's mean, so that an emitter with small bright parts can be
+/// drawn.
 const BRIGHTEST_SHARE: f64 = 1.0 / 1024.0;
 
-/// Points to look a texture up at on each of so many primitives.
+/// Number of points at which a texture is looked up on each of `primitive_count` primitives.
 pub(super) fn points_for(primitive_count: usize) -> usize {
     let [least, most] = POINTS_OF_PRIMITIVE;
     (POINTS / primitive_count.max(1)).clamp(least, most)
 }
 
-/// Mean of the texture's red, green and blue over the primitive, and a little of their largest values.
+/// Mean of the texture's red, green and blue over the primitive, plus [`BRIGHTEST_SHARE`] of the largest.
 pub(super) fn brightness(
     texture: &Texture,
     images: &[Image],
@@ -38,7 +39,7 @@ fn even_point(i: usize) -> DVec2 {
     (0.5 + (i + 1) as f64 * dvec2(1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC))).fract()
 }
 
-/// Texture coordinates of a point of the primitive; where `u` is uniform on the unit square, so is the point in area.
+/// Texture coordinates of a point on the primitive. For `u` uniform on the unit square, the point is uniform in area.
 fn coordinates(primitive: &PrimitiveRecord, attributes: &AttributeRecord, u: DVec2) -> DVec2 {
     match primitive.flags & constants::PRIMITIVE_SHAPE_MASK {
         constants::SHAPE_TRIANGLE => {
@@ -86,7 +87,7 @@ mod tests {
             let found = brightness(&checkerboard(), &[], &primitive, &bytemuck::Zeroable::zeroed(), 4096);
             assert!((found - 0.5).abs() < 0.01, "{found}");
         }
-        // The inner half of the radius is a quarter of a disk.
+        // The inner half of the radius covers a quarter of a disk.
         let primitive = PrimitiveRecord { flags: constants::SHAPE_DISK, ..bytemuck::Zeroable::zeroed() };
         let texture = Texture { to_uv: Mat3::from_scale(glam::vec2(1.0, 0.0)), ..checkerboard() };
         let found = brightness(&texture, &[], &primitive, &bytemuck::Zeroable::zeroed(), 4096);

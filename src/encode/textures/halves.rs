@@ -2,23 +2,25 @@
 
 use half::f16;
 
-/// Halves reach 65504; the largest value of an image is brought to at most this, which leaves small ones the most digits.
+/// Exponent of the limit to which an image's largest value is scaled. Halves reach 65504; a large scale keeps the most
+/// digits of small values.
 const LARGEST_EXPONENT: f32 = 15.0;
 
-/// What the halves of these values are to be multiplied by: a power of two, so that an image of halves stays as it is.
+/// Factor by which the halves of these values must be multiplied. It is a power of two, so an image of halves stays
+/// exact.
 pub fn scale(values: impl Iterator<Item = f32>) -> f32 {
     let largest = values.fold(0.0f32, |largest, value| largest.max(value.abs()));
-    // A power that is itself an ordinary number, whatever the image.
+    // The limit keeps the power of two a normal number for any image.
     (largest.max(f32::MIN_POSITIVE).log2().ceil() - LARGEST_EXPONENT).max(-100.0).exp2()
 }
 
-/// Red and green in the first word of a texel, blue and alpha in the second.
+/// Words of a texel: red and green in the first, blue and alpha in the second.
 pub fn words(texel: [f32; 4], scale: f32) -> [u32; 2] {
     let [red, green, blue, alpha] = texel.map(|value| u32::from(f16::from_f32(value / scale).to_bits()));
     [red | green << 16, blue | alpha << 16]
 }
 
-/// The words of several texels.
+/// Writes the words of several texels.
 pub(super) fn write(target: &mut [u32], texels: &[[f32; 4]], scale: f32) {
     for (pair, texel) in target.chunks_exact_mut(2).zip(texels) {
         pair.copy_from_slice(&words(*texel, scale));

@@ -1,5 +1,5 @@
-//! Textures as the kernels read them (`glsl/include/texture/textures.glsl`): a record each, and the words of their images, together
-//! with the tables that materials refer to. CPU only.
+//! Textures as the kernels read them (`glsl/include/texture/textures.glsl`): one record each, and the words of their
+//! images, together with the tables that materials refer to. CPU only.
 
 pub(crate) mod halves;
 mod records;
@@ -12,7 +12,7 @@ pub use words::TexelWords;
 
 /// All textures of a scene.
 pub struct PackedTextures {
-    /// One of each texture.
+    /// One record per texture.
     pub records: Vec<TextureRecord>,
     /// Words that records and materials refer to.
     pub words: TexelWords,
@@ -21,13 +21,13 @@ pub struct PackedTextures {
 }
 
 impl PackedTextures {
-    /// `tables` are words that come first; images that no texture shows are left out.
+    /// Packs textures and the images that they show. The words of `tables` come first.
     pub fn new(textures: &[Texture], images: &[Image], tables: Vec<u32>) -> Self {
         let words = TexelWords::new(tables, images, &records::used_images(textures, images));
         Self { records: records::records(textures, images, &words), words, kinds: records::kinds(textures, images) }
     }
 
-    /// Texels of the largest buffer.
+    /// Number of 16-byte texels of the largest buffer.
     pub fn longest(&self) -> u64 {
         let records = size_of_val(&self.records[..]) / TEXEL_BYTES;
         self.words.longest_page().max(records) as u64

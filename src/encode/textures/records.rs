@@ -1,4 +1,4 @@
-//! The records of textures: `TextureRecord`.
+//! Records of textures: `TextureRecord`.
 
 use super::halves;
 use super::words::TexelWords;
@@ -6,7 +6,7 @@ use crate::generated::constants;
 use crate::generated::layout::TextureRecord;
 use crate::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
 
-/// Which images a texture shows; others belong to an environment.
+/// Whether a texture shows each image; the other images belong to an environment.
 pub(super) fn used_images(textures: &[Texture], images: &[Image]) -> Vec<bool> {
     let mut used = vec![false; images.len()];
     for texture in textures {
@@ -22,7 +22,7 @@ pub(super) fn kinds(textures: &[Texture], images: &[Image]) -> u32 {
     textures.iter().fold(0, |bits, texture| bits | kind(texture, images))
 }
 
-/// The record of every texture.
+/// Records of all textures.
 pub(super) fn records(textures: &[Texture], images: &[Image], words: &TexelWords) -> Vec<TextureRecord> {
     textures.iter().map(|texture| record(texture, images, words)).collect()
 }
@@ -31,7 +31,7 @@ fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRec
     let [u, v, w] = texture.to_uv.to_cols_array_2d();
     let plain = TextureRecord {
         kind: kind(texture, images),
-        // Of a checkerboard, too, for it is fetched with the rest.
+        // A checkerboard needs a size too, because kernels fetch it with the rest of the record.
         size: [1; 2],
         u_row: [u[0], v[0], w[0]],
         v_row: [u[1], v[1], w[1]],

@@ -1,4 +1,4 @@
-//! What the kernels read word by word: the texels of images, and tables that materials refer to.
+//! Words that the kernels read: the texels of images, and tables that materials refer to.
 
 use bytemuck::cast_slice;
 
@@ -7,14 +7,14 @@ use crate::generated::constants;
 use crate::scene::texel_pages::{PAGE_WORDS, place, word_count};
 use crate::scene::texture::{Image, Texels};
 
-/// Words by page, and where in them each image lies.
+/// Words by page, and the address of each image among them.
 pub struct TexelWords {
     pages: Vec<Vec<u32>>,
     addresses: Vec<Option<u32>>,
 }
 
 impl TexelWords {
-    /// The tables, then those of the `images` that are used. The loader has seen to it that they fit.
+    /// Words of the tables, then words of the used images. The loader has checked that they fit.
     pub(super) fn new(tables: Vec<u32>, images: &[Image], used: &[bool]) -> Self {
         let indices: Vec<usize> = (0..images.len()).filter(|&i| used[i]).collect();
         let counts: Vec<u64> = indices.iter().map(|&i| word_count(&images[i])).collect();
@@ -47,12 +47,12 @@ impl TexelWords {
         &self.pages
     }
 
-    /// Words of the longest page.
+    /// Number of words of the longest page.
     pub fn longest_page(&self) -> usize {
         self.pages.iter().map(Vec::len).max().unwrap_or(0)
     }
 
-    /// The address of an image's first word; `None` where no texture uses it.
+    /// Address of an image's first word; `None` where no texture uses it.
     pub(super) fn address(&self, image: u32) -> Option<u32> {
         self.addresses[image as usize]
     }

@@ -11,34 +11,34 @@ use glam::{Vec2, Vec3};
 
 use crate::{Error, Result};
 
-/// Meshes are kept whole while they are read; a larger file is a mistake.
+/// Largest mesh file in bytes. Meshes are kept whole while they are read, and a larger file is a mistake.
 const MAX_FILE_BYTES: u64 = 8 << 30;
 
-/// Triangles of a scene at most, copies of instances included: what the devices at hand can address, three texels each.
+/// Most triangles of a scene, copies of instances included. Devices can address this many at three texels each.
 pub(super) const MAX_TRIANGLES: usize = 1 << 25;
 
-/// Says that a face is a point or a line.
+/// Message about a face that is a point or a line.
 pub(super) const TOO_FEW_VERTICES: &str = "a face needs at least three vertices";
 
-/// One mesh. Vertices that differ in anything are different ones, as in Mitsuba, so that smooth normals do not go across
-/// seams of the texture.
+/// One mesh. Vertices that differ in any attribute are kept apart, as in Mitsuba, so that smooth normals do not cross
+/// texture seams.
 #[derive(Debug, Default)]
 pub(super) struct Mesh {
     pub positions: Vec<Vec3>,
-    /// One per vertex, of any length, zero where the file gives none; empty where it gives none at all.
+    /// One normal per vertex, of any length, zero where the file gives none; empty where no vertex has one.
     pub normals: Vec<Vec3>,
-    /// One per vertex, as in the file; empty where it has none.
+    /// One texture coordinate per vertex, as in the file; empty where it has none.
     pub uvs: Vec<Vec2>,
-    /// Indices of vertices.
+    /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A kind of mesh file.
+/// Formats of mesh files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum MeshFormat {
     Obj,
     Ply,
-    /// Mitsuba's own, and which of the file's meshes.
+    /// Mitsuba's `serialized` format, with the index of the mesh within the file.
     Serialized(usize),
 }
 

@@ -1,8 +1,8 @@
-//! Wavefront OBJ, read by `tobj`: positions, texture coordinates, normals and faces. All else, grouping too, is passed
-//! over: smooth normals go across objects, as in Mitsuba.
+//! Wavefront OBJ, read by `tobj`: positions, texture coordinates, normals and faces. Other lines are skipped. Grouping
+//! is skipped too, so smooth normals continue across objects, as in Mitsuba.
 //!
-//! `tobj` takes some lines otherwise than Mitsuba does, or silently for something else. It gets such a line in plain
-//! words, or not at all.
+//! `tobj` reads some lines differently from Mitsuba, or misreads them without an error. Such lines are rewritten before
+//! `tobj` sees them, or refused.
 
 use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
@@ -11,34 +11,34 @@ use super::words::Words;
 use super::{MAX_TRIANGLES, Mesh, TOO_FEW_VERTICES, add_polygon};
 use crate::{Error, Result};
 
-/// The mesh in the OBJ file at `path`, which holds `text`.
+/// Reads the mesh in the OBJ file at `path`, which holds `text`.
 pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Mesh> {
     if let Ok(mesh) = Lines::new(text, None).mesh() {
         return Ok(mesh);
     }
-    // The second look checks each line, with totals known, so that it names the line that is wrong.
+    // The second pass knows the totals and checks each line, so that the error names the faulty line.
     let mut lines = Lines::new(text, Some(totals(text)));
     lines.mesh().map_err(|message| Error::scene(path, Some(lines.line), message))
 }
 
-/// How many positions, texture coordinates and normals there are.
+/// Numbers of positions, texture coordinates and normals in the file.
 type Totals = [usize; 3];
 const KEYWORDS: [&str; 3] = ["v", "vt", "vn"];
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
-/// Numbers of each kind.
+/// Components of each kind.
 const SIZES: [usize; 3] = [3, 2, 3];
 
-/// Numbers without exponent are finite in a line of at most so many bytes.
+/// Length in bytes up to which a line of numbers without exponents has only finite numbers.
 const FINITE_BYTES: usize = 38;
-/// Indices of a corner of at most so many bytes are far from overflow.
+/// Length in bytes up to which the indices of a corner are far from overflow.
 const CORNER_BYTES: usize = 18;
 
-/// Indices into positions, texture coordinates and normals, from 1.
+/// Indices into positions, texture coordinates and normals, counted from 1.
 type Corner = [Option<usize>; 3];
 
-/// What a line says, by its first word.
+/// Kinds of lines, by their first word.
 enum Keyword {
-    /// Numbers of this kind.
+    /// Numbers of the kind with this index in [`KEYWORDS`].
     Numbers(usize),
     Face,
     Other,
@@ -68,22 +68,23 @@ fn totals(text: &[u8]) -> Totals {
     }
 }
 
-/// Lines of a mesh as `tobj` gets them. A plain line goes as it stands, another one is checked and rewritten.
+/// Lines of a mesh as `tobj` gets them. A plain line is passed on as it is; any other line is checked and rewritten.
 struct Lines<'a> {
     rest: &'a [u8],
     /// The current line, counted from 1.
     line: u32,
-    /// What is left of a plain line.
+    /// Rest of a plain line that `tobj` has not taken yet.
     plain: &'a [u8],
-    /// A rewritten line, and how much of it is taken.
+    /// Rewritten line, of which `tobj` has taken the first `taken` bytes.
     rewritten: Vec<u8>,
     taken: usize,
-    /// What has been read so far.
+    /// Positions, texture coordinates and normals read so far.
     counts: Totals,
     faces: usize,
     /// Whether corners of rewritten faces have an index of each kind.
     has: [bool; 3],
-    /// Given for the second look: no line counts as plain, and corners that lack an index get one past the last, zero.
+    /// Totals of the file, for the second pass only. Then no line counts as plain, and a corner without an index gets
+    /// one past the last, which refers to an appended zero.
     totals: Option<Totals>,
     polygon: Vec<Corner>,
     fault: Option<String>,
@@ -106,12 +107,12 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The mesh of all lines, or what is wrong with the current one.
+    /// Reads the mesh of all lines. An error is about the current line.
     fn mesh(&mut self) -> Result<Mesh, String> {
         let options = tobj::LoadOptions { single_index: true, ..Default::default() };
         let read = tobj::load_obj_buf(self, &options, |_| Ok(Default::default()));
         let (models, _) = read.map_err(|error| self.fault.take().unwrap_or_else(|| error.to_string()))?;
-        // Without names of objects and materials there is one model.
+        // There is one model, because names of objects and materials were skipped.
         let mesh = models.into_iter().next().ok_or("there is no mesh")?.mesh;
         Ok(Mesh {
             uvs: bytemuck::cast_slice(self.complete(1, &mesh.texcoords, &mesh)?).to_vec(),
@@ -121,7 +122,8 @@ impl<'a> Lines<'a> {
         })
     }
 
-    /// The `numbers` of a kind if each vertex has some, none if no vertex has. `tobj` leaves gaps out: the rest slips.
+    /// Returns the `numbers` of a kind if every vertex has them, and nothing if no vertex has. If only some have, it is
+    /// an error: `tobj` leaves gaps out, so later numbers would belong to wrong vertices.
     fn complete<'b>(&self, kind: usize, numbers: &'b [f32], mesh: &tobj::Mesh) -> Result<&'b [f32], String> {
         let is_complete = numbers.len() / SIZES[kind] == mesh.positions.len() / SIZES[0];
         match self.totals {
@@ -132,7 +134,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Makes the next line that counts ready, or none at the end.
+    /// Prepares the next line for `tobj`; at the end of the file there is none.
     fn advance(&mut self) -> Result<(), String> {
         self.rewritten.clear();
         self.taken = 0;
@@ -169,17 +171,18 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
-    /// Whether `tobj` reads the line as it is meant, or refuses it.
+    /// Whether `tobj` reads the line as Mitsuba does, or refuses it.
     fn is_plain(&self, keyword: &Keyword, line: &[u8]) -> bool {
         let line = line.trim_ascii_end();
         match *keyword {
             Keyword::Numbers(kind) => line.strip_prefix(KEYWORDS[kind].as_bytes()).is_some_and(|numbers| {
                 let blanks = numbers.iter().filter(|&&byte| byte == b' ').count();
                 let is_plain = |&byte: &u8| byte == b' ' || (b'-'..=b'9').contains(&byte);
-                // More than three numbers are divided by the fourth, or are a color; elsewhere they are passed over.
+                // `tobj` divides three numbers by a fourth and takes six for a color. In other lines it ignores more
+                // numbers.
                 numbers.len() <= FINITE_BYTES && (kind > 0 || blanks == SIZES[0]) && numbers.iter().all(is_plain)
             }),
-            // Where there is nothing to refer to, `tobj` passes over indices, whatever they are.
+            // Where the file has no texture coordinates or normals so far, `tobj` ignores their indices unchecked.
             Keyword::Face => {
                 self.counts[1] > 0 && self.counts[2] > 0 && line.strip_prefix(b"f").is_some_and(is_plain_face)
             }
@@ -232,7 +235,7 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
-    /// `position`, `position/uv`, `position//normal` or `position/uv/normal`.
+    /// Parses a corner: `position`, `position/uv`, `position//normal` or `position/uv/normal`.
     fn corner(&self, word: &[u8]) -> Result<Corner, String> {
         let word = String::from_utf8_lossy(word);
         let mut corner = [None; 3];
@@ -247,7 +250,7 @@ impl<'a> Lines<'a> {
         Ok(corner)
     }
 
-    /// From 1, or relative to what has been read so far, to from 1.
+    /// Parses an index that counts from 1, or if negative back from the last one read. Returns it counted from 1.
     fn index(&self, kind: usize, index: &str) -> Option<usize> {
         let limit = self.totals.map_or(u32::MAX as usize, |totals| totals[kind]);
         let distance: isize = index.parse().ok()?;
@@ -293,7 +296,7 @@ impl Read for Lines<'_> {
     }
 }
 
-/// Whether corners are parted by single spaces, and have up to three indices from 1 or none.
+/// Whether corners are separated by single spaces, and have up to three indices that are absent or at least 1.
 fn is_plain_face(corners: &[u8]) -> bool {
     let (mut length, mut slashes, mut before) = (0, 0, b' ');
     for &byte in corners {

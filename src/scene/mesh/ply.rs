@@ -1,5 +1,5 @@
-//! Polygon files (PLY), as text or binary of either byte order. What is not needed is passed over; no count that a file
-//! gives is trusted, so memory grows only as data arrives.
+//! Polygon files (PLY), as text or binary of either byte order. Unneeded properties are skipped. Counts in the file are
+//! not trusted: memory grows only with the data that arrives.
 
 use std::path::Path;
 
@@ -9,14 +9,14 @@ use super::words::Words;
 use super::{Mesh, add_polygon};
 use crate::{Error, Result};
 
-/// The mesh in the PLY file at `path`, which holds `bytes`.
+/// Reads the mesh in the PLY file at `path`, which holds `bytes`.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Mesh> {
     let fault = |(line, message): (Option<u32>, String)| Error::scene(path, line, message);
     let (header, source) = read_header(bytes).map_err(fault)?;
     read_body(&header, source).map_err(fault)
 }
 
-/// The line, of a text, and what is wrong there.
+/// Line of the fault (for text files) and message.
 type Fault = (Option<u32>, String);
 
 #[derive(Clone, Copy)]
@@ -26,7 +26,7 @@ enum Encoding {
     BigEndian,
 }
 
-/// A kind of number.
+/// Number types of PLY properties.
 #[derive(Clone, Copy, PartialEq)]
 enum Scalar {
     I8,
@@ -42,7 +42,7 @@ enum Scalar {
 struct Property {
     name: String,
     scalar: Scalar,
-    /// The kind of a list's length.
+    /// Number type of a list's length; `None` where the property is no list.
     length: Option<Scalar>,
 }
 
@@ -76,7 +76,7 @@ fn read_header(bytes: &[u8]) -> Result<(Vec<Element>, Source<'_>), Fault> {
                 return Ok((elements, Source { encoding, words }));
             }
             [] | b"comment" | b"obj_info" => {}
-            word => return Err(fault(format!("`{}` has no meaning in a PLY header", text(word)))),
+            word => return Err(fault(format!("`{}` is not a keyword of PLY headers", text(word)))),
         }
     }
     Err((Some(words.line()), "the header does not end: is the file cut short?".to_string()))
@@ -124,14 +124,14 @@ fn text(word: &[u8]) -> String {
     String::from_utf8_lossy(word).into_owned()
 }
 
-/// What follows the header.
+/// Content of the file after the header.
 struct Source<'a> {
     encoding: Encoding,
     words: Words<'a>,
 }
 
 impl Source<'_> {
-    /// The next number; `None` where the file ends.
+    /// Reads the next number; `None` where the file ends.
     fn number(&mut self, scalar: Scalar) -> Result<Option<f64>, String> {
         match self.encoding {
             Encoding::Text => self.word(),
@@ -172,7 +172,7 @@ impl Source<'_> {
         })
     }
 
-    /// The line that has been reached, of a text.
+    /// Current line of a text file; `None` for a binary one.
     fn line(&self) -> Option<u32> {
         matches!(self.encoding, Encoding::Text).then(|| self.words.line())
     }
@@ -189,7 +189,7 @@ impl Scalar {
     }
 }
 
-/// What is kept of a vertex, each under any of its names.
+/// Property names of the numbers that are kept for a vertex; a number may have several names.
 const VERTEX_NUMBERS: [&[&str]; 8] =
     [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
 
@@ -205,14 +205,14 @@ fn read_items(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result
     match element.name.as_str() {
         "vertex" => read_vertices(element, source, mesh),
         "face" => read_faces(element, source, mesh),
-        // Nothing is stored for items without properties, however many.
+        // Items without properties take no space in the file, so they are not counted through.
         _ if element.properties.is_empty() => Ok(()),
         _ => (0..element.count).try_for_each(|_| element.read(source, |_, _| Ok(()))),
     }
 }
 
 impl Element {
-    /// Reads one item; `keep` is given each number with its property's place. Of a list it gets the numbers one by one.
+    /// Reads one item. `keep` is called with each number and its property's index; a list gives its numbers one by one.
     fn read(&self, source: &mut Source, mut keep: impl FnMut(usize, f64) -> Result<(), String>) -> Result<(), String> {
         for (place, property) in self.properties.iter().enumerate() {
             let length = match property.length {
@@ -232,7 +232,7 @@ impl Element {
         })
     }
 
-    /// Where a property of one of these names stands, a list or not.
+    /// Index of the property that has one of these names and is a list or not.
     fn place(&self, names: &[&str], is_list: bool) -> Option<usize> {
         let is_it = |p: &Property| names.contains(&p.name.as_str()) && p.length.is_some() == is_list;
         self.properties.iter().position(is_it)

@@ -1,4 +1,4 @@
-//! Mitsuba's `serialized` meshes, versions 3 and 4: several compressed meshes, then a table of where each begins.
+//! Mitsuba's `serialized` meshes, versions 3 and 4: several compressed meshes, then a table of their offsets.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -11,20 +11,21 @@ use super::{MAX_TRIANGLES, Mesh};
 use crate::{Error, Result};
 
 const MAGIC: u64 = 0x041c;
-/// What a mesh has, and that its numbers are doubles. Mitsuba 3 pays no heed to the flag for flat shading (0x10).
+/// Flags: attributes that the mesh has, and whether its numbers are doubles. The flag for flat shading (0x10) is
+/// ignored, as in Mitsuba 3.
 const NORMALS: u32 = 0x1;
 const UVS: u32 = 0x2;
 const COLORS: u32 = 0x8;
 const DOUBLES: u32 = 0x2000;
 
-/// Reads the mesh number `index` of the file at `path`, and no other.
+/// Reads mesh number `index` of the file at `path`, and no other.
 pub(super) fn read(path: &Path, index: usize) -> Result<Mesh> {
     let file = File::open(path).map_err(Error::read(path))?;
     read_mesh(BufReader::new(file), index).map_err(|message| Error::scene(path, None, message))
 }
 
 fn read_mesh<R: BufRead + Seek>(mut file: R, index: usize) -> Result<Mesh, String> {
-    let version = version(&mut file).ok_or("this is not a serialized mesh: it begins otherwise")?;
+    let version = version(&mut file).ok_or("this is not a serialized mesh: its first bytes are wrong")?;
     if version != 3 && version != 4 {
         return Err(format!("version {version} of serialized meshes is not supported; write 3 or 4"));
     }
@@ -32,19 +33,19 @@ fn read_mesh<R: BufRead + Seek>(mut file: R, index: usize) -> Result<Mesh, Strin
         let offset = offset(&mut file, version, index)?;
         let own = file.seek(SeekFrom::Start(offset)).ok().and_then(|_| self::version(&mut file));
         if own != Some(version) {
-            return Err(format!("the table of meshes is wrong: number {index} does not begin where it says"));
+            return Err(format!("the table of meshes is wrong: no mesh begins at the offset of number {index}"));
         }
     }
     Stream { bytes: BufReader::new(ZlibDecoder::new(file)), doubles: false }.mesh(version)
 }
 
-/// The version that a mesh says it has.
+/// Version in a mesh's header; `None` where it is no serialized mesh.
 fn version(file: &mut impl Read) -> Option<u64> {
     let header: [u8; 4] = take(file).ok()?;
     (number(&header[..2]) == MAGIC).then(|| number(&header[2..]))
 }
 
-/// Where a mesh begins. The table stands at the end, and after it how many entries it has.
+/// Offset of a mesh in bytes. The table of offsets stands at the end of the file, followed by its number of entries.
 fn offset<R: Read + Seek>(file: &mut R, version: u64, index: usize) -> Result<u64, String> {
     let cut = |_| "the table of meshes at the end is cut short".to_string();
     let count_at = file.seek(SeekFrom::End(-4)).map_err(cut)?;
@@ -66,12 +67,12 @@ fn take<const N: usize>(file: &mut impl Read) -> io::Result<[u8; N]> {
     Ok(bytes)
 }
 
-/// Up to eight bytes as a number, the lowest first.
+/// Little-endian number of up to eight bytes.
 fn number(bytes: &[u8]) -> u64 {
     bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte))
 }
 
-/// The decompressed content of a mesh.
+/// Decompressed content of a mesh.
 struct Stream<R> {
     bytes: R,
     doubles: bool,
@@ -102,7 +103,7 @@ impl<R: Read> Stream<R> {
         Ok(mesh)
     }
 
-    /// A count that is not beyond what could be rendered: few compressed bytes may make many.
+    /// Reads a count and checks it against the largest mesh: few compressed bytes may expand to many.
     fn count(&mut self, what: &str) -> Result<usize, String> {
         let count = number(&self.take::<8>()?);
         let limit = 3 * MAX_TRIANGLES;
@@ -113,7 +114,7 @@ impl<R: Read> Stream<R> {
     }
 
     fn vectors<const N: usize, V: From<[f32; N]>>(&mut self, count: usize) -> Result<Vec<V>, String> {
-        // Grows as data comes.
+        // The vector grows as data arrives, because the count is not trusted.
         let mut vectors = Vec::new();
         for _ in 0..count {
             let mut vector = [0.0; N];

@@ -1,6 +1,6 @@
 //! Words and numbers of a text mesh, line by line.
 
-/// A place in a text.
+/// Position within a text.
 pub(super) struct Words<'a> {
     text: &'a [u8],
     at: usize,
@@ -12,12 +12,12 @@ impl<'a> Words<'a> {
         Self { text, at: 0, line: 1 }
     }
 
-    /// The current line, counted from 1.
+    /// Current line, counted from 1.
     pub fn line(&self) -> u32 {
         self.line
     }
 
-    /// The next word of the current line; empty at its end.
+    /// Reads the next word of the current line; empty at its end.
     pub fn next(&mut self) -> &'a [u8] {
         let rest = &self.text[self.at..];
         let blanks = rest.iter().take_while(|&&byte| byte <= b' ' && byte != b'\n').count();
@@ -27,7 +27,7 @@ impl<'a> Words<'a> {
         &rest[..length]
     }
 
-    /// The next words of the current line as finite numbers.
+    /// Reads the next words of the current line as finite numbers.
     pub fn floats<const N: usize>(&mut self) -> Result<[f32; N], String> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -40,7 +40,7 @@ impl<'a> Words<'a> {
         Ok(numbers)
     }
 
-    /// The next `count` bytes, whatever they are; `None` where there are fewer.
+    /// Reads the next `count` bytes, whatever they are; `None` where there are fewer.
     pub fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
         let bytes = self.text.get(self.at..self.at.checked_add(count)?)?;
         self.at += count;
@@ -64,20 +64,20 @@ impl<'a> Words<'a> {
     }
 }
 
-/// A finite number, rounded correctly.
+/// Parses a finite number, correctly rounded.
 pub(super) fn parse_float(word: &[u8]) -> Result<f32, String> {
     let parse = || std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
     let number = short_decimal(word).or_else(parse).filter(|number| number.is_finite());
     number.ok_or_else(|| format!("`{}` is not a finite number", String::from_utf8_lossy(word)))
 }
 
-/// Digits of a number that is exact as a double, as is its power of ten.
+/// Most digits of a decimal whose mantissa and power of ten are both exact as a double.
 const EXACT_DIGITS: usize = 15;
 const POWERS: [f64; EXACT_DIGITS + 1] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// A decimal of few digits and without exponent, which is how meshes are mostly written: a single division rounds it
-/// correctly (Clinger 1990). `None` where that is not so.
+/// Parses a decimal of few digits without exponent, the usual form in meshes: a single division rounds it correctly
+/// (Clinger 1990). `None` for other forms, and for numbers midway between two singles.
 fn short_decimal(word: &[u8]) -> Option<f32> {
     let (is_negative, digits) = match word {
         [b'-', digits @ ..] => (true, digits),
@@ -98,7 +98,7 @@ fn short_decimal(word: &[u8]) -> Option<f32> {
         }
     }
     let number = mantissa as f64 / POWERS[places];
-    // Midway between two singles it matters which way the double was rounded.
+    // Midway between two singles, the rounding of the double could decide the result.
     let is_midway = number.to_bits() & 0x1fff_ffff == 0x1000_0000;
     (!is_midway).then_some(if is_negative { -number } else { number } as f32)
 }
@@ -119,7 +119,8 @@ mod tests {
 
     #[test]
     fn ties_are_left_to_others() {
-        // Midway between 16777216 and 16777218: to even; and a little beyond, which a double does not tell from it.
+        // 16777217 is midway between 16777216 and 16777218 and rounds to even. A double cannot tell a number slightly
+        // above from it.
         assert_eq!(short_decimal(b"16777217"), None);
         assert_eq!(parse_float(b"16777217.00000001"), Ok(16_777_218.0));
         assert_eq!(parse_float(b"-0").map(f32::to_bits), Ok((-0.0_f32).to_bits()));

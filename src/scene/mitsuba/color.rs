@@ -1,4 +1,4 @@
-//! Colors, as linear sRGB.
+//! Colors as linear sRGB.
 
 use glam::Vec3;
 
@@ -6,8 +6,9 @@ use super::element::Element;
 use super::spectrum::SpectrumUse;
 use super::{numbers, spectrum};
 use crate::Result;
+use crate::math::srgb::linear_from_srgb;
 
-/// The color that a `<rgb>`, `<srgb>`, `<spectrum>` or `<float>` names; no channel is negative.
+/// Color of a `<rgb>`, `<srgb>`, `<spectrum>` or `<float>`. Negative channels are an error.
 pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<Vec3> {
     let color = parse_signed(element, spectrum_use)?;
     match color.to_array().iter().find(|&&channel| channel < 0.0) {
@@ -16,7 +17,7 @@ pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<Vec3
     }
 }
 
-/// The same, of any sign: an index of refraction that a fit has left negative in one channel, say.
+/// Color whose channels may be negative, such as an index of refraction that a fit has left negative in one channel.
 pub(super) fn parse_signed(element: &Element, spectrum_use: SpectrumUse) -> Result<Vec3> {
     let color = match element.tag.as_str() {
         "blackbody" => return Err(element.error("<blackbody> is not supported; give the color as <rgb>")),
@@ -31,7 +32,7 @@ fn parse_spectrum(element: &Element, spectrum_use: SpectrumUse) -> Result<[f64; 
     match element.attribute("value") {
         Some(value) if !value.contains(':') => match numbers::list(element, value)?[..] {
             [value] => Ok(spectrum::uniform(value, spectrum_use)),
-            // Mitsuba 0.6 took three numbers for a color.
+            // Mitsuba 0.6 accepts three numbers as a color.
             [red, green, blue] => Ok([red, green, blue]),
             _ => Err(element.error(format!("`{value}` should be one number, three, or wavelength:value pairs"))),
         },
@@ -62,9 +63,4 @@ fn parse_hex(element: &Element, digits: &str) -> Result<[f64; 3]> {
         return Err(malformed());
     }
     Ok([bits >> 16, bits >> 8 & 255, bits & 255].map(|channel| f64::from(channel) / 255.0))
-}
-
-/// The inverse of the sRGB curve (IEC 61966-2-1).
-pub(super) fn linear_from_srgb(value: f64) -> f64 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

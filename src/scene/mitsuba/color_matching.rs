@@ -1,13 +1,13 @@
-//! The CIE 1931 standard observer and the CIE standard illuminant D65.
+//! CIE 1931 standard observer and CIE standard illuminant D65.
 
-/// Wavelength of the first row, nanometers.
+/// Wavelength of the first row, in nanometers.
 pub(super) const FIRST: f64 = 360.0;
-/// Wavelength of the last row, nanometers.
+/// Wavelength of the last row, in nanometers.
 pub(super) const LAST: f64 = 830.0;
-/// Nanometers between rows.
+/// Distance between rows, in nanometers.
 const STEP: f64 = 5.0;
 
-/// The observer's `x`, `y`, `z` and the illuminant as Mitsuba scales it. Printed by `tests/data/color_matching.py`.
+/// Observer's `x`, `y`, `z` and the illuminant as Mitsuba scales it. Printed by `tests/data/color_matching.py`.
 #[rustfmt::skip]
 const ROWS: [[f64; 4]; 95] = [
     [0.0001299, 0.000003917, 0.0006061, 0.471106261],
@@ -107,7 +107,7 @@ const ROWS: [[f64; 4]; 95] = [
     [0.000001251, 0.000000452, 0.0, 0.609233081],
 ];
 
-/// The observer's `x`, `y`, `z` and the illuminant at a wavelength in nanometers, from [`FIRST`] to [`LAST`].
+/// Observer's `x`, `y`, `z` and the illuminant at a wavelength in nanometers, from [`FIRST`] to [`LAST`].
 pub(super) fn at(wavelength: f64) -> [f64; 4] {
     let position = (wavelength - FIRST) / STEP;
     let row = (position as usize).min(ROWS.len() - 2);

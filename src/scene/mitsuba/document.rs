@@ -1,4 +1,4 @@
-//! XML text to [`Element`]s: `<default>`, `$name`, `-D` and `<include>` are dealt with here and seen nowhere else.
+//! XML text to [`Element`]s. `<default>`, `$name`, `-D` and `<include>` are resolved here and seen nowhere else.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -9,15 +9,15 @@ use roxmltree::{Document, Node};
 use super::element::{Element, Location, OBJECT_TAGS, PARAMETER_TAGS};
 use crate::{Error, Result};
 
-/// Scene files describe; the bulk lies in meshes. A larger one is a mistake.
+/// Largest scene file in bytes. The bulk of a scene lies in meshes, so a larger file is a mistake.
 const MAX_FILE_BYTES: u64 = 64 << 20;
 const MAX_INCLUDE_DEPTH: usize = 16;
-/// Far above any plugin nesting, far below what recursion over the tree can take.
+/// Deepest nesting of elements: far above any nesting of plugins, far below the limit of recursion.
 const MAX_ELEMENT_DEPTH: usize = 64;
 
 const TRANSFORM_TAGS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
 
-/// Reads the file at `path` with all its includes; the elements returned stood directly in `<scene>`.
+/// Reads the file at `path` with all its includes. Returns the elements that stand directly in `<scene>`.
 pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Vec<Element>> {
     let mut reader = Reader {
         top_folder: folder(path),
@@ -35,12 +35,13 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Vec<Elem
     Ok(elements)
 }
 
-/// `name` as seen from the file that names it, or else from the top scene's folder.
+/// Path of the file `name`: relative to the file that names it, or else to the top scene's folder. `None` where neither
+/// exists.
 pub(super) fn resolve(name: &str, named_in: &Path, top_folder: &Path) -> Option<PathBuf> {
     [folder(named_in).join(name), top_folder.join(name)].into_iter().find(|path| path.is_file())
 }
 
-/// The folder a file lies in, never empty.
+/// Folder of a file, never empty.
 pub(super) fn folder(path: &Path) -> PathBuf {
     match path.parent() {
         Some(parent) if parent != Path::new("") => parent.to_path_buf(),
@@ -50,18 +51,18 @@ pub(super) fn folder(path: &Path) -> PathBuf {
 
 struct Reader {
     top_folder: PathBuf,
-    /// What `$name` stands for.
+    /// Values of `$name`.
     parameters: HashMap<String, String>,
     /// Names that a `<default>` gave or a `$name` used.
     known: HashSet<String>,
-    /// The chain of includes being read, as canonical paths.
+    /// Canonical paths of the includes being read, from the outermost.
     open_files: Vec<PathBuf>,
 }
 
-/// What is the same for all nodes of one file.
+/// Data that all nodes of one file share.
 struct File {
     path: Arc<Path>,
-    /// Byte offsets at which lines start; asking roxmltree for each node's line would be quadratic.
+    /// Byte offsets at which lines start. Asking roxmltree for each node's line would take quadratic time.
     line_starts: Vec<usize>,
 }
 
@@ -100,7 +101,7 @@ impl Reader {
             if node.is_element() {
                 self.read_node(node, file, depth + 1, into)?;
             } else if node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty()) {
-                return Err(file.location(node).error("text between elements has no meaning here"));
+                return Err(file.location(node).error("text between elements is not allowed here"));
             }
         }
         Ok(())
@@ -123,7 +124,7 @@ impl Reader {
                 into.extend(self.read_include(&element)?);
                 return Ok(());
             }
-            // 0.5 and 0.6 write it so.
+            // Mitsuba 0.5 and 0.6 use these spellings.
             "lookAt" | "look_at" => element.tag = "lookat".to_string(),
             _ => {}
         }
@@ -203,7 +204,7 @@ fn read_text(path: &Path) -> Result<String> {
     })
 }
 
-/// The line of a byte, counted from 1.
+/// Line of a byte, counted from 1.
 fn line_at(text: &[u8], offset: usize) -> u32 {
     1 + text[..offset.min(text.len())].iter().filter(|&&byte| byte == b'\n').count() as u32
 }
@@ -211,7 +212,7 @@ fn line_at(text: &[u8], offset: usize) -> u32 {
 fn xml_error(path: &Path, text: &str, error: &roxmltree::Error) -> Error {
     use roxmltree::Error as Xml;
     let line = match error {
-        // These carry no position: what is missing is missing at the end.
+        // These errors carry no position: the missing text is missing at the end.
         Xml::UnclosedRootNode | Xml::UnexpectedEndOfStream | Xml::NoRootNode => line_at(text.as_bytes(), text.len()),
         _ => error.pos().row,
     };

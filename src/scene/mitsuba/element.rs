@@ -1,4 +1,4 @@
-//! The scene file as a tree that owns its text: defaults substituted, includes spliced in, every node knowing its line.
+//! Scene file as a tree that owns its text: defaults substituted, includes spliced in, a line for every node.
 
 use std::fmt;
 use std::path::Path;
@@ -38,7 +38,7 @@ pub(super) const PARAMETER_TAGS: [&str; 12] = [
     "vector",
 ];
 
-/// A place in a scene file.
+/// Line of a scene file.
 #[derive(Debug, Clone)]
 pub(super) struct Location {
     pub file: Arc<Path>,
@@ -75,12 +75,12 @@ impl Element {
         self.attribute(name).ok_or_else(|| self.error(format!("<{}> lacks its attribute `{name}`", self.tag)))
     }
 
-    /// The parameter's name in snake_case, whichever spelling the file uses.
+    /// Name of the parameter in snake_case, however the file spells it.
     pub fn key(&self) -> Option<String> {
         self.attribute("name").map(snake_case)
     }
 
-    /// The plugin's name: the attribute `type`.
+    /// Name of the plugin: the attribute `type`.
     pub fn plugin(&self) -> Result<&str> {
         self.required("type")
     }
@@ -93,7 +93,7 @@ impl Element {
         self.location.error(message)
     }
 
-    /// The refusal of a plugin that this loader does not know.
+    /// Error for a plugin that this loader does not support.
     pub fn unsupported(&self, supported: &[&str]) -> Error {
         let plugin = self.attribute("type").unwrap_or_default();
         let list = supported.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
@@ -101,7 +101,7 @@ impl Element {
     }
 }
 
-/// `toWorld` to `to_world`, `intIOR` to `int_ior`; snake_case stays as it is.
+/// Name in snake_case: `toWorld` becomes `to_world`, `intIOR` becomes `int_ior`.
 fn snake_case(name: &str) -> String {
     let mut result = String::with_capacity(name.len() + 4);
     let mut after_lower = false;

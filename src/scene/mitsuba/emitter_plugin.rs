@@ -1,4 +1,4 @@
-//! `<emitter>` to what it emits, with Mitsuba's parameters and defaults.
+//! Readers of `<emitter>` plugins, with Mitsuba's parameters and defaults.
 
 use std::path::{Path, PathBuf};
 
@@ -12,20 +12,20 @@ use super::transform;
 use crate::Result;
 use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, Textured};
 
-/// Mitsuba's half angle of a spot's cone, in degrees.
+/// Mitsuba's default half angle of a spot's cone, in degrees.
 const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
-/// Mitsuba's share of that angle within which a spot is as bright as on its axis.
+/// Mitsuba's default beam width of a spot, as a share of the cone's half angle.
 const DEFAULT_BEAM_SHARE: f32 = 0.75;
 
-/// What stands directly in a `<scene>`.
+/// Emitter that stands directly in a `<scene>`.
 pub(super) enum SceneEmitter {
     Environment(Environment),
-    /// An environment whose image is still to be read.
+    /// Environment whose image is still to be read.
     Map(EnvironmentMapFile),
     Delta(DeltaEmitter),
 }
 
-/// `envmap`
+/// `envmap` with the path of its image.
 pub(super) struct EnvironmentMapFile {
     pub path: PathBuf,
     pub scale: f32,
@@ -94,7 +94,7 @@ fn non_negative(properties: &mut Properties, name: &str, default: f32) -> Result
     }
 }
 
-/// One where none is given.
+/// Color of emission, 1 in each channel where none is given.
 fn color(properties: &mut Properties, name: &str) -> Result<Vec3> {
     Ok(properties.emission(name)?.unwrap_or(Vec3::ONE))
 }
@@ -110,12 +110,13 @@ fn parse_map(properties: &mut Properties, top_folder: &Path, sampling_weight: f3
     let location = properties.location("to_world").clone();
     let to_world = orthogonal(&properties.take_to_world()?)
         .ok_or_else(|| location.error("the `to_world` of an envmap may turn and mirror it, but not scale or shear"))?;
-    // How directions are drawn does not change the picture.
+    // The choice of sampled directions does not change the picture.
     properties.ignore_sampling(&["mis_compensation"]);
     Ok(EnvironmentMapFile { path, scale, to_world, sampling_weight })
 }
 
-/// The linear part, if it is orthogonal but for the digits that scene files are printed with.
+/// Linear part of a matrix, made exactly orthogonal; `None` where it is not orthogonal to the precision of printed
+/// scene files.
 fn orthogonal(matrix: &DMat4) -> Option<Mat3> {
     let [x, y, z] = transform::axes(matrix);
     if !transform::is_similarity(matrix, 1.0e-3) || (x.length() - 1.0).abs() > 1.0e-3 {
@@ -135,11 +136,11 @@ fn parse_point(properties: &mut Properties) -> Result<DeltaKind> {
 fn parse_directional(properties: &mut Properties) -> Result<DeltaKind> {
     let location = properties.location("direction").clone();
     let direction = either(properties, "direction", |to_world| to_world.z_axis.truncate())?;
-    let direction = direction.try_normalize().ok_or_else(|| location.error("a `direction` of no length"))?;
+    let direction = direction.try_normalize().ok_or_else(|| location.error("the `direction` has length 0"))?;
     Ok(DeltaKind::Directional { direction: direction.as_vec3(), irradiance: color(properties, "irradiance")? })
 }
 
-/// A vector that is given by name, or else by what it is in the transform `to_world`.
+/// Vector that is given by name, or else derived from the transform `to_world`.
 fn either(properties: &mut Properties, name: &str, of_transform: fn(&DMat4) -> DVec3) -> Result<DVec3> {
     let location = properties.location("to_world").clone();
     let has_transform = properties.has("to_world");
@@ -154,7 +155,7 @@ fn parse_spot(properties: &mut Properties) -> Result<DeltaKind> {
     let location = properties.location("to_world").clone();
     let to_world = properties.take_to_world()?;
     let axis = to_world.z_axis.truncate().try_normalize();
-    let direction = axis.ok_or_else(|| location.error("the `to_world` of a spot leaves its axis no length"))?;
+    let direction = axis.ok_or_else(|| location.error("the `to_world` of a spot shrinks its axis to length 0"))?;
     let location = properties.location("cutoff_angle").clone();
     let cutoff_angle = properties.positive_float("cutoff_angle", DEFAULT_CUTOFF_ANGLE)?;
     if cutoff_angle > 180.0 {

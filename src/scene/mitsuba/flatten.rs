@@ -1,4 +1,4 @@
-//! Shapes to world-space primitives.
+//! Conversion of shapes to world-space primitives.
 
 use glam::{DMat4, DVec3, Vec2, Vec3};
 
@@ -6,35 +6,36 @@ use super::transform::{axes, is_mirrored, normal_matrix};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Primitive, PrimitiveShape};
 
-/// What the primitives of one shape have in common.
+/// Properties that all primitives of one shape share.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Common {
-    /// To the world or, within a group, to the group.
+    /// Transform to the world or, within a group, to the group.
     pub to_world: DMat4,
-    /// From the group to the world. Mitsuba takes normals along with it, and those of meshes are made before.
+    /// Transform from the group to the world. Normals of meshes are computed in the group, as in Mitsuba, and then
+    /// transformed.
     pub instance_to_world: DMat4,
     pub flip_normals: bool,
     pub material: u32,
     pub emitter: Option<u32>,
 }
 
-/// What a mesh's shape can ask for besides.
+/// Options of a mesh shape.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MeshOptions {
     pub face_normals: bool,
     pub flip_uvs: bool,
 }
 
-/// Texture coordinates of a triangle without any: its barycentric ones.
+/// Texture coordinates of a triangle that has none: its barycentric coordinates.
 const BARYCENTRIC_UVS: [Vec2; 3] = [Vec2::ZERO, Vec2::X, Vec2::Y];
 
-/// A square or disk in the xy plane, from -1 to 1, that faces `+z`.
+/// Square or disk in the xy plane, from -1 to 1, that faces `+z`.
 pub(super) fn flat(shape: PrimitiveShape, common: &Common) -> Vec<Primitive> {
     oriented(shape, common, DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z).into_iter().collect()
 }
 
-/// The six faces of the cube from -1 to 1. Each is given by its center and where u and v run, so that the texture lies
-/// on it as Mitsuba's does.
+/// Six faces of the cube from -1 to 1. Each is given by its center and the directions of u and v, so that textures lie
+/// as in Mitsuba.
 pub(super) fn cube(common: &Common) -> Vec<Primitive> {
     let [x, y, z] = DVec3::AXES;
     [(-y, z, x), (y, -x, -z), (x, y, -z), (z, y, x), (-x, y, z), (-z, -y, x)]
@@ -43,7 +44,7 @@ pub(super) fn cube(common: &Common) -> Vec<Primitive> {
         .collect()
 }
 
-/// A flat shape given in object space, with the side that its normal points to; `None` if it has no area.
+/// Flat shape given in object space with its normal; `None` if it has no area.
 fn oriented(
     shape: PrimitiveShape,
     common: &Common,
@@ -55,13 +56,13 @@ fn oriented(
     let edge_u = common.to_world.transform_vector3(u).as_vec3();
     let edge_v = common.to_world.transform_vector3(v).as_vec3();
     let left_handed = u.cross(v).dot(normal) < 0.0;
-    // A normal goes along with its surface, so in a mirror the cross product turns over and the normal does not.
+    // A mirror reverses the cross product but not the normal, which moves with its surface.
     let flip_normal = left_handed ^ is_mirrored(&common.to_world) ^ common.flip_normals;
     let origin = common.to_world.transform_point3(center).as_vec3();
     has_area(edge_u, edge_v).then(|| primitive(shape, common, origin, edge_u, edge_v, flip_normal))
 }
 
-/// The sphere that the unit sphere becomes; `to_world` is a similarity.
+/// Sphere that the unit sphere becomes; `to_world` must be a similarity.
 pub(super) fn sphere(common: &Common) -> Primitive {
     let [x, _, z] = axes(&common.to_world);
     let mirrored = is_mirrored(&common.to_world);
@@ -84,32 +85,32 @@ fn primitive(
     Primitive { shape, origin, edge_u, edge_v, normals: None, uvs: BARYCENTRIC_UVS, flip_normal, material, emitter }
 }
 
-/// The copy of a group's primitive, unless it has no area any more.
+/// Copy of a group's primitive; `None` if the transform leaves it no area.
 pub(super) fn instantiated(p: Primitive, instance_to_world: &DMat4) -> Option<Primitive> {
     let vector = |v: Vec3| instance_to_world.transform_vector3(v.as_dvec3()).as_vec3();
     let origin = instance_to_world.transform_point3(p.origin.as_dvec3()).as_vec3();
     let (edge_u, edge_v) = (vector(p.edge_u), vector(p.edge_v));
-    // A sphere's normal is told by its center alone.
+    // A sphere's normal depends on its center alone.
     let turns_over = p.shape != PrimitiveShape::Sphere && is_mirrored(instance_to_world);
     let flip_normal = p.flip_normal ^ turns_over;
     has_area(edge_u, edge_v).then_some(Primitive { origin, edge_u, edge_v, flip_normal, ..p })
 }
 
-/// A mesh in its place in the world, whose triangles can be made one by one; those without area are left out.
+/// Mesh placed in the world, whose triangles are made one by one. Triangles without area are left out.
 pub(super) struct PlacedMesh<'a> {
     mesh: &'a Mesh,
     flip_uvs: bool,
     common: Common,
     /// World-space positions of the vertices.
     positions: Vec<Vec3>,
-    /// World-space unit normals of the vertices, zero where there is none to be had; empty for flat shading.
+    /// World-space unit normals of the vertices, zero where none can be computed; empty for flat shading.
     normals: Vec<Vec3>,
     /// Indices of the triangles that have area; `None` where all have.
     kept: Option<Vec<u32>>,
 }
 
 impl<'a> PlacedMesh<'a> {
-    /// Puts the mesh in its place; `None` where that is out of the range of single precision.
+    /// Places the mesh; `None` where a coordinate is out of the range of single precision.
     pub fn new(mesh: &'a Mesh, options: &MeshOptions, common: &Common) -> Option<Self> {
         let to_world = common.instance_to_world * common.to_world;
         let to_world = |position: &Vec3| to_world.transform_point3(position.as_dvec3()).as_vec3();
@@ -130,12 +131,12 @@ impl<'a> PlacedMesh<'a> {
         Some(placed)
     }
 
-    /// How many triangles it has.
+    /// Number of triangles.
     pub fn len(&self) -> usize {
         self.kept.as_ref().map_or(self.mesh.triangles.len(), Vec::len)
     }
 
-    /// Its triangle of that index.
+    /// Makes triangle number `index`.
     pub fn triangle(&self, index: usize) -> Primitive {
         let index = self.kept.as_ref().map_or(index, |kept| kept[index] as usize);
         let vertices = self.mesh.triangles[index].map(|vertex| vertex as usize);
@@ -169,8 +170,8 @@ impl<'a> PlacedMesh<'a> {
     }
 }
 
-/// Shading normals say which side is the front: it is by them that Mitsuba tells whether light is emitted or reflected.
-/// The geometric normal follows.
+/// Sets the shading normals and turns the geometric normal to their side. Shading normals decide which side is the
+/// front, because Mitsuba uses them to tell whether light is emitted or reflected.
 fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
     let geometric = triangle.edge_u.cross(triangle.edge_v).normalize();
     let sum: Vec3 = normals.iter().sum();
@@ -181,7 +182,7 @@ fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
     triangle.normals = Some(normals.map(|normal| if normal == Vec3::ZERO { facing } else { normal }));
 }
 
-/// World-space unit normals of the vertices; zero where there is none to be had.
+/// World-space unit normals of the vertices; zero where none can be computed.
 fn vertex_normals(mesh: &Mesh, common: &Common) -> Vec<Vec3> {
     let sign = if common.flip_normals { -1.0 } else { 1.0 };
     let (to_world, instance) = (normal_matrix(&common.to_world), normal_matrix(&common.instance_to_world));
@@ -194,7 +195,7 @@ fn vertex_normals(mesh: &Mesh, common: &Common) -> Vec<Vec3> {
     mesh.normals.iter().map(place).collect()
 }
 
-/// The sum of the adjacent faces' normals, weighted by the angle the face has at the vertex, as in Mitsuba.
+/// Sums of the adjacent faces' normals, weighted by the face's angle at the vertex, as in Mitsuba.
 fn smooth_normals(mesh: &Mesh, to_world: &DMat4) -> Vec<DVec3> {
     let position = |vertex: u32| to_world.transform_point3(mesh.positions[vertex as usize].as_dvec3());
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
@@ -206,15 +207,15 @@ fn smooth_normals(mesh: &Mesh, to_world: &DMat4) -> Vec<DVec3> {
     sums
 }
 
-/// The face's normal, scaled with the angle at each corner.
+/// Normal of a face, scaled by the angle at each corner.
 fn weighted_normals(corners: [DVec3; 3]) -> [DVec3; 3] {
     let [a, b, c] = corners;
     let Some(normal) = (b - a).cross(c - a).try_normalize() else { return [DVec3::ZERO; 3] };
     [(a, b, c), (b, c, a), (c, a, b)].map(|(at, left, right)| normal * (left - at).angle_between(right - at))
 }
 
-/// Whether the cross product is long enough to be normalized in f32, which is what the device will do. What is not a
-/// number passes here, so that it is reported rather than dropped.
+/// Whether the cross product is long enough to be normalized in f32, as the device will do. A value that is not a
+/// number passes, so that it is reported rather than dropped.
 fn has_area(edge_u: Vec3, edge_v: Vec3) -> bool {
     let length_squared = edge_u.cross(edge_v).length_squared();
     length_squared >= f32::MIN_POSITIVE || length_squared.is_nan()

@@ -1,4 +1,4 @@
-//! Reads a Mitsuba XML scene.
+//! Reader of Mitsuba's XML scenes.
 
 use std::cmp::Reverse;
 use std::collections::{HashMap, HashSet};
@@ -23,22 +23,22 @@ use crate::scene::{
 };
 use crate::{Error, Result};
 
-/// What the caller overrides while a scene is read.
+/// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
 pub struct LoadOptions {
     /// `-D name=value`: replaces the scene's `<default>` of that name.
     pub defines: Vec<(String, String)>,
 }
 
-/// Is told how far the reading of a scene is.
+/// Callback for the progress of reading a scene.
 type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
 
-/// How far the reading of a scene is. Prints as `reading meshes 120/295`.
+/// Progress of reading a scene. Prints as `reading meshes 120/295`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LoadProgress {
-    /// Mesh files read so far.
+    /// Number of mesh files read so far.
     pub meshes_read: usize,
-    /// Mesh files that the scene names.
+    /// Number of mesh files that the scene names.
     pub mesh_count: usize,
 }
 
@@ -48,15 +48,16 @@ impl fmt::Display for LoadProgress {
     }
 }
 
-/// [`load_with_progress`] without anyone watching.
+/// Reads the scene at `path` without reporting progress; see [`load_with_progress`].
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     load_with_progress(path, options, &|_| {})
 }
 
 /// Reads the scene at `path` with everything it includes. `progress` is called after every mesh, from several threads.
 ///
-/// Of the sampler only `sample_count` is read: plugins differ in their patterns alone. Parameters that cannot change
-/// the picture (a film's `file_format`, say) are skipped in silence; other unknown ones end up in [`Scene::warnings`].
+/// Only `sample_count` of the sampler is read, because samplers differ in their patterns alone. Parameters that cannot
+/// change the picture (such as a film's `file_format`) are skipped in silence; other unknown ones end up in
+/// [`Scene::warnings`].
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
     let elements = document::read(path, &options.defines)?;
     let mut ids = HashMap::new();
@@ -83,10 +84,10 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
     builder.finish(path, progress)
 }
 
-/// Shapes of a scene at most. Few instances of a large group can ask for more than any memory holds.
+/// Most shapes of a scene. A few instances of a large group can ask for more than any memory holds.
 const MAX_SHAPES: usize = 1 << 20;
 
-/// The scene as far as it has been read.
+/// Scene as far as it has been read.
 struct Builder<'a> {
     ids: Ids<'a>,
     top_folder: PathBuf,
@@ -97,7 +98,7 @@ struct Builder<'a> {
     delta_emitters: Vec<DeltaEmitter>,
     images: Vec<Image>,
     shapes: Vec<Shape>,
-    /// Keyed by the address of the `shapegroup`.
+    /// Shapes of each group, by the address of the `shapegroup`.
     groups: HashMap<*const Element, Rc<Vec<Shape>>>,
     sensors: Vec<&'a Element>,
     integrators: Vec<&'a Element>,
@@ -105,16 +106,16 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// Takes in an element that stands directly in `<scene>`.
+    /// Adds an element that stands directly in `<scene>`.
     fn add(&mut self, element: &'a Element) -> Result<()> {
         match element.tag.as_str() {
             "integrator" => self.integrators.push(element),
             "sensor" => self.sensors.push(element),
             "emitter" => self.add_emitter(element)?,
             "shape" => self.add_shape(element)?,
-            // Also where no shape uses it: a plugin that is not supported should not pass unseen.
+            // A `<bsdf>` that no shape uses is checked too, so that unsupported plugins are reported.
             "bsdf" => self.materials.check(element, &mut self.textures, &mut self.warnings)?,
-            // Does nothing by itself; what refers to it reports it.
+            // A texture is checked where a material or emitter refers to it.
             "texture" => {}
             tag => return Err(element.error(format!("<{tag}> is not supported in <scene>"))),
         }
@@ -133,7 +134,8 @@ impl<'a> Builder<'a> {
         match self.environment.replace(environment) {
             Some(_) => {
                 let plugin = element.plugin()?;
-                Err(element.error(format!("emitter plugin `{plugin}`: a second environment; a scene has one")))
+                Err(element
+                    .error(format!("emitter plugin `{plugin}`: a second environment; a scene may have only one")))
             }
             None => Ok(()),
         }
@@ -183,7 +185,7 @@ impl<'a> Builder<'a> {
         Ok(Shape { geometry, common, location: element.location.clone() })
     }
 
-    /// What stands in a `shapegroup`; by itself it is nowhere in the scene.
+    /// Shapes of a `shapegroup`, which is not placed in the scene by itself.
     fn group(&mut self, element: &'a Element) -> Result<Rc<Vec<Shape>>> {
         if let Some(group) = self.groups.get(&std::ptr::from_ref(element)) {
             return Ok(group.clone());
@@ -215,7 +217,7 @@ impl<'a> Builder<'a> {
         properties.finish(&mut self.warnings)?;
         let group = self.group(group)?;
         if self.shapes.len() + group.len() > MAX_SHAPES {
-            return Err(element.error(format!("more than {MAX_SHAPES} shapes, those of instances included")));
+            return Err(element.error(format!("more than {MAX_SHAPES} shapes, including the shapes of instances")));
         }
         let copy = |shape: &Shape| shape.instantiated(to_world, element);
         self.shapes.extend(group.iter().map(copy).collect::<Result<Vec<_>>>()?);
@@ -240,7 +242,7 @@ impl<'a> Builder<'a> {
         Ok(description)
     }
 
-    /// The first of several elements of which one is used, with a warning for the others.
+    /// First of several elements of which one is used; the others get a warning.
     fn first(&mut self, what: &str, elements: &[&'a Element]) -> Option<&'a Element> {
         for other in elements.iter().skip(1) {
             self.warnings.push(format!("{}: a second <{what}>; the first is used", other.location));
@@ -280,7 +282,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Reads every mesh once, in parallel. Of several faulty files the first in the scene is reported.
+/// Reads every mesh once, in parallel. Of several faulty files, the first in the scene is reported.
 fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, Mesh>> {
     let files = shapes.iter().filter_map(|shape| match &shape.geometry {
         Geometry::Mesh(file, _) => Some(file),
@@ -288,7 +290,7 @@ fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, M
     });
     let mut seen = HashSet::new();
     let mut files: Vec<_> = files.filter(|file| seen.insert(*file)).enumerate().collect();
-    // The largest come first, lest one be left over when all else is done.
+    // The largest come first, so that none is left over when all else is done.
     files.sort_by_cached_key(|(_, file)| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
     let (mesh_count, read_count) = (files.len(), AtomicUsize::new(0));
     let read = |(place, file): (usize, &MeshFile)| {
@@ -296,13 +298,13 @@ fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, M
         progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
         (place, mesh.map(|mesh| (file.clone(), mesh)))
     };
-    // Handed out one by one, so that the order holds.
+    // `par_bridge` hands files out one by one, so this order holds.
     let mut results: Vec<_> = files.into_iter().par_bridge().map(read).collect();
     results.sort_by_key(|(place, _)| *place);
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// All primitives, in the order of the shapes.
+/// Makes all primitives, in the order of the shapes.
 fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec<Primitive>> {
     check_size(shapes, meshes)?;
     let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
@@ -320,7 +322,7 @@ fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec
     Ok((0..count).into_par_iter().map(primitive).collect())
 }
 
-/// Refuses what no device could hold before any memory is taken for it.
+/// Refuses scenes larger than any device could hold, before memory is allocated.
 fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<()> {
     let mut triangles = 0;
     for shape in shapes {
@@ -336,7 +338,7 @@ fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<()> 
     Ok(())
 }
 
-/// The file's stem, or its folder's name where that says more.
+/// Name of the scene: the file's stem, or its folder's name where the stem is `scene`.
 fn scene_name(path: &Path) -> String {
     let stem = path.file_stem().unwrap_or_default();
     let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());

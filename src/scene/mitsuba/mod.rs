@@ -1,4 +1,4 @@
-//! Mitsuba's scenes: XML of any version to a [`Scene`](super::Scene).
+//! Mitsuba's scene format: XML of any version to a [`Scene`](super::Scene).
 
 mod color;
 mod color_matching;

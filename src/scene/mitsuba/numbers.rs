@@ -1,9 +1,9 @@
-//! Numbers as Mitsuba writes them: separated by spaces or commas, finite.
+//! Numbers as Mitsuba writes them: finite, separated by spaces or commas.
 
 use super::element::Element;
 use crate::Result;
 
-/// All numbers of `text`; `element` is where to point when one is malformed.
+/// Parses all numbers of `text`. Errors point at `element`.
 pub(super) fn list(element: &Element, text: &str) -> Result<Vec<f64>> {
     text.split(|c: char| c.is_whitespace() || c == ',')
         .filter(|word| !word.is_empty())
@@ -11,17 +11,17 @@ pub(super) fn list(element: &Element, text: &str) -> Result<Vec<f64>> {
         .collect()
 }
 
-/// Exactly one number.
+/// Parses exactly one number.
 pub(super) fn one(element: &Element, text: &str) -> Result<f64> {
     match text.trim().parse::<f64>() {
-        // Everything ends as an f32 on the device.
+        // The device uses f32, so the number must be finite as an f32.
         Ok(value) if (value as f32).is_finite() => Ok(value),
         Ok(_) => Err(element.error(format!("`{text}` is not a finite number"))),
         Err(_) => Err(element.error(format!("`{text}` is not a number"))),
     }
 }
 
-/// Exactly three numbers, or one that stands for all three.
+/// Parses exactly three numbers, or one that stands for all three.
 pub(super) fn one_or_three(element: &Element, text: &str) -> Result<[f64; 3]> {
     match list(element, text)?[..] {
         [gray] => Ok([gray; 3]),
@@ -30,7 +30,7 @@ pub(super) fn one_or_three(element: &Element, text: &str) -> Result<[f64; 3]> {
     }
 }
 
-/// Exactly three numbers.
+/// Parses exactly three numbers.
 pub(super) fn three(element: &Element, text: &str) -> Result<[f64; 3]> {
     match list(element, text)?[..] {
         [x, y, z] => Ok([x, y, z]),
@@ -38,7 +38,7 @@ pub(super) fn three(element: &Element, text: &str) -> Result<[f64; 3]> {
     }
 }
 
-/// The attributes `x`, `y` and `z`, each with a default, or the attribute `value` in their stead.
+/// Parses the attributes `x`, `y` and `z`, each with a default, or else the attribute `value`.
 pub(super) fn xyz(element: &Element, default: f64) -> Result<[f64; 3]> {
     if let Some(value) = element.attribute("value") {
         return three(element, value);

@@ -1,4 +1,4 @@
-//! A plugin's parameters, by name and type. What nobody asks for is reported at the end.
+//! Parameters of a plugin, by name and type. Parameters that were not read are reported at the end.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -16,10 +16,10 @@ const NUMBER_TAGS: [&str; 2] = ["float", "integer"];
 /// Elements that give a color.
 const COLOR_TAGS: [&str; 6] = ["rgb", "srgb", "spectrum", "blackbody", "float", "integer"];
 
-/// Every object of the scene that has an `id`.
+/// Objects of the scene by their `id`.
 pub(super) type Ids<'a> = Rc<HashMap<&'a str, &'a Element>>;
 
-/// Collects ids wherever they stand: a `ref` may come before what it names.
+/// Collects ids at any depth, before references are followed: a `ref` may precede its object.
 pub(super) fn collect_ids<'a>(elements: &'a [Element], ids: &mut HashMap<&'a str, &'a Element>) -> Result<()> {
     for element in elements {
         if let Some(id) = element.attribute("id").filter(|_| element.is_object())
@@ -32,20 +32,20 @@ pub(super) fn collect_ids<'a>(elements: &'a [Element], ids: &mut HashMap<&'a str
     Ok(())
 }
 
-/// The parameters and nested objects of one plugin.
+/// Parameters and nested objects of one plugin.
 pub(super) struct Properties<'a> {
     element: &'a Element,
     plugin: &'a str,
     parameters: HashMap<String, &'a Element>,
-    /// Parameters that are known, and make no difference here.
+    /// Parameters that are known but make no difference here.
     without_effect: Vec<&'a Element>,
     objects: Vec<Nested<'a>>,
 }
 
-/// A nested object, with references followed.
+/// Nested object, with references followed.
 struct Nested<'a> {
     object: &'a Element,
-    /// Where it is nested: the object itself, or the reference to it.
+    /// Element at which the object is nested: the object itself, or the reference to it.
     at: &'a Element,
 }
 
@@ -82,23 +82,24 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// The plugin's element.
+    /// Element of the plugin.
     pub fn element(&self) -> &'a Element {
         self.element
     }
 
-    /// The plugin's name.
+    /// Name of the plugin.
     pub fn plugin(&self) -> &'a str {
         self.plugin
     }
 
-    /// Where a parameter stands, or else the plugin.
+    /// Location of a parameter, or else of the plugin.
     pub fn location(&self, name: &str) -> &'a Location {
         let element = self.parameters.get(name).copied().unwrap_or(self.element);
         &element.location
     }
 
-    /// The element of a parameter, to point at it or to read it in a special way; it counts as known from here on.
+    /// Removes and returns the element of a parameter, for messages or for special reading. The parameter then counts
+    /// as read.
     pub fn take(&mut self, name: &str) -> Option<&'a Element> {
         self.parameters.remove(name)
     }
@@ -124,7 +125,7 @@ impl<'a> Properties<'a> {
         self.parameters.get(name).is_some_and(|element| element.tag == "string")
     }
 
-    /// A float that must be greater than zero.
+    /// Reads a float that must be greater than zero.
     pub fn positive_float(&mut self, name: &str, default: f32) -> Result<f32> {
         let element = self.parameters.get(name).copied();
         match (self.float(name)?, element) {
@@ -135,7 +136,7 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// An integer in `range`.
+    /// Reads an integer in `range`.
     pub fn integer(&mut self, name: &str, range: std::ops::RangeInclusive<i64>) -> Result<Option<i64>> {
         let Some(element) = self.take_tagged(name, &["integer"])? else { return Ok(None) };
         let text = element.required("value")?;
@@ -160,18 +161,18 @@ impl<'a> Properties<'a> {
         self.take_tagged(name, &["string"])?.map(|element| element.required("value")).transpose()
     }
 
-    /// A color of a material.
+    /// Reads a color of a material.
     pub fn color(&mut self, name: &str) -> Result<Option<Vec3>> {
         self.color_used_as(name, SpectrumUse::Material)
     }
 
-    /// A color of a material that may be negative.
+    /// Reads a color of a material that may be negative.
     pub fn signed_color(&mut self, name: &str) -> Result<Option<Vec3>> {
         let element = self.take_tagged(name, &COLOR_TAGS)?;
         element.map(|element| color::parse_signed(element, SpectrumUse::Material)).transpose()
     }
 
-    /// A color of emitted light.
+    /// Reads a color of emitted light.
     pub fn emission(&mut self, name: &str) -> Result<Option<Vec3>> {
         self.color_used_as(name, SpectrumUse::Emission)
     }
@@ -186,12 +187,12 @@ impl<'a> Properties<'a> {
         Ok(Some(numbers::xyz(element, 0.0)?.into()))
     }
 
-    /// The transform `to_world`; the identity where there is none.
+    /// Reads the transform `to_world`; the identity where there is none.
     pub fn take_to_world(&mut self) -> Result<DMat4> {
         self.take_transform("to_world")
     }
 
-    /// A transform; the identity where there is none.
+    /// Reads a transform; the identity where there is none.
     pub fn take_transform(&mut self, name: &str) -> Result<DMat4> {
         let element = self.take_tagged(name, &["transform"])?;
         Ok(element.map(transform::parse).transpose()?.unwrap_or(DMat4::IDENTITY))
@@ -207,7 +208,7 @@ impl<'a> Properties<'a> {
         self.objects.extract_if(.., |nested| nested.object.tag == tag).map(|nested| nested.object).collect()
     }
 
-    /// The texture that is nested as a parameter.
+    /// Removes and returns the texture that is nested as a parameter.
     pub fn texture(&mut self, name: &str) -> Result<Option<&'a Element>> {
         let textures: Vec<_> = self.objects.extract_if(.., |nested| nested.is_texture(name)).collect();
         let value = self.parameters.get(name).copied();
@@ -219,7 +220,7 @@ impl<'a> Properties<'a> {
         }
     }
 
-    /// The one nested object of a kind; a second one is an error.
+    /// Removes and returns the only nested object of a kind; a second one is an error.
     pub fn object(&mut self, tag: &str) -> Result<Option<&'a Element>> {
         let objects = self.objects(tag);
         if let Some(second) = objects.get(1) {
@@ -228,19 +229,19 @@ impl<'a> Properties<'a> {
         Ok(objects.first().copied())
     }
 
-    /// Drops parameters about what is chosen elsewhere, such as how the picture is stored.
+    /// Drops parameters of choices that are made elsewhere, such as how the picture is stored.
     pub fn ignore(&mut self, names: &[&str]) {
         for name in names {
             self.parameters.remove(*name);
         }
     }
 
-    /// Drops parameters that would change the noise only, and do not; there will be a warning.
+    /// Drops parameters that would change only the noise in Mitsuba and have no effect here. Each gets a warning.
     pub fn ignore_sampling(&mut self, names: &[&str]) {
         self.without_effect.extend(names.iter().filter_map(|name| self.parameters.remove(*name)));
     }
 
-    /// What is left is unknown: a warning for each parameter, an error for a nested object that is none.
+    /// Reports what was not read: a warning for each parameter, an error for each nested object that is no parameter.
     pub fn finish(self, warnings: &mut Vec<String>) -> Result<()> {
         let owner = format!("{} `{}`", self.element.tag, self.plugin);
         let (textures, others): (Vec<_>, Vec<_>) = self.objects.iter().partition(|nested| nested.is_named_texture());

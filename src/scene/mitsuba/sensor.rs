@@ -1,4 +1,4 @@
-//! `<sensor>`, `<film>`, `<rfilter>` and `<sampler>`.
+//! Readers of `<sensor>`, `<film>`, `<rfilter>` and `<sampler>`.
 
 use glam::{DMat4, Vec2};
 
@@ -8,14 +8,14 @@ use super::transform;
 use crate::Result;
 use crate::scene::{Camera, Crop, FilmDescription, FovAxis, Projection, ReconstructionFilter};
 
-/// Everything that stands in a `<sensor>`.
+/// Content of a `<sensor>`.
 pub(super) struct Sensor {
     pub camera: Camera,
     pub film: FilmDescription,
     pub sample_count: Option<u32>,
 }
 
-/// The diagonal of 35 mm film in millimeters, which `focal_length` is relative to.
+/// Diagonal of 35 mm film in millimeters, to which `focal_length` is relative.
 const FILM_DIAGONAL: f64 = 43.266_615_305_567_87;
 const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
 
@@ -69,7 +69,7 @@ fn parse_orthographic(properties: &mut Properties) -> Result<Camera> {
     let world_from_camera = properties.take_to_world()?.as_mat4();
     let forward = world_from_camera.z_axis.truncate();
     if !world_from_camera.is_finite() || forward.length_squared() < f32::MIN_POSITIVE {
-        return Err(element.error("the sensor's `to_world` leaves it no direction to look in"));
+        return Err(element.error("the sensor's `to_world` shrinks its viewing direction to length 0"));
     }
     let (near_clip, far_clip) = parse_clips(properties)?;
     let (fov, fov_axis, principal_point) = (90.0, FovAxis::X, Vec2::ZERO);
@@ -77,7 +77,7 @@ fn parse_orthographic(properties: &mut Properties) -> Result<Camera> {
     Ok(Camera { projection, world_from_camera, fov, fov_axis, principal_point, near_clip, far_clip })
 }
 
-/// What cameras with a center of projection have in common.
+/// Reads the parameters that all cameras with a center of projection share.
 fn parse_pinhole(properties: &mut Properties) -> Result<Camera> {
     let world_from_camera = properties.take_to_world()?;
     check_rigid(&world_from_camera, properties.element())?;
@@ -120,7 +120,7 @@ fn parse_fov(properties: &mut Properties) -> Result<(f32, FovAxis)> {
         (Some(_), Some(_)) => Err(element.error("give either `fov` or `focal_length`, not both")),
         (Some(fov), None) if fov > 0.0 && fov < 180.0 => Ok((fov, axis)),
         (Some(fov), None) => Err(element.error(format!("`fov` must lie between 0 and 180 degrees, not {fov}"))),
-        // A focal length speaks of the diagonal, whatever the axis.
+        // A focal length refers to the diagonal, whatever `fov_axis` says.
         (None, length) => Ok((fov_from_focal_length(element, length)?, FovAxis::Diagonal)),
     }
 }
@@ -207,7 +207,7 @@ fn parse_filter<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<Stri
         "tent" => ReconstructionFilter::Tent { radius: properties.positive_float("radius", 1.0)? },
         "gaussian" => ReconstructionFilter::Gaussian { stddev: properties.positive_float("stddev", 0.5)? },
         name @ ("mitchell" | "catmullrom" | "lanczos") => {
-            // Its negative lobes cannot be sampled; the pictures differ in sharpness alone.
+            // Negative lobes cannot be sampled. Pictures differ only in sharpness.
             warnings.push(format!("{}: rfilter `{name}` is not supported; `gaussian` is used", element.location));
             return Ok(DEFAULT_FILTER);
         }
@@ -217,7 +217,8 @@ fn parse_filter<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<Stri
     Ok(filter)
 }
 
-/// Samplers differ in their patterns only, so any plugin's `sample_count` is taken and the rest is left alone.
+/// Reads `sample_count` of any sampler. The other parameters are ignored, because samplers differ in their patterns
+/// only.
 fn parse_sample_count<'a>(element: &'a Element, ids: &Ids<'a>) -> Result<Option<u32>> {
     let count = Properties::new(element, ids)?.integer("sample_count", 1..=i32::MAX as i64)?;
     Ok(count.map(|count| count as u32))

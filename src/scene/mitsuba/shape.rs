@@ -1,4 +1,4 @@
-//! `<shape>`: what it asks for, read first; the primitives come when all mesh files are there.
+//! Reader of `<shape>`. Parameters are read first; primitives are made when all mesh files are read.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -17,10 +17,10 @@ use crate::scene::{Primitive, PrimitiveShape};
 const SUPPORTED: [&str; 9] =
     ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "shapegroup", "instance"];
 
-/// How far from a similarity a transform may be: scene files are printed with six digits.
+/// Largest relative deviation of a transform from a similarity: scene files are printed with six digits.
 const SIMILARITY: f64 = 1e-3;
 
-/// A `<shape>`, ready to be flattened.
+/// Shape that is ready to be flattened.
 #[derive(Clone)]
 pub(super) struct Shape {
     pub geometry: Geometry,
@@ -28,7 +28,7 @@ pub(super) struct Shape {
     pub location: Location,
 }
 
-/// The kinds of shape.
+/// Kinds of shape.
 #[derive(Clone)]
 pub(super) enum Geometry {
     Mesh(MeshFile, MeshOptions),
@@ -38,14 +38,14 @@ pub(super) enum Geometry {
     Sphere,
 }
 
-/// Which mesh to read: the canonical path of its file, and what that holds.
+/// Mesh to read: the canonical path of its file, and the file's format.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct MeshFile {
     pub path: PathBuf,
     pub format: MeshFormat,
 }
 
-/// Reads what is special to a shape's plugin, and its transform into `common`.
+/// Reads the parameters of a shape's plugin, and its transform into `common`.
 pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common, top_folder: &Path) -> Result<Geometry> {
     let element = properties.element();
     common.to_world = properties.take_to_world()?;
@@ -59,7 +59,7 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common, t
     if let Some(format) = mesh_format {
         return parse_mesh(properties, format, top_folder);
     }
-    // Other faces are flat anyway, and a sphere has none.
+    // The other shapes have flat faces, or none.
     properties.ignore(&["face_normals"]);
     match properties.plugin() {
         "rectangle" => Ok(Geometry::Rectangle),
@@ -102,7 +102,7 @@ fn find_mesh(parameter: &Element, top_folder: &Path) -> Result<PathBuf> {
         .ok_or_else(|| parameter.error(format!("the mesh file `{name}` does not exist")))
 }
 
-/// World from the unit sphere.
+/// Transform from the unit sphere to the world.
 fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
     let element = properties.element();
     let center = properties.point("center")?.unwrap_or(DVec3::ZERO);
@@ -118,7 +118,7 @@ fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
 }
 
 impl Shape {
-    /// The copy of a group's shape that `instance` asks for.
+    /// Copy of a group's shape, for an `instance`.
     pub fn instantiated(&self, to_world: DMat4, instance: &Element) -> Result<Self> {
         if matches!(self.geometry, Geometry::Sphere) && !transform::is_similarity(&to_world, SIMILARITY) {
             return Err(instance.error("an instance with a sphere must not be scaled unevenly or sheared"));
@@ -128,13 +128,13 @@ impl Shape {
     }
 }
 
-/// A shape whose primitives can be made one by one.
+/// Shape whose primitives can be made one by one.
 pub(super) enum Placed<'a> {
     Mesh(Box<PlacedMesh<'a>>),
     Few(Vec<Primitive>),
 }
 
-/// Puts a shape in its place; `meshes` holds every mesh that a shape names.
+/// Places a shape; `meshes` holds every mesh that a shape names.
 pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Mesh>) -> Result<Placed<'a>> {
     let common = &shape.common;
     let placed = match &shape.geometry {
@@ -160,7 +160,7 @@ fn few<'a>(primitives: Vec<Primitive>, common: &Common) -> Option<Placed<'a>> {
 }
 
 impl Placed<'_> {
-    /// How many primitives it has.
+    /// Number of primitives.
     pub fn len(&self) -> usize {
         match self {
             Self::Mesh(mesh) => mesh.len(),
@@ -168,7 +168,7 @@ impl Placed<'_> {
         }
     }
 
-    /// Its primitive of that index.
+    /// Makes primitive number `index`.
     pub fn primitive(&self, index: usize) -> Primitive {
         match self {
             Self::Mesh(mesh) => mesh.triangle(index),

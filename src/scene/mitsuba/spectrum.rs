@@ -1,4 +1,4 @@
-//! Spectra over wavelengths, reduced to linear sRGB as Mitsuba's rgb variants do it.
+//! Spectra over wavelengths, reduced to linear sRGB as in Mitsuba's rgb variants.
 
 use std::path::Path;
 
@@ -6,29 +6,29 @@ use super::element::Element;
 use super::{color_matching, document, numbers};
 use crate::{Error, Result};
 
-/// What a spectrum describes.
+/// Uses of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SpectrumUse {
-    /// A property of a material: seen under D65, the white that linear sRGB has.
+    /// Property of a material: seen under D65, the white point of linear sRGB.
     Material,
-    /// Emitted light: the observer's own answer.
+    /// Emitted light: seen directly by the standard observer.
     Emission,
 }
 
-/// Where Mitsuba evaluates a spectrum, evenly between the observer's first and last wavelength.
+/// Number of wavelengths at which Mitsuba evaluates a spectrum, evenly from the observer's first to last wavelength.
 const SAMPLE_COUNT: usize = 1000;
 
-/// The integral of `y` times D65 as tabled, nanometers.
+/// Integral of the tabled `y` times D65, in nanometers.
 const Y_INTEGRAL: f64 = 106.750_259_399_414_06;
 
-/// From CIE XYZ (IEC 61966-2-1, with Mitsuba's digits).
+/// Linear sRGB from CIE XYZ (IEC 61966-2-1, with Mitsuba's digits).
 const SRGB_FROM_XYZ: [[f64; 3]; 3] =
     [[3.240479, -1.537150, -0.498535], [-0.969256, 1.875991, 0.041556], [0.055648, -0.204043, 1.057311]];
 
-/// A file of spectral measurements is a page of text.
+/// Largest spectrum file in bytes; spectral measurements fit on a page of text.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// The color of a `<spectrum>` over wavelengths, from its `value` or its `filename`; no channel is negative.
+/// Color of a `<spectrum>` over wavelengths, from its `value` or its `filename`. Negative channels become 0.
 pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<[f64; 3]> {
     let points = match (element.attribute("value"), element.attribute("filename")) {
         (Some(value), None) => parse_pairs(element, value)?,
@@ -39,7 +39,7 @@ pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<[f64
     Ok(srgb(&points, spectrum_use).map(|channel| channel.max(0.0)))
 }
 
-/// The color of a spectrum that is the same at all wavelengths.
+/// Color of a spectrum that is constant over all wavelengths.
 pub(super) fn uniform(value: f64, spectrum_use: SpectrumUse) -> [f64; 3] {
     match spectrum_use {
         SpectrumUse::Material => [value; 3],
@@ -48,7 +48,7 @@ pub(super) fn uniform(value: f64, spectrum_use: SpectrumUse) -> [f64; 3] {
     }
 }
 
-/// `400:0.1, 500:0.2`
+/// Parses pairs such as `400:0.1, 500:0.2`.
 fn parse_pairs(element: &Element, text: &str) -> Result<Vec<[f64; 2]>> {
     let pair = |word: &str| {
         let (wavelength, value) = word
@@ -60,7 +60,7 @@ fn parse_pairs(element: &Element, text: &str) -> Result<Vec<[f64; 2]>> {
     words.map(pair).collect()
 }
 
-/// Lines of a wavelength and a value; `#` starts a comment.
+/// Reads lines of a wavelength and a value; `#` starts a comment.
 fn read_file(element: &Element, name: &str) -> Result<Vec<[f64; 2]>> {
     let named_in: &Path = &element.location.file;
     let path = document::resolve(name, named_in, &document::folder(named_in))
@@ -88,7 +88,8 @@ fn check_order(element: &Element, points: &[[f64; 2]]) -> Result<()> {
     }
 }
 
-/// Zero outside the wavelengths given; Mitsuba's 1000 samples lie on 999 intervals and count as 1000.
+/// Linear sRGB of a spectrum, which is zero outside the given wavelengths. As in Mitsuba, the 1000 samples lie on 999
+/// intervals but are divided by 1000.
 fn srgb(points: &[[f64; 2]], spectrum_use: SpectrumUse) -> [f64; 3] {
     let (first, last) = (color_matching::FIRST, color_matching::LAST);
     let mut xyz = [0.0; 3];
@@ -123,7 +124,7 @@ mod tests {
         assert!(close, "{color:?} is not {expected:?}");
     }
 
-    /// The numbers are those of Mitsuba 3.9.
+    /// The expected numbers are those of Mitsuba 3.9.
     #[test]
     fn reduces_as_mitsuba_does() {
         let line = |a, b| [[400.0, a], [700.0, b]];

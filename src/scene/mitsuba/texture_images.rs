@@ -1,4 +1,4 @@
-//! Image files to [`Image`]s, in parallel, within what a device can hold.
+//! Decoding of image files to [`Image`]s, in parallel, within the limits of devices.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -7,11 +7,12 @@ use rayon::prelude::*;
 
 use super::textures::ImageRequest;
 use crate::image::texels::{self, FileTexels, TexelImage};
+use crate::math::srgb::linear_from_srgb;
 use crate::scene::shrink::shrink;
 use crate::scene::texture::{Image, Texels};
 use crate::{Error, Result};
 
-/// Decodes every file once. Of several faulty files the first in the scene is reported. Returns warnings, too.
+/// Decodes every file once. Of several faulty files, the first in the scene is reported. Returns images and warnings.
 pub(super) fn decode(requests: &[ImageRequest]) -> Result<(Vec<Image>, Vec<String>)> {
     let mut seen = HashSet::new();
     let paths: Vec<&Path> =
@@ -41,7 +42,7 @@ pub(super) fn decode(requests: &[ImageRequest]) -> Result<(Vec<Image>, Vec<Strin
     Ok((images, warnings))
 }
 
-/// The image of an environment, linear; what is no light is black.
+/// Image of an environment, in linear radiance. Values that are no radiance become black.
 pub(super) fn decode_environment(path: &Path) -> Result<Image> {
     let TexelImage { width, height, texels } = texels::read(path)?;
     let linear = match texels {
@@ -68,7 +69,7 @@ fn image(request: &ImageRequest, file: TexelImage, warnings: &mut Vec<String>) -
     Ok(Image { name: request.name.clone(), width: file.width, height: file.height, texels })
 }
 
-/// What is wrong with the file, with the line that names it.
+/// Error for a file, with the line of the scene that names it.
 fn at_line(request: &ImageRequest, error: &Error) -> Error {
     request.location.error(format!("the image `{}`: {error}", request.name))
 }
@@ -80,7 +81,7 @@ fn check_floats(request: &ImageRequest, width: u32, data: &[[f32; 4]], warnings:
         let message = format!("the texel ({x}, {y}) of `{}` is infinite or not a number", request.name);
         return Err(request.location.error(message));
     }
-    // As in Mitsuba, which warns, too.
+    // Mitsuba warns about values above 1 too.
     if request.is_reflectance && data.iter().any(|texel| color(texel).iter().any(|&value| value > 1.0)) {
         let (location, name) = (&request.location, &request.name);
         warnings
@@ -89,9 +90,9 @@ fn check_floats(request: &ImageRequest, width: u32, data: &[[f32; 4]], warnings:
     Ok(())
 }
 
-/// Colors by the inverse of the sRGB curve (IEC 61966-2-1), alpha as it is.
+/// Texel with its colors decoded by the inverse sRGB curve (IEC 61966-2-1); alpha stays.
 fn decode_srgb(texel: [f32; 4]) -> [f32; 4] {
     let [red, green, blue, alpha] = texel;
-    let [red, green, blue] = [red, green, blue].map(|value| super::color::linear_from_srgb(f64::from(value)) as f32);
+    let [red, green, blue] = [red, green, blue].map(|value| linear_from_srgb(f64::from(value)) as f32);
     [red, green, blue, alpha]
 }

@@ -1,4 +1,4 @@
-//! `<texture>`: what it asks for, read first; image files are decoded when the whole scene is known.
+//! Reader of `<texture>`. Parameters are read first; image files are decoded when the whole scene is known.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -14,17 +14,17 @@ use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
 
 const SUPPORTED: [&str; 3] = ["bitmap", "checkerboard", "scale"];
 
-/// Textures of textures, however deep in reality, come from a reference to themselves.
+/// Deepest nesting of textures. Deeper nesting comes from a texture that refers to itself.
 const MAX_DEPTH: usize = 16;
 
-/// What a texture is looked up for.
+/// Uses of a texture's values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// A color that should not exceed 1.
+    /// Color that should not exceed 1.
     Reflectance,
     /// Emitted light.
     Radiance,
-    /// A number: the luminance of the color.
+    /// Number: the luminance of the color.
     Scalar,
     /// Heights, of which the slope matters.
     Heights,
@@ -32,35 +32,35 @@ pub(super) enum Role {
     Normals,
 }
 
-/// A texture as a parameter uses it.
+/// Texture as a parameter uses it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TextureUse {
     /// Index among the textures read.
     pub texture: u32,
-    /// What `scale` textures multiply it by.
+    /// Product of the factors of all `scale` textures around it.
     pub factor: Vec3,
 }
 
-/// An image file that a texture names.
+/// Image file that a texture names.
 #[derive(Debug, Clone)]
 pub(super) struct ImageRequest {
-    /// Canonical.
+    /// Canonical path.
     pub path: PathBuf,
-    /// As the scene writes it.
+    /// Name as the scene writes it.
     pub name: String,
     /// Whether bytes are linear rather than encoded by the sRGB curve.
     pub raw: bool,
-    /// Whether a color of it is a reflectance.
+    /// Whether one of its colors is used as a reflectance.
     pub is_reflectance: bool,
-    /// Where it is first named.
+    /// Location where the file is first named.
     pub location: Location,
 }
 
-/// The textures of a scene while it is read. What no surface uses is read, but not kept.
+/// Textures of a scene while it is read. A texture that no surface uses is read, but not kept.
 pub(super) struct Textures<'a> {
     ids: Ids<'a>,
     top_folder: PathBuf,
-    /// Keyed by the element's address and whether it gives numbers that it does not give as a color.
+    /// Textures read, by the element's address and by whether their numbers differ from their colors.
     known: HashMap<(*const Element, bool), TextureUse>,
     read: Vec<Texture>,
     requests: Vec<ImageRequest>,
@@ -68,7 +68,7 @@ pub(super) struct Textures<'a> {
     kept_images: Kept,
 }
 
-/// Which of the things read the scene keeps, in the order of their first use.
+/// Indices of the things that the scene keeps, in the order of their first use.
 #[derive(Default)]
 struct Kept {
     indices: HashMap<u32, u32>,
@@ -97,7 +97,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// Reads a `<texture>`; the index returned is one that [`Textures::keep`] takes.
+    /// Reads a `<texture>`. The index returned is one that [`Textures::keep`] takes.
     pub fn read(&mut self, element: &'a Element, role: Role, warnings: &mut Vec<String>) -> Result<TextureUse> {
         self.read_nested(element, role, 0, warnings)
     }
@@ -147,7 +147,7 @@ impl<'a> Textures<'a> {
         Ok(TextureUse { texture: self.read.len() as u32 - 1, factor: Vec3::ONE })
     }
 
-    /// Mitsuba 0.6's: another texture times a factor.
+    /// Reads a `scale`, a texture of Mitsuba 0.6 that multiplies another by a factor.
     fn scale(
         &mut self,
         mut properties: Properties<'a>,
@@ -172,7 +172,7 @@ impl<'a> Textures<'a> {
         let filter = filter(properties, warnings)?;
         let wrap = wrap_mode(properties)?;
         let raw = is_raw(properties, warnings)?;
-        // How texels are stored, fetched and cached.
+        // These parameters say how texels are stored, fetched and cached.
         properties.ignore(&["format", "accel", "cache", "max_anisotropy"]);
         let element = properties.element();
         let filename = properties.take("filename");
@@ -181,7 +181,7 @@ impl<'a> Textures<'a> {
         Ok(Pattern::Bitmap { image: self.read_image(filename, raw, role)?, filter, wrap })
     }
 
-    /// The image that the parameter `filename` names.
+    /// Reads the parameter `filename` and returns the index of its image.
     fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
         let name = filename.required("value")?;
         let path = document::resolve(name, &filename.location.file, &self.top_folder)
@@ -198,7 +198,7 @@ impl<'a> Textures<'a> {
         Ok(self.requests.len() as u32 - 1)
     }
 
-    /// What Mitsuba's checkerboard cannot tell.
+    /// Refuses uses that Mitsuba's checkerboard does not support.
     fn check_role(&self, element: &Element, role: Role, found: TextureUse) -> Result<()> {
         let is_bitmap = matches!(self.read[found.texture as usize].pattern, Pattern::Bitmap { .. });
         match role {
@@ -209,7 +209,7 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The index in `Scene::textures` of a texture that was read.
+    /// Index in `Scene::textures` of a texture that was read.
     pub fn keep(&mut self, texture: u32) -> u32 {
         if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern {
             self.kept_images.index(image);
@@ -217,7 +217,7 @@ impl<'a> Textures<'a> {
         self.kept_textures.index(texture)
     }
 
-    /// What has been kept: `Scene::textures`, and the images to decode for `Scene::images`, which come after
+    /// Kept textures for `Scene::textures`, and kept images to decode for `Scene::images`, where they follow
     /// `first_image` others.
     pub fn finish(mut self, first_image: u32) -> (Vec<Texture>, Vec<ImageRequest>) {
         let order = std::mem::take(&mut self.kept_textures.order);
@@ -240,7 +240,7 @@ fn filter(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<Tex
     match properties.string("filter_type")? {
         None | Some("bilinear") => Ok(TexelFilter::Bilinear),
         Some("nearest") => Ok(TexelFilter::Nearest),
-        // Mitsuba 0.6's, for what is far away.
+        // Filters of Mitsuba 0.6 for distant surfaces.
         Some(other @ ("trilinear" | "ewa")) => {
             warnings.push(format!("{location}: the filter `{other}` is not supported; `bilinear` is used"));
             Ok(TexelFilter::Bilinear)
@@ -262,7 +262,8 @@ fn wrap_mode(properties: &mut Properties) -> Result<WrapMode> {
     }
 }
 
-/// Mitsuba 3's `raw`, or Mitsuba 0.6's `gamma`: -1 for what the file says, 1 for linear.
+/// Whether an image is linear: Mitsuba 3's `raw`, or Mitsuba 0.6's `gamma`, where -1 means "as the file says" and 1
+/// means linear.
 fn is_raw(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<bool> {
     let location = properties.location("gamma");
     let raw = properties.boolean("raw")?;
@@ -273,7 +274,7 @@ fn is_raw(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<boo
     Ok(raw.unwrap_or(gamma == Some(1.0)))
 }
 
-/// Mitsuba 3.9's checkerboard gives a number the other color than it gives a color.
+/// Reads a checkerboard. As in Mitsuba 3.9, the two colors are exchanged where it gives a number.
 fn checkerboard(properties: &mut Properties, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
     let mut color = |name: &str, default: f32| -> Result<Vec3> {
         if let Some(texture) = properties.texture(name)? {
@@ -288,7 +289,7 @@ fn checkerboard(properties: &mut Properties, role: Role, warnings: &mut Vec<Stri
         Ok(color)
     };
     let (color0, color1) = (color("color0", 0.4)?, color("color1", 0.2)?);
-    // A number is the mean of a constant color.
+    // The number is the mean of the color's channels.
     let mean = |color: Vec3| Vec3::splat(color.element_sum() / 3.0);
     Ok(match role {
         Role::Scalar => Pattern::Checkerboard { color0: mean(color1), color1: mean(color0) },
@@ -296,7 +297,7 @@ fn checkerboard(properties: &mut Properties, role: Role, warnings: &mut Vec<Stri
     })
 }
 
-/// `to_uv`, or the offsets and scales of old files, which Mitsuba 3 applies in this order.
+/// Reads `to_uv`, and the offsets and scales of old files, which Mitsuba 3 applies in this order.
 fn to_uv(properties: &mut Properties) -> Result<Mat3> {
     let mut number = |name: &str, default: f32| Ok(f64::from(properties.float(name)?.unwrap_or(default)));
     let offset = DVec3::new(number("uoffset", 0.0)?, number("voffset", 0.0)?, 0.0);

@@ -1,4 +1,4 @@
-//! `<transform>`: each operation is applied after those above it.
+//! Reader of `<transform>`. Each operation is applied after the operations above it.
 
 use glam::{DMat3, DMat4, DVec3, DVec4};
 
@@ -6,7 +6,7 @@ use super::element::Element;
 use super::numbers;
 use crate::Result;
 
-/// The product of a `<transform>`'s operations. In f64, so that long chains cost no accuracy.
+/// Product of a `<transform>`'s operations. In f64, so that long chains keep their accuracy.
 pub(super) fn parse(element: &Element) -> Result<DMat4> {
     element.children.iter().try_fold(DMat4::IDENTITY, |below, operation| Ok(parse_operation(operation)? * below))
 }
@@ -30,7 +30,7 @@ fn parse_scale(element: &Element) -> Result<DMat4> {
     Ok(DMat4::from_scale(factors.into()))
 }
 
-/// The axis may have any length, as in Mitsuba 0.6; Mitsuba 3 distorts the shape unless it is 1.
+/// Reads a rotation. The axis may have any length, as in Mitsuba 0.6; Mitsuba 3 distorts the shape unless it is 1.
 fn parse_rotate(element: &Element) -> Result<DMat4> {
     let axis = DVec3::from(numbers::xyz(element, 0.0)?);
     let angle = numbers::one(element, element.required("angle")?)?;
@@ -38,7 +38,7 @@ fn parse_rotate(element: &Element) -> Result<DMat4> {
     Ok(DMat4::from_axis_angle(axis, angle.to_radians()))
 }
 
-/// Camera to world: `+z` looks from origin to target and `+x` points to the left of the picture.
+/// Reads a transform from camera to world: `+z` looks from origin to target, `+x` points to the left of the picture.
 fn parse_lookat(element: &Element) -> Result<DMat4> {
     let point = |name: &str| Ok(DVec3::from(numbers::three(element, element.required(name)?)?));
     let (origin, target, up) = (point("origin")?, point("target")?, point("up")?);
@@ -64,21 +64,21 @@ fn parse_matrix(element: &Element) -> Result<DMat4> {
     Ok(matrix)
 }
 
-/// Takes normals along when points go through `matrix`: the inverse transpose up to a positive factor. Made of
-/// cofactors, so that a flattening matrix has one, too.
+/// Transform of normals for points that are transformed by `matrix`: the inverse transpose up to a positive factor. It
+/// is made of cofactors, so that it exists for a flattening matrix too.
 pub(super) fn normal_matrix(matrix: &DMat4) -> DMat3 {
     let [x, y, z] = axes(matrix);
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
     if is_mirrored(matrix) { -cofactors } else { cofactors }
 }
 
-/// Whether the matrix turns right hands into left hands.
+/// Whether the matrix turns right-handed frames into left-handed ones.
 pub(super) fn is_mirrored(matrix: &DMat4) -> bool {
     let [x, y, z] = axes(matrix);
     x.cross(y).dot(z) < 0.0
 }
 
-/// Where the unit axes go.
+/// Images of the unit axes.
 pub(super) fn axes(matrix: &DMat4) -> [DVec3; 3] {
     [matrix.x_axis.truncate(), matrix.y_axis.truncate(), matrix.z_axis.truncate()]
 }

@@ -1,4 +1,4 @@
-//! What instructions a module has, by class and by line of the GLSL.
+//! Counts of a module's instructions, by class and by line of the GLSL.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -9,109 +9,109 @@ use serde::Serialize;
 
 use crate::spirv::module::{Module, literal, operand_id};
 
-/// What an instruction does, as far as its cost goes.
+/// Classes of instructions, by what they do as far as cost is concerned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
-    /// From a storage buffer.
+    /// Load from a storage buffer.
     LoadBuffer,
-    /// From a uniform buffer or push constants.
+    /// Load from a uniform buffer or push constants.
     LoadUniform,
-    /// From memory that a workgroup shares.
+    /// Load from a workgroup's shared memory.
     LoadShared,
-    /// From a variable of the invocation: an array that did not become values.
+    /// Load from a variable of the invocation, such as an array that was not turned into values.
     LoadLocal,
-    /// From a texel buffer.
+    /// Load from a texel buffer.
     TexelFetch,
-    /// To a storage buffer.
+    /// Store to a storage buffer.
     StoreBuffer,
-    /// To memory that a workgroup shares.
+    /// Store to a workgroup's shared memory.
     StoreShared,
-    /// To a variable of the invocation.
+    /// Store to a variable of the invocation.
     StoreLocal,
-    /// Read, change and write in one.
+    /// Atomic read, change and write.
     Atomic,
-    /// Barriers of execution or memory.
+    /// Barrier of execution or memory.
     Barrier,
-    /// A loop's head.
+    /// Head of a loop.
     Loop,
-    /// A choice between blocks.
+    /// Conditional jump.
     Branch,
-    /// A jump without a choice.
+    /// Unconditional jump.
     Jump,
-    /// A call.
+    /// Function call.
     Call,
-    /// Sines, exponentials, logarithms, powers and their inverses.
+    /// Sine, exponential, logarithm, power or the inverse of one.
     Transcendental,
-    /// Square roots, and lengths that need one.
+    /// Square root, or a length that needs one.
     Root,
-    /// Quotients and remainders.
+    /// Quotient or remainder.
     Division,
     /// Other floating-point arithmetic.
     Float,
     /// Other integer arithmetic.
     Integer,
-    /// Shifts, masks and the like.
+    /// Shift, mask or other operation on bits.
     Bits,
-    /// Comparisons and logic.
+    /// Comparison or logic.
     Comparison,
-    /// A choice between values.
+    /// Choice between values.
     Select,
-    /// Where values of several blocks meet.
+    /// Merge of values that come from several blocks.
     Phi,
-    /// Between types.
+    /// Conversion between types.
     Conversion,
-    /// Putting together and taking apart; often free.
+    /// Making or splitting of composites; often free.
     Composite,
-    /// Where in a buffer something lies.
+    /// Address of an element within a buffer.
     Address,
-    /// Anything else.
+    /// Any other instruction.
     Other,
 }
 
-/// How many.
+/// Number of instructions and of scalars.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Count {
-    /// Instructions.
+    /// Number of instructions.
     pub instructions: u64,
-    /// Scalars that they make, store or multiply: 3 for the sum of two `vec3`.
+    /// Number of scalars that the instructions make, store or multiply: 3 for the sum of two `vec3`.
     pub scalars: u64,
 }
 
-/// The instructions that come from one line of GLSL.
+/// Instructions that come from one line of GLSL.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SourceLine {
-    /// The GLSL file.
+    /// Path of the GLSL file.
     pub file: String,
-    /// Counted from 1.
+    /// Line number, counted from 1.
     pub line: u32,
-    /// Its text, where the module has it.
+    /// Text of the line, where the module has it.
     pub text: String,
-    /// All instructions.
+    /// Count of all instructions.
     pub total: Count,
-    /// By class.
+    /// Counts by class.
     pub classes: BTreeMap<Class, Count>,
 }
 
-/// The instructions of a module.
+/// Instructions of a module.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Histogram {
-    /// All of them.
+    /// Count of all instructions.
     pub total: Count,
-    /// By class.
+    /// Counts by class.
     pub classes: BTreeMap<Class, Count>,
-    /// Instructions by name; the extended ones by theirs.
+    /// Number of instructions by name; extended instructions by their own names.
     pub operations: BTreeMap<String, u64>,
-    /// By line of the GLSL, the longest first. Code that was inlined counts for the line of its function.
+    /// Counts by line of the GLSL, the largest first. Inlined code counts for the line in its own function.
     pub lines: Vec<SourceLine>,
 }
 
 impl Class {
-    /// In words.
+    /// Description of the class in words.
     pub fn describe(self) -> &'static str {
         match self {
             Self::LoadBuffer => "loads from storage buffers",
-            Self::LoadUniform => "loads of uniforms and pushed",
+            Self::LoadUniform => "loads of uniforms, push blocks",
             Self::LoadShared => "loads from shared memory",
             Self::LoadLocal => "loads of local variables",
             Self::TexelFetch => "texel fetches",
@@ -134,7 +134,7 @@ impl Class {
             Self::Select => "selects",
             Self::Phi => "phis",
             Self::Conversion => "conversions",
-            Self::Composite => "taking apart, putting together",
+            Self::Composite => "making, splitting composites",
             Self::Address => "addresses",
             Self::Other => "others",
         }
@@ -149,12 +149,12 @@ impl Count {
 }
 
 impl Histogram {
-    /// Counts every instruction that can cost something: not declarations, labels, names or lines.
+    /// Counts every instruction that can cost something, which leaves out declarations, labels, names and lines.
     pub fn of(module: &Module) -> Self {
         let mut counter = Counter::new(module);
         for function in &module.parsed.functions {
             for block in &function.blocks {
-                // A line holds to the end of its block.
+                // A line instruction is valid to the end of its block.
                 counter.line = None;
                 block.instructions.iter().for_each(|instruction| counter.see(instruction));
             }
@@ -162,12 +162,12 @@ impl Histogram {
         counter.finish()
     }
 
-    /// The count of one class.
+    /// Count of one class.
     pub fn class(&self, class: Class) -> Count {
         self.classes.get(&class).copied().unwrap_or_default()
     }
 
-    /// Instructions by GLSL file, the longest first.
+    /// Counts by GLSL file, the largest first.
     pub fn files(&self) -> Vec<(String, Count)> {
         let mut files = BTreeMap::<&str, Count>::new();
         for line in &self.lines {
@@ -185,9 +185,9 @@ type Line = (u32, u32);
 
 struct Counter<'a> {
     module: &'a Module,
-    /// Types of all results in functions and outside.
+    /// Type ids by result id, for results inside and outside functions.
     types: HashMap<u32, u32>,
-    /// (number of the file's name, line)
+    /// Index of the file's name, and the line.
     line: Option<Line>,
     total: Count,
     classes: BTreeMap<Class, Count>,
@@ -245,7 +245,7 @@ impl<'a> Counter<'a> {
         self.module.storage_class(*self.types.get(&pointer)?)
     }
 
-    /// Nothing for the handle of a texel buffer.
+    /// Class of a load; `None` for the handle of a texel buffer.
     fn load_class(&self, instruction: &Instruction) -> Option<Class> {
         Some(match self.storage(instruction)? {
             StorageClass::UniformConstant => return None,
@@ -253,7 +253,7 @@ impl<'a> Counter<'a> {
             StorageClass::Uniform | StorageClass::PushConstant => Class::LoadUniform,
             StorageClass::Workgroup => Class::LoadShared,
             StorageClass::Function | StorageClass::Private => Class::LoadLocal,
-            // The numbers of the invocation and its workgroup.
+            // Built-in inputs, such as the ids of invocation and workgroup.
             _ => Class::Other,
         })
     }
@@ -297,7 +297,7 @@ impl<'a> Counter<'a> {
     }
 }
 
-/// The GLSL that a module carries.
+/// GLSL source text that a module carries.
 struct Sources<'a> {
     names: HashMap<u32, &'a str>,
     texts: HashMap<u32, Vec<&'a str>>,
@@ -356,7 +356,7 @@ fn extended_class(name: &str) -> Class {
     }
 }
 
-/// Nothing for what costs nothing: declarations, labels, merges.
+/// Class of an instruction; `None` for one without a cost, such as a declaration, label or merge.
 fn class_of(opcode: Op, name: &str) -> Option<Class> {
     use Op::*;
     Some(match opcode {

@@ -1,4 +1,4 @@
-//! What a kernel asks of its pipeline, reflected from its SPIR-V.
+//! Interface of a kernel, reflected from its SPIR-V.
 
 use rspirv::dr::{Instruction, Operand};
 use rspirv::spirv::{BuiltIn, Decoration, Op};
@@ -10,87 +10,87 @@ use spirq::var::Variable;
 
 use crate::spirv::module::{Module, literal, operand_id};
 
-/// A kernel's interface.
+/// Bindings, push constants and specialization constants of a kernel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Interface {
     /// Name of the function that a dispatch calls.
     pub entry_point: String,
     /// Invocations of a workgroup along each axis.
     pub workgroup_size: [Dimension; 3],
-    /// Bindings that the kernel uses, by set and number.
+    /// Bindings that the kernel uses, sorted by set and number.
     pub bindings: Vec<Binding>,
-    /// The push-constant block, if there is one.
+    /// The push-constant block; `None` where there is none.
     pub push_constants: Option<Layout>,
-    /// Specialization constants, by id.
+    /// Specialization constants, sorted by id.
     pub constants: Vec<SpecConstant>,
 }
 
 /// One axis of the workgroup size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Dimension {
-    /// Invocations; where a constant chooses them, its value.
+    /// Number of invocations; where a constant chooses them, its value.
     pub value: u32,
-    /// Id of that constant.
+    /// Id of the specialization constant that chooses the number.
     pub constant: Option<u32>,
 }
 
 /// One binding.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Binding {
-    /// The set.
+    /// Number of the set.
     pub set: u32,
-    /// Its number there.
+    /// Number of the binding within the set.
     pub binding: u32,
-    /// Its name in the GLSL, or its block's.
+    /// Name in the GLSL, or of the block.
     pub name: String,
-    /// What it holds, in words.
+    /// Kind of the binding, in words.
     pub kind: String,
     /// Whether the kernel may read, write, or both.
     pub access: &'static str,
-    /// What lies where, for buffers that are no texels.
+    /// Layout of the buffer's content; `None` for texel buffers.
     pub layout: Option<Layout>,
 }
 
-/// What lies where in a block.
+/// Layout of a block.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Layout {
-    /// Size in bytes; nothing where the block ends in an array of any length.
+    /// Size in bytes; `None` where the block ends in an array of any length.
     pub bytes: Option<usize>,
-    /// In order.
+    /// Members in order.
     pub members: Vec<Member>,
 }
 
-/// A member of a block or of a struct.
+/// Member of a block or of a struct.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Member {
-    /// Its name in the GLSL.
+    /// Name in the GLSL.
     pub name: String,
-    /// Its type in GLSL's words.
+    /// Type as GLSL spells it.
     #[serde(rename = "type")]
     pub type_name: String,
-    /// Bytes from the begin of what it is a member of.
+    /// Offset in bytes from the begin of the enclosing block or struct.
     pub offset: usize,
-    /// Its size; nothing for an array of any length.
+    /// Size in bytes; `None` for an array of any length.
     pub bytes: Option<usize>,
-    /// Bytes from one element of an array, or column of a matrix, to the next.
+    /// Stride in bytes from one element of an array, or column of a matrix, to the next.
     pub stride: Option<usize>,
-    /// Members of a struct, or of an array's.
+    /// Members of a struct, or of an array's element type.
     pub members: Vec<Member>,
 }
 
-/// A specialization constant.
+/// Specialization constant of a kernel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpecConstant {
-    /// Its id.
+    /// Id of the constant.
     pub id: u32,
-    /// Its name in the GLSL.
+    /// Name in the GLSL.
     pub name: String,
-    /// Its type in GLSL's words.
+    /// Type as GLSL spells it.
     #[serde(rename = "type")]
     pub type_name: &'static str,
-    /// Its value where none is given.
+    /// Value where none is given.
     pub default: Value,
-    /// Its value in the variant at hand.
+    /// Value in the current variant.
     pub value: Value,
 }
 
@@ -102,7 +102,7 @@ impl Interface {
         bindings.sort_by_key(|b| (b.set, b.binding));
         let mut constants: Vec<_> =
             module.parsed.types_global_values.iter().filter_map(|i| spec_constant(module, i)).collect();
-        // The workgroup size has two of the same id: one of GLSL's own, one that the GLSL names.
+        // The workgroup size has two constants of one id: GLSL's own, and the one that the GLSL names.
         constants.sort_by_key(|c| (c.id, c.name.is_empty()));
         constants.dedup_by_key(|c| c.id);
         Ok(Self {
@@ -114,7 +114,7 @@ impl Interface {
         })
     }
 
-    /// Gives constants the values of a variant: (id, bits).
+    /// Gives constants the values of a variant, as (id, bits).
     pub fn set_values(&mut self, values: &[(u32, u32)]) {
         let given = |id: u32| values.iter().find(|(given, _)| *given == id).map(|&(_, bits)| bits);
         for constant in &mut self.constants {
@@ -127,8 +127,8 @@ impl Interface {
         }
     }
 
-    /// How `other` differs in what a pipeline made for `self` relies on, one clause each. Names and the values of constants
-    /// do not count, and `other` may use less.
+    /// Differences of `other` that break a pipeline made for `self`, one clause each. Names and the values of constants
+    /// are not compared, and `other` may use less.
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut found = Vec::new();
         if self.entry_point != other.entry_point {
@@ -194,7 +194,7 @@ impl std::fmt::Display for Dimension {
     }
 }
 
-/// The first place where two layouts differ.
+/// First difference between two layouts, as a clause; `None` where they agree.
 fn layout_difference(own: Option<&Layout>, other: Option<&Layout>) -> Option<String> {
     let lines = |layout: Option<&Layout>| {
         let mut lines = Vec::new();
@@ -210,13 +210,13 @@ fn layout_difference(own: Option<&Layout>, other: Option<&Layout>) -> Option<Str
     Some(format!("`{name}` is {other}, not {own}"))
 }
 
-/// (name, place and type) of every member, nested ones after what holds them.
+/// Pairs of every member's name and of its type with offset. Nested members follow the member that holds them.
 fn flatten(members: &[Member], prefix: &str, lines: &mut Vec<(String, String)>) {
     for member in members {
         let name = format!("{prefix}{}", member.name);
         let stride = member.stride.map(|stride| format!(", stride {stride}")).unwrap_or_default();
         let bytes = member.bytes.map(|bytes| format!(", {bytes} bytes")).unwrap_or_default();
-        // The name of a struct is nobody's business, its members are.
+        // Names of structs may differ; only their members are compared.
         let ty = if member.members.is_empty() { member.type_name.as_str() } else { "a struct" };
         lines.push((name.clone(), format!("{ty} at offset {}{bytes}{stride}", member.offset)));
         flatten(&member.members, &format!("{name}."), lines);
@@ -225,7 +225,7 @@ fn flatten(members: &[Member], prefix: &str, lines: &mut Vec<(String, String)>) 
 
 /// Bindings and push constants that the entry point uses.
 fn reflect(module: &Module) -> Result<Vec<Variable>, String> {
-    // The reflection crate knows a fixed list of instructions and stops at others.
+    // The reflection crate panics at instructions outside its fixed list.
     let is_known = |i: &&Instruction| spirq::spirv::Op::from_u32(i.class.opcode as u32).is_none();
     if let Some(unknown) = module.parsed.all_inst_iter().find(is_known) {
         return Err(format!("Op{} is too new to be read", unknown.class.opname));
@@ -248,7 +248,8 @@ fn entry_point_name(module: &Module) -> Result<String, String> {
     }
 }
 
-/// By the variable that GLSL calls gl_WorkGroupSize where it is declared, else by the execution mode.
+/// Workgroup size, from the variable that GLSL calls gl_WorkGroupSize where it is declared, else from the execution
+/// mode.
 fn workgroup_size(module: &Module) -> Result<[Dimension; 3], String> {
     let is_size = |operand: Option<&Operand>| operand == Some(&Operand::BuiltIn(BuiltIn::WorkgroupSize));
     let builtin = module.decorated(Decoration::BuiltIn).find(|(_, operand)| is_size(*operand));
@@ -321,7 +322,7 @@ fn layout(ty: &Type) -> Layout {
     Layout { bytes: if is_open { None } else { ty.nbyte() }, members }
 }
 
-/// Of a struct, or of the struct that an array consists of.
+/// Members of a struct, or of an array's element type.
 fn members(ty: &Type) -> Vec<Member> {
     match ty {
         Type::Array(array) => members(&array.element_ty),
@@ -355,7 +356,7 @@ fn stride(ty: &Type) -> Option<usize> {
     }
 }
 
-/// In GLSL's words.
+/// Type as GLSL spells it.
 fn type_name(ty: &Type) -> String {
     match ty {
         Type::Scalar(scalar) => scalar_name(scalar),
@@ -413,7 +414,7 @@ fn spec_constant(module: &Module, instruction: &Instruction) -> Option<SpecConst
     Some(SpecConstant { id, name, type_name, value: default.clone(), default })
 }
 
-/// The bits of a constant as a number of its type.
+/// Bits of a constant as a number of its type.
 fn value(type_name: &str, bits: u32) -> Value {
     match type_name {
         "bool" => json!(bits != 0),
@@ -423,7 +424,7 @@ fn value(type_name: &str, bits: u32) -> Value {
     }
 }
 
-/// 0.95 stays 0.95; as an f64 it would be 0.949999988079071.
+/// Number with the shortest decimal form: 0.95 stays 0.95; converted directly to f64 it would be 0.949999988079071.
 fn plain(number: f32) -> f64 {
     number.to_string().parse().unwrap_or_else(|_| number.into())
 }

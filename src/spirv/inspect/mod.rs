@@ -1,5 +1,5 @@
-//! SPIR-V as an engineer reads it: a kernel's interface, what instructions it has and from which lines of GLSL, the same for
-//! one variant with its constants folded, and kernels from files in place of the built-in ones.
+//! SPIR-V for engineers: a kernel's interface, its instructions and the lines of GLSL that they come from, also for one
+//! variant with its constants folded.
 
 mod histogram;
 mod interface;
@@ -17,46 +17,46 @@ use crate::spirv::module::Module;
 use crate::spirv::tools;
 use crate::{Error, Result};
 
-/// All that is known of a kernel without a device.
+/// All facts about a kernel that are known without a device.
 #[derive(Debug, Clone, Serialize)]
 pub struct KernelReport {
-    /// The kernel's name.
+    /// Name of the kernel.
     pub name: String,
-    /// The name of its file, which tells apart the back ends.
+    /// Name of the kernel's file, which distinguishes the back ends.
     pub file: String,
-    /// Its size.
+    /// Size of the SPIR-V in bytes.
     pub spirv_bytes: usize,
-    /// What it asks of its pipeline.
+    /// Bindings and constants of the kernel.
     pub interface: Interface,
-    /// Its instructions as compiled.
+    /// Instructions as compiled.
     pub histogram: Histogram,
-    /// Its disassembly as compiled.
+    /// Disassembly as compiled.
     pub disassembly: String,
-    /// The same for one variant; or why there is none, which is a note, too.
+    /// One variant of the kernel. An error says why there is none; it is repeated among the notes.
     #[serde(serialize_with = "serialize_specialized")]
     pub specialized: Result<Specialized, ToolFault>,
-    /// What is missing or was done another way, one sentence each.
+    /// Notes on missing or replaced parts, one sentence each.
     pub notes: Vec<String>,
 }
 
 /// One variant of a kernel: constants folded, dead code removed.
 #[derive(Debug, Clone, Serialize)]
 pub struct Specialized {
-    /// Its size.
+    /// Size of the SPIR-V in bytes.
     pub spirv_bytes: usize,
-    /// Its instructions.
+    /// Instructions of the variant.
     pub histogram: Histogram,
-    /// Its disassembly.
+    /// Disassembly of the variant.
     pub disassembly: String,
-    /// The module.
+    /// SPIR-V of the variant.
     #[serde(skip)]
     pub spirv: Vec<u8>,
 }
 
-/// Reports on a kernel; `constants` are (id, bits) of the variant's specialization constants.
+/// Reports on a kernel; `constants` are the (id, bits) of the variant's specialization constants.
 ///
 /// # Errors
-/// Where the kernel is no SPIR-V that can be read.
+/// [`Error::Kernel`] where the kernel's SPIR-V cannot be read.
 pub fn report(source: &KernelSource, constants: &[(u32, u32)]) -> Result<KernelReport> {
     let unreadable = |message: String| Error::kernel(source.file, message);
     let module = Module::parse(&source.spirv).map_err(unreadable)?;
@@ -89,7 +89,7 @@ fn specialized(module: &Module, constants: &[(u32, u32)]) -> Result<Specialized,
     })
 }
 
-/// With the names of the GLSL where SPIRV-Tools are there, else with numbers.
+/// Disassembly with the names of the GLSL where SPIRV-Tools is installed, else with numbers.
 fn disassembly(module: &Module, notes: &mut Vec<String>) -> String {
     tools::disassemble(module.words()).unwrap_or_else(|fault| {
         notes.push(format!("the disassembly has numbers for names: {fault}"));

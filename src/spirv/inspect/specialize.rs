@@ -1,4 +1,4 @@
-//! One variant of a module: its constants set, folded, and what they make dead removed.
+//! Variants of a module: specialization constants set and folded, and dead code removed.
 
 use rspirv::binary::Assemble;
 use rspirv::dr::Operand;
@@ -8,12 +8,12 @@ use rspirv::spirv::Op;
 use crate::spirv::module::Module;
 use crate::spirv::tools::{self, ToolFault};
 
-/// The SPIR-V of the variant in which the specialization constants have the given (id, bits).
+/// SPIR-V of the variant in which the specialization constants have the given (id, bits).
 pub fn specialize(module: &Module, constants: &[(u32, u32)]) -> Result<Vec<u8>, ToolFault> {
     tools::fold_constants(&with_defaults(module, constants))
 }
 
-/// The module with other defaults of its specialization constants.
+/// Words of the module, with the given values as defaults of its specialization constants.
 fn with_defaults(module: &Module, constants: &[(u32, u32)]) -> Vec<u32> {
     let mut changed = module.parsed.clone();
     for instruction in &mut changed.types_global_values {

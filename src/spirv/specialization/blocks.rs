@@ -1,5 +1,5 @@
-//! Blocks of a function: which branches are decided, and which blocks are then reached. What is left keeps to SPIR-V's
-//! structured control flow (SPIR-V specification 2.11).
+//! Blocks of a function: decides branches and removes unreachable blocks. The result keeps SPIR-V's structured control
+//! flow (SPIR-V specification 2.11).
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,11 +9,11 @@ use rspirv::spirv::{Op, Word};
 
 use super::values::Values;
 
-/// Replaces branches whose condition is known by the one way that they go. Returns whether there were any.
+/// Replaces each branch whose condition is known by a jump to its target. Returns whether there were any.
 pub(super) fn decide(function: &mut Function, globals: &Values) -> bool {
     let mut values = globals.clone();
     let mut is_changed = false;
-    // A definition comes before its uses, those along back edges aside.
+    // A definition comes before its uses, except along back edges.
     for block in &mut function.blocks {
         block.instructions.iter().for_each(|instruction| values.learn(instruction));
         is_changed |= decide_block(block, &values);
@@ -36,7 +36,7 @@ fn decide_block(block: &mut Block, values: &Values) -> bool {
             block.instructions.push(instruction(Op::Branch, None, None, vec![target]));
             true
         }
-        // What is inside may break out of a switch, so it stays one, of a single case.
+        // Blocks inside may break out of a switch, so it stays a switch, of a single case.
         Op::Switch if last.operands.len() > 2 => {
             let Some(selector) = condition() else { return false };
             let is_chosen = |case: &&[Operand]| case[0] == Operand::LiteralBit32(selector);
@@ -50,11 +50,11 @@ fn decide_block(block: &mut Block, values: &Values) -> bool {
     }
 }
 
-/// Removes blocks that cannot be reached, and what phis expect of them. Returns definitions of undefined values that are
-/// now needed; their ids start at `bound`, which grows.
+/// Removes unreachable blocks and their entries in phis. Returns definitions of undefined values that are now needed;
+/// their ids start at `bound`, which grows.
 pub(super) fn remove_unreachable(function: &mut Function, bound: &mut Word) -> Vec<Instruction> {
     let reached = reached(function);
-    // A construct has a merge block and a continue target, reached or not.
+    // A construct needs a merge block and a continue target even where they are unreachable.
     let mut merges = HashSet::new();
     let mut headers = HashMap::new();
     for block in function.blocks.iter().filter(|block| reached.contains(&label(block))) {
@@ -100,7 +100,7 @@ fn mend_phis(function: &mut Function, reached: &HashSet<Word>, bound: &mut Word)
                 pair[1].id_ref_any().is_some_and(|block| from.contains(&block) && reached.contains(&block))
             };
             let mut kept: Vec<Operand> = phi.operands.chunks(2).filter(is_kept).flatten().cloned().collect();
-            // The stub of a continue target, from which nothing comes.
+            // An unreachable continue target jumps to the loop's head, so the phi needs a value for it.
             for stub in from.iter().filter(|block| !reached.contains(block)) {
                 undefined.push(instruction(Op::Undef, phi.result_type, Some(*bound), Vec::new()));
                 kept.extend([Operand::IdRef(*bound), Operand::IdRef(*stub)]);
@@ -126,7 +126,7 @@ fn reached(function: &Function) -> HashSet<Word> {
     reached
 }
 
-/// Where a block may go, each once.
+/// Blocks to which a block may jump, each once.
 fn targets(block: &Block) -> Vec<Word> {
     let Some(last) = block.instructions.last() else { return Vec::new() };
     let all = last.operands.iter().filter_map(Operand::id_ref_any);

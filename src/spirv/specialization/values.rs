@@ -1,4 +1,4 @@
-//! Scalars that are known before a kernel runs: integers of 32 bits, and booleans as 0 and 1.
+//! Scalars that are known before a kernel runs: 32-bit integers, and booleans as 0 and 1.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use rspirv::spirv::Op;
 pub(super) struct Values(HashMap<u32, u32>);
 
 impl Values {
-    /// The constants of a module; `specialized` gives the bits of those that are chosen.
+    /// Values of a module's constants; `specialized` gives the bits of the specialization constants that are set.
     pub fn of_globals(module: &Module, specialized: impl Fn(u32) -> Option<u32>) -> Self {
         let mut values = Self::default();
         for instruction in &module.types_global_values {
@@ -36,7 +36,7 @@ impl Values {
         self.0.get(&id).copied()
     }
 
-    /// Takes note of the result of an instruction of a function, where it is known.
+    /// Notes the result of a function's instruction, where it is known.
     pub fn learn(&mut self, instruction: &Instruction) {
         let value = match instruction.class.opcode {
             Op::Phi => self.common_value(&instruction.operands),
@@ -51,7 +51,8 @@ impl Values {
         }
     }
 
-    /// What all values of a phi are. One that comes along a back edge is not known yet.
+    /// Value that all entries of a phi share. An entry along a back edge is not known yet, so the result is then
+    /// `None`.
     fn common_value(&self, operands: &[Operand]) -> Option<u32> {
         let mut values = operands.iter().step_by(2).map(|operand| self.get(operand.id_ref_any()?));
         let first = values.next()??;
@@ -61,7 +62,7 @@ impl Values {
     fn result(&self, operation: Op, operands: &[Operand]) -> Option<u32> {
         let known = |place: usize| self.get(operands.get(place)?.id_ref_any()?);
         let (a, b) = (known(0), known(1));
-        // One operand may be enough.
+        // One operand may decide the result.
         match operation {
             Op::LogicalAnd | Op::BitwiseAnd if a == Some(0) || b == Some(0) => return Some(0),
             Op::LogicalOr if a == Some(1) || b == Some(1) => return Some(1),
@@ -90,7 +91,7 @@ impl Values {
             Op::IAdd => a.wrapping_add(b),
             Op::ISub => a.wrapping_sub(b),
             Op::IMul => a.wrapping_mul(b),
-            // Shifts by more are undefined.
+            // Larger shifts are undefined.
             Op::ShiftLeftLogical => a.checked_shl(b)?,
             Op::ShiftRightLogical => a.checked_shr(b)?,
             _ => return None,

@@ -30,7 +30,7 @@ const DIELECTRICS: [(&str, f32); 23] = [
     ("diamond", 2.419),
 ];
 
-/// `int_ior` over `ext_ior`; Mitsuba's default for the exterior is air.
+/// Relative index `int_ior` over `ext_ior`. Mitsuba's default for the exterior is air.
 pub(super) fn relative(properties: &mut Properties, interior: &str) -> Result<f32> {
     let interior = index(properties, "int_ior", interior)?;
     let exterior = index(properties, "ext_ior", "air")?;

@@ -1,4 +1,4 @@
-//! `<bsdf>` to [`Material`]s.
+//! Conversion of `<bsdf>` to [`Material`]s.
 
 mod ior;
 mod named_conductors;
@@ -21,27 +21,27 @@ use crate::scene::texture::Textured;
 use parameters::Parameters;
 use tree::Tree;
 
-/// What takes other BSDFs.
+/// Plugins that contain other BSDFs.
 const MODIFIERS: [&str; 6] = ["twosided", "mask", "blendbsdf", "bumpmap", "normalmap", "coating"];
 
-/// Links to textures that a material's record has.
+/// Most textures of a material, which is the number of links in its record.
 const MAX_TEXTURES: usize = constants::TEXTURE_LINKS as usize;
-/// What blends of blends of the same few materials may come to.
+/// Most surfaces of a material. Nested blends of the same few materials may multiply.
 const MAX_SURFACES: usize = 64;
-/// Choices within choices that the kernels follow.
+/// Deepest nesting of choices that the kernels follow.
 const MAX_CHOICES: usize = constants::MAX_CHOICES as usize;
-/// BSDFs inside each other, references followed.
+/// Deepest nesting of BSDFs, references included.
 const MAX_DEPTH: usize = 64;
 
-/// The materials of a scene while it is read. What no shape uses is read, but not kept.
+/// Materials of a scene while it is read. A material that no shape uses is read, but not kept.
 pub(super) struct Materials<'a> {
     ids: Ids<'a>,
-    /// Keyed by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
+    /// Trees by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
     trees: HashMap<*const Element, Tree>,
-    /// The elements being read, from the outermost.
+    /// Elements being read, from the outermost.
     open: Vec<*const Element>,
     kept: HashMap<*const Element, u32>,
-    /// Of shapes without a BSDF: those that do not emit, and those that do.
+    /// Indices of the default materials: of shapes that do not emit, and of shapes that do.
     defaults: [Option<u32>; 2],
     list: Vec<Material>,
 }
@@ -58,13 +58,13 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// `Scene::materials`
+    /// Materials in the order of `Scene::materials`.
     pub fn finish(self) -> Vec<Material> {
         self.list
     }
 
-    /// The index in `Scene::materials` of what a shape without a BSDF is made of: as in Mitsuba, black
-    /// where it emits.
+    /// Index in `Scene::materials` of the default material for shapes without a BSDF. As in Mitsuba, it is black where
+    /// the shape emits.
     pub fn keep_default(&mut self, emits: bool) -> u32 {
         let list = &mut self.list;
         *self.defaults[usize::from(emits)].get_or_insert_with(|| {
@@ -77,7 +77,7 @@ impl<'a> Materials<'a> {
         })
     }
 
-    /// The index in `Scene::materials` of a `<bsdf>` that a shape uses.
+    /// Index in `Scene::materials` of a `<bsdf>` that a shape uses.
     pub fn keep(
         &mut self,
         element: &'a Element,
@@ -121,7 +121,7 @@ impl<'a> Materials<'a> {
         parts.map(|part| self.push(name, part, textures))
     }
 
-    /// Says what is wrong with a `<bsdf>`, whether or not a shape uses it.
+    /// Checks a `<bsdf>`, whether or not a shape uses it.
     pub fn check(
         &mut self,
         element: &'a Element,
@@ -179,7 +179,7 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// What a plugin of [`MODIFIERS`] makes of the BSDFs in it.
+/// Applies a plugin of [`MODIFIERS`] to its BSDFs.
 fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
     let element = parameters.element();
     let plugin = parameters.properties.plugin();
@@ -228,7 +228,7 @@ fn normal_map(parameters: &mut Parameters) -> Result<Relief> {
     Ok(Relief::NormalMap { texture })
 }
 
-/// What Mitsuba does against invalid normals is done unless the scene asks for the contrary.
+/// Refuses scenes that switch off Mitsuba's corrections of invalid normals, which are always on here.
 fn check_relief_options(parameters: &mut Parameters) -> Result<()> {
     for name in ["flip_invalid_normals", "use_shadowing_function"] {
         let location = parameters.properties.location(name);
@@ -239,7 +239,7 @@ fn check_relief_options(parameters: &mut Parameters) -> Result<()> {
     Ok(())
 }
 
-/// Mitsuba 0.6's; Mitsuba 3 has none.
+/// Reads a `coating`, a plugin of Mitsuba 0.6 that Mitsuba 3 lacks.
 fn coating(parameters: &mut Parameters) -> Result<Coating> {
     parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
     for name in ["sigma_a", "specular_reflectance"] {
@@ -257,7 +257,9 @@ fn coating(parameters: &mut Parameters) -> Result<Coating> {
 fn check_texture_count(element: &Element, tree: &Tree) -> Result<()> {
     let count = |surface: &SurfaceMaterial| surface.clone().parameter_textures_mut().len();
     match tree.surfaces().into_iter().map(count).find(|&count| count > MAX_TEXTURES) {
-        Some(count) => Err(element.error(format!("{count} textured parameters: a material may have {MAX_TEXTURES}"))),
+        Some(count) => {
+            Err(element.error(format!("{count} textured parameters: a material may have at most {MAX_TEXTURES}")))
+        }
         None => Ok(()),
     }
 }

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// Name, index of refraction and extinction coefficient in linear sRGB, as Mitsuba 3.9 reduces its measurements. Printed by
-/// `tests/data/mitsuba_conductors.py`.
+/// Name, index of refraction and extinction coefficient in linear sRGB, as Mitsuba 3.9 reduces its measurements.
+/// Printed by `tests/data/mitsuba_conductors.py`.
 #[rustfmt::skip]
 const CONDUCTORS: &[(&str, [f32; 3], [f32; 3])] = &[
     ("Ag", [0.155276, 0.116728, 0.138388], [4.828354, 3.122222, 2.146901]),
@@ -79,10 +79,10 @@ const CONDUCTORS: &[(&str, [f32; 3], [f32; 3])] = &[
     ("d-C_palik", [2.70872, 2.318826, 2.228898], [0.0, 0.0, 0.0]),
 ];
 
-/// What Mitsuba's `none` stands for: a perfect mirror.
+/// Values for Mitsuba's `none`: a perfect mirror.
 const MIRROR: (Vec3, Vec3) = (Vec3::ZERO, Vec3::ONE);
 
-/// `eta` and `k` of the conductor that Mitsuba knows by `name`.
+/// `eta` and `k` of the conductor that Mitsuba knows by `name`; `None` for an unknown name.
 pub(super) fn find(name: &str) -> Option<(Vec3, Vec3)> {
     if name == "none" {
         return Some(MIRROR);

@@ -1,4 +1,4 @@
-//! Parameters of materials: constants or textures, checked.
+//! Parameters of materials: checked constants or textures.
 
 use glam::Vec3;
 
@@ -11,10 +11,10 @@ use crate::generated::constants::MIN_ALPHA;
 use crate::scene::bsdf::{Distribution, Microfacets};
 use crate::scene::texture::Textured;
 
-/// Mitsuba's roughness where none is given.
+/// Mitsuba's default roughness.
 const DEFAULT_ALPHA: f32 = 0.1;
 
-/// One plugin's parameters while they are read.
+/// Parameters of one plugin while they are read.
 pub(super) struct Parameters<'r, 'a> {
     pub properties: Properties<'a>,
     textures: &'r mut Textures<'a>,
@@ -30,12 +30,12 @@ impl<'r, 'a> Parameters<'r, 'a> {
         self.properties.element()
     }
 
-    /// Reports what nobody has asked for.
+    /// Reports the parameters that were not read.
     pub fn finish(self) -> Result<()> {
         self.properties.finish(self.warnings)
     }
 
-    /// A share of reflected or transmitted light.
+    /// Reads a share of reflected or transmitted light.
     pub fn reflectance(&mut self, name: &str, default: f32) -> Result<Textured<Vec3>> {
         if let Some(texture) = self.properties.texture(name)? {
             let found = self.textures.read(texture, Role::Reflectance, self.warnings)?;
@@ -44,7 +44,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
         self.constant_reflectance(name, default).map(Textured::constant)
     }
 
-    /// The same where it must be one color.
+    /// Reads a share of reflected or transmitted light that must be one color.
     pub fn constant_reflectance(&mut self, name: &str, default: f32) -> Result<Vec3> {
         let location = self.properties.location(name);
         let color = self.properties.color(name)?.unwrap_or(Vec3::splat(default));
@@ -54,7 +54,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
         Ok(color.min(Vec3::ONE))
     }
 
-    /// A number in [0, 1], or a texture that gives one.
+    /// Reads a number in [0, 1], or a texture that gives one.
     pub fn share(&mut self, name: &str, default: f32) -> Result<Textured<f32>> {
         let location = self.properties.location(name);
         let scalar = self.scalar(name, default)?;
@@ -65,7 +65,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
         Ok(Textured::constant(scalar.value.clamp(0.0, 1.0)))
     }
 
-    /// A number, the mean of a color as in Mitsuba, or a texture.
+    /// Reads a number, a color (of which the mean counts, as in Mitsuba) or a texture.
     pub fn scalar(&mut self, name: &str, default: f32) -> Result<Textured<f32>> {
         if let Some(texture) = self.properties.texture(name)? {
             let found = self.textures.read(texture, Role::Scalar, self.warnings)?;
@@ -78,7 +78,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
         Ok(Textured::constant(color.map_or(default, |color| color.element_sum() / 3.0)))
     }
 
-    /// `distribution` and `alpha`, or `alpha_u` with `alpha_v`.
+    /// Reads `distribution` and `alpha`, or `alpha_u` with `alpha_v`.
     pub fn microfacets(&mut self) -> Result<Microfacets> {
         let distribution = self.distribution()?;
         let [alpha_u, alpha_v] = self.alphas()?;
@@ -86,7 +86,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
     }
 
     fn distribution(&mut self) -> Result<Distribution> {
-        // How normals are drawn changes the noise only.
+        // Sampling of normals changes the noise only.
         self.properties.ignore_sampling(&["sample_visible"]);
         let location = self.properties.location("distribution");
         match self.properties.string("distribution")?.map(str::to_ascii_lowercase).as_deref() {
@@ -120,7 +120,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
         }
     }
 
-    /// The distribution and roughness of a surface that is equally rough everywhere and in all directions.
+    /// Reads distribution and roughness of a surface that is equally rough everywhere and in all directions.
     pub fn uniform_microfacets(&mut self) -> Result<(Distribution, f32)> {
         let Microfacets { distribution, alpha_u, alpha_v } = self.microfacets()?;
         if alpha_u.texture.is_some() || alpha_v.texture.is_some() {
@@ -132,7 +132,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
         Ok((distribution, alpha_u.value))
     }
 
-    /// `material`, or `eta` and `k`. Without any: a perfect mirror, as in Mitsuba 3.
+    /// Reads `material`, or `eta` and `k`. Without any, the conductor is a perfect mirror, as in Mitsuba 3.
     pub fn conductor(&mut self) -> Result<(Vec3, Vec3)> {
         for name in ["eta", "k"] {
             if let Some(texture) = self.properties.texture(name)? {
@@ -154,7 +154,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
         Ok((given("eta", eta)?, given("k", k)?))
     }
 
-    /// The one texture that is nested under any name, or under `name`, for a bump or normal map.
+    /// Reads the one texture of a bump or normal map, nested as `name` or, without one, under any name.
     pub fn relief_texture(&mut self, name: Option<&str>, role: Role) -> Result<(u32, f32)> {
         let element = self.element();
         let texture = match name {

@@ -1,11 +1,11 @@
-//! The plugins that scatter by themselves.
+//! Readers of the plugins that scatter by themselves.
 
 use super::ior;
 use super::parameters::Parameters;
 use crate::Result;
 use crate::scene::bsdf::{Bsdf, Principled};
 
-/// What [`parse`] knows.
+/// Plugins that [`parse`] reads.
 pub(super) const SUPPORTED: [&str; 10] = [
     "diffuse",
     "roughdiffuse",
@@ -19,10 +19,10 @@ pub(super) const SUPPORTED: [&str; 10] = [
     "principled",
 ];
 
-/// Mitsuba's albedo where none is given.
+/// Mitsuba's default albedo.
 pub(super) const DEFAULT_REFLECTANCE: f32 = 0.5;
 
-/// What dielectrics and plastics are made of where nothing is said.
+/// Mitsuba's default materials of dielectrics and plastics.
 const DEFAULT_GLASS: &str = "bk7";
 const DEFAULT_PLASTIC: &str = "polypropylene";
 
@@ -44,7 +44,7 @@ pub(super) fn parse(parameters: &mut Parameters) -> Result<Option<Bsdf>> {
     Ok(Some(bsdf))
 }
 
-/// Mitsuba 0.6's; Mitsuba 3 has none.
+/// Reads a `roughdiffuse`, a plugin of Mitsuba 0.6 that Mitsuba 3 lacks.
 fn rough_diffuse(parameters: &mut Parameters) -> Result<Bsdf> {
     Ok(Bsdf::RoughDiffuse {
         reflectance: parameters.reflectance("reflectance", DEFAULT_REFLECTANCE)?,
@@ -92,7 +92,7 @@ fn rough_conductor(parameters: &mut Parameters) -> Result<Bsdf> {
 }
 
 fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
-    // How often each lobe is drawn changes the noise only.
+    // Sampling rates of lobes change the noise only.
     parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
     Ok(Bsdf::Plastic {
         eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
@@ -116,7 +116,7 @@ fn rough_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
 }
 
 fn principled(parameters: &mut Parameters) -> Result<Principled> {
-    // How often each lobe is drawn changes the noise only.
+    // Sampling rates of lobes change the noise only.
     let rates = ["main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"];
     parameters.properties.ignore_sampling(&rates);
     let base_color = parameters.reflectance("base_color", DEFAULT_REFLECTANCE)?;
@@ -141,8 +141,8 @@ fn principled(parameters: &mut Parameters) -> Result<Principled> {
     })
 }
 
-/// From `eta`, or from `specular`, the reflectance at normal incidence over 0.08 (Burley 2012). What transmits needs an
-/// index other than 1; Mitsuba shifts it a little.
+/// Index of refraction from `eta`, or from `specular`, which is the reflectance at normal incidence divided by 0.08
+/// (Burley 2012). A material that transmits needs an index other than 1; Mitsuba shifts it a little.
 fn principled_eta(parameters: &mut Parameters, transmits: bool) -> Result<f32> {
     let properties = &mut parameters.properties;
     if properties.has("eta") && properties.has("specular") {

@@ -1,25 +1,25 @@
-//! Nested BSDFs in their normal form: choices between surfaces above, and what modifies a surface pushed down into it.
+//! Nested BSDFs in normal form: choices above surfaces, with all modifiers moved down into the surfaces.
 
 use crate::scene::bsdf::{Bsdf, Coating, Relief, SurfaceMaterial};
 use crate::scene::texture::Textured;
 
-/// A material: a surface, or a choice.
+/// Material in normal form: a surface, or a choice.
 #[derive(Debug, Clone)]
 pub(super) enum Tree {
     Surface(SurfaceMaterial),
-    /// With the probability `weight` the second part.
+    /// Choice by chance: the second part with probability `weight`, else the first.
     Blend {
         weight: Textured<f32>,
         parts: Box<[Tree; 2]>,
     },
-    /// Front and back; each part scatters the same on its other side, too.
+    /// Front and back. Each part scatters equally on both of its own sides.
     Sides {
         parts: Box<[Tree; 2]>,
     },
 }
 
 impl Tree {
-    /// Changes every surface, or says why one cannot be changed.
+    /// Changes every surface. The error says why one cannot be changed.
     fn map(
         self,
         change: &impl Fn(SurfaceMaterial) -> Result<SurfaceMaterial, &'static str>,
@@ -35,7 +35,7 @@ impl Tree {
         })
     }
 
-    /// All surfaces that it chooses between.
+    /// All surfaces that the material chooses between.
     pub fn surfaces(&self) -> Vec<&SurfaceMaterial> {
         match self {
             Self::Surface(surface) => vec![surface],
@@ -43,7 +43,7 @@ impl Tree {
         }
     }
 
-    /// How many choices lie inside each other.
+    /// Deepest nesting of choices.
     pub fn choice_depth(&self) -> usize {
         match self {
             Self::Surface(_) => 0,
@@ -53,7 +53,7 @@ impl Tree {
         }
     }
 
-    /// `mask`
+    /// Puts a `mask` around the material.
     pub fn masked(self, opacity: Textured<f32>) -> Result<Self, &'static str> {
         self.map(&|surface| match surface.opacity == Textured::constant(1.0) {
             true => Ok(SurfaceMaterial { opacity, ..surface }),
@@ -61,7 +61,7 @@ impl Tree {
         })
     }
 
-    /// `twosided` around one BSDF: what lies inside is always met from its front.
+    /// Puts `twosided` around one BSDF, which is then always met from its front.
     pub fn two_sided(self) -> Result<Self, &'static str> {
         match self {
             Self::Sides { parts } => {
@@ -80,12 +80,12 @@ impl Tree {
         }
     }
 
-    /// `twosided` around two BSDFs.
+    /// Puts `twosided` around two BSDFs.
     pub fn sides(front: Self, back: Self) -> Result<Self, &'static str> {
         Ok(Self::Sides { parts: Box::new([front.two_sided()?, back.two_sided()?]) })
     }
 
-    /// `bumpmap` or `normalmap`
+    /// Puts a `bumpmap` or `normalmap` around the material.
     pub fn with_relief(self, relief: Relief) -> Result<Self, &'static str> {
         if matches!(self, Self::Sides { .. }) {
             return Err(
@@ -98,7 +98,7 @@ impl Tree {
         })
     }
 
-    /// `coating`
+    /// Puts a `coating` around the material.
     pub fn coated(self, coating: Coating) -> Result<Self, &'static str> {
         self.map(&|surface| {
             if surface.two_sided {
