@@ -147,9 +147,18 @@ fn settings_out_of_their_ranges() {
 fn combinations_without_meaning() {
     let folder = Folder::new();
     for (arguments, words) in [
-        (&["--sampler", "rejection", "--epsilon", "0.5"][..], ["--epsilon", "the samplers rejection-mix and product only; the sampler here is rejection"]),
-        (&["--sampler", "rejection", "--learner", "irradiance-sarsa"], ["--learner irradiance-sarsa", "the sampler product only; the sampler here is rejection"]),
-        (&["--sampler", "quadtree", "--learner", "sarsa"], ["--learner sarsa cannot be combined with --sampler quadtree", "monte-carlo only"]),
+        (
+            &["--sampler", "rejection", "--epsilon", "0.5"][..],
+            ["--epsilon", "the samplers rejection-mix and product only; the sampler here is rejection"],
+        ),
+        (
+            &["--sampler", "rejection", "--learner", "irradiance-sarsa"],
+            ["--learner irradiance-sarsa", "the sampler product only; the sampler here is rejection"],
+        ),
+        (
+            &["--sampler", "quadtree", "--learner", "sarsa"],
+            ["--learner sarsa cannot be combined with --sampler quadtree", "monte-carlo only"],
+        ),
         (&["--directions", "8"], ["--directions must be 16, 32 or 64", "but it is 8"]),
         (&["--noise", "0.1", "--sample-offset", "0"], ["--noise cannot be combined with --sample-offset"]),
         (&["--noise", "0.1", "--execution", "wavefront"], ["--execution wavefront cannot be combined with --noise"]),
@@ -157,15 +166,36 @@ fn combinations_without_meaning() {
             &["--learner", "monte-carlo", "--execution", "wavefront"],
             ["--execution wavefront cannot be combined with --learner monte-carlo", "take --execution megakernel"],
         ),
-        (&["--sampler", "bsdf", "--roulette", "contribution"], ["--roulette contribution", "product only; the sampler here is bsdf"]),
-        (&["--sampler", "bsdf", "--sample-weights", "growing"], ["--sample-weights growing", "the sampler here is bsdf"]),
-        (&["--sample-offset", "0", "--sample-weights", "growing"], ["--sample-weights growing cannot be combined with --sample-offset"]),
-        (&["--noise", "0.1", "--sample-weights", "growing"], ["--sample-weights growing cannot be combined with --noise"]),
+        (
+            &["--sampler", "bsdf", "--roulette", "contribution"],
+            ["--roulette contribution", "product only; the sampler here is bsdf"],
+        ),
+        (
+            &["--sampler", "bsdf", "--sample-weights", "growing"],
+            ["--sample-weights growing", "the sampler here is bsdf"],
+        ),
+        (
+            &["--sample-offset", "0", "--sample-weights", "growing"],
+            ["--sample-weights growing cannot be combined with --sample-offset"],
+        ),
+        (
+            &["--noise", "0.1", "--sample-weights", "growing"],
+            ["--sample-weights growing cannot be combined with --noise"],
+        ),
         (&["--sampler", "bsdf", "--bsdf-share", "fixed"], ["--bsdf-share", "product only; the sampler here is bsdf"]),
         (&["--epsilon", "0.5", "--bsdf-share", "learned"], ["--bsdf-share learned cannot be combined with --epsilon"]),
-        (&["--learner", "monte-carlo", "--bsdf-share", "learned"], ["--bsdf-share learned cannot be combined with --learner monte-carlo"]),
-        (&["--sampler", "sphere-inversion", "--mix", "acceptance"], ["--mix acceptance", "rejection-mix only; the sampler here is sphere-inversion"]),
-        (&["--sampler", "bsdf", "--learner", "monte-carlo"], ["--learner monte-carlo is used by the samplers", "the sampler here is bsdf"]),
+        (
+            &["--learner", "monte-carlo", "--bsdf-share", "learned"],
+            ["--bsdf-share learned cannot be combined with --learner monte-carlo"],
+        ),
+        (
+            &["--sampler", "sphere-inversion", "--mix", "acceptance"],
+            ["--mix acceptance", "rejection-mix only; the sampler here is sphere-inversion"],
+        ),
+        (
+            &["--sampler", "bsdf", "--learner", "monte-carlo"],
+            ["--learner monte-carlo is used by the samplers", "the sampler here is bsdf"],
+        ),
         (&["--expected-directions", "64"], ["--expected-directions", "expected-sarsa only; the learner here is sarsa"]),
         (&["--learner", "monte-carlo", "--max-depth", "129"], ["--max-depth", "at most 128"]),
     ] {
@@ -192,7 +222,12 @@ fn options_given_in_vain() {
         ("product", "--mix", "density", "the sampler rejection-mix only"),
         ("product", "--max-tries", "15", by_rejection),
         ("hemisphere-inversion", "--max-tries", "31", by_rejection),
-        ("product", "--min-uniform", "0.25", "rejection, rejection-mix, sphere-inversion and hemisphere-inversion only"),
+        (
+            "product",
+            "--min-uniform",
+            "0.25",
+            "rejection, rejection-mix, sphere-inversion and hemisphere-inversion only",
+        ),
         ("rejection", "--expected-directions", "128", "the learner expected-sarsa only; the learner here is sarsa"),
     ] {
         let is_here = match option {
@@ -202,7 +237,12 @@ fn options_given_in_vain() {
         refuse(&folder, &["--sampler", sampler, option, value], 1, &[option, "is used by the", of, &is_here]);
     }
     let fixed_share = ["--sampler", "rejection-mix", "--epsilon", "0.5", "--min-uniform", "0.1"];
-    refuse(&folder, &fixed_share, 1, &["--min-uniform cannot be combined with --epsilon", "which fixes the share"]);
+    refuse(
+        &folder,
+        &fixed_share,
+        1,
+        &["--min-uniform cannot be combined with --epsilon", "which fixes the share of mixed densities"],
+    );
     let output = folder.run(&["inspect", "path_trace", "--sampler", "product", "--max-tries", "15"]);
     assert_sentence(&output, 1, &["--max-tries", by_rejection]);
 }

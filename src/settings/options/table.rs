@@ -129,8 +129,8 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..further(Scene, "rfilter", "box|tent|gaussian")
     },
     OptionEntry {
-        short: "Picture file, .exr or .png; may be given several times",
-        long: "An .exr file holds every layer. A .png file is written by --tone and --exposure.",
+        short: "Picture file, .exr or .png",
+        long: "It may be given several times. An .exr file holds every layer. A .png file is written by --tone and --exposure.",
         default: "the scene's name with .exr",
         ..common(Output, "output", "FILE")
     },
@@ -174,7 +174,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Samples per pixel",
-        default: "the scene's, or 64, unless --time or --noise is given",
+        long: "With --time or --noise there is no default: these end the render.",
+        default: "the scene's, or 64",
         ..common(Length, "spp", "N")
     },
     OptionEntry {
@@ -196,7 +197,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Length, "noise", "TARGET")
     },
     OptionEntry {
-        short: "How directions are sampled",
+        short: "How directions are sampled, such as product or bsdf",
         setting: Some(Setting {
             get: |settings| settings.sampler.value(),
             set: Some(|settings, text| {
@@ -444,7 +445,7 @@ pub static OPTIONS: &[OptionEntry] = &[
             if_given(When::Any, Needs::Samplers(WITH_UNIFORM)),
             if_given(
                 When::Any,
-                Needs::Without("--epsilon with --mix density, which fixes the share", |settings| {
+                Needs::Without("--epsilon, which fixes the share of mixed densities", |settings| {
                     settings.epsilon.is_some() && settings.mix == Mix::Density
                 }),
             ),
