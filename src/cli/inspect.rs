@@ -26,7 +26,7 @@ use super::{inspect_text, print_json, print_line, report};
 /// Options choose the variant. Constants that a scene decides have their defaults unless --scene names a scene.
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
-    /// The kernel, such as path_trace [default: all].
+    /// The kernel, such as trace [default: all].
     kernel: Option<String>,
     /// Only this back end [default: both].
     #[arg(long, value_enum)]

@@ -9,7 +9,7 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{ToneCurve, exr, png};
 use lodestar::scene::{self, LoadOptions, Scene};
 use lodestar::session::identity;
-use lodestar::session::radiance_map::{self, Place, SurfacePoint, false_colors};
+use lodestar::session::radiance_map::{self, MappedScene, SurfacePoint, false_colors};
 use lodestar::settings::Settings;
 use lodestar::{Error, Result, files};
 
@@ -53,7 +53,7 @@ pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     let settings = settings(args.choices, &scene)?;
     let context = Context::new(&ContextOptions { device: device_name(args.device), validate: false })?;
     let bvh = Bvh::build(&scene.primitives);
-    let place = Place { context: &context, scene: &scene, bvh: &bvh };
+    let place = MappedScene { context: &context, scene: &scene, bvh: &bvh };
     let point = place.visible_point(&settings, args.pixel)?;
     let map = match args.truth {
         true => place.true_radiance(&settings, &point, args.spp)?,

@@ -14,7 +14,7 @@ use super::sheet::Sheet;
 use super::stage::SceneStage;
 use crate::film::Picture;
 use crate::image::{ToneCurve, exr, png};
-use crate::session::radiance_map::{Place, SurfacePoint, false_colors, relative_error};
+use crate::session::radiance_map::{MappedScene, SurfacePoint, false_colors, relative_error};
 use crate::settings::{Sampler, Settings};
 use crate::{Result, files};
 
@@ -115,7 +115,7 @@ impl SceneStage<'_> {
 }
 
 /// First candidate position at which a surface is visible, or the error at the last one.
-fn mark(place: &Place, settings: &Settings) -> Result<([u32; 2], SurfacePoint)> {
+fn mark(place: &MappedScene, settings: &Settings) -> Result<([u32; 2], SurfacePoint)> {
     let at = |mark: [f32; 2]| {
         let pixel = [(mark[0] * settings.width as f32) as u32, (mark[1] * settings.height as f32) as u32];
         place.visible_point(settings, pixel).map(|point| (pixel, point))

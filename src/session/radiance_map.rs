@@ -40,7 +40,7 @@ pub struct SurfacePoint {
 }
 
 /// A scene on a device.
-pub struct Place<'a> {
+pub struct MappedScene<'a> {
     /// The device.
     pub context: &'a Arc<Context>,
     /// The scene.
@@ -68,7 +68,7 @@ pub fn settings_for_map(settings: Settings) -> Result<Settings> {
     }
 }
 
-impl Place<'_> {
+impl MappedScene<'_> {
     /// Radiance at `point` by direction, learned from `spp` samples per pixel in steps of the full length.
     ///
     /// # Errors

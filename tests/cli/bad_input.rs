@@ -243,7 +243,7 @@ fn options_given_in_vain() {
         1,
         &["--min-uniform cannot be combined with --epsilon", "which fixes the share of mixed densities"],
     );
-    let output = folder.run(&["inspect", "path_trace", "--sampler", "product", "--max-tries", "15"]);
+    let output = folder.run(&["inspect", "trace", "--sampler", "product", "--max-tries", "15"]);
     assert_sentence(&output, 1, &["--max-tries", by_rejection]);
 }
 
