@@ -337,12 +337,15 @@ impl Inputs {
     }
 }
 
+/// A device that a thread has opened; the outer error is the thread's panic.
+type OpenedDevice = thread::Result<Result<Arc<Context>>>;
+
 /// Opens the device while the scene is read, for drivers take a while to start.
 fn open_and_load<'a>(
     input: &SceneInput<'a>,
     options: &Options,
     watch: &Watch<'_>,
-) -> (thread::Result<Result<Arc<Context>>>, Result<(Cow<'a, Scene>, f64)>) {
+) -> (OpenedDevice, Result<(Cow<'a, Scene>, f64)>) {
     thread::scope(|scope| {
         let context = scope.spawn(|| options.device.open());
         let loaded = timed(|| input.load(watch));
