@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lodestar::film::Picture;
+use lodestar::film::{self, Picture};
 use lodestar::image::{Image, ToneCurve, exr, metrics, png};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
@@ -54,7 +54,7 @@ impl Outputs {
     pub fn write(&self, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
         let write = |path: &PathBuf| match path.extension().is_some_and(|extension| extension == "png") {
             true => png::write(path, &picture.image(), self.tone, self.exposure),
-            false => exr::write_picture(path, picture, attributes),
+            false => film::write_picture(path, picture, attributes),
         };
         self.paths.iter().map(write).fold(Ok(()), Result::and)
     }

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use lodestar::encode::bvh::Bvh;
-use lodestar::film::Picture;
+use lodestar::film::{self, Picture};
 use lodestar::gpu::{Context, ContextOptions};
-use lodestar::image::{ToneCurve, exr, png};
+use lodestar::image::{ToneCurve, png};
 use lodestar::renderer::Renderer;
 use lodestar::scene::{self, LoadOptions, Scene};
 use lodestar::session::identity;
@@ -128,7 +128,7 @@ fn write(path: &Path, map: &[f32], settings: &Settings, attributes: &[(String, S
     }
     let radiance = map.iter().map(|&value| [value; 3]).collect();
     let picture = Picture { radiance, ..Picture::empty(side, side, [0, 0], [side, side]) };
-    exr::write_picture(path, &picture, attributes)
+    film::write_picture(path, &picture, attributes)
 }
 
 fn pixel(text: &str) -> Result<[u32; 2], String> {

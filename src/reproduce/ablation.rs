@@ -1,7 +1,8 @@
 //! Beyond the paper: what each part of the default guide brings, at equal time, without emitter sampling and with it.
 
 use super::changes::Changes;
-use super::methods::{Method, word};
+use super::changes::word;
+use super::methods::Method;
 use super::paper::PaperScene;
 use super::protocol::Base;
 use super::record::Record;

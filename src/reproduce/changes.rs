@@ -1,6 +1,7 @@
 //! What a method changes of its settings besides the sampler, how it learns and whether emitters are sampled.
 
-use super::methods::word;
+use clap::ValueEnum;
+
 use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule};
 
 /// Settings in place of others; `None` leaves what is there.
@@ -84,6 +85,11 @@ impl Changes {
         ];
         words.into_iter().filter_map(|(option, value)| Some((option, value?)))
     }
+}
+
+/// As the command line spells it.
+pub(super) fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
 #[cfg(test)]

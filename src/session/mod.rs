@@ -1,6 +1,7 @@
 //! One render from its start to its end: checkpoints, identity, where its time goes.
 
 pub mod checkpoint;
-pub mod identity;
 pub mod profile;
 pub mod radiance_map;
+
+pub use crate::film::identity;
