@@ -1,7 +1,9 @@
 #!/bin/sh
 # Installs what the system lacks to build and run Lodestar: the Vulkan loader, Mesa's Vulkan drivers (among them the one
-# that renders on the CPU), the validation layers that the tests turn on, and what shaderc's source build needs,
-# and SPIRV-Tools for `lodestar inspect`.
+# that renders on the CPU), the validation layers that the tests turn on, SPIRV-Tools for `lodestar inspect`, and the shader
+# compiler shaderc. Where the distribution has a shaderc that links, the folder .shaderc gets it and cargo finds it there
+# (.cargo/config.toml). Else cargo builds shaderc from source, which takes some ten minutes of processor time, and this script
+# installs the tools for that.
 # Safe to run again: what is there is not touched, and the package manager is called only for what is missing.
 #
 # usage: setup.sh            install what is missing
@@ -12,6 +14,8 @@
 set -eu
 
 MIN_RUST=1.88
+# Folder where cargo looks for shaderc; see .cargo/config.toml.
+SHADERC_FOLDER="$(cd "$(dirname "$0")" && pwd)/.shaderc"
 
 say() { echo "setup: $*"; }
 fail() { echo "setup: error: $*" >&2; exit 1; }
@@ -62,7 +66,9 @@ has_tool() { # TOOL
 
 # --- What it is called -------------------------------------------------------------------------------------------------
 
-TOOLS="loader driver layers compiler cmake ninja python3 git spirv-tools"
+TOOLS="loader driver layers compiler spirv-tools"
+# What building shaderc from source takes.
+SOURCE_TOOLS="cmake ninja python3 git"
 
 describe() { # TOOL
   case "$1" in
@@ -161,7 +167,7 @@ find_missing() {
   done
 }
 
-install_missing() {
+install_missing() { # installs the packages of $missing
   packages=""
   for tool in $missing; do
     if [ "$system:$tool" = macos:compiler ]; then
@@ -175,6 +181,82 @@ install_missing() {
   install_packages $packages
   find_missing
   if [ -n "$missing" ]; then fail "still missing after installing: $missing_names; install by hand"; fi
+}
+
+# --- shaderc ------------------------------------------------------------------------------------------------------------
+
+# Packages with the parts of shaderc.
+shaderc_packages() {
+  case "$system" in
+    debian) echo "libshaderc-dev glslang-dev" ;;
+    fedora) echo libshaderc-devel ;;
+    arch | macos) echo shaderc ;;
+  esac
+}
+
+# Prints the system's shaderc library, if there is one.
+system_shaderc() {
+  for file in /usr/lib/*-linux-gnu/libshaderc_combined.a /usr/lib64/libshaderc_shared.so /usr/lib/libshaderc_shared.so \
+    /opt/homebrew/lib/libshaderc_combined.a /usr/local/lib/libshaderc_combined.a; do
+    if [ -e "$file" ]; then
+      echo "$file"
+      return 0
+    fi
+  done
+  return 1
+}
+
+# Debian's libshaderc_combined.a lacks the libraries that it uses. One archive of all of them links.
+combine_debian_shaderc() { # LIBRARY TARGET
+  folder=$(dirname "$1")
+  {
+    echo "create $2"
+    for part in shaderc_combined glslang SPIRV MachineIndependent GenericCodeGen OSDependent OGLCompiler \
+      SPIRV-Tools-opt SPIRV-Tools glslang-default-resource-limits; do
+      if [ -e "$folder/lib$part.a" ]; then echo "addlib $folder/lib$part.a"; fi
+    done
+    echo save
+    echo end
+  } | ar -M
+}
+
+links_shaderc() { # FOLDER
+  trial=$(mktemp -d)
+  echo 'extern "C" void *shaderc_compiler_initialize(void); int main() { return shaderc_compiler_initialize() == nullptr; }' \
+    >"$trial/trial.cpp"
+  status=0
+  c++ "$trial/trial.cpp" -o "$trial/trial" "$1"/libshaderc_* -pthread >/dev/null 2>&1 && "$trial/trial" || status=1
+  rm -rf "$trial"
+  return "$status"
+}
+
+has_shaderc() { [ -n "$(find "$SHADERC_FOLDER/" -name 'libshaderc_*' 2>/dev/null)" ]; }
+
+# Puts a shaderc that links into $SHADERC_FOLDER; fails where the system has none.
+provide_shaderc() {
+  if has_shaderc; then return 0; fi
+  packages=$(shaderc_packages)
+  if ! system_shaderc >/dev/null && [ -n "$packages" ]; then
+    say "installing: $packages"
+    # Word splitting is meant: one argument per package. A system without these packages builds shaderc from source.
+    # shellcheck disable=SC2086
+    install_packages $packages || true
+  fi
+  library=$(system_shaderc) || return 1
+  trial_folder=$(mktemp -d)
+  case "$library" in
+    /usr/lib/*-linux-gnu/*) combine_debian_shaderc "$library" "$trial_folder/libshaderc_combined.a" || return 1 ;;
+    *) ln -s "$library" "$trial_folder/$(basename "$library")" ;;
+  esac
+  if links_shaderc "$trial_folder"; then
+    mkdir -p "$SHADERC_FOLDER"
+    mv "$trial_folder"/libshaderc_* "$SHADERC_FOLDER/"
+    rmdir "$trial_folder"
+    say "cargo takes shaderc from $library"
+  else
+    rm -rf "$trial_folder"
+    return 1
+  fi
 }
 
 # --- A second driver for tests ------------------------------------------------------------------------------------------
@@ -216,6 +298,7 @@ main() {
         say "missing: $missing_names"
         status=1
       fi
+      has_shaderc || say "no shaderc in $SHADERC_FOLDER: cargo will build it from source"
       if [ "$status" -eq 0 ]; then say "everything is there"; fi
       exit "$status"
       ;;
@@ -225,6 +308,12 @@ main() {
   if [ -n "$missing" ]; then
     say "missing: $missing_names"
     install_missing
+  fi
+  if ! provide_shaderc; then
+    say "this system has no shaderc that links: cargo will build it from source"
+    TOOLS=$SOURCE_TOOLS
+    find_missing
+    if [ -n "$missing" ]; then install_missing; fi
   fi
   check_rust || exit 1
   say "everything is there"

@@ -9,19 +9,15 @@
 //! quarter of the smaller error of two methods, their ratio is that of the mean squared errors, the reference's variance
 //! subtracted.
 
-#[path = "common/mod.rs"]
-#[allow(dead_code)] // It needs no medians.
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 
-use common::{context, load, run_for, scene_path, settings};
 use lodestar::gpu::Context;
 use lodestar::image::{Image, exr, metrics, tone};
 use lodestar::renderer::Renderer;
 use lodestar::settings::{Learner, Sampler, Settings};
+use support::bench::{context, load, run_for, scene_path, settings};
 
 const SCENES: [&str; 12] = [
     "bathroom",
@@ -132,7 +128,7 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
         if sampler == Sampler::Quadtree {
             settings.learner = Learner::MonteCarlo;
         }
-        Some((common::renderer(context, &scene, &settings, 0), settings))
+        Some((support::bench::renderer(context, &scene, &settings, 0), settings))
     };
     let mut renderers: Vec<Option<(Renderer, Settings)>> = METHODS.iter().map(renderer).collect();
     let (mut parts, mut elapsed) = (Vec::new(), [0.0; METHODS.len()]);

@@ -4,14 +4,10 @@
 //! `cargo bench --bench loading`; `LODESTAR_SCENES` chooses the shared scene, `LODESTAR_LOADING_SCENE` another file,
 //! `DRJIT_LIBLLVM_PATH` serves Mitsuba.
 
-#[path = "common/mod.rs"]
-#[allow(dead_code)] // It renders by the command.
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::median;
+use support::bench::median;
 
 const ROUNDS: usize = 7;
 const VARIANTS: [&str; 2] = ["llvm_ad_rgb", "scalar_rgb"];

@@ -4,21 +4,15 @@
 //! `-- 10000000` names the most triangles (a million unless named). Threads are those of lavapipe, by `LP_NUM_THREADS`. What is
 //! compared takes turns, so that a slow minute hits all of it.
 
-#[path = "common/mod.rs"]
-#[allow(dead_code)] // It loads no scene by name.
-mod common;
-#[path = "common/relief.rs"]
-mod relief;
-
 use std::process::Command;
 use std::sync::Arc;
 
-use common::{context, median, renderer, run_for, settings};
 use lodestar::gpu::Context;
 use lodestar::renderer::Renderer;
 use lodestar::scene::Scene;
 use lodestar::settings::{Sampler, Settings};
-use relief::tessellated;
+use support::bench::relief::tessellated;
+use support::bench::{context, median, renderer, run_for, settings};
 
 const ROUNDS: usize = 5;
 const SECONDS: f64 = 1.5;

@@ -3,17 +3,14 @@
 //! `cargo bench --bench speed [-- SCENE...]`: cornell-box and staircase2 unless named; `LODESTAR_SCENES` chooses the shared
 //! scenes, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
 
-#[path = "common/mod.rs"]
-mod common;
-
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 
-use common::{context, load, median, renderer, run_for, scene_path, settings};
 use lodestar::gpu::Context;
 use lodestar::scene::Scene;
 use lodestar::settings::{Sampler, Settings};
+use support::bench::{context, load, median, renderer, run_for, scene_path, settings};
 
 const WIDTH: u32 = 512;
 const ROUNDS: usize = 5;

@@ -28,13 +28,13 @@
 //! | [`generated`] | what `build.rs` writes from `glsl/`: SPIR-V with its interface, constants, and checked struct layouts |
 //! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
 //! | [`renderer`] | the paper in safe code, one file per descriptor set |
+//! | [`math`] | what production and tests share: maps of directions, Fresnel, microfacets, the sRGB curve |
 //! | [`film`] | what a pixel holds, and how pictures are put together from parts |
 //! | [`image`], [`files`] | EXR and PNG, error metrics, files written whole or not at all |
 //! | [`session`] | one render from start to end: checkpoints, identity, profile |
 //! | [`settings`] | everything a user may choose |
 //! | [`spirv`] | SPIR-V as data: inspected, specialized, replaced |
 //! | [`reproduce`] | the paper's tables and figures, measured |
-//! | [`mod@reference`] | slow, obvious twins of the pure GLSL functions, for the tests |
 //!
 //! # Paper map
 //! | in the paper | GLSL | held by |
@@ -82,7 +82,7 @@
 //!    The twins in [`mod@reference`] state numbers anew, for they are what GLSL is checked against.
 //! 5. A value that leaves a GLSL loop is carried by the loop (set before it, read in it): Mesa 22.3's lavapipe keeps no
 //!    other value per lane.
-//! 6. `scene`, `encode`, `layout` and `reference` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
+//! 6. `scene`, `encode`, `layout` and `math` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
 //!    (`tests/hygiene`).
 //!
 //! Deliberately absent: a render graph, bindless resources, traits with one implementation, options as strings past
@@ -96,7 +96,7 @@ pub mod film;
 pub mod generated;
 pub mod gpu;
 pub mod image;
-pub mod reference;
+pub mod math;
 pub mod renderer;
 pub mod reproduce;
 pub mod scene;

@@ -4,9 +4,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::device::Device;
+use support::bench::rates::{Arithmetic, mean_seconds};
+use support::device::Device;
+
 use crate::quantity::Place;
-use crate::rates::{Arithmetic, mean_seconds};
 
 /// Each is repeated for at least so long.
 const SECONDS: f64 = 0.04;

@@ -6,9 +6,9 @@ use std::time::Instant;
 use lodestar::encode::bvh::Bvh;
 use lodestar::scene::{self, LoadOptions};
 use serde_json::json;
+use support::bench::subjects::Subject;
 
 use crate::quantity::{Place, Quantity, Unit};
-use crate::subjects::Subject;
 
 /// Smaller scenes load in no time.
 const LEAST_PRIMITIVES: usize = 10_000;

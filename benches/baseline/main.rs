@@ -23,36 +23,14 @@ mod table;
 mod traced_rays;
 mod updates;
 
-#[path = "../common/mod.rs"]
-#[allow(dead_code)] // It measures no rates of paths.
-mod common;
-#[path = "../../tests/samplers/device.rs"]
-#[allow(dead_code)]
-mod device;
-#[path = "../common/digits.rs"]
-mod digits;
-#[path = "../common/guide_updates.rs"]
-#[allow(dead_code)]
-mod guide_updates;
-#[path = "../common/rates.rs"]
-#[allow(dead_code)]
-mod rates;
-#[path = "../common/rays.rs"]
-#[allow(dead_code)]
-mod rays;
-#[path = "../common/relief.rs"]
-mod relief;
-#[path = "../common/subjects.rs"]
-mod subjects;
-
 use std::sync::Arc;
 
 use calibration::Calibration;
-use device::Device;
 use machine::Machine;
 use mitsuba::Mitsuba;
 use quantity::Quantity;
 use store::Baseline;
+use support::device::Device;
 
 const ROUNDS: usize = 5;
 
@@ -90,7 +68,7 @@ impl Options {
 
 fn main() {
     let options = Options::from_command_line();
-    let context = common::context();
+    let context = support::bench::context();
     let machine = Machine::here(context.device());
     machine.print();
     let load = machine::load();
@@ -112,7 +90,7 @@ fn main() {
 
 /// All quantities, in the order of the table.
 fn all(device: &Arc<Device>, folder: &std::path::Path) -> Vec<Quantity> {
-    let subjects = subjects::all();
+    let subjects = support::bench::subjects::all();
     let mut quantities = traced_rays::quantities(device, &subjects, folder);
     quantities.extend(samplers::quantities(device));
     quantities.extend(updates::quantities());

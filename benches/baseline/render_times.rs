@@ -9,10 +9,10 @@ use lodestar::gpu::Context;
 use lodestar::renderer::Renderer;
 use lodestar::settings::{Sampler, Settings};
 use serde_json::json;
+use support::bench::settings;
+use support::bench::subjects::Subject;
 
-use crate::common::settings;
 use crate::quantity::{Place, Quantity, Unit};
-use crate::subjects::Subject;
 
 const SPP: u32 = 8;
 /// About so many, in the shape of the scene's film.

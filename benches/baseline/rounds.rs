@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use serde_json::Value;
+use support::bench::median;
 
 use crate::calibration::Calibration;
-use crate::common::median;
 use crate::mitsuba::Mitsuba;
 use crate::quantity::Quantity;
 

@@ -9,13 +9,13 @@ use glam::{DVec2, DVec3, Vec3, dvec2};
 use lodestar::generated::kernels::{Variant, test};
 use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::{Buffer, BufferKind, DeviceKind, Kernel};
-use lodestar::reference::direction_map::{bin_center, map_to_sphere};
-use lodestar::reference::quadtree::Square;
+use lodestar::math::direction_map::{bin_center, map_to_sphere};
 use lodestar::settings::{DirectionMap, Sampler};
+use support::bench::rates::{mean_seconds, seconds_of};
+use support::device::{Cell, Device, GROUP};
+use support::twins::quadtree::Square;
 
-use crate::device::{Cell, Device, GROUP};
 use crate::quantity::{Place, Quantity, Unit};
-use crate::rates::{mean_seconds, seconds_of};
 
 const SAMPLERS: [(&str, Sampler); 6] = [
     ("product", Sampler::Product),

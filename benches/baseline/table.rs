@@ -1,6 +1,7 @@
 //! The table, in Markdown.
 
-use crate::digits::three_digits;
+use support::bench::digits::three_digits;
+
 use crate::mitsuba::Mitsuba;
 use crate::store::{Baseline, Line};
 

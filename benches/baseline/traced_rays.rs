@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use lodestar::generated::kernels::test;
 use serde_json::json;
+use support::bench::rates::{mean_seconds, seconds_of};
+use support::bench::rays::{Batch, KINDS, Tracer, make, picture};
+use support::bench::subjects::Subject;
+use support::device::Device;
 
-use crate::device::Device;
 use crate::quantity::{Place, Quantity, Unit};
-use crate::rates::{mean_seconds, seconds_of};
-use crate::rays::{Batch, KINDS, Tracer, make, picture};
-use crate::subjects::Subject;
 
 /// Each is repeated for at least so long.
 const SECONDS: f64 = 0.15;

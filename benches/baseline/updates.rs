@@ -1,11 +1,11 @@
-//! Milliseconds that the kernels take that end a step, by the device's clock (`benches/common/guide_updates.rs`).
+//! Milliseconds that the kernels take that end a step, by the device's clock (`tests/support/src/bench/guide_updates.rs`).
 
 use std::cell::RefCell;
 use std::rc::Rc;
 
 use lodestar::settings::Sampler;
+use support::bench::guide_updates::{Ground, Stepper, steppers};
 
-use crate::guide_updates::{Ground, Stepper, steppers};
 use crate::quantity::{Place, Quantity, Unit};
 
 /// Each is repeated for at least so long.

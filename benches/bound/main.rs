@@ -15,31 +15,10 @@ mod path_bounds;
 mod ray_bounds;
 mod update_bounds;
 
-#[path = "../common/mod.rs"]
-#[allow(dead_code)] // It loads no scene by name.
-mod common;
-#[path = "../../tests/samplers/device.rs"]
-#[allow(dead_code)]
-mod device;
-#[path = "../common/digits.rs"]
-mod digits;
-#[path = "../common/guide_updates.rs"]
-#[allow(dead_code)] // It refines no quadtrees.
-mod guide_updates;
-#[path = "../common/rates.rs"]
-mod rates;
-#[path = "../common/rays.rs"]
-mod rays;
-#[path = "../common/relief.rs"]
-mod relief;
-#[path = "../common/subjects.rs"]
-#[allow(dead_code)] // No other renderer reads their files.
-mod subjects;
-
 use std::sync::Arc;
 
-use device::Device;
-use rates::{Arithmetic, Fetches};
+use support::bench::rates::{Arithmetic, Fetches};
+use support::device::Device;
 
 const ROUNDS: usize = 5;
 
@@ -52,9 +31,9 @@ pub struct Limits {
 fn main() {
     let mut arguments = std::env::args().skip_while(|argument| argument != "--rounds").skip(1);
     let rounds = arguments.next().map_or(ROUNDS, |text| text.parse().expect("--rounds takes a number"));
-    let device = Arc::new(Device { context: common::context() });
+    let device = Arc::new(Device { context: support::bench::context() });
     let limits = Limits { arithmetic: Arithmetic::new(&device), fetches: Fetches::new(&device) };
-    let subjects = subjects::all();
+    let subjects = support::bench::subjects::all();
     let mut rays = ray_bounds::all(&device, &subjects);
     let mut paths = path_bounds::all(&device.context, &subjects, &rays);
     let mut updates = update_bounds::all(&device);

@@ -7,13 +7,13 @@ use lodestar::generated::kernels::TEXEL_BUFFERS;
 use lodestar::gpu::Context;
 use lodestar::renderer::{Renderer, variant_for};
 use lodestar::settings::{Sampler, Settings};
+use support::bench::digits::three_digits;
+use support::bench::subjects::Subject;
+use support::bench::{median, renderer, run_for, settings};
 
 use crate::Limits;
-use crate::common::{median, renderer, run_for, settings};
-use crate::digits::three_digits;
 use crate::operations::Operations;
 use crate::ray_bounds::RayBound;
-use crate::subjects::Subject;
 
 const SIZE: [u32; 2] = [256, 256];
 /// Each is repeated for at least so long.

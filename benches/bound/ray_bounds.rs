@@ -4,15 +4,15 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use lodestar::generated::kernels::{Variant, test};
+use support::bench::digits::three_digits;
+use support::bench::median;
+use support::bench::rates::{NODE_BYTES, mean_seconds, seconds_of};
+use support::bench::rays::{Batch, Counts, KINDS, Ray, Tracer, make, picture};
+use support::bench::subjects::Subject;
+use support::device::Device;
 
 use crate::Limits;
-use crate::common::median;
-use crate::device::Device;
-use crate::digits::three_digits;
 use crate::operations::Operations;
-use crate::rates::{NODE_BYTES, mean_seconds, seconds_of};
-use crate::rays::{Batch, Counts, KINDS, Ray, Tracer, make, picture};
-use crate::subjects::Subject;
 
 /// Each is repeated for at least so long.
 const SECONDS: f64 = 0.1;

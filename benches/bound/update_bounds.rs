@@ -8,12 +8,11 @@ use lodestar::encode::cells::Cells;
 use lodestar::encode::cosine_trees::{Node, nodes_per_tree};
 use lodestar::generated::layout::{CosineIntegral, LearnedRadiance, NormalizationEntry, RadianceSum};
 use lodestar::settings::Sampler;
-
-use crate::common::median;
-use crate::device::Device;
-use crate::digits::three_digits;
-use crate::guide_updates::{Ground, Stepper, steppers};
-use crate::rates::Copies;
+use support::bench::digits::three_digits;
+use support::bench::guide_updates::{Ground, Stepper, steppers};
+use support::bench::median;
+use support::bench::rates::Copies;
+use support::device::Device;
 
 /// Each is repeated for at least so long.
 const SECONDS: f64 = 0.15;

@@ -5,7 +5,7 @@ use glam::{DVec3, dvec2};
 use rayon::prelude::*;
 
 use crate::generated::layout::CosineIntegral;
-use crate::reference::direction_map::{bin_point, representative_normal};
+use crate::math::direction_map::{bin_point, representative_normal};
 use crate::settings::DirectionMap;
 
 mod border;

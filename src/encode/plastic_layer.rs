@@ -7,8 +7,8 @@ use glam::{DVec3, dvec3};
 use rayon::prelude::*;
 
 use crate::generated::constants;
-use crate::reference::fresnel::fresnel_dielectric;
-use crate::reference::microfacet::{Microfacets, smith_g1};
+use crate::math::fresnel::fresnel_dielectric;
+use crate::math::microfacet::{Microfacets, smith_g1};
 
 /// Entries of a table over the cosine, from grazing to normal incidence.
 pub const TRANSMITTANCE_ENTRIES: usize = constants::TRANSMITTANCE_ENTRIES as usize;

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
 use crate::generated::layout::MaterialRecord;
-use crate::reference::microfacet::Microfacets;
+use crate::math::microfacet::Microfacets;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind};
 use crate::scene::{Scene, Textured};
 

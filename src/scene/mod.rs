@@ -16,6 +16,7 @@ pub mod mitsuba;
 mod shrink;
 pub mod texel_pages;
 pub mod texture;
+pub mod texture_lookup;
 mod whole;
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::texel_pages::{PAGE_WORDS, place, word_count};
 use super::texture::{Image, Texels};
 use crate::image::tone;
-use crate::reference::texture::decode_srgb;
+use crate::math::srgb::linear_from_srgb;
 
 /// Largest side of an image in texels. Beyond it, coordinates in single precision would visibly miss a texel's
 /// neighbors.
@@ -47,7 +47,7 @@ fn halved(image: &Image) -> Image {
             }
         }
         Texels::Bytes { srgb: true, data } => {
-            let linear: Vec<f32> = (0..=255u8).map(|byte| decode_srgb(f64::from(byte) / 255.0) as f32).collect();
+            let linear: Vec<f32> = (0..=255u8).map(|byte| linear_from_srgb(f64::from(byte) / 255.0) as f32).collect();
             let texels = mean_texels(image, width, height, |index| {
                 let [red, green, blue, alpha] = data[index];
                 let [red, green, blue] = [red, green, blue].map(|byte| linear[usize::from(byte)]);

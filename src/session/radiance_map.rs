@@ -10,7 +10,7 @@ use crate::film::Picture;
 use crate::gpu::Context;
 use crate::image::Image;
 use crate::image::false_color::false_color;
-use crate::reference::direction_map::{bin_center, bin_point};
+use crate::math::direction_map::{bin_center, bin_point};
 use crate::renderer::Renderer;
 use crate::scene::{Camera, Crop, FovAxis, Projection, ReconstructionFilter, Scene};
 use crate::settings::{EXPECTED_DIRECTIONS, Learner, MAX_FILM_SIDE, Mix, Sampler, Settings};

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lodestar::image::exr::read_rgb;
-use lodestar::reference::direction_map::bin_center;
+use lodestar::math::direction_map::bin_center;
 use lodestar::settings::DirectionMap;
 
 use crate::support::{Folder, assert_sentence, attribute};

@@ -5,7 +5,8 @@ use crate::source::{Source, Word, words};
 /// A word and the modules in which it may stand.
 struct Rule {
     word: Name,
-    place: OnlyIn,
+    /// The only modules in which the word may stand.
+    only_in: &'static [&'static str],
     reason: &'static str,
 }
 
@@ -16,26 +17,23 @@ enum Name {
     Crate(&'static str),
 }
 
-/// The only modules in which a word may stand.
-struct OnlyIn(&'static [&'static str]);
-
 const RULES: &[Rule] = &[
     Rule {
         word: Name::Word("unsafe"),
-        place: OnlyIn(&["gpu"]),
+        only_in: &["gpu"],
         reason: "unsafe code is argued for in one place",
     },
-    Rule { word: Name::Word("vk"), place: OnlyIn(&["gpu"]), reason: "Vulkan is called in one place" },
-    Rule { word: Name::Crate("ash"), place: OnlyIn(&["gpu"]), reason: "Vulkan is called in one place" },
+    Rule { word: Name::Word("vk"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
+    Rule { word: Name::Crate("ash"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
     Rule {
         word: Name::Crate("gpu_allocator"),
-        place: OnlyIn(&["gpu"]),
+        only_in: &["gpu"],
         reason: "Vulkan is called in one place",
     },
-    Rule { word: Name::Crate("exr"), place: OnlyIn(&["image"]), reason: "EXR files are read in one place" },
+    Rule { word: Name::Crate("exr"), only_in: &["image"], reason: "EXR files are read in one place" },
     Rule {
         word: Name::Crate("obvhs"),
-        place: OnlyIn(&["encode"]),
+        only_in: &["encode"],
         reason: "the hierarchy is built in one place",
     },
 ];
@@ -47,8 +45,7 @@ pub fn violations(sources: &[Source]) -> Vec<String> {
 
 impl Rule {
     fn violations(&self, source: &Source) -> Vec<String> {
-        let OnlyIn(modules) = self.place;
-        if modules.iter().any(|module| is_in(source, module)) {
+        if self.only_in.iter().any(|module| is_in(source, module)) {
             return Vec::new();
         }
         let lines = self.word.lines(&source.code);

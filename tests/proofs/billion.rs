@@ -9,9 +9,8 @@ use lodestar::encode::bvh::Bvh;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::Renderer;
 use lodestar::settings::{SamplePattern, Sampler, Settings};
-
-use crate::estimate::Estimate;
-use crate::scenes::ours;
+use support::estimate::Estimate;
+use support::scenes::ours;
 
 const WIDTH: u32 = 256;
 const HEIGHT: u32 = 144;

@@ -8,8 +8,8 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
+use support::mutated;
 
-use crate::mutated;
 use crate::subject::Subject;
 
 /// A device under the validation layer.

@@ -1,11 +1,11 @@
 //! The table of what is proven: every sampler with every way to set it, and every learner. What is added here is tested by
 //! all claims.
 
-use lodestar::reference::normalization_entry::Rules;
 use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, SampleWeights, Sampler, Settings};
+use support::guide_cases::Kind;
+use support::scenes::ours;
+use support::twins::normalization_entry::Rules;
 
-use crate::guide_cases::Kind;
-use crate::scenes::ours;
 use crate::subject::Change;
 
 /// A way to draw directions.

@@ -3,10 +3,9 @@
 use lodestar::generated::kernels::test;
 use lodestar::gpu::KernelSource;
 use lodestar::settings::Settings;
-
-use crate::device::GROUP;
-use crate::guide_cases::GuideKernels;
-use crate::mutated;
+use support::device::GROUP;
+use support::guide_cases::GuideKernels;
+use support::mutated;
 
 /// A change to settings.
 pub type Change = fn(&mut Settings);

@@ -4,10 +4,10 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 use lodestar::settings::{DirectionMap, SamplePattern, Sampler, Settings};
+use support::guide_cases;
+use support::scenes::ours;
 
-use crate::guide_cases;
 use crate::renders::Studio;
-use crate::scenes::ours;
 use crate::subject::SHIPPED;
 
 /// Of a cell with the sharpest contrast after two steps, and a step later.

@@ -11,11 +11,6 @@
 mod agreement;
 mod sheet;
 
-// Of which this suite needs a part.
-#[allow(dead_code)]
-#[path = "../render/mutated.rs"]
-mod mutated;
-
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -31,6 +26,7 @@ use lodestar::image::{Image, exr};
 use lodestar::renderer::Renderer;
 use lodestar::scene::{Bsdf, LoadOptions, MaterialKind, ReconstructionFilter, Scene, load};
 use lodestar::settings::{SamplePattern, Sampler, Settings};
+use support::mutated;
 
 /// A scene and the samples per pixel of the short test, for emitter sampling off and on.
 struct Case {

@@ -2,12 +2,12 @@
 
 use lodestar::renderer::Renderer;
 use lodestar::settings::{Learner, Roulette, Sampler, Settings};
+use support::estimate::Estimate;
+use support::mutated::{BRIGHTER, DENSITIES, TWICE_AS_BRIGHT};
+use support::scenes::{ALL_SAMPLERS, ours, settings, steady};
+use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::{Device, steps};
-use crate::estimate::Estimate;
-use crate::mutated::{BRIGHTER, DENSITIES, TWICE_AS_BRIGHT};
-use crate::scenes::{ALL_SAMPLERS, ours, settings, steady};
-use crate::significance::{ALPHA, sidak, two_sided};
 
 const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 64;

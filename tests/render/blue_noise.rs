@@ -2,9 +2,9 @@
 
 use lodestar::film::Picture;
 use lodestar::settings::{SamplePattern, Sampler, Settings};
+use support::scenes::{ours, settings};
 
 use crate::device::Device;
-use crate::scenes::{ours, settings};
 
 /// Pixels along a side: four tiles share a picture.
 const SIDE: usize = 64;

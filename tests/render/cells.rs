@@ -1,9 +1,9 @@
 //! The grid that is chosen by the scene.
 
 use lodestar::settings::{AUTO_GRID, Sampler, Settings};
+use support::scenes::{ours, settings};
 
 use crate::device::Device;
-use crate::scenes::{ours, settings};
 
 const BUDGET: u64 = 8 << 20;
 

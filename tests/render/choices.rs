@@ -7,11 +7,11 @@ use lodestar::scene::{
     Bsdf, Environment, Material, MaterialKind, Scene, SurfaceMaterial, Textured, emitter::AreaEmitter,
 };
 use lodestar::settings::Sampler;
+use support::estimate::Estimate;
+use support::scenes::{SAMPLERS, ours, settings};
+use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::Device;
-use crate::estimate::Estimate;
-use crate::scenes::{SAMPLERS, ours, settings};
-use crate::significance::{ALPHA, sidak, two_sided};
 
 const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 128;

@@ -7,9 +7,9 @@ use std::env;
 use glam::{Mat4, Quat, Vec3, vec3};
 use lodestar::scene::{Environment, Primitive, PrimitiveShape, Scene};
 use lodestar::settings::{Sampler, Settings};
+use support::scenes::{ours, settings, surface_mut};
 
 use crate::device::{Device, steps};
-use crate::scenes::{ours, settings, surface_mut};
 
 /// Edges of every path.
 const DEPTH: u32 = 256;

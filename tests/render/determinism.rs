@@ -7,10 +7,10 @@ use lodestar::film::Picture;
 use lodestar::image::exr::{read_layer, read_rgb};
 use lodestar::scene::{Crop, Scene};
 use lodestar::settings::{Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::scenes::{ALL_SAMPLERS, GUIDED, SAMPLERS, combinations, ours, settings};
 
 use crate::device::Device;
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::scenes::{ALL_SAMPLERS, GUIDED, SAMPLERS, combinations, ours, settings};
 
 /// Every number of the picture as bits.
 pub fn bits(picture: &Picture) -> Vec<u32> {

@@ -8,8 +8,7 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
-
-use crate::mutated;
+use support::mutated;
 
 /// A context whose validation messages fail the test when it is dropped.
 pub struct Device {

@@ -9,12 +9,12 @@ use std::process::Command;
 use lodestar::film::Picture;
 use lodestar::film::read_picture;
 use lodestar::gpu::{Context, ContextOptions};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::scenes::{SAMPLERS, ours, settings};
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 
 use crate::determinism::bits;
 use crate::device::Device;
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::scenes::{SAMPLERS, ours, settings};
 
 /// The program with variables of the driver's set.
 fn lodestar(arguments: &[&str], variables: &[(&str, &str)]) -> String {

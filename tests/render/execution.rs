@@ -5,10 +5,10 @@ use lodestar::renderer::Counts;
 use lodestar::scene::emitter::AreaEmitter;
 use lodestar::scene::{Scene, Textured};
 use lodestar::settings::{Execution, Learner, SamplePattern, SampleWeights, Sampler, Settings};
+use support::scenes::{GUIDED, ours, settings};
 
 use crate::determinism::bits;
 use crate::device::Device;
-use crate::scenes::{GUIDED, ours, settings};
 
 /// Not a whole number of tiles, and of several steps.
 const SIZE: [u32; 2] = [52, 37];

@@ -6,11 +6,11 @@ use lodestar::scene::Scene;
 use lodestar::scene::bsdf::{Bsdf, Distribution, Microfacets};
 use lodestar::scene::texture::Textured;
 use lodestar::settings::{GuideSet, Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::mutated::DENSITIES;
+use support::scenes::{ours, settings, surface_mut};
 
 use crate::device::Device;
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::mutated::DENSITIES;
-use crate::scenes::{ours, settings, surface_mut};
 
 const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 2048;

@@ -8,11 +8,11 @@ use lodestar::scene::bsdf::{Bsdf, Distribution, Microfacets};
 use lodestar::scene::texture::Textured;
 use lodestar::scene::{Environment, ReconstructionFilter, Scene};
 use lodestar::settings::{GuideSet, Sampler, Settings};
+use support::estimate::Estimate;
+use support::scenes::{SAMPLERS, combinations, ours, settings, surface_mut};
+use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::{Device, steps};
-use crate::estimate::Estimate;
-use crate::scenes::{SAMPLERS, combinations, ours, settings, surface_mut};
-use crate::significance::{ALPHA, sidak, two_sided};
 
 /// The paper's Fig. 7a.
 #[test]

@@ -5,13 +5,13 @@ use lodestar::film::Picture;
 use lodestar::scene::bsdf::Distribution;
 use lodestar::scene::{Bsdf, Material, Textured};
 use lodestar::settings::{Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::floor::{DELTA, SPREAD, floor_radiance};
+use support::mutated::{BLIND_TO_GUIDE, COUNTED_TWICE, DENSITIES};
+use support::scenes::{ALL_SAMPLERS, SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
+use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::{Device, steps};
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::floor::{DELTA, SPREAD, floor_radiance};
-use crate::mutated::{BLIND_TO_GUIDE, COUNTED_TWICE, DENSITIES};
-use crate::scenes::{ALL_SAMPLERS, SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
-use crate::significance::{ALPHA, sidak, two_sided};
 
 /// The floor's radiance, as it is rendered.
 fn render_floor(device: &Device, light: &str, change: impl FnOnce(&mut Settings)) -> (f64, f64) {

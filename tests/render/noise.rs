@@ -7,10 +7,10 @@ use lodestar::film::noise::{LEAST_SAMPLES, TileNoise, Tiles};
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{SamplePattern, SampleWeights, Sampler, Settings};
+use support::scenes::{ours, settings};
 
 use crate::determinism::bits;
 use crate::device::Device;
-use crate::scenes::{ours, settings};
 
 /// Not a whole number of tiles.
 const SIZE: [u32; 2] = [44, 41];

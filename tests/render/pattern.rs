@@ -4,12 +4,12 @@ use lodestar::film::Picture;
 use lodestar::image::Image;
 use lodestar::scene::Scene;
 use lodestar::settings::{SamplePattern, Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::mutated::DENSITIES;
+use support::scenes::{ours, settings};
 
 use crate::determinism::bits;
 use crate::device::Device;
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::mutated::DENSITIES;
-use crate::scenes::{ours, settings};
 
 const SIZE: [u32; 2] = [24, 24];
 const SPP: u32 = 32;

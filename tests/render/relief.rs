@@ -3,17 +3,17 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DVec2, DVec3, Mat3, Mat4, Vec3, Vec4, dvec3};
-use lodestar::reference::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
 use lodestar::scene::bsdf::Relief;
 use lodestar::scene::emitter::DeltaKind;
 use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
 use lodestar::scene::{DeltaEmitter, Environment, PrimitiveShape, Scene};
 use lodestar::settings::{Sampler, Settings};
+use support::estimate::Estimate;
+use support::scenes::{SAMPLERS, ours, settings, surface_mut};
+use support::significance::{ALPHA, sidak, two_sided};
+use support::twins::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
 
 use crate::device::Device;
-use crate::estimate::Estimate;
-use crate::scenes::{SAMPLERS, ours, settings, surface_mut};
-use crate::significance::{ALPHA, sidak, two_sided};
 
 const SIZE: [u32; 2] = [16, 16];
 const SPP: u32 = 256;

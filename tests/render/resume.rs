@@ -3,10 +3,10 @@
 use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{AUTO_GRID, Sampler, Settings};
+use support::scenes::{SAMPLERS, combinations, ours, settings};
 
 use crate::determinism::bits;
 use crate::device::{Device, steps};
-use crate::scenes::{SAMPLERS, combinations, ours, settings};
 
 /// Not a whole number of tiles.
 const SIZE: [u32; 2] = [60, 41];

@@ -3,9 +3,9 @@
 use lodestar::image::metrics::compare;
 use lodestar::scene::Scene;
 use lodestar::settings::{Roulette, Sampler, Settings};
+use support::scenes::{ours, settings};
 
 use crate::device::{Device, steps};
-use crate::scenes::{ours, settings};
 
 const SIZE: [u32; 2] = [64, 64];
 const SPP: u32 = 32;

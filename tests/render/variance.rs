@@ -2,10 +2,10 @@
 
 use lodestar::film::Picture;
 use lodestar::settings::Sampler;
+use support::scenes::{SAMPLERS, ours, settings};
+use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::Device;
-use crate::scenes::{SAMPLERS, ours, settings};
-use crate::significance::{ALPHA, sidak, two_sided};
 
 const SEEDS: u32 = 32;
 

@@ -3,13 +3,13 @@
 use lodestar::film::Picture;
 use lodestar::scene::Scene;
 use lodestar::settings::{SampleWeights, Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::mutated::DENSITIES;
+use support::scenes::{ours, settings};
+use support::significance::{ALPHA, two_sided};
 
 use crate::determinism::bits;
 use crate::device::{Device, steps};
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::mutated::DENSITIES;
-use crate::scenes::{ours, settings};
-use crate::significance::{ALPHA, two_sided};
 use crate::variance::{ratio_and_deviation, spread_and_claim};
 
 /// Not a whole number of tiles.

@@ -2,11 +2,11 @@
 
 use lodestar::image::Image;
 use lodestar::settings::{Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::mutated::{DENSITIES, DENSITIES_FAR};
+use support::scenes::{GUIDED, ours, settings, steady};
 
 use crate::device::Device;
-use crate::estimate::{Comparison, Estimate, WHOLE};
-use crate::mutated::{DENSITIES, DENSITIES_FAR};
-use crate::scenes::{GUIDED, ours, settings, steady};
 
 /// A scene, how it is sampled and at which scales it is compared.
 struct Case {

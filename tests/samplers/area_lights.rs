@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3, dvec3, vec3};
-use lodestar::reference::direction_map::direction_bin;
-use lodestar::reference::light::{area, pdf_primitive};
 use lodestar::scene::{Primitive, PrimitiveShape};
 use lodestar::settings::DirectionMap;
+use support::statistics::{chi_square, sidak, sphere};
+use support::twins::direction_map::direction_bin;
+use support::twins::light::{area, pdf_primitive};
 
 use crate::lights::{LightOutput, d3, draw_from, emitting};
-use crate::statistics::{chi_square, sidak, sphere};
 
 const SIGNIFICANCE: f64 = 0.01;
 const SAMPLES: usize = 1 << 18;

@@ -3,15 +3,15 @@
 
 use glam::{DVec3, dvec3};
 use lodestar::generated::kernels::{FEATURE_BECKMANN, Variant};
-use lodestar::reference::conductor::Conductor;
-use lodestar::reference::delta::DeltaLobe;
-use lodestar::reference::dielectric::Dielectric;
-use lodestar::reference::microfacet::Microfacets;
+use lodestar::math::microfacet::Microfacets;
+use support::statistics::Numbers;
+use support::substances::{Substance, plastic, substances};
+use support::twins::conductor::Conductor;
+use support::twins::delta::DeltaLobe;
+use support::twins::dielectric::Dielectric;
 
 use crate::fixture::{Row, rows};
 use crate::scattering::{Bench, LOBE_DELTA, LOBE_NONE, ScatteringInput, ScatteringOutput, d3, relative};
-use crate::statistics::Numbers;
-use crate::substances::{Substance, plastic, substances};
 
 /// The largest number below one that a kernel draws.
 const LAST: f32 = 1.0 - 1.0 / 16_777_216.0;

@@ -5,10 +5,9 @@ use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4, Vec4Swizzles, dvec2, dvec3, vec
 use lodestar::generated::kernels::{CAMERA_ORTHOGRAPHIC, CAMERA_PERSPECTIVE, CAMERA_THINLENS, Variant, test};
 use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
-use lodestar::reference::camera::camera_ray;
-use lodestar::reference::intersect::Ray;
-
-use crate::device::{Device, GROUP};
+use support::device::{Device, GROUP};
+use support::twins::camera::camera_ray;
+use support::twins::intersect::Ray;
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

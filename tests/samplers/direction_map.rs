@@ -3,12 +3,12 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec2, Vec3, dvec2, vec2, vec3};
 use lodestar::generated::kernels::{Variant, test};
-use lodestar::reference::direction_map as twin;
-use lodestar::reference::equal_area::square_bin;
+use lodestar::math::direction_map::{bin_center, map_to_sphere};
 use lodestar::settings::DirectionMap;
-
-use crate::device::Device;
-use crate::statistics::Numbers;
+use support::device::Device;
+use support::statistics::Numbers;
+use support::twins::direction_map as twin;
+use support::twins::equal_area::square_bin;
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -92,14 +92,14 @@ fn check_both_ways(map: DirectionMap) {
     for (i, o) in inputs.iter().zip(&outputs) {
         let (p, w) = (d2(i.p), d3(i.w));
         let errors = [
-            (d3(o.w_of_p) - twin::map_to_sphere(map, p)).length(),
+            (d3(o.w_of_p) - map_to_sphere(map, p)).length(),
             (d3(o.w_of_p).length() - 1.0).abs(),
             (d3(o.w_of_antipode) + d3(o.w_of_p)).length(),
             // Points of the border and corners of the square stand for one direction together: compare those.
             direction_error(map, d2(o.p_of_w), w.normalize()),
-            (twin::map_to_sphere(map, d2(o.p_of_w_of_p)) - twin::map_to_sphere(map, p)).length(),
-            (twin::map_to_sphere(map, d2(o.antipode_of_p)) + twin::map_to_sphere(map, p)).length(),
-            (d3(o.center) - twin::bin_center(map, i.bin, 16)).length(),
+            (map_to_sphere(map, d2(o.p_of_w_of_p)) - map_to_sphere(map, p)).length(),
+            (map_to_sphere(map, d2(o.antipode_of_p)) + map_to_sphere(map, p)).length(),
+            (d3(o.center) - bin_center(map, i.bin, 16)).length(),
         ];
         assert!(d2(o.p_of_w).abs().max_element() <= 1.0 && d2(o.antipode_of_p).abs().max_element() <= 1.0, "{o:?}");
         worst = std::array::from_fn(|k| worst[k].max(errors[k]));
@@ -111,7 +111,7 @@ fn check_both_ways(map: DirectionMap) {
 /// little of the distance from them, so there the height itself is compared, and the azimuth about the axis.
 fn direction_error(map: DirectionMap, p: DVec2, w: DVec3) -> f64 {
     match map {
-        DirectionMap::EqualArea => (twin::map_to_sphere(map, p) - w).length(),
+        DirectionMap::EqualArea => (map_to_sphere(map, p) - w).length(),
         DirectionMap::Cylindrical => {
             let azimuth = DVec2::from_angle(std::f64::consts::PI * p.x) * w.truncate().length();
             (azimuth - w.truncate()).length().max((p.y - w.z).abs())
@@ -174,7 +174,7 @@ fn a_map_that_is_slightly_off_is_noticed() {
     // What the tolerance above can tell: an azimuth that is off by 2e-6 of a quadrant.
     for map in MAPS {
         let p = dvec2(0.3, 0.4);
-        let wrong = twin::map_to_sphere(map, p + dvec2(-2.0e-6, 2.0e-6));
-        assert!((wrong - twin::map_to_sphere(map, p)).length() > 1.0e-6);
+        let wrong = map_to_sphere(map, p + dvec2(-2.0e-6, 2.0e-6));
+        assert!((wrong - map_to_sphere(map, p)).length() > 1.0e-6);
     }
 }

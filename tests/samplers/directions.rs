@@ -5,10 +5,9 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3, dvec2, vec3};
 use lodestar::generated::kernels::{FILTER_BOX, FILTER_GAUSSIAN, FILTER_TENT, Variant, test};
-use lodestar::reference::{camera, direction};
-
-use crate::device::Device;
-use crate::statistics::{Numbers, pair_uniformity};
+use support::device::Device;
+use support::statistics::{Numbers, pair_uniformity};
+use support::twins::{camera, direction};
 
 const SIGNIFICANCE: f64 = 1.0e-3;
 

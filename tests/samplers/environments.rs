@@ -4,17 +4,17 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3, Vec3, vec3};
 use lodestar::encode::lights::{EnvironmentMap, EnvironmentTable};
-use lodestar::reference::light::{delta_light, environment_coordinates, environment_radiance, pdf_environment};
 use lodestar::scene::texture::Texels;
 use lodestar::scene::{
     AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Image, Primitive, PrimitiveShape, Scene,
     Textured,
 };
 use serde_json::Value;
+use support::device::Device;
+use support::statistics::{Numbers, chi_square, mean_and_error, pair_uniformity, sidak, within_four_sigma};
+use support::twins::light::{delta_light, environment_coordinates, environment_radiance, pdf_environment};
 
-use crate::device::Device;
 use crate::lights::{LightInput, LightOutput, d3, draw, draw_from, empty_scene, parse};
-use crate::statistics::{Numbers, chi_square, mean_and_error, pair_uniformity, sidak, within_four_sigma};
 
 const SIGNIFICANCE: f64 = 0.01;
 const SAMPLES: usize = 1 << 17;

@@ -2,11 +2,10 @@
 //! That they have those of the right ones is a claim of `tests/proofs`.
 
 use lodestar::generated::layout;
-use lodestar::reference::direction_map::bin_center;
-use lodestar::reference::normalization_entry::{NormalizationEntry, Rules, factors_with_share, rejection_factors};
+use lodestar::math::direction_map::bin_center;
 use lodestar::settings::{DirectionMap, Sampler};
-
-use crate::guide_cases::{DIRECTIONS, Guided, Kind, MOST_SAMPLES, Setting, settings, tables};
+use support::guide_cases::{DIRECTIONS, Guided, Kind, MOST_SAMPLES, Setting, settings, tables};
+use support::twins::normalization_entry::{NormalizationEntry, Rules, factors_with_share, rejection_factors};
 
 /// Probability that any of the right twins is rejected by chance.
 const SIGNIFICANCE: f64 = 0.01;

@@ -7,11 +7,10 @@ use glam::{DVec3, Vec3, vec3};
 use lodestar::encode::bvh::{Bvh, NODE_WORDS};
 use lodestar::generated::kernels::{NONE, Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::reference::intersect::{Ray, crossings, traverse};
 use lodestar::scene::{Primitive, PrimitiveShape};
-
-use crate::device::Device;
-use crate::statistics::Numbers;
+use support::device::Device;
+use support::statistics::Numbers;
+use support::twins::intersect::{Ray, crossings, traverse};
 
 /// So far from an outline, as a share of the primitive, or from grazing it, rounding cannot decide.
 const CLEAR: f64 = 1.0e-3;
@@ -128,7 +127,7 @@ fn fault(primitives: &[Primitive], input: &TraceInput, output: &TraceOutput) -> 
     let ray = input.ray();
     let tolerance = 1.0e-5 * (1.0 + ray.origin.length());
     // A hit that no rounding can take away.
-    let clear = |c: &lodestar::reference::intersect::Crossing| {
+    let clear = |c: &support::twins::intersect::Crossing| {
         c.inside > CLEAR && c.steepness > CLEAR && c.t > tolerance && c.t < ray.t_max - tolerance
     };
     let clear_hits = primitives.iter().flat_map(|p| crossings(&ray, p)).filter(clear);

@@ -10,8 +10,7 @@ use lodestar::generated::kernels::{Variant, test};
 use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
 use lodestar::scene::{AreaEmitter, LoadOptions, Primitive, Scene, Textured, load};
-
-use crate::device::{Device, GROUP};
+use support::device::{Device, GROUP};
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

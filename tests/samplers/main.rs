@@ -4,14 +4,10 @@
 mod area_lights;
 mod bsdf;
 mod camera;
-mod device;
 mod direction_map;
 mod directions;
 mod environments;
 mod fixture;
-// `tests/proofs` uses all of it.
-#[allow(dead_code)]
-mod guide_cases;
 mod guides;
 mod intersections;
 mod lights;
@@ -23,11 +19,9 @@ mod product;
 mod quadtree;
 mod random;
 mod relief;
-mod sampled_directions;
 mod scattering;
-mod scattering_cases;
 mod shares;
 mod statistics;
-mod substances;
 mod surfaces;
 mod textures;
+mod twins;

@@ -6,15 +6,14 @@ use glam::DVec3;
 use lodestar::encode::cosine_integrals::cosine_integrals;
 use lodestar::generated::kernels::{SAMPLER_REJECTION_MIX, Variant};
 use lodestar::generated::layout;
-use lodestar::reference::direction_map::{bin_center, representative_normal};
-use lodestar::reference::normalization_entry::{
+use lodestar::math::direction_map::{bin_center, representative_normal};
+use lodestar::settings::{DirectionMap, Mix, Sampler};
+use support::device::{Cell, Device};
+use support::guide_cases::variant;
+use support::statistics::{Numbers, sphere};
+use support::twins::normalization_entry::{
     NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, rejection_factors,
 };
-use lodestar::settings::{DirectionMap, Mix, Sampler};
-
-use crate::device::{Cell, Device};
-use crate::guide_cases::variant;
-use crate::statistics::{Numbers, sphere};
 
 /// `SHARE_UNITS` in GLSL.
 const SHARE_UNITS: u32 = 1 << 31;

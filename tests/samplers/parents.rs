@@ -10,11 +10,10 @@ use lodestar::encode::cells::Cells;
 use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
 use lodestar::generated::layout::{LearnedRadiance, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind, KernelSource};
-use lodestar::reference::radiance_grid as twin;
 use lodestar::scene::{Primitive, PrimitiveShape};
-
-use crate::device::Device;
-use crate::statistics::Numbers;
+use support::device::Device;
+use support::statistics::Numbers;
+use support::twins::radiance_grid as twin;
 
 const LIMIT: f32 = 32.0;
 const FALLBACK: f32 = 6.0;

@@ -1,7 +1,7 @@
 //! `glsl/include/bsdf/principled.glsl`
 
 use glam::DVec3;
-use lodestar::reference::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
+use support::twins::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
 
 use crate::fixture::{Row, rows};
 

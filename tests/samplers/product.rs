@@ -5,14 +5,14 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use lodestar::encode::cosine_integrals::cosine_integrals;
 use lodestar::generated::kernels::{Variant, test};
-use lodestar::reference::direction_map::{bin_center, direction_bin, normal_bin, representative_normal, sphere_to_map};
-use lodestar::reference::normalization_entry::Rules;
-use lodestar::reference::product::{COSINE_SHARE, Product};
+use lodestar::math::direction_map::{bin_center, representative_normal};
 use lodestar::settings::{DirectionMap, Mix, Sampler};
-
-use crate::device::{Cell, Device, GROUP};
-use crate::guide_cases::{Density, Drawn, NORMALS, PushedNormal, variant};
-use crate::statistics::{Numbers, chi_square, mean_and_error, sidak, within_four_sigma};
+use support::device::{Cell, Device, GROUP};
+use support::guide_cases::{Density, Drawn, NORMALS, PushedNormal, variant};
+use support::statistics::{Numbers, chi_square, mean_and_error, sidak, within_four_sigma};
+use support::twins::direction_map::{direction_bin, normal_bin, sphere_to_map};
+use support::twins::normalization_entry::Rules;
+use support::twins::product::{COSINE_SHARE, Product};
 
 /// Probability that any of all chi-squares fails by chance.
 const SIGNIFICANCE: f64 = 0.01;

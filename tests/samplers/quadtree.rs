@@ -11,15 +11,14 @@ use lodestar::generated::kernels::{
 };
 use lodestar::generated::layout::{RadianceSum, RefinePush, SceneConstants};
 use lodestar::gpu::{Buffer, BufferKind, KernelSource};
-use lodestar::reference::cosine::SphereGrid;
-use lodestar::reference::direction_map::{direction_bin, sphere_to_map};
-use lodestar::reference::quadtree::{COSINE_SHARE, Square};
-use lodestar::reference::radiance_grid::FIXED_POINT_UNITS;
 use lodestar::settings::DirectionMap;
-
-use crate::device::{Device, GROUP};
-use crate::guide_cases::{Density, Drawn, PushedNormal};
-use crate::statistics::{Numbers, chi_square, mean_and_error, sidak, within_four_sigma};
+use support::device::{Device, GROUP};
+use support::guide_cases::{Density, Drawn, PushedNormal};
+use support::statistics::{Numbers, chi_square, mean_and_error, sidak, within_four_sigma};
+use support::twins::cosine::SphereGrid;
+use support::twins::direction_map::{direction_bin, sphere_to_map};
+use support::twins::quadtree::{COSINE_SHARE, Square};
+use support::twins::radiance_grid::FIXED_POINT_UNITS;
 
 /// Probability that any of all chi-squares fails by chance.
 const SIGNIFICANCE: f64 = 0.01;

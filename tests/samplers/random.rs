@@ -5,11 +5,10 @@ use std::ops::Range;
 
 use bytemuck::{Pod, Zeroable};
 use lodestar::generated::kernels::{PATTERN_BLUE_NOISE, PATTERN_INDEPENDENT, PATTERN_SOBOL, Variant, test};
-use lodestar::reference::random as twin;
-use lodestar::reference::random::{RandomKey, SampleSet};
-
-use crate::device::Device;
-use crate::statistics::{pair_uniformity, sidak, uniformity};
+use support::device::Device;
+use support::statistics::{pair_uniformity, sidak, uniformity};
+use support::twins::random as twin;
+use support::twins::random::{RandomKey, SampleSet};
 
 /// With this probability any of all the chi-squares of one test would fail by chance.
 const SIGNIFICANCE: f64 = 0.01;

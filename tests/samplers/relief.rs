@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
 use lodestar::generated::kernels::{Variant, test};
-use lodestar::reference::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
+use support::device::Device;
+use support::twins::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
 
-use crate::device::Device;
 use crate::fixture::{Row, rows};
 
 #[repr(C)]

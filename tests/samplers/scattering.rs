@@ -8,11 +8,10 @@ use glam::{DQuat, DVec2, DVec3, Vec3, dvec2, dvec3};
 use lodestar::generated::kernels::{Variant, test};
 use lodestar::gpu::Kernel;
 use rayon::prelude::*;
-
-use crate::device::{Device, GROUP};
-use crate::scattering_cases::{DeviceBsdf, Surface, surfaces, variant};
-use crate::statistics::{Numbers, chi_square, mean_and_error, sidak};
-use crate::substances::table_words;
+use support::device::{Device, GROUP};
+use support::scattering_cases::{DeviceBsdf, Surface, surfaces, variant};
+use support::statistics::{Numbers, chi_square, mean_and_error, sidak};
+use support::substances::table_words;
 
 /// Chance that a sound sampler is rejected anywhere here.
 const SIGNIFICANCE: f64 = 0.01;

@@ -5,12 +5,12 @@ use glam::{DVec3, Vec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::generated::kernels::{NONE, Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::reference::intersect::{Ray, crossings};
 use lodestar::scene::{Primitive, PrimitiveShape};
+use support::device::{Device, GROUP};
+use support::statistics::Numbers;
+use support::twins::intersect::{Ray, crossings};
 
-use crate::device::{Device, GROUP};
 use crate::intersections::{SHAPES, TraceInput, primitives, rays};
-use crate::statistics::Numbers;
 
 /// Of the larger one of a hit's coordinates and its primitive's longest edge.
 const RAY_EPSILON: f64 = 1.0 / 131_072.0;

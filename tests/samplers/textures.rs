@@ -5,11 +5,12 @@ use glam::{DVec2, DVec4, Mat3, Vec2, Vec3};
 use lodestar::encode::textures::PackedTextures;
 use lodestar::generated::kernels::{Variant, test};
 use lodestar::gpu::BufferKind;
-use lodestar::reference::texture as reference;
+use lodestar::math::srgb::linear_from_srgb;
 use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
-
-use crate::device::{Device, GROUP};
-use crate::statistics::Numbers;
+use lodestar::scene::texture_lookup::sample;
+use support::device::{Device, GROUP};
+use support::statistics::Numbers;
+use support::twins::texture as twin;
 
 /// What the polynomial for the sRGB curve may be off by.
 const CURVE_TOLERANCE: f64 = 1.0e-5;
@@ -99,11 +100,10 @@ fn points(seed: u32, count: usize) -> Vec<Vec2> {
 /// To within `tolerance` and what a rounding of the coordinates changes.
 fn agrees(texture: &Texture, images: &[Image], uv: Vec2, color: DVec4, tolerance: f64) -> bool {
     let shift = 4.0e-7 * f64::from(1.0 + uv.abs().max_element());
-    let expected = reference::sample(texture, images, uv.as_dvec2());
+    let expected = sample(texture, images, uv.as_dvec2());
     let shifts = [-1.0, 0.0, 1.0].into_iter().flat_map(|u| [-1.0, 0.0, 1.0].map(|v| DVec2::new(u, v)));
-    let changes = shifts.map(|direction| {
-        (reference::sample(texture, images, uv.as_dvec2() + shift * direction) - expected).abs().max_element()
-    });
+    let changes = shifts
+        .map(|direction| (sample(texture, images, uv.as_dvec2() + shift * direction) - expected).abs().max_element());
     let allowed = tolerance * expected.abs().max_element().max(1.0) + changes.fold(0.0, f64::max);
     (expected - color).abs().max_element() <= allowed
 }
@@ -118,7 +118,7 @@ fn compare(textures: &[Texture], images: &[Image], points: &[Vec2], tamper: f32)
         let uv = Vec2::from(input.uv) + Vec2::new(tamper, 0.0);
         let color = DVec4::from_array(output.color.map(f64::from));
         if !agrees(texture, images, uv, color, CURVE_TOLERANCE + 2.0e-5) {
-            let expected = reference::sample(texture, images, uv.as_dvec2());
+            let expected = sample(texture, images, uv.as_dvec2());
             return Err(format!("{:?} at {uv} is {color}, not {expected}", texture.pattern));
         }
     }
@@ -197,9 +197,9 @@ fn the_curve_at_every_byte() {
     let texture = bitmap(0, TexelFilter::Nearest, WrapMode::Clamp, Mat3::IDENTITY);
     let inputs: Vec<_> = (0..256).map(|i| TextureInput { index: 0, uv: [(i as f32 + 0.5) / 256.0, 0.5] }).collect();
     for (byte, output) in look_up(&[texture], &[ramp], &inputs).into_iter().enumerate() {
-        let expected = reference::decode_srgb(byte as f64 / 255.0);
+        let expected = linear_from_srgb(byte as f64 / 255.0);
         assert!((f64::from(output.color[0]) - expected).abs() < CURVE_TOLERANCE, "{byte}: {}", output.color[0]);
-        let reversed = reference::decode_srgb((255 - byte) as f64 / 255.0);
+        let reversed = linear_from_srgb((255 - byte) as f64 / 255.0);
         assert!((f64::from(output.color[1]) - reversed).abs() < CURVE_TOLERANCE, "{byte}: {}", output.color[1]);
         assert!((f64::from(output.color[3]) - byte as f64 / 255.0).abs() < 1.0e-6);
     }
@@ -220,7 +220,7 @@ fn gradients_agree(tamper: f64) -> bool {
         let uv = DVec2::from_array(input.uv.map(f64::from));
         let gradient = DVec2::from_array(output.gradient.map(f64::from));
         let near = |shift: DVec2| {
-            let expected = (1.0 + tamper) * reference::gradient(texture, &images, uv + 1.0e-6 * shift);
+            let expected = (1.0 + tamper) * twin::gradient(texture, &images, uv + 1.0e-6 * shift);
             (expected - gradient).length() < 1.0e-3 * expected.length().max(1.0)
         };
         ![DVec2::ZERO, DVec2::ONE, DVec2::NEG_ONE, DVec2::X, DVec2::Y].into_iter().any(near)

@@ -3,9 +3,10 @@
 use glam::{DVec2, Mat3, Vec3};
 use image::{DynamicImage, GrayAlphaImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage, Rgba, RgbaImage};
 use lodestar::film::Picture;
-use lodestar::reference::texture::{gradient, sample};
 use lodestar::scene::texture::{Pattern, TexelFilter, Texels, WrapMode};
+use lodestar::scene::texture_lookup::sample;
 use lodestar::scene::{Bsdf, MaterialKind, Scene, Textured};
+use support::twins::texture::gradient;
 
 use super::{Folder, with_sensor};
 

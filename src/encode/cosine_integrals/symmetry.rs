@@ -81,7 +81,7 @@ mod tests {
     use glam::{DVec3, dvec3};
 
     use super::*;
-    use crate::reference::direction_map::bin_center;
+    use crate::math::direction_map::bin_center;
 
     fn image_of_direction(symmetry: Symmetry, w: DVec3) -> DVec3 {
         let sign = |mirror: bool| if mirror { -1.0 } else { 1.0 };

@@ -4,7 +4,7 @@ use glam::{DVec2, Vec2, dvec2};
 
 use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
-use crate::reference::texture::sample;
+use crate::scene::texture_lookup::sample;
 use crate::scene::{Image, Texture};
 
 /// Number of look-ups for all primitives together, and the least and most for one primitive.

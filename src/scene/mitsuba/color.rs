@@ -6,6 +6,7 @@ use super::element::Element;
 use super::spectrum::SpectrumUse;
 use super::{numbers, spectrum};
 use crate::Result;
+use crate::math::srgb::linear_from_srgb;
 
 /// Color of a `<rgb>`, `<srgb>`, `<spectrum>` or `<float>`. Negative channels are an error.
 pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<Vec3> {
@@ -62,9 +63,4 @@ fn parse_hex(element: &Element, digits: &str) -> Result<[f64; 3]> {
         return Err(malformed());
     }
     Ok([bits >> 16, bits >> 8 & 255, bits & 255].map(|channel| f64::from(channel) / 255.0))
-}
-
-/// Inverse of the sRGB curve (IEC 61966-2-1).
-pub(super) fn linear_from_srgb(value: f64) -> f64 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::textures::ImageRequest;
 use crate::image::texels::{self, FileTexels, TexelImage};
+use crate::math::srgb::linear_from_srgb;
 use crate::scene::shrink::shrink;
 use crate::scene::texture::{Image, Texels};
 use crate::{Error, Result};
@@ -92,6 +93,6 @@ fn check_floats(request: &ImageRequest, width: u32, data: &[[f32; 4]], warnings:
 /// Texel with its colors decoded by the inverse sRGB curve (IEC 61966-2-1); alpha stays.
 fn decode_srgb(texel: [f32; 4]) -> [f32; 4] {
     let [red, green, blue, alpha] = texel;
-    let [red, green, blue] = [red, green, blue].map(|value| super::color::linear_from_srgb(f64::from(value)) as f32);
+    let [red, green, blue] = [red, green, blue].map(|value| linear_from_srgb(f64::from(value)) as f32);
     [red, green, blue, alpha]
 }

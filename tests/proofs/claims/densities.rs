@@ -4,12 +4,12 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
-use lodestar::reference::direction_map::{direction_bin, sphere_to_map};
-use lodestar::reference::guide::Guide;
 use lodestar::settings::{DirectionMap, Sampler};
+use support::guide_cases::{DIRECTIONS, Guided, Setting, settings};
+use support::twins::direction_map::{direction_bin, sphere_to_map};
+use support::twins::guide::Guide;
 
 use crate::evidence::Evidence;
-use crate::guide_cases::{DIRECTIONS, Guided, Setting, settings};
 use crate::rows::Scope;
 use crate::subject::Subject;
 use crate::tables::tables;

@@ -8,12 +8,12 @@ use lodestar::renderer::Renderer;
 use lodestar::scene::emitter::AreaEmitter;
 use lodestar::scene::{Scene, Textured};
 use lodestar::settings::{Learner, Mix, SamplePattern, Sampler, Settings};
+use support::guide_cases::{Guided, settings};
+use support::scenes::ours;
 
 use crate::evidence::Evidence;
-use crate::guide_cases::{Guided, settings};
 use crate::renders::{Studio, steps};
 use crate::rows::{LEARNERS, Row, Scope};
-use crate::scenes::ours;
 use crate::subject::Subject;
 
 const SIDE: u32 = 16;

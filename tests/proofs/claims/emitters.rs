@@ -2,14 +2,14 @@
 //! without.
 
 use lodestar::settings::{SamplePattern, Settings};
+use support::estimate::Estimate;
+use support::floor::{DELTA, SPREAD, floor_radiance};
+use support::scenes::{ours, steady};
+use support::significance::two_sided;
 
-use crate::estimate::Estimate;
 use crate::evidence::{Evidence, Record};
-use crate::floor::{DELTA, SPREAD, floor_radiance};
 use crate::renders::Studio;
 use crate::rows::Scope;
-use crate::scenes::{ours, steady};
-use crate::significance::two_sided;
 use crate::subject::Subject;
 
 const SIDE: u32 = 16;

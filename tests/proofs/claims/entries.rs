@@ -5,19 +5,19 @@ use std::f64::consts::TAU;
 
 use lodestar::encode::cosine_integrals::cosine_integrals;
 use lodestar::generated::layout;
-use lodestar::reference::direction_map::representative_normal;
-use lodestar::reference::normalization_entry::{
-    NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, rejection_factors,
-};
-use lodestar::reference::product::Product;
+use lodestar::math::direction_map::representative_normal;
 use lodestar::renderer::RenderState;
 use lodestar::settings::{DirectionMap, SamplePattern, Sampler, Settings};
+use support::scenes::ours;
+use support::statistics::sphere;
+use support::twins::normalization_entry::{
+    NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, rejection_factors,
+};
+use support::twins::product::Product;
 
 use crate::evidence::Evidence;
 use crate::renders::Studio;
 use crate::rows::Scope;
-use crate::scenes::ours;
-use crate::statistics::sphere;
 use crate::subject::Subject;
 
 const SIDE: u32 = 32;

@@ -1,13 +1,13 @@
 //! Inside a surface that emits and reflects alike everywhere, every path of `n` edges sees the same, with any sampler.
 
 use lodestar::settings::{SamplePattern, Settings};
+use support::estimate::Estimate;
+use support::scenes::{ours, steady};
+use support::significance::two_sided;
 
-use crate::estimate::Estimate;
 use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
 use crate::rows::{LEARNERS, Row, Scope};
-use crate::scenes::{ours, steady};
-use crate::significance::two_sided;
 use crate::subject::Subject;
 
 const SIDE: u32 = 32;

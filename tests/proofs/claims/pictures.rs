@@ -6,12 +6,12 @@ use std::sync::{LazyLock, Mutex};
 use lodestar::film::Picture;
 use lodestar::scene::Scene;
 use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::scenes::{ours, steady};
 
-use crate::estimate::{Comparison, Estimate, WHOLE};
 use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
 use crate::rows::{LEARNERS, Row, Scope, UNGUIDED};
-use crate::scenes::{ours, steady};
 use crate::subject::{SHIPPED, Subject};
 
 /// A scene and how often its pixels are sampled: without a guide and with one, each without emitter sampling and with it.

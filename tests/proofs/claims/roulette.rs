@@ -2,12 +2,12 @@
 
 use lodestar::film::Picture;
 use lodestar::settings::{SamplePattern, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::scenes::{ours, steady};
 
-use crate::estimate::{Comparison, Estimate, WHOLE};
 use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
 use crate::rows::{Row, Scope, UNGUIDED};
-use crate::scenes::{ours, steady};
 use crate::subject::{SHIPPED, Subject};
 
 const SIDE: u32 = 24;

@@ -3,17 +3,17 @@
 
 use std::f64::consts::{PI, TAU};
 
-use lodestar::reference::direction_map::direction_bin;
-use lodestar::reference::guide::Guide;
-use lodestar::reference::rejection_mix::mean_tries;
 use lodestar::settings::Sampler;
+use support::guide_cases::{DIRECTIONS, Drawn, Guided, Setting, settings};
+use support::significance::two_sided;
+use support::statistics::{chi_square, mean_and_error};
+use support::twins::direction_map::direction_bin;
+use support::twins::guide::Guide;
+use support::twins::rejection_mix::mean_tries;
 
 use super::densities::slack;
 use crate::evidence::{Evidence, Record};
-use crate::guide_cases::{DIRECTIONS, Drawn, Guided, Setting, settings};
 use crate::rows::{Row, Scope};
-use crate::significance::two_sided;
-use crate::statistics::{chi_square, mean_and_error};
 use crate::subject::Subject;
 use crate::tables::tables;
 

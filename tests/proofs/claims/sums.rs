@@ -4,13 +4,13 @@
 use bytemuck::{Pod, Zeroable};
 use lodestar::generated::kernels::{Variant, test as kernels};
 use lodestar::generated::layout::RadianceSum;
-use lodestar::reference::radiance_grid::{FIXED_POINT_UNITS, fixed_point};
+use support::device::Device;
+use support::significance::two_sided;
+use support::statistics::Numbers;
+use support::twins::radiance_grid::{FIXED_POINT_UNITS, fixed_point};
 
-use crate::device::Device;
 use crate::evidence::{Evidence, Record};
 use crate::rows::Scope;
-use crate::significance::two_sided;
-use crate::statistics::Numbers;
 use crate::subject::Subject;
 
 #[repr(C)]

@@ -6,12 +6,12 @@ use lodestar::generated::layout::LearnedRadiance;
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use support::scenes::ours;
+use support::statistics::mean_and_error;
 
 use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
 use crate::rows::{LEARNERS, Row, Scope};
-use crate::scenes::ours;
-use crate::statistics::mean_and_error;
 use crate::subject::Subject;
 
 const SIDE: u32 = 16;

@@ -1,14 +1,14 @@
 //! What an iteration of `quadtree` leaves is whole: squares of directions are divided where they have more than their share
 //! of a tree's flux and nowhere else, trees do not overlap, and every leaf of space has its own.
 
-use lodestar::reference::quadtree::{FLUX_SHARE, LEVELS, Square};
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::settings::{SamplePattern, Sampler, Settings};
+use support::scenes::ours;
+use support::twins::quadtree::{FLUX_SHARE, LEVELS, Square};
 
 use crate::evidence::Evidence;
 use crate::renders::{Studio, steps};
 use crate::rows::{Row, Scope};
-use crate::scenes::ours;
 use crate::subject::Subject;
 
 const SIDE: u32 = 24;

@@ -7,13 +7,13 @@ use bytemuck::Zeroable;
 use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
 use lodestar::generated::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind, KernelSource};
-use lodestar::reference::radiance_grid as twin;
-use lodestar::reference::radiance_grid::FIXED_POINT_UNITS;
+use support::device::Device;
+use support::statistics::Numbers;
+use support::twins::radiance_grid as twin;
+use support::twins::radiance_grid::FIXED_POINT_UNITS;
 
-use crate::device::Device;
 use crate::evidence::Evidence;
 use crate::rows::Scope;
-use crate::statistics::Numbers;
 use crate::subject::Subject;
 
 const LIMIT: f32 = 32.0;

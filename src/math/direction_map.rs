@@ -1,0 +1,32 @@
+//! Directions of points and bins: a map of directions is a square [-1, 1]^2 that is cut into `resolution` x `resolution` bins,
+//! numbered row by row from the corner (-1, -1). All bins of a map have the same solid angle. GLSL:
+//! `glsl/include/math/direction_map.glsl`.
+
+use glam::{DVec2, DVec3, dvec2};
+
+use super::{cylindrical, equal_area};
+use crate::settings::DirectionMap;
+
+/// Unit direction of a point of the map's square [-1, 1]^2.
+pub fn map_to_sphere(map: DirectionMap, p: DVec2) -> DVec3 {
+    match map {
+        DirectionMap::EqualArea => equal_area::square_to_sphere(p),
+        DirectionMap::Cylindrical => cylindrical::cylinder_to_sphere(p),
+    }
+}
+
+/// Unit direction of a bin's center.
+pub fn bin_center(map: DirectionMap, bin: u32, resolution: u32) -> DVec3 {
+    bin_point(map, bin, resolution, dvec2(0.5, 0.5))
+}
+
+/// Unit direction of a point of a bin, given in [0, 1]^2 of that bin.
+pub fn bin_point(map: DirectionMap, bin: u32, resolution: u32, within: DVec2) -> DVec3 {
+    let corner = dvec2(f64::from(bin % resolution), f64::from(bin / resolution));
+    map_to_sphere(map, 2.0 * (corner + within) / f64::from(resolution) - 1.0)
+}
+
+/// Unit normal that stands for all normals of its bin. Bins of normals are those of the equal-area map.
+pub fn representative_normal(bin: u32, resolution: u32) -> DVec3 {
+    bin_center(DirectionMap::EqualArea, bin, resolution)
+}

@@ -1,0 +1,109 @@
+//! Renderers whose steps are short, to time the kernels that end a step: the grids of the Cornell box of relief, 16
+//! cells along each axis, of which those count that hold surfaces.
+
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::UVec3;
+use lodestar::encode::bvh::Bvh;
+use lodestar::encode::cells::Cells;
+use lodestar::gpu::Context;
+use lodestar::renderer::Renderer;
+use lodestar::scene::Scene;
+use lodestar::settings::{Sampler, Settings};
+
+use crate::bench::relief::tessellated;
+use crate::bench::{context, settings};
+
+const TRIANGLES: usize = 10_000;
+const SIZE: [u32; 2] = [64, 64];
+const GRID: u32 = 16;
+/// What parents count for, where they are measured.
+const FALLBACK: f32 = 4.0;
+/// Steps that fill the guide before anything is measured.
+const FIRST_STEPS: u32 = 4;
+
+/// What the renderers have in common, with a context of their own: its record of timings goes on for good.
+pub struct Ground {
+    context: Arc<Context>,
+    scene: Scene,
+    bvh: Bvh,
+}
+
+/// A renderer whose steps are timed kernel by kernel.
+pub struct Stepper {
+    pub title: &'static str,
+    pub sampler: Sampler,
+    /// Those of its kernels that are of interest.
+    pub kernels: &'static [&'static str],
+    ground: Rc<Ground>,
+    renderer: Renderer,
+}
+
+impl Ground {
+    pub fn new() -> Rc<Self> {
+        let scene = tessellated(TRIANGLES);
+        let ground = Self { context: context(), bvh: Bvh::build(&scene.primitives), scene };
+        ground.context.record_timings();
+        Rc::new(ground)
+    }
+
+    pub fn cells(&self) -> Cells {
+        Cells::new(&self.bvh, UVec3::splat(GRID))
+    }
+
+    /// A renderer that has taken no step.
+    pub fn renderer(&self, sampler: Sampler, fallback: f32) -> Renderer {
+        let learner = sampler.default_learner();
+        let settings = Settings { learner, grid: GRID, fallback, ..settings(&self.scene, SIZE, sampler) };
+        let renderer = Renderer::new(&self.context, &self.scene, &self.bvh, &settings).expect("a renderer");
+        self.context.take_timings();
+        renderer
+    }
+
+    /// Seconds of a kernel since the last call; not a number where the device does not time it.
+    pub fn seconds_of(&self, kernel: &str) -> f64 {
+        let timings = self.context.take_timings();
+        let dispatches = timings.iter().flat_map(|submission| &submission.dispatches);
+        let own = dispatches.filter(|dispatch| dispatch.kernel == kernel);
+        let seconds = own.map(|dispatch| dispatch.span.map(|(from, to)| to.saturating_sub(from).as_secs_f64()));
+        seconds.sum::<Option<f64>>().unwrap_or(f64::NAN)
+    }
+}
+
+/// Renderers for all kernels that run once a step, or once for every level of parents.
+pub fn steppers(ground: &Rc<Ground>) -> Vec<Stepper> {
+    let stepper = |title, sampler, fallback, kernels| {
+        let mut renderer = ground.renderer(sampler, fallback);
+        for _ in 0..FIRST_STEPS {
+            renderer.step(1, &|| false).expect("a step");
+        }
+        Stepper { title, sampler, kernels, ground: Rc::clone(ground), renderer }
+    };
+    vec![
+        stepper("product", Sampler::Product, 0.0, &["update_radiance", "update_normalization"]),
+        stepper("rejection-mix", Sampler::RejectionMix, 0.0, &["update_normalization"]),
+        stepper("product with parents", Sampler::Product, FALLBACK, &["pool_radiance", "blend_radiance"]),
+    ]
+}
+
+impl Stepper {
+    /// Takes steps for at least so long and returns what a kernel takes of one.
+    pub fn seconds_per_step(&mut self, kernel: &str, at_least: f64) -> f64 {
+        self.ground.context.take_timings();
+        let (begin, mut steps) = (Instant::now(), 0);
+        while steps == 0 || begin.elapsed().as_secs_f64() < at_least {
+            self.renderer.step(1, &|| false).expect("a step");
+            steps += 1;
+        }
+        self.ground.seconds_of(kernel) / f64::from(steps)
+    }
+
+    /// Entries of the normalization grid that are filled anew every step.
+    pub fn marked_entries(&self) -> u64 {
+        let state = self.renderer.state().expect("the state");
+        let marks = state.parts.iter().find(|part| part.name == "marked normalizers").expect("marks");
+        marks.bytes.iter().map(|byte| u64::from(byte.count_ones())).sum()
+    }
+}

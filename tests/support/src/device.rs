@@ -1,0 +1,211 @@
+//! A device under the validation layer, and the grids of one cell.
+
+use std::sync::Arc;
+
+use bytemuck::Pod;
+use lodestar::encode::cosine_integrals::cosine_integrals;
+use lodestar::encode::cosine_trees::{Node, cosine_trees, nodes_per_tree};
+use lodestar::generated::kernels::{MAP_CYLINDRICAL, SAMPLER_PRODUCT, Variant, test};
+use lodestar::generated::layout::NormalizationEntry;
+use lodestar::gpu::{
+    BindingKind, Buffer, BufferKind, Context, ContextOptions, DescriptorSet, Kernel, KernelSource, SetShape, Submission,
+};
+use lodestar::settings::DirectionMap;
+
+/// Invocations of a workgroup unless a test says otherwise.
+pub const GROUP: u32 = 64;
+
+/// A context whose validation messages fail the test when it is dropped.
+pub struct Device {
+    pub context: Arc<Context>,
+}
+
+impl Device {
+    /// The first device that the loader lists and the renderer can use.
+    pub fn new() -> Self {
+        let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device");
+        Self { context }
+    }
+
+    pub fn buffer(&self, name: &str, bytes: usize, kind: BufferKind) -> Arc<Buffer> {
+        Buffer::new(&self.context, name, bytes as u64, kind).expect("a buffer")
+    }
+
+    pub fn storage(&self, name: &str, bytes: usize) -> Arc<Buffer> {
+        self.buffer(name, bytes, BufferKind::Storage)
+    }
+
+    pub fn uploaded<T: Pod>(&self, name: &str, values: &[T]) -> Arc<Buffer> {
+        let buffer = self.storage(name, size_of_val(values));
+        buffer.upload(0, values).expect("uploaded");
+        buffer
+    }
+
+    /// Whether texels of so many bytes each fit a texel buffer; says where a test must be passed over.
+    pub fn has_room(&self, name: &str, bytes: usize, texel_bytes: u64) -> bool {
+        let device = self.context.device();
+        let has_room = bytes as u64 <= device.limits.max_texel_elements * texel_bytes;
+        if !has_room {
+            println!("{name}: skipped, for {} has no room for {bytes} bytes in a texel buffer", device.name);
+        }
+        has_room
+    }
+
+    pub fn kernel(&self, source: &KernelSource, variant: &Variant) -> Kernel {
+        Kernel::new(&self.context, source, &variant.entries()).expect("a pipeline")
+    }
+
+    /// Dispatches a kernel; `buffers` are its buffers in order of set and binding.
+    pub fn dispatch(&self, kernel: &Kernel, buffers: &[&Arc<Buffer>], push: &[u8], groups: u32) -> Submission {
+        let mut rest = buffers;
+        let sets = kernel.source().sets.iter().map(|shape| {
+            let (own, others) = rest.split_at(shape.bindings.len());
+            rest = others;
+            DescriptorSet::new(&self.context, "test", shape, own).expect("a set")
+        });
+        let sets: Vec<DescriptorSet> = sets.collect();
+        let sets: Vec<_> = sets.iter().collect();
+        let name = kernel.name();
+        self.context.submit(name, |recorder| recorder.dispatch(kernel, &sets, push, [groups, 1, 1])).expect("done")
+    }
+
+    /// Builds a kernel of the renderer and dispatches it with the buffers that are named in it; it reaches no others.
+    pub fn dispatch_renderers(
+        &self,
+        source: &KernelSource,
+        variant: &Variant,
+        named: &[(&str, &Arc<Buffer>)],
+        push: &[u8],
+        groups: u32,
+    ) {
+        let set = |shape: &'static SetShape| {
+            let buffers = shape.bindings.iter().map(|binding| {
+                let own = named.iter().find(|(name, _)| *name == binding.name);
+                own.map_or_else(|| self.buffer("unused", 256, kind(binding.kind)), |(_, buffer)| Arc::clone(buffer))
+            });
+            let buffers: Vec<_> = buffers.collect();
+            DescriptorSet::new(&self.context, "test", shape, &buffers.iter().collect::<Vec<_>>()).expect("a set")
+        };
+        let sets: Vec<_> = source.sets.iter().map(set).collect();
+        let (sets, kernel): (Vec<_>, _) = (sets.iter().collect(), self.kernel(source, variant));
+        self.context
+            .submit(source.name, |recorder| recorder.dispatch(&kernel, &sets, push, [groups, 1, 1]))
+            .expect("done");
+    }
+
+    /// What a kernel of one input and one output buffer makes of each input.
+    pub fn map<I: Pod, O: Pod>(&self, source: &KernelSource, variant: &Variant, inputs: &[I]) -> Vec<O> {
+        self.map_with(source, variant, inputs, &[])
+    }
+
+    /// The same for a kernel that reads more buffers besides.
+    pub fn map_with<I: Pod, O: Pod>(
+        &self,
+        source: &KernelSource,
+        variant: &Variant,
+        inputs: &[I],
+        more: &[&Arc<Buffer>],
+    ) -> Vec<O> {
+        let groups = inputs.len().div_ceil(GROUP as usize);
+        let padded = groups * GROUP as usize;
+        let input = self.storage("inputs", padded * size_of::<I>());
+        input.upload(0, inputs).expect("uploaded");
+        let output = self.storage("outputs", padded * size_of::<O>());
+        let buffers: Vec<_> = [&input, &output].into_iter().chain(more.iter().copied()).collect();
+        self.dispatch(&self.kernel(source, variant), &buffers, &[], groups as u32);
+        output.read(0, inputs.len()).expect("read")
+    }
+}
+
+fn kind(binding: BindingKind) -> BufferKind {
+    match binding {
+        BindingKind::StorageBuffer => BufferKind::Storage,
+        BindingKind::UniformBuffer => BufferKind::Uniform,
+        BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
+        BindingKind::TexelBufferUint => BufferKind::TexelUint,
+    }
+}
+
+impl Default for Device {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        let messages = self.context.validation_messages();
+        if !std::thread::panicking() {
+            assert!(messages.is_empty(), "{messages:#?}");
+        }
+    }
+}
+
+/// The grids of a single cell.
+pub struct Cell {
+    pub radiance: Arc<Buffer>,
+    pub bin_ends: Arc<Buffer>,
+    pub nodes: Arc<Buffer>,
+    pub entries: Arc<Buffer>,
+    pub integrals: Arc<Buffer>,
+    pub cosine_nodes: Arc<Buffer>,
+    normalize: Kernel,
+    normals: u32,
+    bins: u32,
+}
+
+/// Of each share: `glsl/include/guide/samplers/bsdf_share.glsl`.
+const SHARE_WORDS: u32 = 4;
+
+impl Cell {
+    /// A cell without content.
+    pub fn new(device: &Device, variant: &Variant) -> Self {
+        Self::normalized_by(device, variant, &test::NORMALIZE_CELL)
+    }
+
+    /// The same, with another kernel that fills the normalizers.
+    pub fn normalized_by(device: &Device, variant: &Variant, normalize: &KernelSource) -> Self {
+        let map = if variant.map == MAP_CYLINDRICAL { DirectionMap::Cylindrical } else { DirectionMap::EqualArea };
+        let (directions, normals) = (variant.direction_resolution, variant.normal_resolution);
+        let entries = (normals * normals) as usize * size_of::<NormalizationEntry>();
+        let integrals = cosine_integrals(map, directions, normals);
+        let is_product = variant.sampler == SAMPLER_PRODUCT;
+        let trees = if is_product { cosine_trees(&integrals, directions, normals) } else { vec![Node::default()] };
+        Self {
+            // With room for shares.
+            radiance: device
+                .storage("radiance", (directions * directions + 2 * SHARE_WORDS) as usize * size_of::<f32>()),
+            bin_ends: device.storage("bin ends", (directions * directions) as usize * size_of::<u32>()),
+            nodes: device.storage("nodes", nodes_per_tree(directions) as usize * size_of::<Node>()),
+            entries: device.storage("entries", entries),
+            integrals: device.uploaded("integrals", &integrals),
+            cosine_nodes: device.uploaded("cosine nodes", &trees),
+            normalize: device.kernel(normalize, variant),
+            normals,
+            bins: directions * directions,
+        }
+    }
+
+    /// Sets its shares of scattering functions: of diffuse lobes, and of those that are guided as a whole. Variants find them
+    /// where `shares_at` is the number of bins.
+    pub fn set_shares(&self, [of_lobes, of_wholes]: [f32; 2]) {
+        let words = [of_lobes, 0.0, 0.0, 0.0, of_wholes, 0.0, 0.0, 0.0];
+        self.radiance.upload(u64::from(self.bins) * size_of::<f32>() as u64, &words).expect("uploaded");
+    }
+
+    /// Sets its radiance and has the device fill all normalizers.
+    pub fn fill(&self, device: &Device, radiance: &[f32]) {
+        self.radiance.upload(0, radiance).expect("uploaded");
+        let buffers = [&self.radiance, &self.bin_ends, &self.nodes, &self.entries, &self.integrals];
+        device.dispatch(&self.normalize, &buffers, &[], 4);
+    }
+
+    pub fn entries(&self) -> Vec<NormalizationEntry> {
+        self.entries.read(0, (self.normals * self.normals) as usize).expect("read")
+    }
+
+    pub fn set_entry(&self, normal_bin: u32, entry: NormalizationEntry) {
+        let offset = u64::from(normal_bin) * size_of::<NormalizationEntry>() as u64;
+        self.entries.upload(offset, &[entry]).expect("uploaded");
+    }
+}

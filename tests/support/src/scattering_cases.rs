@@ -1,0 +1,260 @@
+//! Surfaces of every kind, as the device and as their twins take them.
+
+use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use lodestar::generated::kernels::{
+    BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING, MATERIAL_COATED,
+    MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
+};
+
+use crate::substances::{Substance, substances};
+use crate::twins::coating::{Coating, coating_probability, eval_coating, pdf_coating};
+use crate::twins::direction::pdf_cosine_hemisphere;
+use crate::twins::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
+use crate::twins::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
+
+/// `Bsdf` of `glsl/include/bsdf/parameters.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+pub struct DeviceBsdf {
+    pub kind_and_flags: u32,
+    colors: [[f32; 3]; 3],
+    pub scalars: [f32; 12],
+    optical_thickness: [f32; 3],
+    coating_eta: f32,
+    coating_specular: [f32; 3],
+}
+
+impl DeviceBsdf {
+    pub fn new(kind_and_flags: u32, colors: [DVec3; 3]) -> Self {
+        Self { kind_and_flags, colors: colors.map(floats), ..Self::default() }
+    }
+}
+
+/// What is below a coating, if there is one.
+#[derive(Debug, Clone)]
+pub enum Base {
+    RoughDiffuse(RoughDiffuse),
+    Principled(Principled),
+    Substance(Substance),
+    Mirror,
+}
+
+#[derive(Debug, Clone)]
+pub struct Surface {
+    pub name: String,
+    pub base: Base,
+    pub coating: Option<Coating>,
+}
+
+/// A pipeline for all of them.
+pub fn variant() -> Variant {
+    Variant { material_kinds: u32::MAX, surface_features: FEATURE_COATING | FEATURE_BECKMANN, ..Variant::default() }
+}
+
+fn floats(v: DVec3) -> [f32; 3] {
+    v.as_vec3().into()
+}
+
+impl Surface {
+    fn uncoated((name, base): (String, Base)) -> Self {
+        Self { name, base, coating: None }
+    }
+
+    /// Light is seen on both sides.
+    pub fn transmits(&self) -> bool {
+        match &self.base {
+            Base::Principled(b) => b.spec_trans > 0.0,
+            Base::Substance(b) => b.transmits(),
+            _ => false,
+        }
+    }
+
+    /// The same without absorption.
+    pub fn white(&self) -> Self {
+        let mut white = self.clone();
+        match &mut white.base {
+            Base::RoughDiffuse(b) => b.reflectance = DVec3::ONE,
+            Base::Principled(b) => b.base_color = DVec3::ONE,
+            Base::Substance(b) => *b = b.white(),
+            Base::Mirror => {}
+        }
+        if let Some(c) = &mut white.coating {
+            (c.optical_thickness, c.specular_reflectance) = (DVec3::ZERO, DVec3::ONE);
+        }
+        white
+    }
+
+    /// Share of a value by which the device may be off: rounding of a facet's normal over its roughness.
+    pub fn tolerance(&self) -> f64 {
+        match &self.base {
+            Base::Principled(b) if b.roughness < 0.1 => 5.0e-3,
+            _ => 2.0e-3,
+        }
+    }
+
+    pub fn device(&self) -> DeviceBsdf {
+        let mut bsdf = match &self.base {
+            Base::RoughDiffuse(b) => device_rough_diffuse(b),
+            Base::Principled(b) => device_principled(b),
+            Base::Substance(b) => b.device(),
+            Base::Mirror => DeviceBsdf {
+                kind_and_flags: BSDF_CONDUCTOR,
+                colors: [[1.0; 3], [0.0; 3], [0.0; 3]],
+                ..DeviceBsdf::default()
+            },
+        };
+        if let Some(c) = &self.coating {
+            bsdf.kind_and_flags |= MATERIAL_COATED;
+            bsdf.optical_thickness = floats(c.optical_thickness);
+            bsdf.coating_eta = c.eta as f32;
+            bsdf.coating_specular = floats(c.specular_reflectance);
+        }
+        bsdf
+    }
+
+    /// f |cos| without what goes to single directions.
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
+        match &self.coating {
+            Some(c) => eval_coating(c, wo, wi, |wo, wi| self.base.eval(wo, wi)),
+            None => self.base.eval(wo, wi),
+        }
+    }
+
+    /// Density likewise.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        match &self.coating {
+            Some(c) => pdf_coating(c, wo, wi, |wo, wi| self.base.pdf(wo, wi)),
+            None => self.base.pdf(wo, wi),
+        }
+    }
+
+    /// Probability of the single directions.
+    pub fn delta(&self, wo: DVec3) -> f64 {
+        let layer = self.coating.map_or(0.0, |c| coating_probability(&c, wo));
+        match &self.base {
+            Base::Mirror => 1.0,
+            Base::Substance(b) => b.lobes(wo).iter().map(|lobe| lobe.probability).sum(),
+            _ => layer,
+        }
+    }
+
+    /// Index of refraction by which transmitted directions are bent, interior over exterior.
+    pub fn eta(&self) -> f64 {
+        match &self.base {
+            Base::Principled(b) => b.eta,
+            Base::Substance(b) => b.bending(),
+            _ => 1.0,
+        }
+    }
+}
+
+impl Base {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
+        match self {
+            Self::RoughDiffuse(b) => eval_bsdf_rough_diffuse(b, wo, wi),
+            Self::Principled(b) => eval_bsdf_principled(b, wo, wi),
+            Self::Substance(b) => b.eval(wo, wi),
+            Self::Mirror => DVec3::ZERO,
+        }
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        match self {
+            Self::RoughDiffuse(_) if wo.z > 0.0 => pdf_cosine_hemisphere(wi.z),
+            Self::Principled(b) => pdf_bsdf_principled(b, wo, wi),
+            Self::Substance(b) => b.pdf(wo, wi),
+            _ => 0.0,
+        }
+    }
+}
+
+fn device_rough_diffuse(b: &RoughDiffuse) -> DeviceBsdf {
+    let flag = if b.fast_approximation { MATERIAL_FAST_APPROXIMATION } else { 0 };
+    let mut device = DeviceBsdf { kind_and_flags: BSDF_ROUGH_DIFFUSE | flag, ..DeviceBsdf::default() };
+    device.colors[0] = floats(b.reflectance);
+    device.scalars[0] = b.alpha as f32;
+    device
+}
+
+fn device_principled(b: &Principled) -> DeviceBsdf {
+    let scalars = [
+        b.roughness,
+        b.anisotropic,
+        b.eta,
+        1.0,
+        b.metallic,
+        b.spec_trans,
+        b.spec_tint,
+        b.sheen,
+        b.sheen_tint,
+        b.flatness,
+        b.clearcoat,
+        b.clearcoat_gloss,
+    ];
+    DeviceBsdf {
+        kind_and_flags: BSDF_PRINCIPLED | MATERIAL_GGX,
+        colors: [floats(b.base_color), [0.0; 3], [0.0; 3]],
+        scalars: scalars.map(|x| x as f32),
+        ..DeviceBsdf::default()
+    }
+}
+
+fn rough_diffuse(alpha: f64, fast_approximation: bool) -> (String, Base) {
+    let b = RoughDiffuse { reflectance: DVec3::new(0.9, 0.5, 0.1), alpha, fast_approximation };
+    (format!("rough diffuse {alpha} {fast_approximation}"), Base::RoughDiffuse(b))
+}
+
+/// A dielectric over a diffuse base.
+const PRINCIPLED: Principled = Principled {
+    base_color: DVec3::new(0.8, 0.5, 0.3),
+    eta: 1.5,
+    roughness: 0.5,
+    anisotropic: 0.0,
+    metallic: 0.0,
+    spec_trans: 0.0,
+    spec_tint: 0.0,
+    sheen: 0.0,
+    sheen_tint: 0.0,
+    flatness: 0.0,
+    clearcoat: 0.0,
+    clearcoat_gloss: 0.0,
+};
+
+/// Roughness 0.05 to 1 of a metal, of glass, and of everything at once.
+fn principled(roughness: f64) -> [(String, Base); 3] {
+    let metal = Principled { roughness, metallic: 1.0, anisotropic: 0.7, ..PRINCIPLED };
+    let glass = Principled { roughness, spec_trans: 1.0, eta: 1.4, ..PRINCIPLED };
+    let all = Principled {
+        roughness,
+        anisotropic: 0.4,
+        metallic: 0.3,
+        spec_trans: 0.2,
+        spec_tint: 0.6,
+        sheen: 0.8,
+        sheen_tint: 0.5,
+        flatness: 0.4,
+        clearcoat: 1.0,
+        clearcoat_gloss: 0.3,
+        ..PRINCIPLED
+    };
+    [(metal, "metal"), (glass, "glass"), (all, "all")]
+        .map(|(b, name)| (format!("principled {roughness} {name}"), Base::Principled(b)))
+}
+
+fn coated((name, base): (String, Base), eta: f64) -> Surface {
+    let coating =
+        Coating { eta, optical_thickness: DVec3::new(0.1, 0.3, 0.6), specular_reflectance: DVec3::splat(0.9) };
+    Surface { name: format!("coated {name}"), base, coating: Some(coating) }
+}
+
+pub fn surfaces() -> Vec<Surface> {
+    let rough = [(0.05, false), (0.3, false), (1.0, false), (0.5, true)];
+    let uncoated = rough.map(|(alpha, fast)| rough_diffuse(alpha, fast)).into_iter();
+    let uncoated = uncoated.chain([0.05, 0.25, 0.5, 1.0].into_iter().flat_map(principled));
+    let [metal, ..] = principled(0.5);
+    let coated =
+        [coated(rough_diffuse(0.4, false), 1.5), coated(("mirror".into(), Base::Mirror), 1.3), coated(metal, 1.7)];
+    let substances = substances().into_iter().map(|(name, b)| (name, Base::Substance(b)));
+    uncoated.chain(substances).map(Surface::uncoated).chain(coated).collect()
+}

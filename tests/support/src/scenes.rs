@@ -1,0 +1,112 @@
+//! The project's own scenes, and changes to them.
+
+use lodestar::scene::{Bsdf, LoadOptions, Material, MaterialKind, Scene, SurfaceMaterial, load};
+use lodestar::settings::{
+    AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, SamplePattern, Sampler, Settings,
+};
+
+use crate::scenes_folder;
+
+/// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
+pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
+
+pub const ALL_SAMPLERS: [Sampler; 7] = [
+    Sampler::Bsdf,
+    Sampler::RejectionMix,
+    Sampler::Rejection,
+    Sampler::SphereInversion,
+    Sampler::HemisphereInversion,
+    Sampler::Product,
+    Sampler::Quadtree,
+];
+
+/// Every sampler that follows a guide with every learner that it combines with.
+pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
+    let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo];
+    let all = ALL_SAMPLERS[1..].iter().flat_map(move |&sampler| learners.map(|learner| (sampler, learner)));
+    all.filter(|&(sampler, learner)| sampler != Sampler::Quadtree || learner == Learner::MonteCarlo)
+}
+
+/// A change to the settings that a test makes.
+type Change = fn(&mut Settings);
+
+/// Every way to follow a guide.
+pub const GUIDED: [(&str, Change); 18] = [
+    ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
+    ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
+    ("rejection-mix at e = 0.5", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.5))),
+    ("rejection-mix on the cylinder", |s| (s.sampler, s.map) = (Sampler::RejectionMix, DirectionMap::Cylindrical)),
+    ("rejection", |s| s.sampler = Sampler::Rejection),
+    ("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
+    ("hemisphere-inversion", |s| s.sampler = Sampler::HemisphereInversion),
+    ("hemisphere-inversion on the cylinder", |s| {
+        (s.sampler, s.map) = (Sampler::HemisphereInversion, DirectionMap::Cylindrical);
+    }),
+    ("product", |s| s.sampler = Sampler::Product),
+    ("product on the cylinder", |s| (s.sampler, s.map) = (Sampler::Product, DirectionMap::Cylindrical)),
+    ("product with a fixed share and roulette by throughput", |s| {
+        (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed));
+        s.roulette = Some(Roulette::Throughput);
+    }),
+    ("product on all rough surfaces", |s| (s.sampler, s.guide_set) = (Sampler::Product, GuideSet::All)),
+    ("product in cells that fall back on their parents", |s| {
+        (s.sampler, s.grid, s.fallback) = (Sampler::Product, AUTO_GRID, 4.0);
+    }),
+    ("rejection-mix in such cells", |s| {
+        (s.sampler, s.grid, s.fallback) = (Sampler::RejectionMix, 13, 16.0);
+    }),
+    ("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
+    ("quadtree on the cylinder", |s| {
+        (s.sampler, s.learner, s.map) = (Sampler::Quadtree, Learner::MonteCarlo, DirectionMap::Cylindrical);
+    }),
+    ("expected-sarsa", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::ExpectedSarsa)),
+    ("monte-carlo", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::MonteCarlo)),
+];
+
+/// The scene file `name` of `scenes/`.
+pub fn ours(name: &str, defines: &[(&str, &str)]) -> Scene {
+    let path = scenes_folder().join(name);
+    let defines = defines.iter().map(|&(name, value)| (name.into(), value.into())).collect();
+    load(&path, &LoadOptions { defines }).expect("a scene")
+}
+
+/// The scene's own settings but for the size, sampler and seed, and without emitter sampling.
+pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed: u32) -> Settings {
+    steady(Settings {
+        width,
+        height,
+        sampler,
+        seed,
+        nee: false,
+        pattern: SamplePattern::Independent,
+        ..Settings::for_scene(scene)
+    })
+}
+
+/// Has half of the samples by inversion uniform. Where a table misses light that is there, the few others that find it weigh
+/// so much, edge after edge, that sums of a test's size are far from normally distributed: with the default, 64 samples per
+/// pixel of the furnace are five standard errors too dark and 2048 are right. And has quadtrees learn as they must.
+pub fn steady(settings: Settings) -> Settings {
+    let inverts = matches!(settings.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion);
+    let learner = if settings.sampler == Sampler::Quadtree { Learner::MonteCarlo } else { settings.learner };
+    Settings { min_uniform: if inverts { 0.5 } else { settings.min_uniform }, learner, ..settings }
+}
+
+/// The scene with every albedo multiplied.
+pub fn with_albedo_scaled(scene: &Scene, factor: f32) -> Scene {
+    let mut scene = scene.clone();
+    for material in &mut scene.materials {
+        if let Bsdf::Diffuse { reflectance } = &mut surface_mut(material).bsdf {
+            reflectance.value *= factor;
+        }
+    }
+    scene
+}
+
+/// The surface that a material of the project's scenes is.
+pub fn surface_mut(material: &mut Material) -> &mut SurfaceMaterial {
+    match &mut material.kind {
+        MaterialKind::Surface(surface) => surface,
+        _ => panic!("{} is no surface", material.name),
+    }
+}

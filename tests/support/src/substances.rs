@@ -1,0 +1,233 @@
+//! Metals, dielectrics and plastics, smooth and rough, as the device and as their twins take them.
+
+use std::sync::Mutex;
+
+use glam::DVec3;
+use lodestar::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
+use lodestar::generated::kernels::{
+    BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC, BSDF_ROUGH_PLASTIC,
+    BSDF_THIN_DIELECTRIC, MATERIAL_GGX, MATERIAL_NONLINEAR,
+};
+use lodestar::math::microfacet::Microfacets;
+
+use crate::scattering_cases::DeviceBsdf;
+use crate::twins::conductor::{Conductor, conductor_lobes, eval_bsdf_rough_conductor, pdf_reflection};
+use crate::twins::delta::DeltaLobe;
+use crate::twins::dielectric::{
+    Dielectric, dielectric_lobes, eval_bsdf_rough_dielectric, pdf_bsdf_rough_dielectric, thin_dielectric_lobes,
+};
+use crate::twins::direction::pdf_cosine_hemisphere;
+use crate::twins::plastic::{Plastic, RoughSurface, eval_bsdf_plastic, pdf_bsdf_plastic, plastic_lobes};
+
+/// A scattering function with its parameters.
+#[derive(Debug, Clone)]
+pub enum Substance {
+    Conductor(Conductor),
+    RoughConductor(Conductor, Microfacets),
+    Dielectric(Dielectric),
+    ThinDielectric(Dielectric),
+    RoughDielectric(Dielectric, Microfacets),
+    Plastic(Plastic),
+    /// With the address of its table.
+    RoughPlastic(Plastic, u32),
+}
+
+/// Layers of rough plastics so far, and the words of their tables.
+static TABLES: Mutex<Tables> = Mutex::new(Tables { layers: vec![], words: vec![] });
+
+struct Tables {
+    layers: Vec<(Microfacets, f64, RoughLayer, u32)>,
+    words: Vec<u32>,
+}
+
+/// The words that addresses refer to.
+pub fn table_words() -> Vec<u32> {
+    TABLES.lock().expect("no test panics with it").words.clone()
+}
+
+fn layer(facets: Microfacets, eta: f64) -> (RoughLayer, u32) {
+    let mut tables = TABLES.lock().expect("no test panics with it");
+    if let Some((_, _, layer, address)) = tables.layers.iter().find(|known| (known.0, known.1) == (facets, eta)) {
+        return (layer.clone(), *address);
+    }
+    let (layer, address) = (RoughLayer::new(&facets, eta), tables.words.len() as u32);
+    tables.words.extend(layer.words());
+    tables.layers.push((facets, eta, layer.clone(), address));
+    (layer, address)
+}
+
+/// A plastic; rough where it has facets.
+pub fn plastic(
+    eta: f64,
+    diffuse_reflectance: DVec3,
+    specular_reflectance: DVec3,
+    nonlinear: bool,
+    facets: Option<Microfacets>,
+) -> Substance {
+    let means = [specular_reflectance, diffuse_reflectance].map(DVec3::element_sum);
+    let b = Plastic {
+        eta,
+        diffuse_reflectance,
+        specular_reflectance,
+        nonlinear,
+        internal_reflectance: fresnel_diffuse_reflectance(1.0 / eta),
+        specular_sampling: means[0] / (means[0] + means[1]),
+        rough: None,
+    };
+    let Some(facets) = facets else { return Substance::Plastic(b) };
+    let (layer, address) = layer(facets, eta);
+    let rough = Some(RoughSurface { facets, transmittance: layer.transmittance.to_vec() });
+    Substance::RoughPlastic(Plastic { internal_reflectance: layer.internal_reflectance, rough, ..b }, address)
+}
+
+impl Substance {
+    /// Light is seen on both sides.
+    pub fn transmits(&self) -> bool {
+        matches!(self, Self::Dielectric(_) | Self::ThinDielectric(_) | Self::RoughDielectric(..))
+    }
+
+    /// The same without absorption.
+    pub fn white(&self) -> Self {
+        let conductor = Conductor { specular_reflectance: DVec3::ONE, eta: DVec3::ZERO, k: DVec3::ZERO };
+        let dielectric = |b: &Dielectric| Dielectric {
+            specular_reflectance: DVec3::ONE,
+            specular_transmittance: DVec3::ONE,
+            eta: b.eta,
+        };
+        match self {
+            Self::Conductor(_) => Self::Conductor(conductor),
+            Self::RoughConductor(_, facets) => Self::RoughConductor(conductor, *facets),
+            Self::Dielectric(b) => Self::Dielectric(dielectric(b)),
+            Self::ThinDielectric(b) => Self::ThinDielectric(dielectric(b)),
+            Self::RoughDielectric(b, facets) => Self::RoughDielectric(dielectric(b), *facets),
+            Self::Plastic(b) | Self::RoughPlastic(b, _) => {
+                let facets = b.rough.as_ref().map(|rough| rough.facets);
+                plastic(b.eta, DVec3::ONE, DVec3::ONE, b.nonlinear, facets)
+            }
+        }
+    }
+
+    pub fn facets(&self) -> Option<Microfacets> {
+        match self {
+            Self::RoughConductor(_, facets) | Self::RoughDielectric(_, facets) => Some(*facets),
+            Self::RoughPlastic(b, _) => b.rough.as_ref().map(|rough| rough.facets),
+            _ => None,
+        }
+    }
+
+    /// Index of refraction by which transmitted directions are bent, interior over exterior.
+    pub fn bending(&self) -> f64 {
+        match self {
+            Self::Dielectric(b) | Self::RoughDielectric(b, _) => b.eta,
+            _ => 1.0,
+        }
+    }
+
+    /// Single directions that light from the eye takes.
+    pub fn lobes(&self, wo: DVec3) -> Vec<DeltaLobe> {
+        match self {
+            Self::Conductor(b) => conductor_lobes(b, wo),
+            Self::Dielectric(b) => dielectric_lobes(b, wo),
+            Self::ThinDielectric(b) => thin_dielectric_lobes(b, wo),
+            Self::Plastic(b) => plastic_lobes(b, wo),
+            _ => vec![],
+        }
+    }
+
+    /// f |cos| without what goes to single directions.
+    pub fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
+        match self {
+            Self::RoughConductor(b, facets) => eval_bsdf_rough_conductor(b, facets, wo, wi),
+            Self::RoughDielectric(b, facets) => eval_bsdf_rough_dielectric(b, facets, wo, wi),
+            Self::Plastic(b) | Self::RoughPlastic(b, _) => eval_bsdf_plastic(b, wo, wi),
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// Density likewise.
+    pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        match self {
+            Self::RoughConductor(_, facets) => pdf_reflection(facets, wo, wi),
+            Self::RoughDielectric(b, facets) => pdf_bsdf_rough_dielectric(b, facets, wo, wi),
+            Self::Plastic(b) | Self::RoughPlastic(b, _) => pdf_bsdf_plastic(b, wo, wi, pdf_cosine_hemisphere(wi.z)),
+            _ => 0.0,
+        }
+    }
+
+    pub fn device(&self) -> DeviceBsdf {
+        let mut device = match self {
+            Self::Conductor(b) => device_conductor(BSDF_CONDUCTOR, b),
+            Self::RoughConductor(b, _) => device_conductor(BSDF_ROUGH_CONDUCTOR, b),
+            Self::Dielectric(b) => device_dielectric(BSDF_DIELECTRIC, b),
+            Self::ThinDielectric(b) => device_dielectric(BSDF_THIN_DIELECTRIC, b),
+            Self::RoughDielectric(b, _) => device_dielectric(BSDF_ROUGH_DIELECTRIC, b),
+            Self::Plastic(b) => device_plastic(BSDF_PLASTIC, b, 0),
+            Self::RoughPlastic(b, address) => device_plastic(BSDF_ROUGH_PLASTIC, b, *address),
+        };
+        if let Some(facets) = self.facets() {
+            device.kind_and_flags |= if facets.is_ggx { MATERIAL_GGX } else { 0 };
+            device.scalars[..2].copy_from_slice(&facets.alpha.map(|alpha| alpha as f32));
+        }
+        device
+    }
+}
+
+fn device_conductor(kind: u32, b: &Conductor) -> DeviceBsdf {
+    DeviceBsdf::new(kind, [b.specular_reflectance, b.eta, b.k])
+}
+
+fn device_dielectric(kind: u32, b: &Dielectric) -> DeviceBsdf {
+    let mut device = DeviceBsdf::new(kind, [b.specular_reflectance, b.specular_transmittance, DVec3::ZERO]);
+    device.scalars[2] = b.eta as f32;
+    device
+}
+
+fn device_plastic(kind: u32, b: &Plastic, address: u32) -> DeviceBsdf {
+    let flag = if b.nonlinear { MATERIAL_NONLINEAR } else { 0 };
+    let mut device = DeviceBsdf::new(kind | flag, [b.diffuse_reflectance, b.specular_reflectance, DVec3::ZERO]);
+    device.scalars[2] = b.eta as f32;
+    device.scalars[4..7].copy_from_slice(&[b.internal_reflectance as f32, b.specular_sampling as f32, address as f32]);
+    device
+}
+
+const COLOR: DVec3 = DVec3::new(0.9, 0.5, 0.2);
+const COPPER: Conductor =
+    Conductor { specular_reflectance: COLOR, eta: DVec3::new(0.2, 0.924, 1.102), k: DVec3::new(3.912, 2.452, 2.142) };
+
+fn glass(eta: f64) -> Dielectric {
+    Dielectric { eta, specular_reflectance: COLOR, specular_transmittance: DVec3::new(0.7, 0.8, 0.6) }
+}
+
+fn smooth() -> Vec<(String, Substance)> {
+    let dielectrics = [1.5, 0.7].into_iter().flat_map(|eta| {
+        let thin = (format!("thin dielectric {eta}"), Substance::ThinDielectric(glass(eta)));
+        [(format!("dielectric {eta}"), Substance::Dielectric(glass(eta))), thin]
+    });
+    let plastics = [(1.49, false), (1.9, true)].map(|(eta, nonlinear)| {
+        (format!("plastic {eta}"), plastic(eta, COLOR, DVec3::new(0.6, 0.8, 1.0), nonlinear, None))
+    });
+    dielectrics.chain(plastics).chain([("conductor".into(), Substance::Conductor(COPPER))]).collect()
+}
+
+fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
+    let facets = Microfacets::new(alpha, is_ggx);
+    let name = format!("{} {alpha:?}", if is_ggx { "GGX" } else { "Beckmann" });
+    let mut all = vec![
+        (format!("rough conductor, {name}"), Substance::RoughConductor(COPPER, facets)),
+        (format!("rough dielectric, {name}"), Substance::RoughDielectric(glass(1.5), facets)),
+    ];
+    if alpha[0] == alpha[1] {
+        let b = plastic(1.49, COLOR, DVec3::new(0.6, 0.8, 1.0), true, Some(facets));
+        all.push((format!("rough plastic, {name}"), b));
+        // Light that enters what is optically thinner.
+        all.push((format!("bubble, {name}"), Substance::RoughDielectric(glass(0.75), facets)));
+    }
+    all
+}
+
+/// One or more of every kind, at roughness 0.05 to 1.
+pub fn substances() -> Vec<(String, Substance)> {
+    let alphas = [[0.05; 2], [0.2; 2], [0.5; 2], [1.0; 2], [0.05, 0.5], [0.8, 0.3]];
+    let rough = alphas.into_iter().flat_map(|alpha| [rough(alpha, false), rough(alpha, true)]).flatten();
+    smooth().into_iter().chain(rough).collect()
+}

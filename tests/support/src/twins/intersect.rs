@@ -1,0 +1,79 @@
+//! Twin of `glsl/include/geometry/intersect.glsl` and, by looking at every primitive, of `glsl/include/geometry/traverse.glsl`.
+
+use glam::DVec3;
+use lodestar::scene::{Primitive, PrimitiveShape};
+
+/// A ray of a unit direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: DVec3,
+    /// Its unit direction.
+    pub direction: DVec3,
+    /// How far it goes.
+    pub t_max: f64,
+}
+
+/// Where a line meets a primitive or passes it.
+#[derive(Debug, Clone, Copy)]
+pub struct Crossing {
+    /// Distance along the ray; may be negative.
+    pub t: f64,
+    /// How far inside its outline the primitive is crossed: 0 on the outline, negative beyond; about 1 amid a primitive.
+    pub inside: f64,
+    /// How far from grazing: the sine of the angle to a plane (1 where the shape's edges are at right angles, too); a
+    /// sphere has no outline but this, so there it is `inside` again.
+    pub steepness: f64,
+}
+
+/// All crossings of the line with the primitive or its plane.
+pub fn crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {
+    match p.shape {
+        PrimitiveShape::Sphere => sphere_crossings(ray, p),
+        _ => flat_crossing(ray, p).into_iter().collect(),
+    }
+}
+
+fn flat_crossing(ray: &Ray, p: &Primitive) -> Option<Crossing> {
+    let (edge_u, edge_v) = (p.edge_u.as_dvec3(), p.edge_v.as_dvec3());
+    let area = edge_u.cross(edge_v);
+    let determinant = -ray.direction.dot(area);
+    if determinant == 0.0 {
+        return None;
+    }
+    let offset = ray.origin - p.origin.as_dvec3();
+    let t = offset.dot(area) / determinant;
+    // Coordinates in the plane, by Cramer's rule.
+    let at = offset + t * ray.direction;
+    let u = at.cross(edge_v).dot(area) / area.length_squared();
+    let v = edge_u.cross(at).dot(area) / area.length_squared();
+    let inside = match p.shape {
+        PrimitiveShape::Triangle => u.min(v).min(1.0 - u - v),
+        PrimitiveShape::Parallelogram => 1.0 - u.abs().max(v.abs()),
+        PrimitiveShape::Disk => 1.0 - u.hypot(v),
+        PrimitiveShape::Sphere => unreachable!("a sphere is not flat"),
+    };
+    let longest = edge_u.length().max(edge_v.length());
+    Some(Crossing { t, inside, steepness: determinant.abs() / longest.powi(2) })
+}
+
+fn sphere_crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {
+    let radius = p.edge_u.as_dvec3().length();
+    let offset = ray.origin - p.origin.as_dvec3();
+    let middle = -offset.dot(ray.direction);
+    let inside = 1.0 - (offset + middle * ray.direction).length_squared() / radius.powi(2);
+    if radius == 0.0 {
+        return Vec::new();
+    }
+    let half = radius * inside.max(0.0).sqrt();
+    [middle - half, middle + half].map(|t| Crossing { t, inside, steepness: inside }).to_vec()
+}
+
+/// The nearest hit by trying every primitive: distance and index.
+pub fn traverse(ray: &Ray, primitives: &[Primitive]) -> Option<(f64, usize)> {
+    let hits = primitives.iter().enumerate().flat_map(|(index, p)| {
+        let hits = crossings(ray, p).into_iter().filter(|c| c.inside >= 0.0 && c.t > 0.0 && c.t < ray.t_max);
+        hits.map(move |c| (c.t, index))
+    });
+    hits.min_by(|a, b| a.0.total_cmp(&b.0))
+}

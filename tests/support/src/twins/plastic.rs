@@ -1,0 +1,95 @@
+//! Twin of `glsl/include/bsdf/plastic.glsl` and `bsdf/rough_plastic.glsl`.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, dvec3};
+use lodestar::math::fresnel::fresnel_dielectric;
+use lodestar::math::microfacet::{Microfacets, smith_g1};
+
+use super::conductor::pdf_reflection;
+use super::delta::DeltaLobe;
+use super::microfacet::microfacet_density;
+
+/// A dielectric layer over a diffuse base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plastic {
+    /// Index of refraction, interior over exterior.
+    pub eta: f64,
+    /// Albedo of the base.
+    pub diffuse_reflectance: DVec3,
+    /// Factor of what the layer reflects.
+    pub specular_reflectance: DVec3,
+    /// Whether internal scattering shifts the color.
+    pub nonlinear: bool,
+    /// Share of diffuse light that the layer sends back to the base.
+    pub internal_reflectance: f64,
+    /// Share of the mean specular albedo in the sum of both mean albedos.
+    pub specular_sampling: f64,
+    /// Of a rough layer.
+    pub rough: Option<RoughSurface>,
+}
+
+/// A rough layer's surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoughSurface {
+    /// Its facets.
+    pub facets: Microfacets,
+    /// Share of light from above that passes, at equidistant cosines from 0 to 1.
+    pub transmittance: Vec<f64>,
+}
+
+impl Plastic {
+    fn transmittance(&self, cos_theta: f64) -> f64 {
+        let Some(rough) = &self.rough else { return 1.0 - fresnel_dielectric(cos_theta, self.eta).reflectance };
+        let last = rough.transmittance.len() - 1;
+        let position = cos_theta * last as f64;
+        let entry = (position as usize).min(last - 1);
+        let between = position - entry as f64;
+        rough.transmittance[entry] * (1.0 - between) + rough.transmittance[entry + 1] * between
+    }
+
+    /// That a sample is of the specular lobe.
+    pub fn specular_probability(&self, wo: DVec3) -> f64 {
+        let transmittance = self.transmittance(wo.z);
+        let specular = (1.0 - transmittance) * self.specular_sampling;
+        let diffuse = transmittance * (1.0 - self.specular_sampling);
+        if specular + diffuse > 0.0 { specular / (specular + diffuse) } else { 0.0 }
+    }
+}
+
+/// What a smooth layer reflects.
+pub fn plastic_lobes(b: &Plastic, wo: DVec3) -> Vec<DeltaLobe> {
+    if wo.z <= 0.0 || b.rough.is_some() {
+        return vec![];
+    }
+    let value = b.specular_reflectance * (1.0 - b.transmittance(wo.z));
+    vec![DeltaLobe { wi: dvec3(-wo.x, -wo.y, wo.z), probability: b.specular_probability(wo), value, eta: 1.0 }]
+}
+
+/// f cos without the smooth layer's reflection.
+pub fn eval_bsdf_plastic(b: &Plastic, wo: DVec3, wi: DVec3) -> DVec3 {
+    if wo.z <= 0.0 || wi.z <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let returned = if b.nonlinear { b.diffuse_reflectance } else { DVec3::ONE } * b.internal_reflectance;
+    let base = b.diffuse_reflectance / (DVec3::ONE - returned);
+    let passing = b.transmittance(wo.z) * b.transmittance(wi.z) / b.eta.powi(2);
+    base * (passing * wi.z / PI) + b.rough.as_ref().map_or(DVec3::ZERO, |rough| specular(b, &rough.facets, wo, wi))
+}
+
+fn specular(b: &Plastic, facets: &Microfacets, wo: DVec3, wi: DVec3) -> DVec3 {
+    let m = (wo + wi).normalize();
+    let reflectance = fresnel_dielectric(wo.dot(m), b.eta).reflectance;
+    let masking = smith_g1(facets, wo) * smith_g1(facets, wi);
+    b.specular_reflectance * (reflectance * microfacet_density(facets, m) * masking / (4.0 * wo.z))
+}
+
+/// Density of `wi`, given that under the diffuse lobe's sampler.
+pub fn pdf_bsdf_plastic(b: &Plastic, wo: DVec3, wi: DVec3, diffuse_density: f64) -> f64 {
+    if wo.z <= 0.0 || wi.z <= 0.0 {
+        return 0.0;
+    }
+    let probability = b.specular_probability(wo);
+    let specular = b.rough.as_ref().map_or(0.0, |rough| pdf_reflection(&rough.facets, wo, wi));
+    (1.0 - probability) * diffuse_density + probability * specular
+}

@@ -1,0 +1,105 @@
+//! Twin of `glsl/include/random/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
+
+use super::blue_noise::{tile_digits, tile_of};
+use super::sobol::{SET_SIZE, sequence_digits, set_digits};
+
+/// `RandomKey` in GLSL: what does not change along a path.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RandomKey {
+    /// Index within the whole film.
+    pub pixel: u32,
+    /// Index of the pixel's sample.
+    pub sample_index: u32,
+    /// What the sample is well distributed with.
+    pub set: SampleSet,
+    /// The render's seed.
+    pub seed: u32,
+}
+
+/// Samples that share a scrambling, from one of this index on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleSet {
+    /// The sample alone.
+    Alone,
+    /// Those of its pixel.
+    OfPixel(u32),
+    /// Those of all pixels of the tile that holds this pixel of the film.
+    OfTile(u32, [u32; 2]),
+}
+
+/// Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
+pub fn pcg4d(v: [u32; 4]) -> [u32; 4] {
+    let v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    let v = mix_words(v).map(|x| x ^ (x >> 16));
+    mix_words(v)
+}
+
+fn mix_words([mut x, mut y, mut z, mut w]: [u32; 4]) -> [u32; 4] {
+    x = x.wrapping_add(y.wrapping_mul(w));
+    y = y.wrapping_add(z.wrapping_mul(x));
+    z = z.wrapping_add(x.wrapping_mul(y));
+    w = w.wrapping_add(y.wrapping_mul(z));
+    [x, y, z, w]
+}
+
+/// The upper 24 bits as a number in [0, 1).
+pub fn unit_float(bits: u32) -> f64 {
+    f64::from(bits >> 8) / f64::from(1 << 24)
+}
+
+/// One more number, from the lowest bytes of all words.
+pub fn leftover_float(bits: [u32; 4]) -> f64 {
+    let low = u32::from_le_bytes(bits.map(|word| word as u8));
+    unit_float(low.wrapping_mul(0x9e37_79b9))
+}
+
+/// Four words for a block of a vertex.
+pub fn random_bits(key: RandomKey, vertex: u32, block: u32) -> [u32; 4] {
+    let place = vertex << 16 | block;
+    let bits = pcg4d([key.pixel, key.sample_index, place, key.seed]);
+    let of_set = |shared_by, first| pcg4d([shared_by, first, place | 1 << 31, key.seed]);
+    let (digits, count) = match key.set {
+        SampleSet::Alone => return bits,
+        SampleSet::OfPixel(first) => (set_digits(key.sample_index, of_set(key.pixel, first)), 3),
+        SampleSet::OfTile(first, film_pixel) => {
+            let within_set = key.sample_index.wrapping_sub(first);
+            (tile_digits(film_pixel, within_set, of_set(tile_of(film_pixel), first)), 13)
+        }
+    };
+    [0, 1, 2, 3].map(|k| digits[k] << (32 - count) | bits[k] >> count)
+}
+
+/// Four words for the camera's ray: of pixels' sets, those of one sequence for all samples, or for each half of them.
+pub fn camera_bits(key: RandomKey, halves: bool) -> [u32; 4] {
+    if !matches!(key.set, SampleSet::OfPixel(_)) {
+        return random_bits(key, 0, 0);
+    }
+    let (set, within_set) = (key.sample_index / SET_SIZE, key.sample_index % SET_SIZE);
+    let (half, number) = if halves { (set % 2, set / 2 * SET_SIZE + within_set) } else { (0, key.sample_index) };
+    let of_sequence = pcg4d([key.pixel, number >> 16, 3 << 30 | half, key.seed]);
+    let bits = pcg4d([key.pixel, key.sample_index, 0, key.seed]);
+    let digits = sequence_digits(number & 0xffff, of_sequence);
+    [0, 1, 2, 3].map(|k| digits[k] << 16 | bits[k] >> 16)
+}
+
+/// Marsaglia's xorshift of four words (2003).
+#[derive(Debug, Clone, Copy)]
+pub struct RandomStream {
+    /// Its words, the last the newest.
+    pub state: [u32; 4],
+}
+
+/// A stream that the hash has started.
+pub fn random_stream(key: RandomKey, vertex: u32, block: u32) -> RandomStream {
+    let [x, y, z, w] = random_bits(key, vertex, block);
+    RandomStream { state: [x, y, z, w | 1] }
+}
+
+/// The stream's next number in [0, 1).
+pub fn next_random(stream: &mut RandomStream) -> f64 {
+    let [x, y, z, w] = stream.state;
+    let t = x ^ (x << 11);
+    let next = w ^ (w >> 19) ^ t ^ (t >> 8);
+    stream.state = [y, z, w, next];
+    unit_float(next)
+}
