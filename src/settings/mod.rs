@@ -10,6 +10,8 @@ use crate::generated::layout::PathVertex;
 use crate::scene::{Crop, FilmDescription, IntegratorDescription, ReconstructionFilter, Scene};
 use crate::{Error, Result};
 
+pub use crate::math::direction_map::DirectionMap;
+
 /// Longest path that can be asked for, in edges; what Mitsuba's "unlimited" becomes.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
 /// Directions over which `expected-sarsa` takes its mean by default.
@@ -64,17 +66,6 @@ pub enum Mix {
     Density = constants::MIX_DENSITY,
     /// Probabilities of acceptance (Eq. 9).
     Acceptance = constants::MIX_ACCEPTANCE,
-}
-
-/// Map between directions and the squares of their bins; each keeps areas.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-#[repr(u32)]
-pub enum DirectionMap {
-    /// The hemispheres as the inside and the corners of a square (Shirley and Chiu 1997; Clarberg 2008).
-    EqualArea = constants::MAP_EQUAL_AREA,
-    /// Azimuth and cosine about the z-axis (Lambert).
-    Cylindrical = constants::MAP_CYLINDRICAL,
 }
 
 /// Which scattering functions a guide is used on.

@@ -137,11 +137,15 @@ fn a_planted_circle_is_found() {
         // By way of another file, and of a name that it re-exports.
         ("use crate::A;", "use crate::c::B;"),
     ] {
-        let others = [("src/lib.rs", "pub use a::A; mod a; mod b; mod c;"), ("src/c.rs", "pub use super::b::*; use crate::b::B;")];
+        let others = [
+            ("src/lib.rs", "pub use a::A; mod a; mod b; mod c;"),
+            ("src/c.rs", "pub use super::b::*; use crate::b::B;"),
+        ];
         let edges = graph(&[("src/a.rs", a), ("src/b.rs", b), others[0], others[1]]);
         assert!(!circles(&edges).is_empty(), "{b} {a}: {edges:?}");
     }
-    let edges = graph(&[("src/a.rs", "use crate::b::B;"), ("src/b.rs", "use crate::c::C;"), ("src/c.rs", "use crate::a::A;")]);
+    let edges =
+        graph(&[("src/a.rs", "use crate::b::B;"), ("src/b.rs", "use crate::c::C;"), ("src/c.rs", "use crate::a::A;")]);
     assert_eq!(circles(&edges), ["circle: a -> b -> c -> a"]);
 }
 
@@ -156,7 +160,11 @@ fn a_planted_reach_is_found() {
     ]);
     let chain = "film::merge -> session::identity -> renderer::state -> gpu, but what runs";
     assert!(reaches(&edges).iter().any(|found| found.starts_with(chain)), "{:?}", reaches(&edges));
-    let edges = graph(&[("src/gpu/mod.rs", "mod a;"), ("src/gpu/a.rs", "use crate::{scene::Scene, Error};"), ("src/scene.rs", "")]);
+    let edges = graph(&[
+        ("src/gpu/mod.rs", "mod a;"),
+        ("src/gpu/a.rs", "use crate::{scene::Scene, Error};"),
+        ("src/scene.rs", ""),
+    ]);
     assert_eq!(reaches(&edges).len(), 1);
     assert!(reaches(&edges)[0].starts_with("gpu::a -> scene, but gpu knows nothing"), "{:?}", reaches(&edges));
 }
@@ -175,5 +183,8 @@ fn what_is_no_circle_is_not_found() {
     assert_eq!(edges["b"], BTreeSet::from(["a::c".to_owned()]));
     assert_eq!(edges["a::d"], BTreeSet::from(["a::c".to_owned(), "b".into()]));
     assert_eq!(layers(&edges).len(), 4, "{edges:?}");
-    assert_eq!(rooms(&edges), Edges::from([("a".into(), BTreeSet::from(["b".into()])), ("b".into(), BTreeSet::from(["a".into()]))]));
+    assert_eq!(
+        rooms(&edges),
+        Edges::from([("a".into(), BTreeSet::from(["b".into()])), ("b".into(), BTreeSet::from(["a".into()]))])
+    );
 }

@@ -34,7 +34,8 @@ impl Modules {
             modules.0.entry(path.join("::")).or_default().imports = imports.collect();
         }
         for (path, tokens) in &parsed {
-            let named: Vec<Path> = named_paths(tokens).iter().filter_map(|named| modules.absolute(path, named)).collect();
+            let named: Vec<Path> =
+                named_paths(tokens).iter().filter_map(|named| modules.absolute(path, named)).collect();
             let module = modules.0.entry(path.join("::")).or_default();
             module.uses = module.imports.values().cloned().chain(named).collect();
         }

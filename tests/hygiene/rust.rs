@@ -18,24 +18,12 @@ enum Name {
 }
 
 const RULES: &[Rule] = &[
-    Rule {
-        word: Name::Word("unsafe"),
-        only_in: &["gpu"],
-        reason: "unsafe code is argued for in one place",
-    },
+    Rule { word: Name::Word("unsafe"), only_in: &["gpu"], reason: "unsafe code is argued for in one place" },
     Rule { word: Name::Word("vk"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
     Rule { word: Name::Crate("ash"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
-    Rule {
-        word: Name::Crate("gpu_allocator"),
-        only_in: &["gpu"],
-        reason: "Vulkan is called in one place",
-    },
+    Rule { word: Name::Crate("gpu_allocator"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
     Rule { word: Name::Crate("exr"), only_in: &["image"], reason: "EXR files are read in one place" },
-    Rule {
-        word: Name::Crate("obvhs"),
-        only_in: &["encode"],
-        reason: "the hierarchy is built in one place",
-    },
+    Rule { word: Name::Crate("obvhs"), only_in: &["encode"], reason: "the hierarchy is built in one place" },
 ];
 
 /// What is wrong with `sources`, one line each.
@@ -109,8 +97,8 @@ fn bad_snippets_are_found() {
         ("src/cli/devices.rs", "use lodestar::gpu::vk;"),
         ("src/renderer/mod.rs", "unsafe { f() }"),
         ("src/generated/layout.rs", "unsafe impl Pod for A {}"),
-        ("src/renderer/mod.rs", "use ash::vk;"),
-        ("src/renderer/mod.rs", "fn f(b: ::ash::vk::Buffer) {}"),
+        ("src/renderer/mod.rs", "use ash::Entry;"),
+        ("src/renderer/mod.rs", "fn f(b: ::ash::Entry) {}"),
         ("src/renderer/mod.rs", "use gpu_allocator as allocator;"),
         ("src/film/picture.rs", "use exr::prelude::*;"),
         ("src/film/picture.rs", "use ::exr::prelude::*;"),
