@@ -20,6 +20,15 @@
 //! To understand the algorithm read [`renderer::Renderer::step`], `glsl/kernels/trace/path_trace.comp` and
 //! `glsl/include/path/vertex.glsl`.
 //!
+//! # A render in three lines
+//! ```no_run
+//! let picture = lodestar::render("scenes/furnace/scene.xml", &lodestar::Options::new().samples(64))?;
+//! let rgb: &[[f32; 3]] = picture.rgb();
+//! # Ok::<(), lodestar::Error>(())
+//! ```
+//! [`Session`] renders step by step, with a callback, from checkpoints and to files. [`Scene`] is read from a file or made in
+//! code. `examples/` has one program for each of the three.
+//!
 //! # Code map
 //! | module | what it is |
 //! |---|---|
@@ -31,7 +40,7 @@
 //! | [`math`] | what production and tests share: maps of directions, Fresnel, microfacets, the sRGB curve |
 //! | [`film`] | what a pixel holds, and how pictures are put together from parts |
 //! | [`image`], [`files`] | EXR and PNG, error metrics, files written whole or not at all |
-//! | [`session`] | one render from start to end: checkpoints, identity, profile |
+//! | [`session`] | one render from start to end: when it stops, checkpoints, safety copies, statistics, profile |
 //! | [`settings`] | everything a user may choose |
 //! | [`spirv`] | SPIR-V as data: inspected, specialized, replaced |
 //! | [`reproduce`] | the paper's tables and figures, measured |
@@ -79,7 +88,7 @@
 //!    an error, never a dark pixel.
 //! 4. **GLSL is the single source** of structs, constants, enum values, bindings and defaults of the kernels. Constants that both
 //!    sides know stand in `glsl/include/shared`; Rust takes them from there and is checked against GLSL when it compiles.
-//!    The twins in [`mod@reference`] state numbers anew, for they are what GLSL is checked against.
+//!    The twins in `tests/support` state numbers anew, for they are what GLSL is checked against.
 //! 5. A value that leaves a GLSL loop is carried by the loop (set before it, read in it): Mesa 22.3's lavapipe keeps no
 //!    other value per lane.
 //! 6. `scene`, `encode`, `layout` and `math` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
@@ -89,19 +98,54 @@
 //! [`settings`].
 #![deny(missing_docs)]
 
-pub mod encode;
-pub mod error;
-pub mod files;
-pub mod film;
-pub mod generated;
-pub mod gpu;
-pub mod image;
-pub mod math;
-pub mod renderer;
-pub mod reproduce;
+use std::path::Path;
+
 pub mod scene;
 pub mod session;
 pub mod settings;
+
+// What follows is for the command line, the tests and the benches. It is no public API and may change in any version.
+#[doc(hidden)]
+pub mod encode;
+#[doc(hidden)]
+pub mod error;
+#[doc(hidden)]
+pub mod files;
+#[doc(hidden)]
+pub mod film;
+#[doc(hidden)]
+pub mod generated;
+#[doc(hidden)]
+pub mod gpu;
+#[doc(hidden)]
+pub mod image;
+#[doc(hidden)]
+pub mod math;
+#[doc(hidden)]
+pub mod renderer;
+#[doc(hidden)]
+pub mod reproduce;
+#[doc(hidden)]
 pub mod spirv;
 
 pub use error::{Error, Result};
+pub use film::Picture;
+pub use gpu::{Context, ContextOptions};
+pub use scene::{Camera, Scene};
+pub use session::{Options, Progress, Session};
+pub use settings::Settings;
+
+/// Renders a Mitsuba scene to a picture in memory.
+///
+/// ```no_run
+/// let picture = lodestar::render("scene.xml", &lodestar::Options::new().samples(64))?;
+/// # Ok::<(), lodestar::Error>(())
+/// ```
+///
+/// # Errors
+/// Where the scene cannot be read, an option does not suit it, no device can be used, or a result would be wrong.
+pub fn render(scene: impl AsRef<Path>, options: &Options) -> Result<Picture> {
+    let mut session = Session::open(scene, options)?;
+    session.run(|_| std::ops::ControlFlow::Continue(()))?;
+    session.picture()
+}

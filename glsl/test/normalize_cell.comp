@@ -1,4 +1,4 @@
-// Fills all entries of cell 0 of the normalization grid, and the distributions of its own that a sampler has.
+// Fills all entries of cell 0 of the normalization grid, and the sampler's own distributions if it has any.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

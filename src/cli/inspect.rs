@@ -10,13 +10,13 @@ use lodestar::generated::kernels::{BackEnd, Registry};
 use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, PipelineReport, Representation};
 use lodestar::renderer::{variant_for, variant_of_settings};
 use lodestar::scene::{self, FilmDescription, IntegratorDescription, LoadOptions, ReconstructionFilter};
+use lodestar::session::kernel_files::KernelFiles;
 use lodestar::settings::{SamplePattern, Settings};
 use lodestar::spirv::inspect::{self, KernelReport};
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 
 use super::guiding_args::GuidingArgs;
-use super::kernel_dir::KernelDir;
 use super::render_args::{Filter, Switch, define};
 use super::{inspect_text, print_json, print_line, report};
 
@@ -97,7 +97,8 @@ pub struct Inspected {
 
 /// Inspects as `args` say.
 pub fn run(args: &InspectArgs) -> Result<ExitCode> {
-    let kernels = KernelDir::load(args.kernel_dir.as_deref())?;
+    let kernels = KernelFiles::load(args.kernel_dir.as_deref())?;
+    kernels.warnings().iter().for_each(|warning| report("warning", warning));
     let constants = constants(args)?;
     let options = |device: &String| ContextOptions { device: Some(device.clone()), validate: false };
     let context = args.device.as_ref().map(|device| Context::new(&options(device))).transpose()?;

@@ -2,36 +2,30 @@
 //! render, 128 and its number: 130 for Ctrl-C.
 
 mod compare;
+mod console;
 mod devices;
 mod guiding_args;
 mod guiding_uses;
 mod inspect;
 mod inspect_text;
 mod interrupt;
-mod keeper;
-mod kernel_dir;
 mod merge;
-mod outputs;
-mod profile;
+mod print;
 mod progress;
 mod radiance;
 mod render;
 mod render_args;
 mod reproduce;
 mod resume;
-mod safety_copy;
-mod stats;
-mod task;
 
-use std::io::{self, ErrorKind, Write};
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::error::ErrorKind as UsageError;
 use clap::{Parser, Subcommand};
-use lodestar::{Error, Result};
+
+use print::{print_json, print_line, report};
 
 /// Renders Mitsuba scenes with path guiding on any Vulkan device.
 #[derive(Debug, Parser)]
@@ -64,13 +58,13 @@ pub fn run() -> ExitCode {
     };
     take_file_size_limits_as_errors();
     let outcome = match cli.command {
-        Command::Render(args) => render::run(&args),
+        Command::Render(args) => render::run(*args),
         Command::Resume(args) => resume::run(*args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
-        Command::Radiance(args) => radiance::run(&args),
+        Command::Radiance(args) => radiance::run(*args),
         Command::Reproduce(args) => reproduce::run(&args),
     };
     outcome.unwrap_or_else(|error| {
@@ -102,26 +96,6 @@ fn usage_sentence(message: &str) -> String {
     let lines: Vec<_> = paragraph.lines().map(str::trim).collect();
     let sentence = lines.join(" ");
     format!("{}; --help lists what there is", sentence.strip_prefix("error: ").unwrap_or(&sentence))
-}
-
-/// Prints a line to standard error. Where that is closed, nothing is left to report to.
-fn report(kind: &str, text: &str) {
-    let _ = writeln!(io::stderr(), "lodestar: {kind}: {text}");
-}
-
-/// Prints `text` and a line break. A reader that has left (`lodestar ... | head -1`) is no error: it has what it wanted.
-fn print_line(text: &str) -> Result<()> {
-    let mut stdout = io::stdout().lock();
-    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::write(Path::new("standard output"))(error)),
-        _ => Ok(()),
-    }
-}
-
-/// Prints `value` as indented JSON.
-fn print_json(value: &impl serde::Serialize) -> Result<()> {
-    let text = serde_json::to_string_pretty(value).map_err(io::Error::from);
-    print_line(&text.map_err(Error::write(Path::new("standard output")))?)
 }
 
 #[cfg(test)]

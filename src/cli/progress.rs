@@ -6,28 +6,12 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lodestar::film::noise::NoiseReport;
+use lodestar::session::Progress;
 
 /// Least time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 /// Resolution of the bar.
 const BAR_STEPS: u64 = 1000;
-
-/// Where a render stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Status {
-    /// Samples per pixel so far.
-    pub spp: u64,
-    /// Seconds of rendering so far.
-    pub seconds: f64,
-    /// Paths so far.
-    pub paths: u64,
-    /// Share of the paths that reached a light, in [0, 1]; of the last step, to show that the guide learns.
-    pub light_hit_rate: f64,
-    /// Where noise ends the render: how far it is.
-    pub noise: Option<NoiseReport>,
-    /// Share of the render that is done, in [0, 1]: of the samples or of the time, whichever is further.
-    pub fraction: f64,
-}
 
 /// Shows what is being done before a render can start: where that is long, on a terminal at once.
 pub struct Loading {
@@ -73,30 +57,6 @@ impl Drop for Loading {
     }
 }
 
-/// Shows the progress of one render.
-pub struct Progress {
-    spp_target: Option<u64>,
-    time_limit: Option<f64>,
-    meter: Meter,
-}
-
-impl Progress {
-    /// Starts to show the progress towards `spp_target` samples per pixel or `time_limit` seconds.
-    pub fn new(quiet: bool, spp_target: Option<u64>, time_limit: Option<f64>) -> Self {
-        Self { spp_target, time_limit, meter: Meter::new(quiet) }
-    }
-
-    /// Shows where the render stands.
-    pub fn update(&mut self, status: &Status) {
-        self.meter.update(status.fraction, line(status, self.spp_target, self.time_limit));
-    }
-
-    /// Lets `print` write to standard error without the bar in its way.
-    pub fn interleave(&self, print: impl FnOnce()) {
-        self.meter.interleave(print);
-    }
-}
-
 /// A share of a whole and a text: as a bar, or as lines.
 pub struct Meter(Display);
 
@@ -139,7 +99,8 @@ impl Meter {
         }
     }
 
-    fn interleave(&self, print: impl FnOnce()) {
+    /// Lets `print` write to standard error without the bar in its way.
+    pub fn interleave(&self, print: impl FnOnce()) {
         match &self.0 {
             Display::Bar(bar) => bar.suspend(print),
             Display::Lines { .. } | Display::Nothing => print(),
@@ -181,18 +142,18 @@ fn print(text: &str) {
 }
 
 /// `128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %`.
-fn line(status: &Status, spp_target: Option<u64>, time_limit: Option<f64>) -> String {
-    let samples = match spp_target {
-        Some(target) => format!("{}/{target} spp", status.spp),
-        None => format!("{} spp", status.spp),
+pub fn line(progress: &Progress) -> String {
+    let samples = match progress.length.spp {
+        Some(target) => format!("{}/{target} spp", progress.samples),
+        None => format!("{} spp", progress.samples),
     };
-    let time = match seconds_left(status, time_limit) {
+    let time = match seconds_left(progress) {
         Some(seconds) => format!("{} left", duration(seconds)),
-        None => format!("{} so far", duration(status.seconds)),
+        None => format!("{} so far", duration(progress.seconds)),
     };
-    let rate = if status.seconds > 0.0 { status.paths as f64 / status.seconds / 1e6 } else { 0.0 };
-    let noise = status.noise.as_ref().map_or_else(String::new, noise_text);
-    format!("{samples}, {time}, {rate:.2} Mpaths/s, light hit rate {:.1} %{noise}", 100.0 * status.light_hit_rate)
+    let rate = if progress.seconds > 0.0 { progress.paths as f64 / progress.seconds / 1e6 } else { 0.0 };
+    let noise = progress.noise.as_ref().map_or_else(String::new, noise_text);
+    format!("{samples}, {time}, {rate:.2} Mpaths/s, light hit rate {:.1} %{noise}", 100.0 * progress.light_hit_rate)
 }
 
 /// `, noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left`.
@@ -201,9 +162,10 @@ fn noise_text(NoiseReport { target, largest, sampled_share, .. }: &NoiseReport) 
     format!(", noise {largest} ({target} is wanted), {:.1} % of the pixels left", 100.0 * sampled_share)
 }
 
-fn seconds_left(status: &Status, time_limit: Option<f64>) -> Option<f64> {
-    let by_fraction = (status.fraction > 0.0).then(|| status.seconds * (1.0 / status.fraction - 1.0).max(0.0));
-    let by_limit = time_limit.map(|limit| (limit - status.seconds).max(0.0));
+fn seconds_left(progress: &Progress) -> Option<f64> {
+    let Progress { seconds, fraction, length, .. } = *progress;
+    let by_fraction = (fraction > 0.0).then(|| seconds * (1.0 / fraction - 1.0).max(0.0));
+    let by_limit = length.seconds.map(|limit| (limit - seconds).max(0.0));
     match (by_fraction, by_limit) {
         (Some(a), Some(b)) => Some(a.min(b)),
         (a, b) => a.or(b),
@@ -223,28 +185,39 @@ pub fn duration(seconds: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lodestar::session::Length;
 
-    const STATUS: Status =
-        Status { spp: 128, seconds: 12.0, paths: 38_520_000, light_hit_rate: 0.415, noise: None, fraction: 0.5 };
+    const UNLIMITED: Length = Length { spp: None, seconds: None };
+    const PROGRESS: Progress = Progress {
+        samples: 128,
+        seconds: 12.0,
+        paths: 38_520_000,
+        light_hit_rate: 0.415,
+        noise: None,
+        fraction: 0.5,
+        length: Length { spp: Some(256), seconds: None },
+    };
 
     #[test]
     fn a_line_says_it_all() {
-        let text = line(&STATUS, Some(256), None);
-        assert_eq!(text, "128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %");
-        assert!(line(&STATUS, None, Some(20.0)).starts_with("128 spp, 8 s left"));
+        assert_eq!(line(&PROGRESS), "128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %");
+        let by_time = Progress { length: Length { spp: None, seconds: Some(20.0) }, ..PROGRESS };
+        assert!(line(&by_time).starts_with("128 spp, 8 s left"));
     }
 
     #[test]
     fn nothing_is_made_up_before_the_first_sample() {
-        let start = Status { spp: 0, seconds: 0.0, paths: 0, light_hit_rate: 0.0, fraction: 0.0, ..STATUS };
-        assert_eq!(line(&start, Some(8), None), "0/8 spp, 0 s so far, 0.00 Mpaths/s, light hit rate 0.0 %");
+        let length = Length { spp: Some(8), seconds: None };
+        let start =
+            Progress { samples: 0, seconds: 0.0, paths: 0, light_hit_rate: 0.0, fraction: 0.0, length, ..PROGRESS };
+        assert_eq!(line(&start), "0/8 spp, 0 s so far, 0.00 Mpaths/s, light hit rate 0.0 %");
     }
 
     #[test]
     fn noise_is_told_where_it_ends_the_render() {
         let noise = |largest| {
             let noise = NoiseReport { target: 0.05, largest, mean: largest, sampled_share: 0.125 };
-            line(&Status { noise: Some(noise), ..STATUS }, None, None)
+            line(&Progress { noise: Some(noise), length: UNLIMITED, ..PROGRESS })
         };
         assert!(noise(Some(0.08124)).ends_with(", noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left"));
         assert!(noise(None).ends_with(", noise not known yet (0.05 is wanted), 12.5 % of the pixels left"));

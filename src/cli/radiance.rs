@@ -7,14 +7,13 @@ use lodestar::encode::bvh::Bvh;
 use lodestar::film::{self, Picture};
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{ToneCurve, png};
-use lodestar::renderer::Renderer;
 use lodestar::scene::{self, LoadOptions, Scene};
 use lodestar::session::identity;
-use lodestar::session::radiance_map::{Place, SurfacePoint, false_colors};
-use lodestar::settings::{Sampler, Settings, StepSchedule};
+use lodestar::session::radiance_map::{self, Place, SurfacePoint, false_colors};
+use lodestar::settings::{Settings, StepSchedule};
 use lodestar::{Error, Result, files};
 
-use super::render_args::{ChoiceArgs, Switch, define, output_path};
+use super::render_args::{ChoiceArgs, Switch, define, device_name, output_path};
 use super::{print_line, report};
 
 /// Writes the radiance that arrives at what a pixel shows, by direction, as a guide has learned it (the paper's Fig. 6).
@@ -48,28 +47,21 @@ pub struct RadianceArgs {
 }
 
 /// Writes as `args` say.
-pub fn run(args: &RadianceArgs) -> Result<ExitCode> {
+pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     args.output.iter().try_for_each(|path| files::check_writable(path))?;
-    let scene = scene::load(&args.scene, &LoadOptions { defines: args.define.clone() })?;
+    let scene = scene::load(&args.scene, &LoadOptions { defines: args.define })?;
     scene.warnings.iter().for_each(|warning| report("warning", warning));
-    let settings = settings(args, &scene)?;
-    let device = args.device.clone().filter(|device| !device.trim().is_empty());
-    let context = Context::new(&ContextOptions { device, validate: false })?;
+    let settings = settings(args.choices, &scene)?;
+    let context = Context::new(&ContextOptions { device: device_name(args.device), validate: false })?;
     let bvh = Bvh::build(&scene.primitives);
     let place = Place { context: &context, scene: &scene, bvh: &bvh };
     let point = place.visible_point(&settings, args.pixel)?;
     let map = match args.truth {
         true => place.true_radiance(&settings, &point, args.spp)?,
-        false => {
-            let mut renderer = Renderer::new(&context, &scene, &bvh, &settings)?;
-            while renderer.samples_done() < args.spp {
-                let left = args.spp - renderer.samples_done();
-                renderer.step(settings.spp_per_step.min(left), &|| false)?;
-            }
-            renderer.radiance_at(point.position)?
-        }
+        false => place.learned_radiance(&settings, &point, args.spp)?,
     };
-    let attributes = attributes(&scene::fingerprint(&scene)?, &settings, &point, args);
+    let mut attributes = identity::attributes(&scene::fingerprint(&scene)?, &settings);
+    attributes.extend(point_attributes(&point, args.spp, args.truth));
     args.output.iter().try_for_each(|path| write(path, &map, &settings, &attributes))?;
     let SurfacePoint { position, normal } = point;
     let mean = map.iter().sum::<f32>() / map.len() as f32;
@@ -77,26 +69,23 @@ pub fn run(args: &RadianceArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Without emitter sampling, which is on by default elsewhere.
-fn settings(args: &RadianceArgs, scene: &Scene) -> Result<Settings> {
-    let settings = Settings { nee: false, ..args.choices.settings(scene)? };
-    if settings.sampler == Sampler::Bsdf {
-        return Err(Error::Settings("--sampler bsdf learns nothing, so there is no map of it".into()));
-    }
-    if settings.sampler == Sampler::Quadtree {
-        return Err(Error::Settings("--sampler quadtree learns flux, not radiance, so there is no map of it".into()));
-    }
-    if args.choices.guiding.steps == Some(StepSchedule::Growing) {
+/// The settings of a map. Options that suit a picture only are refused.
+fn settings(choices: ChoiceArgs, scene: &Scene) -> Result<Settings> {
+    let grows = choices.guiding.steps == Some(StepSchedule::Growing);
+    let has_weights = choices.guiding.sample_weights.is_some();
+    let samples_emitters = choices.nee == Some(Switch::On);
+    let settings = radiance_map::settings_for_map(choices.options().settings_for(scene)?)?;
+    if grows {
         return Err(Error::Settings(
             "--steps growing is for a picture: steps of a map have all --spp-per-step samples".into(),
         ));
     }
-    if args.choices.guiding.sample_weights.is_some() {
+    if has_weights {
         return Err(Error::Settings(
             "--sample-weights is for a picture: a map is learned from all samples alike".into(),
         ));
     }
-    if args.choices.nee == Some(Switch::On) {
+    if samples_emitters {
         return Err(Error::Settings(
             "--nee on leaves sampled light out of what is learned, so the map would not be radiance: leave it off"
                 .into(),
@@ -105,20 +94,13 @@ fn settings(args: &RadianceArgs, scene: &Scene) -> Result<Settings> {
     Ok(settings)
 }
 
-fn attributes(
-    scene_hash: &str,
-    settings: &Settings,
-    point: &SurfacePoint,
-    args: &RadianceArgs,
-) -> Vec<(String, String)> {
-    let mut attributes = identity::attributes(scene_hash, settings);
-    attributes.extend([
+fn point_attributes(point: &SurfacePoint, spp: u32, is_truth: bool) -> [(String, String); 4] {
+    [
         ("position".into(), point.position.to_string()),
         ("surface_normal".into(), point.normal.to_string()),
-        ("spp".into(), args.spp.to_string()),
-        ("truth".into(), args.truth.to_string()),
-    ]);
-    attributes
+        ("spp".into(), spp.to_string()),
+        ("truth".into(), is_truth.to_string()),
+    ]
 }
 
 fn write(path: &Path, map: &[f32], settings: &Settings, attributes: &[(String, String)]) -> Result<()> {

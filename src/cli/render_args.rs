@@ -1,17 +1,16 @@
-//! The arguments of `lodestar render`, and the settings they make of a scene.
+//! The arguments of `lodestar render`, and the library's options that they stand for.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::ValueEnum;
-use lodestar::Result;
+use lodestar::gpu::ContextOptions;
 use lodestar::image::ToneCurve;
-use lodestar::scene::{Crop, ReconstructionFilter, Scene};
+use lodestar::scene::{Crop, ReconstructionFilter};
+use lodestar::session::{CHECKPOINT_EVERY, FilmSize, Options, OutputFiles};
 use lodestar::settings::{Execution, SamplePattern, Settings};
 
 use super::guiding_args::GuidingArgs;
-
-/// Seconds between two checkpoints.
-pub const CHECKPOINT_EVERY: f64 = 60.0;
 
 /// Renders a Mitsuba scene.
 ///
@@ -174,45 +173,67 @@ pub enum Filter {
     Gaussian,
 }
 
+impl From<OutputArgs> for OutputFiles {
+    fn from(args: OutputArgs) -> Self {
+        let OutputArgs { output, tone, exposure, write_every, reference, stats, profile, quiet: _ } = args;
+        Self { pictures: output, tone, exposure, write_every, reference, statistics: stats, profile }
+    }
+}
+
+impl LengthArgs {
+    /// Adds these arguments to `options`.
+    pub fn add_to(self, options: Options) -> Options {
+        with(with(options, self.spp, Options::samples), self.time, Options::seconds)
+    }
+}
+
 impl DeviceArgs {
-    /// The wanted device. An empty LODESTAR_DEVICE is as good as none.
-    pub fn device(&self) -> Option<String> {
-        self.device.clone().filter(|device| !device.trim().is_empty())
+    /// Adds these arguments to `options`.
+    pub fn add_to(self, options: Options) -> Options {
+        let device = ContextOptions { device: device_name(self.device), validate: self.validate };
+        let options = options.open_device(device).execution(self.execution);
+        let options = with(options, self.slice_ms, Options::slice_milliseconds);
+        with(options, self.kernel_dir, Options::kernel_folder)
+    }
+}
+
+/// The wanted device. An empty LODESTAR_DEVICE is as good as none.
+pub fn device_name(device: Option<String>) -> Option<String> {
+    device.filter(|device| !device.trim().is_empty())
+}
+
+/// `options` with a value that an argument may give.
+pub fn with<T>(options: Options, value: Option<T>, set: impl FnOnce(Options, T) -> Options) -> Options {
+    match value {
+        Some(value) => set(options, value),
+        None => options,
     }
 }
 
 impl ChoiceArgs {
-    /// The settings: the scene's own where no option is given.
-    ///
-    /// # Errors
-    /// Where an option is out of its range.
-    pub fn settings(&self, scene: &Scene) -> Result<Settings> {
-        let mut settings = Settings::for_scene(scene);
-        if let (Some(width), Some(height)) = (self.width, self.height) {
-            settings.crop = rescaled_crop(settings.crop, [settings.width, settings.height], [width, height]);
-            (settings.width, settings.height) = (width, height);
-        }
-        if let Some(scale) = self.scale {
-            let scaled = |size: u32| ((size as f32 * scale).round() as u32).max(1);
-            let size = [scaled(settings.width), scaled(settings.height)];
-            settings.crop = rescaled_crop(settings.crop, [settings.width, settings.height], size);
-            [settings.width, settings.height] = size;
-        }
-        settings.crop = self.crop.or(settings.crop);
-        settings.filter = self.rfilter.map_or(settings.filter, Filter::with_default_width);
-        settings.max_depth = self.max_depth.unwrap_or(settings.max_depth);
-        settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
-        settings.nee = self.nee.map_or(settings.nee, |nee| nee == Switch::On);
-        settings.seed = self.seed;
-        settings.pattern = self.pattern.unwrap_or(settings.pattern);
-        settings.noise = self.noise;
-        settings.sample_offset = self.sample_offset;
-        self.guiding.apply(&mut settings);
-        settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
-        settings.validate()?;
-        self.guiding.check_uses(&settings)?;
-        settings.check_lighting(scene)?;
-        Ok(settings)
+    /// The options that these arguments stand for.
+    pub fn options(self) -> Options {
+        let size = match (self.width.zip(self.height), self.scale) {
+            (Some((width, height)), _) => FilmSize::Pixels(width, height),
+            (None, Some(scale)) => FilmSize::Scaled(scale),
+            (None, None) => FilmSize::OfScene,
+        };
+        let options = Options::new().film_size(size).seed(self.seed);
+        let options = with(options, self.crop, Options::crop);
+        let options = with(options, self.rfilter.map(Filter::with_default_width), Options::filter);
+        let options = with(options, self.max_depth, Options::max_depth);
+        let options = with(options, self.rr_depth, Options::rr_depth);
+        let guiding = Arc::new(self.guiding);
+        let checked = Arc::clone(&guiding);
+        let change = move |settings: &mut Settings| {
+            settings.nee = self.nee.map_or(settings.nee, |nee| nee == Switch::On);
+            settings.pattern = self.pattern.unwrap_or(settings.pattern);
+            settings.noise = self.noise;
+            settings.sample_offset = self.sample_offset;
+            settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
+            guiding.apply(settings);
+        };
+        options.settings(change).check(move |settings| checked.check_uses(settings))
     }
 }
 
@@ -224,17 +245,6 @@ impl Filter {
             Self::Gaussian => ReconstructionFilter::Gaussian { stddev: 0.5 },
         }
     }
-}
-
-/// The scene's crop window keeps its place when the film's size changes.
-fn rescaled_crop(crop: Option<Crop>, [width, height]: [u32; 2], [new_width, new_height]: [u32; 2]) -> Option<Crop> {
-    let scale = |value: u32, old: u32, new: u32| (u64::from(value) * u64::from(new) / u64::from(old.max(1))) as u32;
-    crop.map(|c| Crop {
-        x: scale(c.x, width, new_width),
-        y: scale(c.y, height, new_height),
-        width: scale(c.width, width, new_width).max(1),
-        height: scale(c.height, height, new_height).max(1),
-    })
 }
 
 pub fn output_path(text: &str) -> Result<PathBuf, String> {

@@ -12,7 +12,7 @@ use lodestar::reproduce::{Plan, Status, Target, Watch};
 use super::interrupt::Interrupt;
 use super::print_line;
 use super::progress::{Meter, duration};
-use super::render_args::{positive, seconds};
+use super::render_args::{device_name, positive, seconds};
 
 /// Measures what the paper's tables state, on this device and beside the paper's figures.
 ///
@@ -62,7 +62,7 @@ pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
         only: args.only.clone(),
         out: args.out.clone(),
     };
-    let device = args.device.clone().filter(|device| !device.trim().is_empty());
+    let device = device_name(args.device.clone());
     let context = Context::new(&ContextOptions { device, validate: false })?;
     let (begin, meter) = (Instant::now(), RefCell::new(Meter::new(args.quiet)));
     let show = |status: &Status| {

@@ -4,11 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use lodestar::Result;
-use lodestar::session::checkpoint::Checkpoint;
+use lodestar::session::{CHECKPOINT_EVERY, Options, Start};
 
 use super::render;
-use super::render_args::{CHECKPOINT_EVERY, DeviceArgs, LengthArgs, OutputArgs, seconds};
-use super::task::{CheckpointFile, JobRecord, Length, Start, Task};
+use super::render_args::{DeviceArgs, LengthArgs, OutputArgs, seconds};
 
 /// Goes on with a render from its checkpoint, to the same bits as if it had never stopped.
 ///
@@ -36,18 +35,9 @@ pub struct ResumeArgs {
 
 /// Goes on with the render.
 pub fn run(args: ResumeArgs) -> Result<ExitCode> {
-    let mut checkpoint: Checkpoint<JobRecord> = Checkpoint::read(&args.file)?;
-    let record = &mut checkpoint.job;
-    if args.length.spp.is_some() || args.length.time.is_some() {
-        let seconds = args.length.time.map(|seconds| record.history.seconds + seconds);
-        record.length = Length { spp: args.length.spp, seconds };
-    }
-    let task = Task {
-        scene: args.scene.unwrap_or_else(|| checkpoint.scene.path.clone().into()),
-        define: checkpoint.scene.defines.clone(),
-        files: args.files,
-        device: args.device,
-        checkpoint: Some(CheckpointFile::new(args.file.clone(), args.checkpoint_every)),
-    };
-    render::render(&task, Start::Resumed(&args.file, Box::new(checkpoint)))
+    let is_quiet = args.files.quiet;
+    let start = Start::Resume { checkpoint: args.file, moved_scene: args.scene };
+    let options = args.device.add_to(args.length.add_to(Options::new()));
+    let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
+    render::render(start, &options, is_quiet)
 }

@@ -62,6 +62,11 @@ impl Picture {
         (self.sample_count[at], self.hit_count[at]) = (sample_count, hit_count);
     }
 
+    /// The picture's pixels: mean radiance in linear sRGB, row by row from the top left.
+    pub fn rgb(&self) -> &[[f32; 3]] {
+        &self.radiance
+    }
+
     /// The mean radiance as an image.
     pub fn image(&self) -> Image {
         self.with_pixels(&self.radiance)

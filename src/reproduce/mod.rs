@@ -1,8 +1,9 @@
-//! The paper's tables and figures, measured on any device: every method renders every scene for the same time, by turns, and
-//! what it comes to stands beside what the paper states.
+//! Reproduction of the paper's tables and figures on any device. Every method renders every scene for the same time;
+//! the methods take turns. The results stand beside the numbers of the paper.
 //!
-//! [`Plan::run`] is all of it. A method is a line of [`methods::METHODS`], or of a target of its own, a scene one of [`paper::SCENES`], and a result a
-//! JSON file in the output folder: what is there already under the same conditions is not measured again.
+//! [`Plan::run`] does all of it. [`methods::METHODS`] lists the methods of Tables 1 and 2, each other target lists its
+//! own, and [`paper::SCENES`] lists the scenes. Each result is a JSON file in the output folder. A result that exists
+//! already under the same conditions is not measured again.
 
 pub mod ablation;
 pub mod changes;

@@ -9,38 +9,39 @@ use super::{figure6, files};
 use crate::Result;
 use crate::gpu::Context;
 
-/// What a run tells while it goes.
+/// Callbacks of a run.
 pub struct Watch<'a> {
-    /// Whether the user wants an end.
+    /// Whether the user has asked to stop.
     pub stop: &'a dyn Fn() -> bool,
-    /// Shown how far the run is.
+    /// Shows the progress of the run.
     pub show: &'a dyn Fn(&Status),
 }
 
-/// What a run has measured so far.
+/// Results of a run so far.
 #[derive(Default)]
 struct Findings {
     results: Results,
     maps: Vec<figure6::MapRecord>,
 }
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Status {
-    /// The scene, and what happens to it.
+    /// Name of the scene, and the work that is being done.
     pub doing: String,
-    /// Seconds of rendering so far, those of earlier runs left out.
+    /// Rendering time of this run so far, in seconds.
     pub done: f64,
-    /// Seconds of rendering that this run has to do in all.
+    /// Total rendering time of this run, in seconds.
     pub total: f64,
 }
 
 impl Plan {
-    /// Measures what is missing, and writes tables after every scene. False where the user has stopped it.
+    /// Measures what is missing, and writes the tables after every scene. Returns false if the user has stopped the
+    /// run.
     ///
     /// # Errors
-    /// Where a scene or reference cannot be read, a file cannot be written, or the device is lost: what was measured before is
-    /// kept.
+    /// Fails if a scene or reference cannot be read, if a file cannot be written, or if the device is lost. Earlier
+    /// measurements are kept.
     pub fn run(&self, context: &Arc<Context>, watch: &Watch) -> Result<bool> {
         let names = self.scene_names()?;
         self.check_inputs(&names)?;

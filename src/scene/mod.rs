@@ -5,6 +5,7 @@
 //! seen directly).
 
 pub mod bsdf;
+mod build;
 mod camera;
 pub mod emitter;
 mod film;
@@ -20,6 +21,7 @@ pub mod texture_lookup;
 mod whole;
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
+pub use build::Surface;
 pub use camera::{Camera, FovAxis, Projection};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use film::{Crop, FilmDescription, ReconstructionFilter};

@@ -7,7 +7,7 @@
 //! | 8      | [`MAGIC`]                                                                                     |
 //! | 8      | length of the header                                                                          |
 //! | 16     | XXH3-128 of the header                                                                        |
-//! | header | JSON: version, scene, settings, device, what the program adds, and length and hash of each part |
+//! | header | JSON: version, scene, settings, device, record, and length and hash of each part           |
 //! | rest   | the parts, one after the other                                                                |
 //!
 //! It is written whole or not at all, and no altered byte of it goes unnoticed. Another version's is refused: what it would
@@ -17,12 +17,14 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_128;
 
 use crate::files::write_whole;
 use crate::renderer::{RenderState, StatePart};
+use crate::session::files::PictureFiles;
+use crate::session::history::History;
+use crate::session::length::Length;
 use crate::settings::Settings;
 use crate::{Error, Result};
 
@@ -32,22 +34,36 @@ pub const MAGIC: [u8; 8] = *b"LDSTR\r\n\x1a";
 const PREFIX_BYTES: u64 = 32;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// A render that can be gone on with. `J` is what the program that renders wants to remember.
+/// A render that can be gone on with.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Checkpoint<J> {
-    /// What is rendered.
+pub struct Checkpoint {
+    /// The scene.
     pub scene: SceneSource,
-    /// How.
+    /// The settings.
     pub settings: Settings,
     /// The device and driver on which it was begun: another's arithmetic may differ in the last bit.
     pub device: String,
-    /// The program's own.
-    pub job: J,
-    /// What has been rendered and learned.
+    /// Length, files and steps of the render.
+    pub record: Record,
+    /// Device memory that holds the film and the guide.
     pub state: RenderState,
 }
 
-/// Where a scene comes from, and how it is known to be the same later.
+/// Everything that a session remembers of a render beside what the device holds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// The end of the render.
+    pub length: Length,
+    /// The picture's files.
+    pub outputs: PictureFiles,
+    /// Files that stand in for built-in kernels, with their hashes.
+    pub kernels: Vec<String>,
+    /// The steps so far.
+    pub history: History,
+}
+
+/// The file of a scene and the scene's fingerprint.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneSource {
@@ -61,12 +77,12 @@ pub struct SceneSource {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Header<J> {
+struct Header {
     version: String,
     scene: SceneSource,
     settings: Settings,
     device: String,
-    job: J,
+    record: Record,
     samples_done: u32,
     parts: Vec<PartEntry>,
 }
@@ -86,7 +102,7 @@ struct PartEntry {
     hash: String,
 }
 
-impl<J: Serialize + DeserializeOwned> Checkpoint<J> {
+impl Checkpoint {
     /// Writes the file whole or not at all.
     ///
     /// # Errors
@@ -104,7 +120,7 @@ impl<J: Serialize + DeserializeOwned> Checkpoint<J> {
         self.state.parts.iter().try_for_each(|part| writer.write_all(&part.bytes))
     }
 
-    fn header(&self) -> Header<&J> {
+    fn header(&self) -> Header {
         let entry = |part: &StatePart| PartEntry {
             name: part.name.clone(),
             bytes: part.bytes.len() as u64,
@@ -115,7 +131,7 @@ impl<J: Serialize + DeserializeOwned> Checkpoint<J> {
             scene: self.scene.clone(),
             settings: self.settings.clone(),
             device: self.device.clone(),
-            job: &self.job,
+            record: self.record.clone(),
             samples_done: self.state.samples_done,
             parts: self.state.parts.iter().map(entry).collect(),
         }
@@ -127,11 +143,11 @@ impl<J: Serialize + DeserializeOwned> Checkpoint<J> {
     /// [`Error::Read`], or [`Error::Checkpoint`] where the file is no checkpoint, another version's, cut short, or altered.
     pub fn read(path: &Path) -> Result<Self> {
         let mut reader = Reader::open(path)?;
-        let Header { scene, settings, device, job, samples_done, parts, .. } = reader.header::<J>()?;
+        let Header { scene, settings, device, record, samples_done, parts, .. } = reader.header()?;
         settings.validate().map_err(|error| Error::checkpoint(path, error.to_string()))?;
         reader.check_length(&parts)?;
         let parts = parts.into_iter().map(|entry| reader.part(entry)).collect::<Result<_>>()?;
-        Ok(Self { scene, settings, device, job, state: RenderState { samples_done, parts } })
+        Ok(Self { scene, settings, device, record, state: RenderState { samples_done, parts } })
     }
 }
 
@@ -152,7 +168,7 @@ impl<'a> Reader<'a> {
         Ok(Self { path, file: BufReader::new(file), bytes_left: metadata.len() })
     }
 
-    fn header<J: DeserializeOwned>(&mut self) -> Result<Header<J>> {
+    fn header(&mut self) -> Result<Header> {
         let prefix = self.take(PREFIX_BYTES.min(self.bytes_left))?;
         if prefix.len() as u64 != PREFIX_BYTES || !prefix.starts_with(&MAGIC) {
             return Err(Error::checkpoint(self.path, "it is no checkpoint; give one that lodestar has written"));
@@ -208,18 +224,18 @@ mod tests {
 
     use crate::scene::{LoadOptions, load};
 
-    type Example = Checkpoint<Vec<f64>>;
-
-    fn example() -> Example {
+    fn example() -> Checkpoint {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.xml");
         let scene = load(&path, &LoadOptions::default()).expect("a scene");
         let defines = vec![("albedo".into(), "0.5".into())];
         let part = |name: &str, bytes: &[u8]| StatePart { name: name.into(), bytes: bytes.to_vec() };
+        let length = Length { spp: None, seconds: Some(1.0 / 3.0) };
+        let history = History { seconds: 5e-324, paths: u64::MAX, ..History::default() };
         Checkpoint {
             scene: SceneSource { path: "/scenes/küche.xml".into(), defines, hash: "00ff".into() },
             settings: Settings::for_scene(&scene),
             device: "a device".into(),
-            job: vec![0.1, 1.0 / 3.0, 5e-324],
+            record: Record { length, outputs: PictureFiles::none(), kernels: vec!["a".into()], history },
             state: RenderState {
                 samples_done: 7,
                 parts: vec![part("a", &[1, 2, 3, 4]), part("b", &[]), part("c", &[5])],
@@ -237,13 +253,13 @@ mod tests {
     #[test]
     fn what_is_written_comes_back() {
         let (_folder, path) = written();
-        assert_eq!(Example::read(&path).unwrap(), example());
+        assert_eq!(Checkpoint::read(&path).unwrap(), example());
     }
 
     /// Each as one sentence that names the file.
     fn refused(path: &Path, bytes: &[u8]) -> String {
         fs::write(path, bytes).unwrap();
-        let error = Example::read(path).unwrap_err();
+        let error = Checkpoint::read(path).unwrap_err();
         assert!(matches!(error, Error::Checkpoint { .. }), "{error}");
         let text = error.to_string();
         assert!(text.contains("a.ckpt: ") && !text.contains('\n'), "{text}");
@@ -289,8 +305,8 @@ mod tests {
     fn what_is_no_checkpoint_is_told_so() {
         let (_folder, path) = written();
         assert!(refused(&path, b"<scene version=\"3.0.0\"></scene>        ").contains("no checkpoint"));
-        let folder = Example::read(path.parent().unwrap()).unwrap_err().to_string();
+        let folder = Checkpoint::read(path.parent().unwrap()).unwrap_err().to_string();
         assert!(folder.contains("not a regular file"), "{folder}");
-        assert!(matches!(Example::read(Path::new("/missing")), Err(Error::Read { .. })));
+        assert!(matches!(Checkpoint::read(Path::new("/missing")), Err(Error::Read { .. })));
     }
 }

@@ -1,7 +1,47 @@
-//! One render from its start to its end: checkpoints, identity, where its time goes.
+//! A render from its start to its end: when it stops, its checkpoints and safety copies, its statistics and times.
+//!
+//! | part | file |
+//! |---|---|
+//! | a caller's choices and their defaults | `options.rs`, `length.rs` |
+//! | the way to the first step, anew or from a checkpoint | `setup.rs` |
+//! | the steps, and when they end | `run.rs` |
+//! | the files at the end | `finish.rs`, `files.rs` |
+//! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when), `film/identity.rs` (of which render) |
+//! | pictures that outlive a lost device | `safety_copy.rs` |
+//! | numbers | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
+//! | news for a caller | `progress.rs` |
 
+#[doc(hidden)]
 pub mod checkpoint;
+mod checkpoints;
+mod files;
+mod finish;
+mod history;
+#[doc(hidden)]
+pub mod kernel_files;
+mod length;
+mod options;
+#[doc(hidden)]
 pub mod profile;
+mod profiler;
+mod progress;
+#[doc(hidden)]
 pub mod radiance_map;
+mod run;
+mod safety_copy;
+mod setup;
+#[doc(hidden)]
+pub mod statistics;
 
+#[doc(hidden)]
 pub use crate::film::identity;
+pub use files::OutputFiles;
+#[doc(hidden)]
+pub use files::PictureFiles;
+#[doc(hidden)]
+pub use history::History;
+pub use length::Length;
+pub use options::{CHECKPOINT_EVERY, FilmSize, Options};
+pub use progress::{Event, Preparation, Progress, Watch};
+pub use run::Session;
+pub use setup::{SceneInput, Start};

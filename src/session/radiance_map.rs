@@ -57,7 +57,33 @@ fn plain(settings: &Settings, width: u32, height: u32) -> Settings {
     Settings { sampler: Sampler::Bsdf, hide_emitters: false, sample_weights: None, ..guide }
 }
 
+/// The settings with which a map is learned: those of a picture, without emitter sampling.
+///
+/// # Errors
+/// [`Error::Settings`] where the sampler learns no radiance.
+pub fn settings_for_map(settings: Settings) -> Result<Settings> {
+    let refuse = |message: &str| Err(Error::Settings(message.into()));
+    match settings.sampler {
+        Sampler::Bsdf => refuse("--sampler bsdf learns nothing, so there is no map of it"),
+        Sampler::Quadtree => refuse("--sampler quadtree learns flux, not radiance, so there is no map of it"),
+        _ => Ok(Settings { nee: false, ..settings }),
+    }
+}
+
 impl Place<'_> {
+    /// Radiance at `point` by direction, learned from `spp` samples per pixel in steps of the full length.
+    ///
+    /// # Errors
+    /// Where the device cannot hold the scene or is lost.
+    pub fn learned_radiance(&self, settings: &Settings, point: &SurfacePoint, spp: u32) -> Result<Vec<f32>> {
+        let mut renderer = Renderer::new(self.context, self.scene, self.bvh, settings)?;
+        while renderer.samples_done() < spp {
+            let left = spp - renderer.samples_done();
+            renderer.step(settings.spp_per_step.min(left), &|| false)?;
+        }
+        renderer.radiance_at(point.position)
+    }
+
     /// What the center of a pixel shows.
     ///
     /// # Errors

@@ -14,7 +14,7 @@ use crate::support::{Folder, SCENE, assert_quiet_success, assert_sentence, wait_
 const LARGE: [&str; 6] = ["--width", "100", "--height", "61", "--spp", "1000000"];
 
 pub fn samples_in(checkpoint: &Path) -> u32 {
-    Checkpoint::<Value>::read(checkpoint).unwrap().state.samples_done
+    Checkpoint::read(checkpoint).unwrap().state.samples_done
 }
 
 /// What statistics say apart from time and memory.
@@ -160,7 +160,7 @@ fn another_scene_is_refused_with_both_hashes() {
     let scene = SCENE.replace("</scene>", shape);
     folder.write("scene.xml", &scene);
     folder.render(&["--spp", "8", "--checkpoint", "a.ckpt", "-o", "a.exr", "-D", "gray=0.25"]);
-    let hash = Checkpoint::<Value>::read(&folder.path("a.ckpt")).unwrap().scene.hash;
+    let hash = Checkpoint::read(&folder.path("a.ckpt")).unwrap().scene.hash;
     let refused = || {
         let output = folder.run(&["resume", "a.ckpt", "--spp", "16"]);
         assert_sentence(&output, 1, &["a.ckpt: ", "scene_hash", &hash, "scene.xml"]);

@@ -7,7 +7,8 @@ use lodestar::film::merge::{PartialPicture, merge};
 use lodestar::film::{read_picture, write_picture};
 use lodestar::image::exr::{read_attributes, read_layer, read_rgb};
 use lodestar::renderer::{RenderState, StatePart};
-use lodestar::session::checkpoint::{Checkpoint, MAGIC, SceneSource};
+use lodestar::session::checkpoint::{Checkpoint, MAGIC, Record, SceneSource};
+use lodestar::session::{History, Length, PictureFiles};
 use lodestar::settings::Settings;
 use proptest::prelude::*;
 use xxhash_rust::xxh3::xxh3_128;
@@ -15,19 +16,19 @@ use xxhash_rust::xxh3::xxh3_128;
 use crate::fuzz::{fuzz, mangled};
 use crate::{Folder, load_body};
 
-type Example = Checkpoint<Vec<f64>>;
-
 /// Before the header: magic, its length, its hash.
 const PREFIX_BYTES: usize = 32;
 
 fn checkpoint_file() -> Vec<u8> {
     let scene = load_body("").unwrap();
     let part = |name: &str, bytes: &[u8]| StatePart { name: name.into(), bytes: bytes.to_vec() };
+    let length = Length { spp: Some(8), seconds: None };
+    let history = History { seconds: 0.5, paths: 8, ..History::default() };
     let checkpoint = Checkpoint {
         scene: SceneSource { path: "/a.xml".into(), defines: vec![("a".into(), "1".into())], hash: "00ff".into() },
         settings: Settings::for_scene(&scene),
         device: "a device".into(),
-        job: vec![0.5, 1.0],
+        record: Record { length, outputs: PictureFiles::none(), kernels: Vec::new(), history },
         state: RenderState { samples_done: 8, parts: vec![part("a", &[1, 2, 3]), part("b", &[4; 40])] },
     };
     let folder = Folder::new(&[]);
@@ -47,10 +48,10 @@ fn picture_file(first: u32) -> Vec<u8> {
     std::fs::read(folder.path("a.exr")).unwrap()
 }
 
-fn read_checkpoint(bytes: &[u8]) -> lodestar::Result<Example> {
+fn read_checkpoint(bytes: &[u8]) -> lodestar::Result<Checkpoint> {
     let folder = Folder::new(&[]);
     folder.write("a.ckpt", bytes);
-    Example::read(&folder.path("a.ckpt"))
+    Checkpoint::read(&folder.path("a.ckpt"))
 }
 
 fn read_part(path: &Path) -> lodestar::Result<PartialPicture> {
@@ -138,7 +139,7 @@ fn read_by_name(name: &str, bytes: &[u8]) -> lodestar::Result<()> {
         "obj" => shape("obj"),
         "ply" => shape("ply"),
         "serialized" => shape("serialized"),
-        "ckpt" => Example::read(&path).map(drop),
+        "ckpt" => Checkpoint::read(&path).map(drop),
         "exr" => read_picture(&path).map(drop),
         other => panic!("no reader for .{other}"),
     }
@@ -146,7 +147,7 @@ fn read_by_name(name: &str, bytes: &[u8]) -> lodestar::Result<()> {
 
 #[test]
 fn the_unmangled_files_are_fine() {
-    assert_eq!(read_checkpoint(&checkpoint_file()).unwrap().job, [0.5, 1.0]);
+    assert_eq!(read_checkpoint(&checkpoint_file()).unwrap().record.history.seconds, 0.5);
     let folder = Folder::new(&[]);
     let parts = [0, 8].map(|first| {
         let name = format!("{first}.exr");

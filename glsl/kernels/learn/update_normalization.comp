@@ -1,6 +1,7 @@
-// Fills the marked entries of the normalization grid from the radiance table: a workgroup per cell, an invocation per entry that
-// is marked, of which most cells have few. The samplers that have a distribution of their own, whatever the normal, get it here as well: the one that
-// inverts over the sphere, which has one bin of normals, its prefix sums, and the product sampler the trees of the cells.
+// Fills the marked entries of the normalization grid from the radiance table. One workgroup handles one cell, and one
+// invocation one marked entry; most cells have few. For samplers with a distribution that does not depend on the
+// normal, the kernel computes that distribution, too: the prefix sums of sphere-inversion, which has a single normal
+// bin, and the cells' trees of the product sampler.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

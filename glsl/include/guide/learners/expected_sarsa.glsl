@@ -1,16 +1,17 @@
-// Expected SARSA (Eq. 5): what y scatters of the radiance that the table expects from all directions above it, by a
-// stratified mean over EXPECTED_DIRECTIONS of them. What leaves in single directions, or on the other side, is not among
-// these: where the sampled direction is one of those it stands for them, as in SARSA.
+// Learner expected-sarsa (Eq. 5). The target contains the radiance that y scatters from all directions above it, as the
+// table expects it: a stratified mean over EXPECTED_DIRECTIONS directions. Single directions and the other side of the
+// surface are not among these. If the sampled direction is one of those, it is added to the target as in SARSA.
 #ifndef EXPECTED_SARSA_GLSL
 #define EXPECTED_SARSA_GLSL
 #include "path/guiding.glsl"
 #include "random/random.glsl"
 #include "guide/learners/segment.glsl"
 
-// The golden section: its multiples are evenly spread, however many there are.
+// Golden section. Its multiples modulo 1 are evenly distributed for any number of them.
 const float GOLDEN_SECTION = 0.61803398875;
 
-// Local direction `i` of EXPECTED_DIRECTIONS, uniform over the hemisphere where `shift` is uniform over the unit square.
+// Local direction `i` of EXPECTED_DIRECTIONS. It is uniform over the hemisphere if `shift` is uniform over the unit
+// square.
 vec3 stratified_direction(uint i, vec2 shift) {
     float height = (float(i) + shift.x) / float(EXPECTED_DIRECTIONS);
     vec2 sc = sin_cos_turn(fract(float(i) * GOLDEN_SECTION + shift.y));

@@ -1,30 +1,28 @@
-//! `render --profile`.
+//! Timing a render for `--profile`.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use lodestar::gpu::Context;
-use lodestar::renderer::StepReport;
-use lodestar::session::profile::{Profile, Step};
-use lodestar::{Result, files};
-
-use super::print_line;
+use crate::gpu::Context;
+use crate::renderer::StepReport;
+use crate::session::profile::{Profile, Step, Summary};
+use crate::{Result, files};
 
 /// Collects the times of a render and writes them at its end.
-pub struct Profiler {
+pub(super) struct Profiler {
     path: PathBuf,
     context: Arc<Context>,
     profile: Profile,
 }
 
 impl Profiler {
-    /// Times all that `context` does from now on.
+    /// Times everything that `context` does from now on.
     pub fn start(path: PathBuf, context: &Arc<Context>) -> Self {
         let profile = Profile::new(context.record_timings(), &context.device().name);
         Self { path, context: Arc::clone(context), profile }
     }
 
-    /// Takes note of a step that has just ended.
+    /// Notes a step that has just ended.
     pub fn note(&mut self, report: &StepReport) {
         self.profile.add(Step {
             samples: report.samples,
@@ -34,10 +32,10 @@ impl Profiler {
         });
     }
 
-    /// Writes the trace and prints the table.
-    pub fn finish(&self) -> Result<()> {
+    /// Writes the trace and returns its summary.
+    pub fn write(&self) -> Result<Summary> {
         let trace = self.profile.trace();
         files::write_whole(&self.path, |writer| Ok(serde_json::to_writer(writer, &trace)?))?;
-        print_line(self.profile.summary().table().trim_end())
+        Ok(self.profile.summary())
     }
 }

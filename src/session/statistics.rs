@@ -1,48 +1,62 @@
-//! What `--stats` writes.
+//! Numbers about a render, as `--stats` writes them.
 
-use lodestar::film::noise::NoiseReport;
-use lodestar::gpu::DeviceInfo;
-use lodestar::image::metrics::Metrics;
-use lodestar::renderer::Counts;
-use lodestar::settings::Settings;
 use serde::{Deserialize, Serialize};
 
-/// The whole file.
+use crate::film::noise::NoiseReport;
+use crate::gpu::DeviceInfo;
+use crate::image::metrics::Metrics;
+use crate::renderer::Counts;
+use crate::settings::Settings;
+
+/// All numbers about one render.
 #[derive(Debug, Serialize)]
-pub struct Stats {
+pub struct Statistics {
+    /// The scene's name.
     pub scene: String,
+    /// The settings.
     pub settings: Settings,
+    /// The device.
     pub device: DeviceInfo,
+    /// The software.
     pub versions: Versions,
+    /// Times before the first sample.
     #[serde(flatten)]
     pub times: SetupTimes,
+    /// Sums over the steps.
     pub totals: Totals,
-    pub steps: Vec<Step>,
+    /// The steps in order.
+    pub steps: Vec<StepStatistics>,
 }
 
-/// How long it took to come to the first sample, and with what.
+/// Times before the first sample, and the size of the scene.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct SetupTimes {
+    /// Reading the scene.
     pub load_seconds: f64,
+    /// Building the hierarchy.
     pub bvh_seconds: f64,
+    /// Building the kernels and uploading the scene.
     pub pipeline_seconds: f64,
-    /// From the command's start until the first sample could be taken: less than the sum where things went side by side, more
-    /// by what none of them counts.
+    /// Wall time from the start until the first sample could be taken. Parts run at the same time, so their sum may be more.
     pub setup_seconds: f64,
+    /// Primitives of the scene.
     #[serde(skip)]
     pub primitive_count: usize,
 }
 
-/// What produced the numbers.
+/// The software that produced the numbers.
 #[derive(Debug, Serialize)]
 pub struct Versions {
+    /// This crate's version.
     pub lodestar: &'static str,
+    /// The device's Vulkan version.
     pub vulkan: String,
+    /// The driver's name and version.
     pub driver: String,
 }
 
 impl Versions {
-    /// With the driver of `device`.
+    /// The versions on `device`.
     pub fn of(device: &DeviceInfo) -> Self {
         Self {
             lodestar: env!("CARGO_PKG_VERSION"),
@@ -52,34 +66,43 @@ impl Versions {
     }
 }
 
-/// One step, or all of them.
+/// Numbers about one step, or about all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Step {
-    /// Samples that every pixel has taken, but those that noise has ended.
+pub struct StepStatistics {
+    /// Samples that every pixel has taken, except pixels that noise has ended.
     pub spp: u64,
+    /// Wall time.
     pub seconds: f64,
+    /// Paths traced.
     pub paths: u64,
+    /// Rays traced, without shadow rays.
     pub rays: u64,
-    /// Rays towards sampled lights, which are not among `rays`.
+    /// Rays towards sampled lights.
     pub shadow_rays: u64,
     /// Milliseconds per sample per pixel, for the whole picture.
     pub ms_per_sample: f64,
+    /// Share of the guided directions that pointed below the surface.
     pub invalid_rate: f64,
+    /// Share of the scattered rays that met light.
     pub light_hit_rate: f64,
+    /// Proposals per guided direction.
     pub tries_per_sample: f64,
-    /// Of the picture after this step, where it was measured.
+    /// Error of the picture after this step, where it was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub errors: Option<Metrics>,
 }
 
-/// The sum of the steps.
+/// Sums over the steps of a render.
 #[derive(Debug, Serialize)]
 pub struct Totals {
+    /// The sums.
     #[serde(flatten)]
-    pub sums: Step,
+    pub sums: StepStatistics,
+    /// Primitives of the scene.
     pub primitives: usize,
+    /// Samples and learning targets dropped because they were NaN or infinite.
     pub nonfinite_samples: u64,
-    /// Where noise ends the render.
+    /// Noise of the picture, where noise ends the render.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseReport>,
     /// The most memory that the device's buffers ever held.
@@ -88,9 +111,9 @@ pub struct Totals {
     pub peak_resident_bytes: Option<u64>,
 }
 
-impl Step {
-    /// Of `paths` paths, `spp` for every pixel of the window that noise has not ended and, where the step was cut short, some more
-    /// for a few.
+impl StepStatistics {
+    /// Numbers about `paths` paths, `spp` for every pixel that noise has not ended. A step that was cut short has a few paths
+    /// more.
     pub fn new(spp: u64, paths: u64, pixels: u64, seconds: f64, counts: &Counts) -> Self {
         let mean_spp = paths as f64 / pixels as f64;
         Self {
@@ -109,7 +132,7 @@ impl Step {
 }
 
 /// Peak resident memory of this process, on systems that tell it through a file.
-pub fn peak_resident_bytes() -> Option<u64> {
+pub(super) fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix(" kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)

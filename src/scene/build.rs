@@ -1,0 +1,159 @@
+//! Scenes made in code.
+
+use std::path::Path;
+
+use glam::{Mat4, Vec2, Vec3};
+
+use super::{
+    AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, IntegratorDescription, LoadOptions, Material, MaterialKind,
+    Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial, Textured, load,
+};
+use crate::Result;
+
+/// What covers a shape: a material, and light where it emits any. A scene gives these out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Surface {
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+    /// Index into [`Scene::emitters`].
+    pub emitter: Option<u32>,
+}
+
+impl Camera {
+    /// A pinhole camera at `eye` that looks at `target`, upright in a world whose `y` axis points up; a camera that looks
+    /// along that axis has `z` up. `fov` is the horizontal field of view in degrees.
+    pub fn look_at(eye: impl Into<Vec3>, target: impl Into<Vec3>, fov: f32) -> Self {
+        let eye = eye.into();
+        let forward = (target.into() - eye).normalize_or(Vec3::NEG_Z);
+        let left = Vec3::Y.cross(forward).try_normalize().unwrap_or_else(|| Vec3::Z.cross(forward).normalize());
+        let axes = [left, forward.cross(left), forward].map(|axis| axis.extend(0.0));
+        Self {
+            projection: Projection::Perspective,
+            world_from_camera: Mat4::from_cols(axes[0], axes[1], axes[2], eye.extend(1.0)),
+            fov,
+            fov_axis: FovAxis::X,
+            principal_point: Vec2::ZERO,
+            near_clip: 1.0e-2,
+            far_clip: 1.0e4,
+        }
+    }
+}
+
+/// Scenes from files and from code.
+///
+/// ```
+/// use lodestar::scene::{Camera, Scene};
+/// let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 40.0), 64, 64);
+/// let gray = scene.add_diffuse([0.5; 3]);
+/// let lamp = scene.add_light([10.0; 3]);
+/// scene.add_sphere([0.0, 0.0, 0.0], 1.0, gray);
+/// scene.add_parallelogram([0.0, 3.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], lamp);
+/// assert_eq!(scene.primitives.len(), 2);
+/// ```
+impl Scene {
+    /// Reads a Mitsuba scene.
+    ///
+    /// # Errors
+    /// Where the file, or a file that it names, cannot be read or asks for something unsupported.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
+        load(path.as_ref(), &LoadOptions::default())
+    }
+
+    /// An empty scene on a film of that size in pixels, with a box filter.
+    pub fn new(camera: Camera, width: u32, height: u32) -> Self {
+        Self {
+            name: "scene".into(),
+            camera,
+            film: FilmDescription { width, height, crop: None, filter: ReconstructionFilter::Box },
+            integrator: IntegratorDescription::default(),
+            sample_count: None,
+            primitives: Vec::new(),
+            materials: Vec::new(),
+            emitters: Vec::new(),
+            environment: None,
+            delta_emitters: Vec::new(),
+            textures: Vec::new(),
+            images: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Adds a diffuse material with two sides. `reflectance` is linear sRGB, each channel in [0, 1].
+    pub fn add_diffuse(&mut self, reflectance: impl Into<Vec3>) -> Surface {
+        let bsdf = Bsdf::Diffuse { reflectance: Textured::constant(reflectance.into()) };
+        self.add_material(SurfaceMaterial { two_sided: true, ..SurfaceMaterial::plain(bsdf) })
+    }
+
+    /// Adds a material.
+    pub fn add_material(&mut self, material: SurfaceMaterial) -> Surface {
+        let name = format!("material {}", self.materials.len());
+        self.materials.push(Material { name, kind: MaterialKind::Surface(material) });
+        Surface { material: self.materials.len() as u32 - 1, emitter: None }
+    }
+
+    /// Adds an emitter on a black material. `radiance` is linear sRGB, W/(m^2 sr). It emits from the side that the normal
+    /// points to.
+    pub fn add_light(&mut self, radiance: impl Into<Vec3>) -> Surface {
+        self.emitters.push(AreaEmitter::new(Textured::constant(radiance.into())));
+        let emitter = Some(self.emitters.len() as u32 - 1);
+        Surface { emitter, ..self.add_diffuse(Vec3::ZERO) }
+    }
+
+    /// Adds a sphere. Its normal points outwards.
+    pub fn add_sphere(&mut self, center: impl Into<Vec3>, radius: f32, surface: Surface) {
+        let sphere = primitive(PrimitiveShape::Sphere, center.into(), radius * Vec3::X, radius * Vec3::Z, surface);
+        self.primitives.push(Primitive { uvs: [Vec2::ONE; 3], ..sphere });
+    }
+
+    /// Adds a parallelogram around `center`, from there half a side to either end of `half_u` and `half_v`. Its normal points
+    /// along their cross product.
+    pub fn add_parallelogram(
+        &mut self,
+        center: impl Into<Vec3>,
+        half_u: impl Into<Vec3>,
+        half_v: impl Into<Vec3>,
+        surface: Surface,
+    ) {
+        let shape = PrimitiveShape::Parallelogram;
+        self.primitives.push(primitive(shape, center.into(), half_u.into(), half_v.into(), surface));
+    }
+
+    /// Adds a mesh with flat triangles: positions, and three of their indices for each triangle, counterclockwise where the
+    /// normal points to the viewer.
+    ///
+    /// # Panics
+    /// Where an index is out of range.
+    pub fn add_mesh(&mut self, positions: &[[f32; 3]], triangles: &[[u32; 3]], surface: Surface) {
+        let triangle = |corners: &[u32; 3]| {
+            let [a, b, c] = corners.map(|corner| Vec3::from(positions[corner as usize]));
+            primitive(PrimitiveShape::Triangle, a, b - a, c - a, surface)
+        };
+        self.primitives.extend(triangles.iter().map(triangle));
+    }
+}
+
+fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3, surface: Surface) -> Primitive {
+    let Surface { material, emitter } = surface;
+    let uvs = [Vec2::ZERO, Vec2::X, Vec2::Y];
+    Primitive { shape, origin, edge_u, edge_v, normals: None, uvs, flip_normal: false, material, emitter }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_look_at_their_targets() {
+        for (eye, target) in
+            [([0.0, 0.0, 5.0], [0.0; 3]), ([1.0, 2.0, 3.0], [-1.0, 0.5, 7.0]), ([0.0, 9.0, 0.0], [0.0; 3])]
+        {
+            let camera = Camera::look_at(eye, target, 40.0);
+            let [left, up, forward] =
+                [Vec3::X, Vec3::Y, Vec3::Z].map(|a| camera.world_from_camera.transform_vector3(a));
+            assert!(left.cross(up).distance(forward) < 1.0e-6, "right-handed");
+            assert!(up.y >= 0.0 && left.y.abs() < 1.0e-6, "upright");
+            let towards = (Vec3::from(target) - Vec3::from(eye)).normalize();
+            assert!(forward.distance(towards) < 1.0e-6);
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! The end of a render: pictures, checkpoint, statistics and profile are written, however it ended.
+
+use crate::film::Picture;
+use crate::image::metrics::Metrics;
+use crate::session::progress::{Event, Watch};
+use crate::session::run::Session;
+use crate::session::safety_copy::CopiedPicture;
+use crate::session::statistics::{Statistics, StepStatistics, Totals, Versions, peak_resident_bytes};
+use crate::{Error, Result, files};
+
+impl Session {
+    /// Writes all files after `rendered`, however that went, and returns the first failure.
+    pub(super) fn finish(&mut self, rendered: Result<()>, watch: &Watch<'_>) -> Result<()> {
+        let written = self.write_files(rendered, watch);
+        let profiled = self.write_profile();
+        warn_of_nonfinite(self.history.counts.nonfinite, watch);
+        let validated = self.tell_validation(watch);
+        written.and(profiled).and(validated)
+    }
+
+    /// Writes picture, checkpoint and statistics.
+    fn write_files(&mut self, rendered: Result<()>, watch: &Watch<'_>) -> Result<()> {
+        let is_lost = matches!(rendered, Err(Error::DeviceLost { .. }));
+        let (copied, rendered) = self.last_picture(rendered);
+        let mut errors = None;
+        let written = copied.and_then(|copied| {
+            let Some(CopiedPicture { picture, samples }) = copied else { return Ok(()) };
+            let measured = self.measure(&picture).map(|measured| errors = measured);
+            let written = self.write_last(&picture, samples, rendered.is_ok(), watch);
+            self.rescued = matches!(rendered, Err(Error::DeviceLost { .. })).then_some(picture);
+            written.and(measured)
+        });
+        let kept = self.keep(|checkpoints, renderer, history| match is_lost {
+            true => checkpoints.write(),
+            false => checkpoints.finish(renderer, history),
+        });
+        let statistics = self.output.statistics.as_ref();
+        let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &self.statistics(errors)));
+        rendered.and(written).and(kept).and(statistics)
+    }
+
+    /// The picture to write: the device's, or where the device is lost, the safety copy.
+    fn last_picture(&mut self, rendered: Result<()>) -> (Result<Option<CopiedPicture>>, Result<()>) {
+        let read = match &rendered {
+            // It would be wrong: a file of an earlier time is left as it is.
+            Err(Error::Render(_)) => return (Ok(None), rendered),
+            Err(Error::DeviceLost { .. }) => None,
+            _ => Some(self.renderer.picture()),
+        };
+        let lost = match (read, rendered) {
+            (Some(Ok(picture)), rendered) => {
+                return (Ok(Some(CopiedPicture { picture, samples: self.renderer.samples_done() })), rendered);
+            }
+            (None, Err(error)) | (Some(Err(error @ Error::DeviceLost { .. })), Ok(())) => error,
+            (Some(Err(error)), rendered) => return (Err(error), rendered),
+            (None, Ok(())) => return (Ok(None), Ok(())),
+        };
+        let copied = self.output.safety_copy.take();
+        let clause = match &copied {
+            Some(CopiedPicture { samples, .. }) => {
+                format!("the picture has the {samples} samples per pixel that were last read back from it")
+            }
+            None => "there is no picture, for none was read back from it yet".to_owned(),
+        };
+        (Ok(copied), Err(lost.noting(&clause)))
+    }
+
+    /// Writes the last picture, unless there is nothing on it.
+    fn write_last(&self, picture: &Picture, samples: u32, is_rendered: bool, watch: &Watch<'_>) -> Result<()> {
+        let empty = picture.sample_count.iter().filter(|&&count| count == 0).count();
+        if empty < picture.sample_count.len() {
+            if empty > 0 {
+                let all = self.pixels();
+                watch.warn(&format!("{empty} of {all} pixels are black: the render ended before their first sample"));
+            }
+            return self.write_pictures(picture, samples);
+        }
+        let message = "the render ended before the first sample, so no picture is written";
+        match (watch.stop)() {
+            true => watch.warn(message),
+            false if is_rendered => return Err(Error::Render(format!("{message}: give it more --time"))),
+            false => {}
+        }
+        Ok(())
+    }
+
+    /// Writes the trace of all dispatches, where it is asked for.
+    fn write_profile(&mut self) -> Result<()> {
+        self.profile = self.profiler.as_ref().map(|profiler| profiler.write()).transpose()?;
+        Ok(())
+    }
+
+    /// Passes on the validation layer's messages. They are a failure.
+    fn tell_validation(&self, watch: &Watch<'_>) -> Result<()> {
+        let messages = self.context.validation_messages();
+        messages.iter().for_each(|message| watch.tell(Event::Validation(message)));
+        match messages.len() {
+            0 => Ok(()),
+            count => Err(Error::Render(format!("the validation layer had {count} complaints"))),
+        }
+    }
+
+    /// All numbers about the render so far; `errors` is the error of the last picture.
+    fn statistics(&self, errors: Option<Metrics>) -> Statistics {
+        let device = self.context.device().clone();
+        let spp = self.renderer.samples_done().into();
+        let sums =
+            StepStatistics::new(spp, self.history.paths, self.pixels(), self.history.seconds, &self.history.counts);
+        let mut steps = self.history.steps.clone();
+        if let Some(last) = steps.last_mut() {
+            last.errors = errors;
+        }
+        let times = self.subject.times;
+        Statistics {
+            scene: self.subject.scene_name.clone(),
+            settings: self.settings.clone(),
+            versions: Versions::of(&device),
+            device,
+            times,
+            totals: Totals {
+                sums: StepStatistics { errors, ..sums },
+                primitives: times.primitive_count,
+                nonfinite_samples: self.history.counts.nonfinite,
+                noise: self.renderer.noise(),
+                peak_bytes: self.context.peak_allocated_bytes(),
+                peak_resident_bytes: peak_resident_bytes(),
+            },
+            steps,
+        }
+    }
+}
+
+/// Dropped samples make a picture too dark. They come from a scene with infinite or undefined values.
+fn warn_of_nonfinite(count: u64, watch: &Watch<'_>) {
+    if count > 0 {
+        let what = "samples and learning targets were infinite or not a number: such samples count as black";
+        watch.warn(&format!("{count} {what}"));
+    }
+}

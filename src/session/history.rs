@@ -1,0 +1,33 @@
+//! The steps that a render has taken.
+
+use serde::{Deserialize, Serialize};
+
+use crate::renderer::Counts;
+use crate::session::statistics::StepStatistics;
+
+/// The steps of a render so far and their sums.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct History {
+    /// Seconds of rendering.
+    pub seconds: f64,
+    /// Paths traced.
+    pub paths: u64,
+    /// Sums of what the kernels counted.
+    pub counts: Counts,
+    /// The steps in order.
+    pub steps: Vec<StepStatistics>,
+}
+
+impl History {
+    /// The clause of an error message that says which step was the last good one.
+    pub(super) fn last_good_step(&self) -> String {
+        match self.steps.len() {
+            0 => "no step was done yet".to_owned(),
+            count => {
+                let samples: u64 = self.steps.iter().map(|step| step.spp).sum();
+                format!("the last good step is number {count}, which ended at {samples} samples per pixel")
+            }
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! Everything that a caller may choose about a render, each with a default.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::Result;
+use crate::gpu::{Context, ContextOptions};
+use crate::scene::{Crop, ReconstructionFilter, Scene};
+use crate::session::files::OutputFiles;
+use crate::session::length::Length;
+use crate::settings::{Execution, Sampler, Settings, depth_warning};
+
+/// Samples per pixel where neither the caller nor the scene says when the render ends.
+const DEFAULT_SPP: u32 = 64;
+/// Seconds between two writings of a checkpoint.
+pub const CHECKPOINT_EVERY: f64 = 60.0;
+
+/// Size of the film.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum FilmSize {
+    /// The scene's own size.
+    #[default]
+    OfScene,
+    /// The scene's own size times a factor.
+    Scaled(f32),
+    /// Width and height in pixels.
+    Pixels(u32, u32),
+}
+
+/// The device that renders.
+#[derive(Clone)]
+pub(super) enum DeviceChoice {
+    /// A device to open.
+    Open(ContextOptions),
+    /// A device that is open.
+    Opened(Arc<Context>),
+}
+
+type Change = Arc<dyn Fn(&mut Settings) + Send + Sync>;
+type Check = Arc<dyn Fn(&Settings) -> Result<()> + Send + Sync>;
+
+/// Options of a render. Every option has a default: the scene's own choice where it makes one, 64 samples per pixel, the best
+/// device, no files.
+///
+/// ```
+/// use lodestar::settings::Sampler;
+/// let options = lodestar::Options::new().samples(256).size(640, 480).seed(7).sampler(Sampler::Bsdf);
+/// ```
+#[derive(Clone)]
+pub struct Options {
+    pub(super) length: Length,
+    size: FilmSize,
+    crop: Option<Crop>,
+    filter: Option<ReconstructionFilter>,
+    max_depth: Option<u32>,
+    rr_depth: Option<u32>,
+    changes: Vec<Change>,
+    checks: Vec<Check>,
+    pub(super) device: DeviceChoice,
+    slice_milliseconds: Option<f64>,
+    execution: Execution,
+    pub(super) kernel_folder: Option<PathBuf>,
+    /// `None` keeps the picture in memory only.
+    pub(super) files: Option<OutputFiles>,
+    pub(super) checkpoint: Option<PathBuf>,
+    pub(super) checkpoint_every: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            length: Length::default(),
+            size: FilmSize::OfScene,
+            crop: None,
+            filter: None,
+            max_depth: None,
+            rr_depth: None,
+            changes: Vec::new(),
+            checks: Vec::new(),
+            device: DeviceChoice::Open(ContextOptions::default()),
+            slice_milliseconds: None,
+            execution: Execution::Auto,
+            kernel_folder: None,
+            files: None,
+            checkpoint: None,
+            checkpoint_every: CHECKPOINT_EVERY,
+        }
+    }
+}
+
+/// Where pictures come from and how they look.
+impl Options {
+    /// The defaults.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Ends the render after so many samples per pixel.
+    #[must_use]
+    pub fn samples(mut self, per_pixel: u32) -> Self {
+        self.length.spp = Some(per_pixel);
+        self
+    }
+
+    /// Ends the render after so many seconds of rendering; loading does not count.
+    #[must_use]
+    pub fn seconds(mut self, seconds: f64) -> Self {
+        self.length.seconds = Some(seconds);
+        self
+    }
+
+    /// Sets the size of the film in pixels.
+    #[must_use]
+    pub fn size(self, width: u32, height: u32) -> Self {
+        self.film_size(FilmSize::Pixels(width, height))
+    }
+
+    /// Sets the size of the film.
+    #[must_use]
+    pub fn film_size(self, size: FilmSize) -> Self {
+        Self { size, ..self }
+    }
+
+    /// Renders this window of the film only.
+    #[must_use]
+    pub fn crop(self, crop: Crop) -> Self {
+        Self { crop: Some(crop), ..self }
+    }
+
+    /// Sets the reconstruction filter.
+    #[must_use]
+    pub fn filter(self, filter: ReconstructionFilter) -> Self {
+        Self { filter: Some(filter), ..self }
+    }
+
+    /// Sets the longest path in edges.
+    #[must_use]
+    pub fn max_depth(self, edges: u32) -> Self {
+        Self { max_depth: Some(edges), ..self }
+    }
+
+    /// Sets the number of edges from which Russian roulette by throughput is played.
+    #[must_use]
+    pub fn rr_depth(self, edges: u32) -> Self {
+        Self { rr_depth: Some(edges), ..self }
+    }
+
+    /// Sets the seed of all random numbers.
+    #[must_use]
+    pub fn seed(self, seed: u32) -> Self {
+        self.settings(move |settings| settings.seed = seed)
+    }
+
+    /// Sets where scattered directions come from, with the learner that suits it.
+    #[must_use]
+    pub fn sampler(self, sampler: Sampler) -> Self {
+        self.settings(move |settings| (settings.sampler, settings.learner) = (sampler, sampler.default_learner()))
+    }
+
+    /// Changes any other setting. Changes are made in the order in which they are given, after the film's size is known.
+    #[must_use]
+    pub fn settings(mut self, change: impl Fn(&mut Settings) + Send + Sync + 'static) -> Self {
+        self.changes.push(Arc::new(change));
+        self
+    }
+
+    /// Adds a rule that the settings must pass.
+    #[must_use]
+    pub fn check(mut self, check: impl Fn(&Settings) -> Result<()> + Send + Sync + 'static) -> Self {
+        self.checks.push(Arc::new(check));
+        self
+    }
+}
+
+/// Devices and files.
+impl Options {
+    /// Renders on a device that is open.
+    #[must_use]
+    pub fn context(self, context: &Arc<Context>) -> Self {
+        Self { device: DeviceChoice::Opened(Arc::clone(context)), ..self }
+    }
+
+    /// Opens the device with this index, or with a name that contains this text.
+    #[must_use]
+    pub fn device(self, device: impl Into<String>) -> Self {
+        self.open_device(ContextOptions { device: Some(device.into()), validate: false })
+    }
+
+    /// Opens the device that `options` describe.
+    #[must_use]
+    pub fn open_device(self, options: ContextOptions) -> Self {
+        Self { device: DeviceChoice::Open(options), ..self }
+    }
+
+    /// Sets the time that one dispatch should take, in milliseconds.
+    #[must_use]
+    pub fn slice_milliseconds(self, milliseconds: f64) -> Self {
+        Self { slice_milliseconds: Some(milliseconds), ..self }
+    }
+
+    /// Sets how paths are traced.
+    #[must_use]
+    pub fn execution(self, execution: Execution) -> Self {
+        Self { execution, ..self }
+    }
+
+    /// Takes kernels from the `.spv` files of this folder.
+    #[must_use]
+    pub fn kernel_folder(self, folder: impl AsRef<Path>) -> Self {
+        Self { kernel_folder: Some(folder.as_ref().to_path_buf()), ..self }
+    }
+
+    /// Writes these files.
+    #[must_use]
+    pub fn files(self, files: OutputFiles) -> Self {
+        Self { files: Some(files), ..self }
+    }
+
+    /// Keeps a checkpoint in this file, from which [`Session::resume`](crate::Session::resume) goes on. A resumed render keeps
+    /// its own file.
+    #[must_use]
+    pub fn checkpoint(self, file: impl AsRef<Path>) -> Self {
+        Self { checkpoint: Some(file.as_ref().to_path_buf()), ..self }
+    }
+
+    /// Writes the checkpoint every so many seconds, and at the end.
+    #[must_use]
+    pub fn checkpoint_every(self, seconds: f64) -> Self {
+        Self { checkpoint_every: seconds, ..self }
+    }
+}
+
+impl Options {
+    /// The settings of a render of `scene`: its own choices where no option is given.
+    ///
+    /// # Errors
+    /// Where an option is out of its range or does not suit the scene.
+    pub fn settings_for(&self, scene: &Scene) -> Result<Settings> {
+        let mut settings = Settings::for_scene(scene);
+        self.resize(&mut settings);
+        settings.crop = self.crop.or(settings.crop);
+        settings.filter = self.filter.unwrap_or(settings.filter);
+        settings.max_depth = self.max_depth.unwrap_or(settings.max_depth);
+        settings.rr_depth = self.rr_depth.unwrap_or(settings.rr_depth);
+        self.changes.iter().for_each(|change| change(&mut settings));
+        settings.validate()?;
+        self.checks.iter().try_for_each(|check| check(&settings))?;
+        settings.check_lighting(scene)?;
+        Ok(settings)
+    }
+
+    fn resize(&self, settings: &mut Settings) {
+        let old = [settings.width, settings.height];
+        let new = match self.size {
+            FilmSize::OfScene => return,
+            FilmSize::Pixels(width, height) => [width, height],
+            FilmSize::Scaled(factor) => old.map(|size| ((size as f32 * factor).round() as u32).max(1)),
+        };
+        settings.crop = rescaled_crop(settings.crop, old, new);
+        [settings.width, settings.height] = new;
+    }
+
+    /// The end of a new render of `scene` with `settings`.
+    pub(super) fn length_for(&self, scene: &Scene, settings: &Settings) -> Length {
+        let ends_otherwise = self.length.seconds.is_some() || settings.noise.is_some();
+        let default = (!ends_otherwise).then(|| scene.sample_count.unwrap_or(DEFAULT_SPP));
+        Length { spp: self.length.spp.or(default), seconds: self.length.seconds }
+    }
+
+    /// A warning where the scene asks for a depth that is rendered otherwise, unless the caller has chosen the depth.
+    pub(super) fn depth_warning(&self, scene: &Scene) -> Option<String> {
+        let is_chosen = self.max_depth.is_some() || self.rr_depth.is_some();
+        depth_warning(scene).filter(|_| !is_chosen)
+    }
+
+    /// Sets the settings that change no bit of a picture.
+    pub(super) fn set_execution(&self, settings: &mut Settings) {
+        settings.slice_milliseconds = self.slice_milliseconds;
+        settings.execution = self.execution;
+    }
+}
+
+/// The scene's crop window keeps its place when the film's size changes.
+fn rescaled_crop(crop: Option<Crop>, [width, height]: [u32; 2], [new_width, new_height]: [u32; 2]) -> Option<Crop> {
+    let scale = |value: u32, old: u32, new: u32| (u64::from(value) * u64::from(new) / u64::from(old.max(1))) as u32;
+    crop.map(|c| Crop {
+        x: scale(c.x, width, new_width),
+        y: scale(c.y, height, new_height),
+        width: scale(c.width, width, new_width).max(1),
+        height: scale(c.height, height, new_height).max(1),
+    })
+}

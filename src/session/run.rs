@@ -1,0 +1,290 @@
+//! Steps of a render until it is enough.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::Result;
+use crate::film::Picture;
+use crate::film::ranges::SampleRanges;
+use crate::gpu::Context;
+use crate::image::{Image, metrics};
+use crate::renderer::{Renderer, StepReport};
+use crate::session::checkpoints::Checkpoints;
+use crate::session::files::PictureFiles;
+use crate::session::history::History;
+use crate::session::identity;
+use crate::session::length::Length;
+use crate::session::profile::Summary;
+use crate::session::profiler::Profiler;
+use crate::session::progress::{Event, Progress, Watch};
+use crate::session::safety_copy::SafetyCopy;
+use crate::session::statistics::{SetupTimes, StepStatistics};
+use crate::settings::Settings;
+
+/// A render from its start to its end.
+///
+/// A session takes steps until enough samples or seconds have passed, noise is low enough, or its caller stops it. It keeps
+/// checkpoints, a safety copy of the picture, statistics and times, and writes the files that its [`Options`](crate::Options)
+/// name.
+///
+/// ```no_run
+/// use lodestar::{Options, Session};
+/// let mut session = Session::open("scene.xml", &Options::new())?;
+/// session.step(16)?;
+/// let preview = session.picture()?;
+/// session.step(48)?;
+/// # Ok::<(), lodestar::Error>(())
+/// ```
+pub struct Session {
+    pub(super) context: Arc<Context>,
+    pub(super) renderer: Renderer,
+    pub(super) settings: Settings,
+    pub(super) length: Length,
+    pub(super) history: History,
+    pub(super) subject: Subject,
+    /// The picture that errors are measured against.
+    pub(super) reference: Option<Image>,
+    pub(super) output: Output,
+    pub(super) checkpoints: Option<Checkpoints>,
+    pub(super) profiler: Option<Profiler>,
+    /// Times of all dispatches, once their trace is written.
+    pub(super) profile: Option<Summary>,
+    /// The safety copy of the picture, once the device is lost.
+    pub(super) rescued: Option<Picture>,
+}
+
+/// The scene and the kernels of a render.
+pub(super) struct Subject {
+    pub scene_name: String,
+    pub scene_path: PathBuf,
+    pub scene_hash: String,
+    /// Files that stand in for built-in kernels, with their hashes.
+    pub kernels: Vec<String>,
+    pub times: SetupTimes,
+}
+
+/// Files of the picture and of its statistics, and when they were last written.
+pub(super) struct Output {
+    pub pictures: PictureFiles,
+    /// Seconds between two writings of the unfinished picture.
+    pub write_every: Option<f64>,
+    pub statistics: Option<PathBuf>,
+    pub safety_copy: SafetyCopy,
+    pub last_write: Instant,
+    /// Whether the last writing succeeded.
+    pub is_writable: bool,
+}
+
+impl Session {
+    /// Takes `samples` more samples per pixel, whatever the length of the render. They are split into steps by the guide's
+    /// schedule, so that the guide learns between them. A step that `samples` cuts short makes the next ones differ from those
+    /// of a longer request. Files are written by [`Session::run`].
+    ///
+    /// # Errors
+    /// Where the device is lost or a result would be wrong.
+    pub fn step(&mut self, samples: u32) -> Result<Progress> {
+        let end = self.renderer.samples_done().saturating_add(samples);
+        while self.can_step() && self.renderer.samples_done() < end {
+            self.advance(end - self.renderer.samples_done(), None, &Watch::silent())?;
+        }
+        Ok(self.progress())
+    }
+
+    /// Renders to the end and writes the files. `on_step` is called after every step; `Break` ends the render.
+    ///
+    /// # Errors
+    /// Where the device is lost, a result would be wrong, or a file cannot be written.
+    pub fn run(&mut self, on_step: impl FnMut(&Self) -> ControlFlow<()>) -> Result<()> {
+        self.run_watched(&Watch::silent(), on_step)
+    }
+
+    /// [`Session::run`] under the eyes of `watch`.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run_watched(&mut self, watch: &Watch<'_>, mut on_step: impl FnMut(&Self) -> ControlFlow<()>) -> Result<()> {
+        let rendered = self.render(watch, &mut on_step);
+        watch.tell(Event::Rendered);
+        self.finish(rendered, watch)
+    }
+
+    /// The picture so far. Where the device was lost during [`Session::run`], its last safety copy.
+    ///
+    /// # Errors
+    /// Where the device is lost and there is no copy.
+    pub fn picture(&self) -> Result<Picture> {
+        self.rescued.clone().map_or_else(|| self.renderer.picture(), Ok)
+    }
+
+    /// How far the render is.
+    pub fn progress(&self) -> Progress {
+        let samples = self.renderer.samples_done();
+        Progress {
+            samples,
+            seconds: self.history.seconds,
+            paths: self.history.paths,
+            light_hit_rate: self.history.steps.last().map_or(0.0, |step| step.light_hit_rate),
+            noise: self.renderer.noise(),
+            fraction: self.length.fraction(samples, self.history.seconds),
+            length: self.length,
+        }
+    }
+
+    /// The settings of the render.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The device that renders.
+    pub fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// Times of all dispatches, where they were asked for, once the render has ended.
+    pub fn profile(&self) -> Option<&Summary> {
+        self.profile.as_ref()
+    }
+
+    /// Takes steps until the samples, the time or the caller's patience are used up. The clock stands while pictures are
+    /// written or measured.
+    fn render(&mut self, watch: &Watch<'_>, on_step: &mut dyn FnMut(&Self) -> ControlFlow<()>) -> Result<()> {
+        while !self.is_done(watch) {
+            self.advance(self.samples_left(), self.deadline(), watch)?;
+            if on_step(self).is_break() {
+                break;
+            }
+            self.write_if_due(watch)?;
+        }
+        Ok(())
+    }
+
+    /// Takes one step of at most `most` samples per pixel and keeps what a fault would cost.
+    fn advance(&mut self, most: u32, deadline: Option<Instant>, watch: &Watch<'_>) -> Result<()> {
+        let step =
+            self.take_step(most, deadline, watch).map_err(|error| error.noting(&self.history.last_good_step()))?;
+        self.history.steps.push(step);
+        watch.tell(Event::Step(&self.progress()));
+        let copied = self.output.safety_copy.after_step(&self.renderer);
+        copied.map_err(|error| error.noting(&self.history.last_good_step()))?;
+        if !self.renderer.is_stopped()
+            && let Err(error) = self.keep(|checkpoints, renderer, history| checkpoints.after_step(renderer, history))
+        {
+            watch.warn(&format!("{error}; the render goes on"));
+        }
+        Ok(())
+    }
+
+    fn take_step(&mut self, most: u32, deadline: Option<Instant>, watch: &Watch<'_>) -> Result<StepStatistics> {
+        let samples_before = self.renderer.samples_done();
+        let samples = self.renderer.samples_of_next_step().min(most);
+        self.keep(|checkpoints, renderer, history| checkpoints.before_step(renderer, history, samples))?;
+        let stop = || (watch.stop)() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let report = self.renderer.step(samples, &stop)?;
+
+        if let Some(profiler) = &mut self.profiler {
+            profiler.note(&report);
+        }
+        self.history.seconds += report.seconds;
+        self.history.counts.add(&report.counts);
+        let spp = self.renderer.samples_done() - samples_before;
+        let paths = self.paths_of(&report, spp)?;
+        self.history.paths += paths;
+        let mut step = StepStatistics::new(spp.into(), paths, self.pixels(), report.seconds, &report.counts);
+        // At steps 1, 2, 4, 8, ...: the curve is drawn over logarithmic axes.
+        if (self.history.steps.len() + 1).is_power_of_two() {
+            step.errors = self.measure(&self.renderer.picture()?)?;
+        }
+        Ok(step)
+    }
+
+    /// Lets the checkpoints do something, if they are kept.
+    pub(super) fn keep(&mut self, act: impl FnOnce(&mut Checkpoints, &Renderer, &History) -> Result<()>) -> Result<()> {
+        let Self { checkpoints, renderer, history, .. } = self;
+        checkpoints.as_mut().map_or(Ok(()), |checkpoints| act(checkpoints, renderer, history))
+    }
+
+    /// The paths of a step that has just ended. A step that was cut short has sampled some pixels more often than others.
+    fn paths_of(&self, report: &StepReport, spp: u32) -> Result<u64> {
+        if report.complete {
+            return Ok(u64::from(spp) * report.pixels);
+        }
+        let sample_count = self.renderer.picture()?.sample_count;
+        Ok(sample_count.into_iter().map(u64::from).sum::<u64>() - self.history.paths)
+    }
+
+    fn is_done(&self, watch: &Watch<'_>) -> bool {
+        !self.can_step()
+            || (watch.stop)()
+            || self.samples_left() == 0
+            || self.length.seconds.is_some_and(|limit| self.history.seconds >= limit)
+    }
+
+    /// Whether a step may follow: none was stopped, and noise has not ended all pixels.
+    fn can_step(&self) -> bool {
+        !self.renderer.is_stopped() && self.renderer.sampled_pixels() > 0
+    }
+
+    fn samples_left(&self) -> u32 {
+        self.length.samples_left(&self.settings, self.renderer.samples_done())
+    }
+
+    fn deadline(&self) -> Option<Instant> {
+        let time_left = self.length.seconds.map(|limit| (limit - self.history.seconds).max(0.0));
+        // A time too long to add up never ends.
+        let time_left = time_left.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+        time_left.and_then(|time_left| Instant::now().checked_add(time_left))
+    }
+
+    /// Pixels of the rendered window.
+    pub(super) fn pixels(&self) -> u64 {
+        let window = self.settings.window();
+        u64::from(window.width) * u64::from(window.height)
+    }
+
+    /// The error of `picture`, where there is a reference.
+    pub(super) fn measure(&self, picture: &Picture) -> Result<Option<metrics::Metrics>> {
+        let reference = self.reference.as_ref();
+        reference.map(|reference| metrics::compare(&picture.image(), reference)).transpose()
+    }
+
+    /// The device and its driver, as files name them.
+    pub(super) fn device_name(&self) -> String {
+        let device = self.context.device();
+        format!("{} ({})", device.name, device.driver_info)
+    }
+
+    /// Writes the unfinished picture where it is time to.
+    fn write_if_due(&mut self, watch: &Watch<'_>) -> Result<()> {
+        let elapsed = self.output.last_write.elapsed().as_secs_f64();
+        let is_due = self.output.write_every.is_some_and(|every| elapsed >= every);
+        if !is_due || self.is_done(watch) {
+            return Ok(());
+        }
+        let written = self.write_pictures(&self.renderer.picture()?, self.renderer.samples_done());
+        if let (Err(error), true) = (&written, self.output.is_writable) {
+            // The folder may be back, or the disk have room, by the time the render ends.
+            watch.warn(&format!("{error}; the render goes on"));
+        }
+        (self.output.last_write, self.output.is_writable) = (Instant::now(), written.is_ok());
+        Ok(())
+    }
+
+    /// Writes the picture's files, with everything that is known of the picture in their headers.
+    pub(super) fn write_pictures(&self, picture: &Picture, samples: u32) -> Result<()> {
+        let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
+        let mut attributes = identity::attributes(scene_hash, &self.settings);
+        attributes.extend([
+            ("sample_ranges".into(), SampleRanges::of_picture(picture, &self.settings).to_string()),
+            ("spp".into(), samples.to_string()),
+            ("seconds".into(), format!("{:.3}", self.history.seconds)),
+            ("device".into(), self.device_name()),
+            ("scene".into(), scene_path.display().to_string()),
+        ]);
+        if !kernels.is_empty() {
+            attributes.push(("replaced_kernels".into(), kernels.join(", ")));
+        }
+        self.output.pictures.write(picture, &attributes)
+    }
+}

@@ -1,0 +1,400 @@
+//! The way from a scene file or a checkpoint to the first step. Bad input and files that cannot be written are found before
+//! any time is spent.
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::panic::resume_unwind;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::encode::bvh::Bvh;
+use crate::gpu::Context;
+use crate::image::Image;
+use crate::renderer::{RenderState, Renderer, Surfaces};
+use crate::scene::{self, LoadOptions, Scene};
+use crate::session::checkpoint::{Checkpoint, Record, SceneSource};
+use crate::session::checkpoints::{CheckpointFile, Checkpoints};
+use crate::session::files::{OutputFiles, PictureFiles, absolute_path, read_reference};
+use crate::session::history::History;
+use crate::session::identity::Identity;
+use crate::session::kernel_files::KernelFiles;
+use crate::session::length::Length;
+use crate::session::options::{DeviceChoice, Options};
+use crate::session::profiler::Profiler;
+use crate::session::progress::{Event, Preparation, Watch};
+use crate::session::run::{Output, Session, Subject};
+use crate::session::safety_copy::SafetyCopy;
+use crate::session::statistics::SetupTimes;
+use crate::settings::{Execution, Settings};
+use crate::{Error, Result};
+
+/// The beginning of a render.
+#[derive(Debug, Clone)]
+pub enum Start<'a> {
+    /// A new render.
+    Anew(SceneInput<'a>),
+    /// A render that goes on from its checkpoint, to the same bits as if it had never stopped.
+    Resume {
+        /// The checkpoint.
+        checkpoint: PathBuf,
+        /// The scene's file, where it was moved.
+        moved_scene: Option<PathBuf>,
+    },
+}
+
+/// A scene to render.
+#[derive(Debug, Clone)]
+pub enum SceneInput<'a> {
+    /// A file.
+    File {
+        /// Its path.
+        path: PathBuf,
+        /// Replacements of the file's `<default>` values, by name.
+        defines: Vec<(String, String)>,
+    },
+    /// A scene in memory, of which no checkpoint can be kept.
+    Memory(&'a Scene),
+}
+
+/// Settings and length of a render whose scene is known, and the part of it that a checkpoint holds.
+struct Plan {
+    settings: Settings,
+    length: Length,
+    earlier: Option<Earlier>,
+}
+
+/// A checkpoint to go on from, and its file.
+type Resumed = (PathBuf, Checkpoint);
+
+/// Files and kernels of a render, read and tried before any time is spent.
+struct Inputs {
+    wanted: OutputFiles,
+    pictures: PictureFiles,
+    checkpoint: Option<CheckpointFile>,
+    kernels: KernelFiles,
+    /// The picture that errors are measured against.
+    reference: Option<Image>,
+}
+
+/// The part of a render that a checkpoint holds.
+struct Earlier {
+    file: PathBuf,
+    record: Record,
+    device: String,
+    state: RenderState,
+}
+
+impl Session {
+    /// Makes everything ready for the first step of a new render of `scene`.
+    ///
+    /// # Errors
+    /// Where an option does not suit the scene, no device can be used, or the device cannot hold the scene.
+    pub fn new(scene: &Scene, options: &Options) -> Result<Self> {
+        Self::start(Start::Anew(SceneInput::Memory(scene)), options, &Watch::silent())
+    }
+
+    /// Reads a Mitsuba scene and makes everything ready for the first step.
+    ///
+    /// # Errors
+    /// As for [`Session::new`], and where the scene cannot be read.
+    pub fn open(scene: impl AsRef<Path>, options: &Options) -> Result<Self> {
+        let input = SceneInput::File { path: scene.as_ref().to_path_buf(), defines: Vec::new() };
+        Self::start(Start::Anew(input), options, &Watch::silent())
+    }
+
+    /// Goes on with a render from its checkpoint. Its settings are the checkpoint's; a length in `options` replaces the
+    /// checkpoint's, where seconds count from now.
+    ///
+    /// # Errors
+    /// Where the checkpoint cannot be read, or its scene is no longer as it was.
+    pub fn resume(checkpoint: impl AsRef<Path>, options: &Options) -> Result<Self> {
+        let start = Start::Resume { checkpoint: checkpoint.as_ref().to_path_buf(), moved_scene: None };
+        Self::start(start, options, &Watch::silent())
+    }
+
+    /// Makes everything ready for the first step, under the eyes of `watch`.
+    ///
+    /// # Errors
+    /// As for [`Session::open`] and [`Session::resume`].
+    pub fn start(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Self> {
+        let (input, resumed) = start.read()?;
+        let begin = Instant::now();
+        let (opened, loaded) = open_and_load(&input, options, watch);
+        let (scene, load_seconds) = loaded?;
+        warn_once(&scene.warnings, watch);
+        let scene_hash = scene::fingerprint(&scene)?;
+        let plan = Plan::new(&scene, &scene_hash, resumed, options, watch)?;
+        let inputs = Inputs::new(&plan, &scene, &scene_hash, options, watch)?;
+        let context = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
+
+        let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
+        let (renderer, bvh_seconds, pipeline_seconds) = build(scene, &context, &plan.settings, &inputs.kernels, watch)?;
+        watch.tell(Event::Ready);
+        inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
+        let setup_seconds = begin.elapsed().as_secs_f64();
+        let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
+        let scene_path = input.path().unwrap_or(Path::new(&scene_name)).to_path_buf();
+        let kernels = inputs.kernels.used(renderer.back_end());
+        let subject = Subject { scene_name, scene_path, scene_hash, kernels, times };
+
+        let Plan { settings, length, earlier } = plan;
+        let Inputs { wanted, pictures, checkpoint, reference, .. } = inputs;
+        let mut session = Self {
+            length,
+            subject,
+            reference,
+            output: output(&wanted, pictures, checkpoint.as_ref()),
+            profiler: wanted.profile.map(|path| Profiler::start(path, &context)),
+            profile: None,
+            rescued: None,
+            checkpoints: None,
+            history: History::default(),
+            context,
+            renderer,
+            settings,
+        };
+        let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
+        if let Some(file) = checkpoint {
+            session.checkpoints = Some(Checkpoints::new(file, session.template(&input)?, samples_written));
+        }
+        Ok(session)
+    }
+
+    /// Goes on from a checkpoint and returns the samples per pixel that it holds.
+    fn go_on_from(&mut self, earlier: Earlier, watch: &Watch<'_>) -> Result<u32> {
+        let Earlier { record: Record { kernels, history, .. }, device, state, .. } = earlier;
+        self.check_kernels(&kernels)?;
+        let own_device = self.device_name();
+        if device != own_device {
+            watch.warn(&format!("the render was begun on {device}: on {own_device}, the last bits may differ"));
+        }
+        self.renderer.restore(&state)?;
+        self.history = history;
+        Ok(state.samples_done)
+    }
+
+    /// Refuses to go on with other kernels than before: the bits would differ.
+    fn check_kernels(&self, before: &[String]) -> Result<()> {
+        let kernels = &self.subject.kernels;
+        if before == kernels {
+            return Ok(());
+        }
+        let list = |kernels: &[String]| match kernels {
+            [] => "the built-in kernels".to_owned(),
+            kernels => kernels.join(", "),
+        };
+        Err(Error::Settings(format!(
+            "the render was begun with {}, but would go on with {}: give the same --kernel-dir",
+            list(before),
+            list(kernels)
+        )))
+    }
+
+    /// A checkpoint of this render with nothing rendered yet.
+    fn template(&self, input: &SceneInput<'_>) -> Result<Checkpoint> {
+        let SceneInput::File { path, defines } = input else {
+            return Err(Error::Settings("a checkpoint names its scene's file, and this scene has none".into()));
+        };
+        let hash = self.subject.scene_hash.clone();
+        let scene = SceneSource { path: absolute_path(path)?, defines: defines.clone(), hash };
+        let outputs = self.output.pictures.to_absolute_paths()?;
+        let (kernels, history) = (self.subject.kernels.clone(), History::default());
+        let record = Record { length: self.length, outputs, kernels, history };
+        let (settings, device) = (self.settings.clone(), self.device_name());
+        Ok(Checkpoint { scene, settings, device, record, state: RenderState::default() })
+    }
+}
+
+impl<'a> Start<'a> {
+    /// The scene to read, and the checkpoint to go on from with its file.
+    fn read(self) -> Result<(SceneInput<'a>, Option<Resumed>)> {
+        match self {
+            Self::Anew(input) => Ok((input, None)),
+            Self::Resume { checkpoint: file, moved_scene } => {
+                let checkpoint = Checkpoint::read(&file)?;
+                let path = moved_scene.unwrap_or_else(|| checkpoint.scene.path.clone().into());
+                let input = SceneInput::File { path, defines: checkpoint.scene.defines.clone() };
+                Ok((input, Some((file, checkpoint))))
+            }
+        }
+    }
+}
+
+impl<'a> SceneInput<'a> {
+    fn load(&self, watch: &Watch<'_>) -> Result<Cow<'a, Scene>> {
+        // The other part of a watch stays in this thread.
+        let events = watch.events;
+        match self {
+            Self::Memory(scene) => Ok(Cow::Borrowed(scene)),
+            Self::File { path, defines } => {
+                let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
+                scene::load_with_progress(path, &LoadOptions { defines: defines.clone() }, &show).map(Cow::Owned)
+            }
+        }
+    }
+
+    fn path(&self) -> Option<&Path> {
+        match self {
+            Self::File { path, .. } => Some(path),
+            Self::Memory(_) => None,
+        }
+    }
+}
+
+impl DeviceChoice {
+    fn open(&self) -> Result<Arc<Context>> {
+        match self {
+            Self::Open(options) => Context::new(options),
+            Self::Opened(context) => Ok(Arc::clone(context)),
+        }
+    }
+}
+
+impl Plan {
+    fn new(
+        scene: &Scene,
+        scene_hash: &str,
+        resumed: Option<Resumed>,
+        options: &Options,
+        watch: &Watch<'_>,
+    ) -> Result<Self> {
+        let mut plan = match resumed {
+            None => Self::anew(scene, options)?,
+            Some(resumed) => Self::resumed(resumed, options, scene_hash)?,
+        };
+        plan.complete(options)?;
+        if plan.earlier.is_none() {
+            options.depth_warning(scene).iter().for_each(|warning| watch.warn(warning));
+        }
+        Ok(plan)
+    }
+
+    fn anew(scene: &Scene, options: &Options) -> Result<Self> {
+        let settings = options.settings_for(scene)?;
+        let length = options.length_for(scene, &settings);
+        Ok(Self { settings, length, earlier: None })
+    }
+
+    fn resumed((file, checkpoint): Resumed, options: &Options, scene_hash: &str) -> Result<Self> {
+        let Checkpoint { scene, settings, device, record, state } = checkpoint;
+        if scene.hash != scene_hash {
+            let message = format!(
+                "the scene is not the one it was begun with: scene_hash ({} there, {scene_hash} here); undo what has changed \
+                 in {} and what that reads",
+                scene.hash, scene.path
+            );
+            return Err(Error::checkpoint(file, message));
+        }
+        let length = match options.length {
+            asked if asked.is_given() => {
+                let seconds = asked.seconds.map(|seconds| record.history.seconds + seconds);
+                Length { spp: asked.spp, seconds }
+            }
+            _ => record.length,
+        };
+        if length.spp.is_some_and(|spp| spp < state.samples_done) {
+            let message = format!("it holds {} samples per pixel already; ask for more with --spp", state.samples_done);
+            return Err(Error::checkpoint(file, message));
+        }
+        Ok(Self { settings, length, earlier: Some(Earlier { file, record, device, state }) })
+    }
+
+    /// Sets the settings that change no bit of a picture, and checks the whole.
+    fn complete(&mut self, options: &Options) -> Result<()> {
+        options.set_execution(&mut self.settings);
+        self.settings.validate()?;
+        self.length.check_sample_range(&self.settings)?;
+        if options.kernel_folder.is_some() && self.settings.execution == Execution::Auto {
+            // An edited kernel is to be the one that runs.
+            self.settings.execution = Execution::Megakernel;
+        }
+        Ok(())
+    }
+}
+
+impl Inputs {
+    fn new(plan: &Plan, scene: &Scene, scene_hash: &str, options: &Options, watch: &Watch<'_>) -> Result<Self> {
+        let earlier = plan.earlier.as_ref().map(|earlier| &earlier.record.outputs);
+        let pictures = match &options.files {
+            Some(wanted) => PictureFiles::new(wanted, earlier, &scene.name)?,
+            None => earlier.cloned().unwrap_or_else(PictureFiles::none),
+        };
+        let checkpoint = checkpoint_file(plan.earlier.as_ref(), options);
+        if let Some(file) = &checkpoint {
+            file.check_writable()?;
+            if plan.earlier.is_none() {
+                file.check_absent(&Identity::of_render(scene_hash, &plan.settings))?;
+            }
+        }
+        let kernels = KernelFiles::load(options.kernel_folder.as_deref())?;
+        kernels.warnings().iter().for_each(|warning| watch.warn(warning));
+        let wanted = options.files.clone().unwrap_or_default();
+        let reference = wanted.reference.as_deref().map(|path| read_reference(path, &plan.settings)).transpose()?;
+        Ok(Self { wanted, pictures, checkpoint, kernels, reference })
+    }
+}
+
+/// Opens the device while the scene is read, for drivers take a while to start.
+fn open_and_load<'a>(
+    input: &SceneInput<'a>,
+    options: &Options,
+    watch: &Watch<'_>,
+) -> (thread::Result<Result<Arc<Context>>>, Result<(Cow<'a, Scene>, f64)>) {
+    thread::scope(|scope| {
+        let context = scope.spawn(|| options.device.open());
+        let loaded = timed(|| input.load(watch));
+        (context.join(), loaded)
+    })
+}
+
+/// The renderer of a scene, and the seconds that its hierarchy and its kernels took.
+fn build(
+    mut scene: Cow<'_, Scene>,
+    context: &Arc<Context>,
+    settings: &Settings,
+    kernels: &KernelFiles,
+    watch: &Watch<'_>,
+) -> Result<(Renderer, f64, f64)> {
+    watch.tell(Event::Preparing(Preparation::Hierarchy(scene.primitives.len())));
+    let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
+    let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
+    if let Cow::Owned(scene) = &mut scene {
+        // From here on the device's copy is the one that is used.
+        drop(std::mem::take(&mut scene.primitives));
+    }
+    watch.tell(Event::Preparing(Preparation::Kernels));
+    let build = || Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
+    let (renderer, pipeline_seconds) = timed(build)?;
+    Ok((renderer, bvh_seconds, pipeline_seconds))
+}
+
+/// A resumed render keeps its checkpoint in the file that it came from.
+fn checkpoint_file(earlier: Option<&Earlier>, options: &Options) -> Option<CheckpointFile> {
+    let path = earlier.map(|earlier| &earlier.file).or(options.checkpoint.as_ref())?;
+    Some(CheckpointFile::new(path, options.checkpoint_every))
+}
+
+fn output(wanted: &OutputFiles, pictures: PictureFiles, checkpoint: Option<&CheckpointFile>) -> Output {
+    let intervals = wanted.write_interval().into_iter().chain(checkpoint.map(|file| file.every));
+    Output {
+        pictures,
+        write_every: wanted.write_every,
+        statistics: wanted.statistics.clone(),
+        safety_copy: SafetyCopy::new(intervals.collect::<Vec<Duration>>()),
+        last_write: Instant::now(),
+        is_writable: true,
+    }
+}
+
+fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
+    let begin = Instant::now();
+    Ok((work()?, begin.elapsed().as_secs_f64()))
+}
+
+/// Tells every warning once.
+fn warn_once(warnings: &[String], watch: &Watch<'_>) {
+    let mut seen = HashSet::new();
+    warnings.iter().filter(|warning| seen.insert(*warning)).for_each(|warning| watch.warn(warning));
+}
