@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use lodestar::encode::bvh::Bvh;
 use lodestar::generated::kernels::{BackEnd, Registry};
-use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, PipelineReport, Representation};
+use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, Representation};
 use lodestar::renderer::{variant_for, variant_of_settings};
 use lodestar::scene::{self, FilmDescription, IntegratorDescription, LoadOptions, ReconstructionFilter};
 use lodestar::session::kernel_files::KernelFiles;
