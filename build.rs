@@ -1,4 +1,5 @@
-//! Compiles every kernel under `glsl/` to SPIR-V, reflects it, and writes what Rust needs to know of it: see `build/mod.rs`.
+//! Compiles every kernel under `glsl/` to SPIR-V, reflects the SPIR-V, and writes Rust code that describes it. The work
+//! is done in `build/mod.rs`.
 
 #[path = "build/mod.rs"]
 mod generate;

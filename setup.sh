@@ -1,16 +1,20 @@
 #!/bin/sh
-# Installs what the system lacks to build and run Lodestar: the Vulkan loader, Mesa's Vulkan drivers (among them the one
-# that renders on the CPU), the validation layers that the tests turn on, SPIRV-Tools for `lodestar inspect`, and the shader
-# compiler shaderc. Where the distribution has a shaderc that links, the folder .shaderc gets it and cargo finds it there
-# (.cargo/config.toml). Else cargo builds shaderc from source, which takes some ten minutes of processor time, and this script
-# installs the tools for that.
-# Safe to run again: what is there is not touched, and the package manager is called only for what is missing.
+# Installs the system packages that Lodestar needs:
+#   - the Vulkan loader, and Mesa's Vulkan drivers, including lavapipe, which renders on the CPU;
+#   - the validation layers, which the tests turn on;
+#   - SPIRV-Tools, for `lodestar inspect`;
+#   - the shader compiler shaderc.
+# If the distribution has a shaderc that links, it is put into the folder .shaderc, where cargo finds it
+# (.cargo/config.toml). Otherwise cargo builds shaderc from source, which takes about ten minutes of processor time, and
+# this script installs the tools for that build.
+# The script can be run again: it installs only missing packages and leaves installed ones alone.
 #
-# usage: setup.sh            install what is missing
-#        setup.sh --check    only say what is missing; exit 1 if anything is
+# usage: setup.sh            install missing packages
+#        setup.sh --check    only list missing tools; exit 1 if any is missing
 #        setup.sh --swiftshader [DIR]
-#                            put SwiftShader, a second Vulkan driver for the CPU, into DIR (target/swiftshader) for tests, and
-#                            print the path for VK_DRIVER_FILES; nothing is installed. Debian only: it is part of Chromium
+#                            unpack SwiftShader, a second Vulkan driver for the CPU, into DIR (target/swiftshader) for
+#                            tests, and print the path for VK_DRIVER_FILES. Nothing is installed. Works on Debian only,
+#                            because SwiftShader comes from Debian's Chromium package.
 set -eu
 
 MIN_RUST=1.88
@@ -20,11 +24,11 @@ SHADERC_FOLDER="$(cd "$(dirname "$0")" && pwd)/.shaderc"
 say() { echo "setup: $*"; }
 fail() { echo "setup: error: $*" >&2; exit 1; }
 
-# --- What is there -----------------------------------------------------------------------------------------------------
+# --- Installed tools ---------------------------------------------------------------------------------------------------
 
 has_command() { command -v "$1" >/dev/null 2>&1; }
 
-# A file that matches NAME in the folder SUB of one of the places where Vulkan's loader looks.
+# Succeeds if a file that matches NAME exists in the folder SUB of a folder that the Vulkan loader searches.
 has_vulkan_file() { # SUB NAME
   for folder in /usr/share/vulkan /usr/local/share/vulkan /etc/vulkan /opt/homebrew/share/vulkan \
     /opt/homebrew/etc/vulkan /usr/local/etc/vulkan; do
@@ -64,10 +68,10 @@ has_tool() { # TOOL
   esac
 }
 
-# --- What it is called -------------------------------------------------------------------------------------------------
+# --- Names of tools and packages ---------------------------------------------------------------------------------------
 
 TOOLS="loader driver layers compiler spirv-tools"
-# What building shaderc from source takes.
+# Tools that build shaderc from source.
 SOURCE_TOOLS="cmake ninja python3 git"
 
 describe() { # TOOL
@@ -120,7 +124,7 @@ detect_system() {
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then "$@"
   elif has_command sudo; then sudo "$@"
-  else fail "installing packages needs root and there is no sudo; run as root: $*"
+  else fail "installing packages needs root, and sudo is missing; run as root: $*"
   fi
 }
 
@@ -133,17 +137,17 @@ install_packages() { # PACKAGE...
     fedora) as_root dnf install -y "$@" ;;
     arch) as_root pacman -S --needed --noconfirm "$@" ;;
     macos)
-      has_command brew || fail "Homebrew is missing; install it from its home page, brew.sh, and run this again"
+      has_command brew || fail "Homebrew is missing; install it from brew.sh, then run this script again"
       brew install "$@"
       ;;
-    *) fail "this system's package manager is not known; install by hand: $missing_names" ;;
+    *) fail "no known package manager on this system; install by hand: $missing_names" ;;
   esac
 }
 
 check_rust() {
   for tool in cargo rustc; do
     if ! has_command "$tool"; then
-      say "missing: $tool $MIN_RUST or newer; install Rust with rustup, see rust-lang.org/tools/install"
+      say "missing: $tool $MIN_RUST or newer; install Rust with rustup: see rust-lang.org/tools/install"
       return 1
     fi
   done
@@ -151,7 +155,7 @@ check_rust() {
   major=${version%%.*}
   rest=${version#*.}
   if [ "$major" -eq "${MIN_RUST%%.*}" ] && [ "${rest%%.*}" -lt "${MIN_RUST#*.}" ]; then
-    say "too old: rustc $version; $MIN_RUST or newer is needed: rustup update stable"
+    say "too old: rustc $version; Lodestar needs $MIN_RUST or newer; run: rustup update stable"
     return 1
   fi
 }
@@ -176,16 +180,16 @@ install_missing() { # installs the packages of $missing
     packages="$packages $(package_of "$tool")"
   done
   say "installing:$packages"
-  # Word splitting is meant: one argument per package.
+  # Word splitting is intended: each package becomes one argument.
   # shellcheck disable=SC2086
   install_packages $packages
   find_missing
-  if [ -n "$missing" ]; then fail "still missing after installing: $missing_names; install by hand"; fi
+  if [ -n "$missing" ]; then fail "still missing after the installation: $missing_names; install by hand"; fi
 }
 
 # --- shaderc ------------------------------------------------------------------------------------------------------------
 
-# Packages with the parts of shaderc.
+# Prints the packages that contain shaderc and its parts.
 shaderc_packages() {
   case "$system" in
     debian) echo "libshaderc-dev glslang-dev" ;;
@@ -194,7 +198,7 @@ shaderc_packages() {
   esac
 }
 
-# Prints the system's shaderc library, if there is one.
+# Prints the path of the system's shaderc library. Fails if there is none.
 system_shaderc() {
   for file in /usr/lib/*-linux-gnu/libshaderc_combined.a /usr/lib64/libshaderc_shared.so /usr/lib/libshaderc_shared.so \
     /opt/homebrew/lib/libshaderc_combined.a /usr/local/lib/libshaderc_combined.a; do
@@ -206,7 +210,7 @@ system_shaderc() {
   return 1
 }
 
-# Debian's libshaderc_combined.a lacks the libraries that it uses. One archive of all of them links.
+# Combines Debian's libshaderc_combined.a with the libraries that it lacks. The combined archive links.
 combine_debian_shaderc() { # LIBRARY TARGET
   folder=$(dirname "$1")
   {
@@ -232,13 +236,13 @@ links_shaderc() { # FOLDER
 
 has_shaderc() { [ -n "$(find "$SHADERC_FOLDER/" -name 'libshaderc_*' 2>/dev/null)" ]; }
 
-# Puts a shaderc that links into $SHADERC_FOLDER; fails where the system has none.
+# Puts a shaderc that links into $SHADERC_FOLDER. Fails if the system has none.
 provide_shaderc() {
   if has_shaderc; then return 0; fi
   packages=$(shaderc_packages)
   if ! system_shaderc >/dev/null && [ -n "$packages" ]; then
     say "installing: $packages"
-    # Word splitting is meant: one argument per package. A system without these packages builds shaderc from source.
+    # Word splitting is intended: each package becomes one argument. A system without these packages builds shaderc from source.
     # shellcheck disable=SC2086
     install_packages $packages || true
   fi
@@ -252,7 +256,7 @@ provide_shaderc() {
     mkdir -p "$SHADERC_FOLDER"
     mv "$trial_folder"/libshaderc_* "$SHADERC_FOLDER/"
     rmdir "$trial_folder"
-    say "cargo takes shaderc from $library"
+    say "cargo uses shaderc from $library"
   else
     rm -rf "$trial_folder"
     return 1
@@ -261,18 +265,18 @@ provide_shaderc() {
 
 # --- A second driver for tests ------------------------------------------------------------------------------------------
 
-# Debian's chromium-common carries it: 30 MB to download, 5 MB to keep.
+# Unpacks SwiftShader from Debian's package chromium-common: 30 MB to download, 5 MB to keep.
 unpack_swiftshader() { # DIR
   package=chromium-common
-  [ "$system" = debian ] || fail "SwiftShader is taken from Debian's package $package, which this system has not"
+  [ "$system" = debian ] || fail "SwiftShader comes from Debian's package $package, which this system does not have"
   apt-cache show "$package" >/dev/null 2>&1 || as_root apt-get update >&2
   download=$(mktemp -d)
   trap 'rm -rf "$download"' EXIT
-  (cd "$download" && apt-get download "$package" >&2) || fail "$package cannot be downloaded; SwiftShader comes with it"
+  (cd "$download" && apt-get download "$package" >&2) || fail "cannot download $package, which contains SwiftShader"
   dpkg-deb -x "$download/$package"_*.deb "$download/unpacked"
   driver=$(find "$download/unpacked" -name libvk_swiftshader.so)
   manifest=$(find "$download/unpacked" -name vk_swiftshader_icd.json)
-  [ -n "$driver" ] && [ -n "$manifest" ] || fail "this system's $package has no SwiftShader"
+  [ -n "$driver" ] && [ -n "$manifest" ] || fail "this system's $package does not contain SwiftShader"
   mkdir -p "$1"
   cp "$driver" "$manifest" "$1"
 }
@@ -299,7 +303,7 @@ main() {
         status=1
       fi
       has_shaderc || say "no shaderc in $SHADERC_FOLDER: cargo will build it from source"
-      if [ "$status" -eq 0 ]; then say "everything is there"; fi
+      if [ "$status" -eq 0 ]; then say "all required tools are installed"; fi
       exit "$status"
       ;;
     "") ;;
@@ -316,7 +320,7 @@ main() {
     if [ -n "$missing" ]; then install_missing; fi
   fi
   check_rust || exit 1
-  say "everything is there"
+  say "all required tools are installed"
 }
 
 main "$@"

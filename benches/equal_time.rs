@@ -1,13 +1,13 @@
-//! What does guiding bring? Errors after the same seconds on the paper's scenes, of this renderer's methods and of Mitsuba 3.
+//! Equal-time comparison: errors of this renderer's methods and of Mitsuba 3 after the same time on the paper's scenes.
 //!
-//! `cargo bench --bench equal_time [-- SCENE...]`; needs the shared scenes and references: `LODESTAR_SCENES`,
-//! `LODESTAR_REFERENCES`. `LODESTAR_SECONDS` (40) is what each method has for each scene. It has them in turns, which alternate
-//! with the others', so that a slow minute hits all of them; after each turn errors are measured, for the curve over time.
-//! `LODESTAR_METHODS='product;quadtree'` takes only these.
+//! `cargo bench --bench equal_time [-- SCENE...]` needs the shared scenes and references (`LODESTAR_SCENES`,
+//! `LODESTAR_REFERENCES`). Each method renders each scene for `LODESTAR_SECONDS` (40). The methods take turns, so that
+//! a slow minute affects all of them. After each turn the errors are measured, for the curve over time.
+//! `LODESTAR_METHODS='product;quadtree'` selects methods.
 //!
-//! The error is the paper's, the mean absolute error of the displayed image. Where the noise of the reference itself exceeds a
-//! quarter of the smaller error of two methods, their ratio is that of the mean squared errors, the reference's variance
-//! subtracted.
+//! The error is that of the paper, the mean absolute error of the displayed image. If the noise of the reference
+//! exceeds a quarter of the smaller error of two methods, their ratio is that of the mean squared errors, minus the
+//! variance of the reference.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -33,13 +33,13 @@ const SCENES: [&str; 12] = [
     "veach-ajar",
     "veach-ajar-2",
 ];
-/// When turns end, as shares of the seconds.
+/// Ends of the turns, as shares of the time.
 const TURN_ENDS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 const SECONDS: f64 = 40.0;
 
 const MITSUBA: &str = "Mitsuba path";
 
-/// A way to render: its name, and this renderer's sampler and emitter sampling unless it is Mitsuba.
+/// Method: its name, and this renderer's sampler and emitter sampling; `None` for Mitsuba.
 const METHODS: [(&str, Option<(Sampler, bool)>); 6] = [
     ("bsdf", Some((Sampler::Bsdf, false))),
     ("rejection-mix", Some((Sampler::RejectionMix, false))),
@@ -48,10 +48,10 @@ const METHODS: [(&str, Option<(Sampler, bool)>); 6] = [
     (MITSUBA, None),
     ("quadtree", Some((Sampler::Quadtree, false))),
 ];
-/// Methods whose errors are compared, by their places above.
+/// Pairs of methods whose errors are compared, as indices into `METHODS`.
 const RATIOS: [(usize, usize); 5] = [(2, 0), (2, 1), (2, 5), (3, 2), (3, 4)];
 
-/// Another renderer's picture, and the variance of its pixels.
+/// Picture of another renderer, and the variance of its pixels.
 struct Reference {
     mean: Image,
     variance: Image,
@@ -62,7 +62,7 @@ struct Errors {
     mae: f64,
     mse: f64,
     spp: u32,
-    /// What it took: a step or a pass begun in time is finished.
+    /// Seconds that were used. A step or pass that has begun in time is finished.
     seconds: f64,
 }
 
@@ -78,7 +78,7 @@ fn main() {
         assert!(names.contains(&asked), "LODESTAR_METHODS names `{asked}`; there are {names:?}");
     }
     let context = context();
-    // Of each turn, of each pair of methods, of each scene.
+    // The indices are the turn, the pair of methods, and the scene.
     let mut ratios = vec![vec![Vec::new(); RATIOS.len()]; TURN_ENDS.len()];
     for name in SCENES.iter().filter(|name| asked.is_empty() || asked.iter().any(|asked| asked == *name)) {
         let read = |layer: &str| exr::read_rgb(&references.join(format!("{name}.{layer}.exr"))).expect("a reference");
@@ -103,7 +103,7 @@ fn main() {
     }
 }
 
-/// Of the ratios of all scenes: by the measure that suits each, and by the mean absolute error alone.
+/// Prints the mean ratios over all scenes, by the measure that suits each scene and by the mean absolute error alone.
 fn summarize(ratios: &[(f64, f64)], (a, b): (usize, usize), seconds: f64) {
     let mean_and_worst = |ratios: &mut dyn Iterator<Item = f64>| {
         let known: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
@@ -118,7 +118,7 @@ fn summarize(ratios: &[(f64, f64)], (a, b): (usize, usize), seconds: f64) {
     );
 }
 
-/// Errors of all methods on one scene after each turn; not a number where a method cannot be had.
+/// Errors of all methods on one scene after each turn; NaN for methods that are not available.
 fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f64) -> Vec<Vec<Errors>> {
     let scene = load(name);
     let size = [reference.mean.width, reference.mean.height];
@@ -157,7 +157,7 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
     (0..).step_by(1_000_000).zip(TURN_ENDS).map(&mut turn).collect()
 }
 
-/// Whether a method is to be measured.
+/// Whether a method is selected.
 fn is_asked(method: &str) -> bool {
     std::env::var("LODESTAR_METHODS").map_or(true, |asked| asked.split(';').any(|asked| asked == method))
 }
@@ -170,7 +170,7 @@ fn errors(picture: Option<(Image, u32)>, reference: &Reference) -> Errors {
     Errors { mae: found.mae_ldr, mse: (found.mse - noise).max(0.0), spp, seconds: 0.0 }
 }
 
-/// How the error of `a` compares with that of `b`, and by which measure.
+/// Ratio of the error of `a` to that of `b`, and the measure that was used.
 fn ratio(reference: &Reference, a: Errors, b: Errors) -> (f64, &'static str) {
     if reference_noise(reference) <= 0.25 * a.mae.min(b.mae) {
         return (a.mae / b.mae, "MAE");
@@ -178,7 +178,7 @@ fn ratio(reference: &Reference, a: Errors, b: Errors) -> (f64, &'static str) {
     (a.mse / b.mse, "MSE")
 }
 
-/// Mean absolute error of the displayed reference, from the variance of its pixels.
+/// Mean absolute error of the displayed reference, estimated from the variance of its pixels.
 fn reference_noise(reference: &Reference) -> f64 {
     let pixels = reference.mean.pixels.iter().zip(&reference.variance.pixels);
     let difference = |(mean, variance): (&[f32; 3], &[f32; 3])| {
@@ -186,12 +186,12 @@ fn reference_noise(reference: &Reference) -> f64 {
         let off = tone::paper(std::array::from_fn(|c| f64::from(mean[c]) + f64::from(variance[c]).sqrt()));
         (0..3).map(|c| (off[c] - shown[c]).abs()).sum::<f64>()
     };
-    // The mean of |x| of a standard normal x.
+    // This is the mean of |x| for a standard normal x.
     let mean_absolute = (2.0 / std::f64::consts::PI).sqrt();
     mean_absolute * pixels.map(difference).sum::<f64>() / (3 * reference.mean.pixels.len()) as f64
 }
 
-/// A picture of Mitsuba's with its samples per pixel, and the seconds it took; none where it is not installed.
+/// Picture by Mitsuba with its samples per pixel, and the time in seconds; `None` if Mitsuba is not installed.
 fn mitsuba(scene: &Path, [width, height]: [u32; 2], seconds: f64, seed: u32) -> Option<((Image, u32), f64)> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_render.py");
     let out = std::env::temp_dir().join(format!("lodestar-equal-time-{}.exr", std::process::id()));
@@ -204,7 +204,7 @@ fn mitsuba(scene: &Path, [width, height]: [u32; 2], seconds: f64, seed: u32) -> 
     Some(((image, spp.parse().ok()?), seconds.parse().ok()?))
 }
 
-/// The mean of pictures, weighted by their samples.
+/// Mean of pictures, weighted by their samples.
 fn average(parts: &[(Image, u32)]) -> Option<(Image, u32)> {
     let total: u32 = parts.iter().map(|part| part.1).sum();
     let mut mean = parts.first()?.0.clone();

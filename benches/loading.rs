@@ -1,8 +1,9 @@
-//! How long it takes from command to first sample on kitchen, and with how much memory, beside the time that Mitsuba 3
-//! takes to load the same file where Python has it; interleaved in one run from a warm disk cache.
+//! Loading time and memory of the scene kitchen, from the start of the command to the first sample. The time that
+//! Mitsuba 3 takes to load the same file stands beside it where Python has Mitsuba. All measurements are interleaved in
+//! one run, with a warm disk cache.
 //!
-//! `cargo bench --bench loading`; `LODESTAR_SCENES` chooses the shared scene, `LODESTAR_LOADING_SCENE` another file,
-//! `DRJIT_LIBLLVM_PATH` serves Mitsuba.
+//! `cargo bench --bench loading`. `LODESTAR_SCENES` chooses the shared scenes, `LODESTAR_LOADING_SCENE` another file.
+//! Mitsuba needs `DRJIT_LIBLLVM_PATH`.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -30,7 +31,7 @@ fn main() {
             println!("round {round}: {own:.2} s; Mitsuba {others:.2?} s");
             [own, others[0], others[1]]
         })
-        // The first fills the disk cache and the driver's.
+        // The first run fills the caches of the disk and the driver.
         .skip(1)
         .collect();
     println!("\nmedians over {ROUNDS} rounds, {}:", scene.display());
@@ -42,7 +43,7 @@ fn main() {
     }
 }
 
-/// From the command's start to the first sample. Prints what it says of its memory.
+/// Time from the start of the command to the first sample, in seconds. Prints the memory that the command reports.
 fn first_sample_seconds(scene: &Path, folder: &Path) -> f64 {
     let stats = folder.join("stats.json");
     let status = Command::new(env!("CARGO_BIN_EXE_lodestar"))
@@ -66,7 +67,7 @@ fn first_sample_seconds(scene: &Path, folder: &Path) -> f64 {
     stats["setup_seconds"].as_f64().expect("the time until the first sample")
 }
 
-/// NaN where Mitsuba is not to be had.
+/// Loading time of Mitsuba in seconds; NaN if Mitsuba is not available.
 fn mitsuba_seconds(scene: &Path, variant: &str) -> f64 {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_loading.py");
     let output = Command::new("python3").arg("-B").args([script.as_ref(), scene.as_os_str()]).arg(variant).output();

@@ -1,8 +1,9 @@
-//! How the time of a ray grows: with triangles, cells of the guide, the picture's size and the driver's threads.
+//! Growth of the time per ray with the number of triangles, the cells of the guide, the size of the picture, and the
+//! driver's threads.
 //!
-//! `cargo bench --bench scaling`: the project's Cornell box, its walls cut into more and more triangles of rough relief.
-//! `-- 10000000` names the most triangles (a million unless named). Threads are those of lavapipe, by `LP_NUM_THREADS`. What is
-//! compared takes turns, so that a slow minute hits all of it.
+//! `cargo bench --bench scaling` uses the Cornell box of relief with more and more triangles. `-- 10000000` sets the
+//! maximum number of triangles (default: a million). The threads are those of lavapipe, set by `LP_NUM_THREADS`.
+//! Everything that is compared takes turns, so that a slow minute affects all of it.
 
 use std::process::Command;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ const ROUNDS: usize = 5;
 const SECONDS: f64 = 1.5;
 const SIZE: [u32; 2] = [256, 256];
 const TRIANGLES: [usize; 5] = [1_000, 10_000, 100_000, 1_000_000, 10_000_000];
-/// Has this program measure itself once and print the rate.
+/// Argument that makes this program measure itself once and print the rate.
 const ALONE: &str = "--one-rate";
 
 fn main() {
@@ -43,7 +44,7 @@ fn main() {
     }
 }
 
-/// One renderer.
+/// Renderer that is measured.
 struct Subject {
     renderer: Renderer,
     settings: Settings,
@@ -55,7 +56,7 @@ impl Subject {
         Self { renderer: renderer(context, scene, &settings, 4), settings }
     }
 
-    /// Millions of paths, and of rays, per second.
+    /// Millions of paths per second, and millions of rays per second.
     fn rates(&mut self) -> (f64, f64) {
         let (spp, seconds, counts) = run_for(&mut self.renderer, SECONDS, &self.settings);
         let paths = f64::from(spp) * f64::from(self.settings.width * self.settings.height);
@@ -63,7 +64,7 @@ impl Subject {
     }
 }
 
-/// Prints medians over rounds of what each value comes to, and the time relative to the first.
+/// Prints for each value the medians over all rounds, and the time relative to the first value.
 fn measure<T: std::fmt::Display>(
     title: &str,
     unit: &str,
@@ -85,7 +86,8 @@ fn measure<T: std::fmt::Display>(
     }
 }
 
-/// The driver reads its number of threads once, so that each is another process.
+/// Measures the rate for several numbers of threads. The driver reads that number once, so each needs a process of its
+/// own.
 fn measure_threads() {
     println!("\nthreads of the driver | Mrays/s | gain");
     let rate = |threads: u32| -> Option<f64> {

@@ -1,7 +1,8 @@
-//! Paths per second of `bsdf`, `rejection-mix` and `product`, and of Mitsuba 3 where Python has it, interleaved in one run.
+//! Paths per second of `bsdf`, `rejection-mix` and `product`, and of Mitsuba 3 where Python has it, interleaved in one
+//! run.
 //!
-//! `cargo bench --bench speed [-- SCENE...]`: cornell-box and staircase2 unless named; `LODESTAR_SCENES` chooses the shared
-//! scenes, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
+//! `cargo bench --bench speed [-- SCENE...]` measures cornell-box and staircase2 by default. `LODESTAR_SCENES` chooses
+//! the shared scenes. Mitsuba needs `DRJIT_LIBLLVM_PATH`.
 
 use std::path::Path;
 use std::process::Command;
@@ -58,7 +59,8 @@ fn measure(context: &Arc<Context>, name: &str) {
     print_medians(name, size, &rates, &rays_of_paths);
 }
 
-/// Rays that a plain path takes with a shadow ray at each vertex that a light may add to: about as many as Mitsuba's.
+/// Rays per path of a plain path tracer with a shadow ray at each vertex that a light may illuminate: about as many as
+/// Mitsuba's.
 fn rays_with_emitters_sampled(context: &Arc<Context>, scene: &Scene, size: [u32; 2]) -> f64 {
     let settings = Settings { nee: true, ..settings(scene, size, Sampler::Bsdf) };
     let samples = settings.spp_per_step;
@@ -82,7 +84,7 @@ fn print_medians(name: &str, [width, height]: [u32; 2], rates: &[[f64; 4]], rays
     }
 }
 
-/// Mitsuba's `path` integrator (llvm_ad_rgb, emitter sampling on) on the same scene at the same size.
+/// Rate of Mitsuba's `path` integrator (llvm_ad_rgb, emitter sampling on) on the same scene at the same size.
 fn mitsuba_rate(scene: &Path, [width, height]: [u32; 2]) -> Option<f64> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/mitsuba_speed.py");
     let size = [width.to_string(), height.to_string()];

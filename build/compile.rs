@@ -1,14 +1,14 @@
-//! GLSL to SPIR-V on all cores, for the build scripts of the crate and of `tests/tampered`.
+//! Compiler from GLSL to SPIR-V, for the build scripts of the crate and of `tests/tampered`. It uses all cores.
 
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 use std::{env, fs, thread};
 
-/// Where includes are looked for.
+/// Folder that includes are relative to.
 pub const INCLUDE_FOLDER: &str = "glsl/include";
 
-/// Compiles `file`, which lies in the folder `root` with all that it includes. Returns the SPIR-V.
+/// Compiles `file`, a path relative to the folder `root`, with everything that it includes. Returns the SPIR-V.
 pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, String> {
     let source = fs::read_to_string(root.join(file)).map_err(|e| format!("{file}: cannot be read: {e}"))?;
     let compiler = shaderc::Compiler::new().map_err(|e| e.to_string())?;
@@ -16,7 +16,7 @@ pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, Stri
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_2 as u32);
     options.set_target_spirv(shaderc::SpirvVersion::V1_5);
     options.set_optimization_level(shaderc::OptimizationLevel::Performance);
-    // Debug information is what keeps the names through the optimizer.
+    // Debug information keeps the names through the optimizer.
     options.set_generate_debug_info();
     options.set_warnings_as_errors();
     for name in macros {
@@ -29,7 +29,7 @@ pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, Stri
     Ok(artifact.as_binary_u8().to_vec())
 }
 
-/// Results of all jobs, in their order.
+/// Runs all jobs on all cores. Returns their results in the order of the jobs.
 pub fn on_all_cores<T: Send>(job_count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let queue = Mutex::new(0..job_count);
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -42,7 +42,7 @@ pub fn on_all_cores<T: Send>(job_count: usize, job: impl Fn(usize) -> T + Sync) 
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-/// As many as Cargo was told to use.
+/// Number of threads to use: the number that Cargo was told to use, or the number of cores.
 fn core_count() -> usize {
     let told = env::var("NUM_JOBS").ok().and_then(|jobs| jobs.parse().ok());
     told.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
@@ -54,7 +54,7 @@ fn resolve_include(root: &Path, name: &str) -> Result<shaderc::ResolvedInclude, 
     Ok(shaderc::ResolvedInclude { resolved_name: path, content })
 }
 
-/// Turns `file:line: error: text` into the form that rustc gives its own errors.
+/// Converts messages of the form `file:line: error: text` to the form of rustc's messages.
 fn diagnostics(root: &Path, message: &str) -> String {
     let mut text = String::new();
     for line in message.lines() {

@@ -1,22 +1,22 @@
-//! Writes the constants that both sides know.
+//! Writer of the constants that GLSL and Rust share.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::declarations::{SharedConstant, SpecializationConstant, shared_constants, specialization_constants};
 
-/// Constants whose names end so number the descriptor sets.
+/// Suffix of the names of constants that number the descriptor sets.
 const SET_SUFFIX: &str = "_SET";
 
-/// All that the shared files declare.
+/// Constants that the shared files declare.
 pub struct Shared {
     constants: Vec<SharedConstant>,
-    /// The specialization constants.
+    /// Specialization constants.
     pub specialization: Vec<SpecializationConstant>,
 }
 
 impl Shared {
-    /// Reads (path, text) of all shared files.
+    /// Reads all shared files, given as pairs of path and text.
     pub fn read(files: &[(String, String)]) -> Result<Self, String> {
         let mut constants = Vec::new();
         let mut owners: BTreeMap<String, &str> = BTreeMap::new();
@@ -31,14 +31,14 @@ impl Shared {
         Ok(Self { constants, specialization: specialization_constants(files)? })
     }
 
-    /// Names of the descriptor sets by their numbers.
+    /// Names of the descriptor sets, by number.
     pub fn sets(&self) -> BTreeMap<u32, String> {
         let of_set =
             |c: &SharedConstant| Some((c.value.parse().ok()?, c.name.strip_suffix(SET_SUFFIX)?.to_lowercase()));
         self.constants.iter().filter_map(of_set).collect()
     }
 
-    /// A Rust constant for each.
+    /// Rust declarations of all shared constants.
     pub fn code(&self) -> String {
         let mut code = String::new();
         for SharedConstant { name, rust_type, value, comment } in &self.constants {
@@ -48,7 +48,7 @@ impl Shared {
     }
 }
 
-/// A comment without marks that rustdoc would read.
+/// Comment without the marks that rustdoc interprets.
 fn plain(comment: &str) -> String {
     comment.replace(['`', '['], "").replace(']', "")
 }

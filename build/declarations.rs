@@ -1,38 +1,38 @@
-//! Constants as GLSL declares them, read from its text: those that Rust shares, and the specialization constants. Needs nothing but
-//! the standard library, so that Cargo.toml can name this file as a test of its own.
+//! Reader of constants from GLSL text: constants that GLSL and Rust share, and specialization constants. The file
+//! depends only on the standard library, so that Cargo.toml can declare it as a test.
 
-/// A constant that both sides know.
+/// Constant that GLSL and Rust share.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SharedConstant {
-    /// Its name, on both sides.
+    /// Name, equal in GLSL and Rust.
     pub name: String,
-    /// `u32` or `f32`.
+    /// Rust type: `u32` or `f32`.
     pub rust_type: &'static str,
-    /// Its value as a Rust literal.
+    /// Value as a Rust literal.
     pub value: String,
-    /// The comment above it.
+    /// Comment above the declaration.
     pub comment: String,
 }
 
-/// A specialization constant.
+/// Specialization constant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SpecializationConstant {
-    /// Its number.
+    /// Specialization id.
     pub id: u32,
-    /// Its name in GLSL.
+    /// Name in GLSL.
     pub name: String,
-    /// `u32`, `f32` or `bool`.
+    /// Rust type: `u32`, `f32` or `bool`.
     pub rust_type: &'static str,
-    /// A Rust literal, or the name of a shared constant.
+    /// Default as a Rust literal, or the name of a shared constant.
     pub default: String,
-    /// The comment above it.
+    /// Comment above the declaration.
     pub comment: String,
 }
 
-/// Reads the lines `const TYPE NAME = LITERAL;` of a file. Lines that are indented belong to functions.
+/// Reads the lines `const TYPE NAME = LITERAL;` of a file. Indented lines belong to functions and are skipped.
 ///
 /// # Errors
-/// Names the line that cannot be read.
+/// The message names the line that cannot be read.
 pub fn shared_constants(file: &str, text: &str) -> Result<Vec<SharedConstant>, String> {
     let declarations = commented(text).filter(|line| line.code.starts_with("const "));
     let parse = |line: Line| {
@@ -59,10 +59,10 @@ pub fn shared_constants(file: &str, text: &str) -> Result<Vec<SharedConstant>, S
     declarations.map(parse).collect()
 }
 
-/// Reads the lines `layout(constant_id = N) const TYPE NAME = DEFAULT;` of all files, each a path and a text.
+/// Reads the lines `layout(constant_id = N) const TYPE NAME = DEFAULT;` of all files, given as pairs of path and text.
 ///
 /// # Errors
-/// Names the line that cannot be read, or both constants of one id or one name.
+/// The message names the line that cannot be read, or the two constants that share an id or a name.
 pub fn specialization_constants(files: &[(String, String)]) -> Result<Vec<SpecializationConstant>, String> {
     let mut constants: Vec<SpecializationConstant> = Vec::new();
     let lines = files.iter().flat_map(|(file, text)| commented(text).map(move |line| (file, line)));
@@ -104,7 +104,7 @@ fn specialization_constant(line: &Line) -> Option<SpecializationConstant> {
     })
 }
 
-/// The type, name and value of `const TYPE NAME = VALUE;`.
+/// Type, name and value of the declaration `const TYPE NAME = VALUE;`.
 fn declaration(code: &str) -> Option<(&str, &str, &str)> {
     let (declared, value) = code.strip_prefix("const ")?.strip_suffix(';')?.split_once(" = ")?;
     let (glsl_type, name) = declared.split_once(' ')?;
@@ -116,14 +116,15 @@ fn is_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_uppercase()) && text.chars().all(is_word)
 }
 
-/// The Rust literal of the same value. Floats have a point in both languages, so that neither takes them for whole numbers.
+/// Rust literal with the value of a GLSL literal. A float must contain a point, so that neither language reads an
+/// integer.
 fn literal(glsl_type: &str, text: &str) -> Option<String> {
     let is_literal = match glsl_type {
         "uint" => {
             let digits = text.strip_suffix('u')?;
             match digits.strip_prefix("0x") {
                 Some(hexadecimal) => u32::from_str_radix(hexadecimal, 16).is_ok(),
-                // GLSL takes a leading zero for an octal number.
+                // GLSL reads a number with a leading zero as octal.
                 None => digits.parse::<u32>().is_ok() && (digits == "0" || !digits.starts_with('0')),
             }
         }
@@ -139,14 +140,14 @@ fn literal(glsl_type: &str, text: &str) -> Option<String> {
     is_literal.then(|| digits.to_owned())
 }
 
-/// A line of code with its number, counted from 1, and the comment of its group of lines.
+/// Line of code: its number, counted from 1, and the comment of its group of lines.
 struct Line<'a> {
     number: usize,
     code: &'a str,
     comment: String,
 }
 
-/// The lines of code. A comment belongs to all lines below it, up to the next comment or an empty line.
+/// Lines of code with their comments. A comment applies to all lines below it, up to the next comment or empty line.
 fn commented(text: &str) -> impl Iterator<Item = Line<'_>> {
     let (mut comment, mut goes_on) = (String::new(), false);
     text.lines().enumerate().filter_map(move |(index, code)| {

@@ -1,4 +1,4 @@
-//! Reflects SPIR-V: what a kernel asks of its pipeline, and how the structs of its buffers are laid out.
+//! Reflection of SPIR-V: the interface that a kernel demands of its pipeline, and the memory layout of its structs.
 
 use std::collections::BTreeMap;
 
@@ -6,32 +6,32 @@ use spirq::prelude::*;
 use spirq::ty::{DescriptorType, ScalarType, Type};
 use spirq::var::Variable;
 
-/// Kind (a variant of `BindingKind`) and GLSL name by (set, binding).
+/// Bindings of a kernel: the kind (a variant of `BindingKind`) and the GLSL name, by (set, binding).
 pub type Bindings = BTreeMap<(u32, u32), (&'static str, String)>;
-/// Size in bytes and (member, offset) of a struct in a buffer.
+/// Layout of a struct in a buffer: its size in bytes, and its members with their offsets.
 pub type StructLayout = (usize, Vec<(String, usize)>);
 
-/// The interface of one module.
+/// Interface of one SPIR-V module.
 pub struct Interface {
-    /// Its bindings.
+    /// Bindings.
     pub bindings: Bindings,
-    /// Size of its push constants.
+    /// Size of the push constants, in bytes.
     pub push_constant_bytes: usize,
-    /// Its specialization constants, ascending.
+    /// Ids of the specialization constants, ascending.
     pub specialization_ids: Vec<u32>,
-    /// Structs within its buffers and push constants, by name.
+    /// Structs within buffers and push constants, by name.
     pub structs: BTreeMap<String, StructLayout>,
 }
 
 impl Interface {
-    /// Reads it from the SPIR-V.
+    /// Reflects a SPIR-V module.
     pub fn reflect(spirv: &[u8]) -> Result<Self, String> {
         let reflected = ReflectConfig::new().spv(spirv).reflect().map_err(|e| format!("cannot be reflected: {e}"))?;
         let vars = reflected.into_iter().next().ok_or("no entry point")?.vars;
         let mut interface = Self {
             bindings: bindings(&vars)?,
             push_constant_bytes: 0,
-            // The workgroup size, which every kernel has.
+            // Every kernel has the constant 0, the workgroup size.
             specialization_ids: vec![0],
             structs: BTreeMap::new(),
         };

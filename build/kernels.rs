@@ -1,4 +1,4 @@
-//! Compiles and reflects the kernels, on all cores.
+//! Compilation and reflection of all kernels, on all cores.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -8,13 +8,13 @@ use super::compile::{INCLUDE_FOLDER, compile, on_all_cores};
 use super::interface::Interface;
 use super::{unreadable, write_file};
 
-/// Kernels that include this file are built once for each of its two back ends.
+/// File whose inclusion makes a kernel be built twice, once for each back end.
 const GEOMETRY_FILE: &str = "glsl/include/geometry/bvh.glsl";
 const TEST_FOLDER: &str = "glsl/test";
-/// Declares records and is never dispatched.
+/// Name of the kernel that only declares records. It is never dispatched.
 const PROBE: &str = "layout_probe";
 
-/// Where geometry is read from.
+/// Kind of buffer from which a kernel reads geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BackEnd {
     /// Storage buffers.
@@ -23,51 +23,51 @@ pub enum BackEnd {
     Texel,
 }
 
-/// SPIR-V with its interface.
+/// SPIR-V module with its interface.
 pub struct Module {
     spirv: Vec<u8>,
-    /// What the SPIR-V asks of its pipeline.
+    /// Interface that the SPIR-V demands of its pipeline.
     pub interface: Interface,
 }
 
-/// A `.comp` file and what became of it.
+/// Kernel: a `.comp` file and its compiled modules.
 pub struct Kernel {
-    /// The stem of its file.
+    /// Name: the stem of the file name.
     pub name: String,
-    /// Path of its source in the repository.
+    /// Path of the source in the repository.
     pub file: String,
     modules: BTreeMap<BackEnd, Module>,
 }
 
 impl Kernel {
-    /// Whether it runs a pure function for the tests.
+    /// Whether the kernel runs a pure function for the tests.
     pub fn is_test(&self) -> bool {
         self.file.starts_with(TEST_FOLDER)
     }
 
-    /// Whether a renderer dispatches it.
+    /// Whether a renderer dispatches the kernel.
     pub fn is_product(&self) -> bool {
         !self.is_test() && self.name != PROBE
     }
 
-    /// The back end that it has in place of this one: all read storage buffers.
+    /// Back end to use in place of `back_end`. Every kernel has the storage back end.
     pub fn available(&self, back_end: BackEnd) -> BackEnd {
         if self.modules.contains_key(&back_end) { back_end } else { BackEnd::Storage }
     }
 
-    /// The module of the back end, or of the one that is [available](Self::available).
+    /// Module of the back end that is [available](Self::available).
     pub fn module(&self, back_end: BackEnd) -> &Module {
         &self.modules[&self.available(back_end)]
     }
 
-    /// The name of the SPIR-V's file.
+    /// File name of the SPIR-V.
     pub fn spirv_file(&self, back_end: BackEnd) -> String {
         let suffix = if self.available(back_end) == BackEnd::Texel { ".texel" } else { "" };
         let folder = if self.is_test() { "test." } else { "" };
         format!("{folder}{}{suffix}.spv", self.name)
     }
 
-    /// Writes its SPIR-V into the folder `out`.
+    /// Writes the kernel's SPIR-V into the folder `out`.
     pub fn write_modules(&self, out: &Path) -> Result<(), String> {
         let write =
             |(&back_end, module): (&BackEnd, &Module)| write_file(&out.join(self.spirv_file(back_end)), &module.spirv);
@@ -75,15 +75,15 @@ impl Kernel {
     }
 }
 
-/// One compilation that is to be done.
+/// Compilation to be done.
 struct Job {
     kernel: usize,
     back_end: BackEnd,
-    /// Bytes of the sources: a guess of how long it takes.
+    /// Size of all sources in bytes, an estimate of the compilation time.
     source_bytes: u64,
 }
 
-/// Compiles all kernels, in the order of their names.
+/// Compiles all kernels. Returns them in the order of their names.
 pub fn compile_all() -> Result<Vec<Kernel>, String> {
     let mut files = files_below("glsl/kernels", ".comp")?;
     files.extend(files_below(TEST_FOLDER, ".comp")?);
@@ -100,7 +100,7 @@ pub fn compile_all() -> Result<Vec<Kernel>, String> {
     Ok(files.into_iter().zip(modules).map(kernel).collect())
 }
 
-/// All compilations, the longest first, so that no core is left alone with one at the end.
+/// All compilations, the longest first, so that no long one runs alone at the end.
 fn jobs(files: &[String]) -> Result<Vec<Job>, String> {
     let mut jobs = Vec::new();
     for (kernel, file) in files.iter().enumerate() {
@@ -115,7 +115,7 @@ fn jobs(files: &[String]) -> Result<Vec<Job>, String> {
     Ok(jobs)
 }
 
-/// Adds the file and all that it includes. Returns how many bytes were new.
+/// Adds a file and everything that it includes to `sources`. Returns the number of bytes that were added.
 fn collect_sources(file: &str, sources: &mut BTreeSet<String>) -> Result<u64, String> {
     if !sources.insert(file.to_owned()) {
         return Ok(0);
@@ -135,7 +135,7 @@ fn compile_job(file: &str, back_end: BackEnd) -> Result<Module, String> {
     Ok(Module { spirv, interface })
 }
 
-/// Files below a folder whose names end so.
+/// Files below a folder whose names end with `ending`.
 pub fn files_below(folder: &str, ending: &str) -> Result<Vec<String>, String> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).map_err(|e| unreadable(folder, &e))?.flatten() {

@@ -1,11 +1,11 @@
-//! Writes assertions that the structs of `layout.rs` are laid out as in GLSL.
+//! Writer of assertions that the structs of `layout.rs` have the same layout in GLSL.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::kernels::{BackEnd, Kernel};
 
-/// An assertion for the size and every member of each reflected struct.
+/// Assertions on the size and the member offsets of each reflected struct.
 pub fn code(kernels: &[Kernel]) -> String {
     let mut structs = BTreeMap::new();
     for kernel in kernels.iter().filter(|kernel| !kernel.is_test()) {

@@ -1,11 +1,12 @@
-//! What `build.rs` makes of `glsl/`: SPIR-V, and the Rust that `src/generated` includes. A file each:
+//! Generator of the files that `src/generated` includes: the SPIR-V of the kernels in `glsl/`, and Rust code that
+//! describes it. Each module writes one file:
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
-//! | `constants.rs` | constants that both sides know, and numbers of bindings |
+//! | `constants.rs` | constants that GLSL and Rust share, and binding numbers |
 //! | `variant.rs` | the specialization constants as one struct |
 //! | `registry.rs` | the kernels with their interfaces |
-//! | `layout_checks.rs` | assertions that structs are laid out as in GLSL |
+//! | `layout_checks.rs` | assertions that structs have the same layout in GLSL |
 
 mod compile;
 mod constants;
@@ -20,13 +21,13 @@ mod variant;
 use std::fs;
 use std::path::Path;
 
-/// What both sides share is declared here.
+/// Folder of the declarations that GLSL and Rust share.
 const SHARED_FOLDER: &str = "glsl/include/shared";
 
-/// Writes everything into the folder `out`.
+/// Writes all files into the folder `out`.
 ///
 /// # Errors
-/// Says what is wrong with the GLSL, and where.
+/// The message says which GLSL is wrong, and where.
 pub fn run(out: &Path) -> Result<(), String> {
     let shared = constants::Shared::read(&shared_files()?)?;
     let kernels = kernels::compile_all()?;
@@ -40,7 +41,7 @@ pub fn run(out: &Path) -> Result<(), String> {
         .try_for_each(|kernel| kernel.write_modules(out))
 }
 
-/// Every file that may declare what both sides share, with its text.
+/// Files that may declare shared constants, with their texts.
 fn shared_files() -> Result<Vec<(String, String)>, String> {
     let mut files = kernels::files_below(SHARED_FOLDER, ".glsl")?;
     files.sort();
@@ -57,7 +58,7 @@ fn write(out: &Path, name: &str, code: &str) -> Result<(), String> {
     write_file(&out.join(name), format!("// Written by build.rs from glsl/.\n\n{code}").as_bytes())
 }
 
-/// Leaves a file alone that holds this already, so that nothing is compiled again for its sake.
+/// Writes a file unless it has this content already, so that Cargo does not compile again without need.
 fn write_file(path: &Path, bytes: &[u8]) -> Result<(), String> {
     if fs::read(path).is_ok_and(|old| old == bytes) {
         return Ok(());

@@ -1,11 +1,12 @@
-//! Writes the kernels: a struct of them all, a value of it for each back end, and the kernels of the tests.
+//! Writer of the kernel registry: a struct of all kernels, a value of it for each back end, and the kernels of the
+//! tests.
 
 use std::fmt::Write as _;
 
 use super::kernels::{BackEnd, Kernel};
 use super::sets;
 
-/// The registry.
+/// Code of the registry.
 pub fn code(kernels: &[Kernel]) -> Result<String, String> {
     let product: Vec<&Kernel> = kernels.iter().filter(|kernel| kernel.is_product()).collect();
     let mut code = struct_code(&product);
@@ -35,12 +36,12 @@ pub struct Kernels {{
 {fields}}}
 
 impl Kernels {{
-    /// All of them.
+    /// Iterator over all kernels.
     pub fn iter(&self) -> impl Iterator<Item = &KernelSource> {{
         [{}].into_iter()
     }}
 
-    /// All of them, to be replaced.
+    /// Mutable iterator over all kernels, to replace some of them.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut KernelSource> {{
         [{}].into_iter()
     }}

@@ -1,4 +1,4 @@
-//! Descriptor sets: their shapes, and names for the numbers of their bindings.
+//! Descriptor sets: their shapes, and names for their binding numbers.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -6,10 +6,10 @@ use std::fmt::Write as _;
 use super::interface::Bindings;
 use super::kernels::{BackEnd, Kernel};
 
-/// The bindings of all these kernels on a back end.
+/// Union of the bindings of kernels on one back end.
 ///
 /// # Errors
-/// Where two kernels differ in one.
+/// Two kernels that declare the same binding differently are an error.
 pub fn union<'a>(kernels: impl IntoIterator<Item = &'a Kernel>, back_end: BackEnd) -> Result<Bindings, String> {
     let mut all = Bindings::new();
     for kernel in kernels {
@@ -25,7 +25,7 @@ pub fn union<'a>(kernels: impl IntoIterator<Item = &'a Kernel>, back_end: BackEn
     Ok(all)
 }
 
-/// A slice of `SetShape`, without gaps.
+/// Code of a slice of `SetShape` without gaps.
 pub fn shapes(bindings: &Bindings) -> String {
     let set_count = bindings.keys().map(|(set, _)| set + 1).max().unwrap_or(0);
     let mut code = String::from("&[\n");
@@ -42,10 +42,10 @@ pub fn shapes(bindings: &Bindings) -> String {
     code + "    ]"
 }
 
-/// A module for each set with a constant for each of its bindings, whatever the back end.
+/// Code of a module for each set, with a constant for each of its bindings. It is the same for both back ends.
 ///
 /// # Errors
-/// Where a set has no name, or two bindings of a set share one, or one has two.
+/// A set without a name is an error, and so are two bindings with one name or two names of one binding.
 pub fn binding_numbers(sets: &BTreeMap<u32, String>, kernels: &[Kernel]) -> Result<String, String> {
     let mut names = BTreeMap::<(u32, u32), String>::new();
     for back_end in [BackEnd::Storage, BackEnd::Texel] {
@@ -78,7 +78,7 @@ pub fn binding_numbers(sets: &BTreeMap<u32, String>, kernels: &[Kernel]) -> Resu
     }
 }
 
-/// `TexelWords1` and `texel_words1` become `TEXEL_WORDS1`.
+/// Name of a constant in upper snake case: `TexelWords1` and `texel_words1` become `TEXEL_WORDS1`.
 fn constant_name(name: &str) -> String {
     let mut constant = String::new();
     for c in name.chars() {

@@ -1,10 +1,10 @@
-//! Writes the specialization constants as one struct.
+//! Writer of the struct that holds all specialization constants.
 
 use std::fmt::Write as _;
 
 use super::declarations::SpecializationConstant;
 
-/// `Variant`, with a field for each constant, its default, and its entries for a pipeline.
+/// Code of the struct `Variant`: a field for each constant, the defaults, and the entries for a pipeline.
 pub fn code(constants: &[SpecializationConstant]) -> String {
     let (mut fields, mut defaults, mut entries) = (String::new(), String::new(), String::new());
     for c in constants {
@@ -26,11 +26,11 @@ pub struct Variant {{
 {fields}}}
 
 impl Variant {{
-    /// The defaults that GLSL gives.
+    /// Defaults as declared in GLSL.
     pub const DEFAULT: Self = Self {{
 {defaults}    }};
 
-    /// (id, bits) of every constant.
+    /// Pairs (id, bits) of all constants.
     pub fn entries(&self) -> Vec<(u32, u32)> {{
         vec![
 {entries}        ]

@@ -1,4 +1,4 @@
-//! Fixed pieces of work that tell how fast the machine is at the moment.
+//! Calibration: fixed pieces of work that measure the current speed of the machine.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -9,12 +9,12 @@ use support::device::Device;
 
 use crate::quantity::Place;
 
-/// Each is repeated for at least so long.
+/// Minimum time for which each piece of work is repeated, in seconds.
 const SECONDS: f64 = 0.04;
-/// Links of the chain that every thread computes.
+/// Number of links of the chain that every thread computes.
 const LINKS: u32 = 1 << 20;
 
-/// Both pieces of work.
+/// Calibrating work on the device and on the processor's threads.
 pub struct Calibration {
     arithmetic: Arithmetic,
 }
@@ -24,7 +24,7 @@ impl Calibration {
         Self { arithmetic: Arithmetic::new(device) }
     }
 
-    /// 10^9 operations per second.
+    /// Speed of the calibrating work, in 10^9 operations per second.
     pub fn rate(&self, place: Place) -> f64 {
         match place {
             Place::Device => self.arithmetic.rate(SECONDS) / 1.0e9,
@@ -33,7 +33,7 @@ impl Calibration {
     }
 }
 
-/// Links per second, of all threads together.
+/// Links per second, summed over all threads.
 fn host_rate(seconds: f64) -> f64 {
     let once = || {
         let begin = Instant::now();
@@ -43,7 +43,7 @@ fn host_rate(seconds: f64) -> f64 {
     f64::from(LINKS) * rayon::current_num_threads() as f64 / mean_seconds(seconds, once)
 }
 
-/// A dependent chain of integer products and shifts, which no compiler shortens.
+/// Chain of dependent integer multiplications and shifts, which no compiler can shorten.
 fn chain(seed: u64) -> u64 {
     (0..LINKS).fold(seed, |x, i| (x ^ u64::from(i)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(23))
 }

@@ -1,4 +1,4 @@
-//! Seconds that loading takes and the hierarchy's build, of scenes that are large enough to tell.
+//! Time to load a scene and to build its hierarchy, in seconds, for scenes that are large enough to measure.
 
 use std::rc::Rc;
 use std::time::Instant;
@@ -10,7 +10,7 @@ use support::bench::subjects::Subject;
 
 use crate::quantity::{Place, Quantity, Unit};
 
-/// Smaller scenes load in no time.
+/// Minimum number of primitives. Smaller scenes load too fast to be measured.
 const LEAST_PRIMITIVES: usize = 10_000;
 
 pub fn quantities(subjects: &[Rc<Subject>]) -> Vec<Quantity> {
@@ -19,7 +19,7 @@ pub fn quantities(subjects: &[Rc<Subject>]) -> Vec<Quantity> {
     loads.chain(large.iter().map(|subject| build(subject))).collect()
 }
 
-/// With its hierarchy, as Mitsuba's loading has its own.
+/// Time to load a scene and to build its hierarchy. Mitsuba's loading builds a hierarchy, too.
 fn load(subject: &Subject) -> Option<Quantity> {
     let file = subject.file.clone()?;
     let request = Some(json!(["load", file]));

@@ -1,11 +1,11 @@
-//! What a number was measured on, and by which build.
+//! Machine and build on which a number was measured.
 
 use std::process::Command;
 
 use lodestar::gpu::DeviceInfo;
 use serde::{Deserialize, Serialize};
 
-/// More tasks than this share of the threads make a machine busy.
+/// Number of tasks per thread above which a machine counts as busy.
 const MOST_LOAD: f64 = 0.5;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -13,9 +13,9 @@ pub struct Machine {
     pub device: String,
     pub driver: String,
     pub processor: String,
-    /// Of the processor, that this process may use.
+    /// Number of the processor's threads that this process may use.
     pub threads: usize,
-    /// Of the build, `-changed` where files differ from it.
+    /// Commit of the build, with `-changed` if files differ from it.
     pub commit: String,
 }
 
@@ -36,7 +36,7 @@ impl Machine {
         println!("build: {}", self.commit);
     }
 
-    /// Says where others are at work, too.
+    /// Warns if other work keeps the machine busy.
     pub fn warn_of_load(&self, load: Option<f64>) {
         match load {
             Some(load) if load > MOST_LOAD * self.threads as f64 => {
@@ -47,7 +47,7 @@ impl Machine {
         }
     }
 
-    /// Device, processor and threads as the name of a file.
+    /// File name made of device, processor and number of threads.
     pub fn file_name(&self) -> String {
         let text = format!("{} {} {} threads", self.device, self.processor, self.threads).to_lowercase();
         let words = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
@@ -55,12 +55,12 @@ impl Machine {
     }
 }
 
-/// The mean number of tasks that wanted a thread in the last minute, where the system tells.
+/// Mean number of tasks that wanted a thread in the last minute, if the system reports it.
 pub fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
 
-/// The processor's name, family and model; of several products of one name, these tell.
+/// Name, family and model of the processor. Family and model distinguish products with the same name.
 fn processor() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let field = |name: &str| {

@@ -1,14 +1,16 @@
-//! Everything that decides how fast a render is, in one table beside what it was: rays, samplers, updates, loading and
-//! hierarchies, whole renders, and beside Mitsuba 3 where Python has it.
+//! Baseline of everything that determines the speed of a render, in one table: rays, samplers, updates, loading,
+//! hierarchies and whole renders. The stored baseline stands beside the new values, and Mitsuba 3 too where Python has
+//! it.
 //!
-//! `cargo bench --bench baseline [-- WORD... --rounds N --store]`: the quantities whose names hold one of the words, or
-//! all. `--store` writes the baseline that later runs on such a device are compared with,
-//! `benches/baselines/DEVICE.json`. The project's own scenes are always measured, the shared ones as well where
-//! `LODESTAR_SCENES` names their folder; `LODESTAR_DEVICE` chooses the device, `DRJIT_LIBLLVM_PATH` serves Mitsuba.
+//! `cargo bench --bench baseline [-- WORD... --rounds N --store]` measures the quantities whose names contain one of
+//! the words, or all quantities. `--store` writes the baseline with which later runs on this device are compared,
+//! `benches/baselines/DEVICE.json`. The project's own scenes are always measured. The shared scenes are measured if
+//! `LODESTAR_SCENES` names their folder. `LODESTAR_DEVICE` chooses the device. Mitsuba needs `DRJIT_LIBLLVM_PATH`.
 //!
-//! Every number is the median of rounds, in each of which every quantity has its turn. Right before each, a fixed piece
-//! of work is timed: on the device for what runs there, else on the processor's threads. The corrected ratio is that of
-//! speeds relative to this work, so that a machine that is slower on the day does not pass for a slower build.
+//! Every number is the median over rounds. In each round every quantity is measured once. Right before each
+//! measurement, a fixed piece of work is timed, on the device or on the processor's threads, depending on where the
+//! quantity runs. The corrected ratio compares speeds relative to this work. A machine that is slower on the day is
+//! thus not mistaken for a slower build.
 
 mod calibration;
 mod hierarchies;
@@ -34,7 +36,7 @@ use support::device::Device;
 
 const ROUNDS: usize = 5;
 
-/// What the command line asks for.
+/// Options of the command line.
 struct Options {
     words: Vec<String>,
     rounds: usize,
@@ -51,7 +53,7 @@ impl Options {
                 "--rounds" => {
                     options.rounds = arguments.next().and_then(|n| n.parse().ok()).expect("--rounds takes a number");
                 }
-                // Cargo adds this one itself.
+                // Cargo itself adds `--bench`.
                 "--bench" => {}
                 _ => options.words.push(argument),
             }

@@ -1,4 +1,4 @@
-//! Mitsuba 3 in a process of its own, which measures what it is asked to.
+//! Mitsuba 3 in a process of its own, which measures on request.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -6,10 +6,10 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use lodestar::gpu::{DeviceInfo, DeviceKind};
 use serde_json::Value;
 
-/// `benches/mitsuba_baseline.py`, where Python has Mitsuba.
+/// Process that runs `benches/mitsuba_baseline.py`, if Python has Mitsuba.
 pub struct Mitsuba {
     process: Option<Process>,
-    /// Which variant of which version, or why there is none.
+    /// Version and variant of Mitsuba, or the reason why it is not available.
     pub description: String,
 }
 
@@ -20,7 +20,7 @@ struct Process {
 }
 
 impl Mitsuba {
-    /// On the same kind of device: the processor, or a GPU of NVIDIA's.
+    /// Starts Mitsuba on the same kind of device: the processor or an NVIDIA GPU.
     pub fn start(device: &DeviceInfo) -> Self {
         let variant = if device.kind == DeviceKind::Cpu { "llvm_ad_rgb" } else { "cuda_ad_rgb" };
         match Process::start(variant) {
@@ -36,7 +36,7 @@ impl Mitsuba {
         }
     }
 
-    /// The seconds that it answers with; not a number where there is no answer.
+    /// Seconds that Mitsuba measures for a request; NaN without an answer.
     pub fn seconds(&mut self, request: &Value) -> f64 {
         let answer = self.process.as_mut().and_then(|process| process.ask(request));
         answer.and_then(|line| line.trim().parse().ok()).unwrap_or(f64::NAN)

@@ -1,28 +1,28 @@
-//! One line of the table.
+//! Quantity that the baseline measures: one line of the table.
 
 use serde_json::Value;
 
-/// Something that is measured.
+/// Quantity that is measured.
 pub struct Quantity {
     pub name: String,
     pub unit: Unit,
     pub place: Place,
-    /// Does it once, or some times, and returns the seconds that one time takes; not a number where it cannot be told.
+    /// Runs the work one or several times and returns the seconds for one time; NaN if they cannot be measured.
     pub run: Box<dyn FnMut() -> f64>,
-    /// Asks Mitsuba for the seconds that the same takes there.
+    /// Request for Mitsuba to measure the same work.
     pub request: Option<Value>,
 }
 
-/// How seconds are told.
+/// Unit in which a time is expressed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unit {
-    /// So many millions in these seconds, of something.
+    /// Millions of things per second: the number of millions in the measured time, and the name of the things.
     MillionsPerSecond(f64, &'static str),
     Seconds,
     Milliseconds,
 }
 
-/// Where it runs.
+/// Place where the work runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
     Device,
@@ -47,7 +47,7 @@ impl Unit {
         }
     }
 
-    /// What is larger where things are faster: a rate, or one over a time.
+    /// Number that is larger for faster work: a rate, or the inverse of a time.
     pub fn speed(self, seconds: f64) -> f64 {
         match self {
             Self::MillionsPerSecond(..) => self.value(seconds),

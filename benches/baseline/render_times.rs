@@ -1,5 +1,6 @@
-//! Seconds of whole renders of equally many samples, from the first step to the picture on the host, emitters sampled;
-//! loading, hierarchy, kernels and uploads are not counted, nor are they for Mitsuba's `path`.
+//! Time of whole renders with equal numbers of samples and with emitter sampling, in seconds. The time runs from the
+//! first step to the picture on the host. Loading, hierarchy, kernels and uploads are not included, neither here nor
+//! for Mitsuba's `path`.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use support::bench::subjects::Subject;
 use crate::quantity::{Place, Quantity, Unit};
 
 const SPP: u32 = 8;
-/// About so many, in the shape of the scene's film.
+/// Approximate number of pixels. The picture has the aspect ratio of the scene's film.
 const PIXELS: f64 = 240.0 * 240.0;
 const SAMPLERS: [(&str, Sampler); 3] =
     [("bsdf", Sampler::Bsdf), ("rejection-mix", Sampler::RejectionMix), ("product", Sampler::Product)];
@@ -26,7 +27,7 @@ pub fn quantities(context: &Arc<Context>, subjects: &[Rc<Subject>]) -> Vec<Quant
     pairs.map(|(subject, &(name, sampler))| quantity(context, subject, name, sampler)).collect()
 }
 
-/// In whole tiles.
+/// Size of the picture in pixels, rounded to whole tiles.
 fn size(subject: &Subject) -> [u32; 2] {
     let aspect = f64::from(subject.scene.film.width) / f64::from(subject.scene.film.height);
     let tiles = |pixels: f64| ((pixels / 8.0).round() as u32).max(1) * 8;

@@ -1,4 +1,4 @@
-//! Rounds in which every quantity has its turn.
+//! Rounds of measurements. In each round every quantity is measured once.
 
 use std::collections::HashMap;
 
@@ -9,32 +9,32 @@ use crate::calibration::Calibration;
 use crate::mitsuba::Mitsuba;
 use crate::quantity::Quantity;
 
-/// What the rounds have said of a quantity.
+/// Results of all rounds for a quantity.
 pub struct Measured {
     pub name: String,
     pub unit: String,
-    /// The median.
+    /// Median of the values.
     pub value: f64,
     pub least: f64,
     pub most: f64,
-    /// Median of the speed relative to that of the calibrating work right before.
+    /// Median of the speed relative to that of the calibrating work right before it.
     pub calibrated_speed: f64,
-    /// The same work's speed: median, 10^9 operations per second.
+    /// Median speed of the calibrating work, in 10^9 operations per second.
     pub calibration: f64,
-    /// Mitsuba's median, not a number where it has not measured this.
+    /// Median of Mitsuba's values; NaN if Mitsuba has not measured this quantity.
     pub mitsuba: f64,
-    /// Median of the speed relative to Mitsuba's in the same round.
+    /// Median of the speed relative to Mitsuba's speed in the same round.
     pub relative_to_mitsuba: f64,
 }
 
-/// One turn.
+/// Measurement of a quantity in one round.
 struct Turn {
     seconds: f64,
     calibration: f64,
     mitsuba_seconds: f64,
 }
 
-/// What Mitsuba has answered in a round: several quantities may ask the same.
+/// Answers of Mitsuba in one round. Several quantities may make the same request.
 struct Answers<'a> {
     mitsuba: &'a mut Mitsuba,
     seconds: HashMap<String, f64>,
@@ -46,7 +46,7 @@ impl Answers<'_> {
     }
 }
 
-/// Measures all quantities; a first round, which compiles and warms up, does not count.
+/// Measures all quantities. A first round, which compiles and warms up, does not count.
 pub fn measure(
     quantities: &mut [Quantity],
     calibration: &Calibration,

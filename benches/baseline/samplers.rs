@@ -1,5 +1,5 @@
-//! Samples per second of the guides' samplers (`glsl/test/guided_direction.comp`): a direction is drawn from one cell,
-//! and its density is evaluated anew, as emitter sampling does.
+//! Samples per second of the guides' samplers (`glsl/test/guided_direction.comp`). A sample draws a direction from one
+//! cell and then evaluates its density separately, as emitter sampling does.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -25,19 +25,19 @@ const SAMPLERS: [(&str, Sampler); 6] = [
     ("sphere-inversion", Sampler::SphereInversion),
     ("quadtree", Sampler::Quadtree),
 ];
-/// Each is repeated for at least so long.
+/// Minimum time for which each sampler is repeated, in seconds.
 const SECONDS: f64 = 0.08;
 const DIRECTIONS: u32 = 16;
 const NORMALS: u32 = 16;
-/// Levels of the quadtree before it is refined: 2^7 squares along each side.
+/// Number of levels of the quadtree before it is refined: 2^7 squares along each side.
 const QUADTREE_LEVELS: u32 = 7;
-/// Of what `guided_direction.comp` writes of a sample.
+/// Size of the record that `guided_direction.comp` writes for a sample, in bytes.
 const DRAWN_BYTES: usize = 32;
 
-/// Radiance of a direction.
+/// Radiance as a function of the direction.
 type Radiance = fn(DVec3) -> f64;
 
-/// Smooth, or a lamp of about 4 % of the sphere.
+/// Radiance tables: a smooth one, and a lamp that covers about 4 % of the sphere.
 const TABLES: [(&str, Radiance); 2] =
     [("smooth", |w| 1.0 + 0.5 * w.dot(lamp())), ("peaked", |w| if w.dot(lamp()) > 0.93 { 50.0 } else { 0.1 })];
 
@@ -45,7 +45,7 @@ fn lamp() -> DVec3 {
     DVec3::new(0.4, 0.3, 0.9).normalize()
 }
 
-/// What `guided_direction.comp` is pushed.
+/// Push constants of `guided_direction.comp`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
@@ -53,11 +53,11 @@ struct Push {
     seed: u32,
 }
 
-/// A sampler with a filled table.
+/// Sampler with a filled table.
 struct Subject {
     device: Arc<Device>,
     kernel: Kernel,
-    /// In order of set and binding.
+    /// Buffers, in the order of set and binding.
     buffers: Vec<Arc<Buffer>>,
     count: u32,
 }
@@ -105,7 +105,7 @@ impl Subject {
         Self { kernel: device.kernel(source, &variant), buffers, count, device: Arc::clone(device) }
     }
 
-    /// Draws all samples once and returns the seconds.
+    /// Draws all samples once. Returns the time in seconds.
     fn draw(&self) -> f64 {
         let push = Push { normal: Vec3::Z.into(), seed: 1 };
         let buffers: Vec<_> = self.buffers.iter().collect();
@@ -116,7 +116,7 @@ impl Subject {
 
 type Named = Vec<(&'static str, Arc<Buffer>)>;
 
-/// The grids of one cell that holds the radiance of its bins' centers.
+/// Buffers of the grids of one cell. Each bin holds the radiance at its center.
 fn cell_buffers(device: &Device, variant: &Variant, radiance: Radiance) -> Named {
     let center = |bin: u32| bin_center(DirectionMap::EqualArea, bin, DIRECTIONS);
     let table: Vec<f32> = (0..DIRECTIONS * DIRECTIONS).map(|bin| radiance(center(bin)) as f32).collect();
@@ -132,7 +132,7 @@ fn cell_buffers(device: &Device, variant: &Variant, radiance: Radiance) -> Named
     ]
 }
 
-/// A tree that has learned the radiance.
+/// Buffers of a quadtree that has learned the radiance.
 fn quadtree_buffers(device: &Device, radiance: Radiance) -> Named {
     fn square(radiance: Radiance, corner: DVec2, side: f64, levels: u32) -> Square {
         if levels == 0 {

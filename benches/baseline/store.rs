@@ -1,4 +1,4 @@
-//! Baselines in files.
+//! Storage of baselines in files.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,18 +10,18 @@ use crate::rounds::Measured;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/baselines");
 
-/// What was measured on one machine.
+/// Measurements on one machine.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Baseline {
     pub machine: Machine,
-    /// [`crate::machine::load`] before the first round.
+    /// Load of the machine ([`crate::machine::load`]) before the first round.
     pub load: Option<f64>,
     pub rounds: usize,
-    /// In the order of the table.
+    /// Quantities in the order of the table.
     pub quantities: Vec<Line>,
 }
 
-/// One quantity. Numbers that could not be measured are absent.
+/// Measurement of one quantity. Numbers that could not be measured are absent.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Line {
     pub name: String,
@@ -36,18 +36,18 @@ pub struct Line {
 }
 
 impl Line {
-    /// Whether more of the unit is better.
+    /// Whether a larger value is better.
     pub fn is_rate(&self) -> bool {
         self.unit.ends_with("/s")
     }
 
-    /// How many times as fast as another value of the same unit; nothing where one is missing.
+    /// Speed relative to another value of the same unit; `None` if one of them is missing.
     pub fn speed_ratio(&self, other: &Self) -> Option<f64> {
         let ratio = self.value? / other.value?;
         (self.unit == other.unit).then_some(if self.is_rate() { ratio } else { 1.0 / ratio })
     }
 
-    /// The same, both relative to the work that calibrates.
+    /// Speed relative to another value, both relative to the calibrating work.
     pub fn corrected_ratio(&self, other: &Self) -> Option<f64> {
         let ratio = self.calibrated_speed? / other.calibrated_speed?;
         (self.unit == other.unit).then_some(ratio)
@@ -56,7 +56,7 @@ impl Line {
 
 impl From<&Measured> for Line {
     fn from(measured: &Measured) -> Self {
-        // Six digits: more than a measurement has.
+        // Six digits exceed the precision of a measurement.
         let some = |x: f64| x.is_finite().then(|| format!("{x:.5e}").parse().unwrap_or(x));
         Self {
             name: measured.name.clone(),
@@ -77,7 +77,7 @@ impl Baseline {
         Self { machine, load, rounds, quantities: measured.iter().map(Line::from).collect() }
     }
 
-    /// What is stored for such a machine. Says why there is nothing to compare with, or what else differs.
+    /// Reads the baseline that is stored for a machine. Prints why there is none, or which conditions differ.
     pub fn of_machine(machine: &Machine) -> Option<Self> {
         let path = Path::new(FOLDER).join(machine.file_name());
         let Ok(text) = std::fs::read_to_string(&path) else {
@@ -98,7 +98,7 @@ impl Baseline {
         self.quantities.iter().map(|line| (line.name.as_str(), line)).collect()
     }
 
-    /// Replaces what is stored for the machine.
+    /// Replaces the baseline that is stored for the machine.
     pub fn write(&self) -> PathBuf {
         let path = Path::new(FOLDER).join(self.machine.file_name());
         std::fs::create_dir_all(FOLDER).expect("the folder of baselines");

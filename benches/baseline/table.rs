@@ -1,11 +1,11 @@
-//! The table, in Markdown.
+//! Printing of the table, in Markdown.
 
 use support::bench::digits::three_digits;
 
 use crate::mitsuba::Mitsuba;
 use crate::store::{Baseline, Line};
 
-/// All lines, beside the stored ones.
+/// Prints all quantities beside the stored ones.
 pub fn print(now: &Baseline, stored: Option<&Baseline>, mitsuba: &Mitsuba) {
     println!("beside: {}", mitsuba.description);
     println!("medians of {} rounds; ratios are of speeds: above 1 is faster now, or faster than Mitsuba\n", now.rounds);

@@ -1,4 +1,4 @@
-//! Rays per second of the traversal alone (`glsl/test/traverse.comp`), and of Mitsuba's on the same rays.
+//! Rays per second of the traversal alone (`glsl/test/traverse.comp`), and of Mitsuba on the same rays.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -13,7 +13,7 @@ use support::device::Device;
 
 use crate::quantity::{Place, Quantity, Unit};
 
-/// Each is repeated for at least so long.
+/// Minimum time for which each measurement is repeated, in seconds.
 const SECONDS: f64 = 0.15;
 
 pub fn quantities(device: &Arc<Device>, subjects: &[Rc<Subject>], folder: &Path) -> Vec<Quantity> {

@@ -1,4 +1,5 @@
-//! Milliseconds that the kernels take that end a step, by the device's clock (`tests/support/src/bench/guide_updates.rs`).
+//! Time of the kernels that end a step, in milliseconds by the device's clock
+//! (`tests/support/src/bench/guide_updates.rs`).
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -8,9 +9,9 @@ use support::bench::guide_updates::{Ground, Stepper, steppers};
 
 use crate::quantity::{Place, Quantity, Unit};
 
-/// Each is repeated for at least so long.
+/// Minimum time for which each measurement is repeated, in seconds.
 const SECONDS: f64 = 0.15;
-/// Samples per pixel after which quadtrees have been refined three times.
+/// Number of samples per pixel after which the quadtrees have been refined three times.
 const QUADTREE_SAMPLES: u32 = 7;
 
 pub fn quantities() -> Vec<Quantity> {
@@ -36,7 +37,7 @@ fn of_steps(stepper: &Rc<RefCell<Stepper>>) -> Vec<Quantity> {
     kernels.iter().map(of_kernel).collect()
 }
 
-/// All refinements of a render of few samples.
+/// Time of all refinements of quadtrees in a render of few samples.
 fn of_quadtrees(ground: Rc<Ground>) -> Quantity {
     let run = move || {
         let mut renderer = ground.renderer(Sampler::Quadtree, 0.0);

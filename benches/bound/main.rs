@@ -1,14 +1,16 @@
-//! Where the time goes: what rays and updates read and compute, counted; how fast the device does either, measured; and
-//! which share of the time that follows the kernels take.
+//! Bounds on the speed of rays and updates. The bench counts what they read and compute, and measures how fast the
+//! device does either. It prints which share of the kernels' time this explains.
 //!
-//! `cargo bench --bench bound [-- --rounds N]`: the project's own scenes, and the shared ones where `LODESTAR_SCENES`
-//! names their folder. `LODESTAR_DEVICE` chooses the device.
+//! `cargo bench --bench bound [-- --rounds N]` measures the project's own scenes, and the shared scenes if
+//! `LODESTAR_SCENES` names their folder. `LODESTAR_DEVICE` chooses the device.
 //!
-//! A bound is the longer of two times: of the operations at the rate of `glsl/test/arithmetic.comp`, and of the bytes
-//! at that of `glsl/test/gather.comp` in the nearest cache (of updates: at that of `glsl/test/copy.comp`). It supposes
-//! that nothing waits for anything and that lanes never idle. Beside it stands what the bytes would take if every node
-//! came from a random place of the whole hierarchy: no bound, for neighbors' rays read the same nodes. Lanes are idle
-//! while others of their subgroup still have nodes to visit; how many are busy is counted.
+//! A bound is the longer of two times: the operations at the rate of `glsl/test/arithmetic.comp`, and the bytes at the
+//! rate of `glsl/test/gather.comp` in the nearest cache. For updates, the bytes count at the rate of
+//! `glsl/test/copy.comp`. The bound assumes that nothing waits for anything and that lanes never idle.
+//!
+//! The table also has the time that the bytes would take if every node came from a random place of the whole hierarchy.
+//! This time is no bound, because neighboring rays read the same nodes. Lanes idle while others of their subgroup still
+//! have nodes to visit; the bench counts how many lanes are busy.
 
 mod operations;
 mod path_bounds;
@@ -22,7 +24,7 @@ use support::device::Device;
 
 const ROUNDS: usize = 5;
 
-/// What the device can do.
+/// Rates that the device can reach.
 pub struct Limits {
     pub arithmetic: Arithmetic,
     pub fetches: Fetches,
@@ -38,7 +40,7 @@ fn main() {
     let mut paths = path_bounds::all(&device.context, &subjects, &rays);
     let mut updates = update_bounds::all(&device);
     for round in 0..=rounds {
-        // The first warms up.
+        // The first round warms up.
         let counts = round > 0;
         rays.iter_mut().for_each(|row| row.measure(&limits, counts));
         paths.iter_mut().for_each(|row| row.measure(&limits, counts));

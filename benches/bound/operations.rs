@@ -1,4 +1,4 @@
-//! Scalar operations of a kernel's variant, by the functions of the GLSL that they come from.
+//! Scalar operations of a kernel's variant, grouped by the GLSL functions that they come from.
 
 use std::ops::Range;
 
@@ -8,16 +8,17 @@ use lodestar::spirv::inspect::{Class, Histogram, SourceLine, report};
 
 const TRAVERSE: &str = include_str!("../../glsl/include/geometry/traverse.glsl");
 const INTERSECT: &str = include_str!("../../glsl/include/geometry/intersect.glsl");
-/// Functions that a visit of a node calls.
+/// Functions that the visit of a node calls.
 const OF_NODES: [&str; 3] = ["has_nodes", "intersect_node", "intersect_children4"];
-/// Functions that it calls of each child, in a loop over four of them.
+/// Functions that the visit of a node calls for each child, in a loop over four children.
 const OF_CHILDREN: [&str; 4] = ["child_bits", "byte_to_float", "max_as_int", "min_as_int"];
 const CHILDREN: f64 = 4.0;
-/// Of the loop over a node's primitives.
+/// Number of lines of the loop over a node's primitives.
 const PRIMITIVE_LOOP_LINES: u32 = 4;
-/// Functions that a test of a primitive calls, of `intersect.glsl`.
+/// Functions of `intersect.glsl` that a test of a primitive calls.
 const OF_PRIMITIVES: [&str; 2] = ["intersect_flat", "intersect_sphere"];
-/// What counts: arithmetic. Conversions do not, for most of them are changes of type that cost nothing.
+/// Classes of instructions that count: arithmetic. Most conversions are changes of type without cost, so they do not
+/// count.
 const COUNTED: [Class; 9] = [
     Class::Float,
     Class::Integer,
@@ -30,17 +31,17 @@ const COUNTED: [Class; 9] = [
     Class::Atomic,
 ];
 
-/// A variant's operations. Instructions of the rest are counted as they stand, so those of a loop's body once.
+/// Operations of a variant. Instructions outside of the traversal are counted statically, so a loop's body counts once.
 #[derive(Debug, Clone, Copy)]
 pub struct Operations {
     pub per_node: f64,
     pub per_primitive: f64,
-    /// All others.
+    /// All other operations.
     pub rest: f64,
 }
 
 impl Operations {
-    /// Of a kernel that calls `traverse` at one place.
+    /// Counts the operations of a kernel that calls `traverse` at one place.
     pub fn of(source: &KernelSource, variant: &Variant) -> Self {
         let report = report(source, &variant.entries()).expect("a kernel");
         let specialized = report.specialized.as_ref().map(|specialized| &specialized.histogram);
@@ -57,7 +58,7 @@ impl Operations {
             let own = histogram.lines.iter().filter(|line| parts.of(line) == part);
             own.map(scalars).sum::<f64>()
         };
-        // A loop that has become straight code has all its instructions.
+        // A loop that the optimizer has unrolled contains all of its instructions.
         let is_rolled = histogram.lines.iter().any(|line| parts.is_loop_over_children(line));
         let per_node = sum(Part::Node) + sum(Part::Child) * if is_rolled { CHILDREN } else { 1.0 };
         let per_primitive = sum(Part::Primitive);
@@ -66,7 +67,7 @@ impl Operations {
     }
 }
 
-/// What a line is part of.
+/// Part of the traversal that a line belongs to.
 #[derive(Clone, Copy, PartialEq)]
 enum Part {
     Node,
@@ -75,7 +76,7 @@ enum Part {
     Rest,
 }
 
-/// Where the parts stand in `traverse.glsl`, and the tests of primitives in `intersect.glsl`.
+/// Positions of the parts in `traverse.glsl`, and of the tests of primitives in `intersect.glsl`.
 struct Parts {
     nodes: Vec<Range<u32>>,
     children: Vec<Range<u32>>,
@@ -127,7 +128,7 @@ fn scalars(line: &SourceLine) -> f64 {
     counted.map(|(_, count)| count.scalars as f64).sum()
 }
 
-/// Lines, counted from 1, of the function's definition.
+/// Lines of a function's definition, counted from 1.
 fn lines_of_function(text: &str, name: &str) -> Range<u32> {
     let call = format!(" {name}(");
     let is_begin = |line: &str| line.contains(&call) && !line.starts_with([' ', '/']);
@@ -136,7 +137,7 @@ fn lines_of_function(text: &str, name: &str) -> Range<u32> {
     begin + 1..begin + length + 2
 }
 
-/// Line, counted from 1, of `traverse.glsl`, among these.
+/// Line of `traverse.glsl`, counted from 1, that contains `part`, among the given lines.
 fn line_of(among: &Range<u32>, part: &str) -> u32 {
     let mut lines = (1..).zip(TRAVERSE.lines()).filter(|(line, _)| among.contains(line));
     lines.find(|(_, text)| text.contains(part)).unwrap_or_else(|| panic!("traverse.glsl has no line with {part}")).0

@@ -1,4 +1,4 @@
-//! Rays of `path_trace` with the sampler `bsdf`, shading included: geometry and operations, and how long they take.
+//! Bounds for rays of `trace` with the sampler `bsdf`, including shading: geometry, operations and measured time.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -16,11 +16,11 @@ use crate::operations::Operations;
 use crate::ray_bounds::RayBound;
 
 const SIZE: [u32; 2] = [256, 256];
-/// Each is repeated for at least so long.
+/// Minimum time for which each measurement is repeated, in seconds.
 const SECONDS: f64 = 0.3;
 const FIRST_STEPS: u32 = 2;
 
-/// A renderer and what its rays take.
+/// Renderer, with the counts of its rays.
 pub struct PathBound {
     scene: String,
     settings: Settings,
@@ -28,19 +28,20 @@ pub struct PathBound {
     rays_per_path: f64,
     bytes: f64,
     operations: f64,
-    /// Of these, the traversal's.
+    /// Operations of the traversal, a part of all operations.
     traversal_operations: f64,
     turns: Vec<Turn>,
 }
 
-/// Nanoseconds of a ray.
+/// Measurement in one round, in nanoseconds per ray.
 #[derive(Clone, Copy)]
 struct Turn {
     computing: f64,
     measured: f64,
 }
 
-/// Of the scenes whose rays are in `rays`. Rays beyond the first bounce are taken to be like those of the first.
+/// Bounds for the scenes whose rays are in `rays`. Rays after the first bounce are assumed to be like those of the
+/// first bounce.
 pub fn all(context: &Arc<Context>, subjects: &[Rc<Subject>], rays: &[RayBound]) -> Vec<PathBound> {
     let row = |subject: &Rc<Subject>| {
         let of_kind = |kind: &str| rays.iter().find(|row| row.scene == subject.name && row.kind == kind);
@@ -51,7 +52,7 @@ pub fn all(context: &Arc<Context>, subjects: &[Rc<Subject>], rays: &[RayBound]) 
         let rays_per_path = counts.rays as f64 / (f64::from(spp) * f64::from(SIZE[0] * SIZE[1]));
         let mean = |of: &dyn Fn(&RayBound) -> f64| (of(primary) + (rays_per_path - 1.0) * of(bounce)) / rays_per_path;
         let variant = variant_for(&settings, &subject.scene, &subject.bvh);
-        let operations = Operations::of(&TEXEL_BUFFERS.path_trace, &variant);
+        let operations = Operations::of(&TEXEL_BUFFERS.trace, &variant);
         let traversal_operations =
             mean(&|row: &RayBound| operations.per_node * row.nodes + operations.per_primitive * row.primitives);
         Some(PathBound {
@@ -79,7 +80,7 @@ impl PathBound {
 }
 
 pub fn print(rows: &[PathBound]) {
-    println!("\n`path_trace`, `bsdf`, no emitter sampling, of one ray with what is shaded at its end\n");
+    println!("\n`trace`, `bsdf`, no emitter sampling, of one ray with what is shaded at its end\n");
     println!(
         "| scene | rays of a path | bytes of geometry | operations | of the traversal | computing, ns | measured, ns \
          | share of the bound |"

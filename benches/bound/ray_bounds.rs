@@ -1,4 +1,4 @@
-//! Rays of the traversal alone: what they read and compute on the way, and how long that takes.
+//! Bounds for rays of the traversal alone: what they read and compute, and the measured time.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -14,11 +14,11 @@ use support::device::Device;
 use crate::Limits;
 use crate::operations::Operations;
 
-/// Each is repeated for at least so long.
+/// Minimum time for which each measurement is repeated, in seconds.
 const SECONDS: f64 = 0.1;
-/// So many nodes lie in the nearest cache.
+/// Number of nodes that fit into the nearest cache.
 const NEAR_NODES: u32 = 128;
-/// An odd number.
+/// Odd stride that gives rays other neighbors.
 const STRIDE: usize = 40_503;
 const PRIMITIVE_BYTES: f64 = 48.0;
 
@@ -26,11 +26,11 @@ const PRIMITIVE_BYTES: f64 = 48.0;
 pub struct RayBound {
     pub scene: String,
     pub kind: &'static str,
-    /// Means of a ray.
+    /// Mean number of nodes per ray.
     pub nodes: f64,
     pub primitives: f64,
     pub operations: f64,
-    /// Of the lanes of a subgroup, while any of them visits a node.
+    /// Busy lanes as a share of a subgroup's lanes, while any of them visits a node.
     busy_lanes: f64,
     tracer: Rc<Tracer>,
     batch: Batch,
@@ -38,7 +38,7 @@ pub struct RayBound {
     turns: Vec<Turn>,
 }
 
-/// Nanoseconds of a ray.
+/// Measurement in one round, in nanoseconds per ray.
 #[derive(Clone, Copy)]
 struct Turn {
     computing: f64,
@@ -88,11 +88,11 @@ fn of_scene(device: &Arc<Device>, subject: &Subject) -> Vec<RayBound> {
     kinds.filter(|(rays, _)| !rays.is_empty()).map(row).collect()
 }
 
-/// What each ray fetches. Among other neighbors it must be the same.
+/// Counts of what each ray fetches. Checks that they are the same when rays have other neighbors.
 fn counts_of(device: &Device, counter: &Tracer, rays: &[Ray]) -> Vec<Counts> {
     let counts: Vec<Counts> = counter.outputs(&Batch::new(device, rays.to_vec()));
     assert!(counts.iter().all(|counts| counts.overrun == 0), "a ray was not followed to its end");
-    // The number of rays is a power of two, so that this meets all of them.
+    // The number of rays is a power of two and the stride is odd, so this visits every ray.
     let other = |place: usize| place * STRIDE % rays.len();
     let strewn = (0..rays.len()).map(|place| rays[other(place)]).collect();
     let others: Vec<Counts> = counter.outputs(&Batch::new(device, strewn));
@@ -101,7 +101,7 @@ fn counts_of(device: &Device, counter: &Tracer, rays: &[Ray]) -> Vec<Counts> {
     counts
 }
 
-/// Nodes over those that a subgroup visits until its last lane is done.
+/// Share of busy lanes: visited nodes divided by the node visits of a subgroup until its last lane is done.
 fn busy_lanes(counts: &[Counts], lanes: usize) -> f64 {
     let visited: u64 = counts.iter().map(|counts| u64::from(counts.nodes)).sum();
     let most = |group: &[Counts]| group.iter().map(|counts| u64::from(counts.nodes)).max().unwrap_or(0);
@@ -110,7 +110,7 @@ fn busy_lanes(counts: &[Counts], lanes: usize) -> f64 {
 }
 
 impl RayBound {
-    /// Of geometry.
+    /// Bytes of geometry per ray.
     pub fn bytes(&self) -> f64 {
         f64::from(NODE_BYTES) * self.nodes + PRIMITIVE_BYTES * self.primitives
     }

@@ -1,4 +1,5 @@
-//! Kernels that end a step: the bytes that they ask for, by the layout of the grids, and how long these take.
+//! Bounds for the kernels that end a step: the bytes that they request, by the layout of the grids, and the measured
+//! time.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -14,9 +15,9 @@ use support::bench::median;
 use support::bench::rates::Copies;
 use support::device::Device;
 
-/// Each is repeated for at least so long.
+/// Minimum time for which each measurement is repeated, in seconds.
 const SECONDS: f64 = 0.15;
-/// The grids of the default settings.
+/// Direction bins along each side, as in the default settings.
 const DIRECTIONS: u32 = 16;
 const NORMALS: u32 = 16;
 
@@ -26,21 +27,21 @@ const SUM: u64 = size_of::<RadianceSum>() as u64;
 const ENTRY: u64 = size_of::<NormalizationEntry>() as u64;
 const BINS: u64 = (DIRECTIONS * DIRECTIONS) as u64;
 
-/// One kernel in one setting.
+/// Kernel in one setting.
 pub struct UpdateBound {
     name: String,
     kernel: &'static str,
-    /// Place of its renderer.
+    /// Renderer that runs the kernel.
     stepper: Rc<RefCell<Stepper>>,
     cells: u64,
     entries: u64,
-    /// Read and written by a step.
+    /// Bytes that a step reads and writes.
     bytes: u64,
     copies: Copies,
     turns: Vec<Turn>,
 }
 
-/// Milliseconds of a step.
+/// Measurement in one round, in milliseconds per step.
 #[derive(Clone, Copy)]
 struct Turn {
     copying: f64,
@@ -75,23 +76,24 @@ pub fn all(device: &Arc<Device>) -> Vec<UpdateBound> {
     rows.collect()
 }
 
-/// What a kernel asks for in a step, in the order of its source; shares of scattering functions and marks, a few words
-/// of a cell, are left out.
+/// Bytes that a kernel requests in a step, in the order of its source. BSDF shares and marks are left out: they are a
+/// few words per cell.
 fn bytes_of(kernel: &str, sampler: Sampler, cells: &Cells, entries: u64) -> u64 {
     let count = u64::from(cells.count());
     let parents = u64::from(cells.all_count()) - count;
     match kernel {
-        // Takes the targets and learns; then the floor.
+        // The kernel takes the targets and learns, then applies the floor.
         "update_radiance" => count * BINS * (2 * SUM + 2 * LEARNED + LEARNED + RADIANCE),
-        // The tree of a cell, and of every entry all bins with their cosines.
+        // The kernel writes the tree of a cell, and reads for every entry all bins with their cosines.
         "update_normalization" if sampler == Sampler::Product => {
             let tree = BINS * RADIANCE + u64::from(nodes_per_tree(DIRECTIONS)) * size_of::<Node>() as u64;
             count * tree + entries * (BINS * (RADIANCE + size_of::<f32>() as u64) + ENTRY)
         }
         "update_normalization" => entries * (BINS * (RADIANCE + size_of::<CosineIntegral>() as u64) + ENTRY),
-        // Every cell but the largest is read once.
+        // The kernel reads every cell but the largest once.
         "pool_radiance" => BINS * LEARNED * (count + parents - 1 + parents),
-        // What is learned, the parent's, and the estimate, which cells read once more and write with the floor.
+        // The kernel reads the learned and the parent's radiance, and writes the estimate. Cells read the estimate once
+        // more and write it with the floor.
         "blend_radiance" => BINS * (parents * 4 * LEARNED + count * (2 * LEARNED + 3 * RADIANCE)),
         _ => unreachable!("{kernel} has no count of bytes"),
     }

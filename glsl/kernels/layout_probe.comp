@@ -1,4 +1,5 @@
-// Never dispatched: declares the records that kernels read as texels or keep to themselves, so that build.rs can hold layout.rs against them.
+// Declares the records that kernels read as texels or keep in private memory, so that build.rs can compare layout.rs
+// with them. This kernel is never dispatched.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -10,7 +11,7 @@ struct PrimitiveRecord {
     vec3 origin;
     uint flags;
     vec3 edge_u;
-    float edge_tolerance;  // slack of the edge tests per unit of distance, as long as the longest edge
+    float edge_tolerance;  // slack of the edge tests per unit of distance; equals the longest edge
     vec3 edge_v;
     float reserved;
 };
@@ -22,52 +23,52 @@ struct AttributeRecord {
     vec2 uv1;
     vec2 uv2;
     uint emitter;
-    uint light;  // entry of the table that lights are chosen from, or NONE
+    uint light;  // index of the light in the alias table, or NONE
 };
 
-// How a light is chosen, by an alias table (Walker 1974, Vose 1991).
+// Entry of the alias table that chooses lights (Walker 1974, Vose 1991).
 struct LightRecord {
-    uint threshold;       // of 32 random bits: those below take this light, the others its alias
+    uint threshold;       // 32 random bits below this take the light, others its alias
     uint alias;
-    uint kind_and_index;  // LIGHT_*; the primitive of an area light, the first texel of a delta light, else 0
-    float probability;    // of this light among all
+    uint kind_and_index;  // LIGHT_*; primitive of an area light, first texel of a delta light, else 0
+    float probability;    // probability of this light among all
 };
 
 struct EmitterRecord {
     vec3 radiance;
-    uint texture_index;  // that multiplies it, or NONE
+    uint texture_index;  // texture that multiplies the radiance, or NONE
 };
 
 struct DeltaLightRecord {
-    vec3 position;         // of a directional light: unused
-    float cos_cutoff;      // of a spot, as are the next two
-    vec3 direction;        // unit, in which the light travels; of a point light: unused
-    float cutoff_angle;    // radians
-    vec3 intensity;        // W/sr; of a directional light the irradiance, W/m^2
-    float falloff;         // one over the angle in which the intensity falls to 0
+    vec3 position;         // unused for a directional light
+    float cos_cutoff;      // spot light only: cosine of the cutoff angle
+    vec3 direction;        // unit, the direction in which light travels; unused for a point light
+    float cutoff_angle;    // spot light only, radians
+    vec3 intensity;        // W/sr; irradiance in W/m^2 for a directional light
+    float falloff;         // spot light only: 1 / (angle over which the intensity falls to 0)
 };
 
 struct MaterialRecord {
     uint kind_and_flags;     // BSDF_* or MATERIAL_BLEND, MATERIAL_SIDES; flags MATERIAL_*
-    uint material0;          // of a blend or of two sides: the first material
-    uint material1_or_relief; // the second; otherwise the texture of a bump or normal map
-    float relief_scale;      // of a bump map
+    uint material0;          // first material of a blend or of two sides
+    uint material1_or_relief; // second material; otherwise the texture of a bump or normal map
+    float relief_scale;      // scale of a bump map
     vec4 colors[3];          // see bsdf/parameters.glsl; the fourth component is unused
-    float scalars[12];
-    uvec4 links[2];          // parameters with textures
+    float scalars[12];       // see bsdf/parameters.glsl
+    uvec4 links[2];          // links from parameters to textures
     vec4 coating;            // optical thickness, eta
     vec4 coating_specular;   // specular reflectance
 };
 
 struct TextureRecord {
     uint kind;       // TEXTURE_*
-    uint address;    // of the first word
+    uint address;    // address of the first word
     uvec2 size;      // texels
-    vec3 u_row;      // from the surface's coordinates
-    float scale;     // factor of halves
-    vec3 v_row;
+    vec3 u_row;      // row of the affine map from the surface's coordinates to u
+    float scale;     // factor of texels stored as halves
+    vec3 v_row;      // row of the affine map to v
     float reserved;
-    vec4 colors[2];  // of a checkerboard
+    vec4 colors[2];  // colors of a checkerboard
 };
 
 layout(scalar, set = 0, binding = 0) restrict buffer Probe0 { PrimitiveRecord primitives[]; };

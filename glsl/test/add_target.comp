@@ -1,4 +1,5 @@
-// Adds given targets to the sums of given bins, each invocation every so many of them.
+// Adds given targets to the sums of given bins. Each invocation handles every n-th target, n being the number of
+// invocations.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

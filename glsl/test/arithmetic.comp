@@ -1,11 +1,11 @@
-// Multiplies and adds in twelve chains that do not wait for each other: what a device computes in a second.
+// Measures the arithmetic throughput of a device: multiplications and additions in twelve independent chains.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/variant.glsl"
 
 struct TestPush {
-    uint rounds;  // of 192 operations: eight products and eight sums in each chain
+    uint rounds;  // one round is 192 operations: eight products and eight sums in each chain
 };
 layout(push_constant, scalar) uniform Push { TestPush push; };
 layout(scalar, set = 0, binding = 0) writeonly buffer Results { float results[]; };

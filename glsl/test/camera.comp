@@ -1,4 +1,4 @@
-// The ray through one position of the film, and one of the lens's square, per invocation.
+// Computes the camera ray for one film position and one point of the lens's square per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

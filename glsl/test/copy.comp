@@ -1,12 +1,12 @@
-// Copies words from one buffer to another, neighbors side by side: what a device reads and writes in a second.
+// Measures the memory bandwidth of a device: copies words from one buffer to another, neighboring words side by side.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "shared/variant.glsl"
 
 struct TestPush {
-    uint rounds;  // words that each invocation copies
-    uint stride;  // words between two of these: the number of invocations
+    uint rounds;  // number of words that each invocation copies
+    uint stride;  // distance of these words: the number of invocations
 };
 layout(push_constant, scalar) uniform Push { TestPush push; };
 layout(scalar, set = 0, binding = 0) readonly buffer From { uint from_words[]; };

@@ -1,4 +1,4 @@
-// Bases, hemispheres and the reconstruction filter, one input of each per invocation.
+// Evaluates bases, hemisphere sampling and the reconstruction filter for one input per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -1,4 +1,5 @@
-// Both ways of the map of directions and its bins, one point of the square and one direction per invocation.
+// Evaluates the map of directions and its bins in both directions, for one point of the square and one direction per
+// invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

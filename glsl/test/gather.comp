@@ -1,4 +1,5 @@
-// Fetches whole nodes, each at an address that depends on nothing fetched before: what a device reads in a second.
+// Measures the random-read throughput of a device: fetches whole nodes at addresses that do not depend on earlier
+// reads.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -6,7 +7,7 @@
 #include "shared/variant.glsl"
 
 struct TestPush {
-    uint rounds;  // of one node
+    uint rounds;  // one round fetches one node
     uint node_count;
 };
 layout(push_constant, scalar) uniform Push { TestPush push; };

@@ -18,7 +18,7 @@ layout(scalar, set = 0, binding = 0) writeonly buffer Densities { Density densit
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
-    // Not the center: rows of those would lie along the horizon of some normals.
+    // The point is not the center of the bin: rows of centers would lie along the horizon of some normals.
     vec2 within = unit_floats(random_bits(random_key(uvec2(index, 0u), 0u, 0u, 0u, 0u), 0u, RANDOM_SCATTER)).xy;
     vec3 wi = map_to_sphere(bin_point(index, push.resolution, within));
     densities[index] = Density(wi, pdf_guide(guide_of(0u, push.normal, SHARE_OF_LOBES), wi));

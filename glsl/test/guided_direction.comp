@@ -20,7 +20,7 @@ struct TestPush {
 layout(push_constant, scalar) uniform Push { TestPush push; };
 layout(scalar, set = 0, binding = 0) writeonly buffer DrawnSamples { Drawn drawn_samples[]; };
 
-// In proportion to the cosine: a point on the unit sphere around the tip of the normal.
+// Direction with density cos / pi about n: the normalized sum of n and a uniform point of the unit sphere.
 vec3 cosine_about(vec3 n, vec2 u) {
     vec3 w = n + square_to_sphere(2.0 * u - 1.0);
     float length2 = dot(w, w);

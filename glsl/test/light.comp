@@ -1,5 +1,5 @@
-// Draws a light as seen from a point, and evaluates what rays in that and in a given direction meet, one point per
-// invocation.
+// Draws a light as seen from a point, and evaluates what a ray hits in that direction and in a given one. Each
+// invocation handles one point.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -11,7 +11,8 @@ struct LightInput {
     vec3 direction;
 };
 
-// What a ray meets: its radiance, and the density with which sample_light draws its direction.
+// Result of a ray: the radiance that it meets, and the density, per steradian, with which sample_light draws its
+// direction.
 struct Met {
     vec3 radiance;
     float pdf;

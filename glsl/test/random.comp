@@ -1,4 +1,4 @@
-// The numbers that belong to given keys, one key per invocation.
+// Evaluates the random numbers of one given key per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -1,4 +1,4 @@
-// Tilts the frame of one surface per invocation by a bump or a normal map.
+// Computes the frame that a bump map or normal map tilts, for one surface per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -18,7 +18,7 @@ struct ReliefInput {
 
 struct ReliefOutput {
     mat3 frame;
-    vec3 wo;  // in that frame
+    vec3 wo;  // in the tilted frame
     vec3 wi;
     float shadowing;
 };

@@ -1,5 +1,5 @@
-// Draws from sample_direction at a surface whose guide is that of cell 0, one sample per invocation, and evaluates
-// pdf_direction in a given direction.
+// Draws from sample_direction at a surface that uses the guide of cell 0, and evaluates pdf_direction in a given
+// direction. Each invocation draws one sample.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -16,10 +16,10 @@ struct DirectionOutput {
     float pdf;    // 0 for a single direction
     vec3 weight;
     float pdf_of_wi;
-    vec3 given;   // some direction, world space
+    vec3 given;   // given direction, world space
     float pdf_of_given;
-    vec3 value_of_given;  // f cos
-    float scattered;  // what is said of the share
+    vec3 value_of_given;  // f cos in the given direction
+    float scattered;  // evidence about the BSDF share
     float of_guide;
 };
 

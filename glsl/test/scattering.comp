@@ -1,4 +1,4 @@
-// Draws one sample per invocation, and evaluates one given direction.
+// Draws one BSDF sample and evaluates the BSDF in one given direction per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -16,7 +16,7 @@ struct ScatteringOutput {
     uint lobe;
     vec3 weight;   // f cos / pdf of the sample
     float eta;
-    float pdf;     // of the given direction
+    float pdf;     // in the given direction
     vec3 value;
 };
 

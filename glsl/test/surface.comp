@@ -1,4 +1,5 @@
-// What one ray per invocation finds, and a ray that leaves there in the direction it came from.
+// Finds the surface that a ray hits, and a ray that leaves the surface in the direction of the ray's origin. Each
+// invocation handles one ray.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -1,4 +1,4 @@
-// Looks a texture up at one point per invocation.
+// Looks up a texture at one point per invocation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

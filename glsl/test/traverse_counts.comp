@@ -22,7 +22,7 @@ vec4 count_primitive(uint primitive, uint texel) {
     return fetch_primitive(primitive, texel);
 }
 
-// What follows fetches through the two functions above.
+// The two macros make traverse.glsl fetch through the counting functions above.
 #define fetch_node count_node
 #define fetch_primitive count_primitive
 #include "geometry/traverse.glsl"

@@ -1,4 +1,4 @@
-//! The kernel registry that `build.rs` writes: SPIR-V with its interface.
+//! Kernel registry, written by `build.rs`: the SPIR-V of each kernel and its interface.
 
 use std::borrow::Cow;
 
@@ -8,7 +8,7 @@ pub use super::constants::*;
 
 include!(concat!(env!("OUT_DIR"), "/registry.rs"));
 
-/// Where kernels read geometry and tables from.
+/// Kind of buffer from which kernels read geometry and tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum BackEnd {
@@ -18,22 +18,22 @@ pub enum BackEnd {
     Storage,
 }
 
-/// The kernels of both back ends, of which a render takes one.
+/// Kernels of both back ends. A render uses one of the two.
 #[derive(Debug, Clone)]
 pub struct Registry {
-    /// Those that read texel buffers.
+    /// Kernels that read texel buffers.
     pub texel: Kernels,
-    /// Those that read storage buffers.
+    /// Kernels that read storage buffers.
     pub storage: Kernels,
 }
 
 impl Registry {
-    /// The kernels as they were compiled with this crate.
+    /// Kernels as compiled with this crate.
     pub fn built_in() -> Self {
         Self { texel: TEXEL_BUFFERS.clone(), storage: STORAGE_BUFFERS.clone() }
     }
 
-    /// The kernels of one back end.
+    /// Kernels of one back end.
     pub fn kernels(&self, back_end: BackEnd) -> &Kernels {
         match back_end {
             BackEnd::Texel => &self.texel,

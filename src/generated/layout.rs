@@ -1,5 +1,5 @@
-//! Every struct that crosses to GLSL, nothing else. `build.rs` holds size and offsets against the reflected shaders; the
-//! meaning of each field stands beside it in `glsl/include`.
+//! Structs that cross to GLSL. `build.rs` compares their sizes and offsets with the reflected shaders. The GLSL file
+//! that each struct names declares it, too.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -9,11 +9,11 @@ use bytemuck::{Pod, Zeroable};
 pub struct FilmRadiance {
     /// Mean of the pixel's samples, linear sRGB.
     pub mean: [f32; 3],
-    /// Their number.
+    /// Number of the pixel's samples.
     pub sample_count: u32,
     /// Sum of squared deviations from the mean.
     pub squared_deviation: [f32; 3],
-    /// Samples whose camera ray hit something.
+    /// Number of samples whose camera ray hit something.
     pub hit_count: u32,
 }
 
@@ -37,11 +37,11 @@ pub struct FilmFeatures {
 pub struct SceneConstants {
     /// Rows of the affine matrix.
     pub world_from_camera: [[f32; 4]; 3],
-    /// Whole film in pixels.
+    /// Size of the whole film, in pixels.
     pub film_size: [f32; 2],
-    /// Tangents of the half fields of view; orthographic: half the view's sides, camera units.
+    /// Tangents of half the fields of view; orthographic: half the sides of the view, in camera units.
     pub raster_scale: [f32; 2],
-    /// In picture widths and heights.
+    /// Principal point, in picture widths and heights.
     pub principal_point: [f32; 2],
     /// Distance of the near plane.
     pub near_clip: f32,
@@ -49,89 +49,90 @@ pub struct SceneConstants {
     pub far_clip: f32,
     /// Lower corner of the scene.
     pub bounds_min: [f32; 3],
-    /// Of a thin lens.
+    /// Radius of a thin lens.
     pub aperture_radius: f32,
-    /// Grid size / extent.
+    /// Grid size divided by the scene's extent.
     pub cells_per_unit: [f32; 3],
-    /// Learning targets saturate here, W/(m^2 sr).
+    /// Limit at which learning targets are clamped, W/(m^2 sr).
     pub target_limit: f32,
-    /// Radiance of a constant environment, factor of a map's texels.
+    /// Radiance of a constant environment, or factor of a map's texels.
     pub environment: [f32; 3],
     /// The render's seed.
     pub seed: u32,
     /// Offset of the rendered window within the film.
     pub window_offset: [u32; 2],
-    /// Its size in pixels.
+    /// Size of the rendered window, in pixels.
     pub window_size: [u32; 2],
-    /// Entries of the table that lights are chosen from.
+    /// Number of lights in the alias table.
     pub light_count: u32,
-    /// Where it begins among the emitters' texels.
+    /// First texel of the alias table of lights among the emitters' texels.
     pub first_light: u32,
-    /// Rows; the fourth column is unused.
+    /// Rows of the matrix; the fourth column is unused.
     pub environment_from_world: [[f32; 4]; 3],
-    /// Texels of the environment's map.
+    /// Width and height of the environment map, in texels.
     pub environment_size: [u32; 2],
-    /// Columns and rows of the table that its directions are drawn from.
+    /// Columns and rows of the alias table for directions of the environment.
     pub environment_blocks: [u32; 2],
-    /// Where the map begins among the emitters' texels.
+    /// First texel of the environment map among the emitters' texels.
     pub first_environment_texel: u32,
-    /// Likewise the table.
+    /// First texel of the alias table for directions among the emitters' texels.
     pub first_environment_block: u32,
-    /// Entry of the environment among the lights, or `NONE`.
+    /// Index of the environment among the lights, or `NONE`.
     pub environment_light: u32,
-    /// Of a thin lens: depth at which it is sharp.
+    /// Depth at which a thin lens is sharp.
     pub focus_distance: f32,
-    /// Places of the grid along each axis.
+    /// Number of grid positions along each axis.
     pub grid_size: [u32; 3],
-    /// Cells that hold surfaces.
+    /// Number of cells that contain surfaces.
     pub cell_count: u32,
-    /// These and the larger ones that they are part of.
+    /// Number of all cells, parent cells included.
     pub all_cell_count: u32,
 }
 
-/// `glsl/kernels/layout_probe.comp`; what is done with it: `glsl/include/texture/textures.glsl`
+/// `glsl/kernels/layout_probe.comp`; read by `glsl/include/texture/textures.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct TextureRecord {
     /// `TEXTURE_*`
     pub kind: u32,
-    /// Of the first word of its image, the page in the upper bits.
+    /// Address of the image's first word. The upper bits hold the page.
     pub address: u32,
-    /// Of its image, in texels.
+    /// Width and height of the image, in texels.
     pub size: [u32; 2],
     /// First row of `to_uv`.
     pub u_row: [f32; 3],
-    /// Factor of an image of halves.
+    /// Factor of texels that are stored as halves.
     pub scale: f32,
     /// Second row of `to_uv`.
     pub v_row: [f32; 3],
     /// Unused.
     pub reserved: f32,
-    /// Of a checkerboard; the fourth component is 1.
+    /// Colors of a checkerboard; the fourth component is 1.
     pub colors: [[f32; 4]; 2],
 }
 
-/// `glsl/kernels/layout_probe.comp`; what colors and scalars mean: `glsl/include/bsdf/parameters.glsl`
+/// `glsl/kernels/layout_probe.comp`; `glsl/include/bsdf/parameters.glsl` lists the meaning of colors and scalars
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct MaterialRecord {
     /// `BSDF_*` or `MATERIAL_BLEND`, `MATERIAL_SIDES`, and `MATERIAL_*` flags.
     pub kind_and_flags: u32,
-    /// Of a blend or of two sides: the first material.
+    /// First material of a blend or of two sides.
     pub material0: u32,
-    /// The second; otherwise the texture of a bump or normal map, or `NONE`.
+    /// Second material; otherwise the texture of a bump or normal map, or `NONE`.
     pub material1_or_relief: u32,
     /// Factor of a bump map's heights; weight of a blend.
     pub relief_scale: f32,
     /// Colors; the fourth component is unused.
     pub colors: [[f32; 4]; 3],
-    /// Numbers.
+    /// Scalar parameters.
     pub scalars: [f32; 12],
-    /// Parameters with textures, `parameter << 24 | texture`, or `NONE`; colors are parameters 0 to 2, scalars follow.
+    /// Links from parameters to textures: `parameter << 24 | texture`, or `NONE`. Colors are parameters 0 to 2; scalars
+    /// follow.
     pub links: [[u32; 4]; 2],
-    /// Of a coating: optical thickness, eta.
+    /// Optical thickness (RGB) and eta of the coating.
     pub coating: [f32; 4],
-    /// Of a coating: specular reflectance.
+    /// Specular reflectance of the coating; the fourth component is unused.
     pub coating_specular: [f32; 4],
 }
 
@@ -139,9 +140,9 @@ pub struct MaterialRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct EmitterRecord {
-    /// Linear sRGB, W/(m^2 sr).
+    /// Emitted radiance, linear sRGB, W/(m^2 sr).
     pub radiance: [f32; 3],
-    /// The texture that multiplies it, or `NONE`.
+    /// Texture that multiplies the radiance, or `NONE`.
     pub texture_index: u32,
 }
 
@@ -149,13 +150,13 @@ pub struct EmitterRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct LightRecord {
-    /// Of 32 random bits: those below take this light, the others its alias.
+    /// Threshold for 32 random bits: bits below it take this light, others its alias.
     pub threshold: u32,
-    /// Another light.
+    /// Alias: index of another light.
     pub alias: u32,
-    /// `LIGHT_*`; the primitive of an area light, the first texel of a delta light, else 0.
+    /// Kind (`LIGHT_*`), and an index: the primitive of an area light, the first texel of a delta light, else 0.
     pub kind_and_index: u32,
-    /// Of this light among all.
+    /// Probability of this light among all lights.
     pub probability: f32,
 }
 
@@ -163,17 +164,17 @@ pub struct LightRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct DeltaLightRecord {
-    /// World space; unused where the light is directional.
+    /// Position in world space; unused for a directional light.
     pub position: [f32; 3],
-    /// Of a spot, as are the next two angles.
+    /// Cosine of the cutoff angle of a spot light.
     pub cos_cutoff: f32,
-    /// Unit, in which the light travels; unused where the light is a point.
+    /// Unit direction in which the light travels; unused for a point light.
     pub direction: [f32; 3],
-    /// Radians.
+    /// Cutoff angle of a spot light, radians.
     pub cutoff_angle: f32,
-    /// W/sr; of a directional light the irradiance, W/m^2.
+    /// Intensity, W/sr; for a directional light the irradiance, W/m^2.
     pub intensity: [f32; 3],
-    /// One over the angle in which the intensity falls to 0.
+    /// Falloff of a spot light: 1 / (angle over which the intensity falls to 0).
     pub falloff: f32,
 }
 
@@ -185,11 +186,11 @@ pub struct PrimitiveRecord {
     pub origin: [f32; 3],
     /// `SHAPE_*` and `PRIMITIVE_*`.
     pub flags: u32,
-    /// See [`crate::scene::Primitive::edge_u`].
+    /// First edge vector: [`crate::scene::Primitive::edge_u`].
     pub edge_u: [f32; 3],
     /// Length of the longest edge, or the sphere's radius.
     pub edge_tolerance: f32,
-    /// See [`crate::scene::Primitive::edge_v`].
+    /// Second edge vector: [`crate::scene::Primitive::edge_v`].
     pub edge_v: [f32; 3],
     /// Unused.
     pub reserved: f32,
@@ -199,19 +200,19 @@ pub struct PrimitiveRecord {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct AttributeRecord {
-    /// Vertex normals, octahedral, 16 bits a coordinate.
+    /// Vertex normals in octahedral encoding, 16 bits per coordinate.
     pub normals: [u32; 3],
     /// Index of the material.
     pub material: u32,
     /// Texture coordinates of the first vertex.
     pub uv0: [f32; 2],
-    /// Of the second.
+    /// Texture coordinates of the second vertex.
     pub uv1: [f32; 2],
-    /// Of the third.
+    /// Texture coordinates of the third vertex.
     pub uv2: [f32; 2],
     /// Index of the emitter, or `NONE`.
     pub emitter: u32,
-    /// Entry of the table that lights are chosen from, or `NONE`.
+    /// Index of the primitive's light in the alias table, or `NONE`.
     pub light: u32,
 }
 
@@ -221,11 +222,11 @@ pub struct AttributeRecord {
 pub struct RadianceSum {
     /// Lower word of the fixed-point sum.
     pub low: u32,
-    /// Upper word.
+    /// Upper word of the fixed-point sum.
     pub high: u32,
     /// Number of targets.
     pub target_count: u32,
-    /// While quadtrees are refined: of a quarter with all below it.
+    /// Flux of a quarter, including all nodes below it. Only the refinement of quadtrees uses it.
     pub flux: f32,
 }
 
@@ -233,9 +234,9 @@ pub struct RadianceSum {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct LearnedRadiance {
-    /// Mean radiance, before any floor.
+    /// Mean radiance before the floor is applied.
     pub mean: f32,
-    /// Decayed number of targets behind it.
+    /// Number of targets behind the mean, after decay.
     pub weight: f32,
 }
 
@@ -243,11 +244,11 @@ pub struct LearnedRadiance {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct NormalizationEntry {
-    /// Times L cos: density of a guided direction.
+    /// Factor of L cos: the product is the density of a guided direction, per steradian.
     pub guide_scale: f32,
-    /// Density of the uniform share and the fallback; 0 marks an unfilled entry.
+    /// Density of the uniform share and the fallback, per steradian; 0 marks an unfilled entry.
     pub uniform_density: f32,
-    /// Times L cos: probability that a proposal is accepted.
+    /// Factor of L cos: the product is the probability that a proposal is accepted.
     pub acceptance_scale: f32,
     /// Probability of the uniform component.
     pub uniform_share: f32,
@@ -267,9 +268,9 @@ pub struct CosineIntegral {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Segment {
-    /// Bin that learns a target, or `NONE`.
+    /// Index of the bin that receives the target, or `NONE`.
     pub index: u32,
-    /// Factor of its targets.
+    /// Factor of the bin's targets.
     pub scale: f32,
 }
 
@@ -277,59 +278,59 @@ pub struct Segment {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct PathVertex {
-    /// The segment that leads there.
+    /// Segment that leads to the vertex.
     pub segment: Segment,
-    /// Light of the vertex itself.
+    /// Light that the vertex itself emits or receives from a sampled light.
     pub light: [f32; 3],
     /// Factor of the next segment's radiance.
     pub factor: [f32; 3],
 }
 
-/// Pushed to `glsl/kernels/trace/path_trace.comp`: a slice of a film page and its next samples.
+/// Push constants of `glsl/kernels/trace/trace.comp`: a slice of a film page and the range of samples to add.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct PathTracePush {
-    /// First workgroup of the slice among those of the film page's tiles that are sampled.
+pub struct TracePush {
+    /// First workgroup of the slice, counted over the film page's tiles that are sampled.
     pub first_workgroup: u32,
-    /// Workgroups of the slice.
+    /// Number of workgroups of the slice.
     pub workgroup_count: u32,
-    /// Coprime to the count.
+    /// Stride that spreads neighboring workgroups; coprime to their number.
     pub workgroup_stride: u32,
-    /// Pixels, in tile order, before this film page.
+    /// Number of pixels, in tile order, before this film page.
     pub page_first_pixel: u32,
-    /// What the samples count for beside those before them.
-    pub weights: SampleWeights,
+    /// Weights of the samples relative to the samples before them.
+    pub weights: DispatchWeights,
     /// Index of the first sample.
     pub first_sample: u32,
-    /// Samples to take.
+    /// Number of samples to add.
     pub sample_count: u32,
-    /// Index of the first sample whose set may reach to these.
+    /// Index of a sample before which no set of samples starts.
     pub first_of_sets: u32,
 }
 
-/// Pushed to the kernels of a wave: `glsl/include/path/wavefront.glsl`.
+/// Push constants of the kernels of a wave (`glsl/include/path/wavefront.glsl`).
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct WavePush {
-    /// Whose samples the wave takes.
-    pub slice: PathTracePush,
-    /// That the paths travel: 0 from the camera.
+    /// Slice whose samples the wave traces.
+    pub slice: TracePush,
+    /// Number of the edge that the paths travel; 0 leaves the camera.
     pub edge: u32,
 }
 
 /// `glsl/include/film/slice.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct SampleWeights {
-    /// Of each of a dispatch's samples.
+pub struct DispatchWeights {
+    /// Weight of each sample of the dispatch.
     pub of_sample: f32,
-    /// By how much the sum of the weights of all samples before them falls short of their number.
+    /// Number of earlier samples minus the sum of their weights.
     pub lost_weight: f32,
-    /// The same of the number of samples of one weight whose mean has the variance of theirs.
+    /// Number of earlier samples minus their effective number.
     pub lost_samples: f32,
 }
 
-/// Pushed to the kernels that update the grids.
+/// Push constants of the kernels that update the grids.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct UpdatePush {
@@ -337,7 +338,7 @@ pub struct UpdatePush {
     pub first_cell: u32,
 }
 
-/// Pushed to `glsl/kernels/noise/judge_noise.comp`.
+/// Push constants of `glsl/kernels/noise/judge_noise.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct JudgePush {
@@ -345,27 +346,27 @@ pub struct JudgePush {
     pub first_tile: u32,
 }
 
-/// Pushed to `glsl/kernels/learn/refine_quadtrees.comp`.
+/// Push constants of `glsl/kernels/learn/refine_quadtrees.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct RefinePush {
     /// `REFINE_*`
     pub stage: u32,
-    /// Of how many steps, as a power of two.
+    /// Number k of the iteration; iteration k has 2^k steps.
     pub iteration: u32,
 }
 
-/// Bytes of a texel.
+/// Size of a texel, in bytes.
 pub const TEXEL_BYTES: usize = 16;
 
-/// Where a member of a record begins, in texels.
+/// Offset of a member within a record, in texels.
 macro_rules! first_texel {
     ($record:ident, $member:ident) => {
         std::mem::offset_of!($record, $member) / TEXEL_BYTES
     };
 }
 
-// The sizes and places that GLSL gives the records that it reads as texels.
+// Checks that the records which GLSL reads as texels have the sizes and offsets that GLSL declares.
 const _: () = {
     use super::constants::*;
     assert!(size_of::<PrimitiveRecord>() == PRIMITIVE_TEXELS as usize * TEXEL_BYTES);

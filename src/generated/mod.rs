@@ -1,4 +1,4 @@
-//! What `build.rs` writes from `glsl/`, and the structs that it holds against the kernels.
+//! Output of `build.rs`, and the structs that `build.rs` compares with the kernels.
 
 pub mod constants;
 pub mod kernels;

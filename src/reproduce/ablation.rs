@@ -1,4 +1,5 @@
-//! Beyond the paper: what each part of the default guide brings, at equal time, without emitter sampling and with it.
+//! Ablation, an experiment beyond the paper: the effect of each part of the default guide at equal time, with and
+//! without emitter sampling.
 
 use super::changes::Changes;
 use super::methods::{Method, word};
@@ -11,14 +12,14 @@ use crate::settings::{
     AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule,
 };
 
-/// A plain path tracer.
+/// Plain path tracer.
 const PLAIN: Method = Method { base: Base::Defaults, ..Method::PLAIN };
-/// The paper's sampler with all else as by default.
+/// Sampler of the paper, with default settings otherwise.
 const REJECTION_MIX: Method = Method { base: Base::Defaults, ..Method::new(Sampler::RejectionMix, Learner::Sarsa) };
-/// The default.
+/// Default guide.
 const PRODUCT: Method = Method { base: Base::Defaults, ..Method::new(Sampler::Product, Learner::Sarsa) };
 const NONE: Changes = Changes::NONE;
-/// The descent by itself.
+/// Product sampler with every other part of the default guide switched off.
 const ALONE: Method = PRODUCT.with(Changes {
     guide_set: Some(GuideSet::Diffuse),
     steps: Some(StepSchedule::Even),
@@ -29,7 +30,7 @@ const ALONE: Method = PRODUCT.with(Changes {
     ..NONE
 });
 
-/// The rows, without emitter sampling. A line here is all that another one needs.
+/// Rows of the table, without emitter sampling. To add a row, add a line here.
 const ROWS: &[Method] = &[
     PLAIN,
     REJECTION_MIX,
@@ -49,12 +50,12 @@ const ROWS: &[Method] = &[
     PRODUCT.with(Changes { grid: Some(AUTO_GRID), fallback: Some(4.0), ..NONE }),
 ];
 
-/// The methods that it compares.
+/// Methods that the ablation compares.
 pub fn methods() -> Vec<Method> {
     [false, true].into_iter().flat_map(|nee| ROWS.iter().map(move |row| Method { nee, ..*row })).collect()
 }
 
-/// A row's name: how the command line asks for it.
+/// Name of a row: the options that select it on the command line.
 fn label(row: &Method) -> String {
     let learner = match row.learner == PRODUCT.learner {
         true => String::new(),
@@ -63,14 +64,14 @@ fn label(row: &Method) -> String {
     format!("{}{learner}{}", word(row.sampler), row.changes.options())
 }
 
-/// Geometric means over the scenes of which everything has been measured, with emitter sampling or without.
+/// Table of geometric means over the completely measured scenes, with or without emitter sampling.
 pub fn sheet(results: &Results, nee: bool) -> Sheet {
     let mut sheet = Sheet::new([
         "method",
-        "MAE over that of `bsdf`",
-        "MAE over that of `product`",
-        "largest of these",
-        "time per sample over that of `bsdf`",
+        "MAE relative to `bsdf`",
+        "MAE relative to `product`",
+        "largest MAE relative to `product`",
+        "time per sample relative to `bsdf`",
     ]);
     let scenes = results.scenes(&methods());
     if scenes.is_empty() {
@@ -87,14 +88,14 @@ pub fn sheet(results: &Results, nee: bool) -> Sheet {
     sheet
 }
 
-/// The largest ratio of a method's error to another's, and the scene that has it.
+/// Largest ratio of a method's error to another's over the scenes, with the name of that scene.
 fn worst(results: &Results, scenes: &[PaperScene], method: &Method, to: &Method) -> String {
     let ratios = scenes.iter().map(|scene| (results.ratio(&[*scene], method, to, error), scene.name));
     let largest = ratios.max_by(|a, b| a.0.total_cmp(&b.0));
     largest.map(|(ratio, scene)| format!("{ratio:.3} ({scene})")).unwrap_or_default()
 }
 
-/// Everything that both sheets come from, a line for each scene and row.
+/// Measurements behind both tables, one line per scene and row.
 pub fn measurements(results: &Results) -> Sheet {
     let mut sheet = Sheet::new(["scene", "nee", "method", "mae_ldr", "mse", "spp", "ms_per_sample"]);
     for scene in results.scenes(&methods()) {
@@ -132,7 +133,7 @@ mod tests {
         assert_eq!(PRODUCT.settings(defaults(), [8, 8]), Settings { nee: false, ..defaults() });
     }
 
-    /// What a row's name says is what it renders with, and nothing else differs from the default.
+    /// Checks that a row renders with exactly the settings in its name, and otherwise with the defaults.
     #[test]
     fn rows_change_what_they_name() {
         let default = PRODUCT.settings(defaults(), [8, 8]).named();
@@ -147,7 +148,7 @@ mod tests {
             };
             set("sampler", words.next().expect("a sampler"));
             while let (Some(option), Some(value)) = (words.next(), words.next()) {
-                // Numbers as JSON has them.
+                // JSON writes a float with a decimal point.
                 let value = if option == "--fallback" { format!("{value}.0") } else { value.into() };
                 set(&option.trim_start_matches("--").replace('-', "_"), &value);
             }
@@ -162,7 +163,7 @@ mod tests {
             let mae = if method == (Method { nee: true, ..PRODUCT }) { 0.04 } else { 0.02 };
             records.push(record("kitchen", &method, mae));
             records.push(record("staircase", &method, if method.sampler == Sampler::Bsdf { 0.16 } else { 0.02 }));
-            // Not with all of them: in no mean.
+            // This scene lacks some methods, so it must not enter any mean.
             if !method.nee {
                 records.push(record("bathroom", &method, 0.5));
             }

@@ -1,33 +1,33 @@
-//! What a method changes of its settings besides the sampler, how it learns and whether emitters are sampled.
+//! Changes that a method makes to its settings, besides sampler, learner and emitter sampling.
 
 use super::methods::word;
 use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule};
 
-/// Settings in place of others; `None` leaves what is there.
+/// Replacements of settings. `None` keeps the setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Changes {
-    /// [`Settings::grid`].
+    /// Replaces [`Settings::grid`].
     pub grid: Option<u32>,
-    /// [`Settings::fallback`].
+    /// Replaces [`Settings::fallback`].
     pub fallback: Option<f32>,
-    /// [`Settings::directions`].
+    /// Replaces [`Settings::directions`].
     pub directions: Option<u32>,
-    /// [`Settings::guide_set`].
+    /// Replaces [`Settings::guide_set`].
     pub guide_set: Option<GuideSet>,
-    /// [`Settings::steps`].
+    /// Replaces [`Settings::steps`].
     pub steps: Option<StepSchedule>,
-    /// [`Settings::sample_weights`].
+    /// Replaces [`Settings::sample_weights`].
     pub sample_weights: Option<SampleWeights>,
-    /// [`Settings::pattern`].
+    /// Replaces [`Settings::pattern`].
     pub pattern: Option<SamplePattern>,
-    /// [`Settings::bsdf_share`].
+    /// Replaces [`Settings::bsdf_share`].
     pub bsdf_share: Option<BsdfShare>,
-    /// [`Settings::roulette`].
+    /// Replaces [`Settings::roulette`].
     pub roulette: Option<Roulette>,
 }
 
 impl Changes {
-    /// Leaves everything.
+    /// Changes that keep every setting.
     pub const NONE: Self = Self {
         grid: None,
         fallback: None,
@@ -40,7 +40,7 @@ impl Changes {
         roulette: None,
     };
 
-    /// Changes the settings.
+    /// Applies the changes to the settings.
     pub fn apply(&self, settings: &mut Settings) {
         settings.grid = self.grid.unwrap_or(settings.grid);
         settings.fallback = self.fallback.unwrap_or(settings.fallback);
@@ -53,13 +53,13 @@ impl Changes {
         settings.roulette = self.roulette.or(settings.roulette);
     }
 
-    /// As the command line has them: ` --grid auto --fallback 4`.
+    /// Command-line options for the changes, such as ` --grid auto --fallback 4`.
     pub fn options(&self) -> String {
         self.words().map(|(option, value)| format!(" --{option} {value}")).collect()
     }
 
-    /// The end of a method's name: numbers after their option's first letter, words after the whole of it, as in
-    /// `-g4-d32-steps-even`.
+    /// Suffix of a method's name, such as `-g4-d32-steps-even`. A number follows the first letter of its option; a word
+    /// follows the whole option.
     pub fn name(&self) -> String {
         let part = |(option, value): (&str, String)| match value.parse::<f32>() {
             Ok(_) => format!("-{}{value}", &option[..1]),

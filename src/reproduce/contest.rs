@@ -1,4 +1,5 @@
-//! Methods that render one scene for the same time, by turns, so that a slow minute of the machine hits them all.
+//! Contest: several methods render one scene for the same time. They take turns, so that a slow minute of the machine
+//! affects all of them.
 
 use std::sync::Arc;
 
@@ -15,52 +16,52 @@ use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::{Error, Result};
 
-/// Turns of every method; at least a step each.
+/// Number of turns of every method. A turn is at least one step.
 const TURNS: f64 = 20.0;
-/// Longest turn, in seconds.
+/// Maximum length of a turn, in seconds.
 const LONGEST_TURN: f64 = 2.0;
 
-/// What all methods share.
+/// Data that all methods of a contest share.
 pub struct Stage<'a> {
-    /// The device.
+    /// Device.
     pub context: &'a Arc<Context>,
-    /// The scene.
+    /// Scene.
     pub scene: &'a Scene,
-    /// Its hierarchy.
+    /// Bounding volume hierarchy of the scene.
     pub bvh: &'a Bvh,
-    /// What pictures are measured against, of their size.
+    /// Reference that pictures are compared with, of the same size.
     pub reference: &'a Image,
-    /// Seconds of rendering for each method.
+    /// Rendering time of each method, in seconds.
     pub budget: f64,
-    /// Whether the user wants an end.
+    /// Whether the user has asked to stop.
     pub stop: &'a dyn Fn() -> bool,
-    /// Told of every second that a method has rendered, with the method's name.
+    /// Called with a method's name and the seconds that it has just rendered.
     pub advanced: &'a dyn Fn(&str, f64),
 }
 
-/// A method under way, and in the end its result.
+/// Method that takes part in a contest, with its results so far.
 pub struct Entrant {
-    /// The method.
+    /// Method.
     pub method: Method,
-    /// Its settings.
+    /// Settings of the method.
     pub settings: Settings,
     /// Samples per pixel so far.
     pub spp: u32,
-    /// Seconds so far.
+    /// Rendering time so far, in seconds.
     pub seconds: f64,
-    /// What was counted so far.
+    /// Statistics so far.
     pub counts: Counts,
-    /// The steps so far.
+    /// Steps so far.
     pub steps: Vec<StepRecord>,
     renderer: Renderer,
 }
 
 impl Stage<'_> {
-    /// Renders with each of these methods for the whole budget. Returns fewer where there is no memory for all at once: the
-    /// first ones. `None` where the user has stopped it.
+    /// Renders with each of these methods for the whole time. If the device's memory does not suffice for all, only the
+    /// first ones render and are returned. Returns `None` if the user has stopped the run.
     ///
     /// # Errors
-    /// Where not even one method fits the device, or it is lost.
+    /// Fails if not even one method fits into the device's memory, or if the device is lost.
     pub fn run(&self, methods: &[(Method, Settings)]) -> Result<Option<Vec<Entrant>>> {
         let mut entrants = self.enter(methods)?;
         let turn = (self.budget / TURNS).min(LONGEST_TURN);
@@ -83,7 +84,7 @@ impl Stage<'_> {
             match Entrant::new(self, *method, settings.clone()) {
                 Ok(entrant) => entrants.push(entrant),
                 Err(error) if entrants.is_empty() || !is_lack_of_memory(&error) => return Err(error),
-                // What did not fit comes next.
+                // Methods that did not fit take part in the next contest.
                 Err(_) => break,
             }
         }
@@ -91,7 +92,8 @@ impl Stage<'_> {
     }
 }
 
-/// The arithmetic before a render refuses by a setting's error; the device by its own.
+/// Whether an error means that memory is lacking. A render that is refused beforehand fails with a settings error, the
+/// device with its own error.
 fn is_lack_of_memory(error: &Error) -> bool {
     matches!(error, Error::OutOfDeviceMemory { .. } | Error::Settings(_))
 }
@@ -102,13 +104,13 @@ impl Entrant {
         Ok(Self { method, settings, spp: 0, seconds: 0.0, counts: Counts::default(), steps: Vec::new(), renderer })
     }
 
-    /// Whether the budget is used up to within half a step.
+    /// Whether the rendering time is used up to within half a step.
     fn is_done(&self, budget: f64) -> bool {
         let last = self.seconds - self.steps.len().checked_sub(2).map_or(0.0, |at| self.steps[at].seconds);
         self.seconds > 0.0 && self.seconds + 0.5 * last >= budget
     }
 
-    /// A step; false where it was stopped.
+    /// Renders one step. Returns false if the user has stopped it.
     fn step(&mut self, stage: &Stage) -> Result<bool> {
         let report = self.renderer.step(self.settings.samples_of_step(self.spp), stage.stop)?;
         if !report.complete {
@@ -126,23 +128,23 @@ impl Entrant {
         Ok(true)
     }
 
-    /// The picture so far.
+    /// Picture so far.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn picture(&self) -> Result<Picture> {
         self.renderer.picture()
     }
 
-    /// What it has learned at a point.
+    /// Radiance that the guide has learned at a point.
     ///
     /// # Errors
-    /// Where the device is lost.
+    /// Fails if the device is lost.
     pub fn radiance_at(&self, position: Vec3) -> Result<Vec<f32>> {
         self.renderer.radiance_at(position)
     }
 
-    /// What it takes of the device's memory besides film and scene.
+    /// Device memory of the method, without film and scene.
     pub fn memory(&self) -> Memory {
         Memory { guide_bytes: self.renderer.guide_bytes(), path_bytes: self.settings.path_bytes() }
     }

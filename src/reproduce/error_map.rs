@@ -1,11 +1,12 @@
-//! Pictures of where a picture is wrong.
+//! Error maps: pictures that show where a picture differs from its reference.
 
 use crate::image::false_color::false_color;
 use crate::image::{Image, tone};
 
-/// Displayed difference that is shown brightest.
+/// Displayed difference that gets the brightest color.
 const LARGEST: f64 = 0.25;
-/// The absolute difference of what is displayed, averaged over channels, in false colors from 0 (black) to 0.25 (white).
+/// Map of the absolute difference of the displayed pictures, averaged over the channels, in false colors from 0 (black)
+/// to 0.25 (white).
 pub fn error_map(image: &Image, reference: &Image) -> Image {
     let difference = |(a, b): (&[f32; 3], &[f32; 3])| {
         let [a, b] = [a, b].map(|pixel| tone::paper(pixel.map(f64::from)));

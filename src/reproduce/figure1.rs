@@ -1,4 +1,4 @@
-//! Figure 1: the same inset of every method's picture after the same time, beside the reference.
+//! Figure 1: an inset of every method's picture after equal time, beside the reference. The inset is the same for all.
 
 use super::methods::Method;
 use super::paper::PaperScene;
@@ -8,19 +8,19 @@ use super::sheet::Sheet;
 use super::table1;
 use crate::image::{Image, tone};
 
-/// Pixels of the picture's shorter side over those of the inset's.
+/// Shorter side of the picture, as a multiple of the inset's side.
 const CUT: u32 = 3;
-/// Pixels of the strip for one of the inset's, along each side.
+/// Enlargement of the inset in the strip, along each side.
 const ZOOM: u32 = 4;
-/// Between insets, in the strip's pixels; white.
+/// Width of the white gap between insets, in pixels of the strip.
 const GAP: u32 = 4;
 
-/// The methods that it compares: those of Table 1.
+/// Methods that the figure compares: those of Table 1.
 pub fn methods() -> Vec<Method> {
     table1::methods()
 }
 
-/// Top left corner and side of the square in which the first picture is furthest from the reference, as displayed.
+/// Square in which a picture's displayed values differ most from the reference: its top left corner and its side.
 pub fn worst_window(picture: &Image, reference: &Image) -> ([u32; 2], u32) {
     let side = (picture.width.min(picture.height) / CUT).max(1);
     let step = (side / 4).max(1) as usize;
@@ -40,7 +40,7 @@ fn displayed_difference(a: [f32; 3], b: [f32; 3]) -> f64 {
     (0..3).map(|c| (a[c] - b[c]).abs()).sum()
 }
 
-/// The same window of all pictures from left to right, enlarged.
+/// Strip of one window of all pictures from left to right, enlarged.
 pub fn strip(pictures: &[Image], corner: [u32; 2], side: u32) -> Image {
     let (tile, count) = (ZOOM * side, pictures.len() as u32);
     let (width, height) = ((tile + GAP) * count - GAP, tile);
@@ -55,7 +55,7 @@ pub fn strip(pictures: &[Image], corner: [u32; 2], side: u32) -> Image {
     Image { width, height, pixels: (0..width * height).map(pixel).collect() }
 }
 
-/// The errors of the pictures, in the order of the strips.
+/// Table of the pictures' errors, in the order of the strips.
 pub fn sheet(results: &Results) -> Sheet {
     let methods = methods();
     let names = methods.iter().map(Method::name);

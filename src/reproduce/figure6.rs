@@ -1,4 +1,5 @@
-//! Figure 6: the radiance that each learner has learned at one point, at a raised directional resolution, beside the truth.
+//! Figure 6: the radiance that each learner has learned at one point, at a higher directional resolution, beside the
+//! truth.
 
 use std::fs;
 use std::path::Path;
@@ -13,51 +14,51 @@ use super::sheet::Sheet;
 use super::stage::SceneStage;
 use crate::film::Picture;
 use crate::image::{ToneCurve, exr, png};
-use crate::session::radiance_map::{Place, SurfacePoint, false_colors, relative_error};
+use crate::session::radiance_map::{MappedScene, SurfacePoint, false_colors, relative_error};
 use crate::settings::{Sampler, Settings};
 use crate::{Result, files};
 
 /// Direction bins along each side of the map: twice the default.
 const DIRECTIONS: u32 = 32;
-/// Samples per pixel of the six views that make the truth.
+/// Samples per pixel of each of the six views from which the true radiance is computed.
 const TRUE_SPP: u32 = 64;
-/// Where a point is looked for, as shares of the film's sides; the first that shows something is taken.
+/// Candidate positions on the film, as fractions of its sides. The first one at which a surface is visible is used.
 const MARKS: [[f32; 2]; 4] = [[0.5, 0.5], [0.5, 0.75], [0.25, 0.75], [0.75, 0.75]];
 
-/// What the learners have learned at a point of one scene.
+/// Radiance that the learners have learned at a point of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapRecord {
-    /// What it depends on; the settings are those of the first learner.
+    /// Conditions of the measurement. The settings are those of the first learner.
     pub conditions: Conditions,
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
-    /// The pixel whose center shows the point.
+    /// Pixel whose center shows the point.
     pub pixel: [u32; 2],
-    /// The learners, in the order of Table 2.
+    /// Maps of the learners, in the order of Table 2.
     pub learners: Vec<LearnedMap>,
 }
 
-/// One learner's map.
+/// Map of one learner.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LearnedMap {
-    /// The learner's name.
+    /// Name of the learner.
     pub learner: String,
-    /// Mean absolute difference to the truth over the bins above the surface, relative to the truth's mean there.
+    /// Mean absolute difference from the truth over the bins above the surface, relative to the truth's mean there.
     pub relative_error: f64,
-    /// Samples per pixel that it has learned from.
+    /// Samples per pixel from which the learner has learned.
     pub spp: u32,
     /// Milliseconds per sample per pixel.
     pub ms_per_sample: f64,
 }
 
-/// The methods that it compares.
+/// Methods that the figure compares.
 pub fn methods() -> Vec<Method> {
     TABLE2.iter().map(|row| Method::new(Sampler::RejectionMix, row.learner)).collect()
 }
 
-/// A row for every scene: error and time per sample of each learner.
+/// Table with one row per scene: error and time per sample of each learner.
 pub fn sheet(records: &[MapRecord]) -> Sheet {
     let columns = TABLE2.iter().flat_map(|row| [format!("{}: error", row.name), format!("{}: ms", row.name)]);
     let mut sheet = Sheet::new(["scene".to_owned(), "pixel".into()].into_iter().chain(columns));
@@ -71,14 +72,14 @@ pub fn sheet(records: &[MapRecord]) -> Sheet {
 }
 
 impl SceneStage<'_> {
-    /// The record of an earlier run, if it is of these conditions.
+    /// Record of an earlier run under the same conditions, if there is one.
     pub fn look_up_maps(&self) -> Option<MapRecord> {
         let text = fs::read_to_string(self.file("figure6.json")).ok()?;
         let record: MapRecord = serde_json::from_str(&text).ok()?;
         (record.conditions == self.map_conditions()).then_some(record)
     }
 
-    /// Learns with each learner, and writes maps and record; `None` where it was stopped.
+    /// Learns with each learner, and writes maps and record. Returns `None` if the user has stopped the run.
     pub fn measure_maps(&self, stop: &dyn Fn() -> bool, advanced: &dyn Fn(&str, f64)) -> Result<Option<MapRecord>> {
         advanced("the true radiance at a point", 0.0);
         let settings = self.map_settings(&methods()[0]);
@@ -113,8 +114,8 @@ impl SceneStage<'_> {
     }
 }
 
-/// The first mark that shows something, or what is wrong with the last.
-fn mark(place: &Place, settings: &Settings) -> Result<([u32; 2], SurfacePoint)> {
+/// First candidate position at which a surface is visible, or the error at the last one.
+fn mark(place: &MappedScene, settings: &Settings) -> Result<([u32; 2], SurfacePoint)> {
     let at = |mark: [f32; 2]| {
         let pixel = [(mark[0] * settings.width as f32) as u32, (mark[1] * settings.height as f32) as u32];
         place.visible_point(settings, pixel).map(|point| (pixel, point))

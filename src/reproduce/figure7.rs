@@ -1,5 +1,5 @@
-//! Figure 7: how often rays meet light as learning goes on (a), and error, hit rate and samples against a fixed share e of
-//! uniform directions (b and c).
+//! Figure 7: the share of rays that hit emitters as learning proceeds (a), and error, hit rate and number of samples
+//! for a fixed share e of uniform directions (b and c).
 
 use super::methods::{Method, SHARES};
 use super::paper::TABLE2;
@@ -9,25 +9,25 @@ use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{Learner, Sampler};
 
-/// What Figure 7a compares.
+/// Methods of Figure 7a.
 const OVER_STEPS: [Method; 3] = [
     Method::PLAIN,
     Method::new(Sampler::Rejection, Learner::Sarsa),
     Method::new(Sampler::RejectionMix, Learner::Sarsa),
 ];
 
-/// `rejection-mix` with each share, by one learner.
+/// Methods of Figures 7b and 7c for one learner: `rejection-mix` with each share.
 fn sweep(learner: Learner) -> impl Iterator<Item = (f32, Method)> {
     SHARES.into_iter().map(move |share| (share, Method::new(Sampler::RejectionMix, learner).with_share(share)))
 }
 
-/// The methods that it compares.
+/// Methods that the figure compares.
 pub fn methods() -> Vec<Method> {
     let swept = TABLE2.iter().flat_map(|row| sweep(row.learner)).map(|(_, method)| method);
     OVER_STEPS.into_iter().chain(swept).collect()
 }
 
-/// The plots of the scenes of which all methods have been measured, with their files' names.
+/// Plots of the completely measured scenes, with their file names.
 pub fn plots(results: &Results) -> Vec<(String, Plot)> {
     let scenes = results.scenes(&methods());
     scenes.iter().flat_map(|scene| of_scene(results, scene.name)).collect()
@@ -39,11 +39,11 @@ fn of_scene(results: &Results, scene: &str) -> Vec<(String, Plot)> {
         (format!("figure7{name}-{scene}.svg"), Plot { title: format!("{scene}: {title}"), x, y, series })
     };
     let swept = |number: &dyn Fn(&Record) -> f64| by_share(results, scene, number);
-    let rates = Axis::linear("share of rays that meet light");
+    let rates = Axis::linear("share of rays that hit emitters");
     vec![
-        plot("a", "rays that meet light", Axis::linear("samples per pixel"), rates, over_steps(results, scene)),
+        plot("a", "rays that hit emitters", Axis::linear("samples per pixel"), rates, over_steps(results, scene)),
         plot("b", "error at equal time", share, Axis::linear("MAE"), swept(&|record| record.errors.mae_ldr)),
-        plot("c-hits", "rays that meet light", share, rates, swept(&|record| record.counts.light_hit_rate())),
+        plot("c-hits", "rays that hit emitters", share, rates, swept(&|record| record.counts.light_hit_rate())),
         plot("c-samples", "samples", share, Axis::linear("samples per pixel"), swept(&|record| f64::from(record.spp))),
     ]
 }
@@ -54,7 +54,7 @@ fn over_steps(results: &Results, scene: &str) -> Vec<Series> {
     found.map(|(method, record)| Series { name: method.name(), points: points(record) }).collect()
 }
 
-/// A line for every learner, and a level one for a plain path tracer.
+/// Series for a plot over the share: one line per learner, and a horizontal line for a plain path tracer.
 fn by_share(results: &Results, scene: &str, number: &dyn Fn(&Record) -> f64) -> Vec<Series> {
     let learners = TABLE2.iter().map(|row| {
         let points = sweep(row.learner).filter_map(|(share, method)| {
@@ -70,7 +70,7 @@ fn by_share(results: &Results, scene: &str, number: &dyn Fn(&Record) -> f64) -> 
     plain.into_iter().chain(learners).collect()
 }
 
-/// The light-hit rate of every step, for 7a.
+/// Table for Figure 7a: the light-hit rate of every step.
 pub fn steps_sheet(results: &Results) -> Sheet {
     let mut sheet = Sheet::new(["scene", "method", "spp", "seconds", "light_hit_rate"]);
     for scene in results.scenes(&OVER_STEPS) {
@@ -84,7 +84,7 @@ pub fn steps_sheet(results: &Results) -> Sheet {
     sheet
 }
 
-/// What 7b and 7c plot.
+/// Table for Figures 7b and 7c.
 pub fn shares_sheet(results: &Results) -> Sheet {
     let mut sheet = Sheet::new(["scene", "learner", "share", "mae_ldr", "light_hit_rate", "spp"]);
     for scene in results.scenes(&methods()) {
@@ -113,7 +113,8 @@ mod tests {
         let names: Vec<_> = plots.iter().map(|(name, _)| &name[..]).collect();
         let expected = ["a", "b", "c-hits", "c-samples"].map(|part| format!("figure7{part}-kitchen.svg"));
         assert_eq!(names, expected);
-        // Three methods over two steps each; a level line and three learners over all shares.
+        // Plot a has three methods over two steps. The other plots have a horizontal line and three learners over all
+        // shares.
         let lengths = |at: usize| plots[at].1.series.iter().map(|series| series.points.len()).collect::<Vec<_>>();
         assert_eq!((lengths(0), lengths(1)), (vec![2; 3], vec![2, 7, 7, 7]));
         assert_eq!(steps_sheet(&results).csv().lines().count(), 1 + 3 * 2);

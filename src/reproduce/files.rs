@@ -1,4 +1,4 @@
-//! The tables of a run as files.
+//! Output files of a run: tables and figures.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::Result;
 use crate::image::{ToneCurve, exr, png};
 use crate::reproduce::paper::PATH_VERTEX_BYTES;
 
-/// Where tables go, and what their captions say.
+/// Writer of the output files: the folder, and the conditions that the captions state.
 pub(super) struct Writer<'a> {
     pub out: &'a Path,
     pub seconds: f64,
@@ -24,7 +24,7 @@ impl Writer<'_> {
         sheet::write(&self.out.join(name), text)
     }
 
-    /// Every measurement, one a line.
+    /// Writes every measurement, one per line.
     pub fn write_records(&self, results: &Results) -> Result<()> {
         self.write("measurements.csv", &records(results).csv())
     }
@@ -42,7 +42,7 @@ impl Writer<'_> {
         let parts = [
             ("mae", "Error of the displayed image (MAE) at equal time", table2::mae(results)),
             ("ms", "Time per sample", table2::milliseconds(results)),
-            ("mae-equal-spp", "MAE after equally many samples of each scene", table2::mae_of_equal_samples(results)),
+            ("mae-equal-spp", "MAE at equal samples on each scene", table2::mae_of_equal_samples(results)),
             ("invalid", "Samples below the surface", table2::invalid_rates(results)),
             ("tries", "Proposals per guided sample", table2::tries(results)),
         ];
@@ -54,7 +54,7 @@ impl Writer<'_> {
         self.write("table2.md", &text)
     }
 
-    /// A strip for each scene, from the pictures that are kept beside the records.
+    /// Writes a strip for each scene, from the pictures that are stored beside the records.
     pub fn write_figure1(&self, results: &Results) -> Result<()> {
         let methods = figure1::methods();
         for scene in results.scenes(&methods) {
@@ -67,16 +67,17 @@ impl Writer<'_> {
             png::write(&self.out.join(format!("figure1-{}.png", scene.name)), &strip, ToneCurve::Paper, 0.0)?;
         }
         let sheet = figure1::sheet(results);
-        let text = "# Figure 1: insets at equal time\n\nEach strip has these methods from left to right, then the reference: the \
-                    square in which the first of them is furthest from it. The MAE is that of the whole picture.\n\n";
+        let text = "# Figure 1: insets at equal time\n\nEach strip shows these methods from left to right, then the reference. \
+                    The inset is the square in which the first picture differs most from the reference. The MAE is that of \
+                    the whole picture.\n\n";
         self.write("figure1.csv", &sheet.csv())?;
         self.write("figure1.md", &format!("{text}{}\n{}", self.conditions(), sheet.markdown()))
     }
 
     pub fn write_figure6(&self, maps: &[MapRecord]) -> Result<()> {
         let sheet = figure6::sheet(maps);
-        let text = "# Figure 6: learned radiance at one point\n\nError is the mean absolute difference to the truth over directions \
-                    above the surface, relative to the truth's mean there.\n\n";
+        let text = "# Figure 6: learned radiance at one point\n\nThe error is the mean absolute difference from the truth over \
+                    directions above the surface, relative to the truth's mean there.\n\n";
         self.write("figure6.csv", &sheet.csv())?;
         self.write("figure6.md", &format!("{text}{}\n{}", self.conditions(), sheet.markdown()))
     }
@@ -88,8 +89,8 @@ impl Writer<'_> {
     }
 
     pub fn write_resolution(&self, results: &Results) -> Result<()> {
-        let text = "# Resolution of the grids\n\nError of the displayed image (MAE) at equal time, relative to that of the paper's \
-                    resolution: 8 cells along each axis (grid), 16 x 16 bins of directions.\n\n";
+        let text = "# Resolution of the grids\n\nError of the displayed image (MAE) at equal time, relative to that at the paper's \
+                    resolution: 8 cells along each axis (grid), 16 x 16 direction bins.\n\n";
         let sheet = resolution::sheet(results);
         self.write("resolution.csv", &resolution::measurements(results).csv())?;
         self.write("resolution.md", &format!("{text}{}\n{}", self.conditions(), sheet.markdown()))
@@ -99,9 +100,9 @@ impl Writer<'_> {
         let Self { seconds, device, .. } = self;
         let count = results.scenes(&ablation::methods()).len();
         let mut text = format!(
-            "# What each part of the default guide brings\n\nOn {device}, {seconds} s a picture, at most 16 edges, roulette after \
-             8; all that a row does not name is as by default. Errors are those of the displayed image (MAE) at equal time; means \
-             are geometric and over {count} of 12 scenes.\n"
+            "# Effect of each part of the default guide\n\nMeasured on {device} with {seconds} s per picture, at most 16 \
+             edges, and Russian roulette after 8 edges. Settings that a row does not name have their defaults. Errors are those \
+             of the displayed image (MAE) at equal time. Means are geometric and over {count} of 12 scenes.\n"
         );
         for (nee, title) in [(false, "off"), (true, "on")] {
             text += &format!("\n## Emitter sampling {title}\n\n{}", ablation::sheet(results, nee).markdown());
@@ -112,15 +113,18 @@ impl Writer<'_> {
 
     fn caption(&self, scenes: usize) -> String {
         format!(
-            "{}Means are over {scenes} of 12 scenes; in parentheses stand the paper's over the same scenes, or over all 12 where \
-             it states no others (40 s on an NVIDIA GPU with OptiX).\n",
+            "{}Means are over {scenes} of 12 scenes. The paper's means stand in parentheses. They are over the same scenes, or \
+             over all 12 where the paper does not list each scene (40 s per picture on an NVIDIA GPU with OptiX).\n",
             self.conditions()
         )
     }
 
     fn conditions(&self) -> String {
         let Self { seconds, device, .. } = self;
-        format!("On {device}, {seconds} s a picture, emitter sampling off, at most 16 edges, roulette after 8.\n")
+        format!(
+            "Measured on {device} with {seconds} s per picture, no emitter sampling, at most 16 edges, and Russian roulette \
+             after 8 edges.\n"
+        )
     }
 }
 

@@ -1,4 +1,4 @@
-//! Every way to render that the tables compare.
+//! Rendering methods that the tables compare.
 
 use clap::ValueEnum;
 
@@ -6,33 +6,33 @@ use super::changes::Changes;
 use super::protocol::{self, Base};
 use crate::settings::{Learner, Mix, Sampler, Settings};
 
-/// How directions are sampled and learned, and with which settings.
+/// Rendering method: a sampler, a learner and settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Method {
-    /// The sampler.
+    /// Sampler.
     pub sampler: Sampler,
-    /// The learner.
+    /// Learner.
     pub learner: Learner,
-    /// What `rejection-mix` mixes.
+    /// Quantity that `rejection-mix` mixes.
     pub mix: Mix,
-    /// The share e of `rejection-mix`; the optimal one where `None`.
+    /// Share e of `rejection-mix`; `None` selects the optimal one.
     pub epsilon: Option<f32>,
-    /// Where all else comes from.
+    /// Source of all other settings.
     pub base: Base,
-    /// Whether emitters are sampled.
+    /// Whether emitter sampling is on.
     pub nee: bool,
-    /// What it changes of that.
+    /// Changes to the settings of `base`.
     pub changes: Changes,
 }
 
-/// A method's places in the tables, by the names of the paper's columns, or of ours where it has none.
+/// Position of a method in the tables. Columns have the paper's names, or our own where the paper has no such column.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
-    /// The method.
+pub struct TablePlace {
+    /// Method.
     pub method: Method,
-    /// Its column in Table 1.
+    /// Column in Table 1.
     pub table1: Option<&'static str>,
-    /// Its sampler's column in Table 2; its learner is the row.
+    /// Column in Table 2, given by the sampler. The learner gives the row.
     pub table2: Option<&'static str>,
 }
 
@@ -40,16 +40,16 @@ const SPHERE: Option<&str> = Some("sphere, inversion");
 const HEMISPHERE: Option<&str> = Some("hemisphere, inversion");
 const REJECTION: Option<&str> = Some("hemisphere, rejection");
 const REJECTION_MIX: Option<&str> = Some("hemisphere, Rej+");
-/// Eq. 9, which the paper states beside Eq. 8 and has no column for.
+/// Column for Eq. 9. The paper states this equation beside Eq. 8 but has no column for it.
 const ACCEPTANCE: Option<&str> = Some("hemisphere, Rej+ of acceptances");
 
-/// Beyond the paper.
+/// Column for the product sampler, which is not in the paper.
 const PRODUCT: Option<&str> = Some("product");
 
 use Learner::{ExpectedSarsa, MonteCarlo, Sarsa};
 
-/// The methods of Tables 1 and 2. A line here is all that another one needs.
-pub const METHODS: [Place; 20] = [
+/// Methods of Tables 1 and 2. To add a method, add a line here.
+pub const METHODS: [TablePlace; 20] = [
     place(Method::PLAIN, Some("BRDF"), None),
     place(Method::new(Sampler::Quadtree, MonteCarlo), Some("Quadtree"), None),
     place(Method::new(Sampler::SphereInversion, ExpectedSarsa), None, SPHERE),
@@ -72,39 +72,39 @@ pub const METHODS: [Place; 20] = [
     place(Method::new(Sampler::Product, Sarsa), PRODUCT, PRODUCT),
 ];
 
-/// Shares e of Figure 7b and 7c.
+/// Shares e of Figures 7b and 7c.
 pub const SHARES: [f32; 7] = [1.0e-4, 1.0e-3, 1.0e-2, 0.1, 0.25, 0.5, 1.0];
 
-const fn place(method: Method, table1: Option<&'static str>, table2: Option<&'static str>) -> Place {
-    Place { method, table1, table2 }
+const fn place(method: Method, table1: Option<&'static str>, table2: Option<&'static str>) -> TablePlace {
+    TablePlace { method, table1, table2 }
 }
 
 impl Method {
-    /// A plain path tracer.
+    /// Plain path tracer.
     pub const PLAIN: Self = Self::new(Sampler::Bsdf, Sarsa);
 
-    /// A sampler with a learner.
+    /// Method with a sampler and a learner.
     pub const fn new(sampler: Sampler, learner: Learner) -> Self {
         let (mix, epsilon, base, nee, changes) = (Mix::Density, None, Base::Paper, false, Changes::NONE);
         Self { sampler, learner, mix, epsilon, base, nee, changes }
     }
 
-    /// By Eq. 9.
+    /// Mixes acceptances (Eq. 9).
     pub const fn mixing_acceptances(self) -> Self {
         Self { mix: Mix::Acceptance, ..self }
     }
 
-    /// With a fixed share e.
+    /// Fixes the share e.
     pub const fn with_share(self, share: f32) -> Self {
         Self { epsilon: Some(share), ..self }
     }
 
-    /// With other settings.
+    /// Changes the settings.
     pub const fn with(self, changes: Changes) -> Self {
         Self { changes, ..self }
     }
 
-    /// Its name, also of its files: `rejection-mix+sarsa`, `product+sarsa-default-nee-steps-even`.
+    /// Name of the method and of its files, such as `rejection-mix+sarsa` or `product+sarsa-default-nee-steps-even`.
     pub fn name(&self) -> String {
         let mix = if self.mix == Mix::Acceptance { "-acceptance" } else { "" };
         let share = self.epsilon.map(|share| format!("-e{share}")).unwrap_or_default();
@@ -117,7 +117,7 @@ impl Method {
         format!("{}{mix}{share}{learner}{base}{nee}{}", word(self.sampler), self.changes.name())
     }
 
-    /// Its settings on a scene with these defaults, for a picture of this width and height.
+    /// Settings of the method for a scene with these defaults and a picture of this width and height.
     pub fn settings(&self, defaults: Settings, size: [u32; 2]) -> Settings {
         let Self { sampler, learner, mix, epsilon, nee, .. } = *self;
         let base = protocol::settings(self.base, defaults, size);
@@ -127,7 +127,7 @@ impl Method {
     }
 }
 
-/// As the command line spells it.
+/// Spelling of a value on the command line.
 pub(super) fn word(value: impl ValueEnum) -> String {
     value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!((Method::PLAIN.name(), fixed.name()), ("bsdf".into(), "rejection-mix-e0.0001+sarsa".into()));
     }
 
-    /// Every figure of the paper's tables has one of ours beside it.
+    /// Checks that one of our methods stands beside every number of the paper's tables.
     #[test]
     fn methods_stand_in_the_papers_columns() {
         let table1: Vec<_> = METHODS.iter().filter_map(|place| place.table1).collect();

@@ -1,8 +1,9 @@
-//! The paper's tables and figures, measured on any device: every method renders every scene for the same time, by turns, and
-//! what it comes to stands beside what the paper states.
+//! Reproduction of the paper's tables and figures on any device. Every method renders every scene for the same time;
+//! the methods take turns. The results stand beside the numbers of the paper.
 //!
-//! [`Plan::run`] is all of it. A method is a line of [`methods::METHODS`], or of a target of its own, a scene one of [`paper::SCENES`], and a result a
-//! JSON file in the output folder: what is there already under the same conditions is not measured again.
+//! [`Plan::run`] does all of it. [`methods::METHODS`] lists the methods of Tables 1 and 2, each other target lists its
+//! own, and [`paper::SCENES`] lists the scenes. Each result is a JSON file in the output folder. A result that exists
+//! already under the same conditions is not measured again.
 
 pub mod ablation;
 pub mod changes;
@@ -35,24 +36,24 @@ use methods::Method;
 use results::Results;
 use stage::SceneStage;
 
-/// What can be reproduced.
+/// Table, figure or experiment to reproduce.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Target {
-    /// The errors of the main methods on every scene at equal time.
+    /// Table 1: errors of the main methods on every scene at equal time.
     Table1,
-    /// Every sampler with every learner.
+    /// Table 2: every sampler with every learner.
     Table2,
-    /// The same inset of the pictures of Table 1's methods.
+    /// Figure 1: one inset of the pictures of Table 1's methods.
     Figure1,
-    /// The radiance that each learner has learned at a point, beside the truth.
+    /// Figure 6: radiance that each learner has learned at a point, beside the truth.
     Figure6,
-    /// Light hits as learning goes on, and what a fixed share of uniform directions does.
+    /// Figure 7: light hits as learning proceeds, and the effect of a fixed share of uniform directions.
     Figure7,
-    /// The paper's method with coarser and finer grids.
+    /// Method of the paper with coarser and finer grids.
     Resolution,
-    /// Beyond the paper, and not a part of `all`: what each part of the default guide brings.
+    /// Effect of each part of the default guide. Not in the paper, and not included in `all`.
     Ablation,
-    /// All of these but `ablation`.
+    /// All targets except `ablation`.
     All,
 }
 
@@ -61,7 +62,7 @@ impl Target {
         self == other || (self == Self::All && other != Self::Ablation)
     }
 
-    /// The methods to measure, each once.
+    /// Methods to measure, each once.
     fn methods(self) -> Vec<Method> {
         let mut methods = Vec::new();
         let all = [
@@ -87,57 +88,58 @@ impl Target {
     }
 }
 
-/// What is to be measured, and where it goes.
+/// Plan of a run: the measurements to make, their inputs and the output folder.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// What to reproduce.
+    /// Target to reproduce.
     pub target: Target,
     /// Folder of the scenes: `NAME/scene.xml`.
     pub scenes: PathBuf,
     /// Folder of the references: `NAME.mean.exr`.
     pub references: PathBuf,
-    /// Seconds of rendering for each method on each scene.
+    /// Rendering time of each method on each scene, in seconds.
     pub seconds: f64,
-    /// Pictures' size relative to the reference's; chosen by speed where `None`.
+    /// Size of the pictures relative to the references; `None` chooses it by speed.
     pub scale: Option<f32>,
-    /// Names of the scenes; all of the paper's where empty.
+    /// Names of the scenes; all scenes of the paper if empty.
     pub only: Vec<String>,
-    /// Where results go.
+    /// Output folder.
     pub out: PathBuf,
 }
 
-/// What a run tells while it goes.
+/// Callbacks of a run.
 pub struct Watch<'a> {
-    /// Whether the user wants an end.
+    /// Whether the user has asked to stop.
     pub stop: &'a dyn Fn() -> bool,
-    /// Shown how far the run is.
+    /// Shows the progress of the run.
     pub show: &'a dyn Fn(&Status),
 }
 
-/// What a run has measured so far.
+/// Results of a run so far.
 #[derive(Default)]
 struct Findings {
     results: Results,
     maps: Vec<figure6::MapRecord>,
 }
 
-/// How far a run is.
+/// Progress of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Status {
-    /// The scene, and what happens to it.
+    /// Name of the scene, and the work that is being done.
     pub doing: String,
-    /// Seconds of rendering so far, those of earlier runs left out.
+    /// Rendering time of this run so far, in seconds.
     pub done: f64,
-    /// Seconds of rendering that this run has to do in all.
+    /// Total rendering time of this run, in seconds.
     pub total: f64,
 }
 
 impl Plan {
-    /// Measures what is missing, and writes tables after every scene. False where the user has stopped it.
+    /// Measures what is missing, and writes the tables after every scene. Returns false if the user has stopped the
+    /// run.
     ///
     /// # Errors
-    /// Where a scene or reference cannot be read, a file cannot be written, or the device is lost: what was measured before is
-    /// kept.
+    /// Fails if a scene or reference cannot be read, if a file cannot be written, or if the device is lost. Earlier
+    /// measurements are kept.
     pub fn run(&self, context: &Arc<Context>, watch: &Watch) -> Result<bool> {
         let names = self.scene_names()?;
         self.check_inputs(&names)?;
@@ -177,18 +179,20 @@ impl Plan {
         let all = || paper::SCENES.iter().map(|scene| scene.name);
         if let Some(unknown) = self.only.iter().find(|only| !all().any(|name| name == **only)) {
             let known = all().collect::<Vec<_>>().join(", ");
-            return Err(Error::Settings(format!("--only {unknown}: the paper has no such scene; it has {known}")));
+            return Err(Error::Settings(format!(
+                "--only {unknown}: the paper has no such scene; its scenes are {known}"
+            )));
         }
         Ok(all().filter(|name| self.only.is_empty() || self.only.iter().any(|only| only == name)).collect())
     }
 
-    /// Hours may pass before the last scene is needed.
+    /// Checks that all input files exist. Otherwise hours may pass before a missing one is noticed.
     fn check_inputs(&self, names: &[&str]) -> Result<()> {
         let files = names.iter().flat_map(|name| [self.scene_file(name), self.reference_file(name)]);
         match files.into_iter().find(|file| !file.is_file()) {
             None => Ok(()),
             Some(file) => Err(Error::Settings(format!(
-                "{}: there is no such file; name the folders with --scenes and --references, and the scenes to take with --only",
+                "{}: file not found; give the folders with --scenes and --references, or select scenes with --only",
                 file.display()
             ))),
         }
@@ -254,7 +258,7 @@ mod tests {
         let counts = [Target::Table1, Target::Table2, Target::All];
         let shares = 3 * methods::SHARES.len();
         assert_eq!([Target::Resolution, Target::Ablation].map(|target| target.methods().len()), [9, 32]);
-        // One of the resolutions is a method of Table 1; the ablation is no part of all.
+        // One of the nine resolutions is a method of Table 1. The ablation is not included in `All`.
         let all = methods::METHODS.len() + shares + 8;
         assert_eq!(counts.map(|target| target.methods().len()), [6, 18, all]);
     }

@@ -1,8 +1,8 @@
-//! What the paper states (Kim and Kim 2021), to stand beside ours: 40 s an image on an NVIDIA GPU with OptiX.
+//! Numbers that the paper states (Kim and Kim 2021), measured with 40 s per image on an NVIDIA GPU with OptiX.
 
 use crate::settings::Learner;
 
-/// A scene of Table 1, and its errors (mean absolute error of the displayed image) in the order of [`TABLE1_COLUMNS`].
+/// Scene of Table 1, with its errors (mean absolute error of the displayed image) in the order of [`TABLE1_COLUMNS`].
 #[derive(Debug, Clone, Copy)]
 pub struct PaperScene {
     /// Name of the scene's folder and of its reference.
@@ -14,7 +14,7 @@ pub struct PaperScene {
 /// Columns of Table 1. "Rej+" is `rejection-mix`; "w/o SARSA" learns by `expected-sarsa`.
 pub const TABLE1_COLUMNS: [&str; 5] = ["BRDF", "Quadtree", "ours w/o Rej+", "ours w/o SARSA", "ours"];
 
-/// The rows of Table 1.
+/// Rows of Table 1.
 pub const SCENES: [PaperScene; 12] = [
     scene("bathroom", [0.0374, 0.0358, 0.0554, 0.0387, 0.0366]),
     scene("bathroom2", [0.0345, 0.0339, 0.0338, 0.0344, 0.0288]),
@@ -32,21 +32,22 @@ pub const SCENES: [PaperScene; 12] = [
 
 /// Milliseconds per sample, mean over the scenes, in the order of [`TABLE1_COLUMNS`].
 pub const TABLE1_MS: [f64; 5] = [10.59, 11.18, 54.73, 34.48, 16.30];
-/// Samples per pixel, likewise.
+/// Samples per pixel, mean over the scenes, in the order of [`TABLE1_COLUMNS`].
 pub const TABLE1_SPP: [f64; 5] = [4005.0, 3774.0, 1302.0, 1239.0, 2523.0];
-/// Share of the samples below the surface, likewise; it says "~0" of the last three.
+/// Share of samples below the surface, mean over the scenes, in the order of [`TABLE1_COLUMNS`]. For the last three
+/// columns the paper states "~0".
 pub const TABLE1_INVALID: [f64; 5] = [0.0, 0.1719, 0.0, 0.0, 0.0];
 
 /// Columns of Table 2.
 pub const TABLE2_COLUMNS: [&str; 4] =
     ["sphere, inversion", "hemisphere, inversion", "hemisphere, rejection", "hemisphere, Rej+"];
 
-/// A row of Table 2, means over the scenes in the order of [`TABLE2_COLUMNS`].
+/// Row of Table 2: means over the scenes, in the order of [`TABLE2_COLUMNS`].
 #[derive(Debug, Clone, Copy)]
 pub struct PaperLearner {
-    /// The learner.
+    /// Learner.
     pub learner: Learner,
-    /// Its name in the paper.
+    /// Name of the learner in the paper.
     pub name: &'static str,
     /// MAE after 40 s.
     pub mae: [f64; 4],
@@ -54,7 +55,7 @@ pub struct PaperLearner {
     pub ms: [f64; 4],
 }
 
-/// The rows of Table 2.
+/// Rows of Table 2.
 pub const TABLE2: [PaperLearner; 3] = [
     PaperLearner {
         learner: Learner::ExpectedSarsa,
@@ -76,19 +77,19 @@ pub const TABLE2: [PaperLearner; 3] = [
     },
 ];
 
-/// Bytes that the paper counts for every ray of Monte-Carlo learning: 12 floats a vertex.
+/// Bytes per vertex that the paper states for Monte Carlo learning: 12 floats.
 pub const PATH_VERTEX_BYTES: u64 = 12 * 4;
 
 const fn scene(name: &'static str, mae: [f64; 5]) -> PaperScene {
     PaperScene { name, mae }
 }
 
-/// Place of a column of Table 1.
+/// Index of a column of Table 1.
 pub fn table1_column(name: &str) -> Option<usize> {
     TABLE1_COLUMNS.iter().position(|column| *column == name)
 }
 
-/// Place of a column of Table 2.
+/// Index of a column of Table 2.
 pub fn table2_column(name: &str) -> Option<usize> {
     TABLE2_COLUMNS.iter().position(|column| *column == name)
 }
@@ -97,7 +98,7 @@ pub fn table2_column(name: &str) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// The means that the paper prints below its columns.
+    /// Checks the means that the paper prints below its columns.
     #[test]
     fn columns_have_the_means_that_the_paper_prints() {
         for (column, mean) in [0.0366, 0.0324, 0.0507, 0.0374, 0.0317].into_iter().enumerate() {

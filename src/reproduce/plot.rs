@@ -1,4 +1,4 @@
-//! Lines over axes, as SVG. The only module that names `plotters`.
+//! Line plots as SVG. Only this module names `plotters`.
 
 use std::ops::Range;
 
@@ -7,11 +7,11 @@ use plotters::prelude::*;
 use crate::{Error, Result};
 
 const SIZE: (u32, u32) = (720, 480);
-/// Room at either end of an axis, as a share of it.
+/// Margin at either end of an axis, as a share of the axis.
 const MARGIN: f64 = 0.04;
 /// Height of the legend, as a share of the axis.
 const LEGEND_SHARE: f64 = 0.3;
-/// Colors that people without full color vision can tell apart (Okabe and Ito 2008).
+/// Colors that people with color vision deficiencies can distinguish (Okabe and Ito 2008).
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 0, 0),
     RGBColor(213, 94, 0),
@@ -21,44 +21,44 @@ const COLORS: [RGBColor; 6] = [
     RGBColor(230, 159, 0),
 ];
 
-/// An axis.
+/// Axis of a plot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Axis {
-    /// What it shows.
+    /// Quantity that the axis shows.
     pub title: &'static str,
-    /// Whether equal distances are equal ratios.
+    /// Whether the axis is logarithmic.
     pub is_logarithmic: bool,
 }
 
-/// Points joined by lines.
+/// Series of points, joined by lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// What the legend calls it.
+    /// Name in the legend.
     pub name: String,
-    /// From left to right.
+    /// Points from left to right.
     pub points: Vec<[f64; 2]>,
 }
 
-/// A plot.
+/// Line plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
-    /// Stands above it.
+    /// Title above the plot.
     pub title: String,
-    /// The axis to the right.
+    /// Horizontal axis.
     pub x: Axis,
-    /// The axis upwards.
+    /// Vertical axis.
     pub y: Axis,
-    /// What is shown.
+    /// Series to show.
     pub series: Vec<Series>,
 }
 
 impl Axis {
-    /// An axis of equal distances.
+    /// Linear axis.
     pub const fn linear(title: &'static str) -> Self {
         Self { title, is_logarithmic: false }
     }
 
-    /// An axis of equal ratios; numbers above 0 only.
+    /// Logarithmic axis. Its numbers must be positive.
     pub const fn logarithmic(title: &'static str) -> Self {
         Self { title, is_logarithmic: true }
     }
@@ -84,7 +84,7 @@ impl Axis {
         if low > high {
             return 0.0..1.0;
         }
-        // Lines over linear axes are compared with 0.
+        // A linear axis includes 0, so that lengths can be compared.
         let low = if self.is_logarithmic { low } else { low.min(0.0) };
         let room = (high - low).max(1.0e-6);
         low - MARGIN * room..high + MARGIN * room
@@ -92,10 +92,10 @@ impl Axis {
 }
 
 impl Plot {
-    /// The picture.
+    /// Plot as SVG.
     ///
     /// # Errors
-    /// Where the plotting library refuses the numbers.
+    /// Fails if the plotting library rejects the numbers.
     pub fn svg(&self) -> Result<String> {
         let mut text = String::new();
         let drawn = self.draw(&mut text);
@@ -142,7 +142,7 @@ impl Plot {
     }
 }
 
-/// Room for the legend above all lines.
+/// Range with room for the legend above all lines.
 fn with_headroom(range: Range<f64>) -> Range<f64> {
     range.start..range.end + LEGEND_SHARE * (range.end - range.start)
 }

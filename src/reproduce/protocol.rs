@@ -1,6 +1,6 @@
-//! How the paper measures: no emitter sampling, at most 16 edges, roulette after 8, a box filter, pictures so small that a
-//! plain path tracer comes to about a thousand samples per pixel; samples each for themselves, steps of one length and the
-//! paper's grids.
+//! Protocol of the paper's measurements: no emitter sampling, at most 16 edges, Russian roulette after 8 edges, a box
+//! filter, independent samples, steps of equal length, and the paper's grids. Pictures are so small that a plain path
+//! tracer reaches about a thousand samples per pixel.
 
 use crate::image::Image;
 use crate::scene::ReconstructionFilter;
@@ -9,25 +9,25 @@ use crate::{Error, Result};
 
 const MAX_DEPTH: u32 = 16;
 const RR_DEPTH: u32 = 8;
-/// Cells along each axis.
+/// Cells along each axis of the grid.
 pub const GRID: u32 = 8;
-/// Direction bins along each side.
+/// Direction bins along each side of the map.
 pub const DIRECTIONS: u32 = 16;
-/// Samples per pixel that `bsdf` is to reach.
+/// Samples per pixel that the method `bsdf` should reach.
 const TARGET_SPP: f64 = 1000.0;
-/// Pictures are not made smaller than that on either side.
+/// Minimum side of a picture, in pixels.
 const LEAST_SIDE: u32 = 32;
 
-/// What methods change.
+/// Settings that a method starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Base {
-    /// The settings of the paper's tables.
+    /// Settings of the paper's tables.
     Paper,
-    /// What a render of the scene has unless it is told otherwise; depths and filter are the paper's.
+    /// Default settings of a render of the scene. Depths and filter are the paper's.
     Defaults,
 }
 
-/// The settings of all methods with this base on a scene with these defaults, but for what a method says itself.
+/// Settings of all methods with this base, for a scene with these defaults. A method's own changes are not included.
 pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Settings {
     let (filter, max_depth, rr_depth) = (ReconstructionFilter::Box, MAX_DEPTH, RR_DEPTH);
     let common = Settings { width, height, crop: None, filter, max_depth, rr_depth, nee: false, ..defaults };
@@ -48,15 +48,15 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
     }
 }
 
-/// By how much a reference can be averaged down so that every pixel is the mean of whole ones, smallest first.
+/// Factors by which a reference can be averaged down to whole pixels, ascending.
 pub fn factors([width, height]: [u32; 2]) -> Vec<u32> {
     (1..=width.min(height)).filter(|&factor| width.is_multiple_of(factor) && height.is_multiple_of(factor)).collect()
 }
 
-/// The factor of pictures of `scale` times the reference's size.
+/// Factor for pictures of `scale` times the reference's size.
 ///
 /// # Errors
-/// Where the reference cannot be averaged down to that.
+/// Fails if the reference cannot be averaged down to that size.
 pub fn factor_of_scale(size: [u32; 2], scale: f32) -> Result<u32> {
     let factors = factors(size);
     let is_meant = |factor: &&u32| (scale * **factor as f32 - 1.0).abs() < 1.0e-3;
@@ -70,8 +70,8 @@ pub fn factor_of_scale(size: [u32; 2], scale: f32) -> Result<u32> {
     })
 }
 
-/// The factor with which a plain path tracer comes to a thousand samples per pixel within the budget, if any does, at this
-/// time a path.
+/// Factor with which a plain path tracer reaches a thousand samples per pixel within `budget` seconds, given its time
+/// per path.
 pub fn factor_for(size: [u32; 2], seconds_per_path: f64, budget: f64) -> u32 {
     let spp = |factor: u32| {
         let pixels = f64::from(size[0] / factor) * f64::from(size[1] / factor);
@@ -84,7 +84,8 @@ pub fn factor_for(size: [u32; 2], seconds_per_path: f64, budget: f64) -> u32 {
     enough.or(allowed.last()).copied().unwrap_or(1)
 }
 
-/// Every pixel the mean of `factor` x `factor` of the reference's: exact for a box filter. The factor divides both sides.
+/// Picture whose pixels are means of `factor` x `factor` pixels of the reference. This is exact for a box filter. The
+/// factor must divide both sides.
 pub fn average_down(reference: &Image, factor: u32) -> Image {
     let [width, height] = [reference.width / factor, reference.height / factor];
     let mean = |i: u32| {
@@ -113,11 +114,11 @@ mod tests {
 
     #[test]
     fn pictures_are_as_large_as_the_budget_allows() {
-        // 57,600 pixels, of which 10^4 get their thousand samples at a microsecond each in 10 s.
+        // The picture has 57,600 pixels. In 10 s, at a microsecond per path, 10^4 pixels get their thousand samples.
         assert_eq!(factor_for([320, 180], 1.0e-6, 57.7), 1);
         assert_eq!(factor_for([320, 180], 1.0e-6, 57.5), 2);
         assert_eq!(factor_for([320, 180], 1.0e-6, 14.0), 4);
-        // A side of 36 pixels, however long it takes; a small reference is left as it is.
+        // The factor leaves a side of 36 pixels, however long a path takes. A small reference keeps its size.
         assert_eq!(factor_for([320, 180], 1.0, 1.0), 5);
         assert_eq!(factor_for([20, 20], 1.0, 1.0), 1);
     }
@@ -127,7 +128,7 @@ mod tests {
         let pixels = (0..24).map(|i| [i as f32, 1.0, -(i as f32)]).collect();
         let small = average_down(&Image { width: 6, height: 4, pixels }, 2);
         assert_eq!((small.width, small.height), (3, 2));
-        // Pixels 2, 3, 8 and 9; 16, 17, 22 and 23.
+        // The means of the pixels 2, 3, 8 and 9, and of the pixels 16, 17, 22 and 23.
         assert_eq!((small.pixels[1], small.pixels[5]), ([5.5, 1.0, -5.5], [19.5, 1.0, -19.5]));
     }
 }

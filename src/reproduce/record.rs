@@ -1,4 +1,4 @@
-//! What was measured of one method on one scene, kept on disk so that nothing is measured twice.
+//! Records: measurements of one method on one scene. They are stored on disk, so that nothing is measured twice.
 
 use std::fs;
 use std::path::Path;
@@ -12,11 +12,11 @@ use crate::renderer::{Counts, StepReport};
 use crate::settings::Settings;
 use crate::{Error, Result};
 
-/// What a measurement depends on. Another one is measured anew.
+/// Conditions of a measurement. If one of them differs, the method is measured again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conditions {
-    /// Lodestar's version.
+    /// Version of Lodestar.
     pub version: String,
     /// Device and driver.
     pub device: String,
@@ -24,62 +24,62 @@ pub struct Conditions {
     pub scene_hash: String,
     /// Hash of the reference.
     pub reference_hash: String,
-    /// Seconds of rendering that every method has.
+    /// Rendering time of every method, in seconds.
     pub budget: f64,
-    /// The settings of the render.
+    /// Settings of the render.
     pub settings: Value,
 }
 
-/// One step.
+/// Measurements after one step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StepRecord {
     /// Samples per pixel so far.
     pub spp: u32,
-    /// Seconds so far.
+    /// Rendering time so far, in seconds.
     pub seconds: f64,
-    /// Share of the step's scattered rays that met light (Fig. 7a).
+    /// Share of the step's scattered rays that hit an emitter (Figure 7a).
     pub light_hit_rate: f64,
-    /// MAE of the displayed picture so far; measured after steps 1, 2, 4, 8, ...
+    /// MAE of the displayed picture so far, measured after steps 1, 2, 4, 8, ...
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mae: Option<f64>,
 }
 
-/// Memory that a method takes besides film and scene.
+/// Memory of a method, without film and scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Memory {
     /// Bytes of the guide's grids.
     pub guide_bytes: u64,
-    /// Bytes of the vertices that the learner keeps of each path under way.
+    /// Bytes of the vertices that the learner keeps for each path.
     pub path_bytes: u64,
 }
 
-/// One method on one scene.
+/// Measurements of one method on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// What it depends on.
+    /// Conditions of the measurement.
     pub conditions: Conditions,
-    /// The scene's name.
+    /// Name of the scene.
     pub scene: String,
-    /// The method's name.
+    /// Name of the method.
     pub method: String,
-    /// The picture's width in pixels.
+    /// Width of the picture, in pixels.
     pub width: u32,
-    /// The picture's height in pixels.
+    /// Height of the picture, in pixels.
     pub height: u32,
     /// Samples per pixel.
     pub spp: u32,
-    /// Seconds of rendering and learning.
+    /// Time of rendering and learning, in seconds.
     pub seconds: f64,
     /// Error against the reference.
     pub errors: Metrics,
-    /// What all steps counted.
+    /// Statistics, summed over all steps.
     pub counts: Counts,
-    /// What the guide takes.
+    /// Memory of the guide.
     pub memory: Memory,
-    /// The steps one by one.
+    /// Measurements after each step.
     pub steps: Vec<StepRecord>,
 }
 
@@ -89,10 +89,10 @@ impl Record {
         1000.0 * self.seconds / f64::from(self.spp.max(1))
     }
 
-    /// Reads a record; nothing where the file is not there, or is not one of these conditions.
+    /// Reads a record. Returns `None` if the file does not exist or was measured under other conditions.
     ///
     /// # Errors
-    /// Where the file cannot be read.
+    /// Fails if the file cannot be read.
     pub fn read(path: &Path, conditions: &Conditions) -> Result<Option<Self>> {
         if !path.exists() {
             return Ok(None);
@@ -102,24 +102,24 @@ impl Record {
         Ok(record.filter(|record| record.conditions == *conditions))
     }
 
-    /// Writes it, whole.
+    /// Writes the record in one piece, so that no half-written file remains.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// Fails if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         files::write_json(path, self)
     }
 }
 
 impl StepRecord {
-    /// The step that a report tells of, which ended at so many samples and seconds.
+    /// Measurements after the step of `report`, at the given samples per pixel and seconds.
     pub fn new(report: &StepReport, spp: u32, seconds: f64) -> Self {
         Self { spp, seconds, light_hit_rate: report.counts.light_hit_rate(), mae: None }
     }
 }
 
-/// Settings as a record keeps them.
+/// Settings in the form in which a record stores them.
 pub fn settings_value(settings: &Settings) -> Value {
-    // All fields are plain numbers and words, which JSON takes.
+    // The conversion cannot fail: all fields are plain numbers and words.
     serde_json::to_value(settings).unwrap_or_default()
 }

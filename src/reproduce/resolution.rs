@@ -1,4 +1,4 @@
-//! How fine to learn: the paper's method with fewer and more cells and directions than the paper has.
+//! Resolution of the guide: the paper's method with fewer and with more cells and direction bins than in the paper.
 
 use super::changes::Changes;
 use super::methods::Method;
@@ -8,14 +8,14 @@ use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{Learner, Sampler};
 
-/// Cells along each axis.
+/// Cells along each axis of the grid.
 const GRIDS: [u32; 3] = [4, 8, 16];
-/// Direction bins along each side.
+/// Direction bins along each side of the map.
 const DIRECTIONS: [u32; 3] = [8, 16, 32];
-/// The paper's method at its own resolution.
+/// Method of the paper at the paper's resolution.
 const PAPER: Method = Method::new(Sampler::RejectionMix, Learner::Sarsa);
 
-/// A resolution, and the paper's method with it.
+/// Resolution, and the paper's method at this resolution.
 #[derive(Clone, Copy)]
 struct Resolution {
     grid: u32,
@@ -37,12 +37,12 @@ fn resolutions() -> impl Iterator<Item = Resolution> {
     GRIDS.into_iter().flat_map(|grid| DIRECTIONS.map(|directions| Resolution::new(grid, directions)))
 }
 
-/// The methods that it compares.
+/// Methods that the experiment compares.
 pub fn methods() -> Vec<Method> {
     resolutions().map(|resolution| resolution.method).collect()
 }
 
-/// The errors of each scene relative to those of the paper's resolution, and what each resolution costs.
+/// Table of each scene's errors relative to those at the paper's resolution, and of the cost of each resolution.
 pub fn sheet(results: &Results) -> Sheet {
     let names =
         resolutions().map(|Resolution { grid, directions, .. }| format!("grid {grid}, directions {directions}"));
@@ -69,7 +69,7 @@ pub fn sheet(results: &Results) -> Sheet {
     sheet
 }
 
-/// Everything that [`sheet`] comes from, a line for each scene and resolution.
+/// Measurements behind [`sheet`], one line per scene and resolution.
 pub fn measurements(results: &Results) -> Sheet {
     let header = "scene grid directions mae_ldr relative_mae_ldr mse spp ms_per_sample guide_bytes";
     let mut sheet = Sheet::new(header.split_whitespace());
@@ -114,7 +114,7 @@ mod tests {
         for (place, method) in methods().iter().enumerate() {
             records.push(record("cornell-box", method, 0.01 * (place + 1) as f64));
             records.push(record("kitchen", method, if place == 0 { 0.4 } else { 0.1 }));
-            // Not with all of them: no row, and in no mean.
+            // This scene lacks some methods, so it must have no row and must not enter any mean.
             if place < 3 {
                 records.push(record("staircase", method, 0.5));
             }
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(markdown.lines().count(), 2 + 2 + 3, "{markdown}");
         assert!(line("| cornell-box").starts_with("| cornell-box | 0.200 | 0.400 | 0.600 | 0.800 | 1.000 | 1.200 |"));
         assert!(line("| kitchen").starts_with("| kitchen | 4.000 | 1.000 |"), "{markdown}");
-        // The root of 0.2 x 4, and of 0.4.
+        // The geometric means are the square roots of 0.2 x 4 and of 0.4 x 1.
         assert!(line("| **geometric mean**").starts_with("| **geometric mean** | 0.894 | 0.632 |"), "{markdown}");
         assert!(line("| **memory").contains("| 1.00 | 1.00 |"), "{markdown}");
         let csv = measurements(&results).csv();

@@ -1,27 +1,27 @@
-//! The records of a run, and means over its scenes.
+//! Results of a run: its records, and means over its scenes.
 
 use super::methods::Method;
 use super::paper::{PaperScene, SCENES};
 use super::record::Record;
 
-/// What has been measured, in any order.
+/// Records of a run, in any order.
 #[derive(Debug, Clone, Default)]
 pub struct Results(pub Vec<Record>);
 
 impl Results {
-    /// The record of a method on a scene.
+    /// Record of a method on a scene.
     pub fn of(&self, scene: &str, method: &Method) -> Option<&Record> {
         let name = method.name();
         self.0.iter().find(|record| record.scene == scene && record.method == name)
     }
 
-    /// The scenes that were measured with all of these methods: means over others would not compare.
+    /// Scenes that were measured with all of these methods. Means over different sets of scenes could not be compared.
     pub fn scenes(&self, methods: &[Method]) -> Vec<PaperScene> {
         let is_whole = |scene: &&PaperScene| methods.iter().all(|method| self.of(scene.name, method).is_some());
         SCENES.iter().filter(is_whole).copied().collect()
     }
 
-    /// A method's records on some scenes.
+    /// Records of a method on some scenes.
     fn on(&self, scenes: &[PaperScene], method: &Method) -> impl Iterator<Item = &Record> {
         scenes.iter().filter_map(|scene| self.of(scene.name, method))
     }
@@ -39,13 +39,13 @@ impl Results {
     }
 }
 
-/// Geometric mean of the ratio of two of the paper's columns over scenes.
+/// Geometric mean over scenes of the ratio of two of the paper's columns.
 pub fn paper_ratio(scenes: &[PaperScene], column: usize, to: usize) -> f64 {
     let sum: f64 = scenes.iter().map(|scene| (scene.mae[column] / scene.mae[to]).ln()).sum();
     (sum / scenes.len() as f64).exp()
 }
 
-/// Mean of one of the paper's columns over scenes.
+/// Mean over scenes of one of the paper's columns.
 pub fn paper_mean(scenes: &[PaperScene], column: usize) -> f64 {
     scenes.iter().map(|scene| scene.mae[column]).sum::<f64>() / scenes.len() as f64
 }
@@ -54,7 +54,7 @@ pub fn paper_mean(scenes: &[PaperScene], column: usize) -> f64 {
 mod tests {
     use super::*;
 
-    /// What the paper's own table gives.
+    /// Checks the ratios that follow from the paper's own table.
     #[test]
     fn the_papers_ratios() {
         assert!((paper_ratio(&SCENES, 4, 0) - 0.82).abs() < 0.005);

@@ -1,4 +1,4 @@
-//! A table of words, as Markdown and as CSV.
+//! Tables of text cells, written as Markdown and as CSV.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::Result;
 use crate::files;
 
-/// A table; every row as long as the header.
+/// Table. Every row is as long as the header.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Sheet {
     header: Vec<String>,
@@ -14,7 +14,7 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// A table without rows.
+    /// Creates a table without rows.
     pub fn new(header: impl IntoIterator<Item = impl Into<String>>) -> Self {
         Self { header: header.into_iter().map(Into::into).collect(), rows: Vec::new() }
     }
@@ -24,7 +24,7 @@ impl Sheet {
         self.rows.push(row.into_iter().map(Into::into).collect());
     }
 
-    /// As Markdown; all columns but the first are numbers.
+    /// Table as Markdown. All columns but the first are right-aligned.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
         let rule = format!("|---|{}\n", "---:|".repeat(self.header.len().saturating_sub(1)));
@@ -32,7 +32,7 @@ impl Sheet {
         format!("{}{rule}{rows}", line(&self.header))
     }
 
-    /// As comma-separated values (RFC 4180, with bare line feeds).
+    /// Table as comma-separated values (RFC 4180, with bare line feeds).
     pub fn csv(&self) -> String {
         let line =
             |cells: &Vec<String>| format!("{}\n", cells.iter().map(|cell| quoted(cell)).collect::<Vec<_>>().join(","));
@@ -47,10 +47,10 @@ fn quoted(cell: &str) -> String {
     }
 }
 
-/// Writes a text, whole.
+/// Writes a text file in one piece, so that no half-written file remains.
 ///
 /// # Errors
-/// Where the file cannot be written.
+/// Fails if the file cannot be written.
 pub fn write(path: &Path, text: &str) -> Result<()> {
     files::write_whole(path, |writer| writer.write_all(text.as_bytes()))
 }

@@ -1,4 +1,5 @@
-//! One scene of a run: loaded, measured at the size that its speed allows, and its records and pictures on disk.
+//! Stage for one scene: loads the scene, chooses the pictures' size, measures the methods, and stores records and
+//! pictures.
 
 use std::cell::Cell;
 use std::fs;
@@ -21,14 +22,14 @@ use crate::image::{Image, ToneCurve, exr, metrics, png};
 use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
 use crate::session::identity;
-use crate::session::radiance_map::Place;
+use crate::session::radiance_map::MappedScene;
 use crate::settings::Settings;
 use crate::{Error, Result, files};
 
-/// Steps that are timed to choose the size; the one before them warms up.
+/// Number of steps that are timed to choose the size. One untimed step before them warms up the device.
 const TIMED_STEPS: u32 = 2;
 
-/// A scene with what its methods share.
+/// Scene of a run, with the data that its methods share.
 pub(super) struct SceneStage<'a> {
     plan: &'a Plan,
     name: &'static str,
@@ -39,13 +40,13 @@ pub(super) struct SceneStage<'a> {
     template: Conditions,
 }
 
-/// How a scene's size was chosen: kept, so that a run that is gone on with has pictures of one size.
+/// Stored choice of a scene's size. A resumed run uses it, so that all pictures have one size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Size {
-    /// What it was chosen for.
+    /// Conditions of the choice.
     conditions: Conditions,
-    /// By how much the reference is averaged down.
+    /// Factor by which the reference is averaged down.
     factor: u32,
 }
 
@@ -72,7 +73,7 @@ impl<'a> SceneStage<'a> {
         Ok(stage)
     }
 
-    /// What is measured already, and what is not.
+    /// Splits the methods into those measured already, with their records, and those that are missing.
     pub fn look_up(&self, methods: &[Method]) -> Result<(Vec<Record>, Vec<Method>)> {
         let (mut found, mut missing) = (Vec::new(), Vec::new());
         for method in methods {
@@ -85,7 +86,7 @@ impl<'a> SceneStage<'a> {
         Ok((found, missing))
     }
 
-    /// Measures these methods, and tells `advanced` what is done and for how many seconds all have rendered so far.
+    /// Measures these methods. `advanced` is told the current work and the total rendering time so far, in seconds.
     pub fn measure(
         &self,
         missing: &[Method],
@@ -96,7 +97,7 @@ impl<'a> SceneStage<'a> {
         self.contest(entering, stop, advanced, &|entrant| self.keep(entrant))
     }
 
-    /// Lets these methods render, as many at once as there is memory for, and returns what `keep` makes of each.
+    /// Lets these methods render, as many at once as fit into memory. Returns the results of `keep`.
     pub fn contest<T>(
         &self,
         mut entering: Vec<(Method, Settings)>,
@@ -130,7 +131,7 @@ impl<'a> SceneStage<'a> {
         Ok(Some(kept))
     }
 
-    /// Writes a result; the record comes last, for it says that all is there.
+    /// Stores a result. The record is written last, because its presence means that the other files are complete.
     fn keep(&self, entrant: &Entrant) -> Result<Record> {
         let picture = entrant.picture()?;
         let image = picture.image();
@@ -157,7 +158,8 @@ impl<'a> SceneStage<'a> {
         Ok(record)
     }
 
-    /// By how much the reference is averaged down: as `--scale` says, as a run before has chosen, or by the speed of `bsdf`.
+    /// Factor by which the reference is averaged down: from `--scale`, from an earlier run, or from the speed of
+    /// `bsdf`.
     fn factor(&self) -> Result<u32> {
         let size = [self.reference.width, self.reference.height];
         if let Some(scale) = self.plan.scale {
@@ -174,7 +176,7 @@ impl<'a> SceneStage<'a> {
         Ok(factor)
     }
 
-    /// Time that `bsdf` takes for a path, on pictures of a size that is likely.
+    /// Time that `bsdf` takes for a path, in seconds, measured on pictures of a likely size.
     fn seconds_per_path(&self, size: [u32; 2]) -> Result<f64> {
         let factors = protocol::factors(size);
         let factor = factors.get(1).copied().unwrap_or(1);
@@ -199,8 +201,8 @@ impl<'a> SceneStage<'a> {
         self.name
     }
 
-    pub fn place(&self) -> Place<'_> {
-        Place { context: self.context, scene: &self.scene, bvh: &self.bvh }
+    pub fn place(&self) -> MappedScene<'_> {
+        MappedScene { context: self.context, scene: &self.scene, bvh: &self.bvh }
     }
 
     fn folder(&self) -> PathBuf {

@@ -1,4 +1,4 @@
-//! Table 1: the errors of the paper's methods, and of one beyond it, on every scene at equal time.
+//! Table 1: the errors of the paper's methods, and of the product sampler, on every scene at equal time.
 
 use super::methods::{METHODS, Method};
 use super::paper::{PaperScene, TABLE1_INVALID, TABLE1_MS, TABLE1_SPP, table1_column};
@@ -6,7 +6,7 @@ use super::record::Record;
 use super::results::{Results, paper_mean, paper_ratio};
 use super::sheet::Sheet;
 
-/// A column: the method, its name in the paper, and where the paper has it.
+/// Column of the table: the method, its name in the paper, and its index in the paper's table.
 #[derive(Clone, Copy)]
 struct Column {
     method: Method,
@@ -19,12 +19,12 @@ fn columns() -> Vec<Column> {
     METHODS.iter().filter_map(|place| place.table1.map(|name| column(name)(place.method))).collect()
 }
 
-/// The methods that it compares.
+/// Methods that the table compares.
 pub fn methods() -> Vec<Method> {
     columns().into_iter().map(|column| column.method).collect()
 }
 
-/// Ours, and the paper's in parentheses where it has one.
+/// Our number, followed by the paper's number in parentheses if it has one.
 fn beside(ours: f64, paper: Option<f64>, digits: usize) -> String {
     match paper {
         Some(paper) => format!("{ours:.digits$} ({paper:.digits$})"),
@@ -32,7 +32,7 @@ fn beside(ours: f64, paper: Option<f64>, digits: usize) -> String {
     }
 }
 
-/// The table of the scenes of which all methods have been measured; ours, and the paper's in parentheses.
+/// Table of the completely measured scenes. The paper's numbers stand in parentheses.
 pub fn sheet(results: &Results) -> Sheet {
     let columns = columns();
     let scenes = results.scenes(&methods());
@@ -54,14 +54,14 @@ pub fn sheet(results: &Results) -> Sheet {
         beside(mean(column, &|record| record.errors.mae_ldr), paper, 4)
     });
     let plain = columns[0];
-    summary(&format!("MAE over that of `{}`, geometric mean", plain.method.name()), &|column| {
+    summary(&format!("MAE relative to `{}`, geometric mean", plain.method.name()), &|column| {
         let paper = column.paper.zip(plain.paper).map(|(at, plain)| paper_ratio(&scenes, at, plain));
         beside(results.ratio(&scenes, &column.method, &plain.method, |record| record.errors.mae_ldr), paper, 2)
     });
     summary("time per sample (ms)", &|column| {
         beside(mean(column, &Record::ms_per_sample), column.paper.map(|at| TABLE1_MS[at]), 2)
     });
-    summary(&format!("time per sample over that of `{}`", plain.method.name()), &|column| {
+    summary(&format!("time per sample relative to `{}`", plain.method.name()), &|column| {
         let paper = column.paper.zip(plain.paper).map(|(at, plain)| TABLE1_MS[at] / TABLE1_MS[plain]);
         beside(results.ratio(&scenes, &column.method, &plain.method, Record::ms_per_sample), paper, 2)
     });
@@ -94,7 +94,7 @@ mod tests {
         let mut records = Vec::new();
         for (place, method) in methods().iter().enumerate() {
             records.push(record("cornell-box", method, 0.01 * (place + 1) as f64));
-            // Not with all methods: no row, and in no mean.
+            // This scene lacks some methods, so it must have no row and must not enter any mean.
             if place < 3 {
                 records.push(record("kitchen", method, 0.5));
             }
@@ -108,7 +108,8 @@ mod tests {
              | 8 x 4 |"
         );
         assert!(
-            line("| **MAE over").contains("| 1.00 (1.00) | 2.00 (0.54) | 3.00 (0.82) | 4.00 (0.86) | 5.00 (0.63) |"),
+            line("| **MAE relative")
+                .contains("| 1.00 (1.00) | 2.00 (0.54) | 3.00 (0.82) | 4.00 (0.86) | 5.00 (0.63) |"),
             "{markdown}"
         );
         assert!(line("| **time per sample (ms)").contains("62.50 (10.59)"), "{markdown}");

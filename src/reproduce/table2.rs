@@ -1,4 +1,4 @@
-//! Table 2: every sampler with every learner, means over the scenes, at equal time and at equal samples.
+//! Table 2: every sampler with every learner, as means over the scenes, at equal time and at equal samples.
 
 use super::methods::{METHODS, Method};
 use super::paper::{PaperLearner, TABLE2, table2_column};
@@ -6,12 +6,12 @@ use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
 
-/// The methods that it compares.
+/// Methods that the table compares.
 pub fn methods() -> Vec<Method> {
     METHODS.iter().filter(|place| place.table2.is_some()).map(|place| place.method).collect()
 }
 
-/// Samplers, in the order in which methods name them first.
+/// Columns: the samplers, in the order of their first method.
 fn columns() -> Vec<&'static str> {
     let mut columns = Vec::new();
     for column in METHODS.iter().filter_map(|place| place.table2) {
@@ -22,7 +22,7 @@ fn columns() -> Vec<&'static str> {
     columns
 }
 
-/// Ours, and the paper's in parentheses where it has one.
+/// Table of one quantity. The paper's numbers stand in parentheses.
 fn sheet(
     title: &str,
     ours: &dyn Fn(&Method) -> String,
@@ -41,7 +41,7 @@ fn sheet(
     sheet
 }
 
-/// Mean error after the same time.
+/// Mean error at equal time.
 pub fn mae(results: &Results) -> Sheet {
     let scenes = results.scenes(&methods());
     let ours = |method: &Method| format!("{:.4}", results.mean(&scenes, method, |record| record.errors.mae_ldr));
@@ -70,7 +70,8 @@ pub fn tries(results: &Results) -> Sheet {
     sheet("tries per sample", &ours, &|_, _| None)
 }
 
-/// Mean error after as many samples of each scene as its slowest method took, rounded down to where errors were measured.
+/// Mean error at equal samples: on each scene the samples of its slowest method, rounded down to a step with a measured
+/// error.
 pub fn mae_of_equal_samples(results: &Results) -> Sheet {
     let methods = methods();
     let scenes = results.scenes(&methods);
@@ -109,14 +110,14 @@ mod tests {
         assert!(milliseconds(&results()).markdown().contains("62.50 (76.61)"));
     }
 
-    /// All have steps of 8 and 16 samples, but one was not measured after the second.
+    /// Checks a record without an error after its second step. All records have steps of 8 and 16 samples.
     #[test]
     fn equal_samples_are_those_that_all_have_reached() {
         let mut results = results();
         let slow = Method::new(Sampler::Rejection, Learner::MonteCarlo).name();
         let slow = results.0.iter_mut().filter(|record| record.method == slow);
         slow.for_each(|record| record.steps.truncate(1));
-        // The error after the first step of a record is twice that at its end.
+        // The error after the first step of a record is twice the error at its end.
         let markdown = mae_of_equal_samples(&results).markdown();
         assert!(markdown.contains("| SARSA | 0.0600 |"), "{markdown}");
     }

@@ -1,11 +1,12 @@
-//! Records that nobody measured.
+//! Made-up records for tests.
 
 use super::methods::Method;
 use super::record::{Conditions, Memory, Record, StepRecord};
 use crate::image::metrics::Metrics;
 use crate::renderer::Counts;
 
-/// 16 samples per pixel in one second, in two steps, with this error at the end and twice that after the first.
+/// Record of 16 samples per pixel in one second and two steps. The error at the end is `mae`; after the first step it
+/// is twice that.
 pub fn record(scene: &str, method: &Method, mae: f64) -> Record {
     let step = |spp, mae| StepRecord { spp, seconds: f64::from(spp) / 16.0, light_hit_rate: 0.1, mae: Some(mae) };
     Record {

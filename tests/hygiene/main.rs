@@ -5,6 +5,7 @@ mod glsl;
 mod prose;
 mod rust;
 mod source;
+mod switches;
 
 use std::path::Path;
 
@@ -27,6 +28,11 @@ fn rust_layers_keep_to_themselves() {
 #[test]
 fn only_the_declaring_file_names_a_glsl_binding() {
     assert_none(glsl::violations(&read_glsl()));
+}
+
+#[test]
+fn one_file_tells_samplers_apart_and_one_learners() {
+    assert_none(switches::violations(&read_glsl()));
 }
 
 #[test]

@@ -1,10 +1,10 @@
-// The switch over the kinds of scattering function. Directions are unit vectors in the local frame whose z-axis is the
-// shading normal, on the side of `wo` where a surface is two-sided. Of each kind there is a triple: sample_bsdf_x draws a
-// direction, pdf_bsdf_x is its density per steradian (without what is concentrated in single directions), eval_bsdf_x is
-// f times |cos| (likewise).
+// Switch over the kinds of BSDF. Directions are unit vectors in the local frame. The local z-axis is the shading
+// normal, on the side of `wo` where the surface is two-sided. Each kind has three functions. sample_bsdf_x draws a
+// direction. pdf_bsdf_x is the density of that direction per steradian. eval_bsdf_x is f times |cos|. The last two
+// functions leave out what is concentrated in single directions.
 //
-// A diffuse lobe may be sampled by a guide instead: then `diffuse_density`, the density of `wi` under that lobe's sampler, is the
-// guide's; otherwise it is pdf_cosine_hemisphere(wi.z).
+// A guide may sample a diffuse lobe instead of the BSDF. `diffuse_density` is the density of `wi` under the lobe's
+// sampler: the guide's density if a guide samples the lobe, otherwise pdf_cosine_hemisphere(wi.z).
 #ifndef BSDF_GLSL
 #define BSDF_GLSL
 #include "bsdf/conductor.glsl"
@@ -32,7 +32,8 @@ Microfacets bsdf_microfacets(Bsdf b) {
     return microfacets(alpha, bsdf_flag(b, MATERIAL_GGX));
 }
 
-// One evaluation serves all kinds with facets: every lane runs through every kind.
+// Facets between `wo` and `wi` of any kind with microfacets. They are evaluated once, because every lane runs through
+// all kinds.
 Facet bsdf_facet(Bsdf b, vec3 wo, vec3 wi) {
     float eta = has_kind(BSDF_ROUGH_DIELECTRIC) || has_kind(BSDF_PRINCIPLED) ? b.scalars0.z : 1.0;
     return has_facets() ? facet_between(bsdf_microfacets(b), wo, wi, eta) : NO_FACET;
@@ -42,12 +43,12 @@ vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
     return has_facets() ? sample_visible_normal(bsdf_microfacets(b), wo.z < 0.0 ? -wo : wo, u) : NO_FACET.m;
 }
 
-// Share of the light that is scattered, for the albedo layer.
+// Albedo for the albedo layer: share of the light that the surface scatters.
 vec3 bsdf_albedo(Bsdf b) {
     return b.color0;
 }
 
-// u.xy draws the direction, u.z the lobe.
+// Samples a BSDF without its coating. u.xy draws the direction, u.z selects the lobe.
 BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = NO_BSDF_SAMPLE;
     vec3 m = sample_facet(b, wo, u.xy);
@@ -96,12 +97,12 @@ vec3 eval_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi) {
     return value;
 }
 
-// Whether a layer lies over the surface; known to be false where the scene has none.
+// Whether a coating covers the surface. Specialization makes this false where no material of the scene has a coating.
 bool is_coated(Bsdf b) {
     return has_feature(FEATURE_COATING) && bsdf_flag(b, MATERIAL_COATED);
 }
 
-// A direction as the surface below a layer meets it.
+// Direction below the coating that corresponds to a direction above it.
 CoatedDirection enter_bsdf(Bsdf b, vec3 w) {
     return is_coated(b) ? enter_coating(b.coating, w) : CoatedDirection(w, 0.0);
 }

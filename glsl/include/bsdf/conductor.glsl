@@ -1,4 +1,4 @@
-// A smooth metal.
+// Smooth metal.
 #ifndef BSDF_CONDUCTOR_GLSL
 #define BSDF_CONDUCTOR_GLSL
 #include "bsdf/parameters.glsl"

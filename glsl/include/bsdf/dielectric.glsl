@@ -1,10 +1,11 @@
-// A smooth surface between two dielectrics.
+// Smooth surface between two dielectrics.
 #ifndef BSDF_DIELECTRIC_GLSL
 #define BSDF_DIELECTRIC_GLSL
 #include "bsdf/parameters.glsl"
 #include "math/fresnel.glsl"
 
-// Radiance that enters a denser medium is compressed into a smaller solid angle, hence the square of eta.
+// Samples reflection or refraction. Radiance that enters a denser medium is concentrated in a smaller solid angle; the
+// weight therefore contains the square of eta.
 BsdfSample sample_bsdf_dielectric(Bsdf b, vec3 wo, vec3 u) {
     DielectricInterface i = fresnel_dielectric(wo.z, b.scalars0.z);
     uint lobe = wo.z != 0.0 ? LOBE_DELTA : LOBE_NONE;

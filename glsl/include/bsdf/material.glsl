@@ -1,11 +1,11 @@
-// A material's record, and the scattering function that it gives at a point of a surface.
+// Reader of a material's record: the BSDF at a point of a surface.
 #ifndef MATERIAL_GLSL
 #define MATERIAL_GLSL
 #include "bsdf/bsdf.glsl"
 #include "film/frame.glsl"
 #include "shared/records.glsl"
 
-// Whether any kind of material in the scene reads a parameter: what none reads is not fetched.
+// Whether the scene has a material of one of these kinds. Parameters that no kind in the scene reads are not fetched.
 bool any_kind(uint kinds) {
     return (MATERIAL_KINDS & kinds) != 0u;
 }
@@ -25,7 +25,7 @@ Coating coating(uint material) {
     return Coating(layer.rgb, layer.w, fetch_material_floats(material, MATERIAL_COATING + 1u).rgb);
 }
 
-// The record's constants; textures multiply them.
+// BSDF with the constants of the record. Textures multiply them later.
 Bsdf untextured_bsdf(uint material) {
     Bsdf b;
     b.kind_and_flags = fetch_material(material, MATERIAL_HEAD).x;

@@ -1,9 +1,9 @@
-// A scattering function at a point of a surface: its kind and its parameters, textures looked up.
+// BSDF at a point of a surface: its kind and its parameters, with textures applied.
 #ifndef BSDF_PARAMETERS_GLSL
 #define BSDF_PARAMETERS_GLSL
 #include "shared/variant.glsl"
 
-// A smooth layer over the surface.
+// Smooth dielectric layer over a surface.
 struct Coating {
     vec3 optical_thickness;  // absorption times thickness
     float eta;               // interior over exterior
@@ -12,7 +12,7 @@ struct Coating {
 
 const Coating NO_COATING = Coating(vec3(0.0), 1.0, vec3(0.0));
 
-// What the numbers mean depends on the kind:
+// Parameters of a BSDF. Their meaning depends on the kind:
 //
 // |           | diffuse, rough_diffuse | dielectrics            | conductors           | plastics              | principled     |
 // | color0    | reflectance            | specular_reflectance   | specular_reflectance | diffuse_reflectance   | base_color     |
@@ -28,9 +28,10 @@ const Coating NO_COATING = Coating(vec3(0.0), 1.0, vec3(0.0));
 // | scalars1.w|                        |                        |                      |                       | sheen          |
 // | scalars2  |                        |                        |                      |                       | sheen_tint, flatness, clearcoat, clearcoat_gloss |
 //
-// eta is interior over exterior; a conductor with eta = k = 0 reflects everything. "Internal reflectance" is the diffuse
-// Fresnel reflectance from inside, "specular sampling" the share s / (s + d) of the mean albedos of the specular and the
-// diffuse lobe, "transmittance table" (rough_plastic) the address of its words, a whole number.
+// eta is interior over exterior. A conductor with eta = k = 0 reflects all light. "Internal reflectance" is the diffuse
+// Fresnel reflectance from inside. "Specular sampling" is the share s / (s + d), where s and d are the mean albedos of
+// the specular and the diffuse lobe. "Transmittance table" (rough_plastic) is the address of the table's words, a whole
+// number.
 struct Bsdf {
     uint kind_and_flags;  // BSDF_* and MATERIAL_*
     vec3 color0;
@@ -39,14 +40,14 @@ struct Bsdf {
     vec4 scalars0;
     vec4 scalars1;
     vec4 scalars2;
-    Coating coating;      // of what is MATERIAL_COATED
+    Coating coating;      // valid for a material with MATERIAL_COATED
 };
 
 uint bsdf_kind(Bsdf b) {
     return b.kind_and_flags & MATERIAL_KIND_MASK;
 }
 
-// Whether the scattering function is of this kind; known to be false where the scene has none of it.
+// Whether the BSDF is of this kind. Specialization makes this false where no material of the scene has the kind.
 bool is_kind(Bsdf b, uint kind) {
     return has_kind(kind) && bsdf_kind(b) == kind;
 }
@@ -55,17 +56,17 @@ bool bsdf_flag(Bsdf b, uint flag) {
     return (b.kind_and_flags & flag) != 0u;
 }
 
-// The lobe that a sample was drawn from.
+// Lobe from which a sample was drawn.
 const uint LOBE_NONE = 0u;     // no direction: the path ends
-const uint LOBE_DIFFUSE = 1u;  // the one that a guide may replace
+const uint LOBE_DIFFUSE = 1u;  // a guide may sample this lobe instead of the BSDF
 const uint LOBE_GLOSSY = 2u;
-const uint LOBE_DELTA = 3u;    // one direction only; light that passes a thin sheet or a hole included
+const uint LOBE_DELTA = 3u;    // a single direction; includes light that passes a thin sheet or a hole
 
 struct BsdfSample {
-    vec3 wi;      // unit, local: z along the normal on the side of `wo`, or beyond it where light is transmitted
+    vec3 wi;      // unit, local: on the normal's side for reflection, behind the surface for transmission
     uint lobe;
-    vec3 weight;  // of LOBE_DELTA: f cos / probability. Others are weighed by eval_bsdf / pdf_bsdf
-    float eta;    // index of refraction on the side of `wi` over that on the side of `wo`; 1 where the path does not cross
+    vec3 weight;  // f cos / probability, for LOBE_DELTA only; other lobes have the weight eval_bsdf / pdf_bsdf
+    float eta;    // refractive index on the side of `wi` over that on the side of `wo`; 1 for reflection
 };
 
 const BsdfSample NO_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), LOBE_NONE, vec3(0.0), 1.0);

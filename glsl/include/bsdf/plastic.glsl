@@ -1,17 +1,17 @@
-// A smooth dielectric layer over a diffuse base.
+// Smooth dielectric layer over a diffuse base.
 #ifndef BSDF_PLASTIC_GLSL
 #define BSDF_PLASTIC_GLSL
 #include "bsdf/parameters.glsl"
 #include "math/direction.glsl"
 #include "math/fresnel.glsl"
 
-// Radiance factor of the base below its layer, all reflections between the two included, but for the layer's transmittances.
+// Diffuse reflectance of the base including all reflections between base and layer, without the layer's transmittances.
 vec3 plastic_base(Bsdf b) {
     vec3 internal = bsdf_flag(b, MATERIAL_NONLINEAR) ? b.color0 * b.scalars1.x : vec3(b.scalars1.x);
     return b.color0 / (max(1.0 - internal, vec3(1.0e-6)) * (b.scalars0.z * b.scalars0.z));
 }
 
-// Probability of the specular lobe where the layer reflects this share of the light from `wo`.
+// Probability of the specular lobe, given the layer's reflectance for the light from `wo`.
 float plastic_specular_probability(Bsdf b, float reflectance) {
     float specular = reflectance * b.scalars1.y;
     float diffuse = (1.0 - reflectance) * (1.0 - b.scalars1.y);

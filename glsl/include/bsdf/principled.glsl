@@ -1,4 +1,4 @@
-// The principled BSDF (Burley 2012 and 2015) with the lobes, and their probabilities, of Mitsuba 3's `principled`.
+// Principled BSDF (Burley 2012 and 2015), with the lobes and lobe probabilities of Mitsuba 3's `principled`.
 #ifndef BSDF_PRINCIPLED_GLSL
 #define BSDF_PRINCIPLED_GLSL
 #include "bsdf/parameters.glsl"
@@ -8,30 +8,30 @@
 #include "math/fresnel.glsl"
 #include "math/microfacet.glsl"
 
-// Roughness of the clear coat's masking.
+// Roughness alpha in the clear coat's masking function.
 const float CLEARCOAT_MASKING_ALPHA = 0.25;
 
 float principled_metallic(Bsdf b) {
     return b.scalars1.x;
 }
 
-// Share of the diffuse model.
+// Weight of the diffuse lobe: neither metallic nor transmitting.
 float principled_brdf(Bsdf b) {
     return (1.0 - b.scalars1.x) * (1.0 - b.scalars1.y);
 }
 
-// Share of the model that transmits.
+// Weight of the transmitting lobe.
 float principled_bsdf(Bsdf b) {
     return (1.0 - b.scalars1.x) * b.scalars1.y;
 }
 
-// Roughness of the facets along the tangent and across.
+// Roughness alpha of the facets along and across the tangent.
 vec2 principled_alpha(Bsdf b) {
     float aspect = sqrt(1.0 - 0.9 * b.scalars0.y);
     return max(b.scalars0.x * b.scalars0.x * vec2(1.0 / aspect, aspect), vec2(0.001));
 }
 
-// The base color without its brightness.
+// Base color divided by its luminance.
 vec3 principled_tint(Bsdf b) {
     float brightness = luminance(b.color0);
     return brightness > 0.0 ? b.color0 / brightness : vec3(1.0);
@@ -44,14 +44,15 @@ float schlick_weight(float c) {
     return m * m * m * m * m;
 }
 
-// Schlick's weight by the angle on the side of the lower index of refraction.
+// Schlick's weight. It uses the angle on the side with the lower refractive index.
 float schlick_weight_between(float cos_o, float eta) {
     float relative = cos_o >= 0.0 ? eta : 1.0 / eta;
     float cos_t = sqrt(max(1.0 - (1.0 - cos_o * cos_o) / (relative * relative), 0.0));
     return schlick_weight(relative > 1.0 ? abs(cos_o) : cos_t);
 }
 
-// Reflectance of the facets: of a dielectric, tinted or not, or of a metal; from behind that of the dielectric.
+// Fresnel reflectance of the facets. From the front it mixes a dielectric, a tinted dielectric and a metal. From behind
+// it is the dielectric's reflectance times the weight of the transmitting lobe.
 vec3 principled_fresnel(Bsdf b, vec3 wo, float cos_o, float dielectric) {
     float eta = b.scalars0.z;
     float relative = cos_o >= 0.0 ? eta : 1.0 / eta;
@@ -69,13 +70,14 @@ float clearcoat_alpha(Bsdf b) {
     return mix(0.1, 0.001, b.scalars2.w);
 }
 
-// Normals per unit of area and steradian: the distribution with tails longer than GGX (Burley 2012, gamma = 1).
+// Density of clear-coat normals per unit of area and steradian: a distribution with longer tails than GGX (Burley 2012,
+// gamma = 1).
 float clearcoat_density(float alpha, vec3 m) {
     float a2 = alpha * alpha;
     return (a2 - 1.0) * INV_PI / (log(a2) * (dot(m.xy, m.xy) + a2 * m.z * m.z));
 }
 
-// A normal with density clearcoat_density times its cosine.
+// Clear-coat normal with the density clearcoat_density times its cosine.
 vec3 sample_clearcoat_normal(float alpha, vec2 u) {
     vec2 d = concentric_disk(u);
     float r2 = dot(d, d);
@@ -98,7 +100,7 @@ float eval_clearcoat(Bsdf b, vec3 wo, vec3 wi, vec3 m) {
 
 // ---------------------------------------------------------------------------------------------- diffuse and sheen
 
-// Diffuse and retro-reflected light, blended towards light scattered below the surface (Burley 2015).
+// Diffuse and retro-reflected light, blended with an approximation of subsurface scattering (Burley 2015).
 float principled_diffuse(Bsdf b, vec3 wo, vec3 wi, float cos_d) {
     float f_o = schlick_weight(abs(wo.z));
     float f_i = schlick_weight(abs(wi.z));
@@ -116,7 +118,7 @@ vec3 principled_sheen(Bsdf b, float cos_d) {
 
 // ---------------------------------------------------------------------------------------------------------- triple
 
-// Probabilities of the lobes, given the dielectric's reflectance. From behind there are only facets.
+// Probabilities of the lobes, given the dielectric's reflectance. From behind, only the facets reflect and transmit.
 struct PrincipledLobes {
     float diffuse;
     float clearcoat;
@@ -133,17 +135,17 @@ PrincipledLobes principled_lobes(Bsdf b, vec3 wo, float dielectric) {
     return PrincipledLobes(diffuse * scale, clearcoat * scale, transmission * scale, (1.0 - transmission) * scale);
 }
 
-// Without transmission nothing is seen from behind.
+// Whether the surface is visible from `wo`. From behind it is visible only if it transmits.
 bool is_principled_visible(Bsdf b, vec3 wo) {
     return wo.z > 0.0 || (wo.z < 0.0 && principled_bsdf(b) > 0.0);
 }
 
-// Whether both directions see the facet from the side of the surface that they are on.
+// Whether each direction lies on the same side of the facet as of the surface.
 bool is_facet_compatible(vec3 wo, vec3 wi, vec3 m) {
     return dot(wo, m) * wo.z > 0.0 && dot(wi, m) * wi.z > 0.0;
 }
 
-// `m` is a visible normal.
+// Samples the principled BSDF. `m` is a visible normal.
 BsdfSample sample_bsdf_principled(Bsdf b, vec3 wo, vec3 m, vec3 u) {
     float cos_o = dot(wo, m);
     DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
@@ -175,12 +177,12 @@ float pdf_bsdf_principled(Bsdf b, vec3 wo, vec3 wi, Facet f) {
     return lobes.diffuse * pdf_cosine_hemisphere(wi.z) + (is_facet_compatible(wo, wi, f.m) ? facets : 0.0);
 }
 
-// Light that stays on its side of the surface.
+// f |cos wi| of light that stays on its side of the surface.
 vec3 eval_principled_reflection(Bsdf b, vec3 wo, vec3 wi, Facet f, float dielectric) {
     vec3 value = vec3(0.0);
     float cos_o = dot(wo, f.m);
     if (is_facet_compatible(wo, wi, f.m)) {
-        // As in Mitsuba, equal indices of refraction turn metals off, too.
+        // Equal refractive indices switch metals off, too, as in Mitsuba.
         if (b.scalars0.z != 1.0) value = principled_fresnel(b, wo, cos_o, dielectric) * reflected_light(f);
         if (wo.z > 0.0) value += eval_clearcoat(b, wo, wi, f.m);
     }

@@ -1,11 +1,11 @@
-// A metal of microfacets.
+// Rough metal with microfacets.
 #ifndef BSDF_ROUGH_CONDUCTOR_GLSL
 #define BSDF_ROUGH_CONDUCTOR_GLSL
 #include "bsdf/parameters.glsl"
 #include "math/fresnel.glsl"
 #include "math/microfacet.glsl"
 
-// `m` is a visible normal.
+// Samples a reflection. `m` is a visible normal.
 BsdfSample sample_bsdf_rough_conductor(Bsdf b, vec3 wo, vec3 m) {
     vec3 wi = reflect(-wo, m);
     return BsdfSample(wi, wo.z > 0.0 && wi.z > 0.0 ? LOBE_GLOSSY : LOBE_NONE, vec3(0.0), 1.0);

@@ -1,11 +1,11 @@
-// A surface of microfacets between two dielectrics (Walter et al. 2007).
+// Rough surface with microfacets between two dielectrics (Walter et al. 2007).
 #ifndef BSDF_ROUGH_DIELECTRIC_GLSL
 #define BSDF_ROUGH_DIELECTRIC_GLSL
 #include "bsdf/parameters.glsl"
 #include "math/fresnel.glsl"
 #include "math/microfacet.glsl"
 
-// `m` is a visible normal.
+// Samples reflection or refraction. `m` is a visible normal.
 BsdfSample sample_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 m, vec3 u) {
     float cos_o = dot(wo, m);
     DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
@@ -13,13 +13,14 @@ BsdfSample sample_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 m, vec3 u) {
     vec3 refracted = m * (cos_o / i.eta - (cos_o > 0.0 ? i.cos_t : -i.cos_t)) - wo / i.eta;
     vec3 wi = reflects ? reflect(-wo, m) : refracted;
     bool crosses = wo.z * wi.z < 0.0;
-    // Rounding may turn a facet that is seen edge-on away.
+    // Rounding may turn a facet that is seen edge-on away from `wo`.
     bool valid = wo.z * wi.z != 0.0 && crosses != reflects && cos_o * wo.z > 0.0;
     return BsdfSample(wi, valid ? LOBE_GLOSSY : LOBE_NONE, vec3(0.0), reflects ? 1.0 : i.eta);
 }
 
-// Solid angle of facets' normals per solid angle of transmitted directions is eta^2 |wi.m| times this; 0 where no facet with
-// that normal transmits from one direction to the other.
+// Jacobian of transmission, without two factors: the solid angle of facet normals per solid angle of transmitted
+// directions is this value times eta^2 |wi.m|. The value is 0 where a facet with the normal `m` does not transmit
+// between the directions.
 float transmitted_jacobian(vec3 wo, vec3 wi, vec3 m, float eta) {
     float cos_o = dot(wo, m);
     float cos_i = dot(wi, m);
@@ -36,7 +37,7 @@ float pdf_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 wi, Facet f) {
     return side < 0.0 ? (1.0 - i.reflectance) * transmitted : 0.0;
 }
 
-// The square of eta cancels with that by which radiance grows in the denser medium.
+// f |cos wi|. The square of eta in the Jacobian cancels with the growth of radiance in the denser medium.
 vec3 eval_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 wi, Facet f) {
     float cos_o = dot(wo, f.m);
     DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);

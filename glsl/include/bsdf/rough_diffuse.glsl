@@ -1,15 +1,16 @@
-// Diffuse reflection by grooves of ideal diffuse facets (Oren and Nayar 1994), with the roughness of Mitsuba 0.6: `alpha` is
-// comparable to a microfacet distribution's, and sqrt(2) times the standard deviation of the facets' angles.
+// Diffuse reflection by grooves of ideal diffuse facets (Oren and Nayar 1994). The roughness `alpha` is that of Mitsuba
+// 0.6: it is comparable to the alpha of a microfacet distribution, and sqrt(2) times the standard deviation of the
+// facets' angles.
 #ifndef BSDF_ROUGH_DIFFUSE_GLSL
 #define BSDF_ROUGH_DIFFUSE_GLSL
 #include "bsdf/parameters.glsl"
 #include "math/direction.glsl"
 
-// The paper's angles.
+// Angles of the paper.
 struct Grooves {
     float variance;    // sigma^2
-    float cos_phi;     // of the difference of the azimuths
-    vec2 sine;         // of alpha, the larger angle to the normal, and of beta, the smaller
+    float cos_phi;     // cosine of the difference of the azimuths
+    vec2 sine;         // sines of alpha, the larger angle to the normal, and of beta, the smaller
     vec2 cosine;
     vec2 turn;         // 2 alpha / pi, 2 beta / pi
 };
@@ -25,7 +26,7 @@ Grooves grooves(float alpha, vec3 wo, vec3 wi) {
     return g;
 }
 
-// The qualitative model: light that is reflected once, and its largest terms.
+// Qualitative model of the paper: the largest terms of light that is reflected once.
 float groove_reflection_fast(Grooves g) {
     float a = 1.0 - 0.5 * g.variance / (g.variance + 0.33);
     float b = 0.45 * g.variance / (g.variance + 0.09);
@@ -44,7 +45,7 @@ float groove_reflection(Grooves g) {
     return c1 + g.cos_phi * c2 * tan_beta + (1.0 - abs(g.cos_phi)) * c3 * tan_half_sum;
 }
 
-// Light that goes from one side of a groove to the other first.
+// Light that is reflected from one side of a groove to the other before it leaves.
 float groove_interreflection(Grooves g) {
     return 0.17 * g.variance / (g.variance + 0.13) * (1.0 - g.cos_phi * g.turn.y * g.turn.y);
 }

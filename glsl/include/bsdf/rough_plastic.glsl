@@ -1,4 +1,4 @@
-// A dielectric layer of microfacets over a diffuse base.
+// Rough dielectric layer with microfacets over a diffuse base.
 #ifndef BSDF_ROUGH_PLASTIC_GLSL
 #define BSDF_ROUGH_PLASTIC_GLSL
 #include "bsdf/plastic.glsl"
@@ -6,8 +6,8 @@
 #include "math/microfacet.glsl"
 #include "shared/records.glsl"
 
-// Share of the light from above that the layer lets through to the base, between neighbors in a table over the cosine. A
-// word holds an entry and the next; tables lie in the first page.
+// Share of the light from above that the layer transmits to the base, interpolated in a table over the cosine. A word
+// of the table holds an entry and the next one. The tables lie in the first page.
 float rough_plastic_transmittance(uint address, float cos_theta) {
     float position = clamp(cos_theta, 0.0, 1.0) * float(TRANSMITTANCE_ENTRIES - 1u);
     uint entry = min(uint(position), TRANSMITTANCE_ENTRIES - 2u);
@@ -19,7 +19,7 @@ float layer_transmittance(Bsdf b, float cos_theta) {
     return rough_plastic_transmittance(uint(b.scalars1.z), cos_theta);
 }
 
-// `m` is a visible normal.
+// Samples the specular or the diffuse lobe. `m` is a visible normal.
 BsdfSample sample_bsdf_rough_plastic(Bsdf b, vec3 wo, vec3 m, vec3 u) {
     bool is_specular = u.z < plastic_specular_probability(b, 1.0 - layer_transmittance(b, wo.z));
     vec3 wi = is_specular ? reflect(-wo, m) : sample_cosine_hemisphere(u.xy);

@@ -1,10 +1,11 @@
-// A thin sheet of a dielectric: what it transmits goes straight on.
+// Thin dielectric sheet. Transmitted light goes straight on.
 #ifndef BSDF_THIN_DIELECTRIC_GLSL
 #define BSDF_THIN_DIELECTRIC_GLSL
 #include "bsdf/parameters.glsl"
 #include "math/fresnel.glsl"
 
-// Of both surfaces and all reflections between them: r + (1 - r)^2 r (1 + r^2 + r^4 + ...) = 2 r / (1 + r).
+// Samples reflection or transmission. The reflectance of both surfaces, with all reflections between them, is r + (1 -
+// r)^2 r (1 + r^2 + r^4 + ...) = 2 r / (1 + r).
 BsdfSample sample_bsdf_thin_dielectric(Bsdf b, vec3 wo, vec3 u) {
     float r = fresnel_dielectric(abs(wo.z), b.scalars0.z).reflectance;
     uint lobe = wo.z != 0.0 ? LOBE_DELTA : LOBE_NONE;

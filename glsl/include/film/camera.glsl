@@ -1,23 +1,23 @@
-// Cameras and the reconstruction filter's importance sampling (Ernst et al. 2006).
+// Camera rays, and importance sampling of the reconstruction filter (Ernst et al. 2006).
 #ifndef CAMERA_GLSL
 #define CAMERA_GLSL
 #include "math/direction.glsl"
 #include "film/frame.glsl"
 #include "geometry/intersect.glsl"
 
-// Inverse of the cumulative tent on [-1, 1].
+// Inverse of the cumulative distribution of the tent on [-1, 1].
 float sample_tent(float u) {
     return u < 0.5 ? sqrt(2.0 * u) - 1.0 : 1.0 - sqrt(2.0 - 2.0 * u);
 }
 
-// A Gaussian of unit deviation, cut off at a distance of four.
+// Gaussian sample with unit standard deviation, cut off at a distance of 4.
 vec2 sample_gaussian(vec2 u) {
     const float inside = 1.0 - exp(-8.0);
     float radius = sqrt(-2.0 * log(1.0 - inside * u.x));
     return radius * sin_cos_turn(u.y).yx;
 }
 
-// Where in a pixel's surroundings a sample falls, relative to the pixel's corner.
+// Position of a sample relative to the pixel's corner, in pixels, distributed by the reconstruction filter.
 vec2 sample_filter(vec2 u) {
     if (FILTER == FILTER_TENT) return 0.5 + FILTER_WIDTH * vec2(sample_tent(u.x), sample_tent(u.y));
     if (FILTER == FILTER_GAUSSIAN) return 0.5 + FILTER_WIDTH * sample_gaussian(u);
@@ -34,8 +34,8 @@ vec3 world_from_camera(vec3 direction) {
     return vec3(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
 }
 
-// The ray through `position`, in film pixels from the top left; `u` chooses a point of the lens. Camera space has x to
-// the left of the picture.
+// Camera ray through `position`, in film pixels from the top left. `u` draws a point of the lens. In camera space, x
+// points to the left of the picture.
 Ray camera_ray(vec2 position, vec2 u) {
     vec2 screen = (1.0 - 2.0 * (position / scene().film_size + scene().principal_point)) * scene().raster_scale;
     float near = scene().near_clip;

@@ -1,4 +1,4 @@
-// Set 0, Frame: the film, the camera, materials, emitters and counters. The only file that indexes them.
+// Set 0, Frame: the film, the camera, materials, emitters and counters. Only this file indexes the buffers of the set.
 #ifndef FRAME_GLSL
 #define FRAME_GLSL
 #include "math/constants.glsl"
@@ -6,15 +6,15 @@
 #include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
-// Running mean and sum of squared deviations of a pixel's samples (Welford 1962), per channel.
+// Running mean and sum of squared deviations of a pixel's samples, per channel (Welford 1962).
 struct FilmRadiance {
     vec3 mean;
     uint sample_count;
     vec3 squared_deviation;
-    uint hit_count;  // samples whose camera ray hit something
+    uint hit_count;  // number of samples whose camera ray hit something
 };
 
-// Means over a pixel's samples of what the camera ray hits first; depth over those that hit.
+// Means of the features at the first hit, over all samples of a pixel. The depth is the mean over the samples that hit.
 struct FilmFeatures {
     vec3 albedo;
     float depth;
@@ -22,34 +22,34 @@ struct FilmFeatures {
     float reserved;
 };
 
-// What does not change during a render.
+// Constants of a render.
 struct SceneConstants {
     vec4 world_from_camera[3];  // rows of the affine matrix
     vec2 film_size;             // whole film in pixels
-    vec2 raster_scale;          // tangents of the half fields of view; orthographic: half the view's sides, camera units
+    vec2 raster_scale;          // tangents of half the fields of view; orthographic: half the view, camera units
     vec2 principal_point;       // in picture widths and heights
     float near_clip;
     float far_clip;
     vec3 bounds_min;
-    float aperture_radius;      // of a thin lens
+    float aperture_radius;      // radius of a thin lens
     vec3 cells_per_unit;        // grid size / extent
-    float target_limit;         // learning targets saturate here, W/(m^2 sr)
-    vec3 environment;           // radiance of a constant environment, factor of a map's texels
+    float target_limit;         // learning targets are clamped to this, W/(m^2 sr)
+    vec3 environment;           // radiance of a constant environment, or factor of a map's texels
     uint seed;
-    uvec2 window_offset;        // of the rendered window within the film
+    uvec2 window_offset;        // position of the rendered window on the film, pixels
     uvec2 window_size;
-    uint light_count;           // entries of the table that lights are chosen from
-    uint first_light;           // where it begins among the emitters' texels
-    vec4 environment_from_world[3];  // rows; the fourth column is unused
-    uvec2 environment_size;     // texels of the map
-    uvec2 environment_blocks;   // columns and rows of the table that its directions are drawn from
-    uint first_environment_texel;    // where the map begins among the emitters' texels
-    uint first_environment_block;    // likewise the table
-    uint environment_light;     // entry of the environment among the lights, or NONE
-    float focus_distance;       // of a thin lens: depth at which it is sharp
-    uvec3 grid_size;            // places of the grid along each axis
-    uint cell_count;            // cells that hold surfaces
-    uint all_cell_count;        // these and the larger ones that they are part of
+    uint light_count;           // number of lights in the alias table
+    uint first_light;           // first texel of the alias table among the emitters' texels
+    vec4 environment_from_world[3];  // rows of the matrix; the fourth column is unused
+    uvec2 environment_size;     // width and height of the map, texels
+    uvec2 environment_blocks;   // columns and rows of the alias table for directions
+    uint first_environment_texel;    // first texel of the map among the emitters' texels
+    uint first_environment_block;    // first texel of the alias table for directions
+    uint environment_light;     // index of the environment among the lights, or NONE
+    float focus_distance;       // depth at which a thin lens is sharp
+    uvec3 grid_size;            // number of grid positions along each axis
+    uint cell_count;            // number of cells that contain surfaces
+    uint all_cell_count;        // number of all cells, parent cells included
 };
 
 layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
@@ -73,8 +73,9 @@ layout(scalar, set = FRAME_SET, binding = 9) restrict readonly buffer TexelWords
 layout(scalar, set = FRAME_SET, binding = 10) restrict readonly buffer TexelWords3 { uint texel_words3[]; };
 #endif
 layout(scalar, set = FRAME_SET, binding = 5) restrict buffer Counters { uint counters[]; };
-// What adaptive sampling keeps of a film page (halves.glsl), or the paths of a wave (wavefront.glsl): one binding, for devices
-// have few. Nearly empty without either.
+// Scratch memory: the tile states and halves of a film page for adaptive sampling (halves.glsl), or the paths of a wave
+// (wavefront.glsl). They share one binding because devices have few bindings. Without either, the buffer is nearly
+// empty.
 layout(scalar, set = FRAME_SET, binding = 11) restrict buffer Scratch { uvec4 scratch[]; };
 
 SceneConstants scene() {
@@ -86,7 +87,7 @@ uvec4 fetch_material(uint material, uint texel) {
     return texelFetch(materials, int(material * MATERIAL_TEXELS + texel));
 }
 
-// Emitters, then lights, then what belongs to the environment.
+// Texel of the emitter buffer, which holds first the emitters, then the lights, then the environment's tables.
 uvec4 fetch_emitter_texel(uint texel) {
     return texelFetch(emitters, int(texel));
 }
@@ -126,7 +127,7 @@ uint paged_texel_word(uint page, uint index) {
 }
 #endif
 
-// A word of an image or of the materials' tables.
+// Word of an image or of a material's table.
 uint texel_word(uint address) {
     uint page = TEXEL_PAGES != 1u ? address >> TEXEL_PAGE_SHIFT : 0u;
     return paged_texel_word(page, address & ((1u << TEXEL_PAGE_SHIFT) - 1u));
@@ -136,12 +137,12 @@ void count(uint counter, uint amount) {
     if (amount != 0u) atomicAdd(counters[counter], amount);
 }
 
-// Adds to a counter that all invocations share. Returns what it held.
+// Adds to a counter that all invocations share. Returns the counter's value before the addition.
 uint reserve(uint counter, uint amount) {
     return atomicAdd(counters[counter], amount);
 }
 
-// What a counter holds that no invocation of this dispatch adds to.
+// Value of a counter. No invocation of the same dispatch may add to this counter.
 uint counted(uint counter) {
     return counters[counter];
 }

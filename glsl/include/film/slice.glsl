@@ -1,30 +1,31 @@
-// The pixels that a dispatch samples.
+// Slice of a film page: the pixels that one dispatch samples.
 #ifndef SLICE_GLSL
 #define SLICE_GLSL
 #include "film/frame.glsl"
 #include "film/halves.glsl"
 #include "shared/film.glsl"
 
-// What a dispatch's samples count for beside those before them.
-struct SampleWeights {
+// Weights of a dispatch's samples relative to the samples before them.
+struct DispatchWeights {
     float of_sample;
-    float lost_weight;   // by how much the sum of the weights of samples before falls short of their number
-    float lost_samples;  // the same of the number of samples of one weight whose mean has the variance of theirs
+    float lost_weight;   // number of earlier samples minus the sum of their weights
+    float lost_samples;  // number of earlier samples minus their effective number
 };
 
-// A slice of a film page and its next samples.
-struct PathTracePush {
-    uint first_workgroup;    // of the slice, among those of the page's tiles that are sampled
+// Slice of a film page, and the range of samples that the dispatch adds.
+struct TracePush {
+    uint first_workgroup;    // first workgroup of the slice, counted over the page's tiles that are sampled
     uint workgroup_count;
-    uint workgroup_stride;   // coprime to the count: spreads neighbors over a device that deals out contiguous halves
-    uint page_first_pixel;   // pixels (in tile order) before this film page
-    SampleWeights weights;
+    uint workgroup_stride;   // coprime to the count; spreads neighboring workgroups over the device
+    uint page_first_pixel;   // number of pixels, in tile order, before this film page
+    DispatchWeights weights;
     uint first_sample;
     uint sample_count;
-    uint first_of_sets;      // sample; no set of samples reaches back beyond it
+    uint first_of_sets;      // index of a sample; no set of samples starts before it
 };
 
-// Tiles of pixels, row by row, and pixels within a tile likewise.
+// Pixel of the window for an index in tile order. Tiles follow each other row by row, and so do the pixels within a
+// tile.
 uvec2 tile_order_pixel(uint index) {
     uint tiles_per_row = (scene().window_size.x + (TILE_SIDE - 1u)) / TILE_SIDE;
     uint tile = index / TILE_PIXELS;
@@ -32,8 +33,8 @@ uvec2 tile_order_pixel(uint index) {
     return uvec2(tile % tiles_per_row, tile / tiles_per_row) * TILE_SIDE + uvec2(within % TILE_SIDE, within / TILE_SIDE);
 }
 
-// The page's pixel, in tile order, of a lane of one of the slice's workgroups.
-uint pixel_of_slice(PathTracePush slice, uint workgroup, uint lane) {
+// Index within the film page, in tile order, of the pixel of a lane of the slice's workgroup.
+uint pixel_of_slice(TracePush slice, uint workgroup, uint lane) {
     uint spread = slice.first_workgroup + (workgroup * slice.workgroup_stride) % slice.workgroup_count;
     return sampled_pixel(spread * WORKGROUP_SIZE + lane);
 }

@@ -1,4 +1,5 @@
-// What an invocation gathers before it touches memory: the samples of its pixel and the numbers for the statistics.
+// Results that an invocation gathers before it writes to memory: the samples of its pixel, and counts for the
+// statistics.
 #ifndef TALLY_GLSL
 #define TALLY_GLSL
 #include "film/frame.glsl"
@@ -8,13 +9,13 @@
 struct Tally {
     uint rays;
     uint scattered_rays;
-    uint shadow_rays;      // towards sampled lights
-    uint light_hits;       // scattered rays that met light
+    uint shadow_rays;      // rays towards sampled lights
+    uint light_hits;       // scattered rays that hit an emitter
     uint guided_samples;
     uint tries;
     uint invalid_samples;  // guided directions below the surface
     uint nonfinite;        // samples and learning targets dropped because they were NaN or infinite
-    bool overrun;          // a loop was ended before its own end condition held
+    bool overrun;          // whether a loop was ended before its own end condition held
 };
 
 Tally no_tally() {
@@ -41,8 +42,8 @@ void count_sample(inout Tally tally, uint tries, bool invalid, bool overrun) {
 
 shared uint tally_lanes[COUNTER_COUNT * WORKGROUP_SIZE];
 
-// Adds the workgroup's tallies to the counters: a few lanes sum up all lanes' numbers, one counter each. Overruns go first and
-// alone: where a loop was cut short, the loops below may be too.
+// Adds the workgroup's tallies to the counters. A few lanes sum up the numbers of all lanes, one counter each. Overruns
+// are counted first and by each lane itself: a driver that cut one loop short may cut the loops below short, too.
 void publish_tally(Tally tally) {
     count(COUNTER_OVERRUNS, tally.overrun ? 1u : 0u);
     uint numbers[COUNTER_COUNT];
@@ -66,7 +67,7 @@ void publish_tally(Tally tally) {
     }
 }
 
-// A pixel's samples of one dispatch: running moments of radiance, sums of what camera rays hit.
+// Samples that one dispatch adds to a pixel: running moments of radiance, and sums of the features at the first hit.
 struct PixelSamples {
     FilmRadiance radiance;
     FilmFeatures sums;
@@ -78,7 +79,7 @@ PixelSamples no_samples() {
                         NO_HALF);
 }
 
-// Welford 1962: the radiance of one sample more.
+// Adds the radiance of one sample to the running moments (Welford 1962).
 void add_sample(inout PixelSamples s, uint sample_index, vec3 radiance, inout Tally tally) {
     if (!is_finite(radiance)) {
         radiance = vec3(0.0);
@@ -101,9 +102,10 @@ void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) 
     s.sums.depth += depth;
 }
 
-// Chan, Golub and LeVeque 1979: two sets of moments into one. Squared deviations are weighed by squares of weights: their
-// expectation is the sum over all samples but the first of weight^2 variance, of which src/film/weights.rs makes that of the mean.
-FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
+// Merges two sets of moments (Chan, Golub and LeVeque 1979). Squared deviations are weighted by the squares of the
+// weights. The expectation of their sum is the sum of weight^2 variance over all samples except the first.
+// src/film/weights.rs derives the variance of the mean from it.
+FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, DispatchWeights w) {
     float count = float(b.sample_count);
     float weight = w.of_sample * count;
     float share = weight / max(float(a.sample_count) - w.lost_weight + weight, 1.0e-30);
@@ -115,7 +117,7 @@ FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
     return FilmRadiance(a.mean + delta * share, a.sample_count + b.sample_count, squared, a.hit_count + b.hit_count);
 }
 
-void merge_into_film(uint index, PixelSamples s, SampleWeights weights) {
+void merge_into_film(uint index, PixelSamples s, DispatchWeights weights) {
     FilmRadiance before = load_film_radiance(index);
     FilmRadiance after = merge_radiance(before, s.radiance, weights);
     FilmFeatures features = load_film_features(index);

@@ -1,5 +1,6 @@
-// Set 1, Bvh: nodes and primitives. The only file that indexes them, with two back ends of the same meaning: texel buffers
-// (faster where loads are emulated one component at a time) and storage buffers (where texel buffers are too small).
+// Set 1, Bvh: nodes and primitives. Only this file indexes the buffers of the set. Two back ends have the same meaning:
+// texel buffers, which are faster on devices that emulate loads one component at a time, and storage buffers, for
+// scenes that exceed the limits of texel buffers.
 #ifndef BVH_GLSL
 #define BVH_GLSL
 #include "shared/records.glsl"
@@ -14,7 +15,8 @@ uvec4 fetch_node(uint node, uint texel) {
     return texelFetch(bvh_nodes, int(node * NODE_TEXELS + texel));
 }
 
-// Fetched as integers, for a texture unit may flush the flags, small as floats, to zero.
+// Primitives are fetched as integers. Read as floats, the flags would be denormal numbers, which a texture unit may
+// flush to 0.
 vec4 fetch_primitive(uint primitive, uint texel) {
     return uintBitsToFloat(texelFetch(bvh_primitives, int(primitive * PRIMITIVE_TEXELS + texel)));
 }

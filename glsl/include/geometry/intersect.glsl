@@ -1,4 +1,4 @@
-// Ray against primitive and ray against box.
+// Intersection of a ray with a primitive.
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
 #include "math/constants.glsl"
@@ -12,17 +12,19 @@ struct Ray {
 
 struct Hit {
     float t;         // distance along the ray
-    vec2 uv;         // of the primitive's parameterization
+    vec2 uv;         // coordinates in the primitive's parameterization
     uint primitive;
 };
 
-// The edge tests' slack, per unit of distance and of edge length. Moeller and Trumbore's numerators carry an error of
-// some 2^-24 of |origin - vertex| |edge|; accepting that much outside an edge closes the gap between neighbors. It must
-// not be more: a grazing ray that passes just beside a ridge would find the back of the triangle beyond it. Measured in
-// tests/render/closed.rs: no gap in 7 * 10^8 rays, such ridges hit by 4 of 10^7 (by 18 with a slack of 4e-7).
+// Tolerance of the edge tests, per unit of distance and of edge length. The numerators of Moeller and Trumbore's test
+// carry a rounding error of about 2^-24 of |origin - vertex| |edge|. Accepting hits by that much outside an edge closes
+// the gap between neighboring triangles. A larger tolerance does harm: a grazing ray that passes just beside a ridge
+// would hit the back of the triangle beyond the ridge. Measured in tests/render/closed.rs: no gap in 7 * 10^8 rays; 4
+// of 10^7 rays hit such ridges, and 18 of 10^7 with a tolerance of 4e-7.
 const float EDGE_SLACK = 1.0e-7;
 
-// Moeller and Trumbore 1997, for the three flat shapes at once. Returns whether `hit` was improved.
+// Intersects the three flat shapes (Moeller and Trumbore 1997). Returns whether the hit (t, uv) was replaced by a
+// nearer one.
 bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec3 edge_v, uint shape, inout float t, inout vec2 uv) {
     vec3 edge_u = texel1.xyz;
     vec3 p = cross(ray.direction, edge_v);
@@ -38,7 +40,7 @@ bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec3 edge_v, uint shape, 
     if (shape == SHAPE_TRIANGLE) outside = max(-min(u, v), u + v - 1.0);
     else if (shape == SHAPE_PARALLELOGRAM) outside = max(abs(u), abs(v)) - 1.0;
     else outside = sqrt(u * u + v * v) - 1.0;
-    // A zero determinant makes these NaN or infinite, and every comparison with them fails.
+    // A zero determinant makes these values NaN or infinite, and then every comparison with them is false.
     bool closer = outside <= slack && distance > 0.0 && distance < t && slack < 1.0;
     if (closer) {
         t = distance;
@@ -47,7 +49,8 @@ bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec3 edge_v, uint shape, 
     return closer;
 }
 
-// A sphere, by the numerically stable form of Haines et al. 2019 ("Precision Improvements for Ray/Sphere Intersection").
+// Intersects a sphere by the numerically stable form of Haines et al. 2019 ("Precision Improvements for Ray/Sphere
+// Intersection"). Returns whether the hit (t, uv) was replaced by a nearer one.
 bool intersect_sphere(Ray ray, vec3 center, float radius, inout float t, inout vec2 uv) {
     vec3 offset = ray.origin - center;
     float b = -dot(offset, ray.direction);

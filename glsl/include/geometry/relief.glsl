@@ -1,23 +1,24 @@
-// Bump and normal maps: frames that are tilted against the surface's, as Mitsuba 3 tilts them. All vectors are in the
-// surface's local frame unless they are said to be in the tilted one.
+// Bump maps and normal maps: shading frames that are tilted against the surface's frame, as in Mitsuba 3. Vectors are
+// in the surface's local frame unless a comment says that they are in the tilted frame.
 #ifndef RELIEF_GLSL
 #define RELIEF_GLSL
 #include "math/constants.glsl"
 
-// The normal of a surface that is raised by a height with the given gradient in u and v (Blinn 1978), not normalized; on
-// the side of the geometric normal.
+// Normal of a surface that is displaced by a height with the given gradient in u and v (Blinn 1978). The result is not
+// normalized and points to the side of the geometric normal.
 vec3 bump_normal(vec3 dp_du, vec3 dp_dv, vec2 gradient, vec3 geometric_normal) {
     vec3 n = cross(vec3(dp_du.xy, gradient.x), vec3(dp_dv.xy, gradient.y));
     return dot(n, geometric_normal) < 0.0 ? -n : n;
 }
 
-// The normal that a color of a normal map stands for, not normalized.
+// Normal that a color of a normal map encodes, not normalized.
 vec3 mapped_normal(vec3 color) {
     return 2.0 * color - 1.0;
 }
 
-// The tilted frame whose z-axis is the normal `n`. A normal that `wo` is behind is turned about the surface's (Schuessler et
-// al. 2017). The x-axis remains as near the surface's as it can.
+// Tilted frame whose z-axis is the direction of the normal `n`. A normal that faces away from `wo` is rotated by half a
+// turn about the surface's normal (Schuessler et al. 2017). The x-axis is the surface's x-axis, projected onto the
+// tilted plane.
 mat3 relief_frame(vec3 n, vec3 wo) {
     if (wo.z * dot(wo, n) <= 0.0) n.xy = -n.xy;
     float squared = dot(n, n);
@@ -28,13 +29,14 @@ mat3 relief_frame(vec3 n, vec3 wo) {
     return mat3(tangent, cross(n, tangent), n);
 }
 
-// The surface's normal in the tilted frame.
+// Normal of the surface, in the tilted frame.
 vec3 upright_in(mat3 frame) {
     return vec3(frame[0].z, frame[1].z, frame[2].z);
 }
 
-// Factor of the light from `wi`: none from what is above the surface in one of the frames only, and less at grazing angles,
-// so that shadows of tilted facets end softly (Conty Estevez et al. 2019). `wi` and `upright` are in the tilted frame.
+// Shadowing factor of the light from `wi`, in [0, 1] (Conty Estevez et al. 2019). The factor is 0 where `wi` is above
+// the surface in only one of the two frames. It falls at grazing angles, so that the shadows of tilted facets end
+// softly. `wi` and `upright` are in the tilted frame.
 float relief_shadowing(vec3 upright, vec3 wi) {
     float cos_wi = dot(upright, wi);
     float tan2_tilt = 1.0 / max(upright.z * upright.z, 1.0e-20) - 1.0;

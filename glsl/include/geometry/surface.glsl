@@ -1,4 +1,4 @@
-// What a ray found: position, normals, texture coordinates, material and emitter of a hit.
+// Surface at a hit: position, normals, texture coordinates, material and emitter.
 #ifndef SURFACE_GLSL
 #define SURFACE_GLSL
 #include "geometry/bvh.glsl"
@@ -6,18 +6,18 @@
 #include "geometry/intersect.glsl"
 #include "math/octahedral.glsl"
 
-// A hit's distance from what it must not fall behind: some 100 roundings of its coordinates and of its primitive's.
+// Distance by which rays start off a surface, per unit of the largest coordinate: about 100 roundings.
 const float RAY_EPSILON = 1.0 / 131072.0;
 
 struct Surface {
     vec3 position;
-    float epsilon;        // how far a ray's origin leaves the surface, scene units
+    float epsilon;        // distance by which a ray's origin is moved off the surface, scene units
     vec3 geometric_normal;
-    vec3 shading_normal;  // in the geometric one's half space or, interpolated, beyond it
+    vec3 shading_normal;  // usually in the half space of the geometric normal; interpolated normals can leave it
     uint material;
     uint emitter;         // NONE where it does not emit
-    vec2 uv;              // texture coordinates; zero where the scene has no use for them
-    vec3 dp_du;           // change of the position with them, scene units; zero without FEATURE_TANGENTS
+    vec2 uv;              // texture coordinates; zero where nothing in the scene reads them
+    vec3 dp_du;           // derivatives of the position by u and v, scene units; zero without FEATURE_TANGENTS
     vec3 dp_dv;
 };
 
@@ -26,11 +26,12 @@ bool has_texture_coordinates() {
     return has_feature(FEATURE_TEXTURES | FEATURE_TEXTURED_EMITTERS | FEATURE_TANGENTS);
 }
 
-// A hit is drawn this far (in scene units) inside its primitive's edges, so that no rounding puts it beyond a wall that
-// meets the primitive there.
+// Moves the coordinates of a hit inside its primitive's edges by the distance `epsilon` (scene units). A wall that
+// meets the primitive at an edge then stays on the right side of the hit, however its position is rounded.
 vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float epsilon) {
     if (shape == SHAPE_TRIANGLE) {
-        // Barycentric coordinates at that distance from each edge; scaled down where the triangle is too slender for it.
+        // Margins are the barycentric coordinates at that distance from each edge. A slender triangle gets smaller
+        // margins.
         vec3 edge_lengths = vec3(length(edge_v), length(edge_u), length(edge_u - edge_v));
         vec3 margin = edge_lengths * (epsilon / max(length(cross(edge_u, edge_v)), 1.0e-30));
         float room = 1.0 - (margin.x + margin.y + margin.z);
@@ -46,7 +47,7 @@ vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float epsilon) 
     return uv * min(1.0, (1.0 - max(margin.x, margin.y)) * inversesqrt(dot(uv, uv)));
 }
 
-// Texture coordinates interpolated between a triangle's vertices. Where they are degenerate the tangents are any.
+// Interpolates a triangle's texture coordinates. Where the coordinates are degenerate, any two tangents will do.
 void parametrize_triangle(inout Surface s, vec2 barycentric, vec3 edge_u, vec3 edge_v, vec4 uv0_uv1, vec2 uv2) {
     vec2 du = uv0_uv1.zw - uv0_uv1.xy;
     vec2 dv = uv2 - uv0_uv1.xy;
@@ -58,7 +59,7 @@ void parametrize_triangle(inout Surface s, vec2 barycentric, vec3 edge_u, vec3 e
     s.dp_dv = determinant != 0.0 ? (du.x * edge_v - dv.x * edge_u) / determinant : any[1];
 }
 
-// The unit square.
+// Texture coordinates of a parallelogram: the unit square.
 void parametrize_parallelogram(inout Surface s, vec2 at, vec3 edge_u, vec3 edge_v) {
     s.uv = 0.5 * at + 0.5;
     s.dp_du = 2.0 * edge_u;
@@ -71,7 +72,7 @@ float turns(vec2 v) {
     return angle < 0.0 ? angle + 1.0 : angle;
 }
 
-// Polar coordinates: the radius and the angle in turns.
+// Texture coordinates of a disk: the radius in [0, 1], and the angle in turns.
 void parametrize_disk(inout Surface s, vec2 at, vec3 edge_u, vec3 edge_v) {
     float radius = length(at);
     vec2 outward = radius > 0.0 ? at / radius : vec2(1.0, 0.0);
@@ -80,8 +81,9 @@ void parametrize_disk(inout Surface s, vec2 at, vec3 edge_u, vec3 edge_v) {
     s.dp_dv = (2.0 * PI) * (at.x * edge_v - at.y * edge_u);
 }
 
-// Azimuth in turns, and angle from the z-axis in half turns. `outward` is the unit vector from the center; the y-axis is on
-// the side that `handedness` says, for a mirrored sphere shows its texture mirrored.
+// Texture coordinates of a sphere: the azimuth in turns, and the angle from the z-axis in half turns. `outward` is the
+// unit vector from the center. `handedness` gives the direction of the y-axis: a mirrored sphere shows its texture
+// mirrored.
 void parametrize_sphere(inout Surface s, vec3 outward, vec3 edge_u, vec3 edge_v, float handedness) {
     float radius = length(edge_u);
     mat3 axes = mat3(edge_u, cross(edge_v, edge_u) * (handedness / radius), edge_v);
@@ -93,7 +95,8 @@ void parametrize_sphere(inout Surface s, vec3 outward, vec3 edge_u, vec3 edge_v,
     s.dp_dv = PI * (axes * vec3(at.z * azimuth, -across));
 }
 
-// World from the local frame whose z-axis is the shading normal; its x-axis runs along dp_du where that matters.
+// Matrix from the local frame to world space. The local z-axis is the shading normal. With FEATURE_TANGENTS the local
+// x-axis runs along dp_du.
 mat3 shading_frame(Surface s) {
     mat3 frame = basis_from_normal(s.shading_normal);
     if (!has_feature(FEATURE_TANGENTS)) return frame;
@@ -153,15 +156,15 @@ Surface surface_at(Ray ray, Hit hit) {
     return s;
 }
 
-// A ray that leaves the surface in direction `wi`, from a point moved off it to the side that `wi` goes to.
+// Ray that leaves the surface in direction `wi`. Its origin is moved off the surface to the side of `wi`.
 Ray leave_surface(Surface s, vec3 wi) {
     vec3 off = dot(wi, s.geometric_normal) >= 0.0 ? s.geometric_normal : -s.geometric_normal;
     return Ray(s.position + s.epsilon * off, wi, MAX_DISTANCE);
 }
 
-// A ray that goes straight on through a hole of a surface. It starts as far behind as Mitsuba 3 has it start (its RayEpsilon,
-// and one unit more than the largest coordinate): a sheet that is modeled by two layers a hair's breadth apart, as blinds and
-// leaves often are, is passed at once, as it is there.
+// Ray that continues straight on through a hole of a surface. Its origin is moved behind the surface by Mitsuba 3's
+// RayEpsilon times one more than the largest coordinate. Blinds and leaves are often modeled as two layers a tiny
+// distance apart; the ray passes both layers at once, as in Mitsuba 3.
 Ray pass_surface(Surface s, vec3 wi) {
     s.epsilon = max(s.epsilon, 8.94e-5 * (1.0 + max_abs(s.position)));
     return leave_surface(s, wi);

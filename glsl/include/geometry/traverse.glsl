@@ -4,17 +4,17 @@
 #include "geometry/bvh.glsl"
 #include "geometry/intersect.glsl"
 
-// A ray as the nodes see it.
+// Ray in the form that the box test needs.
 struct NodeRay {
     vec3 origin;
     vec3 inverse_direction;
     bvec3 negative;
-    uint octant_inverse4;  // 7 - octant, in every byte: turns a child's slot into its place in front-to-back order
+    uint octant_inverse4;  // 7 - octant, in every byte; turns a child's slot into its front-to-back position
 };
 
-// No component of a direction is closer to zero than this where it is inverted, so no 0 * infinity arises.
+// Least magnitude of a direction's component before it is inverted. It prevents 0 * infinity in the slab test.
 const float MIN_DIRECTION = 1.0e-20;
-// Rounding of the slab test, relative to its two terms: boxes grow by it, so that none is missed.
+// Relative rounding error of the slab test's two terms. Boxes grow by this share, so that no box is missed.
 const float BOX_SLACK = 2.4e-7;
 
 NodeRay node_ray(Ray ray) {
@@ -28,7 +28,8 @@ NodeRay node_ray(Ray ray) {
     return r;
 }
 
-// Comparing the bits of floats as integers is exact where both are >= 0 and a negative one counts as smaller than any.
+// Maximum of two floats by their bits. The comparison is exact where both are >= 0; a negative float is less than any
+// other.
 float max_as_int(float a, float b) {
     return intBitsToFloat(max(floatBitsToInt(a), floatBitsToInt(b)));
 }
@@ -41,13 +42,13 @@ float byte_to_float(uint word, int shift) {
     return float(int((word >> shift) & 0xffu));
 }
 
-// The hit mask's bits of one child, or 0.
+// Bits of one child in the hit mask; 0 where the ray misses the child's box.
 uint child_bits(int shift, uint near_x, uint near_y, uint near_z, uint far_x, uint far_y, uint far_z, vec3 scale,
                 vec3 near_offset, vec3 far_offset, float t_max, uint bits4, uint index4) {
     float entry = max_as_int(max_as_int(byte_to_float(near_x, shift) * scale.x + near_offset.x,
                                         byte_to_float(near_y, shift) * scale.y + near_offset.y),
                              max_as_int(byte_to_float(near_z, shift) * scale.z + near_offset.z, 0.0));
-    // A negative exit counts as smaller than any entry, whichever of several negatives is kept.
+    // A negative exit distance is less than every entry distance, so the order among negative numbers does not matter.
     float exit = min_as_int(min_as_int(byte_to_float(far_x, shift) * scale.x + far_offset.x,
                                        byte_to_float(far_y, shift) * scale.y + far_offset.y),
                             min_as_int(byte_to_float(far_z, shift) * scale.z + far_offset.z, t_max));
@@ -55,10 +56,10 @@ uint child_bits(int shift, uint near_x, uint near_y, uint near_z, uint far_x, ui
     return entry <= exit ? bits : 0u;
 }
 
-// Hit mask of four children: bits 31..24 inner nodes in front-to-back order, bits 23..0 primitives.
+// Hit mask of four children. Bits 31 to 24 are inner nodes in front-to-back order, bits 23 to 0 are primitives.
 uint intersect_children4(uint meta4, uint low_x, uint high_x, uint low_y, uint high_y, uint low_z, uint high_z,
                          NodeRay ray, vec3 scale, vec3 near_offset, vec3 far_offset, float t_max) {
-    // Inner children carry 24..31 in their low five bits: bits 3 and 4 both set.
+    // The low five bits of an inner child's meta byte hold 24 to 31: bits 3 and 4 are both set.
     uint inner4 = ((meta4 & (meta4 << 1u)) & 0x10101010u) >> 4u;
     uint index4 = (meta4 ^ (ray.octant_inverse4 & (inner4 * 0xffu))) & 0x1f1f1f1fu;
     uint bits4 = (meta4 >> 5u) & 0x07070707u;
@@ -73,7 +74,8 @@ uint intersect_children4(uint meta4, uint low_x, uint high_x, uint low_y, uint h
     return mask;
 }
 
-// Hit mask of a node's eight children. `child_base` and `primitive_base` say where its children and primitives begin.
+// Hit mask of a node's eight children. `child_base` and `primitive_base` are the indices of the first child and
+// primitive.
 uint intersect_node(uint node, NodeRay ray, float t_max, out uint child_base, out uint primitive_base, out uint inner_mask) {
     uvec4 header = fetch_node(node, 0u);
     uvec4 bases = fetch_node(node, 1u);
@@ -83,7 +85,7 @@ uint intersect_node(uint node, NodeRay ray, float t_max, out uint child_base, ou
     child_base = bases.x;
     primitive_base = bases.y;
     inner_mask = header.w >> 24u;
-    // The exponents of the quantization grid become floats by moving them into place.
+    // The biased exponents of the quantization grid, shifted into place, are floats.
     vec3 cell = uintBitsToFloat(uvec3(header.w & 0xffu, (header.w >> 8u) & 0xffu, (header.w >> 16u) & 0xffu) << 23u);
     vec3 scale = cell * ray.inverse_direction;
     vec3 offset = (uintBitsToFloat(header.xyz) - ray.origin) * ray.inverse_direction;
@@ -92,7 +94,7 @@ uint intersect_node(uint node, NodeRay ray, float t_max, out uint child_base, ou
            intersect_children4(bases.w, x.y, x.w, y.y, y.w, z.y, z.w, ray, scale, offset - slack, offset + slack, t_max);
 }
 
-// Tests one primitive; a hit nearer than `hit.t` replaces it.
+// Tests one primitive. A hit nearer than `hit.t` replaces `hit`. Returns whether that happened.
 bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
     vec4 texel0 = fetch_primitive(primitive, 0u);
     vec4 texel1 = fetch_primitive(primitive, 1u);
@@ -112,24 +114,24 @@ bool has_nodes(uint group_mask) {
     return group_mask > 0x00ffffffu;
 }
 
-// The nearest hit of `ray`, or with `any_hit` some hit. `overrun` is set where a driver ended the loop before its end, or the
-// stack was too small.
+// Nearest hit of `ray`; with `any_hit` the first hit that the traversal finds. `overrun` is set where the driver ended
+// the loop early or where the stack was too small.
 Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     Hit hit = Hit(ray.t_max, vec2(0.0), NONE);
     NodeRay nodes = node_ray(ray);
-    // A group is a base index and a mask of what is left of it; the root is a group of its own.
+    // A group is a base index and a mask of its children that are still to be visited. The root is a group of its own.
     uint stack_base[STACK_SIZE];
     uint stack_mask[STACK_SIZE];
     uint stack_count = 0u;
     uint group_base = 0u;
     uint group_mask = 0x80000000u;
-    // Tested at the head: SwiftShader keeps per lane only what the heads of loops read.
+    // The condition stands at the loop's head because SwiftShader keeps per lane only what the heads of loops read.
     while (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE)) {
         uint slot = uint(findMSB(group_mask));
         uint child = group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
         group_mask &= ~(1u << slot);
         if (has_nodes(group_mask)) {
-            // The host sizes the stack by the depth of the tree; a group that finds no room is an error, not lost in silence.
+            // The host sizes the stack by the depth of the tree. A group that finds no room is reported as an overrun.
             overrun = overrun || stack_count == STACK_SIZE;
             stack_count = min(stack_count, STACK_SIZE - 1u);
             stack_base[stack_count] = group_base;

@@ -1,11 +1,11 @@
-// What surfaces emit.
+// Emission of surfaces.
 #ifndef EMITTER_GLSL
 #define EMITTER_GLSL
 #include "film/frame.glsl"
 #include "geometry/surface.glsl"
 #include "texture/textures.glsl"
 
-// Emission of a surface in direction `wo`: from the side its shading normal points to.
+// Emitted radiance of a surface in direction `wo`. A surface emits on the side of its shading normal.
 vec3 surface_emission(Surface s, vec3 wo) {
     if (s.emitter == NONE || dot(s.shading_normal, wo) <= 0.0) return vec3(0.0);
     uvec4 record = fetch_emitter_texel(s.emitter);

@@ -1,12 +1,13 @@
-// Light from infinitely far away: its radiance, and directions towards it. A map is a latitude-longitude image as in
-// Mitsuba: texels' centers are spread over the azimuth, the first and the last row are the poles.
+// Environment: radiance from infinitely far away, and sampling of directions towards it. An environment map is a
+// latitude-longitude image as in Mitsuba: the texel centers are spread over the azimuth, the first and the last row are
+// the poles.
 #ifndef ENVIRONMENT_GLSL
 #define ENVIRONMENT_GLSL
 #include "math/equal_area.glsl"
 #include "film/frame.glsl"
 #include "random/random.glsl"
 
-// Coordinates on the map, each in [0, 1): azimuth from -z towards +x, and angle from +y.
+// Coordinates of a direction on the map, each in [0, 1): the azimuth from -z towards +x, and the angle from +y.
 vec2 environment_coordinates(vec3 direction) {
     vec4 rows[3] = scene().environment_from_world;
     vec3 d = vec3(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
@@ -21,7 +22,7 @@ vec3 environment_direction(vec2 coordinates) {
     return d.x * rows[0].xyz + d.y * rows[1].xyz + d.z * rows[2].xyz;
 }
 
-// Two texels of the map, as halves, share one of the buffer.
+// Color of a texel. Each group of four words of the emitter buffer holds two texels as halves.
 vec3 environment_texel(uint x, uint y) {
     uint index = y * scene().environment_size.x + x;
     uvec4 pair = fetch_emitter_texel(scene().first_environment_texel + (index >> 1u));
@@ -29,7 +30,7 @@ vec3 environment_texel(uint x, uint y) {
     return vec3(unpackHalf2x16(words.x), unpackHalf2x16(words.y).x);
 }
 
-// The map between four texels.
+// Bilinear interpolation of the map.
 vec3 environment_map(vec2 coordinates) {
     uvec2 size = scene().environment_size;
     vec2 at = coordinates * vec2(float(size.x), float(size.y - 1u)) - vec2(0.5, 0.0);
@@ -49,14 +50,16 @@ vec3 environment_radiance(vec3 direction) {
     return scene().environment * environment_map(environment_coordinates(direction));
 }
 
-// Density of a direction on the map, given the probability of its block: blocks are as large as each other in coordinates.
+// Density of a direction on the map, per steradian, given the probability of its block. All blocks are equal in size in
+// coordinates.
 float environment_density(float probability, float polar) {
     uvec2 blocks = scene().environment_blocks;
     float sine = max(sin_cos_turn(0.5 * polar).x, 1.0e-7);
     return probability * float(blocks.x * blocks.y) * INV_TWO_PI * INV_PI / sine;
 }
 
-// Probability of the block is the word after its threshold and alias.
+// Probability of the block that contains the coordinates. It is the last word of the block's entry, after threshold and
+// alias.
 float environment_block_probability(vec2 coordinates) {
     uvec2 blocks = scene().environment_blocks;
     uvec2 at = min(uvec2(coordinates * vec2(blocks)), blocks - 1u);
@@ -68,7 +71,8 @@ struct EnvironmentSample {
     float pdf;  // per steradian
 };
 
-// Uniform for a constant environment; otherwise a block by the alias table, and uniform coordinates in it.
+// Samples a direction towards the environment. A constant environment is sampled uniformly over the sphere. For a map,
+// the alias table draws a block, and the coordinates are uniform in the block.
 EnvironmentSample sample_environment(uvec4 bits) {
     if (ENVIRONMENT != ENVIRONMENT_MAP) {
         return EnvironmentSample(square_to_sphere(2.0 * unit_floats(bits).zw - 1.0), 0.5 * INV_TWO_PI);

@@ -1,5 +1,6 @@
-// Emitter sampling: chooses a light by its power and a point or direction of it. Of each light the same function gives the
-// density for a sample and for a ray that met it by other means, so that the weights of both sum to one.
+// Emitter sampling: draws a light with a probability in proportion to its power, and a point or direction of it. One
+// function per light gives the density both for a sampled direction and for a ray that hits the light by chance, so
+// that the weights of the two sum to 1.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 #include "light/emitter.glsl"
@@ -8,11 +9,11 @@
 
 struct LightSample {
     vec3 wi;        // unit, world space
-    vec3 target;    // point of the light, moved off it to the side that is seen; unused where it is infinitely far away
+    vec3 target;    // point of the light, moved off it to the visible side; unused if infinitely far away
     bool infinite;
-    vec3 radiance;  // that arrives where nothing is in the way; times the solid angle, for a delta light
-    float pdf;      // per steradian, or for a delta light the probability that it is chosen; 0: no sample
-    bool delta;     // no ray can meet it
+    vec3 radiance;  // radiance that arrives if nothing is in the way; for a delta light, times the solid angle
+    float pdf;      // per steradian; for a delta light, the probability of choosing it; 0: no sample
+    bool delta;     // whether no ray can hit the light
 };
 
 const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false);
@@ -25,7 +26,7 @@ float light_probability(uint light) {
     return light == NONE ? 0.0 : uintBitsToFloat(fetch_light(light).w);
 }
 
-// A light's record, with probability as its fourth word says. bits.xy are used up.
+// Record of a light that is drawn by the alias table. The record's fourth word is the probability. bits.xy are used up.
 uvec4 choose_light(uvec4 bits) {
     uint light, rest;
     umulExtended(bits.x, scene().light_count, light, rest);
@@ -33,7 +34,8 @@ uvec4 choose_light(uvec4 bits) {
     return bits.y < record.x ? record : fetch_light(record.y);
 }
 
-// Density of the direction from `from` to a surface of an area light that has been chosen.
+// Density per steradian of the direction from `from` to a surface point of an area light, given that this light was
+// chosen.
 float pdf_area_light(uint primitive, Surface s, vec3 from) {
     vec4 texel0 = fetch_primitive(primitive, 0u);
     vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
@@ -50,7 +52,7 @@ Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
     vec2 uv = sample_flat(shape, u);
     vec3 point = texel0.xyz + uv.x * edge_u + uv.y * fetch_primitive(primitive, 2u).xyz;
     if (HAS_SPHERES && shape == SHAPE_SPHERE) point = sample_sphere(from, texel0.xyz, length(edge_u), u);
-    // As a ray finds it that has come to its end.
+    // The ray ends at the point: length 0.
     Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
     return surface_at(ray, Hit(0.0, uv, primitive));
 }
@@ -65,7 +67,8 @@ LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {
     return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
 }
 
-// Share of a spot's intensity at the angle of this cosine to its axis: falls linearly with the angle, as in Mitsuba.
+// Share of a spot light's intensity at the angle with this cosine to its axis. The share falls linearly with the angle,
+// as in Mitsuba.
 float spot_falloff(float cosine, float cos_cutoff, float cutoff_angle, float falloff) {
     if (cosine <= cos_cutoff) return 0.0;
     float angle = (2.0 * PI) * turns_of(vec2(cosine, sqrt(max(1.0 - cosine * cosine, 0.0))));
@@ -95,7 +98,7 @@ LightSample environment_light_sample(uvec4 light, uvec4 bits) {
     return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), uintBitsToFloat(light.w) * s.pdf, false);
 }
 
-// A light as seen from the point `from`.
+// Sample of a light, as seen from the point `from`.
 LightSample sample_light(RandomKey key, uint vertex, vec3 from) {
     uvec4 bits = random_bits(key, vertex, RANDOM_EMITTER);
     uvec4 light = choose_light(bits);
@@ -111,17 +114,17 @@ LightSample sample_light(RandomKey key, uint vertex, vec3 from) {
     return s;
 }
 
-// Density with which sample_light draws the direction from `from` to a surface that was met there.
+// Density, per steradian, with which sample_light draws the direction from `from` to a surface that a ray has hit.
 float pdf_light_at_surface(uint primitive, Surface s, vec3 from) {
     return light_probability(fetch_attributes(primitive, 2u).w) * pdf_area_light(primitive, s, from);
 }
 
-// Density with which sample_light draws a direction that met nothing.
+// Density, per steradian, with which sample_light draws a direction in which a ray hits nothing.
 float pdf_light_at_environment(vec3 direction) {
     return light_probability(scene().environment_light) * pdf_environment(direction);
 }
 
-// The ray from a surface to a light; what it meets is in the way.
+// Ray from a surface to a light. Any surface that it hits blocks the light.
 Ray shadow_ray(Surface s, LightSample light) {
     Ray ray = leave_surface(s, light.wi);
     if (!light.infinite) {
@@ -132,8 +135,9 @@ Ray shadow_ray(Surface s, LightSample light) {
     return ray;
 }
 
-// Share that a sample of density `own` has of a path that another sampler draws with density `other`: the power heuristic
-// (Veach 1997, exponent 2), which leaves less noise than the balance heuristic where one of the two samples well.
+// Weight of a sample with density `own`, where another sampler draws the same path with density `other`: the power
+// heuristic (Veach 1997, exponent 2). Its noise is lower than that of the balance heuristic where one of the two
+// samplers is good.
 float mis_weight(float own, float other) {
     float ratio = other / own;
     return 1.0 / (1.0 + ratio * ratio);

@@ -1,11 +1,11 @@
-// Points on primitives that emit, and how densely they are drawn, seen from a point: per steradian of the direction there.
+// Sampling of points on emitting primitives, and the density of the direction to such a point, per steradian.
 #ifndef LIGHT_SHAPE_GLSL
 #define LIGHT_SHAPE_GLSL
 #include "math/direction.glsl"
 #include "math/equal_area.glsl"
 #include "shared/variant.glsl"
 
-// Uniform in area: coordinates (u, v) of a point of a flat shape.
+// Coordinates (u, v) of a point that is uniform in area on a flat shape.
 vec2 sample_flat(uint shape, vec2 u) {
     if (shape == SHAPE_PARALLELOGRAM) return 2.0 * u - 1.0;
     if (shape == SHAPE_DISK) return concentric_disk(u);
@@ -18,25 +18,26 @@ float flat_area(uint shape, vec3 edge_u, vec3 edge_v) {
     return factor * length(cross(edge_u, edge_v));
 }
 
-// Density of a direction whose points on a surface of this area are drawn uniformly.
+// Density, per steradian, of the direction to a point that is uniform on a surface of this area.
 float pdf_area(vec3 from, vec3 position, vec3 normal, float area) {
     vec3 d = position - from;
     float squared = dot(d, d);
     return squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);
 }
 
-// A sphere is sampled by the cone that it fills, from outside; on it or inside there is none.
+// Whether a sphere is sampled by the cone that it fills. A point on or inside the sphere has no such cone.
 bool sees_cone(vec3 from, vec3 center, float radius) {
     vec3 d = center - from;
     return dot(d, d) > 1.001 * radius * radius;
 }
 
-// 1 - cos of the cone's half angle, without the cancellation of a distant sphere.
+// 1 - cos of the cone's half angle, in a form without cancellation for a distant sphere.
 float cone_height(float squared_sine) {
     return squared_sine / (1.0 + sqrt(max(1.0 - squared_sine, 0.0)));
 }
 
-// A point of a sphere: uniform in the solid angle that it fills from outside, uniform in area from inside.
+// Point of a sphere. Seen from outside, it is uniform in the solid angle of the sphere; seen from inside, uniform in
+// area.
 vec3 sample_sphere(vec3 from, vec3 center, float radius, vec2 u) {
     vec3 d = center - from;
     float squared = dot(d, d);
@@ -46,7 +47,8 @@ vec3 sample_sphere(vec3 from, vec3 center, float radius, vec2 u) {
     vec2 sine_cosine = sin_cos_turn(u.y);
     mat3 frame = basis_from_normal(d * inversesqrt(squared));
     float cosine = 1.0 - height;
-    // What is left of the half chord; rounding must not make the root of a direction along the cone imaginary.
+    // The distance is that of the near intersection. The maximum guards the root against rounding where the direction
+    // lies on the cone.
     float distance = sqrt(squared) * cosine - sqrt(max(radius * radius - squared * squared_sine, 0.0));
     return from + distance * (frame * vec3(sqrt(squared_sine) * sine_cosine.yx, cosine));
 }

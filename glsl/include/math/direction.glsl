@@ -1,9 +1,9 @@
-// Directions: bases, the cosine-weighted and the uniform hemisphere.
+// Directions: sines and cosines, orthonormal bases, and cosine-weighted sampling of the hemisphere.
 #ifndef DIRECTION_GLSL
 #define DIRECTION_GLSL
 #include "math/constants.glsl"
 
-// Sine and cosine of x in [-pi/4, pi/4] by their Taylor series: drivers' own may be 1e-5 off, these are within 2e-7.
+// Sine and cosine of x in [-pi/4, pi/4] by their Taylor series. The error is at most 2e-7; a driver's own can be 1e-5.
 vec2 sin_cos_quarter(float x) {
     float x2 = x * x;
     float s = x * (1.0 + x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 + x2 * (-1.0 / 5040.0 + x2 * (1.0 / 362880.0)))));
@@ -11,7 +11,7 @@ vec2 sin_cos_quarter(float x) {
     return vec2(s, c);
 }
 
-// Sine and cosine of a number of whole turns, at most some thousands.
+// Sine and cosine of an angle in whole turns. The magnitude may be some thousands.
 vec2 sin_cos_turn(float turns) {
     float quarters = floor(4.0 * turns + 0.5);
     vec2 sc = sin_cos_quarter((0.5 * PI) * (4.0 * turns - quarters));
@@ -20,7 +20,7 @@ vec2 sin_cos_turn(float turns) {
     return quadrant >= 2 ? -sc : sc;
 }
 
-// World from a local frame whose z-axis is the unit vector `n` (Duff et al. 2017).
+// Matrix to world space from a local frame whose z-axis is the unit vector `n` (Duff et al. 2017).
 mat3 basis_from_normal(vec3 n) {
     float s = n.z >= 0.0 ? 1.0 : -1.0;
     float a = -1.0 / (s + n.z);
@@ -28,7 +28,7 @@ mat3 basis_from_normal(vec3 n) {
     return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
 }
 
-// The unit square onto the unit disk, area-preserving (Shirley and Chiu 1997).
+// Area-preserving map from the unit square to the unit disk (Shirley and Chiu 1997).
 vec2 concentric_disk(vec2 u) {
     vec2 p = 2.0 * u - 1.0;
     bool x_leads = abs(p.x) > abs(p.y);
@@ -38,7 +38,7 @@ vec2 concentric_disk(vec2 u) {
     return radius * (x_leads ? sc.yx : sc);
 }
 
-// Direction about +z with density cos / pi.
+// Direction about +z with density cos / pi per steradian.
 vec3 sample_cosine_hemisphere(vec2 u) {
     vec2 d = concentric_disk(u);
     return vec3(d, sqrt(max(1.0 - dot(d, d), 0.0)));

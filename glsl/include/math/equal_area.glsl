@@ -1,5 +1,5 @@
-// The equal-area map between the square [-1, 1]^2 and the sphere (Shirley and Chiu 1997; Clarberg 2008).
-// The diamond |x| + |y| <= 1 is the upper hemisphere; the four corners fold down to the lower one.
+// Equal-area map between the square [-1, 1]^2 and the sphere (Shirley and Chiu 1997; Clarberg 2008). The diamond
+// |x| + |y| <= 1 is the upper hemisphere. The four corners fold down to the lower hemisphere.
 #ifndef EQUAL_AREA_GLSL
 #define EQUAL_AREA_GLSL
 #include "math/direction.glsl"
@@ -8,12 +8,12 @@ float sign_not_zero(float x) {
     return x < 0.0 ? -1.0 : 1.0;
 }
 
-// Unit direction of a point of the square.
+// Unit direction for a point of the square.
 vec3 square_to_sphere(vec2 p) {
     vec2 a = abs(p);
     float signed_distance = 1.0 - (a.x + a.y);
     float r = 1.0 - abs(signed_distance);
-    // Azimuth within the quadrant, measured from its middle: in [-pi/4, pi/4].
+    // Azimuth within the quadrant, measured from the quadrant's middle, in [-pi/4, pi/4].
     vec2 sc = sin_cos_quarter(r == 0.0 ? 0.0 : (0.25 * PI) * (a.y - a.x) / r);
     float planar = r * sqrt(max(2.0 - r * r, 0.0));
     const float half_sqrt2 = 0.70710678118655;
@@ -22,7 +22,7 @@ vec3 square_to_sphere(vec2 p) {
     return vec3(sign_not_zero(p.x) * x, sign_not_zero(p.y) * y, sign_not_zero(signed_distance) * (1.0 - r * r));
 }
 
-// 2 / pi * atan(x) for x in [0, 1] (Abramowitz and Stegun 1964, 4.4.49: within 2e-8 before rounding).
+// 2 / pi * atan(x) for x in [0, 1], within 2e-8 before rounding (Abramowitz and Stegun 1964, 4.4.49).
 float quadrant_fraction(float x) {
     float x2 = x * x;
     float p = -0.0161657367 + x2 * 0.0028662257;
@@ -35,7 +35,7 @@ float quadrant_fraction(float x) {
     return (2.0 / PI) * x * (1.0 + x2 * p);
 }
 
-// Angle of a point of the plane from the x-axis, in whole turns: in [-1/2, 1/2].
+// Angle from the x-axis to a point of the plane, in whole turns, in [-1/2, 1/2].
 float turns_of(vec2 p) {
     vec2 a = abs(p);
     float high = max(a.x, a.y);
@@ -45,10 +45,10 @@ float turns_of(vec2 p) {
     return p.y < 0.0 ? -0.25 * quarters : 0.25 * quarters;
 }
 
-// Point of the square of a unit direction.
+// Point of the square for a unit direction.
 vec2 sphere_to_square(vec3 w) {
     vec3 a = abs(w);
-    // sqrt(1 - |z|) without its cancellation at the poles.
+    // This is sqrt(1 - |z|) in a form without cancellation at the poles.
     float r = sqrt(dot(a.xy, a.xy) / (1.0 + a.z));
     float high = max(a.x, a.y);
     float fraction = high == 0.0 ? 0.0 : quadrant_fraction(min(a.x, a.y) / high);
@@ -58,7 +58,7 @@ vec2 sphere_to_square(vec3 w) {
     return vec2(sign_not_zero(w.x) * p.x, sign_not_zero(w.y) * p.y);
 }
 
-// The point whose direction is opposite to that of `p`: a rigid rearrangement of the square, so areas are kept.
+// Point of the square for the opposite direction. The function rearranges the square rigidly, so areas are preserved.
 vec2 antipode(vec2 p) {
     vec2 a = abs(p);
     return vec2(-sign_not_zero(p.x) * (1.0 - a.y), -sign_not_zero(p.y) * (1.0 - a.x));

@@ -1,5 +1,6 @@
-// Surfaces of microfacets: Beckmann's distribution of their normals and GGX (Walter et al. 2007), their masking after Smith,
-// and their visible normals (Heitz and d'Eon 2014). The local frame's z-axis is the mean normal; normals have z >= 0.
+// Microfacet surfaces: the normal distributions of Beckmann and GGX (Walter et al. 2007), Smith masking, and sampling
+// of the visible normals (Heitz and d'Eon 2014). The local frame's z-axis is the mean normal. Facet normals have z >=
+// 0.
 #ifndef MICROFACET_GLSL
 #define MICROFACET_GLSL
 #include "math/direction.glsl"
@@ -8,7 +9,7 @@
 
 struct Microfacets {
     vec2 alpha;  // roughness along x and y
-    bool is_ggx; // else Beckmann
+    bool is_ggx; // GGX; otherwise Beckmann
 };
 
 Microfacets microfacets(vec2 alpha, bool is_ggx) {
@@ -17,7 +18,7 @@ Microfacets microfacets(vec2 alpha, bool is_ggx) {
 
 // --------------------------------------------------------------------------------------------------- error function
 
-// erfc(x) exp(x^2) for x >= 0 within 3e-6 of itself: our fit in the manner of Abramowitz and Stegun 7.1.26.
+// erfc(x) exp(x^2) for x >= 0, with a relative error below 3e-6. The fit follows Abramowitz and Stegun 7.1.26.
 float scaled_erfc(float x) {
     float t = 1.0 / (1.0 + 0.42 * x);
     return t * (0.23860042 + t * (0.21625674 + t * (0.32137587 + t * (-0.09976038 + t * (0.4907462 - t * 0.16721645)))));
@@ -29,7 +30,7 @@ float erfc_of_negative(float x, float exp_x2) {
     return x < 0.0 ? tail : 2.0 - tail;
 }
 
-// The x with erf(x) = 2 u - 1 (Giles 2010, single precision).
+// Solution x of erf(x) = 2 u - 1 (Giles 2010, single precision).
 float inverse_erf(float u) {
     float w = -log(4.0 * u * (1.0 - u));
     float a = w - 2.5;
@@ -43,18 +44,18 @@ float inverse_erf(float u) {
 
 // ----------------------------------------------------------------------------------------------------- distributions
 
-// D(m), normals per unit of area and steradian, for m.z >= 0.
+// D(m): density of facet normals per unit of area and steradian, for m.z >= 0.
 float microfacet_density(Microfacets s, vec3 m) {
     vec2 slope = m.xy / s.alpha;
     float slope2 = dot(slope, slope);
-    // Smaller cosines have no normals in Beckmann's distribution, and GGX is indifferent to them.
+    // Beckmann's distribution is 0 at smaller cosines, and GGX hardly changes there.
     float z2 = max(m.z * m.z, 1.0e-9);
     float scale = INV_PI / (s.alpha.x * s.alpha.y);
     if (s.is_ggx) return scale / ((slope2 + z2) * (slope2 + z2));
     return scale * exp(-slope2 / z2) / (z2 * z2);
 }
 
-// Area of the visible facets per unit of mean surface, projected along `v`: |cos| / G1 for the exact Smith G1.
+// Projected area of the visible facets along `v`, per unit of mean surface: |cos| / G1 for the exact Smith G1.
 float projected_area(Microfacets s, vec3 v) {
     vec2 stretched = s.alpha * v.xy;
     float sin2 = dot(stretched, stretched);
@@ -66,7 +67,7 @@ float projected_area(Microfacets s, vec3 v) {
     return 0.5 * (c * erfc_of_negative(a, exp_a2) + sine * exp_a2 * sqrt(INV_PI));
 }
 
-// G1(v) / |cos|. Of Beckmann it is the rational approximation of Walter et al. (2007), as in Mitsuba.
+// G1(v) / |cos|. For Beckmann, G1 is the rational approximation of Walter et al. (2007), as in Mitsuba.
 float masking_per_cosine(Microfacets s, vec3 v) {
     float c = abs(v.z);
     if (s.is_ggx) return 1.0 / max(projected_area(s, v), 1.0e-20);
@@ -78,7 +79,7 @@ float masking_per_cosine(Microfacets s, vec3 v) {
 
 // --------------------------------------------------------------------------------------------------- visible normals
 
-// Of the normals that a stretched surface of roughness 1 shows in direction `v` (Dupuy and Benyoub 2023).
+// Visible normal of a stretched GGX surface of roughness 1, seen from direction `v` (Dupuy and Benyoub 2023).
 vec3 sample_visible_ggx(vec3 v, vec2 u) {
     vec2 d = concentric_disk(u);
     float r2 = dot(d, d);
@@ -86,13 +87,14 @@ vec3 sample_visible_ggx(vec3 v, vec2 u) {
     return vec3(d * sqrt(max(k * (2.0 - r2 * k), 0.0)) + v.xy, k * (1.0 - r2));
 }
 
-// Slope along the plane of incidence with density proportional to (c - x s)+ exp(-x^2), c and s the cosine and the sine of
-// incidence, by inverting its distribution function.
+// Slope along the plane of incidence with density proportional to max(c - x s, 0) exp(-x^2), by inversion of the
+// cumulative distribution. `c` and `s` are the cosine and the sine of the angle of incidence.
 float sample_visible_slope(float c, float s, float u) {
     float most = min(c / max(s, 1.0e-6), 6.0);
     float exp_most = exp(-most * most);
     float target = u * (0.886226925 * c * erfc_of_negative(most, exp_most) + 0.5 * s * exp_most);
-    // Between the exact solutions at normal and at grazing incidence; from there three of Halley's steps come within 2e-5.
+    // The start value blends the exact solutions at normal and at grazing incidence. Three of Halley's steps reach
+    // 2e-5.
     float x = min(mix(inverse_erf(u), -sqrt(-log(u)), s), 0.999 * most);
     for (int i = 0; i < 3; ++i) {
         float exp_x2 = exp(-x * x);
@@ -113,7 +115,7 @@ vec3 sample_visible_beckmann(vec3 v, vec2 u) {
     return vec3(-x * along + y * vec2(-along.y, along.x), 1.0);
 }
 
-// A facet's normal with density pdf_visible_normal; v.z >= 0.
+// Visible facet normal, with the density D(m) max(v.m, 0) / projected_area(v) per steradian; v.z >= 0.
 vec3 sample_visible_normal(Microfacets s, vec3 v, vec2 u) {
     vec3 stretched = normalize(vec3(s.alpha * v.xy, max(v.z, 1.0e-7)));
     vec3 m = s.is_ggx ? sample_visible_ggx(stretched, u) : sample_visible_beckmann(stretched, u);
@@ -122,15 +124,16 @@ vec3 sample_visible_normal(Microfacets s, vec3 v, vec2 u) {
 
 // ------------------------------------------------------------------------------------------------------------ facets
 
-// What all kinds with microfacets need of the facets that lead light from `wi` to `wo`, or back.
+// Quantities of the facets that lead light from `wi` to `wo` or back. Every BSDF with microfacets needs them.
 struct Facet {
-    vec3 m;         // their normal, z >= 0
+    vec3 m;         // normal of the facets, z >= 0
     float density;  // D(m)
-    float area;     // projected_area of `wo`
+    float area;     // projected_area(wo)
     float masking;  // G1(wo) G1(wi) / |cos wo|
 };
 
-// `eta`, interior over exterior, matters where the directions lie on different sides.
+// Facets between two directions. `eta`, interior over exterior, matters only where the directions lie on different
+// sides.
 Facet facet_between(Microfacets s, vec3 wo, vec3 wi, float eta) {
     float relative = wo.z > 0.0 ? eta : 1.0 / eta;
     vec3 m = wo + wi * (wo.z * wi.z > 0.0 ? 1.0 : relative);
@@ -140,12 +143,12 @@ Facet facet_between(Microfacets s, vec3 wo, vec3 wi, float eta) {
     return Facet(m, microfacet_density(s, m), max(projected_area(s, wo), 1.0e-20), masking);
 }
 
-// Density of `wi` where the facets are drawn as they are seen from `wo`, and reflect.
+// Density of the reflected direction `wi`, per steradian, where facet normals are sampled as visible from `wo`.
 float reflected_density(Facet f) {
     return f.density / (4.0 * f.area);
 }
 
-// f |cos| of facets that reflect all light.
+// f |cos wi| of facets that reflect all light.
 float reflected_light(Facet f) {
     return 0.25 * f.density * f.masking;
 }

@@ -1,4 +1,5 @@
-// Unit vectors in 32 bits (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors").
+// Unit vectors in 32 bits: octahedral encoding (Cigolle et al. 2014, "A Survey of Efficient Representations for
+// Independent Unit Vectors").
 #ifndef OCTAHEDRAL_GLSL
 #define OCTAHEDRAL_GLSL
 

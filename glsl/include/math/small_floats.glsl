@@ -1,20 +1,20 @@
-// Positive numbers in few bits, sixteen of them in four words: three bits of mantissa, so within a sixteenth of what they stand
-// for, and at least four of exponent. A weight is never 0.
+// Small floats: positive numbers in 7 or 8 bits, with three bits of mantissa (relative error at most 1/16) and at least
+// four bits of exponent. Sixteen of them fit in four words. A stored weight is never 0.
 #ifndef SMALL_FLOATS_GLSL
 #define SMALL_FLOATS_GLSL
 #include "shared/guide.glsl"
 
-// BIAS_8 for 7 bits.
+// Biased exponent that the 7-bit code 0 stands for, as BIAS_8 does for 8 bits.
 const uint BIAS_7 = 112u;
 
-// The code nearest to `x`, which is at most LARGEST_SMALL_FLOAT.
+// Code nearest to `x`, for `x` at most LARGEST_SMALL_FLOAT.
 uint small_float(float x, uint bias) {
     uint least = bias << (23u - DROPPED_BITS);
     uint rounded = (floatBitsToUint(max(x, 0.0)) + (1u << (DROPPED_BITS - 1u))) >> DROPPED_BITS;
     return rounded - min(rounded, least);
 }
 
-// Four codes of 8 bits.
+// Values of four 8-bit codes.
 vec4 unpack_8(uint word) {
     uvec4 codes = uvec4(word, word >> 8u, word >> 16u, word >> 24u) & 0xffu;
     return uintBitsToFloat((codes << DROPPED_BITS) + (BIAS_8 << 23u));
@@ -25,7 +25,7 @@ uint pack_8(vec4 x) {
         (small_float(x.w, BIAS_8) << 24u);
 }
 
-// Four codes of 7 bits; the word's upper four bits are free.
+// Values of four 7-bit codes. The word's upper four bits are free for other use.
 vec4 unpack_7(uint word) {
     uvec4 codes = uvec4(word, word >> 7u, word >> 14u, word >> 21u) & 0x7fu;
     return uintBitsToFloat((codes << DROPPED_BITS) + (BIAS_7 << 23u));
@@ -36,7 +36,7 @@ uint pack_7(vec4 x) {
         (small_float(x.w, BIAS_7) << 21u);
 }
 
-// Weights of 4 x 4 parts of a square, [column] of row [row], as 8-bit codes and as 7-bit ones.
+// Weights of the 4 x 4 parts of a square, indexed [row][column], from 8-bit codes (unpack_weights_8) or 7-bit codes.
 mat4 unpack_weights_8(uvec4 words) {
     return mat4(unpack_8(words.x), unpack_8(words.y), unpack_8(words.z), unpack_8(words.w));
 }
@@ -50,7 +50,8 @@ float largest_weight(mat4 w) {
     return max(max(columns.x, columns.y), max(columns.z, columns.w));
 }
 
-// What the largest weight is multiplied by to become the largest code; 0 where no number does, so that all are alike.
+// Factor that maps the largest weight to the largest code. It is 0 where no finite factor does so; then all weights are
+// equal.
 float code_scale(float largest) {
     return largest > 1.0e-36 && largest < 1.0e37 ? LARGEST_SMALL_FLOAT / largest : 0.0;
 }
@@ -60,8 +61,8 @@ uvec4 pack_weights_8(mat4 w) {
     return uvec4(pack_8(w[0] * scale), pack_8(w[1] * scale), pack_8(w[2] * scale), pack_8(w[3] * scale));
 }
 
-// Seven bits each. The free bits hold `scalar`, which is not negative, to 8 bits of mantissa; it is stored as no less than a
-// least number, so that not all words are 0.
+// Packs sixteen weights in 7 bits each. The free bits hold `scalar`, which is not negative, with 8 bits of mantissa.
+// The scalar is stored as at least 1e-37, so that a packed record is never all zeros.
 uvec4 pack_weights_7(mat4 w, float scalar) {
     float scale = code_scale(largest_weight(w));
     uvec4 words = uvec4(pack_7(w[0] * scale), pack_7(w[1] * scale), pack_7(w[2] * scale), pack_7(w[3] * scale));

@@ -1,17 +1,18 @@
-// Random numbers without state: a hash of (pixel, sample, vertex and block, seed), so that no order of work changes a bit.
+// Random numbers without state. Each number is a hash of pixel, sample, vertex, block and seed, so that the order in
+// which invocations run does not change any bit of the picture.
 #ifndef RANDOM_GLSL
 #define RANDOM_GLSL
 #include "random/blue_noise.glsl"
 #include "random/sobol.glsl"
 #include "shared/variant.glsl"
 
-// What does not change along a path.
+// Part of a random number's key that is constant along a path.
 struct RandomKey {
     uint pixel;  // index within the whole film
     uint sample_index;
-    uint first_of_set;  // index of the first sample that shares the scrambling of its set
+    uint first_of_set;  // index of the first sample of the set; the samples of a set share one scrambling
     uint seed;
-    // Of PATTERN_BLUE_NOISE: the pixel's tile, and its place along that tile's curve.
+    // For PATTERN_BLUE_NOISE: the pixel's tile, and the pixel's position along the tile's curve.
     uint tile;
     uint reversed_place;
 };
@@ -21,7 +22,7 @@ RandomKey random_key(uvec2 film_pixel, uint film_width, uint sample_index, uint 
     return RandomKey(pixel, sample_index, first_of_set, seed, tile_of(film_pixel), reversed_place_in_tile(film_pixel));
 }
 
-// Blocks of random numbers that a vertex may draw.
+// Block of random numbers. Each vertex may draw one block for each purpose.
 const uint RANDOM_SCATTER = 0u;
 const uint RANDOM_TRIES = 1u;
 const uint RANDOM_MATERIAL = 2u;
@@ -29,7 +30,7 @@ const uint RANDOM_EMITTER = 3u;
 const uint RANDOM_ENVIRONMENT = 4u;
 const uint RANDOM_LEARNING = 5u;
 
-// Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
+// Hash of four words (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 uvec4 pcg4d(uvec4 v) {
     v = v * 1664525u + 1013904223u;
     v.x += v.y * v.w;
@@ -44,7 +45,7 @@ uvec4 pcg4d(uvec4 v) {
     return v;
 }
 
-// The upper 24 bits as a float in [0, 1).
+// Float in [0, 1) from the upper 24 bits.
 float unit_float(uint bits) {
     return float(bits >> 8u) * (1.0 / 16777216.0);
 }
@@ -53,18 +54,20 @@ vec4 unit_floats(uvec4 bits) {
     return vec4(bits >> 8u) * (1.0 / 16777216.0);
 }
 
-// One more number in [0, 1), from the bits that unit_floats leaves unused. They are the hash's weakest: over small boxes of
-// keys a single word's are measurably uneven, so a multiplication (by the golden ratio) spreads all words' over the result.
+// Another number in [0, 1), from the low bits that unit_floats leaves unused. They are the weakest bits of the hash:
+// for keys from a small box, the low bits of a single word are measurably uneven. The multiplication by the golden
+// ratio spreads the low bits of all four words over the result.
 float leftover_float(uvec4 bits) {
     uvec4 low = bits & 0xffu;
     return unit_float((low.x | (low.y << 8u) | (low.z << 16u) | (low.w << 24u)) * 0x9e3779b9u);
 }
 
-// Tells the hash of a set from that of a sample.
+// Bit of the key that separates the hash of a set from the hash of a sample.
 const uint OF_SET = 0x80000000u;
 
-// Four words for `block` of vertex `vertex` (0 is the camera). With PATTERN_SOBOL the first two of them, and the last two, are
-// well distributed over the samples of a set; with PATTERN_BLUE_NOISE also over the pixels of a square.
+// Four random words for a block of a vertex (vertex 0 is the camera). With PATTERN_SOBOL, the first two words and the
+// last two words are each well distributed over the samples of a set. With PATTERN_BLUE_NOISE, they are well
+// distributed over the pixels of a square, too.
 uvec4 random_bits(RandomKey key, uint vertex, uint block) {
     uint place = (vertex << 16u) | block;
     uvec4 bits = pcg4d(uvec4(key.pixel, key.sample_index, place, key.seed));
@@ -75,18 +78,19 @@ uvec4 random_bits(RandomKey key, uint vertex, uint block) {
     return (tile_digits(key.reversed_place, key.sample_index - key.first_of_set, of_set) << 19u) | (bits >> 13u);
 }
 
-// Tells the hash of a sequence from that of a set.
+// Bit of the key that separates the hash of a sequence from the hash of a set.
 const uint OF_SEQUENCE = 0x40000000u;
 
-// Four words for the camera's ray. With PATTERN_SOBOL the first two of them, and the last two, are well distributed over all
-// samples of a pixel, not those of a set only. A guide learns from some of these before it is followed by others, but whatever
-// it has learned, and so whatever rays it has learned from, what a ray brings in the mean is the same: no bias comes of it.
+// Four random words for the camera ray. With PATTERN_SOBOL, the first two words and the last two words are each well
+// distributed over all samples of a pixel, not only over a set. A guide learns from some of these samples before it
+// guides others. This causes no bias: the expected contribution of a camera ray is the same whatever the guide has
+// learned.
 uvec4 camera_bits(RandomKey key) {
     if (PATTERN != PATTERN_SOBOL) return random_bits(key, 0u, RANDOM_SCATTER);
     uint number = key.sample_index;
     uint sequence = OF_SET | OF_SEQUENCE;
     if (ADAPTIVE) {
-        // Each half has a sequence of its own: the one must not make up for what the other errs.
+        // Each half of the samples has a sequence of its own, because the difference of the halves estimates the error.
         number = number / (2u * SET_SIZE) * SET_SIZE + number % SET_SIZE;
         sequence |= key.sample_index / SET_SIZE % 2u;
     }
@@ -95,13 +99,13 @@ uvec4 camera_bits(RandomKey key) {
     return (sequence_digits(number & 0xffffu, of_sequence) << 16u) | (bits >> 16u);
 }
 
-// As many numbers as a loop asks for: xorshift (Marsaglia 2003), started by the hash.
+// Stream of random numbers for a loop: xorshift (Marsaglia 2003), seeded by the hash.
 struct RandomStream {
     uvec4 state;
 };
 
 RandomStream random_stream(RandomKey key, uint vertex, uint block) {
-    // The state must not be all zeros.
+    // The lowest bit is set because xorshift must not start from all zeros.
     return RandomStream(random_bits(key, vertex, block) | uvec4(0u, 0u, 0u, 1u));
 }
 

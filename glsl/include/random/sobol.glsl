@@ -1,16 +1,17 @@
-// Samples in sets of eight that cover unit squares evenly: the first eight points of the first two dimensions of Sobol's
-// sequence (Sobol' 1967), a (0, 3, 2)-net, so that every elementary interval of an eighth of the square holds one of them.
-// Owen's scrambling (Owen 1995) makes each point uniform and keeps the net. Two nets lie side by side, in orders that nothing
-// but chance relates ("padding"; Kollig and Keller 2002).
+// Sobol sampling in sets of eight samples. The points of a set are the first eight points of the first two dimensions
+// of Sobol's sequence (Sobol' 1967). They form a (0, 3, 2)-net: every elementary interval of area 1/8 contains one
+// point. Owen's scrambling (Owen 1995) makes each point uniform and keeps the net. A set has two nets, one for each
+// pair of numbers, in independently random orders ("padding"; Kollig and Keller 2002).
 //
-// Camera rays go on along the sequence itself, of which every stretch of 2^n points, from a multiple of 2^n on, is a net.
+// Camera rays use the sequence itself beyond its first eight points: 2^n consecutive points that start at a multiple of
+// 2^n form a net.
 #ifndef SOBOL_GLSL
 #define SOBOL_GLSL
 
 const uint SET_SIZE = 8u;
 
-// Scrambles numbers of three binary digits: each digit is flipped or not, as one of seven random bits says that the digits
-// before it choose.
+// Owen scrambling of numbers with three binary digits. Seven random bits say whether a digit is flipped; the digits
+// before it select the bit.
 uvec4 owen_scramble(uvec4 x, uvec4 flips) {
     uvec4 flip0 = flips & 1u;
     uvec4 flip1 = (flips >> (1u + (x >> 2u))) & 1u;
@@ -18,25 +19,27 @@ uvec4 owen_scramble(uvec4 x, uvec4 flips) {
     return x ^ ((flip0 << 2u) | (flip1 << 1u) | flip2);
 }
 
-// Of those seven bits, the ones that the digits of 0 meet.
+// Bits of `flips` in owen_scramble that the digits of the number 0 select.
 const uint FLIPS_OF_ZERO = 0xbu;
 
-// The first three binary digits of both coordinates of the points of these numbers in [0, 8): of x.xy, then of x.zw.
+// First three binary digits of both coordinates of the points i.x and i.y in [0, 8). The result holds x and y of i.x,
+// then x and y of i.y.
 uvec4 sobol_digits(uvec2 i) {
-    // Of the first dimension, the number's digits in reverse (van der Corput).
+    // The first dimension is the number with its digits reversed (van der Corput).
     uvec2 x = ((i & 1u) << 2u) | (i & 2u) | (i >> 2u);
     uvec2 y = x ^ ((((i >> 1u) ^ (i >> 2u)) & 1u) << 2u);
     return uvec4(x.x, y.x, x.y, y.y);
 }
 
-// The first three digits of four numbers of the sample of this index; `bits` are random and the same for all of a set.
+// First three digits of four random numbers of a sample. `bits` are random and equal for the whole set.
 uvec4 set_digits(uint sample_index, uvec4 bits) {
     uvec4 shuffled = owen_scramble(uvec4(sample_index % SET_SIZE), bits >> 18u);
     return owen_scramble(sobol_digits(shuffled.xy), bits >> 25u);
 }
 
-// Owen's scrambling by a hash of which no bit depends on higher ones (Laine and Karras 2011; constants: Vegdahl 2021), of
-// numbers whose most significant digit is the lowest bit. Each is uniform if the lower half of `seed` is, given the upper.
+// Owen scrambling by a hash in which no bit depends on higher bits (Laine and Karras 2011; constants: Vegdahl 2021).
+// The numbers have reversed digits: the most significant digit is the lowest bit. A result is uniform if the lower half
+// of `seed` is uniform for a given upper half.
 uvec4 hashed_owen_scramble(uvec4 x, uvec4 seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -45,9 +48,10 @@ uvec4 hashed_owen_scramble(uvec4 x, uvec4 seed) {
     return x ^ (x * 0x53a22864u);
 }
 
-// Both coordinates of the points of these numbers, below 2^16, digits in reverse: of i.x, then of i.y.
+// Coordinates x and y, with reversed digits, of the points i.x and i.y below 2^16: first those of i.x, then those of i.y.
 uvec4 reversed_sobol(uvec2 i) {
-    // A digit of the second is the parity of those of the number whose places have all bits of its own: Pascal's triangle.
+    // The second dimension's generator matrix is Pascal's triangle mod 2. Digit k is the parity of the digits of the
+    // number whose positions contain all bits of k.
     uvec2 y = i ^ ((i >> 1u) & 0x5555u);
     y ^= (y >> 2u) & 0x3333u;
     y ^= (y >> 4u) & 0x0f0fu;
@@ -55,8 +59,8 @@ uvec4 reversed_sobol(uvec2 i) {
     return uvec4(i.x, y.x, i.y, y.y);
 }
 
-// The first 16 digits of four numbers of the point of this number, below 2^16, in a sequence; `bits` are random and the same for
-// all of it. The second pair comes in an order of its own.
+// First 16 digits of four random numbers of the point `number`, below 2^16, of a sequence. `bits` are random and equal
+// for the whole sequence. The second pair of numbers follows the sequence in an order of its own.
 uvec4 sequence_digits(uint number, uvec4 bits) {
     uint reversed = bitfieldReverse(number) >> 16u;
     uvec4 shuffled = hashed_owen_scramble(uvec4(reversed), uvec4((bits.z >> 16u) | (bits.w & 0xffff0000u)));

@@ -1,17 +1,17 @@
-// Sizes of the film's tiles and of what a wave keeps.
+// Sizes of the film's tiles, of a wave's slots and of a wave's queues.
 #ifndef SHARED_FILM_GLSL
 #define SHARED_FILM_GLSL
 
-// Pixels along a side of a tile.
+// Side of a tile, in pixels.
 const uint TILE_SIDE = 8u;
-// Pixels of a tile.
+// Number of pixels in a tile.
 const uint TILE_PIXELS = 64u;
-// Binary digits of a pixel's coordinate.
+// Number of binary digits of a pixel coordinate.
 const uint PIXEL_DIGITS = 16u;
 
-// Word-quadruples of a slot of a wave: all of its path, of its connection to a light, and of its hits.
+// Size of a wave's slot, in groups of four words. A slot holds one path, its connection to a light, and its hits.
 const uint SLOT_QUADRUPLES = 12u;
-// Queues of a wave: two of paths, for even and odd edges, and one of connections.
+// Number of queues of a wave: two queues of paths, for even and odd edges, and one queue of connections.
 const uint QUEUE_COUNT = 3u;
 
 #endif

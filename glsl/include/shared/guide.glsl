@@ -1,22 +1,23 @@
-// How what a guide has learned is laid out.
+// Memory layout of what a guide has learned.
 #ifndef SHARED_GUIDE_GLSL
 #define SHARED_GUIDE_GLSL
 
-// Shares of the scattering function that a cell has: of diffuse lobes, and of scattering functions that are guided as a whole.
+// Number of learned BSDF shares of a cell: one for diffuse lobes, one for BSDFs that are guided as a whole.
 const uint SHARES_PER_CELL = 2u;
-// Words of a share in the table of radiance: the share, two sums that it is learned from, and the number of samples in these.
+// Words of a BSDF share in the radiance table: the share, the two sums that determine it, and the number of samples in
+// the sums.
 const uint SHARE_WORDS = 4u;
-// Sums of a step for a share.
+// Number of sums that a step records for a BSDF share.
 const uint SHARE_SUMS = 2u;
 
-// Least number of nodes of all quadtrees for each leaf of the spatial tree.
+// Nodes that the memory of all quadtrees provides for each leaf of the spatial tree, at least.
 const uint NODES_PER_LEAF = 8u;
 
-// Exponent, as that of a float, of the code 0 of a small float of 8 bits.
+// Biased exponent, as in a 32-bit float, that the code 0 of an 8-bit float stands for.
 const uint BIAS_8 = 96u;
-// Largest small float, of 7 bits and of 8.
+// Largest value of a small float, with 7 bits as well as with 8.
 const float LARGEST_SMALL_FLOAT = 1.875;
-// Bits of a float below the mantissa of a small one.
+// Number of low mantissa bits of a 32-bit float that a small float drops.
 const uint DROPPED_BITS = 20u;
 
 #endif

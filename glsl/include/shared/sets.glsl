@@ -1,4 +1,4 @@
-// Descriptor sets by number: as many as every device has.
+// Numbers of the four descriptor sets. Vulkan guarantees only four.
 #ifndef SETS_GLSL
 #define SETS_GLSL
 

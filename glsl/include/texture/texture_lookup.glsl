@@ -1,18 +1,19 @@
-// Where a texture is looked up, and what its texels mean. Pure.
+// Texture lookup: the texels that a position needs, and the decoding of texels. The functions read no memory.
 #ifndef TEXTURE_LOOKUP_GLSL
 #define TEXTURE_LOOKUP_GLSL
 #include "math/constants.glsl"
 #include "shared/variant.glsl"
 
-// Four texels and how they are mixed.
+// Four texels and the weights of their bilinear mix.
 struct Taps {
-    uvec2 low;       // column and row of the upper left one
-    uvec2 high;      // of the lower right one
-    vec2 fraction;   // weight of the higher ones
-    vec2 direction;  // that columns and rows run in as u and v grow: 1, or -1 in a mirrored copy
+    uvec2 low;       // column and row of the upper left texel
+    uvec2 high;      // column and row of the lower right texel
+    vec2 fraction;   // weights of the right column and of the lower row
+    vec2 direction;  // direction of columns and rows as u and v grow: 1, or -1 in a mirrored copy
 };
 
-// u and v in the copy of the image from 0 to 1.
+// Coordinates u and v within the image, in [0, 1], after wrapping. `direction` is -1 on a mirrored copy and 1
+// elsewhere.
 vec2 wrap(uint kind, vec2 uv, out vec2 direction) {
     direction = vec2(1.0);
     vec2 repeated = uv - floor(uv);
@@ -24,16 +25,16 @@ vec2 wrap(uint kind, vec2 uv, out vec2 direction) {
     return has_textures(TEXTURE_CLAMP) && (kind & TEXTURE_CLAMP) != 0u ? clamp(uv, 0.0, 1.0) : repeated;
 }
 
-// The texel at a position that is at most one off the image.
+// Texel at a position that is at most one texel outside the image.
 uvec2 wrap_texel(uint kind, ivec2 texel, ivec2 size) {
     ivec2 repeated = mix(texel, texel + size, lessThan(texel, ivec2(0)));
     repeated = mix(repeated, repeated - size, greaterThanEqual(repeated, size));
     bool repeats = has_textures(TEXTURE_REPEAT) && (kind & TEXTURE_REPEAT) != 0u;
-    // Clamped in any case: coordinates may be no numbers.
+    // The clamp applies to every wrap mode, because the coordinates may be NaN.
     return uvec2(clamp(repeats ? repeated : texel, ivec2(0), size - 1));
 }
 
-// Texels lie at (i + 1/2) / size.
+// Texels and weights for a lookup. The center of texel i lies at (i + 1/2) / size.
 Taps texture_taps(uint kind, uvec2 size, vec2 uv) {
     Taps taps;
     vec2 position = wrap(kind, uv, taps.direction) * vec2(size);
@@ -46,8 +47,8 @@ Taps texture_taps(uint kind, uvec2 size, vec2 uv) {
     return taps;
 }
 
-// The inverse of the sRGB curve (IEC 61966-2-1) at the 256 values of a byte over 255: its power by a polynomial that is at
-// most 6e-6 off at any of them.
+// Inverse of the sRGB curve (IEC 61966-2-1). The power is a polynomial with an error of at most 6e-6 at each of the 256
+// byte values.
 vec3 decode_srgb(vec3 s) {
     vec3 power = vec3(-0.05466098);
     power = power * s + 0.22672586;
@@ -59,7 +60,7 @@ vec3 decode_srgb(vec3 s) {
     return mix(power, s / 12.92, lessThanEqual(s, vec3(0.04045)));
 }
 
-// The color of a texel from its words, of which the second is that of an image of halves.
+// Color of a texel from its words. Only an image of halves has a second word.
 vec4 decode_texel(uint kind, uvec2 words, float scale) {
     vec4 color = vec4(0.0);
     if (has_textures(TEXTURE_SRGB_BYTES | TEXTURE_LINEAR_BYTES)) color = unpackUnorm4x8(words.x);

@@ -1,5 +1,5 @@
-// Textures: colors that vary over a surface, and the parameters of materials that they multiply. What no texture of the scene
-// needs is left out.
+// Textures: colors that vary over a surface, and the material parameters that they multiply. Specialization removes the
+// code for formats, filters and wrap modes that no texture of the scene uses.
 #ifndef TEXTURES_GLSL
 #define TEXTURES_GLSL
 #include "bsdf/material.glsl"
@@ -11,7 +11,7 @@ struct TextureSampler {
     uint kind;
     uint address;
     uvec2 size;
-    vec2 uv;        // of the texture
+    vec2 uv;        // coordinates on the texture
     mat2 from_surface;
     float scale;
 };
@@ -40,7 +40,7 @@ vec4 fetch_texel(TextureSampler s, uint column, uint row) {
     return decode_texel(s.kind, words, s.scale);
 }
 
-// Columns: upper left, upper right, lower left, lower right.
+// Colors of the four texels, one per column: upper left, upper right, lower left, lower right.
 mat4 fetch_taps(TextureSampler s, Taps taps) {
     return mat4(fetch_texel(s, taps.low.x, taps.low.y), fetch_texel(s, taps.high.x, taps.low.y),
                 fetch_texel(s, taps.low.x, taps.high.y), fetch_texel(s, taps.high.x, taps.high.y));
@@ -53,13 +53,13 @@ vec4 sample_image(TextureSampler s) {
     return mix(mix(colors[0], colors[1], taps.fraction.x), mix(colors[2], colors[3], taps.fraction.x), taps.fraction.y);
 }
 
-// Half a unit of each color in turn.
+// Color of a checkerboard. Each color covers half a unit in u and v.
 vec4 sample_checkerboard(TextureSampler s) {
     bvec2 second = greaterThan(s.uv - floor(s.uv), vec2(0.5));
     return uintBitsToFloat(fetch_texture(s.index, TEXTURE_COLORS + (second.x == second.y ? 0u : 1u)));
 }
 
-// Linear color and alpha of a texture where the surface's coordinates are `uv`.
+// Linear color and alpha of a texture at the surface's coordinates `uv`.
 vec4 sample_texture(uint index, vec2 uv) {
     TextureSampler s = texture_sampler(index, uv);
     vec4 color = vec4(1.0);
@@ -68,8 +68,9 @@ vec4 sample_texture(uint index, vec2 uv) {
     return color;
 }
 
-// How an image's luminance changes with the surface's coordinates. Mitsuba counts texels after the map from the surface's
-// coordinates, which turns slopes where the map turns an image that is not square.
+// Derivative of an image's luminance by the surface's coordinates. As in Mitsuba, the slope counts texels after the map
+// from the surface's coordinates. Where that map rotates an image that is not square, the slope is therefore rotated,
+// too.
 vec2 texture_gradient(uint index, vec2 uv) {
     TextureSampler s = texture_sampler(index, uv);
     Taps taps = texture_taps(s.kind, s.size, s.uv);
@@ -81,10 +82,10 @@ vec2 texture_gradient(uint index, vec2 uv) {
     return vec2(s.size) * (slope * taps.direction * s.from_surface);
 }
 
-// Bits of TEXTURED_PARAMETERS.
+// Bits of TEXTURED_PARAMETERS that stand for colors.
 const uint COLOR_PARAMETERS = (1u << PARAMETER_SCALAR0) - 1u;
 
-// Multiplies one of four numbers.
+// Multiplies one component of a vector by a factor.
 void scale_component(inout vec4 numbers, uint component, float factor) {
     numbers *= mix(vec4(1.0), vec4(factor), equal(uvec4(component), uvec4(0u, 1u, 2u, 3u)));
 }
@@ -102,7 +103,8 @@ void scale_parameter(inout Bsdf b, uint parameter, vec3 color) {
     scale_component(b.scalars2, scalar - 8u, number);
 }
 
-// Multiplies the parameters that have textures; of a number, by the color's luminance.
+// Multiplies each textured parameter of a material: a color by the texture's color, a scalar by the luminance of that
+// color.
 void apply_textures(inout Bsdf b, uint material, vec2 uv) {
     bool more = true;
     for (uint i = 0u; i < MAX_TEXTURE_LINKS && more; ++i) {

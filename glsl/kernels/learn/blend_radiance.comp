@@ -1,5 +1,5 @@
-// What cells fall back on, and the table that the next step samples: one workgroup per cell, large ones first, blends what each
-// bin has learned with what the cell that it is part of is estimated to have.
+// Blends what each cell has learned with the estimate of its parent cell, and writes the radiance table that the next
+// step samples. One workgroup handles one cell. Larger cells come first.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -12,7 +12,8 @@ struct UpdatePush {
 };
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
-// (weight mean + FALLBACK estimate(parent)) / (weight + FALLBACK). The largest cell has its own mean alone.
+// Estimate of a bin: (weight mean + FALLBACK estimate(parent)) / (weight + FALLBACK). The largest cell has only its own
+// mean.
 float blended_radiance(uint cell, uint bin) {
     LearnedRadiance learned = learned_radiance(radiance_index(cell, bin));
     uint parent = parent_cell(cell);

@@ -1,5 +1,6 @@
-// What a cell's parent has learned: one workgroup per parent pools, bin by bin, what its up to eight cells have. Each counts by
-// how sure it is, not by its number of targets, which gather where the camera looks.
+// Computes what a parent cell has learned: for each bin, the mean over its up to eight children. One workgroup handles
+// one parent. A child is weighted by its certainty, not by its number of targets, because targets concentrate where the
+// camera looks.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

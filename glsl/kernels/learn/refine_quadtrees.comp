@@ -1,9 +1,11 @@
-// Ends an iteration of learning (Mueller, Gross and Novak 2017): leaves of the spatial tree are split where many paths have
-// passed, squares of directions where much flux has arrived, and what has been learned is sampled from now on. All sums start
-// anew. Places are given out by prefix sums, so that no order of work changes a bit.
+// Refines the quadtrees at the end of a learning iteration (Mueller, Gross and Novak 2017). Leaves of the spatial tree
+// are split where many paths have passed, and squares of directions are split where much flux has arrived. The refined
+// trees are sampled from now on, and all sums are cleared. Prefix sums assign the memory, so that the order in which
+// invocations run does not change any bit.
 //
-// There are four stages, each a dispatch: every leaf is measured; places are given out; a new quadtree is drafted for every
-// leaf; and drafts are copied to where they are sampled, once for each leaf that takes the place of the old one.
+// The refinement has four stages, each one dispatch. Stage "measure" measures every leaf. Stage "place" assigns memory.
+// Stage "draft" builds a new quadtree for every leaf. Stage "settle" copies the drafts to the memory that is sampled,
+// once for each leaf that replaces the old one.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -12,20 +14,21 @@
 
 struct RefinePush {
     uint stage;      // REFINE_*
-    uint iteration;  // k, of 2^k steps
+    uint iteration;  // k; iteration k has 2^k steps
 };
 layout(push_constant, scalar) uniform Push { RefinePush push; };
 
-// Nodes of new trees, and leaves, by how many levels their leaf is to be split in.
+// Numbers of new nodes and of leaves, by the number of levels into which their leaf is to be split.
 shared uint nodes_by_splits[MOST_SPLITS + 1u];
 shared uint leaves_by_splits[MOST_SPLITS + 1u];
-// Of what each lane places.
+// Numbers of nodes and of leaves that each lane places.
 shared uint lane_nodes[WORKGROUP_SIZE];
 shared uint lane_leaves[WORKGROUP_SIZE];
 
 // ---- measure: an invocation per leaf
 
-// Sums up a node's flux, quarter by quarter, where the nodes below it are done. Returns the number of its own targets.
+// Sums up a node's flux for each quarter. The nodes below it must be summed up already. Returns the number of the
+// node's own targets.
 float measure_node(uint first, uint node) {
     uint links = radiance_node(node).w;
     float targets = 0.0;
@@ -40,7 +43,8 @@ float measure_node(uint first, uint node) {
     return targets;
 }
 
-// Nodes that a square of that flux takes at a level where there were none: its quarters have even shares.
+// Number of nodes that a square with this flux needs from a level where there were no nodes. Its quarters have equal
+// shares.
 uint nodes_of_square(float flux, float threshold, uint level) {
     uint nodes = 0u;
     uint squares = 1u;
@@ -52,7 +56,7 @@ uint nodes_of_square(float flux, float threshold, uint level) {
     return nodes;
 }
 
-// New nodes that take the place of this one and of what lies below its quarters without a node.
+// Number of new nodes that replace this node and the squares below its quarters that have no node yet.
 uint nodes_of_node(uint node, bool is_first, float threshold) {
     uint links = radiance_node(node).w;
     vec4 flux = flux_of_quarters(node);
@@ -63,7 +67,7 @@ uint nodes_of_node(uint node, bool is_first, float threshold) {
     return is_first || sum_of_quarters(flux) > threshold ? nodes : 0u;
 }
 
-// Levels in which a leaf is to be split.
+// Number of levels into which a leaf is to be split.
 uint splits_of(float targets, uint level) {
     float most = LEAF_TARGETS * sqrt(exp2(float(push.iteration)));
     uint splits = 0u;
@@ -101,7 +105,7 @@ uint fewer_splits(uint splits, uint fewer) {
     return splits > fewer ? splits - fewer : 0u;
 }
 
-// Whether there is room where all leaves are split in so many levels fewer.
+// Whether the memory suffices if every leaf is split into `fewer` fewer levels.
 bool has_room(uint fewer) {
     float nodes = 0.0;
     float leaves = 0.0;
@@ -113,13 +117,14 @@ bool has_room(uint fewer) {
     return nodes <= float(QUADTREE_NODES) && leaves <= float(leaf_limit());
 }
 
-// Where there is no room for the new trees, none grows. The first of all has all the room.
+// Number of nodes of a new tree. If the memory is full, no tree grows. The tree of the first iteration may use all
+// memory.
 uint nodes_in_room(uint leaf, uint nodes, bool is_full) {
     uint room = leaf_count() == 1u ? QUADTREE_NODES : leaf_of(radiance_node(leaf_place(leaf))).last + 1u;
     return is_full ? min(nodes, room) : nodes;
 }
 
-// Gives a lane's leaves their places, from these on.
+// Assigns places to a lane's leaves, from the leaf number `leaves` and the node number `nodes` on.
 void place_leaves(uint begin, uint end, uint fewer, bool is_full, uint leaves, uint nodes) {
     for (uint leaf = begin; leaf < end; ++leaf) {
         Plan plan = plan_of(leaf);
@@ -166,8 +171,8 @@ void place() {
 
 // ---- draft: an invocation per leaf
 
-// Turns node `i` of a draft into what is sampled, and drafts the nodes of its quarters from `next` on. Returns how many
-// nodes then are drafted.
+// Converts node `i` of a draft to the form that is sampled, and drafts the nodes of its quarters from the number `next`
+// on. Returns the number of nodes drafted so far.
 uint draft_node(Plan plan, uint old_first, uint i, uint next, float threshold) {
     Draft draft = draft_of(plan.first + i);
     bool is_new = draft.origin == NONE;
@@ -203,10 +208,10 @@ void draft_tree(Leaf leaf, Plan plan) {
     }
 }
 
-// Puts a tree of halves, as a heap, in the place of a leaf.
+// Replaces a leaf by a tree of halves, stored as a heap.
 void split_leaf(uint index, Leaf leaf, Plan plan) {
-    // A spatial tree of so many leaves has one node less than twice as many; each leaf before this one adds two for each
-    // leaf more that it becomes.
+    // A spatial tree with n leaves has 2 n - 1 nodes. Each additional leaf that an earlier leaf splits into adds two
+    // nodes.
     uint heap = 2u * leaf_count() - 1u + 2u * (plan.leaf - index);
     uint copies = 1u << plan.splits;
     if (copies > 1u) store_spatial_node(leaf.spatial_node, SPATIAL_SPLIT | heap);
@@ -229,8 +234,8 @@ void draft(uint index) {
 
 // ---- settle: a workgroup per leaf
 
-// First node of the draft of a leaf's tree, which halves of the same leaf share: that of the last plan that does not begin
-// behind it.
+// First node of the draft for a leaf. Leaves that are halves of the same old leaf share its draft: that of the last
+// plan that does not begin after the leaf's first node.
 uint source_of(Leaf leaf, uint plans) {
     uint low = 0u;
     uint high = plans;
@@ -255,7 +260,7 @@ void settle_leaf(uint index, uint plans) {
 }
 
 void settle() {
-    // Not leaf_count(): that is written here.
+    // The number of leaves comes from the draft, because this stage overwrites leaf_count().
     uvec4 counts = radiance_node(draft_leaf_count_place());
     for (uint leaf = gl_WorkGroupID.x; leaf <= counts.x; leaf += gl_NumWorkGroups.x) settle_leaf(leaf, counts.y);
     if (gl_GlobalInvocationID.x == 0u) store_radiance_node(leaf_count_place(), uvec4(counts.x, 0u, 0u, 0u));

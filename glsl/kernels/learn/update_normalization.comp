@@ -1,12 +1,14 @@
-// Fills the marked entries of the normalization grid from the radiance table: a workgroup per cell, an invocation per entry that
-// is marked, of which most cells have few. The samplers that have a distribution of their own, whatever the normal, get it here as well: the one that
-// inverts over the sphere, which has one bin of normals, its prefix sums, and the product sampler the trees of the cells.
+// Fills the marked entries of the normalization grid from the radiance table. One workgroup handles one cell, and one
+// invocation one marked entry; most cells have few. For samplers with a distribution that does not depend on the
+// normal, the kernel computes that distribution, too: the prefix sums of sphere-inversion, which has a single normal
+// bin, and the cells' trees of the product sampler.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "guide/samplers/bin_distribution.glsl"
 #include "guide/normalization/normalization_entry.glsl"
 #include "guide/grid/radiance_tree.glsl"
+#include "guide/samplers/sampler.glsl"
 
 struct UpdatePush {
     uint first_cell;
@@ -14,14 +16,14 @@ struct UpdatePush {
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 uvec4 record_for(uint cell, uint normal_bin, float total) {
-    if (SAMPLER == SAMPLER_PRODUCT) return product_record(cell, normal_bin);
-    return record_of(SAMPLER == SAMPLER_SPHERE_INVERSION ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
+    if (is_product()) return product_record(cell, normal_bin);
+    return record_of(is_sphere_inversion() ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
 }
 
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
-    float total = SAMPLER == SAMPLER_SPHERE_INVERSION ? store_bin_ends(cell) : 0.0;
-    if (SAMPLER == SAMPLER_PRODUCT) {
+    float total = is_sphere_inversion() ? store_bin_ends(cell) : 0.0;
+    if (is_product()) {
         for (uint node = gl_LocalInvocationIndex; node < nodes_per_tree(); node += WORKGROUP_SIZE) store_tree_node(cell, node);
     }
     uint place = gl_LocalInvocationIndex;

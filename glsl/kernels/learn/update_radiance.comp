@@ -1,5 +1,6 @@
-// Ends a step's learning (Eq. 7): one workgroup per cell moves every bin's mean towards what the step recorded, and writes
-// the table that the next step samples, unless blend_radiance does.
+// Updates the radiance grid at the end of a step (Eq. 7). One workgroup handles one cell. It moves the mean of every
+// bin towards the mean of the step's targets. It also writes the table that the next step samples, unless
+// blend_radiance does.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -13,7 +14,8 @@ struct UpdatePush {
 };
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
-// Rate alpha = count / (count + decayed count of before); with DECAY = 1, the running mean over all targets.
+// Updated estimate of a bin. The learning rate is alpha = count / (count + decayed earlier count). With DECAY = 1 the
+// estimate is the running mean over all targets.
 LearnedRadiance learn(LearnedRadiance before, float sum, float target_count) {
     float weight = before.weight * DECAY + target_count;
     if (target_count == 0.0) return LearnedRadiance(before.mean, weight);

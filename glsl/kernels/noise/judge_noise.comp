@@ -1,18 +1,18 @@
-// Says how noisy each tile of a film page is: a workgroup per tile.
+// Measures the noise of each tile of a film page. One workgroup handles one tile.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "film/halves.glsl"
 
 struct JudgePush {
-    uint first_tile;  // of the first workgroup, within the film page
+    uint first_tile;  // tile of the first workgroup, within the film page
 };
 layout(push_constant, scalar) uniform Push { JudgePush push; };
 
 shared vec3 error_of_pixel[TILE_PIXELS];
 shared float radiance_of_pixel[TILE_PIXELS];
-shared float radiance_of_halves[TILE_PIXELS];  // the lesser of both
-shared uint is_sampled[TILE_PIXELS];  // 0 beyond the window
+shared float radiance_of_halves[TILE_PIXELS];  // the smaller mean of the two halves
+shared uint is_sampled[TILE_PIXELS];  // 0 outside the window
 
 void load_pixels(uint first_pixel) {
     for (uint i = gl_LocalInvocationIndex; i < TILE_PIXELS; i += WORKGROUP_SIZE) {
@@ -26,8 +26,9 @@ void load_pixels(uint first_pixel) {
     }
 }
 
-// Relative to the pixel, or to the mean of its tile where that is more: the edge of a lamp is measured by its own light, but a
-// single bright sample, which one half has, not by itself.
+// Squared error of a pixel relative to its radiance, or to the mean radiance of the tile if that is larger. The smaller
+// mean of the two halves stands for the pixel's radiance. The edge of a lamp is thus measured relative to its own
+// light, but a single bright sample, which only one half has, is not measured relative to itself.
 float squared_error(uint i, float radiance_of_tile) {
     if (error_of_pixel[i] == vec3(0.0)) return 0.0;
     vec3 error = error_of_pixel[i] / max(radiance_of_halves[i], radiance_of_tile);
@@ -38,7 +39,7 @@ void main() {
     uint tile = push.first_tile + gl_WorkGroupID.x;
     load_pixels(tile * TILE_PIXELS);
     barrier();
-    // By one, one after the other: sums depend on their order.
+    // One invocation adds all numbers in order, because a sum of floats depends on the order.
     if (gl_LocalInvocationIndex == 0u) {
         float radiance = 0.0;
         uint pixels = 0u;

@@ -1,4 +1,5 @@
-// What a cell is sampled by: its estimate, lifted off zero so that no direction loses its support.
+// Floor of the sampled radiance: bins are sampled as if they held at least this radiance, so that every direction keeps
+// a positive density.
 #ifndef FLOOR_GLSL
 #define FLOOR_GLSL
 #include "film/frame.glsl"
@@ -6,12 +7,12 @@
 
 shared float lane_sums[WORKGROUP_SIZE];
 
-// No bin is sampled as if it held less than this share of its cell's mean.
+// Floor of a bin, as a share of the mean of its cell.
 const float FLOOR_SHARE = 1.0 / 64.0;
-// Nor less than this share of the largest target: what a cell of zeros is filled with, uniformly.
+// Absolute floor of a bin, as a share of the largest target. It makes a cell without radiance uniform.
 const float FLOOR_ABSOLUTE = 1.0e-12;
 
-// Sum over the workgroup, in the same order every time.
+// Sum over the workgroup. The order of the additions is fixed.
 float workgroup_sum(float value) {
     lane_sums[gl_LocalInvocationIndex] = value;
     barrier();
@@ -20,7 +21,7 @@ float workgroup_sum(float value) {
     return sum;
 }
 
-// The least that a bin is sampled by, where `sum` is of the estimates of a lane's bins.
+// Floor of a cell's bins. `sum` is the sum of the estimates of the lane's bins.
 float least_radiance(float sum) {
     float cell_mean = workgroup_sum(sum) / float(direction_bin_count());
     return max(cell_mean * FLOOR_SHARE, scene().target_limit * FLOOR_ABSOLUTE);

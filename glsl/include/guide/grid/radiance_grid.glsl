@@ -1,20 +1,21 @@
-// Set 2, RadianceGrid: what has been learned, L(cell, direction bin). The only file that indexes it. Kernels that only read
-// the table do so through texels where the device has enough of them: a view of the same buffer.
+// Set 2, RadianceGrid: the learned radiance L(cell, direction bin). Only this file indexes the buffers of the set.
+// Kernels that only read the table do so through a texel view of the same buffer, on devices with enough texel buffers.
 #ifndef RADIANCE_GRID_GLSL
 #define RADIANCE_GRID_GLSL
 #include "math/direction_map.glsl"
 #include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
-// What one step adds to a bin: a sum of fixed-point targets in two words, exact in any order, and their number.
+// Sums that one step records for a bin. The sum of targets is a 64-bit fixed-point number in two words, so that the
+// order of additions does not matter.
 struct RadianceSum {
     uint low;
     uint high;
     uint target_count;
-    float flux;  // while quadtrees are refined: of a quarter with all below it
+    float flux;  // used by the refinement of quadtrees: flux of a quarter, including all nodes below it
 };
 
-// The estimate itself, before any floor: mean radiance and the (decayed) number of targets behind it.
+// Estimate of a bin before the floor: the mean radiance, and the number of targets behind it after decay.
 struct LearnedRadiance {
     float mean;
     float weight;
@@ -23,15 +24,15 @@ struct LearnedRadiance {
 layout(scalar, set = RADIANCE_GRID_SET, binding = 0) restrict buffer RadianceTable { float radiance_table[]; };
 layout(scalar, set = RADIANCE_GRID_SET, binding = 1) restrict buffer LearnedTable { LearnedRadiance learned_table[]; };
 layout(scalar, set = RADIANCE_GRID_SET, binding = 2) restrict buffer RadianceSums { RadianceSum radiance_sums[]; };
-// Ends of the bins' shares, for sphere-inversion.
+// Cumulative shares of a cell's bins, for the sampler sphere-inversion.
 layout(scalar, set = RADIANCE_GRID_SET, binding = 3) restrict buffer BinEnds { uint bin_ends[]; };
 layout(scalar, set = RADIANCE_GRID_SET, binding = 4) restrict buffer RadianceNodes { uvec4 radiance_nodes[]; };
 layout(scalar, set = RADIANCE_GRID_SET, binding = 7) restrict readonly buffer CellTable { uint cell_table[]; };
 
-// Fixed-point targets: a target of `target_limit` is this many units.
+// Number of fixed-point units of a target that equals `target_limit`.
 const float FIXED_POINT_UNITS = 1073741824.0;
 
-// A word of the table that cells.glsl reads.
+// Word of the table that cells.glsl reads.
 uint cell_word(uint index) {
     return cell_table[index];
 }
@@ -40,7 +41,7 @@ uint radiance_index(uint cell, uint bin) {
     return cell * direction_bin_count() + bin;
 }
 
-// Mean radiance (of RGB) that arrives in the cell from the bin's directions; positive.
+// Mean over RGB of the radiance that arrives in the cell from the bin's directions; positive.
 #ifdef TEXEL_READS
 layout(set = RADIANCE_GRID_SET, binding = 5) uniform samplerBuffer radiance_texels;
 layout(set = RADIANCE_GRID_SET, binding = 6) uniform usamplerBuffer radiance_node_texels;
@@ -49,7 +50,7 @@ float radiance(uint index) {
     return texelFetch(radiance_texels, int(index)).x;
 }
 
-// Sixteen weights of the cell's tree, see tree.glsl; or what quadtree_nodes.glsl says.
+// Sixteen weights of a node of the cell's tree (tree.glsl), or a node as in quadtree_nodes.glsl.
 uvec4 radiance_node(uint index) {
     return texelFetch(radiance_node_texels, int(index));
 }
@@ -75,10 +76,11 @@ void store_radiance(uint index, float value) {
     radiance_table[index] = value;
 }
 
-// Shares of a cell's radiance are counted in this many units, exactly: density and samples cannot differ.
+// Number of units that a cell's radiance is divided into. Shares of bins are integers, so that density and samples
+// agree exactly.
 const uint SHARE_UNITS = 0x80000000u;
 
-// Units that the bins of the cell up to this one, itself included, hold together; SHARE_UNITS at the cell's last bin.
+// Sum of the units of the cell's bins up to and including this one. It is SHARE_UNITS for the last bin of the cell.
 uint bin_end(uint index) {
     return bin_ends[index];
 }
@@ -95,7 +97,8 @@ void store_learned_radiance(uint index, LearnedRadiance learned) {
     learned_table[index] = learned;
 }
 
-// Units of a target: saturated, then rounded up or down with `u` so that the mean is right.
+// Units of a target. The target is clamped, then rounded up or down at random with `u`, so that the expected value is
+// exact.
 uint fixed_point(float target, float target_limit, float u) {
     float units = clamp(target / target_limit, 0.0, 1.0) * FIXED_POINT_UNITS;
     float whole = floor(units);
@@ -121,7 +124,7 @@ void forget_targets(uint index) {
     radiance_sums[index] = RadianceSum(0u, 0u, 0u, 0.0);
 }
 
-// The sum of a bin's targets and their number since the last call.
+// Returns the sum and the number of a bin's targets since the last call, and clears both.
 void take_targets(uint index, float target_limit, out float sum, out float target_count) {
     sum = sum_of_targets(index, target_limit);
     target_count = number_of_targets(index);

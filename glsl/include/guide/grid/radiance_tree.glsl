@@ -1,4 +1,4 @@
-// From a cell's radiance to the tree that product.glsl descends, and to what its first level holds for a normal.
+// Computes, from a cell's radiance, the tree that product.glsl descends, and the tree's first level for a normal.
 #ifndef RADIANCE_TREE_GLSL
 #define RADIANCE_TREE_GLSL
 #include "guide/normalization/normalization_grid.glsl"
@@ -6,7 +6,7 @@
 #include "math/small_floats.glsl"
 #include "guide/samplers/tree.glsl"
 
-// Bin of a square of bins: the i-th of those `side` wide from `corner` on.
+// Index of the i-th bin in a square of bins that is `side` bins wide and starts at `corner`.
 uint bin_of_square(uvec2 corner, uint side, uint i) {
     uvec2 at = corner + uvec2(i % side, i / side);
     return at.y * DIRECTION_RESOLUTION + at.x;
@@ -18,7 +18,7 @@ float sum_of_radiance(uint cell, uvec2 corner, uint side) {
     return sum;
 }
 
-// Radiance times the normal's cosine.
+// Sum over a square of bins of radiance times the integral of the clamped cosine.
 float sum_of_products(uint cell, uint normal_bin, uvec2 corner, uint side) {
     float sum = 0.0;
     for (uint i = 0u; i < side * side; ++i) {
@@ -28,7 +28,7 @@ float sum_of_products(uint cell, uint normal_bin, uvec2 corner, uint side) {
     return sum;
 }
 
-// Radiance of a node's parts, each `side` bins wide; of parts_per_side^2 of them.
+// Radiance of the parts of a node. There are parts_per_side^2 parts, each `side` bins wide.
 mat4 radiance_of_parts(uint cell, uvec2 corner, uint parts_per_side, uint side) {
     mat4 weights = mat4(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
     for (uint i = 0u; i < parts_per_side * parts_per_side; ++i) {
@@ -38,7 +38,7 @@ mat4 radiance_of_parts(uint cell, uvec2 corner, uint parts_per_side, uint side) 
     return weights;
 }
 
-// One node of a cell's tree.
+// Computes and stores one node of a cell's tree.
 void store_tree_node(uint cell, uint node) {
     bool middle = node < middle_node_count();
     uint index = middle ? node : node - middle_node_count();
@@ -49,7 +49,7 @@ void store_tree_node(uint cell, uint node) {
     store_radiance_node(cell * nodes_per_tree() + node, pack_weights_8(weights));
 }
 
-// What the tree's first level holds for a normal, and the irradiance E(cell, nb).
+// First level of the tree for a normal bin, packed with the irradiance E(cell, normal bin).
 uvec4 product_record(uint cell, uint normal_bin) {
     uint side = DIRECTION_RESOLUTION / 4u;
     mat4 products = mat4(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));

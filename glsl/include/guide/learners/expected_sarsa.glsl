@@ -1,33 +1,34 @@
-// Expected SARSA (Eq. 5): what y scatters of the radiance that the table expects from all directions above it, by a
-// stratified mean over EXPECTED_DIRECTIONS of them. What leaves in single directions, or on the other side, is not among
-// these: where the sampled direction is one of those it stands for them, as in SARSA.
+// Learner expected-sarsa (Eq. 5). The target contains the radiance that y scatters from all directions above it, as the
+// table expects it: a stratified mean over EXPECTED_DIRECTIONS directions. Single directions and the other side of the
+// surface are not among these. If the sampled direction is one of those, it is added to the target as in SARSA.
 #ifndef EXPECTED_SARSA_GLSL
 #define EXPECTED_SARSA_GLSL
 #include "path/guiding.glsl"
 #include "random/random.glsl"
 #include "guide/learners/segment.glsl"
 
-// The golden section: its multiples are evenly spread, however many there are.
+// Golden section. Its multiples modulo 1 are evenly distributed for any number of them.
 const float GOLDEN_SECTION = 0.61803398875;
 
-// Local direction `i` of EXPECTED_DIRECTIONS, uniform over the hemisphere where `shift` is uniform over the unit square.
+// Local direction `i` of EXPECTED_DIRECTIONS. It is uniform over the hemisphere if `shift` is uniform over the unit
+// square.
 vec3 stratified_direction(uint i, vec2 shift) {
     float height = (float(i) + shift.x) / float(EXPECTED_DIRECTIONS);
     vec2 sc = sin_cos_turn(fract(float(i) * GOLDEN_SECTION + shift.y));
     return vec3(sqrt(max(1.0 - height * height, 0.0)) * sc.yx, height);
 }
 
-float scattered_radiance(Scatterer x, vec3 wi) {
-    float incident = radiance(radiance_index(x.cell, direction_bin(x.frame * wi)));
-    return mean_rgb(eval_scatterer(x, wi)) * incident;
+float scattered_radiance(Scatterer scatterer, vec3 wi) {
+    float incident = radiance(radiance_index(scatterer.cell, direction_bin(scatterer.frame * wi)));
+    return mean_rgb(eval_scatterer(scatterer, wi)) * incident;
 }
 
-float target_expected_sarsa(RandomKey key, uint vertex, vec3 light, Scatterer x, DirectionSample next) {
+float target_expected_sarsa(RandomKey key, uint vertex, vec3 light, Scatterer scatterer, DirectionSample next) {
     vec2 shift = unit_floats(random_bits(key, vertex, RANDOM_LEARNING)).xy;
     float sum = 0.0;
-    for (uint i = 0u; i < EXPECTED_DIRECTIONS; ++i) sum += scattered_radiance(x, stratified_direction(i, shift));
+    for (uint i = 0u; i < EXPECTED_DIRECTIONS; ++i) sum += scattered_radiance(scatterer, stratified_direction(i, shift));
     float scattered = sum * (2.0 * PI / float(EXPECTED_DIRECTIONS));
-    bool stands_for_others = next.pdf == 0.0 || dot(next.wi, x.frame[2]) < 0.0;
+    bool stands_for_others = next.pdf == 0.0 || dot(next.wi, scatterer.frame[2]) < 0.0;
     if (stands_for_others) scattered += mean_rgb(next.weight) * next.radiance;
     return mean_rgb(light) + scattered;
 }

@@ -1,21 +1,22 @@
-// Monte-Carlo learning: a segment learns the radiance that the rest of its path has collected. All vertices of a path are kept
-// until it ends.
+// Learner monte-carlo: the target of a segment is the radiance that the rest of its path has collected. All vertices of
+// a path are kept until the path ends.
 #ifndef MONTE_CARLO_GLSL
 #define MONTE_CARLO_GLSL
 #include "random/random.glsl"
 #include "guide/learners/segment.glsl"
 
-// Of the path under way, its first vertex first. Not a parameter: that would be copied.
+// Vertices of the current path, in order. They are a global variable because a parameter would be copied.
 PathVertex kept_vertices[KEPT_VERTICES];
 
-// `count` vertices are kept already. Returns how many then are.
+// Keeps a vertex after the first `count`. Returns the new number of vertices.
 uint keep_vertex(uint count, PathVertex vertex) {
     uint at = min(count, KEPT_VERTICES - 1u);
     kept_vertices[at] = vertex;
     return at + 1u;
 }
 
-// Records the returns of a path that has ended, from its last vertex back. Returns how many had to be dropped.
+// Records the targets of a path that has ended, from its last vertex back. Returns how many targets were NaN or
+// infinite.
 uint record_returns(uint count, RandomKey key) {
     vec3 collected = vec3(0.0);
     uint dropped = 0u;

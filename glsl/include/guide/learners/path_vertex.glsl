@@ -1,17 +1,19 @@
-// What a path that learns keeps of its vertices.
+// Data that a learning path keeps for its vertices.
 #ifndef PATH_VERTEX_GLSL
 #define PATH_VERTEX_GLSL
 #include "shared/enums.glsl"
 
-// The segment from x towards the next vertex y: the bin L(x, w) that y's target will go to; NONE where x is the eye.
+// Segment from x towards the next vertex y: the bin L(x, w) that receives y's target. `index` is NONE where x is the
+// camera.
 struct Segment {
     uint index;
-    float scale;  // of targets: 1, or one over the density of w, where what is learned is flux
+    float scale;  // factor of targets: 1, or 1 / (density of w) where the learned quantity is flux
 };
 
 const Segment NO_SEGMENT = Segment(NONE, 1.0);
 
-// What a vertex adds to the radiance of the segment that leads there: its own light, and `factor` times the next segment's.
+// Contribution of a vertex to the radiance of the segment that leads to it: its own light, plus `factor` times the
+// radiance of the next segment.
 struct PathVertex {
     Segment segment;
     vec3 light;

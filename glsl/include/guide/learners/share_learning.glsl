@@ -1,56 +1,58 @@
-// How cells learn the share of bsdf_share.glsl. It takes the mixture of the guide's density and the surface's own as near to
-// f cos L as it comes, in Kullback-Leibler divergence (as Vorba et al. 2019, "Path Guiding in Production", section 10.5, by
-// gradients), by a step of expectation maximization an update: the guide's share becomes the mean probability that a sample
-// came from the guide, given its direction, where a sample counts by what it scatters of the radiance that its segment learns.
+// Learning of the BSDF share of a cell (see bsdf_share.glsl). The mixture of the guide's density and the surface's own
+// density is brought close to f cos L, measured by the Kullback-Leibler divergence. Vorba et al. 2019 ("Path Guiding in
+// Production", section 10.5) do this by gradient descent; here each update is one step of expectation maximization. The
+// new share of the guide is the mean probability that a sample came from the guide, given its direction. Each sample is
+// weighted by the radiance that it scatters from its segment's target.
 #ifndef SHARE_LEARNING_GLSL
 #define SHARE_LEARNING_GLSL
 #include "guide/samplers/bsdf_share.glsl"
 #include "film/frame.glsl"
 #include "shared/guide.glsl"
 
-// What a cell starts with, and holds on to as if it had learned it from so many samples.
+// Initial share, and the number of samples that it counts for as prior evidence.
 const float FIRST_SHARE = 0.5;
 const float FIRST_SAMPLES = 64.0;
-// Neither side has less: a share e bounds weights by 1 / e times those of that side alone.
+// Minimum of both shares. A share e bounds the weights by 1 / e times the weights of that sampler alone.
 const float LEAST_SHARE = 0.1;
-// Part of the samples that is asked: all of them would have many lanes add to few words.
+// Fraction of the samples that is recorded. If all were, too many lanes would add to the same few words.
 const float ASKED = 0.25;
-// What one update leaves of earlier samples: they were weighed by earlier shares.
+// Factor of earlier samples in each update. Their evidence depends on earlier shares.
 const float SHARE_DECAY = 0.5;
 
-// What a sample says of the share that it was drawn by.
+// Evidence of a sample about the share that was in force when the sample was drawn.
 struct ShareEvidence {
-    uint share;       // its index; NONE: nothing
-    float scattered;  // mean over RGB of f cos / pdf, times the part of the samples that the share is of
-    float of_guide;   // probability that the guide has drawn it, over the same part
+    uint share;       // index of the share; NONE: no evidence
+    float scattered;  // mean over RGB of f cos / pdf, times the fraction of samples to which the share applies
+    float of_guide;   // probability that the guide drew the sample, within the same fraction
 };
 
 const ShareEvidence NO_EVIDENCE = ShareEvidence(NONE, 0.0, 0.0);
 
-// Where a step adds to the two sums: after the bins, too.
+// Index of a share's sum among the sums of a step. The sums of shares follow those of all bins.
 uint share_sum(uint share, uint which) {
     return SHARES_AT + SHARE_SUMS * share + which;
 }
 
-// Adds a sample, whose segment has learned `target`; `u` in [0, 1) decides whether, and rounds.
+// Adds the evidence of a sample whose segment has the target `target`. `u` in [0, 1) selects the recorded samples and
+// rounds.
 void add_evidence(ShareEvidence evidence, float target, float u) {
     float scattered = evidence.scattered * target;
     if (evidence.share == NONE || u >= ASKED || target < 0.0 || !is_finite(scattered)) return;
     u /= ASKED;
-    // Both sums saturate together.
+    // The limit applies before the second sum is formed, so that both sums saturate together.
     scattered = min(scattered, scene().target_limit);
     add_target(share_sum(evidence.share, 0u), fixed_point(scattered, scene().target_limit, u));
     add_target(share_sum(evidence.share, 1u), fixed_point(scattered * evidence.of_guide, scene().target_limit, u));
 }
 
-// Adds what a step has recorded to a sum, of which it returns what is left of earlier steps, too.
+// Adds the sum of a step to the decayed sum of earlier steps, stores the result and returns it.
 float renewed_word(uint share, uint word, float recorded) {
     float renewed = recorded + SHARE_DECAY * radiance(share_word(share, word));
     store_radiance(share_word(share, word), renewed);
     return renewed;
 }
 
-// Ends a step's learning of a share.
+// Updates a share at the end of a step.
 void learn_share(uint share) {
     float sample_count = renewed_word(share, 3u, number_of_targets(share_sum(share, 0u)));
     float scattered = renewed_word(share, 1u, sum_of_targets(share_sum(share, 0u), scene().target_limit));

@@ -1,11 +1,12 @@
-// From a cell's radiance to the factors of its sampler.
+// Computes, from a cell's radiance, the factors of its sampler.
 #ifndef NORMALIZATION_ENTRY_GLSL
 #define NORMALIZATION_ENTRY_GLSL
 #include "math/constants.glsl"
 #include "guide/normalization/normalization_grid.glsl"
 #include "guide/grid/radiance_grid.glsl"
+#include "guide/samplers/sampler.glsl"
 
-// x^n by squaring: exact to a few roundings, which a driver's pow is not.
+// x^n by repeated squaring. The error is a few roundings; a driver's pow can be less exact.
 float power(float x, uint n) {
     float result = 1.0;
     while (n != 0u) {
@@ -16,25 +17,27 @@ float power(float x, uint n) {
     return result;
 }
 
-// Whether a sum can be divided by, in single precision; a guide that holds nothing, or too much, leaves all to the uniform
-// share.
+// Whether division by a sum is safe in single precision. A guide with a sum that is too small or too large leaves all
+// samples to the uniform share.
 bool is_usable(float sum) {
     return sum > 1.0e-36 && sum < 1.0e38;
 }
 
-// Eq. 8: the uniform share that spends the fewest proposals on a target whose mean over maximum is c.
+// Optimal uniform share of Eq. 8: it needs the fewest proposals. `c` is the mean of the sampled function over its
+// maximum.
 float optimal_uniform_share(float c) {
     return max((1.0 - 2.0 * c) / (2.0 - 2.0 * min(c, 0.5)), 0.0);
 }
 
-// The share e of the rejection samplers.
+// Share e of the rejection samplers.
 float uniform_share(float c) {
-    if (SAMPLER == SAMPLER_REJECTION) return MIN_UNIFORM_SHARE;
+    if (is_plain_rejection()) return MIN_UNIFORM_SHARE;
     if (EPSILON > 0.0) return EPSILON;
     return max(optimal_uniform_share(c), mixes_acceptances() ? 0.0 : MIN_UNIFORM_SHARE);
 }
 
-// The factors for a target of this normalizer (integral over the hemisphere) and this upper bound.
+// Factors of a rejection sampler. `normalizer` is the integral of the sampled function over the hemisphere, `bound` its
+// upper bound.
 NormalizationEntry rejection_factors(float normalizer, float bound) {
     bool usable = is_usable(normalizer) && 2.0 * PI * bound < MAX_DISTANCE;
     float c = usable ? min(normalizer / (2.0 * PI * bound), 1.0) : 0.0;
@@ -56,7 +59,7 @@ NormalizationEntry rejection_factors(float normalizer, float bound) {
     return entry;
 }
 
-// The factors where one bin is chosen by its share of `total`, and all its directions are as likely as each other.
+// Factors of a sampler that draws a bin in proportion to its share of `total`, and a uniform direction within the bin.
 NormalizationEntry inversion_factors(float total) {
     float e = is_usable(total) ? MIN_UNIFORM_SHARE : 1.0;
     NormalizationEntry entry;
@@ -67,7 +70,7 @@ NormalizationEntry inversion_factors(float total) {
     return entry;
 }
 
-// The same where shares are counted in SHARE_UNITS and the bins' radiance is `total`.
+// Factors of sphere-inversion, where shares are counted in SHARE_UNITS. `total` is the sum of the bins' radiance.
 NormalizationEntry sphere_inversion_factors(float total) {
     NormalizationEntry entry = inversion_factors(float(SHARE_UNITS));
     return is_usable(total) ? entry : NormalizationEntry(0.0, INV_TWO_PI, 0.0, 1.0);
@@ -82,7 +85,7 @@ NormalizationEntry normalize_cell(uint cell, uint normal_bin) {
         normalizer += bin_radiance * cosine.integral;
         bound = max(bound, bin_radiance * cosine.maximum);
     }
-    if (SAMPLER == SAMPLER_HEMISPHERE_INVERSION) return inversion_factors(normalizer);
+    if (is_hemisphere_inversion()) return inversion_factors(normalizer);
     return rejection_factors(normalizer, bound);
 }
 

@@ -1,15 +1,16 @@
-// Set 3, NormalizationGrid: memoised normalizers N(cell, normal bin). The only file that indexes it.
-// Kernels that only read the table do so through texels where the device has enough of them: a view of the same buffer.
+// Set 3, NormalizationGrid: the memoized normalizers N(cell, normal bin). Only this file indexes the buffers of the
+// set. Kernels that only read the table do so through a texel view of the same buffer, on devices with enough texel
+// buffers.
 #ifndef NORMALIZATION_GRID_GLSL
 #define NORMALIZATION_GRID_GLSL
 #include "guide/normalization/normalization_record.glsl"
 #include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
-// Of one (direction bin, normal bin): what the clamped cosine amounts to over the direction bin.
+// Integral and maximum of the clamped cosine about a normal bin's representative normal, over one direction bin.
 struct CosineIntegral {
-    float integral;  // exact integral over the bin, sr
-    float maximum;   // upper bound over the bin
+    float integral;  // exact integral over the direction bin, sr
+    float maximum;   // upper bound over the direction bin
 };
 
 layout(scalar, set = NORMALIZATION_GRID_SET, binding = 0) restrict buffer NormalizationTable { uvec4 normalization_table[]; };
@@ -24,8 +25,8 @@ uint normalization_index(uint cell, uint normal_bin) {
     return cell * normal_bin_count() + normal_bin;
 }
 
-// What the grid holds of a cell and a normal bin: a NormalizationEntry or, of the product sampler, the weights of the map's
-// blocks. All zeros where it is unfilled.
+// Record of a cell and a normal bin: a NormalizationEntry, or for the product sampler the weights of the map's blocks.
+// An entry that is not filled is all zeros.
 #ifdef TEXEL_READS
 layout(set = NORMALIZATION_GRID_SET, binding = 3) uniform usamplerBuffer normalization_texels;
 layout(set = NORMALIZATION_GRID_SET, binding = 4) uniform usamplerBuffer cosine_nodes;
@@ -34,7 +35,7 @@ uvec4 normalization_record(uint index) {
     return texelFetch(normalization_texels, int(index));
 }
 
-// Sixteen weights of the tree of a normal bin. See tree.glsl.
+// Sixteen weights of a node of a normal bin's tree (tree.glsl).
 uvec4 cosine_node(uint index) {
     return texelFetch(cosine_nodes, int(index));
 }
@@ -58,12 +59,12 @@ bool is_marked(uint index) {
     return (normalization_marks[index >> 5u] & (1u << (index & 31u))) != 0u;
 }
 
-// Asks for the entry to be filled from the next update on.
+// Requests that the entry is filled from the next update on.
 void mark_entry(uint index) {
     if (!is_marked(index)) atomicOr(normalization_marks[index >> 5u], 1u << (index & 31u));
 }
 
-// The marks of up to 32 normal bins of a cell from `first` on, a bit each.
+// Marks of up to 32 normal bins of a cell, starting at `first`, one bit each.
 uint marks_from(uint cell, uint first) {
     uint index = normalization_index(cell, first);
     uint shift = index & 31u;
@@ -73,7 +74,7 @@ uint marks_from(uint cell, uint first) {
     return count < 32u ? bits & ((1u << count) - 1u) : bits;
 }
 
-// The marked normal bin of a cell before which lie `place` others; NONE where there are not so many.
+// Marked normal bin of a cell with the number `place`, counted from 0; NONE if the cell has fewer marked bins.
 uint marked_normal_bin(uint cell, uint place) {
     uint found = NONE;
     for (uint first = 0u; first < normal_bin_count() && found == NONE; first += 32u) {
@@ -87,7 +88,8 @@ uint marked_normal_bin(uint cell, uint place) {
     return found;
 }
 
-// Neighboring normal bins lie side by side, so that the lanes of an update read one line.
+// Integral for a direction bin and a normal bin. Neighboring normal bins lie side by side, so that the lanes of an
+// update read the same cache line.
 CosineIntegral cosine_integral(uint bin, uint normal_bin) {
     return cosine_integrals[bin * normal_bin_count() + normal_bin];
 }

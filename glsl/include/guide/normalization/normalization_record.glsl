@@ -1,14 +1,14 @@
-// What the normalization grid keeps of a cell and a normal for all samplers but `product`.
+// Record of the normalization grid for a cell and a normal, for all samplers except `product`.
 #ifndef NORMALIZATION_RECORD_GLSL
 #define NORMALIZATION_RECORD_GLSL
 
-// How to sample and to weigh what a sampler follows: L(cell, w), or L(cell, w) max(0, cos(nb, w)) for the bin's
-// representative normal nb. Each sampler says what it multiplies.
+// Factors of a sampler. Each sampler states the function that it follows: L(cell, w), or L(cell, w) max(0, cos(nb, w))
+// with the representative normal nb of the normal bin.
 struct NormalizationEntry {
-    float guide_scale;       // times what the sampler follows: density of a guided direction, per steradian
-    float uniform_density;   // density of the uniform share and of the fallback, per steradian; positive
-    float acceptance_scale;  // times what the sampler follows: a probability, at most 1
-    float uniform_share;     // the share e of Eq. 8 and 9
+    float guide_scale;       // times the followed function: density of a guided direction, per steradian
+    float uniform_density;   // density of uniform share and fallback, per steradian; positive
+    float acceptance_scale;  // times the followed function: a probability, at most 1
+    float uniform_share;     // share e of Eq. 8 and Eq. 9
 };
 
 NormalizationEntry entry_of(uvec4 record) {

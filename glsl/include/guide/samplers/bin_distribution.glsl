@@ -1,11 +1,13 @@
-// The distribution that sphere_inversion.glsl inverts: a prefix sum over a cell's bins, by one workgroup.
+// Cumulative distribution that sphere_inversion.glsl inverts: a prefix sum over a cell's bins, computed by one
+// workgroup.
 #ifndef BIN_DISTRIBUTION_GLSL
 #define BIN_DISTRIBUTION_GLSL
 #include "guide/grid/radiance_grid.glsl"
 
 shared float lane_radiance[WORKGROUP_SIZE];
 
-// Radiance of the lanes before this one, and of all, added in one order: no lane's bins begin before its predecessor's end.
+// Sum of the radiance of all lanes before this one (x) and of all lanes (y). All lanes add in the same order, so that
+// the bins of a lane never begin before those of the preceding lane end.
 vec2 sums_over_lanes(float own) {
     lane_radiance[gl_LocalInvocationIndex] = own;
     barrier();
@@ -17,7 +19,7 @@ vec2 sums_over_lanes(float own) {
     return sums;
 }
 
-// Stores the ends of all bins of the cell. Returns its radiance summed over them.
+// Stores the ends of all bins of a cell. Returns the sum of the radiance of the cell's bins.
 float store_bin_ends(uint cell) {
     uint bins_per_lane = (direction_bin_count() + WORKGROUP_SIZE - 1u) / WORKGROUP_SIZE;
     uint first = min(gl_LocalInvocationIndex * bins_per_lane, direction_bin_count());
@@ -31,7 +33,7 @@ float store_bin_ends(uint cell) {
     for (uint bin = first; bin < last; ++bin) {
         sum = bin + 1u == last ? most : min(sum + radiance(radiance_index(cell, bin)), most);
         float share = total > 0.0 ? min(sum / total, 1.0) : 1.0;
-        // The last bin ends with the last unit, however a device rounds the quotient.
+        // The last bin ends at SHARE_UNITS exactly, however the device rounds the quotient.
         bool is_last = bin + 1u == direction_bin_count();
         store_bin_end(radiance_index(cell, bin), is_last ? SHARE_UNITS : uint(share * float(SHARE_UNITS)));
     }

@@ -1,11 +1,12 @@
-// The share of samples that a surface's own scattering function keeps where a guide descends (the BSDF sampling fraction): fixed,
-// or what the cell has learned.
+// BSDF share: the fraction of samples that the surface's own BSDF draws, for the samplers that descend. It is fixed, or
+// the cell has learned it.
 #ifndef BSDF_SHARE_GLSL
 #define BSDF_SHARE_GLSL
 #include "guide/grid/radiance_grid.glsl"
+#include "guide/samplers/sampler.glsl"
 #include "shared/guide.glsl"
 
-// A cell's shares: of diffuse lobes, and of scattering functions that are guided as a whole.
+// Numbers of a cell's shares: one for diffuse lobes, one for BSDFs that are guided as a whole.
 const uint SHARE_OF_LOBES = 0u;
 const uint SHARE_OF_WHOLES = 1u;
 
@@ -17,15 +18,15 @@ uint share_index(uint cell, uint which) {
     return cell * SHARES_PER_CELL + which;
 }
 
-// In the table of radiance, after the bins of all cells: the share, two sums that it is learned from, and the number of samples
-// in these.
+// Index in the radiance table of a word of a share. The shares follow the bins of all cells. A share has four words:
+// the share, the two sums that determine it, and the number of samples in the sums.
 uint share_word(uint share, uint word) {
     return SHARES_AT + SHARE_WORDS * share + word;
 }
 
 float bsdf_share(uint cell, uint which) {
     if (learns_share()) return radiance(share_word(share_index(cell, which), 0u));
-    if (SAMPLER == SAMPLER_QUADTREE) return 0.5;
+    if (is_quadtree()) return 0.5;
     return EPSILON > 0.0 ? EPSILON : 0.25;
 }
 

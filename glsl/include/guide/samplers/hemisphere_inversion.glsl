@@ -1,5 +1,5 @@
-// The sampler by inversion of L(bin) times the integral of cos+(nb, w) over the bin (Kim and Kim 2021, Table 2): the sums are
-// made on the fly for the normal, O(N). With the entry's factors the density is
+// Sampler hemisphere-inversion: inverts the sums of L(bin) times the integral of cos+(nb, w) over the bin (Kim and Kim
+// 2021, Table 2). The sums are computed for each sample, in O(N). With the entry's factors the density is
 //     guide_scale * L * integral of the bin + uniform_density * [n.w > 0].
 #ifndef HEMISPHERE_INVERSION_GLSL
 #define HEMISPHERE_INVERSION_GLSL
@@ -10,8 +10,8 @@ float bin_product(Guide guide, uint bin) {
     return bin_radiance(guide, bin) * cosine_integral(bin, guide.normal_bin).integral;
 }
 
-// Goes on to a bin: it is chosen if the share of all bins up to it is the first to exceed `u`. Should rounding leave all of
-// them short of it, the last that holds anything is.
+// Adds a bin to the running sum. The chosen bin is the first at which the cumulative share exceeds `u`. If rounding
+// keeps all shares below `u`, the last bin with a positive product is chosen.
 void pass_bin(Guide guide, uint bin, float u, inout float sum, inout uint chosen) {
     float product = bin_product(guide, min(bin, direction_bin_count() - 1u));
     if (bin >= direction_bin_count()) product = 0.0;
@@ -22,7 +22,7 @@ void pass_bin(Guide guide, uint bin, float u, inout float sum, inout uint chosen
 uint invert_products(Guide guide, float u) {
     float sum = 0.0;
     uint chosen = 0u;
-    // Four at a time, for a driver may bound the number of iterations.
+    // The loop handles four bins at a time, because a driver may bound the number of iterations.
     for (uint bin = 0u; bin < direction_bin_count(); bin += 4u) {
         pass_bin(guide, bin, u, sum, chosen);
         pass_bin(guide, bin + 1u, u, sum, chosen);

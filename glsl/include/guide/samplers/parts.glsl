@@ -1,7 +1,7 @@
-// One of 4 x 4 parts of a square, chosen by weight or given.
+// Selection of one of the 4 x 4 parts of a square, by weight or by position.
 //
-// Choices are made by mix(), which selects: nested conditional expressions become branches, of which SwiftShader's compiler
-// took tens of gigabytes here.
+// The code selects by mix(), because nested conditional expressions become branches. SwiftShader's compiler used tens
+// of gigabytes of memory for those branches.
 #ifndef PARTS_GLSL
 #define PARTS_GLSL
 
@@ -14,7 +14,7 @@ float sum_of(vec4 v) {
     return (v.x + v.y) + (v.z + v.w);
 }
 
-// One of four by weight. What is left of `u` in [0, 1) is uniform again.
+// Selects one of four by weight. `u` in [0, 1) is rescaled, so that it is uniform again.
 uint choose_of_four(vec4 weights, float sum, inout float u) {
     float end0 = weights.x;
     float end1 = end0 + weights.y;
@@ -29,8 +29,8 @@ uint choose_of_four(vec4 weights, float sum, inout float u) {
     return uint(past0) + uint(past1) + uint(past2);
 }
 
-// Column and row of a part: where `choose` holds, by weights[row][column], the column first; else as they are given. Returns
-// the part's share of the weights.
+// Column and row of a part. Where `choose` holds, they are drawn by weights[row][column], the column first; otherwise
+// `part` remains as given. Returns the part's share of the weights.
 float choose_part(mat4 weights, bool choose, inout uvec2 part, inout vec2 u) {
     vec4 columns = (weights[0] + weights[1]) + (weights[2] + weights[3]);
     float sum = sum_of(columns);

@@ -1,11 +1,14 @@
-// The exact product sampler: learned radiance times cosine by a descent of fixed length, without rejection.
+// Sampler product: learned radiance times cosine, sampled exactly by a descent of fixed length, without rejection.
 //
-// The map of directions is cut into 4 x 4 blocks, those (with 32 or 64 bins a side) into 2 x 2 or 4 x 4 smaller ones, and
-// these into 4 x 4 bins. What each block of the first level holds of the product for this cell and normal is memoized in the
-// normalization grid; further down the weights of the cell's radiance and of the normal's cosine are multiplied on the way.
-// With 16 bins a side, a bin's probability so is in proportion to its L times the integral of cos+(nb, w) over it, but for the
-// rounding of weights to three bits; and whatever the weights are, the density is what samples are drawn from. It is mixed with
-// a share e of the cosine about the true normal, see bsdf_share.glsl, so that it is positive wherever a surface can reflect:
+// The map of directions is divided into 4 x 4 blocks. With 32 or 64 bins per side, each block is divided into 2 x 2 or
+// 4 x 4 smaller blocks. The last blocks are divided into 4 x 4 bins. The normalization grid memoizes the product's
+// integral over each block of the first level, for a cell and a normal. On the levels below, the descent multiplies the
+// weights of the cell's radiance and of the normal's cosine.
+//
+// With 16 bins per side, the probability of a bin is proportional to its L times the integral of cos+(nb, w) over it,
+// up to the rounding of weights to three bits. For any weights, the density is exactly that of the samples. The descent
+// is mixed with a share e of the cosine about the true normal (see bsdf_share.glsl), so that the density is positive
+// wherever a surface can reflect:
 //     pdf = (1 - e) * probability of the bin * bins per steradian + e cos+(n, w) / pi.
 #ifndef PRODUCT_GLSL
 #define PRODUCT_GLSL
@@ -22,7 +25,7 @@ mat4 node_weights(Guide guide, uint node) {
     return matrixCompMult(unpack_weights_8(radiance_node(of_cell)), unpack_weights_8(cosine_node(of_normal)));
 }
 
-// Goes down to a bin, which `u` chooses, or to the given one. Returns its probability.
+// Descends to a bin: the one that `u` draws, or the given one. Returns the bin's probability.
 float descend(Guide guide, bool choose, inout uvec2 bin, vec2 u) {
     uint below = DIRECTION_RESOLUTION / 4u;
     uvec2 at = bin / below;
@@ -43,19 +46,20 @@ uvec2 bin_coordinates(uint bin) {
     return uvec2(bin % DIRECTION_RESOLUTION, bin / DIRECTION_RESOLUTION);
 }
 
-// Density of the descent in a bin that it reaches with this probability.
+// Density of the descent in a bin with this probability, per steradian.
 float descent_density(float probability) {
     return probability * bin_density();
 }
 
-// Density over a diffuse lobe: of the descent's and the share of the cosine.
+// Density over a diffuse lobe, per steradian: the descent's density mixed with the cosine's.
 float product_density(Guide guide, vec3 wi, float of_descent) {
     float of_cosine = max(dot(wi, guide.n), 0.0) * INV_PI;
     return mix(of_descent, of_cosine, guide.bsdf_share);
 }
 
-// A direction by descent, or with the probability `own_share`, and where `follows` is false, `own`, which the caller has drawn.
-// With the descent's density of either. One flow for all: lanes that do not need a part of it would wait for it.
+// Samples by descent. The result is `own`, a direction that the caller has drawn, with the probability `own_share`, and
+// always where `follows` is false. The density is that of the descent for either direction. All lanes take the same
+// path through the code: lanes that could skip a part would wait for the others.
 GuidedSample sample_product(vec4 u, Guide guide, bool follows, float own_share, vec3 own) {
     bool by_guide = follows && u.x >= own_share;
     u.x = min((u.x - own_share) / (1.0 - own_share), 1.0 - 1.0 / 16777216.0);
@@ -66,7 +70,7 @@ GuidedSample sample_product(vec4 u, Guide guide, bool follows, float own_share, 
     return GuidedSample(wi, density, bin, bin_radiance(guide, bin), by_guide ? 1u : 0u, false);
 }
 
-// The descent's density of a direction.
+// Density of the descent in a direction, per steradian.
 float pdf_product(Guide guide, vec3 wi) {
     uvec2 at = bin_coordinates(direction_bin(wi));
     return descent_density(descend(guide, false, at, vec2(0.0)));

@@ -1,36 +1,36 @@
-// Records of the refinement of quadtrees; see refine_quadtrees.comp.
+// Records of the refinement of quadtrees (refine_quadtrees.comp).
 #ifndef QUADTREE_REFINEMENT_GLSL
 #define QUADTREE_REFINEMENT_GLSL
 #include "math/constants.glsl"
 #include "guide/samplers/quadtree_nodes.glsl"
 #include "guide/grid/radiance_grid.glsl"
 
-// A square of directions with a larger share of its tree's flux has a node.
+// Share of a tree's flux above which a square of directions gets a node.
 const float FLUX_SHARE = 0.01;
-// A leaf of the spatial tree is split where more targets than this times sqrt(2^k) have been recorded in iteration k.
+// Number of targets above which a leaf of the spatial tree is split: LEAF_TARGETS times sqrt(2^k) in iteration k.
 const float LEAF_TARGETS = 1000.0;
-// Most levels that one refinement adds to a leaf.
+// Maximum number of levels that one refinement adds to a leaf.
 const uint MOST_SPLITS = 12u;
 
-// A leaf of the spatial tree.
+// Leaf of the spatial tree.
 struct Leaf {
     uint spatial_node;
     uint level;
-    uint first;  // node of its quadtree
-    uint last;   // node, counted from the first
+    uint first;  // first node of its quadtree
+    uint last;   // last node of its quadtree, relative to the first
 };
 
-// What becomes of a leaf.
+// Plan of a refinement for a leaf.
 struct Plan {
-    uint nodes;   // of its new tree
-    uint splits;  // levels of halves that take its place
-    uint leaf;    // the first of the leaves that do
-    uint first;   // node of the first of their trees, which are alike
+    uint nodes;   // number of nodes of its new quadtree
+    uint splits;  // number of levels into which the leaf is split
+    uint leaf;    // index of the first leaf that replaces it
+    uint first;   // first node of the first new quadtree; the new quadtrees are equal
 };
 
-// A node of the new tree before its turn.
+// Node of a new quadtree that is not finished yet.
 struct Draft {
-    uint origin;  // the node of the old tree that it takes the place of; NONE where there was none
+    uint origin;  // node of the old quadtree for the same square, or NONE
     float flux;
     uint level;
 };

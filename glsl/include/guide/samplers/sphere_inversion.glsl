@@ -1,27 +1,29 @@
-// The sampler by inversion of L(cell, w) over the whole sphere, whatever the normal (Kim and Kim 2021, Table 2): O(log N).
-// About half of its samples point below the surface and are lost. With the entry's factors the density is
+// Sampler sphere-inversion: inverts the sums of L(cell, w) over the whole sphere, regardless of the normal, in O(log N)
+// (Kim and Kim 2021, Table 2). About half of its samples point below the surface and are lost. With the entry's factors
+// the density is
 //     guide_scale * units of the bin + uniform_density * [n.w > 0].
 #ifndef SPHERE_INVERSION_GLSL
 #define SPHERE_INVERSION_GLSL
 #include "guide/samplers/inversion.glsl"
 #include "random/random.glsl"
 
-// Units of SHARE_UNITS that a bin of the cell holds.
+// Number of the cell's SHARE_UNITS that a bin holds.
 float bin_units(uint cell, uint bin) {
     uint index = radiance_index(cell, bin);
     return float(bin_end(index) - (bin == 0u ? 0u : bin_end(index - 1u)));
 }
 
-// Halvings after which one of all bins is left.
+// Number of bisection steps that leave one of all bins.
 uint halvings() {
     return 2u * uint(findMSB(DIRECTION_RESOLUTION - 1u) + 1);
 }
 
-// The bin that holds this one of the SHARE_UNITS.
+// Bin that holds this unit of the cell's SHARE_UNITS.
 uint bin_of_unit(uint cell, uint unit) {
     uint low = 0u;
     uint high = direction_bin_count() - 1u;
-    // As often for every lane, so that none keeps what it should not.
+    // All lanes run the same number of steps, because a driver may keep the wrong values for lanes that leave a loop
+    // early.
     for (uint i = 0u; i < halvings(); ++i) {
         uint middle = (low + high) / 2u;
         bool lower = unit < bin_end(radiance_index(cell, middle));

@@ -1,6 +1,7 @@
-// Layout of the trees that product.glsl descends, one per cell and one per normal bin. Below the 4 x 4 blocks of the map, a
-// tree has the nodes of its middle level, if it has one, a node per block; then the last level's, a node per 4 x 4 bins. The
-// weights of a node's parts are sixteen 8-bit floats.
+// Memory layout of the trees that product.glsl descends: one tree per cell and one per normal bin. The trees start
+// below the 4 x 4 blocks of the map. A tree holds first the nodes of the middle level, if there is one: a node per
+// block. Then it holds the nodes of the last level: a node per 4 x 4 bins. The weights of a node's sixteen parts are
+// 8-bit floats.
 #ifndef TREE_GLSL
 #define TREE_GLSL
 #include "shared/variant.glsl"
@@ -9,12 +10,12 @@ bool has_middle_level() {
     return DIRECTION_RESOLUTION != 16u;
 }
 
-// Nodes of the last level along each side of a node of the middle level.
+// Number of last-level nodes along each side of a middle-level node.
 uint middle_parts() {
     return DIRECTION_RESOLUTION / 16u;
 }
 
-// Nodes of the last level along each side of the map.
+// Number of last-level nodes along each side of the map.
 uint last_level_side() {
     return DIRECTION_RESOLUTION / 4u;
 }
@@ -27,7 +28,7 @@ uint nodes_per_tree() {
     return middle_node_count() + last_level_side() * last_level_side();
 }
 
-// The weights of a node of the middle level: where it has 2 x 2 parts only, of those.
+// Weights of a node of the middle level. A node with only 2 x 2 parts uses the first 2 x 2 weights.
 mat4 middle_weights(mat4 weights) {
     if (middle_parts() != 2u) return weights;
     return mat4(vec4(weights[0].xy, 0.0, 0.0), vec4(weights[1].xy, 0.0, 0.0), vec4(0.0), vec4(0.0));

@@ -1,5 +1,5 @@
-//! Renderers whose steps are short, to time the kernels that end a step: the grids of the Cornell box of relief, 16
-//! cells along each axis, of which those count that hold surfaces.
+//! Renderers with short steps, to time the kernels that end a step. They use the Cornell box of relief, with 16 cells
+//! along each axis, of which only those that contain surfaces count.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -19,23 +19,23 @@ use crate::bench::{context, settings};
 const TRIANGLES: usize = 10_000;
 const SIZE: [u32; 2] = [64, 64];
 const GRID: u32 = 16;
-/// What parents count for, where they are measured.
+/// Weight of parent cells, where parents are measured.
 const FALLBACK: f32 = 4.0;
-/// Steps that fill the guide before anything is measured.
+/// Number of steps that fill the guide before anything is measured.
 const FIRST_STEPS: u32 = 4;
 
-/// What the renderers have in common, with a context of their own: its record of timings goes on for good.
+/// Data that the renderers share. They have a context of their own, because its record of timings never ends.
 pub struct Ground {
     context: Arc<Context>,
     scene: Scene,
     bvh: Bvh,
 }
 
-/// A renderer whose steps are timed kernel by kernel.
+/// Renderer whose steps are timed kernel by kernel.
 pub struct Stepper {
     pub title: &'static str,
     pub sampler: Sampler,
-    /// Those of its kernels that are of interest.
+    /// Kernels of this renderer that are of interest.
     pub kernels: &'static [&'static str],
     ground: Rc<Ground>,
     renderer: Renderer,
@@ -53,7 +53,7 @@ impl Ground {
         Cells::new(&self.bvh, UVec3::splat(GRID))
     }
 
-    /// A renderer that has taken no step.
+    /// Renderer that has not taken a step yet.
     pub fn renderer(&self, sampler: Sampler, fallback: f32) -> Renderer {
         let learner = sampler.default_learner();
         let settings = Settings { learner, grid: GRID, fallback, ..settings(&self.scene, SIZE, sampler) };
@@ -62,7 +62,7 @@ impl Ground {
         renderer
     }
 
-    /// Seconds of a kernel since the last call; not a number where the device does not time it.
+    /// Seconds of a kernel since the last call; NaN if the device does not time it.
     pub fn seconds_of(&self, kernel: &str) -> f64 {
         let timings = self.context.take_timings();
         let dispatches = timings.iter().flat_map(|submission| &submission.dispatches);
@@ -72,7 +72,7 @@ impl Ground {
     }
 }
 
-/// Renderers for all kernels that run once a step, or once for every level of parents.
+/// Renderers for all kernels that run once per step, or once per level of parent cells.
 pub fn steppers(ground: &Rc<Ground>) -> Vec<Stepper> {
     let stepper = |title, sampler, fallback, kernels| {
         let mut renderer = ground.renderer(sampler, fallback);
@@ -89,7 +89,7 @@ pub fn steppers(ground: &Rc<Ground>) -> Vec<Stepper> {
 }
 
 impl Stepper {
-    /// Takes steps for at least so long and returns what a kernel takes of one.
+    /// Takes steps for at least the given seconds. Returns the seconds of a kernel per step.
     pub fn seconds_per_step(&mut self, kernel: &str, at_least: f64) -> f64 {
         self.ground.context.take_timings();
         let (begin, mut steps) = (Instant::now(), 0);
@@ -100,7 +100,7 @@ impl Stepper {
         self.ground.seconds_of(kernel) / f64::from(steps)
     }
 
-    /// Entries of the normalization grid that are filled anew every step.
+    /// Number of entries of the normalization grid that are filled again in every step.
     pub fn marked_entries(&self) -> u64 {
         let state = self.renderer.state().expect("the state");
         let marks = state.parts.iter().find(|part| part.name == "marked normalizers").expect("marks");

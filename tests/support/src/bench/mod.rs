@@ -1,4 +1,4 @@
-//! What the benches share: scenes, timed renders, medians.
+//! Helpers that all benches use: scenes, timed renders, medians.
 
 pub mod digits;
 pub mod guide_updates;
@@ -17,7 +17,7 @@ use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::{self, LoadOptions, Scene};
 use lodestar::settings::{Sampler, Settings};
 
-/// The shared scene of that name where `LODESTAR_SCENES` names a folder, else the project's own.
+/// Path of a scene: the shared one if `LODESTAR_SCENES` names a folder, otherwise the project's own.
 pub fn scene_path(name: &str) -> PathBuf {
     let folder = std::env::var_os("LODESTAR_SCENES").map_or_else(|| PathBuf::from("scenes"), PathBuf::from);
     folder.join(name).join("scene.xml")
@@ -34,7 +34,8 @@ pub fn context() -> Arc<Context> {
     context
 }
 
-/// The settings of the references, box filter, depth 16, roulette after 8, without emitter sampling. `LODESTAR_MAX_TRIES` replaces the default tries.
+/// Settings of the references: box filter, at most 16 edges, Russian roulette after 8, no emitter sampling.
+/// `LODESTAR_MAX_TRIES` replaces the default number of tries.
 pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler) -> Settings {
     let filter = scene::ReconstructionFilter::Box;
     let defaults = Settings::for_scene(scene);
@@ -43,7 +44,7 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler) -> S
     Settings { width, height, max_depth: 16, rr_depth: 8, filter, sampler, max_tries, nee: false, ..defaults }
 }
 
-/// A renderer that has taken its first steps, so that the guide is at work.
+/// Renderer that has taken its first steps, so that its guide is in use.
 pub fn renderer(context: &Arc<Context>, scene: &Scene, settings: &Settings, steps: u32) -> Renderer {
     let bvh = Bvh::build(&scene.primitives);
     let mut renderer = Renderer::new(context, scene, &bvh, settings).expect("a renderer");
@@ -53,7 +54,7 @@ pub fn renderer(context: &Arc<Context>, scene: &Scene, settings: &Settings, step
     renderer
 }
 
-/// Steps as the settings have them for about `seconds`; returns (samples per pixel, seconds, counts).
+/// Takes steps by the settings for about `seconds`. Returns samples per pixel, seconds and statistics.
 pub fn run_for(renderer: &mut Renderer, seconds: f64, settings: &Settings) -> (u32, f64, Counts) {
     let (begin, first) = (Instant::now(), renderer.samples_done());
     let mut counts = Counts::default();
@@ -64,7 +65,7 @@ pub fn run_for(renderer: &mut Renderer, seconds: f64, settings: &Settings) -> (u
     (renderer.samples_done() - first, begin.elapsed().as_secs_f64(), counts)
 }
 
-/// The middle one, of an even number the upper.
+/// Median: the middle value, or the upper of the two middle values.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]

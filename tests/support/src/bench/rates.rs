@@ -1,4 +1,4 @@
-//! How long work takes, and what a device can do at most: tiny kernels of one kind of work each.
+//! Durations of work, and the maximum rates of a device, measured by small kernels that each do one kind of work.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,17 +9,17 @@ use lodestar::gpu::{Buffer, Kernel, Submission};
 
 use crate::device::{Device, GROUP};
 
-/// Products and sums of a round of `glsl/test/arithmetic.comp`.
+/// Multiplications and additions in a round of `glsl/test/arithmetic.comp`.
 const OPERATIONS_PER_ROUND: u32 = 192;
 const ARITHMETIC_ROUNDS: u32 = 128;
 const ARITHMETIC_GROUPS: u32 = 1024;
 
-/// By the device's clock where it has one.
+/// Seconds of a submission, by the device's clock if it has one.
 pub fn seconds_of(submission: Submission) -> f64 {
     submission.device.unwrap_or(submission.wall).as_secs_f64()
 }
 
-/// Runs something for at least so many seconds, and returns the mean of the seconds that it says it took.
+/// Repeats `once` for at least the given seconds. Returns the mean of the seconds that it returns.
 pub fn mean_seconds(at_least: f64, mut once: impl FnMut() -> f64) -> f64 {
     let (begin, mut sum, mut runs) = (Instant::now(), 0.0, 0);
     while runs == 0 || begin.elapsed().as_secs_f64() < at_least {
@@ -29,7 +29,7 @@ pub fn mean_seconds(at_least: f64, mut once: impl FnMut() -> f64) -> f64 {
     sum / f64::from(runs)
 }
 
-/// What the tiny kernels are pushed.
+/// Push constants of the small kernels.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
@@ -37,7 +37,7 @@ struct Push {
     other: u32,
 }
 
-/// Sums and products of single precision, as many as a device does.
+/// Single-precision additions and multiplications.
 pub struct Arithmetic {
     device: Arc<Device>,
     kernel: Kernel,
@@ -51,7 +51,7 @@ impl Arithmetic {
         Self { device: Arc::clone(device), kernel, results }
     }
 
-    /// Operations per second, measured for at least so long.
+    /// Operations per second, measured for at least the given seconds.
     pub fn rate(&self, seconds: f64) -> f64 {
         let push = ARITHMETIC_ROUNDS;
         let once = || {
@@ -63,12 +63,12 @@ impl Arithmetic {
     }
 }
 
-/// Bytes of a node of the hierarchy.
+/// Size of a node of the hierarchy, in bytes.
 pub const NODE_BYTES: u32 = 80;
 const FETCH_ROUNDS: u32 = 64;
 const FETCH_GROUPS: u32 = 256;
 
-/// Reads of whole nodes, as the traversal reads them, but none of which waits for another.
+/// Independent reads of whole nodes, in the way in which the traversal reads them.
 pub struct Fetches {
     device: Arc<Device>,
     kernel: Kernel,
@@ -82,7 +82,8 @@ impl Fetches {
         Self { device: Arc::clone(device), kernel, results }
     }
 
-    /// Bytes per second, of random nodes among the first `node_count` of a buffer, measured for at least so long.
+    /// Bytes per second for random nodes among the first `node_count` of a buffer, measured for at least the given
+    /// seconds.
     pub fn rate(&self, nodes: &Arc<Buffer>, node_count: u32, seconds: f64) -> f64 {
         let push = Push { rounds: FETCH_ROUNDS, other: node_count };
         let once = || {
@@ -105,7 +106,7 @@ pub struct Copies {
 }
 
 impl Copies {
-    /// That read and write about so many bytes, both together.
+    /// Copies that read and write about the given number of bytes in total.
     pub fn new(device: &Arc<Device>, bytes: u64) -> Self {
         let groups = (bytes / 2).div_ceil(u64::from(4 * COPY_ROUNDS * GROUP)) as u32;
         let buffer = |name| device.storage(name, (groups * GROUP * COPY_ROUNDS * 4) as usize);
@@ -113,7 +114,7 @@ impl Copies {
         Self { device: Arc::clone(device), kernel, from: buffer("from"), to: buffer("to"), groups }
     }
 
-    /// Bytes per second, read and written, measured for at least so long.
+    /// Bytes per second, read and written, measured for at least the given seconds.
     pub fn rate(&self, seconds: f64) -> f64 {
         let push = Push { rounds: COPY_ROUNDS, other: self.groups * GROUP };
         let once = || {

@@ -1,4 +1,4 @@
-//! Rays of the three kinds that a path tracer traces, made on the host, and the kernels that trace them.
+//! Rays of the three kinds that a path tracer traces, created on the host, and the kernels that trace them.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -18,18 +18,18 @@ use crate::device::{Device, GROUP};
 use crate::twins::camera::camera_ray;
 use crate::twins::random::{RandomKey, RandomStream, SampleSet, next_random, random_stream};
 
-/// What `TraceInput` of `glsl/test/traverse.comp` is.
+/// Ray: `TraceInput` of `glsl/test/traverse.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct Ray {
     pub origin: [f32; 3],
     pub direction: [f32; 3],
     pub t_max: f32,
-    /// 1: any hit will do.
+    /// Flag: 1 if any hit suffices.
     pub any_hit: u32,
 }
 
-/// What `TraceOutput` of the same is.
+/// Hit: `TraceOutput` of `glsl/test/traverse.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 struct Found {
@@ -39,7 +39,7 @@ struct Found {
     overrun: u32,
 }
 
-/// What `TraceCounts` of `glsl/test/traverse_counts.comp` is.
+/// Counts of fetches: `TraceCounts` of `glsl/test/traverse_counts.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Counts {
@@ -48,15 +48,15 @@ pub struct Counts {
     pub overrun: u32,
 }
 
-/// The names of the three kinds, and whether each asks for any hit.
+/// Names of the three kinds of rays, and whether any hit suffices.
 pub const KINDS: [(&str, bool); 3] = [("primary", false), ("bounce", false), ("shadow", true)];
-/// Rays start off surfaces by this share of the scene's largest coordinate.
+/// Distance at which rays start off surfaces, as a share of the scene's largest coordinate.
 const OFFSET: f32 = 1.0e-4;
-/// Shadow rays end before the light by this share of their length.
+/// Distance at which shadow rays end before the light, as a share of their length.
 const SHORT_OF_LIGHT: f64 = 1.0e-3;
 const ENDLESS: f64 = 1.0e30;
 
-/// A scene's hierarchy on the device, and a kernel that takes [`Ray`]s through it.
+/// Hierarchy of a scene on the device, and a kernel that traces [`Ray`]s through it.
 pub struct Tracer {
     device: Arc<Device>,
     kernel: Kernel,
@@ -64,7 +64,7 @@ pub struct Tracer {
     primitives: Arc<Buffer>,
 }
 
-/// Rays on the device, and room for what is found.
+/// Rays on the device, and memory for their results.
 pub struct Batch {
     pub rays: Vec<Ray>,
     input: Arc<Buffer>,
@@ -80,7 +80,7 @@ impl Batch {
 }
 
 impl Tracer {
-    /// `source` is a kernel of the interface of `glsl/test/traverse.comp`.
+    /// Creates a tracer. `source` is a kernel with the interface of `glsl/test/traverse.comp`.
     pub fn new(device: &Arc<Device>, bvh: &Bvh, source: &KernelSource) -> Self {
         let texels = |name: &str, bytes: &[u8]| {
             let buffer = device.buffer(name, bytes.len(), BufferKind::TexelUint);
@@ -96,12 +96,12 @@ impl Tracer {
         }
     }
 
-    /// The device's nodes, for others to read.
+    /// Buffer of the nodes on the device.
     pub fn nodes(&self) -> &Arc<Buffer> {
         &self.nodes
     }
 
-    /// Whether the device can read so large a hierarchy through texels, as the kernels of the tests do.
+    /// Whether the device can read a hierarchy of this size through texels, as the test kernels do.
     pub fn fits(device: &Device, bvh: &Bvh) -> bool {
         let bytes = size_of_val(&bvh.nodes[..]).max(size_of_val(&bvh.primitives[..]));
         device.has_room("a hierarchy", bytes, 16)
@@ -112,21 +112,21 @@ impl Tracer {
         self.device.dispatch(&self.kernel, &buffers, &[], batch.rays.len() as u32 / GROUP)
     }
 
-    /// What the kernel has written of each ray.
+    /// Results that the kernel has written for each ray.
     pub fn outputs<T: Pod>(&self, batch: &Batch) -> Vec<T> {
         self.trace(batch);
         batch.output.read(0, batch.rays.len()).expect("read")
     }
 }
 
-/// Size of the picture that rays are made for: as many pixels as keep the device busy.
+/// Size of the picture for which rays are created. It has enough pixels to keep the device busy.
 pub fn picture(device: &Device) -> [u32; 2] {
     if device.context.device().kind == DeviceKind::Cpu { [512; 2] } else { [1024; 2] }
 }
 
-/// Rays of [`KINDS`] for a picture of so many pixels: from the camera, tile by tile; from where these hit, on in
-/// proportion to the cosine; and from there towards points of area lights, or in any direction where there are none.
-/// Rays that do not hit, or would start downwards, are left out, and others stand in for them.
+/// Rays of all [`KINDS`] for a picture of the given size. Camera rays are in the order of tiles. Bounce rays start
+/// where camera rays hit, with cosine-weighted directions. Shadow rays go from there to points of area lights, or in
+/// any direction if there are none. Rays that miss, or that would start downwards, are replaced by others.
 pub fn make(device: &Arc<Device>, scene: &Scene, bvh: &Bvh, [width, height]: [u32; 2]) -> [Vec<Ray>; 3] {
     let mut random = random_stream(RandomKey { pixel: 0, sample_index: 0, set: SampleSet::Alone, seed: 7 }, 0, 0);
     let primary = primary_rays(scene, [width, height], &mut random);
@@ -160,7 +160,7 @@ fn ray(origin: Vec3, direction: DVec3, t_max: f64, any_hit: bool) -> Ray {
     Ray { origin: origin.into(), direction, t_max: t_max as f32, any_hit: u32::from(any_hit) }
 }
 
-/// Through a point of each pixel, in tiles of 8 x 8.
+/// Camera rays through a point of each pixel, in tiles of 8 x 8.
 fn primary_rays(scene: &Scene, [width, height]: [u32; 2], random: &mut RandomStream) -> Vec<Ray> {
     let (kind, constants) = camera(scene, [width, height]);
     let mut rays = Vec::new();
@@ -176,7 +176,7 @@ fn primary_rays(scene: &Scene, [width, height]: [u32; 2], random: &mut RandomStr
     rays
 }
 
-/// The camera's kind and constants, as kernels have them.
+/// Kind and constants of the camera, in the form that kernels use.
 fn camera(scene: &Scene, [width, height]: [u32; 2]) -> (u32, SceneConstants) {
     let camera = &scene.camera;
     let (kind, [aperture_radius, focus_distance]) = match camera.projection {
@@ -201,7 +201,7 @@ fn camera(scene: &Scene, [width, height]: [u32; 2]) -> (u32, SceneConstants) {
     (kind, constants)
 }
 
-/// Where a ray has hit, and the geometric normal on its side.
+/// Position of a ray's hit, and the geometric normal on the ray's side.
 fn surface_hit(bvh: &Bvh, ray: &Ray, found: &Found) -> Option<(DVec3, DVec3)> {
     if found.primitive == NONE {
         return None;
@@ -221,15 +221,15 @@ fn uniform_direction(random: &mut RandomStream) -> DVec3 {
     square_to_sphere(dvec2(x, y))
 }
 
-/// In proportion to the cosine: a point on the unit sphere around the tip of the normal.
+/// Cosine-weighted direction: the normalized sum of the normal and a random unit vector.
 fn cosine_direction(normal: DVec3, random: &mut RandomStream) -> DVec3 {
     (normal + uniform_direction(random)).normalize_or(normal)
 }
 
-/// A scene's area lights, to be chosen by area.
+/// Area lights of a scene, to be chosen in proportion to their area.
 struct Lights<'a> {
     lights: Vec<&'a Primitive>,
-    /// Areas of each and all before it.
+    /// Cumulative areas of the lights.
     ends: Vec<f64>,
 }
 
@@ -264,7 +264,7 @@ fn area(light: &Primitive) -> f64 {
     }
 }
 
-/// Uniformly over its area.
+/// Point of a light, uniform over its area.
 fn point_on(light: &Primitive, random: &mut RandomStream) -> DVec3 {
     let [origin, edge_u, edge_v] = [light.origin, light.edge_u, light.edge_v].map(|v| v.as_dvec3());
     let [a, b] = [(); 2].map(|()| next_random(random));

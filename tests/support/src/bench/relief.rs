@@ -1,14 +1,15 @@
-//! The project's Cornell box with its walls cut into any number of triangles of rough relief.
+//! Cornell box of relief: the project's Cornell box, with walls divided into any number of triangles with a rough
+//! relief.
 
 use glam::Vec3;
 use lodestar::scene::{self, LoadOptions, Primitive, PrimitiveShape, Scene};
 
 use crate::scenes_folder;
 
-/// Relief of a wall, in sides of its triangles.
+/// Height of the relief, in sides of the triangles.
 const RELIEF: f32 = 0.3;
 
-/// The Cornell box with about as many triangles.
+/// Cornell box with about `count` triangles.
 pub fn tessellated(count: usize) -> Scene {
     let path = scenes_folder().join("cornell-box/scene.xml");
     let mut scene = scene::load(&path, &LoadOptions::default()).expect("the scene loads");
@@ -19,7 +20,7 @@ pub fn tessellated(count: usize) -> Scene {
     scene
 }
 
-/// A flat shape in triangles; a parallelogram's sides are given by halves from its center.
+/// Triangles of a flat shape. The sides of a parallelogram are given as halves from its center.
 fn triangles(shape: &Primitive) -> Vec<Primitive> {
     let Primitive { origin, edge_u, edge_v, .. } = *shape;
     let triangle = |origin, edge_u, edge_v| Primitive {
@@ -39,7 +40,7 @@ fn triangles(shape: &Primitive) -> Vec<Primitive> {
     }
 }
 
-/// A triangle cut into the square of `cuts`, with relief inside and none at its border, so that no light leaks.
+/// Triangle divided into the square of `cuts` triangles. The relief is zero at its border, so that no light leaks.
 fn cut(triangle: &Primitive, cuts: u32) -> impl Iterator<Item = Primitive> {
     let Primitive { origin, edge_u, edge_v, .. } = *triangle;
     let normal = edge_u.cross(edge_v).normalize();
@@ -60,7 +61,7 @@ fn cut(triangle: &Primitive, cuts: u32) -> impl Iterator<Item = Primitive> {
     })
 }
 
-/// In [-0.5, 0.5), from a hash.
+/// Noise in [-0.5, 0.5), from a hash.
 fn noise(i: u32, j: u32) -> f32 {
     let mut bits = i.wrapping_mul(0x9e37_79b9) ^ j.wrapping_mul(0x85eb_ca6b);
     bits = (bits ^ (bits >> 15)).wrapping_mul(0x2c1b_3c6d);

@@ -1,4 +1,4 @@
-//! The scenes that are measured.
+//! Scenes that the benches measure.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -9,17 +9,17 @@ use lodestar::scene::{self, LoadOptions, Scene};
 use crate::bench::relief::tessellated;
 use crate::scenes_folder;
 
-/// Triangles of the Cornell box of relief.
+/// Number of triangles of the Cornell box of relief.
 const RELIEF_TRIANGLES: usize = 100_000;
-/// Scenes of the project's folder `scenes`.
+/// Scenes in the project's folder `scenes`.
 const OWN: [&str; 2] = ["cornell-box", "door-ajar"];
-/// Scenes of the folder that `LODESTAR_SCENES` names.
+/// Scenes in the folder that `LODESTAR_SCENES` names.
 const SHARED: [&str; 2] = ["staircase2", "kitchen"];
 
-/// A scene with its hierarchy.
+/// Scene with its hierarchy.
 pub struct Subject {
     pub name: String,
-    /// Where others can read it; nothing for one that is made here.
+    /// File of the scene; `None` for a scene that this program creates.
     pub file: Option<PathBuf>,
     pub scene: Scene,
     pub bvh: Bvh,
@@ -44,7 +44,7 @@ impl Subject {
     }
 }
 
-/// The project's own scenes, and the shared ones where they are at hand.
+/// The project's own scenes, and the shared scenes if they are available.
 pub fn all() -> Vec<Rc<Subject>> {
     let own = scenes_folder();
     let mut subjects: Vec<_> = OWN.iter().filter_map(|name| Subject::load(&own, name)).collect();
