@@ -11,8 +11,13 @@ fn run(name: &str, arguments: &[&Path]) {
     // The test lies in `deps`, below the folder of the profile.
     let profile = test.ancestors().nth(2).unwrap();
     let program = profile.join("examples").join(name).with_extension(std::env::consts::EXE_EXTENSION);
+    let path = program.display();
+    assert!(
+        program.exists(),
+        "{path} is missing: `cargo build --release --examples` builds it, as does a whole `cargo test`"
+    );
     let output = Command::new(&program).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}: {}", program.display(), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{path}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
 fn furnace() -> PathBuf {
