@@ -18,7 +18,7 @@ pub(crate) enum Learning {
     /// There is no guide.
     Nothing,
     /// The grids are updated after every step.
-    Grids(GridUpdates),
+    Grids(Box<GridUpdates>),
     /// Quadtrees are refined after iterations of their own.
     Quadtrees(Refinement),
 }
@@ -29,7 +29,7 @@ impl Learning {
         Ok(match settings.sampler {
             Sampler::Bsdf => Self::Nothing,
             Sampler::Quadtree => Self::Quadtrees(Refinement::new(context, kernels, variant)?),
-            _ => Self::Grids(GridUpdates::new(context, kernels, variant, settings)?),
+            _ => Self::Grids(Box::new(GridUpdates::new(context, kernels, variant, settings)?)),
         })
     }
 
