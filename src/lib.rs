@@ -30,20 +30,22 @@
 //! code. `examples/` has one program for each of the three.
 //!
 //! # Code map
+//! Rooms, highest first: a room uses rooms that stand below it, and never one above it (invariant 6).
+//!
 //! | module | what it is |
 //! |---|---|
-//! | [`scene`] | scene files and meshes, read to world-space primitives, materials and emitters |
-//! | [`encode`] | a scene as the words that kernels read: hierarchy, cells, lights, materials, textures, tables of cosines |
-//! | [`generated`] | what `build.rs` writes from `glsl/`: SPIR-V with its interface, constants, and checked struct layouts |
-//! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
-//! | [`renderer`] | the paper in safe code, one file per descriptor set |
-//! | [`math`] | what production and tests share: maps of directions, Fresnel, microfacets, the sRGB curve |
-//! | [`film`] | what a pixel holds, and how pictures are put together from parts |
-//! | [`image`], [`files`] | EXR and PNG, error metrics, files written whole or not at all |
-//! | [`session`] | one render from start to end: when it stops, checkpoints, safety copies, statistics, profile |
-//! | [`settings`] | everything a user may choose |
-//! | [`spirv`] | SPIR-V as data: inspected, specialized, replaced |
 //! | [`reproduce`] | the paper's tables and figures, measured |
+//! | [`session`] | one render from start to end: when it stops, checkpoints, safety copies, statistics, profile |
+//! | [`renderer`] | the paper in safe code, one file per descriptor set |
+//! | [`film`] | what a pixel holds, and how pictures are put together from parts |
+//! | [`encode`] | a scene as the words that kernels read: hierarchy, cells, lights, materials, textures, tables of cosines |
+//! | [`settings`] | everything a user may choose |
+//! | [`scene`] | scene files and meshes, read to world-space primitives, materials and emitters |
+//! | [`gpu`] | Vulkan, and all of the crate's `unsafe`; knows nothing of rendering |
+//! | [`math`] | what production and tests share: maps of directions, Fresnel, microfacets, the sRGB curve |
+//! | [`image`], [`files`] | EXR and PNG, error metrics, files written whole or not at all |
+//! | [`spirv`] | SPIR-V as data: inspected, specialized, replaced |
+//! | [`generated`] | what `build.rs` writes from `glsl/`: SPIR-V with its interface, constants, and checked struct layouts |
 //!
 //! # Paper map
 //! | in the paper | GLSL | held by |
@@ -91,8 +93,12 @@
 //!    The twins in `tests/support` state numbers anew, for they are what GLSL is checked against.
 //! 5. A value that leaves a GLSL loop is carried by the loop (set before it, read in it): Mesa 22.3's lavapipe keeps no
 //!    other value per lane.
-//! 6. `scene`, `encode`, `layout` and `math` never mention `gpu`; `gpu` never mentions `scene` or `renderer`
-//!    (`tests/hygiene`).
+//! 6. **Who may use whom.** No two files use each other, directly or by way of others, and neither do two rooms (the
+//!    modules of the code map). `scene`, `encode`, `math`, `image`, `film`, `settings`, `generated` and `spirv` never
+//!    reach `gpu`; `gpu` never reaches `scene` or `renderer`. Only `gpu` names Vulkan (`ash`) and contains `unsafe`, only
+//!    `image` names `exr`. A type that several files of a folder need lies in a file below them, not in their `mod.rs`.
+//!    `tests/hygiene` reads the imports of all files. It shows the chain of a breach file by file, and prints the layers
+//!    with `--nocapture`.
 //!
 //! Deliberately absent: a render graph, bindless resources, traits with one implementation, options as strings past
 //! [`settings`].

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use lodestar::image::exr;
+use lodestar::film;
 
 /// Runs an example and fails unless it succeeds.
 fn run(name: &str, arguments: &[&Path]) {
@@ -11,8 +11,13 @@ fn run(name: &str, arguments: &[&Path]) {
     // The test lies in `deps`, below the folder of the profile.
     let profile = test.ancestors().nth(2).unwrap();
     let program = profile.join("examples").join(name).with_extension(std::env::consts::EXE_EXTENSION);
+    let path = program.display();
+    assert!(
+        program.exists(),
+        "{path} is missing: `cargo build --release --examples` builds it, as does a whole `cargo test`"
+    );
     let output = Command::new(&program).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}: {}", program.display(), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{path}: {}", String::from_utf8_lossy(&output.stderr));
 }
 
 fn furnace() -> PathBuf {
@@ -28,7 +33,7 @@ fn a_file_is_rendered() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("a.exr");
     run("render_file", &[&furnace(), &out]);
-    let (picture, _) = exr::read_picture(&out).unwrap();
+    let (picture, _) = film::read_picture(&out).unwrap();
     assert_eq!((picture.width, picture.height), (64, 64));
     assert!(picture.sample_count.iter().all(|&count| count == 64));
     // Radiance 1 meets an albedo of 0.5 from all sides, and the background is black or 1.
@@ -54,7 +59,7 @@ fn a_scene_is_made_in_code() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("a.exr");
     run("scene_in_code", &[&out]);
-    let (picture, _) = exr::read_picture(&out).unwrap();
+    let (picture, _) = film::read_picture(&out).unwrap();
     assert_eq!((picture.width, picture.height), (64, 48));
     assert!(picture.sample_count.iter().all(|&count| count == 32));
     let at = |x: usize, y: usize| picture.rgb()[64 * y + x];

@@ -7,6 +7,8 @@ use lodestar::image::exr;
 use lodestar::image::metrics::{self, Metrics};
 use lodestar::{Error, Result};
 
+use super::print::{print_json, print_line};
+
 /// Measures the error of an EXR picture against a reference.
 #[derive(Debug, clap::Args)]
 pub struct CompareArgs {
@@ -29,9 +31,9 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
         Error::Settings(format!("{} against {}: {error}", args.image.display(), args.reference.display()))
     })?;
     if args.json {
-        super::print_json(&metrics)?
+        print_json(&metrics)?
     } else {
-        super::print_line(&table(&metrics))?
+        print_line(&table(&metrics))?
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -4,8 +4,8 @@ use std::sync::{Mutex, PoisonError};
 
 use lodestar::session::Event;
 
+use super::print::report;
 use super::progress::{Loading, Meter, line};
-use super::report;
 
 /// Shows the news of one render on standard error.
 pub struct Console {

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use lodestar::Result;
 use lodestar::gpu::{DeviceInfo, list_devices};
 
-use super::{print_json, print_line};
+use super::print::{print_json, print_line};
 
 /// Lists the Vulkan devices and, for those that cannot be used, the need that they lack.
 #[derive(Debug, clap::Args)]

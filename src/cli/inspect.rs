@@ -7,18 +7,20 @@ use std::process::ExitCode;
 
 use lodestar::encode::bvh::Bvh;
 use lodestar::generated::kernels::{BackEnd, Registry};
-use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, PipelineReport, Representation};
+use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, Representation};
 use lodestar::renderer::{variant_for, variant_of_settings};
 use lodestar::scene::{self, FilmDescription, IntegratorDescription, LoadOptions, ReconstructionFilter};
 use lodestar::session::kernel_files::KernelFiles;
 use lodestar::settings::{SamplePattern, Settings};
-use lodestar::spirv::inspect::{self, KernelReport};
+use lodestar::spirv::inspect;
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 
+use super::inspect_text;
+use super::inspect_text::Inspected;
+use super::print::{print_json, print_line, report};
 use super::render_args::{Filter, Switch, define};
 use super::setting_args::SettingArgs;
-use super::{inspect_text, print_json, print_line, report};
 
 /// Shows what a kernel is made of.
 ///
@@ -74,19 +76,6 @@ struct Report<'a> {
     scene: Option<&'a Path>,
     device: Option<&'a DeviceInfo>,
     kernels: &'a [Inspected],
-}
-
-/// One kernel of one or both back ends.
-#[derive(Debug, Serialize)]
-pub struct Inspected {
-    /// Which back ends use it.
-    pub back_ends: Vec<BackEnd>,
-    #[serde(flatten)]
-    pub report: KernelReport,
-    /// What a device's driver made of it.
-    pub pipeline: Option<PipelineReport>,
-    #[serde(skip)]
-    spirv: Vec<u8>,
 }
 
 /// Inspects as `args` say.

@@ -5,9 +5,22 @@ use std::fmt::Write as _;
 
 use lodestar::generated::kernels::BackEnd;
 use lodestar::gpu::{DeviceInfo, Executable, PipelineReport};
-use lodestar::spirv::inspect::{Class, Count, Histogram, Interface, Layout, Member};
+use lodestar::spirv::inspect::{Class, Count, Histogram, Interface, KernelReport, Layout, Member};
 
-use super::inspect::Inspected;
+use serde::Serialize;
+
+/// One kernel of one or both back ends.
+#[derive(Debug, Serialize)]
+pub struct Inspected {
+    /// Which back ends use it.
+    pub back_ends: Vec<BackEnd>,
+    #[serde(flatten)]
+    pub report: KernelReport,
+    /// What a device's driver made of it.
+    pub pipeline: Option<PipelineReport>,
+    #[serde(skip)]
+    pub spirv: Vec<u8>,
+}
 
 /// Every kernel, with `line_count` lines of GLSL each.
 pub fn text(kernels: &[Inspected], device: Option<&DeviceInfo>, line_count: usize) -> String {

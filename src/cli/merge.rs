@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use lodestar::film;
 use lodestar::film::merge::{PartialPicture, merge};
-use lodestar::image::exr;
 use lodestar::{Result, files};
 
+use super::print::report;
 use super::render_args::exr_path;
-use super::report;
 
 /// Averages pictures of one scene with disjoint samples, every pixel by its sample counts.
 ///
@@ -28,7 +28,7 @@ pub struct MergeArgs {
 pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     files::check_writable(&args.output)?;
     let read = |path: &PathBuf| {
-        let (picture, attributes) = exr::read_picture(path)?;
+        let (picture, attributes) = film::read_picture(path)?;
         Ok(PartialPicture { path: path.clone(), picture, attributes })
     };
     let parts: Vec<_> = args.parts.iter().map(read).collect::<Result<_>>()?;
@@ -38,6 +38,6 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         let message = "it carries no sums, so the last bits depend on the parts: render it with --sample-offset, 0 if it is the first";
         report("warning", &format!("{}: {message}", part.path.display()));
     }
-    exr::write_picture(&args.output, &picture, &attributes)?;
+    film::write_picture(&args.output, &picture, &attributes)?;
     Ok(ExitCode::SUCCESS)
 }

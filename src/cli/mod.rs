@@ -8,6 +8,7 @@ mod inspect;
 mod inspect_text;
 mod interrupt;
 mod merge;
+mod print;
 mod progress;
 mod radiance;
 mod render;
@@ -16,15 +17,14 @@ mod reproduce;
 mod resume;
 mod setting_args;
 
-use std::io::{self, ErrorKind, Write};
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::error::ErrorKind as UsageError;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use lodestar::{Error, Result};
+
+use print::report;
 
 /// Renders Mitsuba scenes with path guiding on any Vulkan device.
 #[derive(Debug, Parser)]
@@ -101,26 +101,6 @@ fn usage_sentence(message: &str) -> String {
     let lines: Vec<_> = paragraph.lines().map(str::trim).collect();
     let sentence = lines.join(" ");
     format!("{}; --help lists what there is", sentence.strip_prefix("error: ").unwrap_or(&sentence))
-}
-
-/// Prints a line to standard error. Where that is closed, nothing is left to report to.
-fn report(kind: &str, text: &str) {
-    let _ = writeln!(io::stderr(), "lodestar: {kind}: {text}");
-}
-
-/// Prints `text` and a line break. A reader that has left (`lodestar ... | head -1`) is no error: it has what it wanted.
-fn print_line(text: &str) -> Result<()> {
-    let mut stdout = io::stdout().lock();
-    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::write(Path::new("standard output"))(error)),
-        _ => Ok(()),
-    }
-}
-
-/// Prints `value` as indented JSON.
-fn print_json(value: &impl serde::Serialize) -> Result<()> {
-    let text = serde_json::to_string_pretty(value).map_err(io::Error::from);
-    print_line(&text.map_err(Error::write(Path::new("standard output")))?)
 }
 
 #[cfg(test)]

@@ -4,17 +4,17 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use lodestar::encode::bvh::Bvh;
-use lodestar::film::Picture;
+use lodestar::film::{self, Picture};
 use lodestar::gpu::{Context, ContextOptions};
-use lodestar::image::{ToneCurve, exr, png};
+use lodestar::image::{ToneCurve, png};
 use lodestar::scene::{self, LoadOptions, Scene};
 use lodestar::session::identity;
 use lodestar::session::radiance_map::{self, MappedScene, SurfacePoint, false_colors};
 use lodestar::settings::Settings;
 use lodestar::{Error, Result, files};
 
+use super::print::{print_line, report};
 use super::render_args::{ChoiceArgs, define, device_name, output_path};
-use super::{print_line, report};
 
 /// Writes the radiance that a guide has learned at one point, by direction (the paper's Fig. 6).
 ///
@@ -109,7 +109,7 @@ fn write(path: &Path, map: &[f32], settings: &Settings, attributes: &[(String, S
     }
     let radiance = map.iter().map(|&value| [value; 3]).collect();
     let picture = Picture { radiance, ..Picture::empty(side, side, [0, 0], [side, side]) };
-    exr::write_picture(path, &picture, attributes)
+    film::write_picture(path, &picture, attributes)
 }
 
 fn pixel(text: &str) -> Result<[u32; 2], String> {

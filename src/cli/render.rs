@@ -8,7 +8,7 @@ use lodestar::session::{Options, SceneInput, Session, Start, Watch};
 
 use super::console::Console;
 use super::interrupt::Interrupt;
-use super::print_line;
+use super::print::print_line;
 use super::render_args::{RenderArgs, with};
 
 /// Renders as `args` say.

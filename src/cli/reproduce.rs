@@ -10,7 +10,7 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::reproduce::{Plan, Status, Target, Watch};
 
 use super::interrupt::Interrupt;
-use super::print_line;
+use super::print::print_line;
 use super::progress::{Meter, duration};
 use super::render_args::{device_name, positive, seconds};
 

@@ -1,68 +1,22 @@
 //! Cells of a guide: the places of a regular grid over the scene that hold surfaces, and their parents. A parent joins
 //! up to 2 x 2 x 2 cells, which borrow from it while they have learned little. CPU only.
 
+mod grid;
 mod occupancy;
 
 use std::ops::Range;
 
-use glam::{UVec3, Vec3, uvec3};
+use glam::{UVec3, Vec3};
 
 use crate::encode::bvh::Bvh;
 use crate::generated::constants;
+use grid::extent;
 use occupancy::occupied_places;
+
+pub use grid::Grid;
 
 /// Numbers of places that are tried along the longest side of the scene.
 const LONGEST_SIDES: [u32; 19] = [4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 21, 24, 28, 32, 38, 44, 52, 64];
-/// Least extent of the scene along an axis, relative to its largest coordinate.
-const THINNEST: f32 = 1.0e-6;
-
-/// Regular grid over a box.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
-    /// Lower corner, world space.
-    pub origin: Vec3,
-    /// Places per unit of length, along each axis.
-    pub per_unit: Vec3,
-    /// Number of places along each axis.
-    pub size: UVec3,
-}
-
-impl Grid {
-    /// Grid of `size` places over the scene's box.
-    pub fn new(bvh: &Bvh, size: UVec3) -> Self {
-        Self { origin: bvh.bounds.0, per_unit: size.as_vec3() / extent(bvh), size }
-    }
-
-    /// Coordinates of a point, in places from the lower corner.
-    fn coordinates(&self, position: Vec3) -> Vec3 {
-        (position - self.origin) * self.per_unit
-    }
-
-    /// Place at the given coordinates; for coordinates outside, the nearest place.
-    fn clamped(&self, coordinates: Vec3) -> UVec3 {
-        coordinates.clamp(Vec3::ZERO, self.size.as_vec3() - 0.5).as_uvec3()
-    }
-
-    /// Index of a place, with the x-axis running fastest.
-    fn index(&self, place: UVec3) -> usize {
-        ((place.z * self.size.y + place.y) * self.size.x + place.x) as usize
-    }
-
-    fn place_count(&self) -> usize {
-        self.size.element_product() as usize
-    }
-
-    /// All places within the given bounds, both included.
-    fn places(from: UVec3, to: UVec3) -> impl Iterator<Item = UVec3> {
-        (from.z..=to.z)
-            .flat_map(move |z| (from.y..=to.y).flat_map(move |y| (from.x..=to.x).map(move |x| uvec3(x, y, z))))
-    }
-}
-
-/// Extents of the scene's box, all above zero.
-fn extent(bvh: &Bvh) -> Vec3 {
-    (bvh.bounds.1 - bvh.bounds.0).max(Vec3::splat(bvh.largest_coordinate().max(1.0e-20) * THINNEST))
-}
 
 /// Cells of a scene, level by level: first the cells that hold surfaces, then their parents, and so on to the one cell
 /// that is all of the scene. Within a level, Morton order (Morton 1966) keeps neighbors together.
@@ -180,6 +134,7 @@ fn morton_key(place: UVec3) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::uvec3;
 
     fn grid(size: UVec3) -> Grid {
         Grid { origin: Vec3::ZERO, per_unit: Vec3::ONE, size }

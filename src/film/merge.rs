@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::film::Picture;
+use crate::film::identity::{Identity, merged_attributes};
 use crate::film::ranges::SampleRanges;
-use crate::session::identity::{Identity, merged_attributes};
 use crate::{Error, Result};
 
 /// Picture made from some of a render's samples.
@@ -102,7 +102,7 @@ fn sum(pictures: &[&Picture]) -> Picture {
     for at in 0..sum.sums.len() {
         let mut pixel = sum.sums[at];
         pictures[1..].iter().for_each(|picture| pixel.add(&picture.sums[at]));
-        pixel.store(&mut sum, at);
+        sum.set_pixel(at, &pixel.means());
         sum.sums[at] = pixel;
     }
     sum

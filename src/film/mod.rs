@@ -1,10 +1,13 @@
 //! Pictures: what a pixel holds, and how parts are merged. CPU only: no Vulkan, no `unsafe`.
 
+pub mod identity;
 pub mod merge;
 pub mod noise;
 mod picture;
+mod picture_file;
 pub mod ranges;
 pub mod sums;
 pub mod weights;
 
-pub use picture::*;
+pub use picture::Picture;
+pub use picture_file::{read_picture, write_picture};

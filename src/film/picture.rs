@@ -1,6 +1,6 @@
 //! A finished picture with everything that is measured per pixel. CPU only.
 
-use crate::film::sums::PixelSums;
+use crate::film::sums::{PixelMeans, PixelSums};
 use crate::image::Image;
 
 /// Results of a render for every pixel of its window, row by row from the top left.
@@ -52,6 +52,14 @@ impl Picture {
             depth: vec![f32::INFINITY; pixels],
             sums: Vec::new(),
         }
+    }
+
+    /// Writes every layer of pixel `at` but its sums.
+    pub fn set_pixel(&mut self, at: usize, means: &PixelMeans) {
+        let PixelMeans { radiance, variance, albedo, normal, depth, sample_count, hit_count } = *means;
+        (self.radiance[at], self.variance[at]) = (radiance, variance);
+        (self.albedo[at], self.normal[at], self.depth[at]) = (albedo, normal, depth);
+        (self.sample_count[at], self.hit_count[at]) = (sample_count, hit_count);
     }
 
     /// The picture's pixels: mean radiance in linear sRGB, row by row from the top left.

@@ -3,7 +3,6 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::film::Picture;
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 
 /// Units of radiance and depth sums per 1: 2^64, for sums up to 9e18.
@@ -27,6 +26,25 @@ pub struct PixelSums {
     normal: [i64; 3],
     sample_count: u32,
     hit_count: u32,
+}
+
+/// Means over the samples of one pixel. The fields are those of [`Picture`](crate::film::Picture).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PixelMeans {
+    /// Mean radiance.
+    pub radiance: [f32; 3],
+    /// Variance of the mean radiance.
+    pub variance: [f32; 3],
+    /// Mean albedo.
+    pub albedo: [f32; 3],
+    /// Mean normal.
+    pub normal: [f32; 3],
+    /// Mean depth.
+    pub depth: f32,
+    /// Number of samples.
+    pub sample_count: u32,
+    /// Number of samples that hit a surface.
+    pub hit_count: u32,
 }
 
 impl PixelSums {
@@ -67,29 +85,31 @@ impl PixelSums {
         self.hit_count = self.hit_count.saturating_add(other.hit_count);
     }
 
-    /// Writes the means, and the variance of the mean radiance, to pixel `at` of `picture`.
-    pub fn store(&self, picture: &mut Picture, at: usize) {
+    /// Means, and the variance of the mean radiance.
+    pub fn means(&self) -> PixelMeans {
         let (samples, hits) = (f64::from(self.sample_count), f64::from(self.hit_count));
         let per_sample = 1.0 / samples.max(1.0);
+        let mut means = PixelMeans { sample_count: self.sample_count, hit_count: self.hit_count, ..Default::default() };
         for c in 0..3 {
             let sum = self.radiance[c] as f64 / UNITS;
             let squares = (self.squares_high[c] as f64 + self.squares_low[c] as f64 / UNITS) / SQUARE_UNITS;
             let deviation = squares - sum * sum * per_sample;
             let is_rounding = deviation <= squares * ROUNDING_SHARE || self.sample_count < 2;
             let variance = if is_rounding { 0.0 } else { deviation / (samples * (samples - 1.0)) };
-            picture.radiance[at][c] = (sum * per_sample) as f32;
-            picture.variance[at][c] = variance as f32;
-            picture.albedo[at][c] = (self.albedo[c] as f64 / FEATURE_UNITS * per_sample) as f32;
-            picture.normal[at][c] = (self.normal[c] as f64 / FEATURE_UNITS * per_sample) as f32;
+            means.radiance[c] = (sum * per_sample) as f32;
+            means.variance[c] = variance as f32;
+            means.albedo[c] = (self.albedo[c] as f64 / FEATURE_UNITS * per_sample) as f32;
+            means.normal[c] = (self.normal[c] as f64 / FEATURE_UNITS * per_sample) as f32;
         }
-        picture.depth[at] = if self.hit_count > 0 { (self.depth as f64 / UNITS / hits) as f32 } else { f32::INFINITY };
-        (picture.sample_count[at], picture.hit_count[at]) = (self.sample_count, self.hit_count);
+        means.depth = if self.hit_count > 0 { (self.depth as f64 / UNITS / hits) as f32 } else { f32::INFINITY };
+        means
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::Picture;
     use proptest::prelude::*;
 
     fn moments(mean: f32, squared_deviation: f32, sample_count: u32) -> PixelSums {
@@ -101,7 +121,7 @@ mod tests {
 
     fn picture_of(sums: &PixelSums) -> Picture {
         let mut picture = Picture::empty(1, 1, [0, 0], [1, 1]);
-        sums.store(&mut picture, 0);
+        picture.set_pixel(0, &sums.means());
         picture
     }
 

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::gpu::{BindingKind, BindingShape, KernelSource, SetShape};
+use super::interface::{BindingKind, BindingShape, KernelSource, SetShape};
 
 pub use super::constants::*;
 

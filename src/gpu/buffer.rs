@@ -9,7 +9,7 @@ use gpu_allocator::MemoryLocation;
 use super::backing::{Backing, check_range};
 use super::context::Context;
 use super::fault::failed;
-use super::interface::BindingKind;
+use crate::generated::interface::BindingKind;
 use crate::{Error, Result};
 
 /// Bytes of a texel: four numbers of 32 bits, unless the buffer's kind says otherwise.

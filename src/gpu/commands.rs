@@ -15,7 +15,7 @@ use super::kernel::Kernel;
 use super::layout::shapes_match;
 use super::queries::Timestamps;
 use super::sets::DescriptorSet;
-use super::slots::Slot;
+use super::slot::Slot;
 use super::timing::{Clock, DispatchTime};
 use crate::Result;
 

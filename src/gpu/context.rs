@@ -7,11 +7,11 @@ use ash::vk;
 use super::debug::ValidationLog;
 use super::device::LogicalDevice;
 use super::device_info::DeviceInfo;
+use super::idle_slots::IdleSlots;
 use super::instance::Instance;
 use super::memory::Memory;
 use super::pipeline_cache::PipelineCache;
 use super::selection;
-use super::slots::IdleSlots;
 use super::timing::{Clock, SubmissionTime, TimingRecord};
 use crate::Result;
 

@@ -5,7 +5,8 @@ use std::ffi::CStr;
 use ash::vk;
 use serde::Serialize;
 
-use super::needs::{self, Capabilities};
+use super::limits::Limits;
+use super::needs::{self, Capabilities, version_text};
 
 /// Kinds of device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -52,41 +53,6 @@ pub struct DeviceInfo {
     pub refused: Option<String>,
 }
 
-/// Limits of a device.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Limits {
-    /// Largest storage buffer, in bytes.
-    pub max_storage_buffer_bytes: u64,
-    /// Largest texel buffer, in texels of 16 bytes.
-    pub max_texel_elements: u64,
-    /// Largest single allocation, in bytes.
-    pub max_allocation_bytes: u64,
-    /// Most invocations in a workgroup.
-    pub max_workgroup_invocations: u32,
-    /// Most workgroups of a dispatch, along each axis.
-    pub max_workgroup_count: [u32; 3],
-    /// Most bytes of shared memory in a workgroup.
-    pub max_shared_bytes: u32,
-    /// Most storage buffers that a kernel may bind.
-    pub max_storage_buffers: u32,
-    /// Most texel buffers that a kernel may bind.
-    pub max_texel_buffers: u32,
-    /// Most descriptor sets that a kernel may bind.
-    pub max_bound_sets: u32,
-    /// Most bytes of push constants.
-    pub max_push_constant_bytes: u32,
-    /// Number of invocations that run in lockstep.
-    pub subgroup_size: u32,
-    /// Whether a kernel can ask which invocations of its subgroup are active.
-    pub has_subgroup_ballot: bool,
-    /// Bytes of device-local memory. Drivers on the CPU may report less than there is.
-    pub device_local_bytes: u64,
-    /// Unit in bytes to which host reads and writes of incoherent memory are rounded.
-    pub non_coherent_atom_bytes: u64,
-    /// Nanoseconds per tick of the device's clock.
-    pub timestamp_nanoseconds: f32,
-}
-
 impl DeviceInfo {
     /// Asks the driver.
     pub(super) fn query(instance: &ash::Instance, device: vk::PhysicalDevice, index: usize) -> Self {
@@ -121,7 +87,7 @@ impl DeviceInfo {
             device_id: properties.device_id,
             driver_version: properties.driver_version,
             pipeline_cache_uuid: hex(&properties.pipeline_cache_uuid),
-            limits: limits(&properties.limits),
+            limits: Limits::from_core(&properties.limits),
             refused: None,
         }
     }
@@ -172,27 +138,6 @@ fn device_local_bytes(instance: &ash::Instance, device: vk::PhysicalDevice) -> u
     heaps.filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL)).map(|heap| heap.size).sum()
 }
 
-fn limits(limits: &vk::PhysicalDeviceLimits) -> Limits {
-    Limits {
-        max_storage_buffer_bytes: limits.max_storage_buffer_range.into(),
-        max_texel_elements: limits.max_texel_buffer_elements.into(),
-        // The least that Vulkan guarantees; replaced by the driver's answer where there is one.
-        max_allocation_bytes: 1 << 30,
-        max_workgroup_invocations: limits.max_compute_work_group_invocations,
-        max_workgroup_count: limits.max_compute_work_group_count,
-        max_shared_bytes: limits.max_compute_shared_memory_size,
-        max_storage_buffers: limits.max_per_stage_descriptor_storage_buffers,
-        max_texel_buffers: limits.max_per_stage_descriptor_sampled_images,
-        max_bound_sets: limits.max_bound_descriptor_sets,
-        max_push_constant_bytes: limits.max_push_constants_size,
-        subgroup_size: 0,
-        has_subgroup_ballot: false,
-        device_local_bytes: 0,
-        non_coherent_atom_bytes: limits.non_coherent_atom_size,
-        timestamp_nanoseconds: limits.timestamp_period,
-    }
-}
-
 fn kind(kind: vk::PhysicalDeviceType) -> DeviceKind {
     match kind {
         vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
@@ -201,13 +146,6 @@ fn kind(kind: vk::PhysicalDeviceType) -> DeviceKind {
         vk::PhysicalDeviceType::CPU => DeviceKind::Cpu,
         _ => DeviceKind::Other,
     }
-}
-
-/// Vulkan version as text, such as `1.3.230`.
-pub(super) fn version_text(version: u32) -> String {
-    let [major, minor, patch] =
-        [vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version)];
-    format!("{major}.{minor}.{patch}")
 }
 
 fn string(chars: Option<&CStr>) -> String {

@@ -5,9 +5,9 @@ use std::ffi::CStr;
 use ash::{khr, vk};
 use serde::Serialize;
 
+use super::device::LogicalDevice;
 use super::fault::failed;
 use super::fault_injection::{May, before};
-use super::kernel::Kernel;
 use crate::Result;
 
 /// Report on a kernel's pipeline.
@@ -84,16 +84,17 @@ pub struct Representation {
     pub bytes: Vec<u8>,
 }
 
-/// Programs of a kernel that was built with [`Kernel::examine`]; `None` where the driver does not report them.
-pub(super) fn of_kernel(kernel: &Kernel) -> Result<Option<Vec<Executable>>> {
-    let Some(device) = kernel.context().logical().executables() else { return Ok(None) };
-    let info = vk::PipelineInfoKHR::default().pipeline(kernel.raw());
+/// Programs of a pipeline that was built to keep statistics, and whose kernel the caller borrows for this call; `None`
+/// where the driver does not report them.
+pub(super) fn of_pipeline(device: &LogicalDevice, pipeline: vk::Pipeline) -> Result<Option<Vec<Executable>>> {
+    let Some(device) = device.executables() else { return Ok(None) };
+    let info = vk::PipelineInfoKHR::default().pipeline(pipeline);
     // SAFETY: invariant 1: device and pipeline are alive.
     let properties = before(May::RunOutOfMemory)
         .and_then(|()| unsafe { device.get_pipeline_executable_properties(&info) })
         .map_err(failed("vkGetPipelineExecutablePropertiesKHR"))?;
     let executables = (0..).zip(&properties).map(|(index, properties)| {
-        let info = vk::PipelineExecutableInfoKHR::default().pipeline(kernel.raw()).executable_index(index);
+        let info = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline).executable_index(index);
         Ok(Executable {
             name: text(properties.name_as_c_str().ok()),
             description: text(properties.description_as_c_str().ok()),

@@ -9,8 +9,8 @@ use ash::vk;
 use super::context::Context;
 use super::executables::{self, PipelineReport};
 use super::fault::failed;
-use super::interface::KernelSource;
 use super::layout::PipelineLayout;
+use crate::generated::interface::KernelSource;
 use crate::spirv::specialization::resolve_branches;
 use crate::{Error, Result};
 
@@ -52,7 +52,7 @@ impl Kernel {
         let raw = create_pipeline(context, source, constants, &module, &layout, Build::ToExamine)?;
         let creation_seconds = begin.elapsed().as_secs_f64();
         let kernel = Self { raw, source: source.clone(), layout };
-        let executables = executables::of_kernel(&kernel)?;
+        let executables = executables::of_pipeline(context.logical(), kernel.raw)?;
         Ok((kernel, PipelineReport { creation_seconds, executables }))
     }
 

@@ -6,8 +6,8 @@ use ash::vk;
 
 use super::context::Context;
 use super::fault::failed;
-use super::interface::{BindingKind, BindingShape, KernelSource, SetShape};
 use crate::Result;
+use crate::generated::interface::{BindingKind, BindingShape, KernelSource, SetShape};
 
 /// All types that [`descriptor_type`] can return.
 pub(super) const DESCRIPTOR_TYPES: [vk::DescriptorType; 3] =

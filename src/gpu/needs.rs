@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use super::device_info::{Limits, version_text};
+use super::limits::Limits;
 
 /// Properties of a device that are not limits.
 pub(super) struct Capabilities {
@@ -40,6 +40,13 @@ fn limits_needed(limits: &Limits) -> [(u64, u64, &'static str); 6] {
         (limits.max_workgroup_invocations.into(), 256, "invocations per workgroup"),
         (limits.max_push_constant_bytes.into(), 128, "bytes of push constants"),
     ]
+}
+
+/// Vulkan version as text, such as `1.3.230`.
+pub(super) fn version_text(version: u32) -> String {
+    let [major, minor, patch] =
+        [vk::api_version_major(version), vk::api_version_minor(version), vk::api_version_patch(version)];
+    format!("{major}.{minor}.{patch}")
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use ash::vk;
 
-use super::context::Context;
+use super::device::LogicalDevice;
 
 /// Most dispatches of one submission that are timed one by one.
 const TIMED_DISPATCHES: u32 = 32;
@@ -15,19 +15,19 @@ pub(super) const QUERY_COUNT: u32 = 2 + 2 * TIMED_DISPATCHES;
 /// Timestamps around a command buffer's work, and around each of its first dispatches where asked for.
 pub(super) struct Timestamps<'a> {
     raw: vk::QueryPool,
-    context: &'a Context,
+    device: &'a LogicalDevice,
 }
 
 impl<'a> Timestamps<'a> {
     /// Timestamps in a pool of [`QUERY_COUNT`] queries, which belongs to the caller while this value lives.
-    pub(super) fn new(context: &'a Context, raw: vk::QueryPool) -> Self {
-        Self { raw, context }
+    pub(super) fn new(device: &'a LogicalDevice, raw: vk::QueryPool) -> Self {
+        Self { raw, device }
     }
 
     /// Records the start of all work.
     pub(super) fn start(&self, commands: vk::CommandBuffer) {
         // SAFETY: invariants 1 and 3: the recorder owns the queries and the command buffer, which is being recorded.
-        unsafe { self.context.raw().cmd_reset_query_pool(commands, self.raw, 0, QUERY_COUNT) };
+        unsafe { self.device.raw().cmd_reset_query_pool(commands, self.raw, 0, QUERY_COUNT) };
         self.write(commands, vk::PipelineStageFlags::TOP_OF_PIPE, 0);
     }
 
@@ -56,7 +56,7 @@ impl<'a> Timestamps<'a> {
     fn write(&self, commands: vk::CommandBuffer, stage: vk::PipelineStageFlags, query: u32) {
         // SAFETY: invariants 1 and 3: the recorder owns the queries and the command buffer, which is being recorded;
         // the pool has this query.
-        unsafe { self.context.raw().cmd_write_timestamp(commands, stage, self.raw, query) }
+        unsafe { self.device.raw().cmd_write_timestamp(commands, stage, self.raw, query) }
     }
 
     /// Time between start and end, once the submission is done.
@@ -81,14 +81,14 @@ impl<'a> Timestamps<'a> {
         let mut ticks = [0_u64; 2];
         // SAFETY: invariant 1: device and queries are alive, and the slice has room for both.
         let result = unsafe {
-            self.context.raw().get_query_pool_results(self.raw, query, &mut ticks, vk::QueryResultFlags::TYPE_64)
+            self.device.raw().get_query_pool_results(self.raw, query, &mut ticks, vk::QueryResultFlags::TYPE_64)
         };
         result.ok().map(|()| ticks)
     }
 
     fn between(&self, start: u64, end: u64) -> Duration {
-        let period = f64::from(self.context.device().limits.timestamp_nanoseconds);
-        let ticks = ticks_between([start, end], self.context.logical().timestamp_bits());
+        let period = f64::from(self.device.info().limits.timestamp_nanoseconds);
+        let ticks = ticks_between([start, end], self.device.timestamp_bits());
         Duration::from_secs_f64(ticks as f64 * period * 1e-9)
     }
 }

@@ -7,9 +7,9 @@ use ash::vk;
 use super::buffer::Buffer;
 use super::context::Context;
 use super::fault::failed;
-use super::interface::{BindingKind, SetShape};
 use super::layout::{DESCRIPTOR_TYPES, SetLayout, descriptor_type};
 use crate::Result;
+use crate::generated::interface::{BindingKind, SetShape};
 
 /// Descriptor set, written once. It keeps its buffers alive.
 pub struct DescriptorSet {

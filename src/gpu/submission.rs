@@ -8,7 +8,7 @@ use ash::vk;
 use super::commands::Recorder;
 use super::context::Context;
 use super::fault::failed;
-use super::slots::Slot;
+use super::slot::Slot;
 use crate::Result;
 
 /// Times that a submission took.

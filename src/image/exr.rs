@@ -1,18 +1,5 @@
 //! OpenEXR files. The only file that names the `exr` crate.
 //!
-//! [`write_picture`] writes one part with these channels, each row by row from the top left:
-//!
-//! | channels                    | type  | what                                                                     |
-//! |-----------------------------|-------|--------------------------------------------------------------------------|
-//! | `R`, `G`, `B`               | float | mean radiance, linear sRGB                                               |
-//! | `variance.R`, `.G`, `.B`    | float | variance of that mean                                                    |
-//! | `samples.N`                 | uint  | number of samples taken                                                  |
-//! | `hits.N`                    | uint  | number of samples whose camera ray hit a surface                         |
-//! | `albedo.R`, `.G`, `.B`      | float | mean albedo of the first hit                                             |
-//! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
-//! | `sums.00` to `sums.47`      | uint  | the words of [`PixelSums`], where the picture is one part of several     |
-//! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where none does |
-//!
 //! The data window is the rendered window; the display window is the whole film. Compression is lossless.
 
 use std::fs::File;
@@ -27,9 +14,8 @@ use ::exr::prelude::{
 };
 
 use super::Image;
+use super::layers::{Layers, Samples};
 use crate::files::write_whole;
-use crate::film::Picture;
-use crate::film::sums::PixelSums;
 use crate::{Error, Result};
 
 /// Prefix of every attribute that Lodestar writes.
@@ -40,56 +26,30 @@ const MAX_PIXEL_COUNT: usize = 1 << 28;
 type Channel = AnyChannel<FlatSamples>;
 type Part = Layer<AnyChannels<FlatSamples>>;
 
-/// Writes every layer of `picture`, with `attributes` (name and value) as text attributes named `lodestar.<name>`.
-pub fn write_picture(path: &Path, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
+/// Writes `layers` as one part, with `attributes` (name and value) as text attributes named `lodestar.<name>`.
+pub fn write_layers(path: &Path, layers: Layers, attributes: &[(String, String)]) -> Result<()> {
+    let Layers { width, height, offset, full_size, channels } = layers;
+    let channels = channels.into_iter().map(|(name, samples)| match samples {
+        Samples::Floats(floats) => channel(&name, FlatSamples::F32(floats)),
+        Samples::Words(words) => channel(&name, FlatSamples::U32(words)),
+    });
     let layer = Layer::new(
-        size(picture.width, picture.height),
-        layer_attributes(picture, attributes),
+        size(width, height),
+        layer_attributes(offset, attributes),
         Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(channels(picture).into_iter().collect()),
+        AnyChannels::sort(channels.collect()),
     );
-    let display_window = IntegerBounds::from_dimensions(size(picture.full_size[0], picture.full_size[1]));
+    let display_window = IntegerBounds::from_dimensions(size(full_size[0], full_size[1]));
     let image = ::exr::image::Image::new(ImageAttributes::new(display_window), layer);
     write_whole(path, |writer| image.write().to_buffered(writer).map_err(io_error))
-}
-
-fn channels(picture: &Picture) -> Vec<Channel> {
-    let layers = [
-        ("", ["R", "G", "B"], &picture.radiance),
-        ("variance.", ["R", "G", "B"], &picture.variance),
-        ("albedo.", ["R", "G", "B"], &picture.albedo),
-        ("normal.", ["X", "Y", "Z"], &picture.normal),
-    ];
-    let mut channels = Vec::new();
-    for (prefix, names, pixels) in layers {
-        for (component, name) in names.into_iter().enumerate() {
-            let samples = pixels.iter().map(|pixel| pixel[component]).collect();
-            channels.push(channel(&format!("{prefix}{name}"), FlatSamples::F32(samples)));
-        }
-    }
-    channels.push(channel("samples.N", FlatSamples::U32(picture.sample_count.clone())));
-    channels.push(channel("hits.N", FlatSamples::U32(picture.hit_count.clone())));
-    channels.push(channel("depth.Z", FlatSamples::F32(picture.depth.clone())));
-    channels.extend(sums_channels(picture));
-    channels
-}
-
-fn sums_channels(picture: &Picture) -> Vec<Channel> {
-    let words: &[[u32; PixelSums::WORDS]] = bytemuck::cast_slice(&picture.sums);
-    let word = |at: usize| channel(&sums_name(at), FlatSamples::U32(words.iter().map(|words| words[at]).collect()));
-    if words.is_empty() { Vec::new() } else { (0..PixelSums::WORDS).map(word).collect() }
-}
-
-fn sums_name(word: usize) -> String {
-    format!("sums.{word:02}")
 }
 
 fn channel(name: &str, samples: FlatSamples) -> Channel {
     AnyChannel::new(text(name), samples)
 }
 
-fn layer_attributes(picture: &Picture, attributes: &[(String, String)]) -> LayerAttributes {
-    let [x, y] = picture.offset.map(|offset| offset as i32);
+fn layer_attributes(offset: [u32; 2], attributes: &[(String, String)]) -> LayerAttributes {
+    let [x, y] = offset.map(|offset| offset as i32);
     let software = concat!("lodestar ", env!("CARGO_PKG_VERSION"));
     let mut all = LayerAttributes { software_name: Some(text(software)), ..LayerAttributes::default() };
     all.layer_position = Vec2(x, y);
@@ -141,54 +101,28 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
 /// Attributes of a file as names and values.
 pub type Attributes = Vec<(String, String)>;
 
-/// Reads a picture that [`write_picture`] has written, to the last bit: every layer, and the attributes as
+/// Reads a file that [`write_layers`] has written, to the last bit: every channel, and the attributes as
 /// [`read_attributes`] returns them.
-pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
+pub fn read_layers(path: &Path) -> Result<(Layers, Attributes)> {
     let parts = read_parts(path)?;
-    let [part] = &parts[..] else { return Err(lacking(path, "one part")) };
-    let image = assemble(path, part, color_channels(part).ok_or_else(|| lacking(path, "radiance"))?)?;
-    let layer = |prefix: &str| -> Result<Vec<[f32; 3]>> {
-        Ok(assemble(path, part, layer_channels(part, prefix).ok_or_else(|| lacking(path, prefix))?)?.pixels)
-    };
-    let counts = |name: &str| Ok(words_of(part, name).ok_or_else(|| lacking(path, name))?.to_vec());
+    let attributes = attributes_of(&parts);
+    let [part] = <[Part; 1]>::try_from(parts).map_err(|_| lacking(path, "one part"))?;
     let position = |at: i32| u32::try_from(at).map_err(|_| lacking(path, "a window within the film"));
     let Vec2(x, y) = part.attributes.layer_position;
-    let picture = Picture {
-        width: image.width,
-        height: image.height,
-        offset: [position(x)?, position(y)?],
-        full_size: display_size(path)?,
-        radiance: image.pixels,
-        variance: layer("variance")?,
-        sample_count: counts("samples.N")?,
-        hit_count: counts("hits.N")?,
-        albedo: layer("albedo")?,
-        normal: layer("normal")?,
-        depth: layer("depth")?.iter().map(|depth| depth[0]).collect(),
-        sums: sums_of(path, part)?,
-    };
-    Ok((picture, attributes_of(&parts)))
+    let [width, height] = pixel_size(path, &part)?;
+    let (offset, full_size) = ([position(x)?, position(y)?], display_size(path)?);
+    let channels = part.channel_data.list.into_iter();
+    let channels = channels.map(|channel| Ok((name_of(&channel.name), samples_of(path, channel)?)));
+    Ok((Layers { width, height, offset, full_size, channels: channels.collect::<Result<_>>()? }, attributes))
 }
 
-/// Values of the integer channel `name`; `None` where the part has no such channel.
-fn words_of<'a>(part: &'a Part, name: &str) -> Option<&'a [u32]> {
-    let channel = by_name(part).into_iter().find(|(found, _)| found == name)?.1;
-    match &channel.sample_data {
-        FlatSamples::U32(words) if channel.sampling == Vec2(1, 1) => Some(words),
-        _ => None,
-    }
-}
-
-/// Integer sums of every pixel; empty where the picture is a whole one.
-fn sums_of(path: &Path, part: &Part) -> Result<Vec<PixelSums>> {
-    if words_of(part, &sums_name(0)).is_none() {
-        return Ok(Vec::new());
-    }
-    let word = |at: usize| words_of(part, &sums_name(at)).ok_or_else(|| lacking(path, &sums_name(at)));
-    let channels: Vec<_> = (0..PixelSums::WORDS).map(word).collect::<Result<_>>()?;
-    let pixel =
-        |at: usize| bytemuck::cast::<[u32; PixelSums::WORDS], PixelSums>(std::array::from_fn(|c| channels[c][at]));
-    Ok((0..channels[0].len()).map(pixel).collect())
+fn samples_of(path: &Path, channel: Channel) -> Result<Samples> {
+    check_sampling(path, &channel)?;
+    Ok(match channel.sample_data {
+        FlatSamples::F32(floats) => Samples::Floats(floats),
+        FlatSamples::U32(words) => Samples::Words(words),
+        halves @ FlatSamples::F16(_) => Samples::Floats(halves.values_as_f32().collect()),
+    })
 }
 
 /// Size of the whole film, from the display window.
@@ -200,11 +134,12 @@ fn display_size(path: &Path) -> Result<[u32; 2]> {
     size.ok_or_else(|| lacking(path, "a display window"))
 }
 
-fn lacking(path: &Path, what: &str) -> Error {
+/// Error of a file from which `what` is missing.
+pub fn lacking(path: &Path, what: &str) -> Error {
     Error::image(path, format!("it lacks {what}; give a picture that this version of lodestar has written"))
 }
 
-/// Reads the attributes that [`write_picture`] has written, sorted by name, without the prefix `lodestar.`.
+/// Reads the attributes that [`write_layers`] has written, sorted by name, without the prefix `lodestar.`.
 pub fn read_attributes(path: &Path) -> Result<Attributes> {
     Ok(attributes_of(&read_parts(path)?))
 }
@@ -301,15 +236,24 @@ fn layer_channels<'a>(part: &'a Part, prefix: &str) -> Option<[&'a Channel; 3]> 
 }
 
 fn assemble(path: &Path, part: &Part, channels: [&Channel; 3]) -> Result<Image> {
-    let Vec2(width, height) = part.size;
-    if channels.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
-        return Err(Error::image(path, "its channels are stored at a lower resolution; save them at the full one"));
-    }
+    channels.iter().try_for_each(|channel| check_sampling(path, channel))?;
     let [red, green, blue] = channels.map(|channel| channel.sample_data.values_as_f32());
     let pixels: Vec<_> = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]).collect();
-    let too_large = |_| Error::image(path, "it is too large; crop it");
-    let (width, height) = (u32::try_from(width).map_err(too_large)?, u32::try_from(height).map_err(too_large)?);
+    let [width, height] = pixel_size(path, part)?;
     Ok(Image { width, height, pixels })
+}
+
+fn check_sampling(path: &Path, channel: &Channel) -> Result<()> {
+    match channel.sampling {
+        Vec2(1, 1) => Ok(()),
+        _ => Err(Error::image(path, "its channels are stored at a lower resolution; save them at the full one")),
+    }
+}
+
+fn pixel_size(path: &Path, part: &Part) -> Result<[u32; 2]> {
+    let too_large = |_| Error::image(path, "it is too large; crop it");
+    let Vec2(width, height) = part.size;
+    Ok([u32::try_from(width).map_err(too_large)?, u32::try_from(height).map_err(too_large)?])
 }
 
 #[cfg(test)]
@@ -323,29 +267,17 @@ mod tests {
     const WIDTH: u32 = 7;
     const HEIGHT: u32 = 5;
 
-    /// Pixel values that differ in every pixel and layer: `layer + pixel / 64 + channel / 1024`, exact in binary.
-    fn pixels(layer: f32) -> Vec<[f32; 3]> {
-        let pixel = |i: u32| std::array::from_fn(|c| layer + i as f32 / 64.0 + c as f32 / 1024.0);
-        (0..WIDTH * HEIGHT).map(pixel).collect()
+    /// Values that differ in every pixel: `first + pixel / 64`, exact in binary.
+    fn values(first: f32) -> Samples {
+        Samples::Floats((0..WIDTH * HEIGHT).map(|i| first + i as f32 / 64.0).collect())
     }
 
-    fn picture() -> Picture {
-        let mut depth: Vec<_> = pixels(5.0).iter().map(|pixel| pixel[0]).collect();
-        depth[3] = f32::INFINITY;
-        Picture {
-            width: WIDTH,
-            height: HEIGHT,
-            offset: [3, 2],
-            full_size: [20, 10],
-            radiance: pixels(1.0),
-            variance: pixels(2.0),
-            sample_count: (0..WIDTH * HEIGHT).map(|i| i + 16_777_217).collect(),
-            hit_count: (0..WIDTH * HEIGHT).map(|i| i + 8_388_609).collect(),
-            albedo: pixels(3.0),
-            normal: pixels(-4.0),
-            depth,
-            sums: vec![],
-        }
+    fn layers() -> Layers {
+        let floats = [("R", 1.0), ("G", 2.0), ("B", 3.0), ("normal.X", -4.0), ("normal.Y", -5.0), ("normal.Z", -6.0)];
+        let mut channels: Vec<_> = floats.map(|(name, first)| (name.to_owned(), values(first))).to_vec();
+        channels.push(("depth.Z".into(), values(7.0)));
+        channels.push(("samples.N".into(), Samples::Words((0..WIDTH * HEIGHT).map(|i| i + 16_777_217).collect())));
+        Layers { width: WIDTH, height: HEIGHT, offset: [3, 2], full_size: [20, 10], channels }
     }
 
     fn folder() -> (tempfile::TempDir, PathBuf) {
@@ -366,52 +298,24 @@ mod tests {
     }
 
     #[test]
-    fn every_layer_comes_back() {
+    fn layers_come_back_to_the_last_bit() {
         let (_folder, path) = folder();
-        let picture = picture();
-        write_picture(&path, &picture, &[]).unwrap();
-        assert_eq!(read_rgb(&path).unwrap(), picture.image());
-        for (name, expected) in
-            [("variance", &picture.variance), ("albedo", &picture.albedo), ("normal", &picture.normal)]
-        {
-            assert_eq!(&read_layer(&path, name).unwrap().pixels, expected, "{name}");
-        }
-        let depth = read_layer(&path, "depth").unwrap().pixels;
-        assert_eq!(depth, picture.depth.iter().map(|&depth| [depth; 3]).collect::<Vec<_>>());
+        let attributes = [("seed".to_owned(), "7".to_owned())];
+        write_layers(&path, layers(), &attributes).unwrap();
+        let mut expected = layers();
+        expected.channels.sort_by(|(a, _), (b, _)| a.cmp(b));
+        assert_eq!(read_layers(&path).unwrap(), (expected, attributes.to_vec()));
+        let first = |prefix: &str| read_layer(&path, prefix).unwrap().pixels[0];
+        assert_eq!((read_rgb(&path).unwrap().pixels[0], first("normal")), ([1.0, 2.0, 3.0], [-4.0, -5.0, -6.0]));
+        assert_eq!(first("depth"), [7.0; 3]);
         let error = read_layer(&path, "glow").unwrap_err().to_string();
         assert!(error.contains("a.exr: it has no layer glow"), "{error}");
     }
 
     #[test]
-    fn a_picture_comes_back_whole() {
-        let (_folder, path) = folder();
-        let attributes = [("seed".to_owned(), "7".to_owned())];
-        write_picture(&path, &picture(), &attributes).unwrap();
-        assert_eq!(read_picture(&path).unwrap(), (picture(), attributes.to_vec()));
-        let word = |at: u32| at.wrapping_mul(0x9e37_79b9);
-        let words: Vec<_> = (0..WIDTH * HEIGHT * PixelSums::WORDS as u32).map(word).collect();
-        let part = Picture { sums: bytemuck::pod_collect_to_vec(&words), ..picture() };
-        write_picture(&path, &part, &attributes).unwrap();
-        assert_eq!(read_picture(&path).unwrap().0, part);
-        write_channels(&path, Compression::ZIP16, ["R", "G", "B"].map(|name| float(name, [0.5, 2.0])).to_vec());
-        let error = read_picture(&path).unwrap_err().to_string();
-        assert!(error.contains("a.exr: it lacks variance"), "{error}");
-    }
-
-    #[test]
-    fn sample_counts_are_exact_integers() {
-        let (_folder, path) = folder();
-        let picture = picture();
-        write_picture(&path, &picture, &[]).unwrap();
-        let parts = read_parts(&path).unwrap();
-        let samples = by_name(&parts[0]).into_iter().find(|(name, _)| name == "samples.N").unwrap().1;
-        assert_eq!(samples.sample_data, FlatSamples::U32(picture.sample_count));
-    }
-
-    #[test]
     fn windows_are_those_of_the_crop() {
         let (_folder, path) = folder();
-        write_picture(&path, &picture(), &[]).unwrap();
+        write_layers(&path, layers(), &[]).unwrap();
         let meta = ::exr::meta::MetaData::read_from_file(&path, true).unwrap();
         let header = &meta.headers[0];
         assert_eq!(header.shared_attributes.display_window, IntegerBounds::new((0, 0), (20, 10)));
@@ -424,7 +328,7 @@ mod tests {
         let long = "a_name_that_needs_the_long_names_of_version_2";
         let pairs = [(long, ""), ("device", "llvmpipe (LLVM 15)"), ("scene", "küche-台所.xml"), ("spp", "64")];
         let attributes = pairs.map(|(name, value)| (name.to_owned(), value.to_owned()));
-        write_picture(&path, &picture(), &attributes).unwrap();
+        write_layers(&path, layers(), &attributes).unwrap();
         assert_eq!(read_attributes(&path).unwrap(), attributes);
     }
 
@@ -463,7 +367,7 @@ mod tests {
         let (_folder, path) = folder();
         let missing = read_rgb(&path).unwrap_err();
         assert!(matches!(missing, Error::Read { .. }), "{missing}");
-        write_picture(&path, &picture(), &[]).unwrap();
+        write_layers(&path, layers(), &[]).unwrap();
         let whole = std::fs::read(&path).unwrap();
         let cuts = (0..whole.len()).step_by(37).map(|length| whole[..length].to_vec());
         for bytes in cuts.chain([b"<scene version=\"3.0.0\"/>".to_vec()]) {
@@ -477,7 +381,7 @@ mod tests {
     #[test]
     fn damaged_files_never_panic() {
         let (_folder, path) = folder();
-        write_picture(&path, &picture(), &[]).unwrap();
+        write_layers(&path, layers(), &[]).unwrap();
         let whole = std::fs::read(&path).unwrap();
         for position in 0..whole.len() {
             let mut bytes = whole.clone();
@@ -493,7 +397,7 @@ mod tests {
     #[test]
     fn a_header_that_asks_for_too_much_is_refused() {
         let (_folder, path) = folder();
-        write_picture(&path, &picture(), &[]).unwrap();
+        write_layers(&path, layers(), &[]).unwrap();
         let mut bytes = std::fs::read(&path).unwrap();
         // The attribute's name is followed by its type, its length and the window's four corners.
         let window =
@@ -509,21 +413,9 @@ mod tests {
     #[test]
     fn a_picture_without_pixels_is_an_error_and_no_file() {
         let (_folder, path) = folder();
-        let empty = Picture {
-            width: 0,
-            height: 0,
-            offset: [0, 0],
-            full_size: [4, 4],
-            radiance: vec![],
-            variance: vec![],
-            sample_count: vec![],
-            hit_count: vec![],
-            albedo: vec![],
-            normal: vec![],
-            depth: vec![],
-            sums: vec![],
-        };
-        assert!(write_picture(&path, &empty, &[]).is_err());
+        let channels = ["R", "G", "B"].map(|name| (name.to_owned(), Samples::Floats(Vec::new()))).to_vec();
+        let empty = Layers { width: 0, height: 0, offset: [0, 0], full_size: [4, 4], channels };
+        assert!(write_layers(&path, empty, &[]).is_err());
         assert!(!path.exists());
     }
 }

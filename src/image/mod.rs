@@ -2,6 +2,7 @@
 
 pub mod exr;
 pub mod false_color;
+pub mod layers;
 pub mod metrics;
 pub mod png;
 pub mod texels;

@@ -5,7 +5,18 @@
 use glam::{DVec2, DVec3, dvec2};
 
 use super::{cylindrical, equal_area};
-use crate::settings::DirectionMap;
+use crate::generated::constants;
+
+/// Map between directions and the squares of their bins; each keeps areas.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum DirectionMap {
+    /// The hemispheres as the inside and the corners of a square (Shirley and Chiu 1997; Clarberg 2008).
+    EqualArea = constants::MAP_EQUAL_AREA,
+    /// Azimuth and cosine about the z-axis (Lambert).
+    Cylindrical = constants::MAP_CYLINDRICAL,
+}
 
 /// Unit direction of a point of the map's square [-1, 1]^2.
 pub fn map_to_sphere(map: DirectionMap, p: DVec2) -> DVec3 {

@@ -2,7 +2,8 @@
 //! without emitter sampling.
 
 use super::changes::Changes;
-use super::methods::{Method, word};
+use super::changes::word;
+use super::methods::Method;
 use super::paper::PaperScene;
 use super::protocol::Base;
 use super::record::Record;

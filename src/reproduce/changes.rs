@@ -1,6 +1,7 @@
 //! Changes that a method makes to its settings, besides sampler, learner and emitter sampling.
 
-use super::methods::word;
+use clap::ValueEnum;
+
 use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule};
 
 /// Replacements of settings. `None` keeps the setting.
@@ -84,6 +85,11 @@ impl Changes {
         ];
         words.into_iter().filter_map(|(option, value)| Some((option, value?)))
     }
+}
+
+/// Spelling of a value on the command line.
+pub(super) fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
 #[cfg(test)]

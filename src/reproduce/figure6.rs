@@ -6,14 +6,15 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::changes::word;
 use super::contest::Entrant;
-use super::methods::{Method, word};
+use super::methods::Method;
 use super::paper::TABLE2;
 use super::record::Conditions;
 use super::sheet::Sheet;
 use super::stage::SceneStage;
-use crate::film::Picture;
-use crate::image::{ToneCurve, exr, png};
+use crate::film::{self, Picture};
+use crate::image::{ToneCurve, png};
 use crate::session::radiance_map::{MappedScene, SurfacePoint, false_colors, relative_error};
 use crate::settings::{Sampler, Settings};
 use crate::{Result, files};
@@ -128,7 +129,7 @@ fn write_map(stem: &Path, map: &[f32]) -> Result<()> {
     let radiance = map.iter().map(|&value| [value; 3]).collect();
     let size = [DIRECTIONS; 2];
     let picture = Picture { radiance, ..Picture::empty(DIRECTIONS, DIRECTIONS, [0, 0], size) };
-    exr::write_picture(&stem.with_extension("exr"), &picture, &[])?;
+    film::write_picture(&stem.with_extension("exr"), &picture, &[])?;
     png::write(&stem.with_extension("png"), &false_colors(map, DIRECTIONS), ToneCurve::Srgb, 0.0)
 }
 

@@ -1,8 +1,6 @@
 //! Rendering methods that the tables compare.
 
-use clap::ValueEnum;
-
-use super::changes::Changes;
+use super::changes::{Changes, word};
 use super::protocol::{self, Base};
 use crate::settings::{Learner, Mix, Sampler, Settings};
 
@@ -125,11 +123,6 @@ impl Method {
         self.changes.apply(&mut settings);
         settings
     }
-}
-
-/// Spelling of a value on the command line.
-pub(super) fn word(value: impl ValueEnum) -> String {
-    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
 #[cfg(test)]

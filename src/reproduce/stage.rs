@@ -9,14 +9,14 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::Plan;
 use super::contest::{Entrant, Stage};
 use super::error_map::error_map;
 use super::methods::Method;
+use super::plan::Plan;
 use super::protocol;
 use super::record::{Conditions, Record, settings_value};
 use crate::encode::bvh::Bvh;
-use crate::film::Picture;
+use crate::film::{self, Picture};
 use crate::gpu::Context;
 use crate::image::{Image, ToneCurve, exr, metrics, png};
 use crate::renderer::Renderer;
@@ -69,7 +69,7 @@ impl<'a> SceneStage<'a> {
         let factor = stage.factor()?;
         stage.reference = protocol::average_down(&stage.reference, factor);
         png::write(&stage.file("reference.png"), &stage.reference, ToneCurve::Paper, 0.0)?;
-        exr::write_picture(&stage.file("reference.exr"), &picture_of(&stage.reference), &[])?;
+        film::write_picture(&stage.file("reference.exr"), &picture_of(&stage.reference), &[])?;
         Ok(stage)
     }
 
@@ -137,7 +137,7 @@ impl<'a> SceneStage<'a> {
         let image = picture.image();
         let name = entrant.method.name();
         let attributes = identity::attributes(&self.template.scene_hash, &entrant.settings);
-        exr::write_picture(&self.file(&format!("{name}.exr")), &picture, &attributes)?;
+        film::write_picture(&self.file(&format!("{name}.exr")), &picture, &attributes)?;
         png::write(&self.file(&format!("{name}.png")), &image, ToneCurve::Paper, 0.0)?;
         let errors = error_map(&image, &self.reference);
         png::write(&self.file(&format!("{name}-error.png")), &errors, ToneCurve::Srgb, 0.0)?;

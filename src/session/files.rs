@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::film::Picture;
+use crate::film::{self, Picture};
 use crate::image::{Image, ToneCurve, exr, metrics, png};
 use crate::settings::Settings;
 use crate::{Error, Result, files};
@@ -79,7 +79,7 @@ impl PictureFiles {
     pub(super) fn write(&self, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
         let write = |path: &PathBuf| match path.extension().is_some_and(|extension| extension == "png") {
             true => png::write(path, &picture.image(), self.tone, self.exposure),
-            false => exr::write_picture(path, picture, attributes),
+            false => film::write_picture(path, picture, attributes),
         };
         self.paths.iter().map(write).fold(Ok(()), Result::and)
     }

@@ -6,7 +6,7 @@
 //! | the way to the first step, anew or from a checkpoint | `setup.rs` |
 //! | the steps, and when they end | `run.rs` |
 //! | the files at the end | `finish.rs`, `files.rs` |
-//! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when), `identity.rs` (of which render) |
+//! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when), `film/identity.rs` (of which render) |
 //! | pictures that outlive a lost device | `safety_copy.rs` |
 //! | numbers | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
 //! | news for a caller | `progress.rs` |
@@ -17,8 +17,6 @@ mod checkpoints;
 mod files;
 mod finish;
 mod history;
-#[doc(hidden)]
-pub mod identity;
 #[doc(hidden)]
 pub mod kernel_files;
 mod length;
@@ -35,6 +33,8 @@ mod setup;
 #[doc(hidden)]
 pub mod statistics;
 
+#[doc(hidden)]
+pub use crate::film::identity;
 pub use files::OutputFiles;
 #[doc(hidden)]
 pub use files::PictureFiles;

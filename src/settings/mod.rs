@@ -15,13 +15,14 @@ mod value;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+pub use crate::math::direction_map::DirectionMap;
 pub use film::MAX_FILM_SIDE;
 pub use guide::{
     Cells, Grid, GridLearner, GridSampler, Guide, Mixture, ProductDirections, ProductLearner, Quadtree, Share,
 };
 pub use paths::{MAX_DEPTH_LIMIT, Roulette, SamplePattern, depth_warning};
 pub use run::{Execution, SampleWeights, StepSchedule};
-pub use sampler::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, Sampler};
+pub use sampler::{BsdfShare, GuideSet, Learner, Mix, Sampler};
 pub use value::{Value, Word};
 
 use crate::Result;

@@ -49,17 +49,6 @@ pub enum Mix {
     Acceptance = constants::MIX_ACCEPTANCE,
 }
 
-/// Map between directions and the squares of their bins; each keeps areas.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-#[repr(u32)]
-pub enum DirectionMap {
-    /// The hemispheres as the inside and the corners of a square (Shirley and Chiu 1997; Clarberg 2008).
-    EqualArea = constants::MAP_EQUAL_AREA,
-    /// Azimuth and cosine about the z-axis (Lambert).
-    Cylindrical = constants::MAP_CYLINDRICAL,
-}
-
 /// Scattering functions that are guided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]

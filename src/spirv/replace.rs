@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use std::fs;
 use std::path::Path;
 
+use crate::generated::interface::KernelSource;
 use crate::generated::kernels::{BackEnd, Registry, Variant};
-use crate::gpu::KernelSource;
 use crate::spirv::inspect::Interface;
 use crate::spirv::module::Module;
 use crate::spirv::tools::{self, ToolFault};

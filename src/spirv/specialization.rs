@@ -62,8 +62,8 @@ fn forget_removed(module: &mut Module) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::generated::interface::KernelSource;
     use crate::generated::kernels::{Registry, Variant};
-    use crate::gpu::KernelSource;
     use crate::spirv::tools::{self, ToolFault};
 
     fn words(source: &KernelSource) -> Vec<u32> {

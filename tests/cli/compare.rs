@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use lodestar::film::Picture;
-use lodestar::image::exr::write_picture;
+use lodestar::film::write_picture;
 
 use crate::support::assert_sentence;
 

@@ -5,7 +5,7 @@ use std::env;
 use std::fs;
 use std::process::Output;
 
-use lodestar::image::exr::read_picture;
+use lodestar::film::read_picture;
 
 use crate::resume::{assert_same_picture, samples_in};
 use crate::support::{Folder, assert_quiet_success, assert_sentence};

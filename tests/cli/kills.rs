@@ -4,7 +4,7 @@ use std::env;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use lodestar::image::exr::read_picture;
+use lodestar::film::read_picture;
 
 use crate::resume::{assert_same_picture, samples_in};
 use crate::support::{Folder, assert_quiet_success, wait_until};

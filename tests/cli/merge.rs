@@ -3,7 +3,7 @@
 use std::fs;
 
 use lodestar::film::Picture;
-use lodestar::image::exr::{read_picture, write_picture};
+use lodestar::film::{read_picture, write_picture};
 
 use crate::support::{Folder, assert_quiet_success, assert_sentence, attribute};
 

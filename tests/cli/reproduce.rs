@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Output;
 use std::time::SystemTime;
 
-use lodestar::image::exr::read_picture;
+use lodestar::film::read_picture;
 
 use crate::resume::assert_same_picture;
 use crate::support::{Folder, assert_quiet_success, assert_sentence};

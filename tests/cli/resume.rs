@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lodestar::image::exr::read_picture;
+use lodestar::film::read_picture;
 use lodestar::session::checkpoint::Checkpoint;
 use serde_json::Value;
 

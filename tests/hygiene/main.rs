@@ -2,6 +2,8 @@
 
 mod faults;
 mod glsl;
+mod graph;
+mod modules;
 mod prose;
 mod rust;
 mod source;
@@ -19,10 +21,26 @@ fn root() -> &'static Path {
 }
 
 #[test]
-fn rust_layers_keep_to_themselves() {
+fn files_use_what_is_theirs_to_use() {
     let sources = source::read_all(root(), "src", "rs");
     assert!(!sources.is_empty());
     assert_none(rust::violations(&sources));
+}
+
+#[test]
+fn neither_files_nor_rooms_use_each_other_in_circles() {
+    let files = graph::files(&source::read_all(root(), "src", "rs"));
+    let rooms = graph::rooms(&files);
+    assert_none(graph::circles(&files));
+    assert_none(graph::circles(&rooms));
+    let layers = graph::layers(&rooms);
+    print!("{}\n{}", graph::describe("rooms", &layers), graph::describe("files", &graph::layers(&files)));
+    assert!(layers.len() <= graph::MOST_LAYERS, "{}", graph::describe("too high a house", &layers));
+}
+
+#[test]
+fn rooms_do_not_reach_what_they_must_not_know() {
+    assert_none(graph::reaches(&graph::files(&source::read_all(root(), "src", "rs"))));
 }
 
 #[test]

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use lodestar::film::Picture;
+use lodestar::film::read_picture;
 use lodestar::gpu::{Context, ContextOptions};
-use lodestar::image::exr::read_picture;
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::scenes::{SAMPLERS, ours, settings};
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use lodestar::film::Picture;
 use lodestar::film::merge::{PartialPicture, merge};
-use lodestar::image::exr::{read_attributes, read_layer, read_picture, read_rgb, write_picture};
+use lodestar::film::{read_picture, write_picture};
+use lodestar::image::exr::{read_attributes, read_layer, read_rgb};
 use lodestar::renderer::{RenderState, StatePart};
 use lodestar::session::checkpoint::{Checkpoint, MAGIC, Record, SceneSource};
 use lodestar::session::{History, Length, PictureFiles};

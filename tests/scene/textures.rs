@@ -236,7 +236,7 @@ fn picture(value: f32) -> Picture {
 }
 
 fn save_exr(path: &std::path::Path, value: f32) {
-    lodestar::image::exr::write_picture(path, &picture(value), &[]).unwrap();
+    lodestar::film::write_picture(path, &picture(value), &[]).unwrap();
 }
 
 #[test]

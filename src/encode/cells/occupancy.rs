@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
-use super::Grid;
+use super::grid::Grid;
 use crate::encode::bvh::Bvh;
 use crate::generated::constants;
 use crate::generated::layout::PrimitiveRecord;

@@ -42,7 +42,7 @@ impl PartSums {
         picture.sums = vec![PixelSums::default(); picture.radiance.len()];
         for (index, pixel) in (0..).zip(&sums) {
             if let Some(at) = picture_index(index, &picture) {
-                pixel.store(&mut picture, at);
+                picture.set_pixel(at, &pixel.means());
                 picture.sums[at] = *pixel;
             }
         }

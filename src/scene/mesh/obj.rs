@@ -7,8 +7,8 @@
 use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
+use super::triangles::{MAX_TRIANGLES, Mesh, TOO_FEW_VERTICES, add_polygon};
 use super::words::Words;
-use super::{MAX_TRIANGLES, Mesh, TOO_FEW_VERTICES, add_polygon};
 use crate::{Error, Result};
 
 /// Reads the mesh in the OBJ file at `path`, which holds `text`.

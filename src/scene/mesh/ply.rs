@@ -5,8 +5,8 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
+use super::triangles::{Mesh, add_polygon};
 use super::words::Words;
-use super::{Mesh, add_polygon};
 use crate::{Error, Result};
 
 /// Reads the mesh in the PLY file at `path`, which holds `bytes`.

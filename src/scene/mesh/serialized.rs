@@ -7,7 +7,7 @@ use std::path::Path;
 use flate2::bufread::ZlibDecoder;
 use glam::Vec2;
 
-use super::{MAX_TRIANGLES, Mesh};
+use super::triangles::{MAX_TRIANGLES, Mesh};
 use crate::{Error, Result};
 
 const MAGIC: u64 = 0x041c;

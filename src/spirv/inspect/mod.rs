@@ -12,7 +12,7 @@ pub use crate::spirv::tools::ToolFault;
 pub use histogram::{Class, Count, Histogram, SourceLine};
 pub use interface::{Binding, Dimension, Interface, Layout, Member, SpecConstant};
 
-use crate::gpu::KernelSource;
+use crate::generated::interface::KernelSource;
 use crate::spirv::module::Module;
 use crate::spirv::tools;
 use crate::{Error, Result};

@@ -1,30 +1,27 @@
-//! Slots: command buffer, fence and timestamp queries of a submission. They are kept for later submissions, because
-//! some drivers take as long to make them as to run a small dispatch.
+//! Idle slots: command buffers, fences and timestamp queries that no submission uses. They are kept for later
+//! submissions, because some drivers take as long to make them as to run a small dispatch.
 
-use std::cell::Cell;
-use std::mem;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use ash::vk;
 
-use super::context::Context;
 use super::device::LogicalDevice;
 use super::fault::failed;
-use super::queries::{QUERY_COUNT, Timestamps};
+use super::queries::QUERY_COUNT;
 use crate::Result;
 
 /// Command buffer with its pool, a fence, and timestamp queries (null where the queue has no timestamps).
 #[derive(Default)]
-struct Handles {
-    pool: vk::CommandPool,
-    commands: vk::CommandBuffer,
-    fence: vk::Fence,
-    queries: vk::QueryPool,
+pub(super) struct Handles {
+    pub(super) pool: vk::CommandPool,
+    pub(super) commands: vk::CommandBuffer,
+    pub(super) fence: vk::Fence,
+    pub(super) queries: vk::QueryPool,
 }
 
 impl Handles {
     /// Makes all handles in place, so that handles made before an error have an owner.
-    fn create(&mut self, device: &LogicalDevice) -> Result<()> {
+    pub(super) fn create(&mut self, device: &LogicalDevice) -> Result<()> {
         let raw = device.raw();
         let pool = vk::CommandPoolCreateInfo::default()
             .flags(vk::CommandPoolCreateFlags::TRANSIENT)
@@ -51,7 +48,7 @@ impl Handles {
     }
 
     /// Resets pool and fence for another submission.
-    fn reset(&self, device: &LogicalDevice) -> Result<()> {
+    pub(super) fn reset(&self, device: &LogicalDevice) -> Result<()> {
         // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used them is under way.
         unsafe {
             device
@@ -62,7 +59,7 @@ impl Handles {
         }
     }
 
-    fn destroy(self, device: &LogicalDevice) {
+    pub(super) fn destroy(self, device: &LogicalDevice) {
         // SAFETY: invariants 1 and 3: owned by this value alone (null is allowed), and no submission that used them is
         // under way.
         unsafe {
@@ -84,11 +81,11 @@ impl IdleSlots {
         Self { idle: Mutex::default(), device }
     }
 
-    fn take(&self) -> Option<Handles> {
+    pub(super) fn take(&self) -> Option<Handles> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop()
     }
 
-    fn put(&self, handles: Handles) {
+    pub(super) fn put(&self, handles: Handles) {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(handles);
     }
 }
@@ -97,63 +94,5 @@ impl Drop for IdleSlots {
     fn drop(&mut self) {
         let idle = self.idle.get_mut().unwrap_or_else(PoisonError::into_inner);
         idle.drain(..).for_each(|handles| handles.destroy(&self.device));
-    }
-}
-
-/// Handles of one submission, returned to the idle ones when dropped.
-pub(super) struct Slot {
-    handles: Handles,
-    /// Whether the handles can serve another submission: not while one is under way, nor after a failed one.
-    reusable: Cell<bool>,
-    context: Arc<Context>,
-}
-
-impl Slot {
-    pub(super) fn take(context: &Arc<Context>) -> Result<Self> {
-        let idle = context.idle_slots().take();
-        let is_new = idle.is_none();
-        let mut slot =
-            Self { handles: idle.unwrap_or_default(), reusable: Cell::new(false), context: Arc::clone(context) };
-        match is_new {
-            true => slot.handles.create(context.logical())?,
-            false => slot.handles.reset(context.logical())?,
-        }
-        slot.reusable.set(true);
-        Ok(slot)
-    }
-
-    /// Sets whether the handles may be reused: `false` before a submission, `true` once it is done.
-    pub(super) fn set_reusable(&self, reusable: bool) {
-        self.reusable.set(reusable);
-    }
-
-    pub(super) fn context(&self) -> &Arc<Context> {
-        &self.context
-    }
-
-    /// Handle of the command buffer, for a call during which the caller borrows this value.
-    pub(super) fn commands(&self) -> vk::CommandBuffer {
-        self.handles.commands
-    }
-
-    /// Handle of the fence, for a call during which the caller borrows this value.
-    pub(super) fn fence(&self) -> vk::Fence {
-        self.handles.fence
-    }
-
-    /// Timestamps of the submission; `None` where the queue has none.
-    pub(super) fn timestamps(&self) -> Option<Timestamps<'_>> {
-        let queries = self.handles.queries;
-        (queries != vk::QueryPool::null()).then(|| Timestamps::new(&self.context, queries))
-    }
-}
-
-impl Drop for Slot {
-    fn drop(&mut self) {
-        let handles = mem::take(&mut self.handles);
-        match self.reusable.get() {
-            true => self.context.idle_slots().put(handles),
-            false => handles.destroy(self.context.logical()),
-        }
     }
 }

@@ -16,7 +16,7 @@ const FREE_ATTRIBUTES: [&str; 9] =
 pub struct Identity(BTreeMap<String, String>);
 
 impl Identity {
-    /// Of the render of a scene of that fingerprint with these settings by this version.
+    /// Identity of a render: a scene by its fingerprint, the settings, and this version.
     pub fn of_render(scene_hash: &str, settings: &Settings) -> Self {
         Self(
             attributes(scene_hash, settings)
@@ -26,8 +26,8 @@ impl Identity {
         )
     }
 
-    /// Of a picture with these attributes: what its samples estimate, whichever they are. A name that is not known is part
-    /// of it.
+    /// Identity of a picture with these attributes: what its samples estimate, whichever they are. An attribute of an
+    /// unknown name is part of it.
     pub fn of_picture(attributes: &[(String, String)]) -> Self {
         let binding = attributes.iter().filter(|(name, _)| !FREE_ATTRIBUTES.contains(&&name[..]));
         Self(binding.cloned().collect())

@@ -1,0 +1,26 @@
+//! Lines that the command line prints.
+
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+
+use lodestar::{Error, Result};
+
+/// Prints a line to standard error. Where that is closed, nothing is left to report to.
+pub(super) fn report(kind: &str, text: &str) {
+    let _ = writeln!(io::stderr(), "lodestar: {kind}: {text}");
+}
+
+/// Prints `text` and a line break. A reader that has left (`lodestar ... | head -1`) is no error: it has what it wanted.
+pub(super) fn print_line(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Error::write(Path::new("standard output"))(error)),
+        _ => Ok(()),
+    }
+}
+
+/// Prints `value` as indented JSON.
+pub(super) fn print_json(value: &impl serde::Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(io::Error::from);
+    print_line(&text.map_err(Error::write(Path::new("standard output")))?)
+}
