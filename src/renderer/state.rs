@@ -1,28 +1,11 @@
-//! The state that a renderer keeps to go on later as if it had never stopped.
+//! Saving and restoring a renderer's state.
 
 use super::Renderer;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::part_sums::PartSums;
 use crate::renderer::persistent::Persistent;
+use crate::renderer::render_state::{RenderState, StatePart};
 use crate::{Error, Result};
-
-/// Everything that complete steps have left behind.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct RenderState {
-    /// Samples per pixel so far.
-    pub samples_done: u32,
-    /// Memory of the device, in the order in which a renderer of the same settings expects it, then sums of the host.
-    pub parts: Vec<StatePart>,
-}
-
-/// One part of a state, in the device's (little-endian) byte order.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StatePart {
-    /// Name of the memory.
-    pub name: String,
-    /// Contents of the memory.
-    pub bytes: Vec<u8>,
-}
 
 impl Renderer {
     /// Reads back what complete steps have left. The state does not depend on how the film is cut into pages.
