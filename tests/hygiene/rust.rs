@@ -107,6 +107,7 @@ fn bad_snippets_are_found() {
         ("src/film/picture.rs", "fn f() { let a = exr::prelude::read(); }"),
         ("src/film/picture.rs", "use crate::image::exr; fn f() { let a = ::exr::prelude::read(); }"),
         ("src/scene/mod.rs", "obvhs::Bvh2::default()"),
+        ("src/math/mod.rs", "use support::twins::fresnel;"),
     ] {
         assert_eq!(found(path, text), 1, "{path}: {text}");
     }
