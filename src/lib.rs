@@ -11,13 +11,13 @@
 //!    │ set 2  RadianceGrid       what has been learned         L(cell, direction)   │
 //!    │ set 3  NormalizationGrid  its memoised normalizers      N(cell, normal)      │
 //!    │                                                                              │
-//!    │ step(): path_trace (8 spp) ─▶ update_radiance ─▶ update_normalization        │
+//!    │ step(): trace (8 spp) ─▶ update_radiance ─▶ update_normalization             │
 //!    └──────────────────────────────────────────────────────────────────────────────┘
 //!          │ read-back
 //!        Picture ─▶ out.exr (layers) / out.png
 //! ```
 //!
-//! To understand the algorithm read [`renderer::Renderer::step`], `glsl/kernels/trace/path_trace.comp` and
+//! To understand the algorithm read [`renderer::Renderer::step`], `glsl/kernels/trace/trace.comp` and
 //! `glsl/include/path/vertex.glsl`.
 //!
 //! # A render in three lines

@@ -1,4 +1,4 @@
-//! Bounds for rays of `path_trace` with the sampler `bsdf`, including shading: geometry, operations and measured time.
+//! Bounds for rays of `trace` with the sampler `bsdf`, including shading: geometry, operations and measured time.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -52,7 +52,7 @@ pub fn all(context: &Arc<Context>, subjects: &[Rc<Subject>], rays: &[RayBound]) 
         let rays_per_path = counts.rays as f64 / (f64::from(spp) * f64::from(SIZE[0] * SIZE[1]));
         let mean = |of: &dyn Fn(&RayBound) -> f64| (of(primary) + (rays_per_path - 1.0) * of(bounce)) / rays_per_path;
         let variant = variant_for(&settings, &subject.scene, &subject.bvh);
-        let operations = Operations::of(&TEXEL_BUFFERS.path_trace, &variant);
+        let operations = Operations::of(&TEXEL_BUFFERS.trace, &variant);
         let traversal_operations =
             mean(&|row: &RayBound| operations.per_node * row.nodes + operations.per_primitive * row.primitives);
         Some(PathBound {
@@ -80,7 +80,7 @@ impl PathBound {
 }
 
 pub fn print(rows: &[PathBound]) {
-    println!("\n`path_trace`, `bsdf`, no emitter sampling, of one ray with what is shaded at its end\n");
+    println!("\n`trace`, `bsdf`, no emitter sampling, of one ray with what is shaded at its end\n");
     println!(
         "| scene | rays of a path | bytes of geometry | operations | of the traversal | computing, ns | measured, ns \
          | share of the bound |"

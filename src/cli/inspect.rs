@@ -16,26 +16,26 @@ use lodestar::spirv::inspect;
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 
-use super::guiding_args::GuidingArgs;
 use super::inspect_text::Inspected;
 use super::render_args::{Filter, Switch, define};
+use super::setting_args::SettingArgs;
 use super::{inspect_text, print_json, print_line, report};
 
 /// Shows what a kernel is made of.
 ///
-/// Its interface, its instructions, what one variant of it comes to once constants are folded, and what a driver makes of
-/// it. Options choose the variant; what the scene decides keeps its default unless --scene names one.
+/// The report has its interface, its instructions, one variant of it with constants folded, and the code that a driver compiles.
+/// Options choose the variant. Constants that a scene decides have their defaults unless --scene names a scene.
 #[derive(Debug, clap::Args)]
 pub struct InspectArgs {
-    /// The kernel, such as path_trace [default: all].
+    /// The kernel, such as trace [default: all].
     kernel: Option<String>,
     /// Only this back end [default: both].
     #[arg(long, value_enum)]
     back_end: Option<BackEnd>,
-    /// Write .spv and .spvasm files, those of the variant to `specialized`, the driver's to `device`, and inspect.json.
+    /// Write .spv and .spvasm files and inspect.json to this folder; `specialized` holds the variant, `device` the driver's code.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Lines of GLSL to show, of those with the most instructions.
+    /// Number of GLSL lines to show, beginning with the one that has the most instructions.
     #[arg(long, value_name = "N", default_value_t = 10)]
     lines: usize,
     /// Print JSON: everything, disassembly included.
@@ -44,33 +44,27 @@ pub struct InspectArgs {
     /// Take kernels from the .spv files of this folder.
     #[arg(long, value_name = "DIR")]
     kernel_dir: Option<PathBuf>,
-    /// Have this Vulkan device's driver compile the variant and tell what became of it; by index or a part of its name.
+    /// Compile the variant with the driver of this Vulkan device, by index or by a part of its name, and show the result.
     #[arg(long, value_name = "INDEX|NAME")]
     device: Option<String>,
 
-    /// The variant that renders this scene.
+    /// Show the variant that renders this scene.
     #[arg(long, value_name = "SCENE.xml", help_heading = "Variant")]
     scene: Option<PathBuf>,
-    /// Replace the scene's <default> of that name; may be given several times.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, requires = "scene", help_heading = "Variant")]
+    #[arg(short = 'D', value_parser = define, requires = "scene", help_heading = "Variant")]
     define: Vec<(String, String)>,
-    /// Reconstruction filter [default: the scene's].
-    #[arg(long, value_enum, value_name = "FILTER", help_heading = "Variant")]
+    #[arg(long, value_enum, help_heading = "Variant")]
     rfilter: Option<Filter>,
-    /// Longest path in edges; 1 is emission seen directly.
-    #[arg(long, value_name = "N", help_heading = "Variant")]
+    #[arg(long, help_heading = "Variant")]
     max_depth: Option<u32>,
-    /// Depth after which Russian roulette by throughput is played; see --roulette.
-    #[arg(long, value_name = "N", help_heading = "Variant")]
+    #[arg(long, help_heading = "Variant")]
     rr_depth: Option<u32>,
-    /// Sample emitters at every vertex of a path (next event estimation).
     #[arg(long, value_enum, default_value_t = Switch::On, help_heading = "Variant")]
     nee: Switch,
-    /// How the samples of a pixel are distributed.
     #[arg(long, value_enum, default_value_t = SamplePattern::Sobol, help_heading = "Variant")]
     pattern: SamplePattern,
     #[command(flatten)]
-    guiding: GuidingArgs,
+    guiding: SettingArgs<true>,
 }
 
 /// What is printed as JSON.

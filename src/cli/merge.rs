@@ -10,16 +10,16 @@ use lodestar::{Result, files};
 use super::render_args::exr_path;
 use super::report;
 
-/// Averages pictures of the same scene from disjoint samples, every pixel by its sample counts.
+/// Averages pictures of one scene with disjoint samples, every pixel by its sample counts.
 ///
-/// They come from renders that differ in --sample-offset or --seed alone. Variances, features and counts are merged too, so
-/// that what comes out can be merged again.
+/// The pictures come from renders that differ in --sample-offset or --seed only. Variances, features and counts are merged too,
+/// so the result can be merged again.
 #[derive(Debug, clap::Args)]
 pub struct MergeArgs {
     /// The pictures, two or more.
     #[arg(value_name = "A.exr", required = true, num_args = 2..)]
     parts: Vec<PathBuf>,
-    /// Where to write.
+    /// File to write.
     #[arg(short, long, value_name = "C.exr", value_parser = exr_path)]
     output: PathBuf,
 }

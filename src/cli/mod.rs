@@ -4,8 +4,6 @@
 mod compare;
 mod console;
 mod devices;
-mod guiding_args;
-mod guiding_uses;
 mod inspect;
 mod inspect_text;
 mod interrupt;
@@ -17,13 +15,14 @@ mod render;
 mod render_args;
 mod reproduce;
 mod resume;
+mod setting_args;
 
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::error::ErrorKind as UsageError;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use print::{print_json, print_line, report};
 
@@ -50,9 +49,15 @@ enum Command {
     Reproduce(reproduce::ReproduceArgs),
 }
 
+/// The command line, with the help of the table of options.
+fn command() -> clap::Command {
+    setting_args::described(Cli::command())
+}
+
 /// Parses the arguments, runs the subcommand and reports its failure as one sentence.
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let parsed = command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => return answer(&error),
     };
@@ -101,10 +106,9 @@ fn usage_sentence(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_arguments_are_consistent() {
-        Cli::command().debug_assert();
+        command().debug_assert();
     }
 }

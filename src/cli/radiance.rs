@@ -9,40 +9,39 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{ToneCurve, png};
 use lodestar::scene::{self, LoadOptions, Scene};
 use lodestar::session::identity;
-use lodestar::session::radiance_map::{self, Place, SurfacePoint, false_colors};
-use lodestar::settings::{Settings, StepSchedule};
+use lodestar::session::radiance_map::{self, MappedScene, SurfacePoint, false_colors};
+use lodestar::settings::Settings;
 use lodestar::{Error, Result, files};
 
-use super::render_args::{ChoiceArgs, Switch, define, device_name, output_path};
+use super::render_args::{ChoiceArgs, define, device_name, output_path};
 use super::{print_line, report};
 
-/// Writes the radiance that arrives at what a pixel shows, by direction, as a guide has learned it (the paper's Fig. 6).
+/// Writes the radiance that a guide has learned at one point, by direction (the paper's Fig. 6).
 ///
-/// The map is a square with a pixel for each of the guide's direction bins; --directions sets its side.
+/// The point is the one that a pixel shows. The map is a square with one pixel for each direction bin of the guide;
+/// --directions sets its side.
 #[derive(Debug, clap::Args)]
 pub struct RadianceArgs {
-    /// The scene, in Mitsuba's XML of any version.
+    /// The scene, in Mitsuba's XML of any version
     #[arg(value_name = "SCENE.xml")]
     scene: PathBuf,
-    /// Replace the scene's <default> of that name; may be given several times.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
+    #[arg(short = 'D', value_parser = define)]
     define: Vec<(String, String)>,
     /// The pixel whose center shows the point.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: [u32; 2],
-    /// Where to write: .exr (radiance) or .png (false colors); may be given several times.
+    /// File to write, .exr (radiance) or .png (false colors); may be given several times.
     #[arg(short, long, value_name = "FILE", required = true, value_parser = output_path)]
     output: Vec<PathBuf>,
-    /// Samples per pixel to learn from, or with --truth of each of six views around the point.
+    /// Samples per pixel to learn from; with --truth, those of each of six views around the point.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
-    /// Write the truth: what a plain path tracer sees from the point.
+    /// Write the true radiance, which a plain path tracer measures at the point.
     #[arg(long)]
     truth: bool,
     #[command(flatten)]
     choices: ChoiceArgs,
-    /// Vulkan device, by index or by a part of its name, as `lodestar devices` lists them.
-    #[arg(long, value_name = "INDEX|NAME", env = "LODESTAR_DEVICE", help_heading = "Device")]
+    #[arg(long, env = "LODESTAR_DEVICE")]
     device: Option<String>,
 }
 
@@ -54,7 +53,7 @@ pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     let settings = settings(args.choices, &scene)?;
     let context = Context::new(&ContextOptions { device: device_name(args.device), validate: false })?;
     let bvh = Bvh::build(&scene.primitives);
-    let place = Place { context: &context, scene: &scene, bvh: &bvh };
+    let place = MappedScene { context: &context, scene: &scene, bvh: &bvh };
     let point = place.visible_point(&settings, args.pixel)?;
     let map = match args.truth {
         true => place.true_radiance(&settings, &point, args.spp)?,
@@ -71,9 +70,9 @@ pub fn run(args: RadianceArgs) -> Result<ExitCode> {
 
 /// The settings of a map. Options that suit a picture only are refused.
 fn settings(choices: ChoiceArgs, scene: &Scene) -> Result<Settings> {
-    let grows = choices.guiding.steps == Some(StepSchedule::Growing);
-    let has_weights = choices.guiding.sample_weights.is_some();
-    let samples_emitters = choices.nee == Some(Switch::On);
+    let grows = choices.settings.text("steps") == Some("growing");
+    let has_weights = choices.settings.text("sample-weights").is_some();
+    let samples_emitters = choices.settings.text("nee") == Some("on");
     let settings = radiance_map::settings_for_map(choices.options().settings_for(scene)?)?;
     if grows {
         return Err(Error::Settings(

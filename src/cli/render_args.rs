@@ -8,31 +8,28 @@ use lodestar::gpu::ContextOptions;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter};
 use lodestar::session::{CHECKPOINT_EVERY, FilmSize, Options, OutputFiles};
-use lodestar::settings::{Execution, SamplePattern, Settings};
+use lodestar::settings::{Execution, Settings};
 
-use super::guiding_args::GuidingArgs;
+use super::setting_args::SettingArgs;
 
 /// Renders a Mitsuba scene.
 ///
-/// Whichever of --spp, --time and --noise is reached first ends the render, and so does Ctrl-C: the picture so far is written. What
-/// the scene file leaves open and no option gives: 64 samples per pixel, depth 16, roulette (by throughput) after depth 8.
+/// The render ends at the first of --spp, --time and --noise that is reached. Ctrl-C ends it too. Each way, the picture so far is
+/// written.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
-    /// The scene, in Mitsuba's XML of any version.
+    /// The scene, in Mitsuba's XML of any version
     #[arg(value_name = "SCENE.xml")]
     pub scene: PathBuf,
-    /// Replace the scene's <default> of that name; may be given several times.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define, help_heading = "Scene")]
+    #[arg(short = 'D', value_parser = define)]
     pub define: Vec<(String, String)>,
-    /// Keep in this file what it takes to go on, with `lodestar resume FILE`, after a signal, a fault or a power cut.
-    #[arg(long, value_name = "FILE", help_heading = "Output")]
-    pub checkpoint: Option<PathBuf>,
-    /// Write it every so many seconds, and when the render ends.
-    #[arg(long, value_name = "SECONDS", requires = "checkpoint", default_value_t = CHECKPOINT_EVERY, value_parser = seconds, help_heading = "Output")]
-    pub checkpoint_every: f64,
     #[command(flatten)]
     pub files: OutputArgs,
+    #[arg(long)]
+    pub checkpoint: Option<PathBuf>,
+    #[arg(long, requires = "checkpoint", default_value_t = CHECKPOINT_EVERY, value_parser = seconds)]
+    pub checkpoint_every: f64,
     #[command(flatten)]
     pub length: LengthArgs,
     #[command(flatten)]
@@ -41,115 +38,69 @@ pub struct RenderArgs {
     pub device: DeviceArgs,
 }
 
-/// Where the picture goes and what is said about it.
+/// Files of the picture, and messages.
 #[derive(Debug, Clone, clap::Args)]
 pub struct OutputArgs {
-    /// Where to write: .exr (every layer) or .png (as --tone and --exposure say); may be given several times
-    /// [default: the scene's name with .exr].
-    #[arg(short, long, value_name = "FILE", value_parser = output_path, help_heading = "Output")]
+    #[arg(short, long, value_parser = output_path)]
     pub output: Vec<PathBuf>,
-    /// Tone curve of PNG files [default: srgb].
-    #[arg(long, value_enum, help_heading = "Output")]
+    #[arg(long, value_enum)]
     pub tone: Option<ToneCurve>,
-    /// Exposure of PNG files: brighter by 2^STOPS [default: 0].
-    #[arg(long, value_name = "STOPS", value_parser = finite, help_heading = "Output")]
+    #[arg(long, value_parser = finite)]
     pub exposure: Option<f32>,
-    /// Write the picture so far every so many seconds.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Output")]
+    #[arg(long, value_parser = seconds)]
     pub write_every: Option<f64>,
-    /// Measure the error against this picture as the render goes; it lands in --stats.
-    #[arg(long, value_name = "REF.exr", help_heading = "Output")]
+    #[arg(long)]
     pub reference: Option<PathBuf>,
-    /// Write settings, timings and statistics of every step as JSON.
-    #[arg(long, value_name = "STATS.json", help_heading = "Output")]
+    #[arg(long)]
     pub stats: Option<PathBuf>,
-    /// Time every dispatch: a table at the end, and a trace for ui.perfetto.dev or chrome://tracing in this file.
-    #[arg(long, value_name = "TRACE.json", help_heading = "Output")]
+    #[arg(long)]
     pub profile: Option<PathBuf>,
-    /// Show no progress.
-    #[arg(short, long, help_heading = "Output")]
+    #[arg(short, long)]
     pub quiet: bool,
 }
 
-/// What ends the render.
+/// Length of the render.
 #[derive(Debug, Clone, clap::Args)]
 pub struct LengthArgs {
-    /// Samples per pixel.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Length")]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
-    /// Stop after so many seconds of rendering; loading does not count.
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, help_heading = "Length")]
+    #[arg(long, value_parser = seconds)]
     pub time: Option<f64>,
 }
 
-/// What the settings are made of.
+/// Choices that make the settings.
 #[derive(Debug, clap::Args)]
 pub struct ChoiceArgs {
-    /// Width of the film in pixels.
-    #[arg(long, value_name = "W", requires = "height", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Scene")]
+    #[arg(long, requires = "height", value_parser = clap::value_parser!(u32).range(1..))]
     pub width: Option<u32>,
-    /// Height of the film in pixels.
-    #[arg(long, value_name = "H", requires = "width", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Scene")]
+    #[arg(long, requires = "width", value_parser = clap::value_parser!(u32).range(1..))]
     pub height: Option<u32>,
-    /// Size of the film, relative to what the scene says.
-    #[arg(long, value_name = "F", conflicts_with_all = ["width", "height"], value_parser = positive, help_heading = "Scene")]
+    #[arg(long, conflicts_with_all = ["width", "height"], value_parser = positive)]
     pub scale: Option<f32>,
-    /// Render only this window of the film, in pixels from its top left corner.
-    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, value_parser = crop, help_heading = "Scene")]
+    #[arg(long, allow_hyphen_values = true, value_parser = crop)]
     pub crop: Option<Crop>,
-    /// Reconstruction filter [default: the scene's].
-    #[arg(long, value_enum, value_name = "FILTER", help_heading = "Scene")]
+    #[arg(long, value_enum)]
     pub rfilter: Option<Filter>,
-
-    /// Sample each tile of 8 x 8 pixels until its relative error, and that of its neighbors, is at most TARGET by estimate (0.05,
-    /// say): the picture is then consistent, not unbiased. --spp and --time still end it [default: all pixels alike].
-    #[arg(long, value_name = "TARGET", help_heading = "Length")]
-    pub noise: Option<f32>,
-
-    /// Longest path in edges; 1 is emission seen directly.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Paths")]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: Option<u32>,
-    /// Depth after which Russian roulette by throughput is played; see --roulette.
-    #[arg(long, value_name = "N", help_heading = "Paths")]
+    #[arg(long)]
     pub rr_depth: Option<u32>,
-    /// Sample emitters at every vertex of a path (next event estimation) [default: on].
-    #[arg(long, value_enum, help_heading = "Paths")]
-    pub nee: Option<Switch>,
-    /// Seed of the random numbers; the same one gives the same pixels.
-    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Paths")]
-    pub seed: u32,
-    /// How the samples of a pixel are distributed [default: sobol].
-    #[arg(long, value_enum, help_heading = "Paths")]
-    pub pattern: Option<SamplePattern>,
-    /// Begin with sample K of every pixel (0 is the first), for a part of a picture that `lodestar merge` puts together.
-    #[arg(long, value_name = "K", help_heading = "Paths")]
-    pub sample_offset: Option<u32>,
-
     #[command(flatten)]
-    pub guiding: GuidingArgs,
-    /// Most samples per pixel of one dispatch: a driver may bound the loop iterations of one [default: 8].
-    #[arg(long, value_name = "N", help_heading = "Device")]
-    pub samples_per_dispatch: Option<u32>,
+    pub settings: SettingArgs<false>,
 }
 
-/// What renders.
+/// Device and kernels.
 #[derive(Debug, Clone, clap::Args)]
 pub struct DeviceArgs {
-    /// Vulkan device, by index or by a part of its name, as `lodestar devices` lists them.
-    #[arg(long, value_name = "INDEX|NAME", env = "LODESTAR_DEVICE", help_heading = "Device")]
+    #[arg(long, env = "LODESTAR_DEVICE")]
     pub device: Option<String>,
-    /// How long a dispatch should take, in milliseconds [default: 50 on a GPU, 150 on a CPU].
-    #[arg(long, value_name = "MS", value_parser = seconds, help_heading = "Device")]
+    #[arg(long, value_parser = seconds)]
     pub slice_ms: Option<f64>,
-    /// How paths are traced: by one kernel, or as waves, which takes memory for the paths (at most 800 MiB). With --kernel-dir,
-    /// auto is megakernel.
-    #[arg(long, value_enum, default_value_t = Execution::Auto, help_heading = "Device")]
+    #[arg(long, value_enum, default_value_t = Execution::Auto)]
     pub execution: Execution,
-    /// Take kernels from the .spv files of this folder, which `lodestar inspect --out` writes and a person has edited.
-    #[arg(long, value_name = "DIR", help_heading = "Device")]
+    #[arg(long)]
     pub kernel_dir: Option<PathBuf>,
-    /// Turn Vulkan's validation layer on.
-    #[arg(long, help_heading = "Device")]
+    #[arg(long)]
     pub validate: bool,
 }
 
@@ -165,7 +116,7 @@ pub enum Switch {
 /// A reconstruction filter by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Filter {
-    /// Every sample weighs the same within its own pixel.
+    /// A box: equal weights within a pixel.
     Box,
     /// A tent of radius 1.
     Tent,
@@ -218,21 +169,14 @@ impl ChoiceArgs {
             (None, Some(scale)) => FilmSize::Scaled(scale),
             (None, None) => FilmSize::OfScene,
         };
-        let options = Options::new().film_size(size).seed(self.seed);
+        let options = Options::new().film_size(size);
         let options = with(options, self.crop, Options::crop);
         let options = with(options, self.rfilter.map(Filter::with_default_width), Options::filter);
         let options = with(options, self.max_depth, Options::max_depth);
         let options = with(options, self.rr_depth, Options::rr_depth);
-        let guiding = Arc::new(self.guiding);
-        let checked = Arc::clone(&guiding);
-        let change = move |settings: &mut Settings| {
-            settings.nee = self.nee.map_or(settings.nee, |nee| nee == Switch::On);
-            settings.pattern = self.pattern.unwrap_or(settings.pattern);
-            settings.noise = self.noise;
-            settings.sample_offset = self.sample_offset;
-            settings.samples_per_dispatch = self.samples_per_dispatch.unwrap_or(settings.samples_per_dispatch);
-            guiding.apply(settings);
-        };
+        let settings = Arc::new(self.settings);
+        let checked = Arc::clone(&settings);
+        let change = move |changed: &mut Settings| settings.apply(changed);
         options.settings(change).check(move |settings| checked.check_uses(settings))
     }
 }
@@ -294,7 +238,6 @@ pub fn seconds(text: &str) -> Result<f64, String> {
 mod tests {
     use super::*;
     use clap::Parser;
-    use lodestar::settings::Sampler;
 
     #[derive(Debug, Parser)]
     struct Alone {
@@ -322,9 +265,9 @@ mod tests {
         assert_eq!(args.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
         let RenderArgs { files, choices, .. } = args;
         assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));
-        assert_eq!((choices.guiding.sampler, choices.nee), (Sampler::Bsdf, Some(Switch::On)));
+        assert_eq!((choices.settings.text("sampler"), choices.settings.text("nee")), (Some("bsdf"), Some("on")));
         assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
-        assert_eq!((choices.sample_offset, args.checkpoint_every), (Some(64), 5.0));
+        assert_eq!((choices.settings.text("sample-offset"), args.checkpoint_every), (Some("64"), 5.0));
     }
 
     #[test]

@@ -14,14 +14,13 @@ use super::print_line;
 use super::progress::{Meter, duration};
 use super::render_args::{device_name, positive, seconds};
 
-/// Measures what the paper's tables state, on this device and beside the paper's figures.
+/// Measures the figures of the paper's tables on this device.
 ///
-/// Every method renders every scene for the same time, by turns. With 40 seconds a picture, as in the paper, all of it takes
-/// hours. What is in the output folder already, under the same conditions, is not measured again: run the same command again
-/// after Ctrl-C.
+/// Every method renders every scene for the same time, in turn. With 40 seconds per picture, as in the paper, the whole set takes
+/// hours. Measurements that are already in the output folder are not repeated: after Ctrl-C, run the same command again.
 #[derive(Debug, clap::Args)]
 pub struct ReproduceArgs {
-    /// What to reproduce.
+    /// Table or figure to reproduce.
     #[arg(value_enum)]
     target: Target,
     /// Folder with the paper's scenes: NAME/scene.xml.
@@ -33,19 +32,17 @@ pub struct ReproduceArgs {
     /// Seconds of rendering for each picture.
     #[arg(long, value_name = "SECONDS", default_value_t = 40.0, value_parser = seconds)]
     seconds: f64,
-    /// Size of the pictures, relative to the references' [default: so that a plain path tracer takes 1000 samples per pixel].
+    /// Size of the pictures relative to the references' [default: a plain path tracer reaches 1000 samples per pixel].
     #[arg(long, value_name = "F", value_parser = positive)]
     scale: Option<f32>,
-    /// Take this scene only; may be given several times.
+    /// Render this scene only; may be given several times.
     #[arg(long, value_name = "SCENE")]
     only: Vec<String>,
     /// Folder for tables, pictures and measurements.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Vulkan device, by index or by a part of its name, as `lodestar devices` lists them.
-    #[arg(long, value_name = "INDEX|NAME", env = "LODESTAR_DEVICE")]
+    #[arg(long, env = "LODESTAR_DEVICE")]
     device: Option<String>,
-    /// Show no progress.
     #[arg(short, long)]
     quiet: bool,
 }

@@ -9,21 +9,20 @@ use lodestar::session::{CHECKPOINT_EVERY, Options, Start};
 use super::render;
 use super::render_args::{DeviceArgs, LengthArgs, OutputArgs, seconds};
 
-/// Goes on with a render from its checkpoint, to the same bits as if it had never stopped.
+/// Continues a render from its checkpoint, to the same bits as without the interruption.
 ///
-/// What is not said here is as it was: the scene, its settings, the length and the files. With --spp or --time it ends after
-/// so many samples per pixel in all, or so many seconds from now. The checkpoint is kept up.
+/// Scene, settings, length and files stay as they were, unless an option changes them. --spp counts all samples per pixel,
+/// --time counts from now. The checkpoint is still written.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct ResumeArgs {
     /// The checkpoint.
     #[arg(value_name = "FILE")]
     file: PathBuf,
-    /// Where the scene lies now, if it was moved.
+    /// Path of the scene, if it was moved.
     #[arg(long, value_name = "SCENE.xml", help_heading = "Scene")]
     scene: Option<PathBuf>,
-    /// Write the checkpoint every so many seconds, and when the render ends.
-    #[arg(long, value_name = "SECONDS", default_value_t = CHECKPOINT_EVERY, value_parser = seconds, help_heading = "Output")]
+    #[arg(long, default_value_t = CHECKPOINT_EVERY, value_parser = seconds)]
     checkpoint_every: f64,
     #[command(flatten)]
     files: OutputArgs,

@@ -8,4 +8,5 @@ pub mod lights;
 pub(crate) mod materials;
 pub mod plastic_layer;
 pub(crate) mod plastics;
+pub mod surfaces;
 pub mod textures;

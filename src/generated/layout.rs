@@ -286,10 +286,10 @@ pub struct PathVertex {
     pub factor: [f32; 3],
 }
 
-/// Push constants of `glsl/kernels/trace/path_trace.comp`: a slice of a film page and the range of samples to add.
+/// Push constants of `glsl/kernels/trace/trace.comp`: a slice of a film page and the range of samples to add.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct PathTracePush {
+pub struct TracePush {
     /// First workgroup of the slice, counted over the film page's tiles that are sampled.
     pub first_workgroup: u32,
     /// Number of workgroups of the slice.
@@ -299,7 +299,7 @@ pub struct PathTracePush {
     /// Number of pixels, in tile order, before this film page.
     pub page_first_pixel: u32,
     /// Weights of the samples relative to the samples before them.
-    pub weights: SampleWeights,
+    pub weights: DispatchWeights,
     /// Index of the first sample.
     pub first_sample: u32,
     /// Number of samples to add.
@@ -313,7 +313,7 @@ pub struct PathTracePush {
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct WavePush {
     /// Slice whose samples the wave traces.
-    pub slice: PathTracePush,
+    pub slice: TracePush,
     /// Number of the edge that the paths travel; 0 leaves the camera.
     pub edge: u32,
 }
@@ -321,7 +321,7 @@ pub struct WavePush {
 /// `glsl/include/film/slice.glsl`
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct SampleWeights {
+pub struct DispatchWeights {
     /// Weight of each sample of the dispatch.
     pub of_sample: f32,
     /// Number of earlier samples minus the sum of their weights.

@@ -1,13 +1,12 @@
-//! How much memory a render takes, and what to do where a device has less.
+//! Memory that a render takes, and advice where a device has less.
 
-use super::{Shading, Surfaces};
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
+use crate::encode::surfaces::Shading;
 use crate::gpu::{DeviceInfo, DeviceKind};
 use crate::renderer::film_store::pages::{film_bytes, host_film_bytes};
-use crate::renderer::sets::normalization_grid::NormalizationGrid;
-use crate::renderer::sets::radiance_grid::RadianceGrid;
-use crate::renderer::trace::wavefront::wave_bytes;
+use crate::renderer::guide_cells::guide_bytes;
+use crate::renderer::trace::wave_memory::wave_bytes;
 use crate::settings::Settings;
 use crate::{Error, Result};
 
@@ -15,7 +14,7 @@ use crate::{Error, Result};
 #[derive(Debug, Clone)]
 pub(super) struct MemoryNeeds {
     parts: [Part; 5],
-    /// What reading the film back takes of the host.
+    /// Bytes that reading the film back takes on the host.
     host_bytes: u64,
 }
 
@@ -23,26 +22,20 @@ pub(super) struct MemoryNeeds {
 struct Part {
     name: &'static str,
     bytes: u64,
-    /// What makes it smaller.
+    /// Advice that makes the part smaller.
     remedy: &'static str,
 }
 
 impl MemoryNeeds {
     pub fn new(device: &DeviceInfo, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> Self {
-        let Surfaces { materials, textures } = &shading.surfaces;
         let bvh_bytes =
             size_of_val(&bvh.nodes[..]) + size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.attributes[..]);
-        let words: usize = textures.words.pages().iter().map(|page| size_of_val(&page[..])).sum();
-        let shading_bytes = words
-            + size_of_val(&textures.records[..])
-            + size_of_val(&materials[..])
-            + shading.lights.texel_count() * size_of::<[u32; 4]>();
         let part = |name, bytes, remedy| Part { name, bytes, remedy };
         Self {
             parts: [
                 part("the film", film_bytes(settings), "smaller with --width, --height or --crop"),
                 part("the BVH", bvh_bytes as u64, "smaller for fewer triangles"),
-                part("textures and lights", shading_bytes as u64, "smaller for smaller images"),
+                part("textures and lights", shading.bytes(), "smaller for smaller images"),
                 part("the grids", guide_bytes(settings, cells), "smaller with --grid, --directions or --normals"),
                 part("paths under way", wave_bytes(device, settings), "none with --execution megakernel"),
             ],
@@ -50,7 +43,7 @@ impl MemoryNeeds {
         }
     }
 
-    /// Refuses what memory cannot hold, before a system without that memory ends the process.
+    /// Refuses a render that memory cannot hold, before a system without that memory ends the process.
     pub fn check(&self, device: &DeviceInfo) -> Result<()> {
         let on_cpu = device.kind == DeviceKind::Cpu;
         let available = if on_cpu { available_memory() } else { Some(device.limits.device_local_bytes) };
@@ -74,20 +67,25 @@ impl MemoryNeeds {
         )))
     }
 
-    /// What each part needs and what makes it smaller.
+    /// Names each part with its bytes and with what makes it smaller.
     pub fn describe(&self) -> String {
         let describe = |Part { name, bytes, remedy }: &Part| format!("{name} {bytes} ({remedy})");
         let parts: Vec<_> = self.parts.iter().map(describe).collect();
         parts.join(", ")
     }
+
+    /// Adds to an error that memory has run out what it went to.
+    pub fn explain(&self, error: Error) -> Error {
+        let is_out_of_memory = matches!(error, Error::OutOfDeviceMemory { .. });
+        if is_out_of_memory {
+            error.noting(&format!("bytes that parts of the render need: {}", self.describe()))
+        } else {
+            error
+        }
+    }
 }
 
-/// Bytes of both grids.
-pub(super) fn guide_bytes(settings: &Settings, cells: &Cells) -> u64 {
-    RadianceGrid::bytes(settings, cells).saturating_add(NormalizationGrid::bytes(settings, cells))
-}
-
-/// Free memory of the system, where it tells through a file.
+/// Free memory of the system, where a file tells.
 fn available_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;

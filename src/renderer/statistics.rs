@@ -1,8 +1,8 @@
-//! What a step counted.
+//! Statistics of a step.
 
 use crate::generated::kernels;
 
-/// Numbers that kernels count. The rates derived from them are those of the paper's tables and figures.
+/// Numbers that kernels count. The paper's tables and figures show rates that are derived from them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Counts {
@@ -27,7 +27,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// From a kernel's counters.
+    /// Reads the numbers from a kernel's counters.
     pub(super) fn from_counters(counters: &[u32]) -> Self {
         let at = |index: u32| u64::from(counters[index as usize]);
         Self {
@@ -76,7 +76,7 @@ fn ratio(a: u64, b: u64) -> f64 {
     if b == 0 { 0.0 } else { a as f64 / b as f64 }
 }
 
-/// What one step did.
+/// Report of one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport {
     /// Samples per pixel that were asked for.
@@ -87,6 +87,6 @@ pub struct StepReport {
     pub complete: bool,
     /// Wall time, updates of the grids included.
     pub seconds: f64,
-    /// What was counted.
+    /// Numbers that the kernels counted.
     pub counts: Counts,
 }

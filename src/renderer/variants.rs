@@ -1,12 +1,13 @@
-//! The specialization constants of a render: what settings and scene make of the kernels.
+//! The specialization constants of a render, from its settings and its scene.
 
-use super::learn::quadtrees;
-use super::{Shading, Surfaces, cells_of};
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
 use crate::encode::materials;
+use crate::encode::surfaces::{Shading, Surfaces};
 use crate::generated::kernels::{self, Variant};
+use crate::renderer::guide_cells::cells_of;
+use crate::renderer::learn::quadtrees;
 use crate::scene::{Projection, ReconstructionFilter, Scene};
 use crate::settings::{AUTO_GRID, Settings};
 
@@ -16,7 +17,7 @@ pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
     variant(settings, scene, &shading, bvh, &cells_of(settings, bvh))
 }
 
-/// Those of a render whose shading and cells are known.
+/// The specialization constants of a render whose shading and cells are known.
 pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh: &Bvh, cells: &Cells) -> Variant {
     let lights = &shading.lights;
     let (textured_parameters, max_texture_links) = materials::textured_parameters(scene);
@@ -50,7 +51,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         ReconstructionFilter::Tent { radius } => (kernels::FILTER_TENT, radius),
         ReconstructionFilter::Gaussian { stddev } => (kernels::FILTER_GAUSSIAN, stddev),
     };
-    // As if surfaces were everywhere.
+    // Every cell is taken to hold surfaces.
     let cell_count = if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) };
     Variant {
         sampler: settings.sampler as u32,
@@ -82,7 +83,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
     }
 }
 
-/// Where shares are in the table of so many cells.
+/// Index of the first share in the table of so many cells; 0 where shares are fixed.
 fn shares_at(settings: &Settings, cell_count: u32) -> u32 {
     if settings.learns_share() { cell_count * settings.directions.pow(2) } else { 0 }
 }

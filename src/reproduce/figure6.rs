@@ -15,7 +15,7 @@ use super::sheet::Sheet;
 use super::stage::SceneStage;
 use crate::film::{self, Picture};
 use crate::image::{ToneCurve, png};
-use crate::session::radiance_map::{Place, SurfacePoint, false_colors, relative_error};
+use crate::session::radiance_map::{MappedScene, SurfacePoint, false_colors, relative_error};
 use crate::settings::{Sampler, Settings};
 use crate::{Result, files};
 
@@ -116,7 +116,7 @@ impl SceneStage<'_> {
 }
 
 /// First candidate position at which a surface is visible, or the error at the last one.
-fn mark(place: &Place, settings: &Settings) -> Result<([u32; 2], SurfacePoint)> {
+fn mark(place: &MappedScene, settings: &Settings) -> Result<([u32; 2], SurfacePoint)> {
     let at = |mark: [f32; 2]| {
         let pixel = [(mark[0] * settings.width as f32) as u32, (mark[1] * settings.height as f32) as u32];
         place.visible_point(settings, pixel).map(|point| (pixel, point))

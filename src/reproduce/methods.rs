@@ -25,7 +25,7 @@ pub struct Method {
 
 /// Position of a method in the tables. Columns have the paper's names, or our own where the paper has no such column.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct TablePlace {
     /// Method.
     pub method: Method,
     /// Column in Table 1.
@@ -47,7 +47,7 @@ const PRODUCT: Option<&str> = Some("product");
 use Learner::{ExpectedSarsa, MonteCarlo, Sarsa};
 
 /// Methods of Tables 1 and 2. To add a method, add a line here.
-pub const METHODS: [Place; 20] = [
+pub const METHODS: [TablePlace; 20] = [
     place(Method::PLAIN, Some("BRDF"), None),
     place(Method::new(Sampler::Quadtree, MonteCarlo), Some("Quadtree"), None),
     place(Method::new(Sampler::SphereInversion, ExpectedSarsa), None, SPHERE),
@@ -73,8 +73,8 @@ pub const METHODS: [Place; 20] = [
 /// Shares e of Figures 7b and 7c.
 pub const SHARES: [f32; 7] = [1.0e-4, 1.0e-3, 1.0e-2, 0.1, 0.25, 0.5, 1.0];
 
-const fn place(method: Method, table1: Option<&'static str>, table2: Option<&'static str>) -> Place {
-    Place { method, table1, table2 }
+const fn place(method: Method, table1: Option<&'static str>, table2: Option<&'static str>) -> TablePlace {
+    TablePlace { method, table1, table2 }
 }
 
 impl Method {

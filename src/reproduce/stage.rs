@@ -22,7 +22,7 @@ use crate::image::{Image, ToneCurve, exr, metrics, png};
 use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
 use crate::session::identity;
-use crate::session::radiance_map::Place;
+use crate::session::radiance_map::MappedScene;
 use crate::settings::Settings;
 use crate::{Error, Result, files};
 
@@ -201,8 +201,8 @@ impl<'a> SceneStage<'a> {
         self.name
     }
 
-    pub fn place(&self) -> Place<'_> {
-        Place { context: self.context, scene: &self.scene, bvh: &self.bvh }
+    pub fn place(&self) -> MappedScene<'_> {
+        MappedScene { context: self.context, scene: &self.scene, bvh: &self.bvh }
     }
 
     fn folder(&self) -> PathBuf {

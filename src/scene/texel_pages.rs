@@ -12,7 +12,7 @@ const TABLE_WORDS: u64 = 1 << 20;
 
 /// Place of an image's first word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct ImagePlace {
     /// Index of the page.
     pub page: usize,
     /// Index of the word within the page; in the first page, counted from the end of the tables.
@@ -30,15 +30,15 @@ pub fn word_count(image: &Image) -> u64 {
 
 /// Places for images of the given numbers of words: the largest first, each in the first page with room. No image lies
 /// in two pages. `None` where they do not fit.
-pub fn place(word_counts: &[u64]) -> Option<Vec<Place>> {
+pub fn place(word_counts: &[u64]) -> Option<Vec<ImagePlace>> {
     let mut order: Vec<usize> = (0..word_counts.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse(word_counts[i]));
     let mut used = [0; MAX_PAGES];
-    let mut places = vec![Place { page: 0, word: 0 }; word_counts.len()];
+    let mut places = vec![ImagePlace { page: 0, word: 0 }; word_counts.len()];
     for i in order {
         let room = |page: usize| PAGE_WORDS - if page == 0 { TABLE_WORDS } else { 0 };
         let page = (0..MAX_PAGES).find(|&page| used[page] + word_counts[i] <= room(page))?;
-        places[i] = Place { page, word: used[page] };
+        places[i] = ImagePlace { page, word: used[page] };
         used[page] += word_counts[i];
     }
     Some(places)
@@ -52,9 +52,9 @@ mod tests {
     fn images_do_not_overlap_and_fill_few_pages() {
         let counts = [5, PAGE_WORDS / 2, 7, PAGE_WORDS / 2, 11];
         let places = place(&counts).unwrap();
-        assert_eq!(places[1], Place { page: 0, word: 0 });
-        assert_eq!(places[3], Place { page: 1, word: 0 });
-        assert_eq!(places[4], Place { page: 0, word: PAGE_WORDS / 2 });
+        assert_eq!(places[1], ImagePlace { page: 0, word: 0 });
+        assert_eq!(places[3], ImagePlace { page: 1, word: 0 });
+        assert_eq!(places[4], ImagePlace { page: 0, word: PAGE_WORDS / 2 });
         assert_eq!(places[2].word, places[4].word + 11);
         assert_eq!(places[0].word, places[2].word + 7);
     }

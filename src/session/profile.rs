@@ -14,7 +14,7 @@ const STEPS_SHOWN: usize = 16;
 
 /// One step of a render and what it submitted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub struct ProfiledStep {
     /// Samples per pixel that were asked for.
     pub samples: u32,
     /// Rays traced.
@@ -30,7 +30,7 @@ pub struct Step {
 pub struct Profile {
     clock: Clock,
     device: String,
-    steps: Vec<Step>,
+    steps: Vec<ProfiledStep>,
 }
 
 /// What the dispatches of one kernel took. Where the host's clock is used and a submission has several kernels, they count
@@ -101,7 +101,7 @@ impl Profile {
     }
 
     /// Adds a step.
-    pub fn add(&mut self, step: Step) {
+    pub fn add(&mut self, step: ProfiledStep) {
         self.steps.push(step);
     }
 
@@ -160,7 +160,7 @@ fn slice(track: u32, name: &str, begin: Duration, length: Duration, args: Value)
     json!({"ph": "X", "cat": "lodestar", "name": name, "pid": 1, "tid": track, "ts": begin, "dur": length, "args": args})
 }
 
-fn step_events(number: usize, step: &Step) -> Vec<Value> {
+fn step_events(number: usize, step: &ProfiledStep) -> Vec<Value> {
     // Pictures that were read between two steps come first.
     let first = step.submissions.iter().find(|submission| !submission.dispatches.is_empty());
     let begin = first.map_or(Duration::ZERO, |first| first.begin);
@@ -196,7 +196,7 @@ fn spans(submission: &SubmissionTime) -> Vec<Span> {
     vec![(names.join(" + "), Duration::ZERO, submission.wall)]
 }
 
-fn step_time(number: usize, step: &Step) -> StepTime {
+fn step_time(number: usize, step: &ProfiledStep) -> StepTime {
     let milliseconds = step.seconds * 1e3;
     let mut kernels = BTreeMap::new();
     for (kernel, from, to) in step.submissions.iter().flat_map(spans) {
@@ -214,7 +214,7 @@ fn step_time(number: usize, step: &Step) -> StepTime {
     }
 }
 
-fn kernel_times(steps: &[Step], wall: f64) -> Vec<KernelTime> {
+fn kernel_times(steps: &[ProfiledStep], wall: f64) -> Vec<KernelTime> {
     let mut durations = BTreeMap::<String, Vec<f64>>::new();
     for (kernel, from, to) in steps.iter().flat_map(|step| &step.submissions).flat_map(spans) {
         durations.entry(kernel).or_default().push(to.saturating_sub(from).as_secs_f64() * 1e3);
@@ -339,7 +339,7 @@ mod tests {
         let span = |from, to| (clock == Clock::Device).then_some((from, to));
         let mut profile = Profile::new(clock, "a device");
         let update = [("learn", span(1, 3)), ("normalize", span(3, 4))];
-        profile.add(Step {
+        profile.add(ProfiledStep {
             samples: 8,
             rays: 6000,
             seconds: 0.060,
@@ -349,7 +349,7 @@ mod tests {
                 submission(60, 6, &update),
             ],
         });
-        profile.add(Step { samples: 4, rays: 0, seconds: 0.0, submissions: Vec::new() });
+        profile.add(ProfiledStep { samples: 4, rays: 0, seconds: 0.0, submissions: Vec::new() });
         profile
     }
 
@@ -392,7 +392,7 @@ mod tests {
     #[test]
     fn a_long_render_shows_few_steps() {
         let mut profile = Profile::new(Clock::Device, "a device");
-        (0..100).for_each(|_| profile.add(Step { samples: 8, rays: 1, seconds: 1.0, submissions: Vec::new() }));
+        (0..100).for_each(|_| profile.add(ProfiledStep { samples: 8, rays: 1, seconds: 1.0, submissions: Vec::new() }));
         let table = profile.summary().table();
         let steps = table.lines().skip_while(|line| !line.trim_start().starts_with("step")).skip(1);
         let numbers: Vec<_> = steps.filter_map(|line| line.split_whitespace().next()).collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::gpu::Context;
 use crate::renderer::StepReport;
-use crate::session::profile::{Profile, Step, Summary};
+use crate::session::profile::{Profile, ProfiledStep, Summary};
 use crate::{Result, files};
 
 /// Collects the times of a render and writes them at its end.
@@ -24,7 +24,7 @@ impl Profiler {
 
     /// Notes a step that has just ended.
     pub fn note(&mut self, report: &StepReport) {
-        self.profile.add(Step {
+        self.profile.add(ProfiledStep {
             samples: report.samples,
             rays: report.counts.rays,
             seconds: report.seconds,

@@ -13,7 +13,7 @@ use crate::image::false_color::false_color;
 use crate::math::direction_map::{bin_center, bin_point};
 use crate::renderer::Renderer;
 use crate::scene::{Camera, Crop, FovAxis, Projection, ReconstructionFilter, Scene};
-use crate::settings::{EXPECTED_DIRECTIONS, Learner, MAX_FILM_SIDE, Mix, Sampler, Settings};
+use crate::settings::{Guide, MAX_FILM_SIDE, Sampler, Settings};
 use crate::{Error, Result};
 
 /// Pixels of the film into which a pixel is cut to find what its center shows; odd.
@@ -40,7 +40,7 @@ pub struct SurfacePoint {
 }
 
 /// A scene on a device.
-pub struct Place<'a> {
+pub struct MappedScene<'a> {
     /// The device.
     pub context: &'a Arc<Context>,
     /// The scene.
@@ -49,12 +49,10 @@ pub struct Place<'a> {
     pub bvh: &'a Bvh,
 }
 
-/// The settings of a plain path tracer on a film of that size.
+/// Settings of a plain path tracer on a film of that size.
 fn plain(settings: &Settings, width: u32, height: u32) -> Settings {
-    let defaults = Settings { width, height, crop: None, filter: ReconstructionFilter::Box, ..settings.clone() };
-    let expected_directions = EXPECTED_DIRECTIONS;
-    let guide = Settings { learner: Learner::Sarsa, mix: Mix::Density, epsilon: None, expected_directions, ..defaults };
-    Settings { sampler: Sampler::Bsdf, hide_emitters: false, sample_weights: None, ..guide }
+    let film = Settings { width, height, crop: None, filter: ReconstructionFilter::Box, ..settings.clone() };
+    Settings { hide_emitters: false, sample_weights: None, ..film.with_guide(Guide::None) }
 }
 
 /// The settings with which a map is learned: those of a picture, without emitter sampling.
@@ -70,7 +68,7 @@ pub fn settings_for_map(settings: Settings) -> Result<Settings> {
     }
 }
 
-impl Place<'_> {
+impl MappedScene<'_> {
     /// Radiance at `point` by direction, learned from `spp` samples per pixel in steps of the full length.
     ///
     /// # Errors

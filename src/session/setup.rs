@@ -10,9 +10,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::encode::bvh::Bvh;
+use crate::encode::surfaces::Surfaces;
 use crate::gpu::Context;
 use crate::image::Image;
-use crate::renderer::{RenderState, Renderer, Surfaces};
+use crate::renderer::{RenderState, Renderer};
 use crate::scene::{self, LoadOptions, Scene};
 use crate::session::checkpoint::{Checkpoint, Record, SceneSource};
 use crate::session::checkpoints::{CheckpointFile, Checkpoints};

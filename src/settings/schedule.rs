@@ -1,13 +1,13 @@
-//! When a guide learns: how many samples the steps of a render have.
+//! Steps of a render: the number of samples between two updates of the guide.
 
 use crate::settings::{Sampler, Settings, StepSchedule};
 
-/// A growing step has one of so many parts of the samples before it.
+/// Number of parts that the samples taken so far are divided into; a growing step takes one part.
 pub(crate) const PARTS: u32 = 4;
 
 impl Settings {
-    /// Samples per pixel of the step that begins after so many: at most [`Settings::spp_per_step`], and while steps grow the
-    /// largest power of two that is no more than a quarter of those, at least 1.
+    /// Samples per pixel of the step that begins after `samples_done`: at most [`Settings::spp_per_step`]. While steps grow, it is
+    /// the largest power of two within a quarter of `samples_done`, at least 1.
     pub fn samples_of_step(&self, samples_done: u32) -> u32 {
         if !self.grows() || samples_done >= self.end_of_growth() {
             return self.spp_per_step;
@@ -15,7 +15,7 @@ impl Settings {
         (samples_done / PARTS).checked_ilog2().map_or(1, |exponent| 1 << exponent)
     }
 
-    /// Where nothing depends on steps, none is short.
+    /// Whether steps grow. Without a guide that learns by steps, every step has the full length.
     fn grows(&self) -> bool {
         self.steps == StepSchedule::Growing && self.has_grids()
     }
@@ -25,7 +25,7 @@ impl Settings {
         !matches!(self.sampler, Sampler::Bsdf | Sampler::Quadtree)
     }
 
-    /// Samples after which steps are as long as they may be.
+    /// Number of samples after which every step has the full length.
     fn end_of_growth(&self) -> u32 {
         PARTS * self.spp_per_step.next_power_of_two()
     }

@@ -24,7 +24,7 @@ pub struct Replacement {
 }
 
 /// Reads every `.spv` file of a folder that has a kernel's name. `lodestar inspect --out` writes such files:
-/// `path_trace.spv` reads storage buffers, `path_trace.texel.spv` texel buffers.
+/// `trace.spv` reads storage buffers, `trace.texel.spv` texel buffers.
 ///
 /// # Errors
 /// [`Error::Read`] where the folder or a file cannot be read; [`Error::Kernel`] where a file is no valid SPIR-V or has
@@ -37,7 +37,7 @@ pub fn load(folder: &Path) -> Result<Replacement> {
         }
         let path = folder.join(&name);
         match built_in(&replacement.registry, &name) {
-            Some(built_in) => replacement.take(&path, &name, &built_in)?,
+            Some(built_in) => replacement.replace(&path, &name, &built_in)?,
             None => replacement.warnings.push(unknown(&path, &replacement.registry)),
         }
     }
@@ -55,7 +55,7 @@ impl Replacement {
         self.files.iter().map(String::as_str).filter(|file| used.contains(file)).collect()
     }
 
-    fn take(&mut self, path: &Path, name: &str, built_in: &KernelSource) -> Result<()> {
+    fn replace(&mut self, path: &Path, name: &str, built_in: &KernelSource) -> Result<()> {
         let spirv = fs::read(path).map_err(Error::read(path))?;
         self.check(path, &spirv, built_in)?;
         for kernels in [&mut self.registry.texel, &mut self.registry.storage] {
@@ -135,7 +135,7 @@ mod tests {
 
     /// The texel-buffer path tracer, edited.
     fn edited(edit: impl Fn(&mut dr::Module)) -> Vec<u8> {
-        let mut module = dr::load_bytes(&Registry::built_in().texel.path_trace.spirv).expect("SPIR-V");
+        let mut module = dr::load_bytes(&Registry::built_in().texel.trace.spirv).expect("SPIR-V");
         edit(&mut module);
         module.assemble().iter().flat_map(|word| word.to_le_bytes()).collect()
     }
@@ -161,13 +161,13 @@ mod tests {
     }
 
     fn refusal(spirv: &[u8]) -> String {
-        load_one("path_trace.texel.spv", spirv).expect_err("a refusal").to_string()
+        load_one("trace.texel.spv", spirv).expect_err("a refusal").to_string()
     }
 
     #[test]
     fn the_same_kernel_is_taken_for_its_own_back_end() {
-        let taken = load_one("path_trace.texel.spv", &edited(|_| {})).expect("the same interface");
-        assert_eq!(taken.files_of(BackEnd::Texel), ["path_trace.texel.spv"]);
+        let taken = load_one("trace.texel.spv", &edited(|_| {})).expect("the same interface");
+        assert_eq!(taken.files_of(BackEnd::Texel), ["trace.texel.spv"]);
         assert!(taken.files_of(BackEnd::Storage).is_empty() && taken.warnings.is_empty(), "{:?}", taken.warnings);
     }
 
@@ -209,13 +209,13 @@ mod tests {
             let constant = module.types_global_values.iter_mut().find(|i| i.result_id == target).expect("MAX_TRIES");
             constant.class = INSTRUCTION_TABLE.get(Op::Constant);
         });
-        let taken = load_one("path_trace.texel.spv", &frozen).expect("less is no harm");
+        let taken = load_one("trace.texel.spv", &frozen).expect("less is no harm");
         assert!(taken.warnings.concat().contains("which are fixed in the file: MAX_TRIES"), "{:?}", taken.warnings);
     }
 
     #[test]
     fn what_is_no_module_is_refused() {
-        let spirv = Registry::built_in().texel.path_trace.spirv;
+        let spirv = Registry::built_in().texel.trace.spirv;
         for (bytes, word) in [
             (&b"; SPIR-V"[..], "spirv-as"),
             (&spirv[..spirv.len() - 3], "spirv-as"),
@@ -223,18 +223,19 @@ mod tests {
             (&[], "spirv-as"),
         ] {
             let message = refusal(bytes);
-            assert!(message.contains(word) && message.contains("path_trace.texel.spv: "), "{message}");
+            assert!(message.contains(word) && message.contains("trace.texel.spv: "), "{message}");
         }
     }
 
     #[test]
     fn other_files_are_passed_over_with_a_word() {
-        let taken = load_one("path_trace.spvasm", b"").expect("no kernel");
+        let taken = load_one("trace.spvasm", b"").expect("no kernel");
         assert!(taken.files.is_empty() && taken.warnings[0].contains("no file has the name of a kernel"));
         let taken = load_one("path_tracer.spv", b"").expect("no kernel");
         assert!(
-            taken.warnings[0]
-                .contains("the names are blend_radiance.spv, judge_noise.spv, path_trace.spv, path_trace.texel.spv"),
+            taken.warnings[0].contains(
+                "the names are blend_radiance.spv, judge_noise.spv, pool_radiance.spv, refine_quadtrees.spv, trace.spv"
+            ),
             "{:?}",
             taken.warnings
         );

@@ -98,15 +98,15 @@ mod tests {
                 }
             }
         }
-        let plain = resolve_branches(&words(&registry.texel.path_trace), &Variant::default().entries());
-        let [all, left] = [words(&registry.texel.path_trace), plain.expect("SPIR-V")].map(|words| block_count(&words));
+        let plain = resolve_branches(&words(&registry.texel.trace), &Variant::default().entries());
+        let [all, left] = [words(&registry.texel.trace), plain.expect("SPIR-V")].map(|words| block_count(&words));
         assert!(left * 4 < all, "{left} of {all} blocks are left of the simplest path tracer");
     }
 
     #[test]
     fn a_second_time_changes_nothing() {
         let constants = Variant::default().entries();
-        let once = resolve_branches(&words(&Registry::built_in().texel.path_trace), &constants).expect("SPIR-V");
+        let once = resolve_branches(&words(&Registry::built_in().texel.trace), &constants).expect("SPIR-V");
         assert!(resolve_branches(&once, &constants).expect("SPIR-V") == once);
     }
 

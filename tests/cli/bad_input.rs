@@ -147,26 +147,56 @@ fn settings_out_of_their_ranges() {
 fn combinations_without_meaning() {
     let folder = Folder::new();
     for (arguments, words) in [
-        (&["--sampler", "rejection", "--epsilon", "0.5"][..], ["--epsilon", "rejection-mix and product only"]),
-        (&["--sampler", "rejection", "--learner", "irradiance-sarsa"], ["irradiance-sarsa", "product only"]),
-        (&["--sampler", "quadtree", "--learner", "sarsa"], ["quadtree", "monte-carlo only"]),
-        (&["--directions", "8"], ["--directions", "16, 32 or 64"]),
-        (&["--noise", "0.1", "--sample-offset", "0"], ["--noise", "--sample-offset"]),
-        (&["--noise", "0.1", "--execution", "wavefront"], ["--execution wavefront", "--noise"]),
+        (
+            &["--sampler", "rejection", "--epsilon", "0.5"][..],
+            ["--epsilon", "the samplers rejection-mix and product only; the sampler here is rejection"],
+        ),
+        (
+            &["--sampler", "rejection", "--learner", "irradiance-sarsa"],
+            ["--learner irradiance-sarsa", "the sampler product only; the sampler here is rejection"],
+        ),
+        (
+            &["--sampler", "quadtree", "--learner", "sarsa"],
+            ["--learner sarsa cannot be combined with --sampler quadtree", "monte-carlo only"],
+        ),
+        (&["--directions", "8"], ["--directions must be 16, 32 or 64", "but it is 8"]),
+        (&["--noise", "0.1", "--sample-offset", "0"], ["--noise cannot be combined with --sample-offset"]),
+        (&["--noise", "0.1", "--execution", "wavefront"], ["--execution wavefront cannot be combined with --noise"]),
         (
             &["--learner", "monte-carlo", "--execution", "wavefront"],
-            ["--execution wavefront does not go with --learner monte-carlo", "take --execution megakernel"],
+            ["--execution wavefront cannot be combined with --learner monte-carlo", "take --execution megakernel"],
         ),
-        (&["--sampler", "bsdf", "--roulette", "contribution"], ["--roulette", "product only"]),
-        (&["--sampler", "bsdf", "--sample-weights", "growing"], ["--sample-weights growing", "--sampler bsdf"]),
-        (&["--sample-offset", "0", "--sample-weights", "growing"], ["--sample-weights growing", "--sample-offset"]),
-        (&["--noise", "0.1", "--sample-weights", "growing"], ["--sample-weights growing", "--noise"]),
-        (&["--sampler", "bsdf", "--bsdf-share", "fixed"], ["--bsdf-share", "product only"]),
-        (&["--epsilon", "0.5", "--bsdf-share", "learned"], ["--bsdf-share learned", "--epsilon"]),
-        (&["--learner", "monte-carlo", "--bsdf-share", "learned"], ["--bsdf-share learned", "monte-carlo"]),
-        (&["--sampler", "sphere-inversion", "--mix", "acceptance"], ["--mix", "rejection-mix only"]),
-        (&["--sampler", "bsdf", "--learner", "monte-carlo"], ["--sampler bsdf", "learns nothing"]),
-        (&["--expected-directions", "64"], ["--expected-directions", "expected-sarsa only"]),
+        (
+            &["--sampler", "bsdf", "--roulette", "contribution"],
+            ["--roulette contribution", "product only; the sampler here is bsdf"],
+        ),
+        (
+            &["--sampler", "bsdf", "--sample-weights", "growing"],
+            ["--sample-weights growing", "the sampler here is bsdf"],
+        ),
+        (
+            &["--sample-offset", "0", "--sample-weights", "growing"],
+            ["--sample-weights growing cannot be combined with --sample-offset"],
+        ),
+        (
+            &["--noise", "0.1", "--sample-weights", "growing"],
+            ["--sample-weights growing cannot be combined with --noise"],
+        ),
+        (&["--sampler", "bsdf", "--bsdf-share", "fixed"], ["--bsdf-share", "product only; the sampler here is bsdf"]),
+        (&["--epsilon", "0.5", "--bsdf-share", "learned"], ["--bsdf-share learned cannot be combined with --epsilon"]),
+        (
+            &["--learner", "monte-carlo", "--bsdf-share", "learned"],
+            ["--bsdf-share learned cannot be combined with --learner monte-carlo"],
+        ),
+        (
+            &["--sampler", "sphere-inversion", "--mix", "acceptance"],
+            ["--mix acceptance", "rejection-mix only; the sampler here is sphere-inversion"],
+        ),
+        (
+            &["--sampler", "bsdf", "--learner", "monte-carlo"],
+            ["--learner monte-carlo is used by the samplers", "the sampler here is bsdf"],
+        ),
+        (&["--expected-directions", "64"], ["--expected-directions", "expected-sarsa only; the learner here is sarsa"]),
         (&["--learner", "monte-carlo", "--max-depth", "129"], ["--max-depth", "at most 128"]),
     ] {
         refuse(&folder, arguments, 1, &words);
@@ -176,30 +206,44 @@ fn combinations_without_meaning() {
 #[test]
 fn options_given_in_vain() {
     let folder = Folder::new();
-    let guided = "for samplers that follow a guide, not for bsdf";
-    let with_cells = "for samplers with cells, not for bsdf or quadtree";
-    let by_rejection = "for the samplers rejection and rejection-mix only";
+    let cells = "product, rejection, rejection-mix, sphere-inversion and hemisphere-inversion only";
+    let guided = "product, rejection, rejection-mix, sphere-inversion, hemisphere-inversion and quadtree only";
+    let by_rejection = "rejection and rejection-mix only";
     for (sampler, option, value, of) in [
         ("bsdf", "--learner", "sarsa", guided),
         ("bsdf", "--guide-set", "all", guided),
         ("bsdf", "--map", "equal-area", guided),
         ("bsdf", "--grid", "8", guided),
         ("bsdf", "--directions", "16", guided),
-        ("bsdf", "--fallback", "4", with_cells),
-        ("quadtree", "--decay", "0.9", with_cells),
-        ("quadtree", "--steps", "growing", with_cells),
-        ("sphere-inversion", "--normals", "8", "for samplers that tell normals apart"),
-        ("product", "--mix", "density", "for --sampler rejection-mix only"),
+        ("bsdf", "--fallback", "4", cells),
+        ("quadtree", "--decay", "0.9", cells),
+        ("quadtree", "--steps", "growing", cells),
+        ("sphere-inversion", "--normals", "8", "product, rejection, rejection-mix and hemisphere-inversion only"),
+        ("product", "--mix", "density", "the sampler rejection-mix only"),
         ("product", "--max-tries", "15", by_rejection),
         ("hemisphere-inversion", "--max-tries", "31", by_rejection),
-        ("product", "--min-uniform", "0.25", "for the samplers by rejection and inversion, not for bsdf, product"),
-        ("rejection", "--expected-directions", "128", "for --learner expected-sarsa only"),
+        (
+            "product",
+            "--min-uniform",
+            "0.25",
+            "rejection, rejection-mix, sphere-inversion and hemisphere-inversion only",
+        ),
+        ("rejection", "--expected-directions", "128", "the learner expected-sarsa only; the learner here is sarsa"),
     ] {
-        refuse(&folder, &["--sampler", sampler, option, value], 1, &[option, of]);
+        let is_here = match option {
+            "--expected-directions" => "the learner here is sarsa".to_owned(),
+            _ => format!("the sampler here is {sampler}"),
+        };
+        refuse(&folder, &["--sampler", sampler, option, value], 1, &[option, "is used by the", of, &is_here]);
     }
     let fixed_share = ["--sampler", "rejection-mix", "--epsilon", "0.5", "--min-uniform", "0.1"];
-    refuse(&folder, &fixed_share, 1, &["--min-uniform", "not for a share that --epsilon fixes"]);
-    let output = folder.run(&["inspect", "path_trace", "--sampler", "product", "--max-tries", "15"]);
+    refuse(
+        &folder,
+        &fixed_share,
+        1,
+        &["--min-uniform cannot be combined with --epsilon", "which fixes the share of mixed densities"],
+    );
+    let output = folder.run(&["inspect", "trace", "--sampler", "product", "--max-tries", "15"]);
     assert_sentence(&output, 1, &["--max-tries", by_rejection]);
 }
 

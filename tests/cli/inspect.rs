@@ -28,8 +28,8 @@ fn text(folder: &Folder, arguments: &[&str]) -> String {
 }
 
 /// The path tracer that reads texel buffers.
-fn path_trace(folder: &Folder, arguments: &[&str]) -> Value {
-    inspect(folder, &[&["path_trace", "--back-end", "texel"], arguments].concat())["kernels"][0].clone()
+fn trace(folder: &Folder, arguments: &[&str]) -> Value {
+    inspect(folder, &[&["trace", "--back-end", "texel"], arguments].concat())["kernels"][0].clone()
 }
 
 fn constant(kernel: &Value, name: &str) -> Value {
@@ -53,8 +53,8 @@ fn every_kernel_is_there_for_both_back_ends() {
     let report = inspect(&folder, &[]);
     let kernels = report["kernels"].as_array().unwrap();
     let of = |file: &str| kernels.iter().find(|kernel| kernel["file"] == file).unwrap_or_else(|| panic!("no {file}"));
-    assert_eq!(of("path_trace.texel.spv")["back_ends"], serde_json::json!(["texel"]));
-    assert_eq!(of("path_trace.spv")["back_ends"], serde_json::json!(["storage"]));
+    assert_eq!(of("trace.texel.spv")["back_ends"], serde_json::json!(["texel"]));
+    assert_eq!(of("trace.spv")["back_ends"], serde_json::json!(["storage"]));
     assert_eq!(of("update_radiance.spv")["back_ends"], serde_json::json!(["texel", "storage"]));
     for kernel in kernels {
         assert_eq!(
@@ -82,7 +82,7 @@ fn every_kernel_is_there_for_both_back_ends() {
 #[test]
 fn layouts_are_those_of_the_glsl() {
     let folder = Folder::new();
-    let kernel = path_trace(&folder, &[]);
+    let kernel = trace(&folder, &[]);
     let bindings = kernel["interface"]["bindings"].as_array().unwrap();
     let scene = bindings.iter().find(|binding| binding["name"] == "Scene").unwrap();
     assert_eq!((&scene["set"], &scene["binding"], &scene["kind"]), (&0.into(), &2.into(), &"uniform buffer".into()));
@@ -91,14 +91,14 @@ fn layouts_are_those_of_the_glsl() {
     assert_eq!((&member["members"][0]["stride"], &member["members"][1]["offset"]), (&16.into(), &48.into()));
     // layout.rs is held against the same reflection when the crate is compiled.
     assert_eq!(member["bytes"], size_of::<lodestar::generated::layout::SceneConstants>());
-    assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::generated::layout::PathTracePush>());
+    assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::generated::layout::TracePush>());
 }
 
 #[test]
 fn options_choose_the_variant() {
     let folder = Folder::new();
-    let plain = path_trace(&folder, &["--sampler", "bsdf", "--max-depth", "3", "--rfilter", "gaussian"]);
-    let guided = path_trace(&folder, &["--sampler", "rejection-mix", "--directions", "8"]);
+    let plain = trace(&folder, &["--sampler", "bsdf", "--max-depth", "3", "--rfilter", "gaussian"]);
+    let guided = trace(&folder, &["--sampler", "rejection-mix", "--directions", "8"]);
     assert_eq!((constant(&plain, "SAMPLER"), constant(&guided, "SAMPLER")), (0.into(), 1.into()));
     assert_eq!((constant(&plain, "MAX_DEPTH"), constant(&plain, "FILTER_WIDTH")), (3.into(), 0.5.into()));
     assert_eq!(
@@ -119,18 +119,18 @@ fn options_choose_the_variant() {
 fn a_scene_chooses_what_scenes_do() {
     let folder = Folder::new();
     folder.write("sphere.xml", &crate::support::SCENE.replace("\"cube\"", "\"sphere\""));
-    let spheres = |scene| constant(&path_trace(&folder, &["--scene", scene]), "HAS_SPHERES");
+    let spheres = |scene| constant(&trace(&folder, &["--scene", scene]), "HAS_SPHERES");
     assert_eq!((spheres("scene.xml"), spheres("sphere.xml")), (false.into(), true.into()));
-    let nee = |arguments| constant(&path_trace(&folder, arguments), "NEE");
+    let nee = |arguments| constant(&trace(&folder, arguments), "NEE");
     assert_eq!((nee(&["--scene", "scene.xml", "--nee", "on"]), nee(&["--nee", "off"])), (true.into(), false.into()));
-    let lit = path_trace(&folder, &["--scene", "scene.xml"]);
+    let lit = trace(&folder, &["--scene", "scene.xml"]);
     assert_ne!(constant(&lit, "LIGHT_KINDS"), 0);
 }
 
 #[test]
 fn counts_add_up() {
     let folder = Folder::new();
-    let histogram = &path_trace(&folder, &[])["histogram"];
+    let histogram = &trace(&folder, &[])["histogram"];
     let sum =
         |of: &Value| of.as_object().unwrap().values().map(|count| count["instructions"].as_u64().unwrap()).sum::<u64>();
     let operations = histogram["operations"].as_object().unwrap();
@@ -151,11 +151,11 @@ fn counts_add_up() {
 #[test]
 fn without_spirv_tools_the_rest_is_shown() {
     let folder = Folder::new();
-    let output = folder.command(&["inspect", "path_trace"]).env("PATH", "/nowhere").output().unwrap();
+    let output = folder.command(&["inspect", "trace"]).env("PATH", "/nowhere").output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success() && said.contains("note: the variant is not shown: install SPIRV-Tools"), "{said}");
     assert!(said.contains("texel fetches") && said.contains("FilmRadiance[] film_radiance"), "{said}");
-    let output = folder.command(&["inspect", "path_trace", "--json"]).env("PATH", "/nowhere").output().unwrap();
+    let output = folder.command(&["inspect", "trace", "--json"]).env("PATH", "/nowhere").output().unwrap();
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     let kernel = &report["kernels"][0];
     assert!(kernel["specialized"].is_null() && kernel["disassembly"].as_str().unwrap().contains("OpImageFetch"));
@@ -164,8 +164,8 @@ fn without_spirv_tools_the_rest_is_shown() {
 #[test]
 fn the_text_names_what_a_tuner_asks_for() {
     let folder = Folder::new();
-    let said = text(&folder, &["path_trace", "--lines", "3"]);
-    let push = format!("push constants: {} bytes", size_of::<lodestar::generated::layout::PathTracePush>());
+    let said = text(&folder, &["trace", "--lines", "3"]);
+    let push = format!("push constants: {} bytes", size_of::<lodestar::generated::layout::TracePush>());
     for words in ["workgroup 64 (constant 0) x 1 x 1", &push, "MAX_TRIES", "atomics", "transcendental"] {
         let known = if words == "transcendental" { "sin, exp, log, pow" } else { words };
         assert!(said.contains(known), "{known} is missing:\n{said}");
@@ -179,9 +179,9 @@ fn a_driver_that_tells_nothing_is_no_fault() {
     let devices: Value = serde_json::from_slice(&devices.stdout).unwrap();
     let usable = devices.as_array().unwrap().iter().find(|device| device["refused"].is_null()).expect("a device");
     let index = usable["index"].to_string();
-    let pipeline = &path_trace(&folder, &["--device", &index])["pipeline"];
+    let pipeline = &trace(&folder, &["--device", &index])["pipeline"];
     assert!(pipeline["creation_seconds"].as_f64().unwrap() > 0.0);
-    let said = text(&folder, &["path_trace", "--device", &index]);
+    let said = text(&folder, &["trace", "--device", &index]);
     match &pipeline["executables"] {
         Value::Null => assert!(said.contains("lacks VK_KHR_pipeline_executable_properties"), "{said}"),
         executables => check_executables(executables),
@@ -209,7 +209,7 @@ fn a_driver_that_tells_much_is_quoted() {
         return;
     };
     let index = null["index"].to_string();
-    let output = run(&["inspect", "path_trace", "--back-end", "texel", "--device", &index, "--json", "--out", "out"]);
+    let output = run(&["inspect", "trace", "--back-end", "texel", "--device", &index, "--json", "--out", "out"]);
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     let executables = &report["kernels"][0]["pipeline"]["executables"];
     check_executables(executables);
@@ -217,9 +217,8 @@ fn a_driver_that_tells_much_is_quoted() {
     let registers = statistics.iter().find(|statistic| statistic["name"] == "VGPRs").expect("a count of registers");
     assert!(registers["value"].as_u64().unwrap() > 8, "{registers}");
     let names = folder.names();
-    assert!(names.contains(&"out/device/path_trace.texel.Compute-Shader.Assembly.txt".to_owned()), "{names:?}");
-    let assembly =
-        std::fs::read_to_string(folder.path("out/device/path_trace.texel.Compute-Shader.Assembly.txt")).unwrap();
+    assert!(names.contains(&"out/device/trace.texel.Compute-Shader.Assembly.txt".to_owned()), "{names:?}");
+    let assembly = std::fs::read_to_string(folder.path("out/device/trace.texel.Compute-Shader.Assembly.txt")).unwrap();
     assert!(assembly.contains("s_endpgm"), "the whole text, to its end");
 }
 
@@ -229,7 +228,7 @@ fn wrong_wishes_are_refused() {
     assert_sentence(
         &folder.run(&["inspect", "path_tracer"]),
         1,
-        &["`path_tracer`", "path_trace, pool_radiance, refine_quadtrees, update_"],
+        &["`path_tracer`", "pool_radiance, refine_quadtrees, trace, update_"],
     );
     assert_sentence(&folder.run(&["inspect", "--grid", "99"]), 1, &["--grid is 99"]);
     assert_sentence(&folder.run(&["inspect", "--device", "voodoo"]), 1, &["`voodoo`"]);

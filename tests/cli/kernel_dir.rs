@@ -15,7 +15,7 @@ use crate::support::{Folder, assert_quiet_success, assert_sentence, attribute};
 const RENDER: [&str; 8] = ["render", "scene.xml", "--quiet", "--spp", "16", "--rr-depth", "1", "--sampler"];
 
 /// Both back ends' files: which one a device reads is its affair.
-const FILES: [&str; 2] = ["kernels/path_trace.spv", "kernels/path_trace.texel.spv"];
+const FILES: [&str; 2] = ["kernels/trace.spv", "kernels/trace.texel.spv"];
 
 fn folder_with_kernels() -> Folder {
     let folder = Folder::new();
@@ -57,7 +57,7 @@ fn what_inspect_wrote_renders_the_same() {
     assert_only_unused(&render(&folder, "own.exr", &["--kernel-dir", "kernels"]));
     assert_quiet_success(&render(&folder, "plain.exr", &[]));
     assert_eq!(picture(&folder, "own.exr"), picture(&folder, "plain.exr"));
-    assert!(attribute(&folder.path("own.exr"), "replaced_kernels").contains("path_trace."));
+    assert!(attribute(&folder.path("own.exr"), "replaced_kernels").contains("trace."));
     let plain = exr::read_attributes(&folder.path("plain.exr")).unwrap();
     assert!(plain.iter().all(|(name, _)| name != "replaced_kernels"));
 }
@@ -85,7 +85,7 @@ fn a_render_goes_on_with_the_kernels_it_was_begun_with() {
     let begin = ["--kernel-dir", "kernels", "--checkpoint", "a.ckpt"];
     assert_only_unused(&render(&folder, "a.exr", &begin));
     let go_on = ["resume", "a.ckpt", "--quiet", "--spp", "24"];
-    assert_sentence(&folder.run(&go_on), 1, &["path_trace.", "the built-in kernels", "--kernel-dir"]);
+    assert_sentence(&folder.run(&go_on), 1, &["trace.", "the built-in kernels", "--kernel-dir"]);
     fs::rename(folder.path("kernels"), folder.path("moved")).unwrap();
     assert_only_unused(&folder.run(&[&go_on[..], &["--kernel-dir", "moved"]].concat()));
     assert_eq!(crate::resume::samples_in(&folder.path("a.ckpt")), 24);
@@ -105,7 +105,7 @@ fn an_edited_binding_is_refused() {
     let before = folder.names();
     for command in [&RENDER[..7], &["inspect"]] {
         let output = folder.run(&[command, &["--kernel-dir", "kernels"]].concat());
-        assert_sentence(&output, 1, &["path_trace.texel.spv", "set 0, binding 77 (`FilmRadiancePage`)"]);
+        assert_sentence(&output, 1, &["trace.texel.spv", "set 0, binding 77 (`FilmRadiancePage`)"]);
     }
     assert_eq!(folder.names(), before);
 }
@@ -136,7 +136,7 @@ fn inspect_shows_the_edited_kernel() {
     };
     edit(&folder.path(FILES[0]), change);
     let count = |arguments: &[&str]| {
-        let output = folder.run(&[&["inspect", "path_trace", "--back-end", "storage", "--json"], arguments].concat());
+        let output = folder.run(&[&["inspect", "trace", "--back-end", "storage", "--json"], arguments].concat());
         let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         report["kernels"][0]["histogram"]["operations"].clone()
     };

@@ -6,6 +6,7 @@ mod devices;
 mod faults;
 mod files;
 mod full_disk;
+mod help;
 mod inspect;
 mod kernel_dir;
 mod kills;

@@ -36,7 +36,7 @@ fn every_dispatch_is_timed() {
     let summary = &trace["otherData"];
     let kernels = summary["kernels"].as_array().unwrap();
     let names: Vec<_> = kernels.iter().map(|kernel| kernel["kernel"].as_str().unwrap()).collect();
-    for name in ["path_trace", "update_radiance", "update_normalization"] {
+    for name in ["trace", "update_radiance", "update_normalization"] {
         assert!(names.iter().any(|found| found.contains(name)) && table.contains(name), "{name}: {table}");
     }
     let busy: f64 = kernels.iter().map(|kernel| number(kernel, "milliseconds")).sum();

@@ -92,7 +92,10 @@ fn what_has_no_map_is_said() {
     refuse(&["--pixel", "0,0", "--nee", "on"], &["--nee on"]);
     refuse(&["--pixel", "0,0", "--steps", "growing"], &["--steps growing is for a picture"]);
     refuse(&["--pixel", "0,0", "--sample-weights", "growing"], &["--sample-weights is for a picture"]);
-    refuse(&["--pixel", "0,0", "--decay", "0.9", "--sampler", "quadtree"], &["--decay is for samplers with cells"]);
+    refuse(
+        &["--pixel", "0,0", "--decay", "0.9", "--sampler", "quadtree"],
+        &["--decay is used by the samplers", "the sampler here is quadtree"],
+    );
     let output = folder.run(&["radiance", "scene.xml", "--pixel", "0,0", "-o", "a.exr"]);
     assert_sentence(&output, 1, &["--pixel 0,0", "nothing to be seen"]);
     let output = folder.run(&["radiance", FURNACE, "-o", "a.exr", "--pixel", "1;2"]);

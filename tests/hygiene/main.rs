@@ -7,6 +7,7 @@ mod modules;
 mod prose;
 mod rust;
 mod source;
+mod switches;
 
 use std::path::Path;
 
@@ -45,6 +46,11 @@ fn rooms_do_not_reach_what_they_must_not_know() {
 #[test]
 fn only_the_declaring_file_names_a_glsl_binding() {
     assert_none(glsl::violations(&read_glsl()));
+}
+
+#[test]
+fn one_file_tells_samplers_apart_and_one_learners() {
+    assert_none(switches::violations(&read_glsl()));
 }
 
 #[test]

@@ -4,19 +4,7 @@ use crate::source::Source;
 
 /// Folders and files that keep the rule so far. The others join as they are rewritten.
 const HELD: &[&str] = &[
-    "glsl/include/bsdf",
-    "glsl/include/film",
-    "glsl/include/geometry",
-    "glsl/include/guide",
-    "glsl/include/light",
-    "glsl/include/math",
-    "glsl/include/random",
-    "glsl/include/shared",
-    "glsl/include/texture",
-    "glsl/kernels/layout_probe.comp",
-    "glsl/kernels/learn",
-    "glsl/kernels/noise",
-    "glsl/test",
+    "glsl",
     "src/encode",
     "src/error.rs",
     "src/files.rs",
@@ -25,6 +13,7 @@ const HELD: &[&str] = &[
     "src/gpu",
     "src/image",
     "src/main.rs",
+    "src/renderer",
     "src/reproduce",
     "src/scene",
     "src/spirv",

@@ -15,7 +15,7 @@ const REPOSITORY: &str = "../..";
 /// Reading storage buffers, which every device has.
 const KERNELS: [&str; 17] = [
     "glsl/kernels/noise/judge_noise.comp",
-    "glsl/kernels/trace/path_trace.comp",
+    "glsl/kernels/trace/trace.comp",
     "glsl/kernels/wave/wave_extend.comp",
     "glsl/kernels/wave/wave_connect.comp",
     "glsl/kernels/wave/wave_shadow.comp",

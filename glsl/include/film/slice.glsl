@@ -6,19 +6,19 @@
 #include "shared/film.glsl"
 
 // Weights of a dispatch's samples relative to the samples before them.
-struct SampleWeights {
+struct DispatchWeights {
     float of_sample;
     float lost_weight;   // number of earlier samples minus the sum of their weights
     float lost_samples;  // number of earlier samples minus their effective number
 };
 
 // Slice of a film page, and the range of samples that the dispatch adds.
-struct PathTracePush {
+struct TracePush {
     uint first_workgroup;    // first workgroup of the slice, counted over the page's tiles that are sampled
     uint workgroup_count;
     uint workgroup_stride;   // coprime to the count; spreads neighboring workgroups over the device
     uint page_first_pixel;   // number of pixels, in tile order, before this film page
-    SampleWeights weights;
+    DispatchWeights weights;
     uint first_sample;
     uint sample_count;
     uint first_of_sets;      // index of a sample; no set of samples starts before it
@@ -34,7 +34,7 @@ uvec2 tile_order_pixel(uint index) {
 }
 
 // Index within the film page, in tile order, of the pixel of a lane of the slice's workgroup.
-uint pixel_of_slice(PathTracePush slice, uint workgroup, uint lane) {
+uint pixel_of_slice(TracePush slice, uint workgroup, uint lane) {
     uint spread = slice.first_workgroup + (workgroup * slice.workgroup_stride) % slice.workgroup_count;
     return sampled_pixel(spread * WORKGROUP_SIZE + lane);
 }

@@ -105,7 +105,7 @@ void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) 
 // Merges two sets of moments (Chan, Golub and LeVeque 1979). Squared deviations are weighted by the squares of the
 // weights. The expectation of their sum is the sum of weight^2 variance over all samples except the first.
 // src/film/weights.rs derives the variance of the mean from it.
-FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
+FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, DispatchWeights w) {
     float count = float(b.sample_count);
     float weight = w.of_sample * count;
     float share = weight / max(float(a.sample_count) - w.lost_weight + weight, 1.0e-30);
@@ -117,7 +117,7 @@ FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, SampleWeights w) {
     return FilmRadiance(a.mean + delta * share, a.sample_count + b.sample_count, squared, a.hit_count + b.hit_count);
 }
 
-void merge_into_film(uint index, PixelSamples s, SampleWeights weights) {
+void merge_into_film(uint index, PixelSamples s, DispatchWeights weights) {
     FilmRadiance before = load_film_radiance(index);
     FilmRadiance after = merge_radiance(before, s.radiance, weights);
     FilmFeatures features = load_film_features(index);

@@ -1,24 +1,24 @@
-// Connections of paths to sampled lights.
+// Emitter sampling: connections of a path's vertex to a sampled light.
 #ifndef CONNECTION_GLSL
 #define CONNECTION_GLSL
 #include "light/light.glsl"
 #include "path/path.glsl"
 #include "path/scatterer.glsl"
 
-// Emitter sampling: the light that a surface scatters straight from a sampled light, weighted, if nothing is in the ray's way.
 struct Connection {
-    vec3 light;
+    vec3 light;  // that the surface scatters from the sampled light, weighted, if nothing blocks the ray
     Ray ray;
 };
 
-Connection connect(Path path, Surface s, Scatterer x, Guide guide) {
-    LightSample light = sample_light(path.key, path.depth, s.position);
-    vec3 wi = light.wi * x.frame;
-    float pdf = pdf_direction(x, guide, wi);
+// Samples a light. Multiple importance sampling weighs it against the direction that the path draws itself.
+Connection connect(Path path, Surface surface, Scatterer scatterer, Guide guide) {
+    LightSample light = sample_light(path.key, path.depth, surface.position);
+    vec3 wi = light.wi * scatterer.frame;
+    float pdf = pdf_direction(scatterer, guide, wi);
     float weight = light.delta ? 1.0 : mis_weight(light.pdf, pdf);
-    vec3 scattered = eval_scatterer(x, wi) * light.radiance;
-    Connection connection = Connection(vec3(0.0), shadow_ray(s, light));
-    if (x.passes || light.pdf <= 0.0 || max_component(scattered) <= 0.0) return connection;
+    vec3 scattered = eval_scatterer(scatterer, wi) * light.radiance;
+    Connection connection = Connection(vec3(0.0), shadow_ray(surface, light));
+    if (scatterer.passes || light.pdf <= 0.0 || max_component(scattered) <= 0.0) return connection;
     connection.light = scattered * (weight / light.pdf);
     return connection;
 }

@@ -1,4 +1,4 @@
-// A path.
+// The state of a path under way.
 #ifndef PATH_GLSL
 #define PATH_GLSL
 #include "film/camera.glsl"
@@ -11,23 +11,23 @@ struct Path {
     Ray ray;
     vec3 throughput;
     vec3 radiance;
-    float eta;        // index of refraction of the medium that the ray travels over the camera's
+    float eta;        // index of refraction of the medium that the ray travels in, over the camera's
     uint depth;       // edges so far, the ray's own included; 0: no path is under way
     Segment segment;  // that the ray travels
-    ShareEvidence evidence;  // of its direction
-    vec3 from;        // the point of a surface that the ray left
-    float pdf;        // density of its direction there; 0 where emitter sampling cannot have drawn it
-    float expected_of_pixel;  // what the path had brought and was expected to bring at the first surface that told; 0 before
-    PathVertex met;   // the vertex just met, for learners that keep them
+    ShareEvidence evidence;  // of the ray's direction
+    vec3 previous_position;  // of the surface that the ray left
+    float pdf;        // density of the ray's direction there; 0 where emitter sampling cannot have drawn it
+    float pixel_estimate;    // radiance of the whole path, as estimated at the first vertex whose guide knows; 0 before
+    PathVertex last_vertex;  // for learners that keep vertices
 };
 
-// Of a sample whose set reaches back no further than to the sample `first_of_sets`.
+// Random numbers of a pixel's sample. The set that the sample is part of does not begin before the sample `first_of_sets`.
 RandomKey key_of_sample(uvec2 film_pixel, uint sample_index, uint first_of_sets) {
     uint first_of_set = max(sample_index - sample_index % SET_SIZE, first_of_sets);
     return random_key(film_pixel, uint(scene().film_size.x), sample_index, first_of_set, scene().seed);
 }
 
-// A path that has met nothing yet, whose ray is still to be set.
+// A path before its first edge. The caller sets its ray.
 Path new_path(RandomKey key) {
     Path path;
     path.key = key;
@@ -37,10 +37,10 @@ Path new_path(RandomKey key) {
     path.depth = 1u;
     path.segment = NO_SEGMENT;
     path.evidence = NO_EVIDENCE;
-    path.from = vec3(0.0);
+    path.previous_position = vec3(0.0);
     path.pdf = 0.0;
-    path.expected_of_pixel = 0.0;
-    path.met = NO_VERTEX;
+    path.pixel_estimate = 0.0;
+    path.last_vertex = NO_VERTEX;
     return path;
 }
 
@@ -51,12 +51,12 @@ Path start_path(uvec2 film_pixel, RandomKey key) {
     return path;
 }
 
-// What a camera ray has hit.
+// The surface that a camera ray has hit.
 struct FirstHit {
-    bool known;
+    bool known;   // the ray has hit a surface
     vec3 albedo;
     vec3 normal;
-    float depth;
+    float depth;  // distance from the camera
 };
 
 const FirstHit NO_FIRST_HIT = FirstHit(false, vec3(0.0), vec3(0.0), 0.0);

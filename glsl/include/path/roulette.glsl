@@ -1,41 +1,41 @@
-// Russian roulette: the probability with which a path goes on. Whatever of a path's past decides it, the mean stays, for
-// survivors are weighed up.
+// Russian roulette: the probability with which a path goes on. It may depend on all that the path has met: survivors weigh
+// more, so the mean stays.
 #ifndef ROULETTE_GLSL
 #define ROULETTE_GLSL
 #include "path/guiding.glsl"
 
-// By throughput, from an edge on. That radiance is less concentrated outside a medium is undone first.
+// Largest probability of survival by throughput.
 const float MOST_SURVIVAL = 0.95;
 
-// By expected contribution (Vorba and Krivanek 2016, "Adjoint-Driven Russian Roulette and Splitting in Light Transport
-// Simulation"): of what a path may still bring to its pixel over what the pixel is expected to hold. The window is wide, for
-// both are coarse: no path is at risk that is expected to bring this part of its pixel.
+// Roulette by expected contribution (Vorba and Krivanek 2016, "Adjoint-Driven Russian Roulette and Splitting in Light
+// Transport Simulation") compares what a path may still bring to its pixel with the pixel's estimate. A path that may bring
+// this part of the estimate always survives. The part is small because both numbers are coarse.
 const float SAFE_PART = 0.4;
-// Bounds what a survivor gains at a vertex, however wrong the guide is.
+// Least probability of survival by contribution: it bounds what a survivor's weight gains where the guide is wrong.
 const float LEAST_SURVIVAL = 0.05;
-// A record that has met no light yet holds a mean radiance far below this in place of 0.
+// Least mean radiance that a guide knows. A record that has met no light holds a number far below this in place of 0.
 const float LEAST_KNOWN = 1.0e-30;
 
+// Survival by throughput, from edge RR_DEPTH on. Radiance grows by eta^2 when it enters a medium: the factor undoes that.
 float survival_by_throughput(vec3 throughput, float eta, uint depth) {
     return depth < RR_DEPTH ? 1.0 : min(max_component(throughput) * eta * eta, MOST_SURVIVAL);
 }
 
-// Whether the guide knows what the direction may bring.
+// The guide knows what the direction may bring.
 bool knows_contribution(Guide guide, DirectionSample next) {
     return ROULETTE == ROULETTE_CONTRIBUTION && is_guided(guide) && next.pdf > 0.0 && mean_radiance(guide) > LEAST_KNOWN;
 }
 
-// What a path with this throughput gets of a surface that scatters the mean radiance around it. Coarse: the albedo stands for
-// the scattering function.
-float expected_scattered(vec3 throughput, Scatterer x, Guide guide) {
-    return mean_rgb(throughput * bsdf_albedo(x.bsdf)) * mean_radiance(guide);
+// Radiance that a surface is expected to add to a path of this throughput: the mean radiance around it times its albedo.
+float expected_scattered(vec3 throughput, Scatterer scatterer, Guide guide) {
+    return mean_rgb(throughput * bsdf_albedo(scatterer.bsdf)) * mean_radiance(guide);
 }
 
-// Where a sample has the weight f cos / pdf and its bin the radiance L, throughput, weight and L multiply to what is expected
-// of it. The mean radiance is added to L, so that no light is lost on a bin that has not met it yet.
-float survival_by_contribution(vec3 throughput, Guide guide, DirectionSample next, float expected_of_pixel) {
+// Survival by contribution. A sample is expected to bring its throughput times its weight f cos / pdf times the radiance L of
+// its bin. The mean radiance is added to L, so that paths into a bin that has met no light yet survive.
+float survival_by_contribution(vec3 throughput, Guide guide, DirectionSample next, float pixel_estimate) {
     float contribution = mean_rgb(throughput * next.weight) * (next.radiance + mean_radiance(guide));
-    return clamp(contribution / max(SAFE_PART * expected_of_pixel, 1.0e-30), LEAST_SURVIVAL, 1.0);
+    return clamp(contribution / max(SAFE_PART * pixel_estimate, 1.0e-30), LEAST_SURVIVAL, 1.0);
 }
 
 #endif

@@ -1,4 +1,4 @@
-// What a path meets at a surface: which of several materials, with its textures looked up, in its local frame.
+// Makes the scatterer of a surface: chooses among the material's parts, looks up textures, sets up the local frame.
 #ifndef SCATTERER_GLSL
 #define SCATTERER_GLSL
 #include "guide/grid/cells.glsl"
@@ -15,12 +15,12 @@ bool has_choices() {
 }
 
 Bsdf textured_bsdf(uint material, vec2 uv) {
-    Bsdf b = untextured_bsdf(material);
-    if (has_feature(FEATURE_TEXTURES)) apply_textures(b, material, uv);
-    return b;
+    Bsdf bsdf = untextured_bsdf(material);
+    if (has_feature(FEATURE_TEXTURES)) apply_textures(bsdf, material, uv);
+    return bsdf;
 }
 
-// The first of two with the probability `share`, else the second. `u` in [0, 1) serves for the next choice.
+// Chooses the first of two with the probability `share`. `u` in [0, 1) is stretched to serve for the next choice.
 bool choose_first(inout float u, float share) {
     bool first = u < share;
     u = first ? u / share : (u - share) / (1.0 - share);
@@ -28,7 +28,8 @@ bool choose_first(inout float u, float share) {
     return first;
 }
 
-// The one that scatters of the materials that `material` chooses between: a blend by chance, two sides by where `wo` is.
+// The material that scatters, of those that `material` chooses between: a blend chooses by chance, two sides by the side that
+// is met.
 uint chosen_material(uint material, bool behind, vec2 uv, inout float u) {
     bool more = true;
     for (uint i = 0u; i < MAX_CHOICES && more; ++i) {
@@ -45,54 +46,53 @@ uint chosen_material(uint material, bool behind, vec2 uv, inout float u) {
     return material;
 }
 
-// The tilted frame of a bump or normal map, in the frame `upright`, whose normal is on the front.
-mat3 tilted_frame(Surface s, mat3 upright, uint material, vec3 wo) {
+// The frame that a bump or normal map tilts, relative to the frame `upright`, whose normal is on the front.
+mat3 tilted_frame(Surface surface, mat3 upright, uint material, vec3 wo) {
     uvec4 head = fetch_material(material, MATERIAL_HEAD);
     vec3 n = vec3(0.0, 0.0, 1.0);
     if (has_feature(FEATURE_BUMP) && (head.x & MATERIAL_BUMP) != 0u) {
-        vec2 gradient = uintBitsToFloat(head.w) * texture_gradient(head.z, s.uv);
-        n = bump_normal(s.dp_du * upright, s.dp_dv * upright, gradient, s.geometric_normal * upright);
+        vec2 gradient = uintBitsToFloat(head.w) * texture_gradient(head.z, surface.uv);
+        n = bump_normal(surface.dp_du * upright, surface.dp_dv * upright, gradient, surface.geometric_normal * upright);
     }
     if (has_feature(FEATURE_NORMAL_MAP) && (head.x & MATERIAL_NORMAL_MAP) != 0u) {
-        n = mapped_normal(sample_texture(head.z, s.uv).rgb);
+        n = mapped_normal(sample_texture(head.z, surface.uv).rgb);
     }
     return relief_frame(n, wo);
 }
 
-// Mirrors the frame of a two-sided surface that is met from behind. Which of two normals a direction lies behind, and the
-// angle between them, do not change.
-void mirror_behind(inout Scatterer x) {
-    if (x.wo.z >= 0.0 || !bsdf_flag(x.bsdf, MATERIAL_TWO_SIDED)) return;
-    x.frame[2] = -x.frame[2];
-    x.wo.z = -x.wo.z;
-    x.upright.xy = -x.upright.xy;
+// Mirrors the frame of a two-sided surface that is met from behind, so that the material scatters as on the front. The angle
+// between the two normals stays, and so does the side of each on which a direction lies.
+void mirror_behind(inout Scatterer scatterer) {
+    if (scatterer.wo.z >= 0.0 || !bsdf_flag(scatterer.bsdf, MATERIAL_TWO_SIDED)) return;
+    scatterer.frame[2] = -scatterer.frame[2];
+    scatterer.wo.z = -scatterer.wo.z;
+    scatterer.upright.xy = -scatterer.upright.xy;
 }
 
-// What the surface is as it is met from direction `wo`. Behind a two-sided surface the frame is mirrored; the material then
-// scatters as on the front.
-Scatterer scatterer_at(Surface s, vec3 wo, RandomKey key, uint vertex) {
-    Scatterer x;
-    uint material = s.material;
+// The scatterer of a surface that is met from the direction `wo`, in world space.
+Scatterer scatterer_at(Surface surface, vec3 wo, RandomKey key, uint vertex) {
+    Scatterer scatterer;
+    uint material = surface.material;
     float u = 0.0;
     if (has_choices() || has_feature(FEATURE_OPACITY)) u = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL)).x;
-    if (has_choices()) material = chosen_material(material, dot(wo, s.shading_normal) < 0.0, s.uv, u);
-    x.bsdf = textured_bsdf(material, s.uv);
-    x.passes = has_feature(FEATURE_OPACITY) && u >= x.bsdf.scalars0.w;
-    x.frame = shading_frame(s);
-    x.upright = vec3(0.0, 0.0, 1.0);
-    mat3 front = x.frame;
-    x.wo = wo * x.frame;
-    bool relief_outside = has_feature(FEATURE_RELIEF_OUTSIDE) && bsdf_flag(x.bsdf, MATERIAL_RELIEF_OUTSIDE);
-    if (!relief_outside) mirror_behind(x);
-    if (has_relief() && !x.passes) {
-        mat3 tilted = tilted_frame(s, front, material, x.wo);
-        x.frame = x.frame * tilted;
-        x.wo = x.wo * tilted;
-        x.upright = upright_in(tilted);
+    if (has_choices()) material = chosen_material(material, dot(wo, surface.shading_normal) < 0.0, surface.uv, u);
+    scatterer.bsdf = textured_bsdf(material, surface.uv);
+    scatterer.passes = has_feature(FEATURE_OPACITY) && u >= scatterer.bsdf.scalars0.w;
+    scatterer.frame = shading_frame(surface);
+    scatterer.upright = vec3(0.0, 0.0, 1.0);
+    mat3 front = scatterer.frame;
+    scatterer.wo = wo * scatterer.frame;
+    bool relief_outside = has_feature(FEATURE_RELIEF_OUTSIDE) && bsdf_flag(scatterer.bsdf, MATERIAL_RELIEF_OUTSIDE);
+    if (!relief_outside) mirror_behind(scatterer);
+    if (has_relief() && !scatterer.passes) {
+        mat3 tilted = tilted_frame(surface, front, material, scatterer.wo);
+        scatterer.frame = scatterer.frame * tilted;
+        scatterer.wo = scatterer.wo * tilted;
+        scatterer.upright = upright_in(tilted);
     }
-    if (relief_outside) mirror_behind(x);
-    x.cell = cell_at(s.position);
-    return x;
+    if (relief_outside) mirror_behind(scatterer);
+    scatterer.cell = cell_at(surface.position);
+    return scatterer;
 }
 
 #endif

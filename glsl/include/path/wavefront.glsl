@@ -1,5 +1,5 @@
-// A wave: the paths of a slice's samples, all under way at once, edge by edge. Each has a slot; queues hold the slots of those
-// that go on. The only file that says where in the scratch memory and the counters they are.
+// A wave: the paths of all samples of a slice, which travel edge by edge together. Each path has a slot. Queues hold the slots
+// of paths that go on. This file alone knows where slots and queues lie in the scratch memory, and where their counters are.
 #ifndef WAVEFRONT_GLSL
 #define WAVEFRONT_GLSL
 #include "path/connection.glsl"
@@ -8,19 +8,21 @@
 #include "film/slice.glsl"
 
 struct WavePush {
-    PathTracePush slice;
-    uint edge;  // that the paths travel: 0 from the camera
+    TracePush slice;
+    uint edge;  // that the paths travel; 0 begins at the camera
 };
 layout(push_constant, scalar) uniform Push { WavePush push; };
 
-// Word-quadruples of a slot: its connection to a light, what its camera ray has hit, what its ray has, and in the rest of them its
-// path's state, which lies together.
+// A slot's quadruples of words: path state, connection to a light, first hit, and one for the ray's hit. Each kind lies
+// together for all slots, in this order.
 const uint CONNECTION_QUADRUPLES = 3u;
 const uint FIRST_HIT_QUADRUPLES = 2u;
 const uint STATE_QUADRUPLES = SLOT_QUADRUPLES - CONNECTION_QUADRUPLES - FIRST_HIT_QUADRUPLES - 1u;
-// Of the state: ray, throughput, radiance, and what a guide or emitter sampling wants to know.
+// Quadruple of the state that holds the path's radiance. Before it are ray and throughput, after it what guide and emitter
+// sampling need.
 const uint RADIANCE = 3u;
 
+// Pixels of the slice.
 uint pixel_count() {
     return push.slice.workgroup_count * WORKGROUP_SIZE;
 }
@@ -33,7 +35,7 @@ uint slot_of(uint pixel, uint sample_offset) {
     return sample_offset * pixel_count() + pixel;
 }
 
-// The page's pixel, in tile order, of a slot.
+// The slot's pixel of the film page, in tile order.
 uint page_pixel(uint slot) {
     uint pixel = slot % pixel_count();
     return pixel_of_slice(push.slice, pixel / WORKGROUP_SIZE, pixel % WORKGROUP_SIZE);
@@ -68,18 +70,19 @@ void store_state(uint slot, uint quadruple, uvec4 value) {
     store_scratch(slot * STATE_QUADRUPLES + quadruple, value);
 }
 
-// Queues: of paths, those of even and odd edges in turns; then of connections.
+// Queues: two of paths, for even and odd edges, then one of connections.
 const uint CONNECTIONS = QUEUE_COUNT - 1u;
 
 uint queue_at(uint queue) {
     return (4u * SLOT_QUADRUPLES + queue) * slot_count();
 }
 
-// Counters of how many paths travel an edge, and how many connections to lights are made at its end.
+// The counter of paths that travel an edge.
 uint path_counter(uint edge) {
     return COUNTER_COUNT + edge;
 }
 
+// The counter of connections to lights that are made at an edge's end.
 uint connection_counter(uint edge) {
     return COUNTER_COUNT + MAX_DEPTH + edge;
 }
@@ -89,13 +92,13 @@ uint queue_length() {
     return push.edge == 0u ? slot_count() : counted(path_counter(push.edge));
 }
 
-// The slot at a place of their queue; NONE where that is a pixel beyond the picture's border.
+// The slot at a place of the queue of paths; NONE for a pixel beyond the picture's border.
 uint queued_slot(uint place) {
     if (push.edge != 0u) return load_scratch_word(queue_at(push.edge % 2u) + place);
     return is_inside(window_pixel(place)) ? place : NONE;
 }
 
-// One lane reserves places for all of its subgroup that are queued together.
+// Appends a slot to a queue. One lane reserves places for all lanes of its subgroup that append.
 void enqueue(uint queue, uint counter, uint slot) {
     uvec4 together = subgroupBallot(true);
     uint first = 0u;
@@ -104,7 +107,7 @@ void enqueue(uint queue, uint counter, uint slot) {
     store_scratch_word(queue_at(queue) + place, slot);
 }
 
-// Has a path travel the next edge.
+// Queues a path for the next edge.
 void enqueue_path(uint slot) {
     enqueue((push.edge + 1u) % 2u, path_counter(push.edge + 1u), slot);
 }
@@ -131,7 +134,7 @@ uint connection_at(uint slot) {
 
 void store_connection(uint slot, Connection connection) {
     uint at = connection_at(slot);
-    // Also what is no number brings none.
+    // Light that is not a number counts as none.
     store_scratch(at, brings_light(connection) ? uvec4(floatBitsToUint(connection.light), 0u) : uvec4(0u));
     if (!brings_light(connection)) return;
     store_scratch(at + 1u, floatBitsToUint(vec4(connection.ray.origin, connection.ray.t_max)));
@@ -144,7 +147,7 @@ Ray load_connection_ray(uint slot) {
     return Ray(origin.xyz, direction.xyz, origin.w);
 }
 
-// Something is in a connection's way.
+// Removes a connection's light: something blocks its ray.
 void block_connection(uint slot) {
     store_scratch(connection_at(slot), uvec4(0u));
 }
@@ -192,13 +195,14 @@ vec3 load_path_radiance(uint slot) {
     return uintBitsToFloat(load_state(slot, RADIANCE).xyz);
 }
 
-// Whether a path has more to remember than its ray, its throughput and its radiance.
+// A path keeps more than its ray, its throughput and its radiance.
 bool keeps_origin() {
     if (NEE) return true;
-    return SAMPLER != SAMPLER_BSDF;
+    return uses_guide();
 }
 
-// What the next edges need of a path, or only its radiance where it has ended. Pixels have coordinates of PIXEL_DIGITS.
+// Stores what the next edges need of a path; of a path that has ended, only its radiance. A pixel's coordinates have
+// PIXEL_DIGITS binary digits.
 void store_path(uint slot, uvec2 film_pixel, Path path) {
     store_state(slot, RADIANCE, uvec4(floatBitsToUint(path.radiance), film_pixel.x | (film_pixel.y << PIXEL_DIGITS)));
     if (path.depth == 0u) return;
@@ -206,13 +210,13 @@ void store_path(uint slot, uvec2 film_pixel, Path path) {
     store_state(slot, 1u, uvec4(floatBitsToUint(path.ray.direction), floatBitsToUint(path.evidence.of_guide)));
     store_state(slot, 2u, uvec4(floatBitsToUint(path.throughput), floatBitsToUint(path.eta)));
     if (keeps_origin()) {
-        vec2 floats = vec2(path.pdf, path.expected_of_pixel);
+        vec2 floats = vec2(path.pdf, path.pixel_estimate);
         store_state(slot, 4u, uvec4(path.segment.index, floatBitsToUint(floats), path.evidence.share));
-        store_state(slot, 5u, uvec4(floatBitsToUint(path.from), floatBitsToUint(path.evidence.scattered)));
+        store_state(slot, 5u, uvec4(floatBitsToUint(path.previous_position), floatBitsToUint(path.evidence.scattered)));
     }
 }
 
-// The path of a slot, and its pixel. A segment's scale is 1 with all samplers but `quadtree`, which is not for waves.
+// The path of a slot, and its pixel. Segments have the scale 1: only `quadtree` has others, and it is not traced as waves.
 Path load_path(uint slot, out uvec2 film_pixel) {
     if (push.edge == 0u) {
         film_pixel = film_pixel_of(slot);
@@ -229,13 +233,13 @@ Path load_path(uint slot, out uvec2 film_pixel) {
     path.radiance = uintBitsToFloat(radiance.xyz);
     path.depth = push.edge + 1u;
     if (keeps_origin()) {
-        uvec4 segment = load_state(slot, 4u);
-        vec4 from = uintBitsToFloat(load_state(slot, 5u));
-        path.segment.index = segment.x;
-        path.pdf = uintBitsToFloat(segment.y);
-        path.expected_of_pixel = uintBitsToFloat(segment.z);
-        path.evidence = ShareEvidence(segment.w, from.w, direction.w);
-        path.from = from.xyz;
+        uvec4 segment_and_share = load_state(slot, 4u);
+        vec4 position_and_scattered = uintBitsToFloat(load_state(slot, 5u));
+        path.segment.index = segment_and_share.x;
+        path.pdf = uintBitsToFloat(segment_and_share.y);
+        path.pixel_estimate = uintBitsToFloat(segment_and_share.z);
+        path.evidence = ShareEvidence(segment_and_share.w, position_and_scattered.w, direction.w);
+        path.previous_position = position_and_scattered.xyz;
     }
     return path;
 }

@@ -8,6 +8,7 @@
 #include "guide/samplers/bin_distribution.glsl"
 #include "guide/normalization/normalization_entry.glsl"
 #include "guide/grid/radiance_tree.glsl"
+#include "guide/samplers/sampler.glsl"
 
 struct UpdatePush {
     uint first_cell;
@@ -15,14 +16,14 @@ struct UpdatePush {
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 uvec4 record_for(uint cell, uint normal_bin, float total) {
-    if (SAMPLER == SAMPLER_PRODUCT) return product_record(cell, normal_bin);
-    return record_of(SAMPLER == SAMPLER_SPHERE_INVERSION ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
+    if (is_product()) return product_record(cell, normal_bin);
+    return record_of(is_sphere_inversion() ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
 }
 
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
-    float total = SAMPLER == SAMPLER_SPHERE_INVERSION ? store_bin_ends(cell) : 0.0;
-    if (SAMPLER == SAMPLER_PRODUCT) {
+    float total = is_sphere_inversion() ? store_bin_ends(cell) : 0.0;
+    if (is_product()) {
         for (uint node = gl_LocalInvocationIndex; node < nodes_per_tree(); node += WORKGROUP_SIZE) store_tree_node(cell, node);
     }
     uint place = gl_LocalInvocationIndex;

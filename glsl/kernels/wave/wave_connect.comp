@@ -1,4 +1,5 @@
-// Emitter sampling where the rays of a wave's queue have led: a shadow ray for each path that a light may add to.
+// Emitter sampling at the ends of a wave's rays: connects each queued path to a light, and queues the connections whose shadow
+// rays are to be traced.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -12,9 +13,9 @@ void connect_path(uint slot) {
     if (hit.primitive == NONE || push.edge + 1u == MAX_DEPTH) return;
     uvec2 film_pixel;
     Path path = load_path(slot, film_pixel);
-    Surface s = surface_at(path.ray, hit);
-    Scatterer x = scatterer_at(s, -path.ray.direction, path.key, path.depth);
-    Connection connection = connect(path, s, x, guide_at(x));
+    Surface surface = surface_at(path.ray, hit);
+    Scatterer scatterer = scatterer_at(surface, -path.ray.direction, path.key, path.depth);
+    Connection connection = connect(path, surface, scatterer, guide_at(scatterer));
     store_connection(slot, connection);
     if (brings_light(connection)) enqueue_connection(slot);
 }

@@ -1,4 +1,4 @@
-// Finds what the rays of a wave's queue hit.
+// Traces the rays of a wave's queued paths.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

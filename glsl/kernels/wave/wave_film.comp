@@ -1,4 +1,5 @@
-// Ends a wave: adds its paths to the film, those of a pixel in the order of their samples.
+// Ends a wave: adds its paths to the film. A pixel's paths are added in the order of their samples, so that the bits of the
+// picture do not depend on how paths were traced.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -16,8 +17,8 @@ void main() {
     while (left > 0u) {
         uint offset = push.slice.sample_count - left;
         uint slot = slot_of(within, offset);
-        FirstHit first = load_first_hit(slot);
-        if (first.known) add_first_hit(samples, first.albedo, first.normal, first.depth);
+        FirstHit first_hit = load_first_hit(slot);
+        if (first_hit.known) add_first_hit(samples, first_hit.albedo, first_hit.normal, first_hit.depth);
         add_sample(samples, push.slice.first_sample + offset, load_path_radiance(slot), tally);
         --left;
     }

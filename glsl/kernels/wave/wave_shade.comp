@@ -1,4 +1,4 @@
-// What happens where the rays of a wave's queue have led: paths end, or are queued for another edge.
+// Shades the ends of a wave's rays (vertex.glsl) and learns from them. Paths end, or are queued for the next edge.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -9,8 +9,8 @@
 
 uint shaded_slot;
 
-// wave_connect and wave_shadow have found out.
-vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally tally) {
+// Loads the light that wave_connect and wave_shadow have found.
+vec3 direct_light(Path path, Surface surface, Scatterer scatterer, Guide guide, inout Tally tally) {
     return load_connected_light(shaded_slot);
 }
 
@@ -21,9 +21,9 @@ void shade(uint slot, inout Tally tally) {
     Segment travelled = path.segment;
     ShareEvidence evidence = path.evidence;
     uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
-    FirstHit first = NO_FIRST_HIT;
-    float target = meet(path, load_hit(slot), unit_floats(bits), first, tally);
-    if (push.edge == 0u) store_first_hit(slot, first);
+    FirstHit first_hit = NO_FIRST_HIT;
+    float target = shade_vertex(path, load_hit(slot), unit_floats(bits), first_hit, tally);
+    if (push.edge == 0u) store_first_hit(slot, first_hit);
     learn(travelled, evidence, target, leftover_float(bits), tally);
     store_path(slot, film_pixel, path);
     if (path.depth != 0u) enqueue_path(slot);

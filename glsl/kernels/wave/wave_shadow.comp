@@ -1,4 +1,4 @@
-// Finds which connections of a wave's paths to lights are blocked.
+// Traces the shadow rays of a wave's queued connections, and removes the light of those that are blocked.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

@@ -1,4 +1,4 @@
-//! Adaptive sampling: after every step, tiles of the film are judged, and those that are quiet enough are left alone.
+//! Adaptive sampling: after every step, a tile of the film is sampled further only if it is still noisy.
 
 use std::sync::Arc;
 
@@ -6,8 +6,9 @@ use crate::Result;
 use crate::film::noise::{NoiseReport, TileNoise, Tiles};
 use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::JudgePush;
-use crate::gpu::{Context, DescriptorSet, Kernel};
+use crate::gpu::{Context, Kernel};
 use crate::renderer::film_store::pages::FilmPage;
+use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::settings::Settings;
 use crate::settings::schedule::PARTS;
@@ -21,14 +22,14 @@ pub(crate) struct Adaptive {
 }
 
 impl Adaptive {
-    /// Judges by `kernel`; all tiles are sampled so far.
+    /// Adaptive sampling whose tiles are all sampled so far. `kernel` judges how noisy they are.
     pub fn new(kernel: Kernel, settings: &Settings, target: f32) -> Self {
         let window = settings.window();
         let tiles = Tiles::new(window.width, window.height, TILE_SIDE);
         Self { kernel, tiles, sampled_pixels: tiles.all_pixels(), report: NoiseReport::unknown(target) }
     }
 
-    /// Has all tiles sampled, as at the beginning.
+    /// Chooses all tiles again, as at the beginning.
     pub fn restart(&mut self, pages: &[FilmPage]) -> Result<()> {
         (self.sampled_pixels, self.report) = (self.tiles.all_pixels(), NoiseReport::unknown(self.report.target));
         pages.iter().try_for_each(FilmPage::sample_all)
@@ -43,25 +44,20 @@ impl Adaptive {
         self.report
     }
 
-    /// A step of `usual` samples takes so many times as many: the guide is to learn from about as many paths, but no step is
-    /// longer than a quarter of those before.
+    /// Factor by which a step is longer than its `usual` samples. The guide so learns from about as many paths as when all
+    /// tiles are sampled, but no step is longer than a quarter of all steps before.
     pub fn lengthening(&self, samples_done: u32, usual: u32) -> u32 {
         let wanted = self.tiles.all_pixels() / self.sampled_pixels.max(1);
         let most = samples_done / usual.saturating_mul(PARTS).max(1);
         wanted.min(most.into()).max(1) as u32
     }
 
-    /// Decides anew which tiles are sampled, by nothing but the film. The kernel is dispatched with each page's set and these of the renderer's.
-    pub fn judge(
-        &mut self,
-        context: &Arc<Context>,
-        slicer: &Slicer,
-        pages: &[FilmPage],
-        [geometry, radiance_grid, normalization_grid]: [&DescriptorSet; 3],
-    ) -> Result<()> {
+    /// Chooses anew which tiles are sampled. The choice depends on the film alone.
+    pub fn judge(&mut self, context: &Arc<Context>, slicer: &Slicer, sets: &Sets) -> Result<()> {
+        let pages = sets.frame.pages();
         context.submit(self.kernel.name(), |recorder| {
             for page in pages {
-                let sets = [page.set(), geometry, radiance_grid, normalization_grid];
+                let sets = sets.of_page(page);
                 for range in slicer.ranges(0..page.tile_count()) {
                     let push = JudgePush { first_tile: range.start };
                     let groups = [range.end - range.start, 1, 1];

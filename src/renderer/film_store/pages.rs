@@ -1,5 +1,5 @@
-//! The film on the device, in pages that one binding can hold. Pixels lie in tile order: 8 x 8 tiles row by row, pixels of a
-//! tile likewise, so that a workgroup's writes are contiguous.
+//! The film on the device, in pages that one binding can hold. Pixels lie in tile order: tiles of 8 x 8 pixels row by row, and
+//! in a tile its pixels row by row. A workgroup so writes to memory that lies together.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::film::sums::PixelSums;
 use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
-use crate::renderer::state::Span;
+use crate::renderer::persistent::Span;
 use crate::scene::Crop;
 use crate::settings::Settings;
 
@@ -34,7 +34,7 @@ pub(crate) struct PageBuffers {
     pixel_count: u32,
     pub radiance: Arc<Buffer>,
     pub features: Arc<Buffer>,
-    /// Of each tile, then of each pixel: see `glsl/include/film/halves.glsl`. Nearly empty where no noise ends a tile.
+    /// Records of tiles, then of pixels: see `glsl/include/film/halves.glsl`. Nearly empty where noise does not end tiles.
     pub adaptive: Arc<Buffer>,
 }
 
@@ -86,26 +86,21 @@ impl FilmPage {
         self.first_pixel
     }
 
-    /// Pixels of this page, a multiple of a tile's.
-    pub fn pixel_count(&self) -> u32 {
-        self.pixel_count
-    }
-
     pub fn tile_count(&self) -> u32 {
         self.pixel_count / TILE_PIXELS
     }
 
-    /// Its tiles that are sampled.
+    /// Number of the page's tiles that are sampled.
     pub fn sampled_tiles(&self) -> u32 {
         self.sampled_tiles.get()
     }
 
-    /// Has all tiles sampled from now on.
+    /// Chooses all tiles to be sampled from now on.
     pub fn sample_all(&self) -> Result<()> {
         self.sample(&(0..self.tile_count()).collect::<Vec<_>>())
     }
 
-    /// Has these tiles sampled from now on, and no other.
+    /// Chooses the tiles that are sampled from now on.
     pub fn sample(&self, tiles: &[u32]) -> Result<()> {
         self.sampled_tiles.set(tiles.len() as u32);
         if !self.is_adaptive() {
@@ -115,7 +110,7 @@ impl FilmPage {
         self.adaptive.upload(0, &records)
     }
 
-    /// What `judge_noise` has found out about each tile.
+    /// Reads what `judge_noise` has found about each tile.
     pub fn tile_noise(&self) -> Result<Vec<TileNoise>> {
         let records: Vec<Quadruple> = self.adaptive.read(0, self.tile_count() as usize)?;
         let noise = |[_, squared_error, radiance, _]: Quadruple| TileNoise {
@@ -125,7 +120,7 @@ impl FilmPage {
         Ok(records.into_iter().map(noise).collect())
     }
 
-    /// The halves of the pixels' samples, which outlive a step.
+    /// Memory of the halves of the pixels' samples.
     pub fn halves(&self) -> Span<'_> {
         let first = u64::from(self.tile_count()) * size_of::<Quadruple>() as u64;
         Span { buffer: &self.adaptive, bytes: first..self.adaptive.len_bytes() }
@@ -159,14 +154,14 @@ impl FilmPage {
         Ok(())
     }
 
-    /// Every pixel's moments, in tile order.
+    /// Reads every pixel's moments, in tile order.
     pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
         let count = self.pixel_count as usize;
         Ok((self.radiance.read(0, count)?, self.features.read(0, count)?))
     }
 }
 
-/// Where the pixel of that index in tile order lies in the picture, unless beyond its border.
+/// Index in the picture of the pixel with an index in tile order; none beyond the picture's border.
 pub(crate) fn picture_index(index: u32, picture: &Picture) -> Option<usize> {
     let (x, y) = tile_order_pixel(index, picture.width);
     (x < picture.width && y < picture.height).then(|| y as usize * picture.width as usize + x as usize)
@@ -198,7 +193,7 @@ fn store_pixel(
     picture.depth[at] = if radiance.hit_count > 0 { features.depth } else { f32::INFINITY };
 }
 
-/// A picture of nothing.
+/// A picture without samples, of the size that the settings ask for.
 pub(crate) fn empty_picture(settings: &Settings) -> Picture {
     let Crop { x, y, width, height } = settings.window();
     Picture::empty(width, height, [x, y], [settings.width, settings.height])
@@ -206,9 +201,10 @@ pub(crate) fn empty_picture(settings: &Settings) -> Picture {
 
 /// Bytes that a pixel takes on the device.
 const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64;
-/// Read back, on the host.
+/// Bytes that a pixel takes on the host when it is read back.
 const HOST_PIXEL_BYTES: u64 = 64;
-/// The same of a part of a picture besides: its sums, in tile order, and those of a picture that is read back, in both orders.
+/// Bytes on the host that a pixel of a part of a picture takes besides: its sums, in tile order, and those of a picture that is
+/// read back, in both orders.
 const PART_PIXEL_BYTES: u64 = 3 * size_of::<PixelSums>() as u64;
 
 /// Bytes of the film on the device.
@@ -223,7 +219,7 @@ pub(crate) fn host_film_bytes(settings: &Settings) -> u64 {
     padded_pixels(settings).saturating_mul(HOST_PIXEL_BYTES + of_part)
 }
 
-/// Pixels of whole tiles.
+/// Pixels of the whole tiles that cover the window.
 pub(crate) fn padded_pixels(settings: &Settings) -> u64 {
     let window = settings.window();
     u64::from(window.width.div_ceil(TILE_SIDE)) * u64::from(window.height.div_ceil(TILE_SIDE)) * u64::from(TILE_PIXELS)

@@ -1,33 +1,30 @@
-//! The quadtrees of Müller, Gross and Novák (2017): how much room they have, and when they are refined. What is in them says
-//! `glsl/include/guide/samplers/quadtree_nodes.glsl`; they lie in the nodes and sums of set 2.
+//! Sizes and iterations of the quadtrees of Müller, Gross and Novák (2017). They lie in the nodes and sums of set 2;
+//! `glsl/include/guide/samplers/quadtree_nodes.glsl` says how.
 
-use crate::generated::kernels::{NODES_PER_LEAF, REFINE_DRAFT, REFINE_MEASURE, REFINE_PLACE, REFINE_SETTLE, Variant};
-use crate::generated::layout::RefinePush;
-use crate::gpu::{DescriptorSet, Kernel, Recorder};
+use crate::generated::kernels::NODES_PER_LEAF;
 use crate::settings::Settings;
 
-/// No more nodes than this, however many bins the grid has: their sums are to fit a storage buffer.
+/// Most nodes, however many bins the grid has: the nodes' sums must fit a storage buffer.
 const MOST_NODES: u64 = 1 << 20;
-/// Workgroups that share the leaves when their trees are copied.
-const SETTLE_GROUPS: u32 = 256;
 
-/// Most nodes of all quadtrees: no more than the grid has bins.
+/// Most nodes of all quadtrees: as many as the grid has bins, at most [`MOST_NODES`].
 pub(crate) fn node_limit(settings: &Settings) -> u64 {
-    // The finest grids have more bins than that, and a grid whose size is chosen by the scene has no quadtrees.
+    // The finest grids have more bins than that. A grid whose size the scene chooses has no quadtrees.
     let cells = u64::from(settings.grid).saturating_pow(3);
     cells.saturating_mul(settings.directions.pow(2).into()).min(MOST_NODES)
 }
 
-fn leaf_limit(settings: &Settings) -> u64 {
+/// Most leaves of the tree that divides space; each has a quadtree.
+pub(super) fn leaf_limit(settings: &Settings) -> u64 {
     node_limit(settings) / u64::from(NODES_PER_LEAF)
 }
 
-/// Quarters of nodes, which have a sum each.
+/// Quarters of all nodes. Each has a sum.
 pub(crate) fn quarters(settings: &Settings) -> u64 {
     4 * node_limit(settings)
 }
 
-/// Texels of four words: the trees, and the drafts of new ones.
+/// Texels of four words that the trees and the drafts of new trees take.
 pub(crate) fn texels(settings: &Settings) -> u64 {
     let (nodes, leaves) = (node_limit(settings), leaf_limit(settings));
     // `leaf_count_place` and `draft_leaf_count_place` in GLSL.
@@ -36,7 +33,8 @@ pub(crate) fn texels(settings: &Settings) -> u64 {
     last_of_trees + 1 + last_of_drafts + 1
 }
 
-/// Iterations of learning have 1, 2, 4, ... samples per pixel. The one that ended after so many samples, if one did.
+/// Number of the iteration that ended after so many samples, if one did. Iterations of learning have 1, 2, 4, ... samples per
+/// pixel.
 pub(crate) fn ended_iteration(samples_done: u32) -> Option<u32> {
     let next = u64::from(samples_done) + 1;
     if next.is_power_of_two() { next.ilog2().checked_sub(1) } else { None }
@@ -48,29 +46,11 @@ pub(crate) fn first_of_iteration(samples_done: u32) -> u32 {
     ((1_u64 << next.ilog2()) - 1) as u32
 }
 
-/// Samples per pixel that are left of the iteration under way.
+/// Samples per pixel that the iteration under way still takes.
 pub(crate) fn samples_left(samples_done: u32) -> u32 {
     let next = u64::from(samples_done) + 1;
     let end = (1_u64 << (next.ilog2() + 1)) - 1;
     (end - u64::from(samples_done)).min(u32::MAX.into()) as u32
-}
-
-/// Ends an iteration: what it has learned is sampled from now on, and all sums start anew.
-pub(crate) fn refine<'a>(
-    recorder: &mut Recorder<'a>,
-    kernel: &'a Kernel,
-    sets: &[&'a DescriptorSet],
-    settings: &Settings,
-    iteration: u32,
-) {
-    let leaf_groups = (leaf_limit(settings) as u32).div_ceil(Variant::default().workgroup_size);
-    let stages =
-        [(REFINE_MEASURE, leaf_groups), (REFINE_PLACE, 1), (REFINE_DRAFT, leaf_groups), (REFINE_SETTLE, SETTLE_GROUPS)];
-    for (stage, groups) in stages {
-        let push = RefinePush { stage, iteration };
-        recorder.dispatch(kernel, sets, bytemuck::bytes_of(&push), [groups, 1, 1]);
-        recorder.barrier();
-    }
 }
 
 #[cfg(test)]

@@ -8,14 +8,14 @@ use crate::generated::kernels::bindings::bvh::{BVH_ATTRIBUTES, BVH_NODES, BVH_PR
 use crate::generated::kernels::{BVH_SET, Kernels};
 use crate::generated::layout::TEXEL_BYTES;
 use crate::gpu::{Buffer, Context, DescriptorSet};
-use crate::renderer::{buffer_kind, set_over, set_shape};
+use crate::renderer::sets::shapes::{buffer_kind, set_over, set_shape};
 
-/// The geometry of a scene on the device.
-pub(crate) struct Geometry {
+/// The hierarchy and the geometry of a scene on the device.
+pub(crate) struct BvhSet {
     set: DescriptorSet,
 }
 
-impl Geometry {
+impl BvhSet {
     /// Texels of the largest of the three buffers.
     pub fn texels(bvh: &Bvh) -> u64 {
         let bytes =
@@ -35,8 +35,7 @@ impl Geometry {
         };
         let buffers = contents.into_iter().map(upload).collect::<Result<Vec<_>>>()?;
         let numbered: Vec<_> = buffers.iter().map(|(binding, buffer)| (*binding, buffer)).collect();
-        let set = set_over(context, "bvh", shape, &numbered)?;
-        Ok(Self { set })
+        Ok(Self { set: set_over(context, "bvh", shape, &numbered)? })
     }
 
     pub fn set(&self) -> &DescriptorSet {

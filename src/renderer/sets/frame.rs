@@ -7,6 +7,7 @@ use glam::Mat4;
 use crate::Result;
 use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
+use crate::encode::surfaces::{Shading, Surfaces};
 use crate::encode::textures::TexelWords;
 use crate::film::Picture;
 use crate::generated::kernels::bindings::frame as numbers;
@@ -14,27 +15,26 @@ use crate::generated::kernels::{self, Kernels};
 use crate::generated::layout;
 use crate::gpu::{Buffer, BufferKind, Context, Recorder, SetShape};
 use crate::renderer::film_store::pages::{FilmPage, PageBuffers, empty_picture};
-use crate::renderer::state::{Persistent, Span};
+use crate::renderer::persistent::{Persistent, Span};
+use crate::renderer::sets::shapes::{buffer_kind, set_over, set_shape, word_buffer_kind};
 use crate::renderer::statistics::Counts;
-use crate::renderer::trace::wavefront::wave_buffer;
-use crate::renderer::{Shading, Surfaces};
-use crate::renderer::{buffer_kind, set_over, set_shape, word_buffer_kind};
+use crate::renderer::trace::wave_memory::wave_buffer;
 use crate::scene::texel_pages::MAX_PAGES;
 use crate::scene::{Projection, Scene};
 use crate::settings::{Learner, Settings};
 
 /// Targets of learners that bootstrap saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;
-/// The same of collected returns: few paths survive roulette, and these are weighed up.
+/// Collected returns saturate at this multiple instead: roulette makes the few paths that survive count for more.
 const RETURN_LIMIT: f32 = 1024.0;
-/// Nor do targets exceed this, so that no sum of 2^40 of them leaves single precision.
+/// Most that targets saturate at, so that no sum of 2^40 of them leaves single precision.
 const MOST_LIMIT: f32 = 1.0e26;
 
-/// The set, once for every film page; all else is shared between them.
+/// The set, once for every film page. Pages share all buffers but those of the film.
 pub(crate) struct Frame {
     pages: Vec<FilmPage>,
     counters: Arc<Buffer>,
-    /// The counters where the host reads them.
+    /// Copy of the counters that the host can read.
     counters_read: Arc<Buffer>,
 }
 
@@ -90,7 +90,7 @@ impl Frame {
         &self.pages
     }
 
-    /// A film has at least one pixel, so at least one page.
+    /// First page. A film has at least one pixel, so at least one page.
     pub fn first_page(&self) -> &FilmPage {
         &self.pages[0]
     }
@@ -107,12 +107,12 @@ impl Frame {
         recorder.copy(&self.counters, 0, &self.counters_read, 0, self.counters.len_bytes());
     }
 
-    /// What was counted up to the last submission that handed it over.
+    /// Reads what was counted up to the last submission that [handed it over](Self::hand_over_counts).
     pub fn read_counts(&self) -> Result<Counts> {
         Ok(Counts::from_counters(&self.counters_read.read(0, kernels::COUNTER_COUNT as usize)?))
     }
 
-    /// Paths that were queued for an edge, likewise.
+    /// Reads how many paths were queued for an edge up to that submission.
     pub fn read_queued(&self, edge: u32) -> Result<u32> {
         let length: Vec<u32> = self.counters_read.read(u64::from(kernels::COUNTER_COUNT + edge) * 4, 1)?;
         Ok(length[0])
@@ -137,7 +137,7 @@ impl Frame {
     }
 }
 
-/// The pages of words. Those beyond the last stand for it, for every binding needs a buffer.
+/// Buffers of the pages of texel words. Every binding needs a buffer, so the last page serves for those that there are not.
 fn texel_words(context: &Arc<Context>, shape: &SetShape, words: &TexelWords) -> Result<[Arc<Buffer>; MAX_PAGES]> {
     let kind = word_buffer_kind(shape, numbers::TEXEL_WORDS);
     let mut buffers = Vec::new();
@@ -179,11 +179,12 @@ fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Set
     constants
 }
 
-/// The upper three rows, as the kernels read them.
+/// The matrix's upper three rows.
 fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
     [0, 1, 2].map(|i| matrix.row(i).into())
 }
 
+/// Radiance at which learning targets saturate.
 fn target_limit(lights: &Lights, learner: Learner) -> f32 {
     let multiple = match learner {
         Learner::Sarsa | Learner::ExpectedSarsa | Learner::IrradianceSarsa => TARGET_LIMIT,
@@ -191,7 +192,7 @@ fn target_limit(lights: &Lights, learner: Learner) -> f32 {
     };
     match lights.brightest() {
         0.0 => multiple,
-        // Also of what is no number.
+        // `min` drops a NaN.
         most => (multiple * most).min(MOST_LIMIT),
     }
 }

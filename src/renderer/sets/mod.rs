@@ -1,6 +1,61 @@
 //! The descriptor sets, one file each, of the same name as the GLSL file that declares the set's bindings.
 
+use std::sync::Arc;
+
+use crate::Result;
+use crate::encode::bvh::Bvh;
+use crate::encode::cells::Cells;
+use crate::encode::surfaces::Shading;
+use crate::generated::kernels::Kernels;
+use crate::gpu::{Context, DescriptorSet};
+use crate::renderer::film_store::pages::FilmPage;
+use crate::renderer::sets::bvh::BvhSet;
+use crate::renderer::sets::frame::Frame;
+use crate::renderer::sets::normalization_grid::NormalizationGrid;
+use crate::renderer::sets::radiance_grid::RadianceGrid;
+use crate::scene::Scene;
+use crate::settings::Settings;
+
 pub(super) mod bvh;
 pub(super) mod frame;
 pub(super) mod normalization_grid;
 pub(super) mod radiance_grid;
+mod shapes;
+
+/// All descriptor sets of a render, with the buffers that they show to kernels.
+pub(crate) struct Sets {
+    pub frame: Frame,
+    pub bvh: BvhSet,
+    pub radiance_grid: RadianceGrid,
+    pub normalization_grid: NormalizationGrid,
+}
+
+impl Sets {
+    /// Uploads the scene and allocates film and grids.
+    pub fn new(
+        context: &Arc<Context>,
+        kernels: &Kernels,
+        scene: &Scene,
+        shading: &Shading,
+        bvh: &Bvh,
+        cells: &Cells,
+        settings: &Settings,
+    ) -> Result<Self> {
+        Ok(Self {
+            frame: Frame::new(context, kernels, scene, shading, cells, settings)?,
+            bvh: BvhSet::new(context, kernels, bvh)?,
+            radiance_grid: RadianceGrid::new(context, kernels, settings, cells)?,
+            normalization_grid: NormalizationGrid::new(context, kernels, settings, cells)?,
+        })
+    }
+
+    /// The sets of a kernel that works on a film page, in the order of their numbers.
+    pub fn of_page<'a>(&'a self, page: &'a FilmPage) -> [&'a DescriptorSet; 4] {
+        [page.set(), self.bvh.set(), self.radiance_grid.set(), self.normalization_grid.set()]
+    }
+
+    /// The sets of a kernel that does not touch the film.
+    pub fn without_film(&self) -> [&DescriptorSet; 4] {
+        self.of_page(self.frame.first_page())
+    }
+}

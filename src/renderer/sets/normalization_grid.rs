@@ -11,8 +11,8 @@ use crate::generated::kernels::bindings::normalization_grid as numbers;
 use crate::generated::kernels::{Kernels, NORMALIZATION_GRID_SET};
 use crate::generated::layout::{CosineIntegral, NormalizationEntry};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
-use crate::renderer::state::Persistent;
-use crate::renderer::{set_over, set_shape, table_kind};
+use crate::renderer::persistent::Persistent;
+use crate::renderer::sets::shapes::{set_over, set_shape, table_kind};
 use crate::settings::{Sampler, Settings};
 
 /// The grid of Sec. 4, with an entry per cell and normal bin.
@@ -23,12 +23,12 @@ pub(crate) struct NormalizationGrid {
 }
 
 impl NormalizationGrid {
-    /// Texels of the table, one an entry.
+    /// Texels of the table. An entry has one.
     pub fn texels(settings: &Settings, cells: &Cells) -> u64 {
         u64::from(cells.count()) * u64::from(settings.normal_resolution().pow(2))
     }
 
-    /// Bytes of the grid on the device; a mark is a bit, and there is a cosine integral for every pair of bins.
+    /// Bytes of the grid on the device. A mark is a bit, and every pair of bins has a cosine integral.
     pub fn bytes(settings: &Settings, cells: &Cells) -> u64 {
         let entries = Self::texels(settings, cells);
         let integrals = match settings.sampler {

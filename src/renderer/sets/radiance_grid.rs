@@ -1,5 +1,5 @@
-//! Set 2, RadianceGrid: what has been learned, L(cell, direction bin), and what the step under way adds to it. Or quadtrees of
-//! directions, in the same buffers.
+//! Set 2, RadianceGrid: the learned radiance L(cell, direction bin) and the targets that the step under way adds. The sampler
+//! `quadtree` has its trees in the same buffers.
 
 use std::sync::Arc;
 
@@ -11,21 +11,21 @@ use crate::generated::kernels::{Kernels, RADIANCE_GRID_SET, SHARE_SUMS, SHARE_WO
 use crate::generated::layout::{LearnedRadiance, RadianceSum};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::learn::quadtrees;
-use crate::renderer::state::Persistent;
-use crate::renderer::{set_over, set_shape, table_kind};
+use crate::renderer::persistent::Persistent;
+use crate::renderer::sets::shapes::{set_over, set_shape, table_kind};
 use crate::settings::{Sampler, Settings};
 
-/// The grid of Sec. 3: cells of `directions^2` bins. What cells learn of the scattering function's share follows their bins.
+/// The grid of Sec. 3: cells of `directions^2` bins. The shares that cells leave to BSDFs follow the bins of all cells.
 pub(crate) struct RadianceGrid {
     set: DescriptorSet,
     radiance: Arc<Buffer>,
     learned: Arc<Buffer>,
-    /// Of a step, or with quadtrees of an iteration of steps.
+    /// Sums of a step's targets; with quadtrees, of an iteration's.
     sums: Arc<Buffer>,
     keeps_sums: bool,
-    /// Ends of the bins' shares, of sphere inversion alone.
+    /// Ends of the bins' shares; for sphere inversion alone.
     ends: Arc<Buffer>,
-    /// Of the product sampler and of quadtrees alone.
+    /// Nodes of trees; for the product sampler and quadtrees alone.
     nodes: Arc<Buffer>,
     bin_count: usize,
     share_count: usize,
@@ -50,12 +50,12 @@ impl RadianceGrid {
         if settings.sampler == Sampler::SphereInversion { Self::bins(settings, cells) } else { 0 }
     }
 
-    /// Words of the table that is sampled by: means and shares.
+    /// Words of the table that samplers read: means and shares.
     fn radiances(settings: &Settings, cells: &Cells) -> u64 {
         Self::bins(settings, cells) + u64::from(SHARE_WORDS) * Self::shares(settings, cells)
     }
 
-    /// Bins of which something is learned: also of the larger cells where cells fall back on these.
+    /// Bins that learn. Where cells borrow from the larger cells that they are part of, these learn, too.
     fn learned_bins(settings: &Settings, cells: &Cells) -> u64 {
         let count = if settings.fallback > 0.0 { cells.all_count() } else { cells.count() };
         u64::from(count) * u64::from(settings.directions.pow(2))
@@ -124,7 +124,7 @@ impl RadianceGrid {
         &self.set
     }
 
-    /// What outlives a step: its sums only where several steps add to them.
+    /// Buffers that outlive a step. Sums do only where several steps add to them.
     pub fn persistent(&self) -> Vec<Persistent<'_>> {
         let sums = self.keeps_sums.then(|| Persistent::whole("radiance sums", &self.sums));
         let tables = [
@@ -136,11 +136,12 @@ impl RadianceGrid {
         tables.into_iter().chain(sums).collect()
     }
 
+    /// Reads the radiance of all bins.
     pub fn read(&self) -> Result<Vec<f32>> {
         self.radiance.read(0, self.bin_count)
     }
 
-    /// Both shares of every cell.
+    /// Reads both shares of every cell.
     pub fn read_shares(&self) -> Result<Vec<[f32; 2]>> {
         let offset = (self.bin_count * size_of::<f32>()) as u64;
         let words = self.radiance.read::<[f32; SHARE_WORDS as usize]>(offset, self.share_count)?;

@@ -1,5 +1,5 @@
-//! Cuts work into dispatches of about equal duration, so that no watchdog fires and a stop is answered soon. How the work is
-//! cut changes no bit of the picture: a pixel's samples belong to one invocation, and sums do not depend on order.
+//! Cuts work into dispatches of about equal duration, so that no watchdog fires and a stop is answered soon. The cuts change no
+//! bit of the picture: a pixel's samples belong to one invocation, and sums do not depend on order.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -12,11 +12,12 @@ use crate::settings::Settings;
 
 /// Target duration of a dispatch on a GPU, in seconds; watchdogs bite at some 2 s.
 const GPU_SLICE: f64 = 0.05;
-/// On a CPU no watchdog waits, and every dispatch ends with one core waiting for the other.
+/// Target duration of a dispatch on a CPU, in seconds. No watchdog waits there, and at the end of every dispatch cores wait for
+/// the last one.
 const CPU_SLICE: f64 = 0.15;
 /// Workgroups of the first, unmeasured dispatch.
 const FIRST_GROUPS: u32 = 64;
-/// Cells or tiles that one dispatch takes.
+/// Most cells or tiles of a dispatch.
 const CELLS_PER_DISPATCH: u32 = 4096;
 
 /// A range of a page's workgroups and the stride in which they are visited.
@@ -43,7 +44,7 @@ pub(crate) struct Slicer {
 }
 
 impl Slicer {
-    /// For dispatches of at most so many workgroups.
+    /// A slicer for dispatches of at most `most_groups` workgroups.
     pub fn new(device: &DeviceInfo, settings: &Settings, workgroup_size: u32, most_groups: u32) -> Self {
         let is_cpu = device.kind == DeviceKind::Cpu;
         let default = if is_cpu { CPU_SLICE } else { GPU_SLICE };
@@ -65,12 +66,12 @@ impl Slicer {
         Some(self.spread(first, count))
     }
 
-    /// One workgroup.
+    /// A slice of one workgroup.
     pub fn smallest_slice(&self, page: &FilmPage) -> Option<Slice> {
         (self.workgroups(page) > 0).then(|| self.spread(0, 1))
     }
 
-    /// Takes note of how long a slice took.
+    /// Adapts the size of the next slices to how long one took.
     pub fn measured(&self, slice: Slice, elapsed: Duration) {
         let ratio = self.target_seconds / elapsed.as_secs_f64().max(1.0e-6);
         let groups = f64::from(slice.count) * ratio.clamp(0.25, 4.0);
@@ -88,7 +89,7 @@ impl Slicer {
         (page.sampled_tiles() * TILE_PIXELS).div_ceil(self.workgroup_size)
     }
 
-    /// CPU drivers deal out contiguous parts of a dispatch to their threads; visiting workgroups by a stride near the golden
+    /// A slice with its stride. CPU drivers deal out contiguous parts of a dispatch to their threads; a stride near the golden
     /// section gives every thread its share of bright and dark regions.
     fn spread(&self, first: u32, count: u32) -> Slice {
         let golden = (f64::from(count) * 0.618_034) as u32;

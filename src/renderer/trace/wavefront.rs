@@ -1,85 +1,25 @@
-//! Paths as waves (Laine, Karras and Aila 2013, "Megakernels Considered Harmful"): all of a slice's paths travel an edge, then all
-//! that go on travel the next. The pictures are those of the one kernel that follows each path to its end, bit for bit.
+//! Paths as waves (Laine, Karras and Aila 2013, "Megakernels Considered Harmful"): all of a slice's paths travel an edge, then
+//! all that go on travel the next. The picture has the same bits as one kernel's that follows each path to its end.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::generated::kernels::{Kernels, QUEUE_COUNT, SLOT_QUADRUPLES, TILE_PIXELS, Variant};
-use crate::generated::layout::{PathTracePush, WavePush};
-use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, DeviceInfo, DeviceKind, Kernel};
-use crate::renderer::film_store::pages::padded_pixels;
+use crate::Result;
+use crate::generated::kernels::{Kernels, Variant};
+use crate::generated::layout::{TracePush, WavePush};
+use crate::gpu::{Context, DescriptorSet, Kernel};
 use crate::renderer::sets::frame::Frame;
 use crate::renderer::statistics::Counts;
-use crate::settings::{Execution, Settings};
-use crate::{Error, Result};
+use crate::settings::Settings;
 
-/// Bytes of a slot, with its word in each queue.
-const SLOT_BYTES: u64 = (SLOT_QUADRUPLES as u64 * 4 + QUEUE_COUNT as u64) * size_of::<u32>() as u64;
-/// Most bytes of a wave, some four million paths, and the most of the device's memory, as a part of it. More paths keep a device busy
-/// to the end of a wave; on an NVIDIA H100 half as many cost 4 %, twice as many brought nothing.
-const WAVE_BYTES: u64 = 800 << 20;
-const PART_OF_MEMORY: u64 = 8;
-/// Workgroups of a dispatch over a queue, whatever its length: its entries are dealt out to their lanes.
+/// Workgroups of a dispatch over a queue. Their lanes share the queue's entries, however many there are.
 const QUEUE_GROUPS: u32 = 32_768;
-/// Primitives from which on `auto` takes waves: among 18 they were slower, among 28,000 faster.
-const LEAST_PRIMITIVES: usize = 10_000;
-/// Edges between two looks at how many paths are left.
+/// Edges that one submission traces before the host looks how many paths are left.
 const EDGES_PER_SUBMISSION: u32 = 8;
-
-/// What `auto` comes to: waves on a GPU, for emitter sampling in a scene that is not tiny, which is where they were faster. It
-/// depends on nothing that varies from run to run, for a driver may round the arithmetic of other kernels otherwise.
-pub(crate) fn chosen(device: &DeviceInfo, settings: &Settings, samples_lights: bool, primitives: usize) -> Execution {
-    let can_trace = || device.limits.has_subgroup_ballot && settings.check_wavefront().is_ok();
-    let pays = device.kind != DeviceKind::Cpu && samples_lights && primitives >= LEAST_PRIMITIVES;
-    match settings.execution {
-        Execution::Auto if pays && can_trace() => Execution::Wavefront,
-        Execution::Auto => Execution::Megakernel,
-        asked => asked,
-    }
-}
-
-/// Refuses waves on a device that cannot count who goes on.
-pub(crate) fn check_wavefront(device: &DeviceInfo, settings: &Settings) -> Result<()> {
-    if settings.execution == Execution::Wavefront && !device.limits.has_subgroup_ballot {
-        return Err(Error::Settings(format!(
-            "--execution wavefront needs subgroup ballots, which {} lacks: take --execution megakernel",
-            device.name
-        )));
-    }
-    Ok(())
-}
-
-/// Workgroups of pixels whose samples make up the largest wave; none where paths are not traced as waves.
-pub(crate) fn wave_groups(device: &DeviceInfo, settings: &Settings) -> Option<u32> {
-    let limits = &device.limits;
-    let bounds =
-        [limits.max_storage_buffer_bytes, limits.max_allocation_bytes, limits.device_local_bytes / PART_OF_MEMORY];
-    let most_bytes = bounds.into_iter().fold(WAVE_BYTES, u64::min);
-    let most = (most_bytes / group_bytes(settings)).max(1);
-    let groups = most.min(padded_pixels(settings) / u64::from(TILE_PIXELS)) as u32;
-    (settings.execution == Execution::Wavefront).then_some(groups)
-}
-
-/// Bytes of the paths of a workgroup of pixels.
-fn group_bytes(settings: &Settings) -> u64 {
-    u64::from(TILE_PIXELS * settings.samples_per_dispatch) * SLOT_BYTES
-}
-
-/// Bytes of a wave's paths.
-pub(crate) fn wave_bytes(device: &DeviceInfo, settings: &Settings) -> u64 {
-    wave_groups(device, settings).map_or(0, |groups| u64::from(groups) * group_bytes(settings))
-}
-
-/// Where a wave's paths are kept.
-pub(crate) fn wave_buffer(context: &Arc<Context>, settings: &Settings) -> Result<Option<Arc<Buffer>>> {
-    let bytes = wave_bytes(context.device(), settings);
-    let buffer = || Buffer::new(context, "paths of a wave", bytes, BufferKind::Storage);
-    (bytes > 0).then(buffer).transpose()
-}
 
 /// The kernels of a wave.
 pub(crate) struct Wavefront {
-    /// Of each edge, in this order.
+    /// Kernels of an edge, in this order.
     stages: Vec<Kernel>,
     film: Kernel,
     max_depth: u32,
@@ -107,7 +47,7 @@ impl Wavefront {
         context: &Arc<Context>,
         frame: &Frame,
         sets: [&DescriptorSet; 4],
-        slice: PathTracePush,
+        slice: TracePush,
     ) -> Result<(Duration, Counts)> {
         let slots = slice.workgroup_count * slice.sample_count.max(1);
         let groups = [slots.min(self.queue_groups), 1, 1];

@@ -4,9 +4,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use lodestar::encode::bvh::Bvh;
+use lodestar::encode::surfaces::Surfaces;
 use lodestar::generated::kernels::Registry;
 use lodestar::gpu::{Context, KernelSource};
-use lodestar::renderer::{Renderer, Surfaces};
+use lodestar::renderer::Renderer;
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
 

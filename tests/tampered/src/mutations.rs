@@ -157,8 +157,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "share of the cosine not in the density",
         &[Patch {
             file: GUIDING,
-            text: "return GuideDensity(product_density(guide, x.frame * wi, density), density);",
-            mutated: "return GuideDensity(MUTATED ? density : product_density(guide, x.frame * wi, density), density);",
+            text: "return GuideDensity(product_density(guide, scatterer.frame * wi, density), density);",
+            mutated: "return GuideDensity(MUTATED ? density : product_density(guide, scatterer.frame * wi, density), density);",
         }],
     ),
     mutation(
@@ -173,8 +173,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "another share of a whole function in the density",
         &[Patch {
             file: GUIDING,
-            text: "pdf = mix(pdf, density.over_whole, guided_share(x.bsdf, guide));",
-            mutated: "pdf = mix(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(x.bsdf, guide));",
+            text: "pdf = mix(pdf, density.over_whole, guided_share(scatterer.bsdf, guide));",
+            mutated: "pdf = mix(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(scatterer.bsdf, guide));",
         }],
     ),
     mutation(
@@ -242,8 +242,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "roulette scales the bootstrap target",
         &[Patch {
             file: VERTEX,
-            text: "float target = target_at(path.key, path.depth, light, x, guide, next);",
-            mutated: "float target = target_at(path.key, path.depth, light, x, guide, next);\n    \
+            text: "float target = target_at(path.key, path.depth, light, scatterer, guide, next);",
+            mutated: "float target = target_at(path.key, path.depth, light, scatterer, guide, next);\n    \
                   if (MUTATED && path.depth >= RR_DEPTH && target != NO_TARGET) {\n        \
                   target /= clamp(max_component(path.throughput * next.weight), 0.05, 0.95);\n    }",
         }],
@@ -252,8 +252,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "returns without survival",
         &[Patch {
             file: VERTEX,
-            text: "path.met.factor /= max(survival, 1.0e-30);",
-            mutated: "if (!MUTATED) path.met.factor /= max(survival, 1.0e-30);",
+            text: "path.last_vertex.factor /= max(survival, 1.0e-30);",
+            mutated: "if (!MUTATED) path.last_vertex.factor /= max(survival, 1.0e-30);",
         }],
     ),
     mutation(
@@ -416,9 +416,9 @@ pub const MUTATIONS: &[Mutation] = &[
         "weights blind to the guide",
         &[Patch {
             file: CONNECTION,
-            text: "float pdf = pdf_direction(x, guide, wi);",
-            mutated: "float pdf = pdf_direction(x, guide, wi);\n    \
-                  if (MUTATED) pdf = pdf_bsdf(x.bsdf, x.wo, wi, pdf_cosine_hemisphere(wi.z));",
+            text: "float pdf = pdf_direction(scatterer, guide, wi);",
+            mutated: "float pdf = pdf_direction(scatterer, guide, wi);\n    \
+                  if (MUTATED) pdf = pdf_bsdf(scatterer.bsdf, scatterer.wo, wi, pdf_cosine_hemisphere(wi.z));",
         }],
     ),
     mutation(
@@ -433,16 +433,16 @@ pub const MUTATIONS: &[Mutation] = &[
         "densities 5 % off",
         &[Patch {
             file: GUIDING,
-            text: "eval_scatterer(x, s.wi) / ",
-            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.05 : 1.0) / ",
+            text: "eval_scatterer(scatterer, bsdf_sample.wi) / ",
+            mutated: "eval_scatterer(scatterer, bsdf_sample.wi) / (MUTATED ? 1.05 : 1.0) / ",
         }],
     ),
     mutation(
         "densities 25 % off",
         &[Patch {
             file: GUIDING,
-            text: "eval_scatterer(x, s.wi) / ",
-            mutated: "eval_scatterer(x, s.wi) / (MUTATED ? 1.25 : 1.0) / ",
+            text: "eval_scatterer(scatterer, bsdf_sample.wi) / ",
+            mutated: "eval_scatterer(scatterer, bsdf_sample.wi) / (MUTATED ? 1.25 : 1.0) / ",
         }],
     ),
     // What follows must not matter.

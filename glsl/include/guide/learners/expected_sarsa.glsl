@@ -18,17 +18,17 @@ vec3 stratified_direction(uint i, vec2 shift) {
     return vec3(sqrt(max(1.0 - height * height, 0.0)) * sc.yx, height);
 }
 
-float scattered_radiance(Scatterer x, vec3 wi) {
-    float incident = radiance(radiance_index(x.cell, direction_bin(x.frame * wi)));
-    return mean_rgb(eval_scatterer(x, wi)) * incident;
+float scattered_radiance(Scatterer scatterer, vec3 wi) {
+    float incident = radiance(radiance_index(scatterer.cell, direction_bin(scatterer.frame * wi)));
+    return mean_rgb(eval_scatterer(scatterer, wi)) * incident;
 }
 
-float target_expected_sarsa(RandomKey key, uint vertex, vec3 light, Scatterer x, DirectionSample next) {
+float target_expected_sarsa(RandomKey key, uint vertex, vec3 light, Scatterer scatterer, DirectionSample next) {
     vec2 shift = unit_floats(random_bits(key, vertex, RANDOM_LEARNING)).xy;
     float sum = 0.0;
-    for (uint i = 0u; i < EXPECTED_DIRECTIONS; ++i) sum += scattered_radiance(x, stratified_direction(i, shift));
+    for (uint i = 0u; i < EXPECTED_DIRECTIONS; ++i) sum += scattered_radiance(scatterer, stratified_direction(i, shift));
     float scattered = sum * (2.0 * PI / float(EXPECTED_DIRECTIONS));
-    bool stands_for_others = next.pdf == 0.0 || dot(next.wi, x.frame[2]) < 0.0;
+    bool stands_for_others = next.pdf == 0.0 || dot(next.wi, scatterer.frame[2]) < 0.0;
     if (stands_for_others) scattered += mean_rgb(next.weight) * next.radiance;
     return mean_rgb(light) + scattered;
 }

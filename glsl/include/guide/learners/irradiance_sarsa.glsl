@@ -5,17 +5,17 @@
 #define IRRADIANCE_SARSA_GLSL
 #include "path/guiding.glsl"
 
-bool is_lambertian(Bsdf b) {
-    return is_kind(b, BSDF_DIFFUSE) && !is_coated(b);
+bool is_lambertian(Bsdf bsdf) {
+    return is_kind(bsdf, BSDF_DIFFUSE) && !is_coated(bsdf);
 }
 
 // Whether the normalization grid determines the radiance that the surface scatters. Other surfaces learn as with SARSA.
-bool knows_scattered(Scatterer x, Guide guide) {
-    return is_guided(guide) && is_lambertian(x.bsdf) && x.wo.z > 0.0;
+bool knows_scattered(Scatterer scatterer, Guide guide) {
+    return is_guided(guide) && is_lambertian(scatterer.bsdf) && scatterer.wo.z > 0.0;
 }
 
-float target_irradiance_sarsa(vec3 light, Scatterer x, Guide guide) {
-    return mean_rgb(light) + mean_rgb(x.bsdf.color0) * mean_radiance(guide);
+float target_irradiance_sarsa(vec3 light, Scatterer scatterer, Guide guide) {
+    return mean_rgb(light) + mean_rgb(scatterer.bsdf.color0) * mean_radiance(guide);
 }
 
 #endif

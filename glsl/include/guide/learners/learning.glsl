@@ -1,4 +1,4 @@
-// Switch over the learners: the target that a path reports to the radiance grid.
+// Switch over the learners: the target that a path reports to the radiance grid. No other file names LEARNER.
 #ifndef LEARNING_GLSL
 #define LEARNING_GLSL
 #include "guide/learners/expected_sarsa.glsl"
@@ -6,20 +6,23 @@
 #include "guide/learners/irradiance_sarsa.glsl"
 #include "guide/learners/monte_carlo.glsl"
 #include "guide/grid/radiance_grid.glsl"
+#include "guide/samplers/sampler.glsl"
 
+// Whether the guide learns from paths.
 bool is_learning() {
-    return SAMPLER != SAMPLER_BSDF;
+    return uses_guide();
 }
 
+// Whether targets are recorded when a path has ended, from the vertices that it has kept.
 bool keeps_vertices() {
     return is_learning() && LEARNER == LEARNER_MONTE_CARLO;
 }
 
 // Segment from a vertex along a sampled direction. Lobes of single directions have no segment in a quadtree, because a
 // quadtree never samples them.
-Segment segment_from(uint cell, DirectionSample s) {
-    if (SAMPLER != SAMPLER_QUADTREE) return Segment(radiance_index(cell, s.bin), 1.0);
-    return s.pdf > 0.0 ? Segment(s.bin, 1.0 / s.pdf) : NO_SEGMENT;
+Segment segment_from(uint cell, DirectionSample next) {
+    if (!is_quadtree()) return Segment(radiance_index(cell, next.bin), 1.0);
+    return next.pdf > 0.0 ? Segment(next.bin, 1.0 / next.pdf) : NO_SEGMENT;
 }
 
 // Target of SARSA (Eq. 6): the emission from y towards x, plus the radiance that y scatters from the sampled direction,
@@ -31,10 +34,12 @@ float target_sarsa(vec3 light, DirectionSample next) {
 // Target of the segment that leads to y, reported as soon as the next direction is drawn. With emitter sampling,
 // `light` is the weighted emission and the sampled light at y. The guide thus leaves to emitter sampling the light that
 // emitter sampling finds better.
-float target_at(RandomKey key, uint vertex, vec3 light, Scatterer x, Guide guide, DirectionSample next) {
-    if (x.passes || keeps_vertices()) return NO_TARGET;
-    if (LEARNER == LEARNER_EXPECTED_SARSA) return target_expected_sarsa(key, vertex, light, x, next);
-    if (LEARNER == LEARNER_IRRADIANCE_SARSA && knows_scattered(x, guide)) return target_irradiance_sarsa(light, x, guide);
+float target_at(RandomKey key, uint vertex, vec3 light, Scatterer scatterer, Guide guide, DirectionSample next) {
+    if (scatterer.passes || keeps_vertices()) return NO_TARGET;
+    if (LEARNER == LEARNER_EXPECTED_SARSA) return target_expected_sarsa(key, vertex, light, scatterer, next);
+    if (LEARNER == LEARNER_IRRADIANCE_SARSA && knows_scattered(scatterer, guide)) {
+        return target_irradiance_sarsa(light, scatterer, guide);
+    }
     return target_sarsa(light, next);
 }
 

@@ -4,6 +4,7 @@
 #include "math/constants.glsl"
 #include "guide/normalization/normalization_grid.glsl"
 #include "guide/grid/radiance_grid.glsl"
+#include "guide/samplers/sampler.glsl"
 
 // x^n by repeated squaring. The error is a few roundings; a driver's pow can be less exact.
 float power(float x, uint n) {
@@ -30,7 +31,7 @@ float optimal_uniform_share(float c) {
 
 // Share e of the rejection samplers.
 float uniform_share(float c) {
-    if (SAMPLER == SAMPLER_REJECTION) return MIN_UNIFORM_SHARE;
+    if (is_plain_rejection()) return MIN_UNIFORM_SHARE;
     if (EPSILON > 0.0) return EPSILON;
     return max(optimal_uniform_share(c), mixes_acceptances() ? 0.0 : MIN_UNIFORM_SHARE);
 }
@@ -84,7 +85,7 @@ NormalizationEntry normalize_cell(uint cell, uint normal_bin) {
         normalizer += bin_radiance * cosine.integral;
         bound = max(bound, bin_radiance * cosine.maximum);
     }
-    if (SAMPLER == SAMPLER_HEMISPHERE_INVERSION) return inversion_factors(normalizer);
+    if (is_hemisphere_inversion()) return inversion_factors(normalizer);
     return rejection_factors(normalizer, bound);
 }
 

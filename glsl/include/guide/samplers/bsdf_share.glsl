@@ -3,6 +3,7 @@
 #ifndef BSDF_SHARE_GLSL
 #define BSDF_SHARE_GLSL
 #include "guide/grid/radiance_grid.glsl"
+#include "guide/samplers/sampler.glsl"
 #include "shared/guide.glsl"
 
 // Numbers of a cell's shares: one for diffuse lobes, one for BSDFs that are guided as a whole.
@@ -25,7 +26,7 @@ uint share_word(uint share, uint word) {
 
 float bsdf_share(uint cell, uint which) {
     if (learns_share()) return radiance(share_word(share_index(cell, which), 0u));
-    if (SAMPLER == SAMPLER_QUADTREE) return 0.5;
+    if (is_quadtree()) return 0.5;
     return EPSILON > 0.0 ? EPSILON : 0.25;
 }
 

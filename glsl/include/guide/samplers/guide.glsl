@@ -2,6 +2,7 @@
 #ifndef GUIDE_GLSL
 #define GUIDE_GLSL
 #include "guide/samplers/bsdf_share.glsl"
+#include "guide/samplers/sampler.glsl"
 #include "math/direction_map.glsl"
 #include "guide/normalization/normalization_grid.glsl"
 #include "guide/grid/radiance_grid.glsl"
@@ -29,17 +30,10 @@ struct GuidedSample {
 const NormalizationEntry NO_ENTRY = NormalizationEntry(0.0, 0.0, 0.0, 0.0);
 const Guide NO_GUIDE = Guide(0u, 0u, vec3(0.0), vec3(0.0), uvec4(0u), NO_ENTRY, 1.0);
 
-// Samplers that draw by a descent: bit 1 << sampler for each. Their samples are mixed with the surface's own samples.
-const uint DESCENDING_SAMPLERS = (1u << SAMPLER_PRODUCT) | (1u << SAMPLER_QUADTREE);
-
-bool descends() {
-    return (DESCENDING_SAMPLERS & (1u << SAMPLER)) != 0u;
-}
-
 // Guide for a cell and a normal. `which` selects the cell's BSDF share.
 Guide guide_of(uint cell, vec3 n, uint which) {
     float share = bsdf_share(cell, which);
-    if (SAMPLER == SAMPLER_QUADTREE) return Guide(cell, 0u, n, n, radiance_node(cell), NO_ENTRY, share);
+    if (is_quadtree()) return Guide(cell, 0u, n, n, radiance_node(cell), NO_ENTRY, share);
     uint bin = normal_bin(n);
     uvec4 record = normalization_record(normalization_index(cell, bin));
     return Guide(cell, bin, representative_normal(bin), n, record, entry_of(record), share);
@@ -51,7 +45,7 @@ bool is_filled(Guide guide) {
 
 // Requests a guide here from the next update on. Quadtrees need no request, because all of them are kept.
 void mark_guide(Guide guide) {
-    if (SAMPLER != SAMPLER_QUADTREE) mark_entry(normalization_index(guide.cell, guide.normal_bin));
+    if (!is_quadtree()) mark_entry(normalization_index(guide.cell, guide.normal_bin));
 }
 
 float bin_radiance(Guide guide, uint bin) {

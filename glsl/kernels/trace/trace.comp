@@ -1,5 +1,5 @@
-// One step of rendering and learning: traces `sample_count` paths for every pixel of a slice, adds them to the film, and
-// records what they meet in the radiance grid. A lane starts its next path as soon as the last one has ended.
+// Traces the paths of a step and learns from them: each lane takes `sample_count` samples of one pixel of a slice. A lane
+// starts its next path as soon as the last one has ended, so that no lane waits for another's path.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -7,10 +7,10 @@
 #include "geometry/traverse.glsl"
 #include "path/vertex.glsl"
 
-layout(push_constant, scalar) uniform Push { PathTracePush push; };
+layout(push_constant, scalar) uniform Push { TracePush push; };
 
-vec3 direct_light(Path path, Surface s, Scatterer x, Guide guide, inout Tally tally) {
-    Connection connection = connect(path, s, x, guide);
+vec3 direct_light(Path path, Surface surface, Scatterer scatterer, Guide guide, inout Tally tally) {
+    Connection connection = connect(path, surface, scatterer, guide);
     if (!brings_light(connection)) return vec3(0.0);
     ++tally.shadow_rays;
     Hit blocker = traverse(connection.ray, true, tally.overrun);
@@ -31,23 +31,31 @@ void main() {
     uint next_sample = inside ? 0u : push.sample_count;
     bool more = next_sample < push.sample_count;
     uint edges_left = push.sample_count * MAX_DEPTH;
+    // Every iteration is one edge of a path.
     while (more && edges_left > 0u) {
         --edges_left;
+
+        // 1. Camera: the next sample's path begins where none is under way.
         if (path.depth == 0u) {
             uint sample_index = push.first_sample + next_sample++;
             path = start_path(film_pixel, key_of_sample(film_pixel, sample_index, push.first_of_sets));
         }
 
+        // 2. Ray: what it hits, and the segment that it has travelled.
         Hit hit = traverse(path.ray, false, tally.overrun);
         Segment travelled = path.segment;
         ShareEvidence evidence = path.evidence;
-        path.met.segment = travelled;
+        path.last_vertex.segment = travelled;
+
+        // 3. Vertex: emission, emitter sampling, the next direction, the learning target, roulette.
         uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
-        FirstHit first = NO_FIRST_HIT;
-        float target = meet(path, hit, unit_floats(bits), first, tally);
-        if (first.known) add_first_hit(samples, first.albedo, first.normal, first.depth);
+        FirstHit first_hit = NO_FIRST_HIT;
+        float target = shade_vertex(path, hit, unit_floats(bits), first_hit, tally);
+        if (first_hit.known) add_first_hit(samples, first_hit.albedo, first_hit.normal, first_hit.depth);
+
+        // 4. Learning: at once from the target, or from all kept vertices when the path has ended.
         if (keeps_vertices()) {
-            kept_count = keep_vertex(kept_count, path.met);
+            kept_count = keep_vertex(kept_count, path.last_vertex);
             if (path.depth == 0u) {
                 tally.nonfinite += record_returns(kept_count, path.key);
                 kept_count = 0u;
@@ -56,6 +64,7 @@ void main() {
             learn(travelled, evidence, target, leftover_float(bits), tally);
         }
 
+        // 5. Film: a path that has ended is one sample of its pixel.
         if (path.depth == 0u) add_sample(samples, path.key.sample_index, path.radiance, tally);
         more = path.depth != 0u || next_sample < push.sample_count;
     }

@@ -1,5 +1,5 @@
-//! The film of a render that is one part of several: after every step its moments go into sums that do not depend on order,
-//! and the device's film begins anew.
+//! The film of a render that is one part of several. After every step its moments are added to sums that do not depend on
+//! order, and the device's film begins anew.
 
 use std::sync::Arc;
 
@@ -9,21 +9,21 @@ use crate::Result;
 use crate::film::Picture;
 use crate::film::sums::PixelSums;
 use crate::gpu::Context;
-use crate::renderer::film_store::pages::{empty_picture, picture_index};
+use crate::renderer::film_store::pages::{empty_picture, padded_pixels, picture_index};
 use crate::renderer::sets::frame::Frame;
 use crate::settings::Settings;
 
-/// The sums of complete steps, in tile order.
-pub(crate) struct FilmSums(Vec<PixelSums>);
+/// Sums of complete steps, in tile order.
+pub(crate) struct PartSums(Vec<PixelSums>);
 
-impl FilmSums {
-    /// None yet, for every pixel of the film.
-    pub fn new(frame: &Frame) -> Self {
-        Self(vec![PixelSums::default(); frame.pages().iter().map(|page| page.pixel_count() as usize).sum()])
+impl PartSums {
+    /// Empty sums for every pixel of the film.
+    pub fn new(settings: &Settings) -> Self {
+        Self(vec![PixelSums::default(); padded_pixels(settings) as usize])
     }
 
-    /// Takes over what a step has left in the film.
-    pub fn take(&mut self, context: &Arc<Context>, frame: &Frame) -> Result<()> {
+    /// Adds the film of a step, and clears it.
+    pub fn add_step(&mut self, context: &Arc<Context>, frame: &Frame) -> Result<()> {
         add_film(&mut self.0, frame)?;
         context.submit("clearing the film", |recorder| {
             for page in frame.pages() {
@@ -34,7 +34,7 @@ impl FilmSums {
         Ok(())
     }
 
-    /// The picture so far, of a step under way too.
+    /// Reads the picture so far, with the samples of a step under way.
     pub fn picture(&self, frame: &Frame, settings: &Settings) -> Result<Picture> {
         let mut sums = self.0.clone();
         add_film(&mut sums, frame)?;
@@ -54,7 +54,7 @@ impl FilmSums {
     }
 
     /// # Panics
-    /// Where the bytes are not as many.
+    /// Where the bytes are more or fewer than the sums'.
     pub fn restore(&mut self, bytes: &[u8]) {
         bytemuck::cast_slice_mut(&mut self.0).copy_from_slice(bytes);
     }

@@ -1,0 +1,45 @@
+//! A scene's materials, textures and lights as kernels read them.
+
+use super::lights::Lights;
+use super::textures::PackedTextures;
+use super::{materials, plastics};
+use crate::generated::layout::{MaterialRecord, TEXEL_BYTES};
+use crate::scene::Scene;
+
+/// Materials and textures. They do not depend on the hierarchy, so both can be made ready at the same time.
+pub struct Surfaces {
+    pub(crate) materials: Vec<MaterialRecord>,
+    pub(crate) textures: PackedTextures,
+}
+
+impl Surfaces {
+    /// Tabulates a scene's materials and packs its textures.
+    pub fn new(scene: &Scene) -> Self {
+        let mut materials: Vec<_> = scene.materials.iter().map(materials::record).collect();
+        let tables = plastics::complete(scene, &mut materials);
+        Self { materials, textures: PackedTextures::new(&scene.textures, &scene.images, tables) }
+    }
+}
+
+/// Surfaces and the lights that shine on them.
+pub(crate) struct Shading {
+    pub surfaces: Surfaces,
+    pub lights: Lights,
+}
+
+impl Shading {
+    /// Texels of the largest buffer.
+    pub fn texels(&self) -> u64 {
+        let Surfaces { materials, textures } = &self.surfaces;
+        let materials = size_of_val(&materials[..]) as u64 / TEXEL_BYTES as u64;
+        materials.max(textures.longest()).max(self.lights.texel_count() as u64)
+    }
+
+    /// Bytes of all buffers.
+    pub fn bytes(&self) -> u64 {
+        let Surfaces { materials, textures } = &self.surfaces;
+        let words: usize = textures.words.pages().iter().map(|page| size_of_val(&page[..])).sum();
+        let records = size_of_val(&textures.records[..]) + size_of_val(&materials[..]);
+        (words + records + self.lights.texel_count() * size_of::<[u32; 4]>()) as u64
+    }
+}

@@ -1,0 +1,106 @@
+//! Makes a renderer ready: uploads the scene and builds the pipelines, both at the same time.
+
+use std::sync::Arc;
+
+use super::Renderer;
+use crate::Result;
+use crate::encode::bvh::Bvh;
+use crate::encode::cells::Cells;
+use crate::encode::lights::Lights;
+use crate::encode::surfaces::{Shading, Surfaces};
+use crate::generated::kernels::{BackEnd, Registry};
+use crate::gpu::Context;
+use crate::renderer::film_store::FilmStore;
+use crate::renderer::guide_cells::cells_of;
+use crate::renderer::learn::Learning;
+use crate::renderer::sets::Sets;
+use crate::renderer::sets::bvh::BvhSet;
+use crate::renderer::sets::normalization_grid::NormalizationGrid;
+use crate::renderer::sets::radiance_grid::RadianceGrid;
+use crate::renderer::trace::execution::{self, Plan};
+use crate::renderer::trace::tracer::Tracer;
+use crate::renderer::variants;
+use crate::scene::Scene;
+use crate::settings::Settings;
+
+impl Renderer {
+    /// Uploads the scene, builds the pipelines, and runs each once on nothing: some drivers compile at the first dispatch.
+    ///
+    /// # Errors
+    /// Where a setting is out of range or the device cannot hold the scene.
+    pub fn new(context: &Arc<Context>, scene: &Scene, bvh: &Bvh, settings: &Settings) -> Result<Self> {
+        Self::with_surfaces(context, scene, Surfaces::new(scene), bvh, settings, &Registry::built_in())
+    }
+
+    /// Does the work of [`Renderer::new`] with surfaces that are ready already and kernels of the caller's. These have the
+    /// interface of the built-in ones.
+    ///
+    /// # Errors
+    /// Where a setting is out of range or the device cannot hold the scene.
+    pub fn with_surfaces(
+        context: &Arc<Context>,
+        scene: &Scene,
+        surfaces: Surfaces,
+        bvh: &Bvh,
+        settings: &Settings,
+        registry: &Registry,
+    ) -> Result<Self> {
+        settings.validate()?;
+        settings.check_lighting(scene)?;
+        let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
+        let cells = cells_of(settings, bvh);
+        let plan = execution::resolve(context.device(), settings, &shading, bvh, &cells)?;
+        Self::build(context, scene, &shading, bvh, cells, &plan, registry).map_err(|error| plan.needs.explain(error))
+    }
+
+    fn build(
+        context: &Arc<Context>,
+        scene: &Scene,
+        shading: &Shading,
+        bvh: &Bvh,
+        cells: Cells,
+        plan: &Plan,
+        registry: &Registry,
+    ) -> Result<Self> {
+        let settings = &plan.settings;
+        let variant = variants::variant(settings, scene, shading, bvh, &cells);
+        let back_end = back_end_for(context, shading, bvh, &cells, settings);
+        let kernels = registry.kernels(back_end);
+        let build = || -> Result<_> {
+            let learning = Learning::new(context, kernels, &variant, settings)?;
+            let film_store = FilmStore::new(context, kernels, &variant, settings)?;
+            Ok((Tracer::new(context, kernels, &variant, settings)?, learning, film_store))
+        };
+        let upload = || Sets::new(context, kernels, scene, shading, bvh, &cells, settings);
+        // Drivers compile on one core, and the other has time to copy.
+        let (built, uploaded) = rayon::join(build, upload);
+        let ((tracer, slicer), learning, film_store) = built?;
+        let mut renderer = Self {
+            context: Arc::clone(context),
+            settings: settings.clone(),
+            tracer,
+            slicer,
+            learning,
+            film_store,
+            sets: uploaded?,
+            back_end,
+            needs: plan.needs.clone(),
+            cells,
+            samples_done: 0,
+            stopped: false,
+            at_step_end: true,
+        };
+        renderer.warm_up()?;
+        Ok(renderer)
+    }
+}
+
+/// Texel buffers where the device allows the sizes that geometry and tables need, else storage buffers.
+fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> BackEnd {
+    let grids = RadianceGrid::texels(settings, cells).max(NormalizationGrid::texels(settings, cells));
+    let texels = BvhSet::texels(bvh).max(grids).max(shading.texels());
+    match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
+        true => BackEnd::Texel,
+        false => BackEnd::Storage,
+    }
+}

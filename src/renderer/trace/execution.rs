@@ -1,0 +1,65 @@
+//! The choice between one kernel and waves, made once for a render.
+
+use crate::encode::bvh::Bvh;
+use crate::encode::cells::Cells;
+use crate::encode::surfaces::Shading;
+use crate::gpu::{DeviceInfo, DeviceKind};
+use crate::renderer::memory_needs::MemoryNeeds;
+use crate::settings::{Execution, Settings};
+use crate::{Error, Result};
+
+/// Primitives from which on `auto` takes waves: among 18 they were slower, among 28,000 faster.
+const LEAST_PRIMITIVES: usize = 10_000;
+
+/// Settings whose execution is decided, and the memory that the render then needs.
+pub(crate) struct Plan {
+    pub settings: Settings,
+    pub needs: MemoryNeeds,
+}
+
+/// Decides how paths are traced. `auto` falls back on one kernel where a wave's paths do not fit the memory.
+pub(crate) fn resolve(
+    device: &DeviceInfo,
+    settings: &Settings,
+    shading: &Shading,
+    bvh: &Bvh,
+    cells: &Cells,
+) -> Result<Plan> {
+    let plan = |execution| {
+        let settings = Settings { execution, ..settings.clone() };
+        Plan { needs: MemoryNeeds::new(device, shading, bvh, cells, &settings), settings }
+    };
+    let plan = match settings.execution {
+        Execution::Megakernel => plan(Execution::Megakernel),
+        Execution::Wavefront => {
+            check_ballots(device)?;
+            plan(Execution::Wavefront)
+        }
+        Execution::Auto => {
+            let waves = waves_pay(device, settings, shading, bvh).then(|| plan(Execution::Wavefront));
+            let fits = |plan: &Plan| plan.needs.check(device).is_ok();
+            waves.filter(fits).unwrap_or_else(|| plan(Execution::Megakernel))
+        }
+    };
+    plan.needs.check(device)?;
+    Ok(plan)
+}
+
+/// Whether `auto` takes waves: on a GPU, for emitter sampling in a scene that is not tiny, where they were faster. The answer
+/// depends on nothing that varies from run to run, for a driver may round the arithmetic of other kernels differently.
+fn waves_pay(device: &DeviceInfo, settings: &Settings, shading: &Shading, bvh: &Bvh) -> bool {
+    let samples_lights = settings.nee && !shading.lights.is_empty();
+    let pays = device.kind != DeviceKind::Cpu && samples_lights && bvh.primitives.len() >= LEAST_PRIMITIVES;
+    pays && device.limits.has_subgroup_ballot && settings.check_wavefront().is_ok()
+}
+
+/// Refuses a device that cannot count the lanes that go on.
+fn check_ballots(device: &DeviceInfo) -> Result<()> {
+    if device.limits.has_subgroup_ballot {
+        return Ok(());
+    }
+    Err(Error::Settings(format!(
+        "--execution wavefront needs subgroup ballots, which {} lacks: take --execution megakernel",
+        device.name
+    )))
+}

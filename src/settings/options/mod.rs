@@ -1,0 +1,13 @@
+//! The table of options. One entry says everything about one option: its name, its help, its range, and the samplers, learners
+//! and other options that it fits. The command line's help, its checks and `docs/options.md` come from the table.
+
+mod check;
+mod document;
+mod entry;
+mod table;
+
+pub use check::{check, check_given};
+pub use document::document;
+pub(super) use entry::defaults;
+pub use entry::{Audience, Category, Needs, OptionEntry, RESEARCH, Rule, Set, Setting, When, check_text};
+pub use table::{OPTIONS, find};

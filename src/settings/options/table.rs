@@ -1,0 +1,506 @@
+//! Every option of `lodestar render`, one entry each, in the order of the help.
+
+use super::entry::{Audience, Category, Needs, OptionEntry, Rule, Setting, When};
+use crate::settings::paths::MAX_KEPT_VERTICES;
+use crate::settings::value::{Choice, Value, Word};
+use crate::settings::{AUTO_GRID, Learner, MAX_DEPTH_LIMIT, MAX_FILM_SIDE, Mix, Sampler};
+
+use Category::{Device, Guiding, Length, Output, Paths, Scene};
+
+const PRODUCT: &[Sampler] = &[Sampler::Product];
+const REJECTION_MIX: &[Sampler] = &[Sampler::RejectionMix];
+const WITH_REJECTION: &[Sampler] = &[Sampler::Rejection, Sampler::RejectionMix];
+const WITH_EPSILON: &[Sampler] = &[Sampler::RejectionMix, Sampler::Product];
+const WITH_UNIFORM: &[Sampler] =
+    &[Sampler::Rejection, Sampler::RejectionMix, Sampler::SphereInversion, Sampler::HemisphereInversion];
+const WITH_NORMALS: &[Sampler] =
+    &[Sampler::Product, Sampler::Rejection, Sampler::RejectionMix, Sampler::HemisphereInversion];
+const WITH_CELLS: &[Sampler] = &[
+    Sampler::Product,
+    Sampler::Rejection,
+    Sampler::RejectionMix,
+    Sampler::SphereInversion,
+    Sampler::HemisphereInversion,
+];
+const GUIDED: &[Sampler] = &[
+    Sampler::Product,
+    Sampler::Rejection,
+    Sampler::RejectionMix,
+    Sampler::SphereInversion,
+    Sampler::HemisphereInversion,
+    Sampler::Quadtree,
+];
+
+/// Access to the setting of that field.
+macro_rules! setting {
+    ($field:ident) => {
+        Some(Setting {
+            get: |settings| settings.$field.value(),
+            set: Some(|settings, text| Choice::read(text).map(|value| settings.$field = value)),
+            words: words_of(|settings| &settings.$field),
+        })
+    };
+}
+
+/// Access to the setting of that field, for checks only.
+macro_rules! checked {
+    ($field:ident) => {
+        Some(Setting {
+            get: |settings| settings.$field.value(),
+            set: None,
+            words: words_of(|settings| &settings.$field),
+        })
+    };
+}
+
+/// Words of the field's type.
+const fn words_of<T: Choice>(_: fn(&crate::settings::Settings) -> &T) -> fn() -> Vec<Word> {
+    T::words
+}
+
+/// Rule on settings as such.
+const fn always(when: When, needs: Needs, reason: &'static str) -> Rule {
+    Rule { when, needs, reason, always: true }
+}
+
+/// Rule on an option that was written down.
+const fn if_given(when: When, needs: Needs) -> Rule {
+    Rule { when, needs, reason: "", always: false }
+}
+
+const WITHOUT_QUADTREE: Needs = Needs::Without("--sampler quadtree", |settings| settings.sampler == Sampler::Quadtree);
+const HOLDS_FLUX: &str = "a quadtree holds flux, not radiance, so it learns by monte-carlo only";
+const MONTE_CARLO: &str = "--learner monte-carlo";
+
+/// Entry without help, range, rules or setting.
+const fn option(category: Category, audience: Audience, name: &'static str, value_name: &'static str) -> OptionEntry {
+    let (short, long, default) = ("", "", "");
+    OptionEntry { name, value_name, category, audience, short, long, default, range: None, rules: &[], setting: None }
+}
+
+const fn common(category: Category, name: &'static str, value_name: &'static str) -> OptionEntry {
+    option(category, Audience::Everyone, name, value_name)
+}
+
+const fn further(category: Category, name: &'static str, value_name: &'static str) -> OptionEntry {
+    option(category, Audience::Curious, name, value_name)
+}
+
+const fn research(category: Category, name: &'static str, value_name: &'static str) -> OptionEntry {
+    option(category, Audience::Researchers, name, value_name)
+}
+
+/// Every option, in the order of the help. Options that set settings are applied in this order.
+pub static OPTIONS: &[OptionEntry] = &[
+    OptionEntry {
+        short: "Set a <default> of the scene; may be given several times",
+        ..common(Scene, "D", "NAME=VALUE")
+    },
+    OptionEntry {
+        short: "Width of the film in pixels",
+        long: "It needs --height.",
+        default: "the scene's",
+        range: Some((1.0, MAX_FILM_SIDE as f64)),
+        setting: checked!(width),
+        ..common(Scene, "width", "W")
+    },
+    OptionEntry {
+        short: "Height of the film in pixels",
+        long: "It needs --width.",
+        default: "the scene's",
+        range: Some((1.0, MAX_FILM_SIDE as f64)),
+        setting: checked!(height),
+        ..common(Scene, "height", "H")
+    },
+    OptionEntry {
+        short: "Size of the film relative to the scene's",
+        long: "It cannot be combined with --width and --height.",
+        ..common(Scene, "scale", "F")
+    },
+    OptionEntry {
+        short: "Render this window of the film only",
+        long: "Position and size are in pixels, from the film's top left corner.",
+        default: "the scene's",
+        ..further(Scene, "crop", "X,Y,W,H")
+    },
+    OptionEntry {
+        short: "Reconstruction filter",
+        long: "A tent has radius 1, a gaussian standard deviation 0.5 pixels.",
+        default: "the scene's",
+        ..further(Scene, "rfilter", "box|tent|gaussian")
+    },
+    OptionEntry {
+        short: "Picture file, .exr or .png",
+        long: "It may be given several times. An .exr file holds every layer. A .png file is written by --tone and --exposure.",
+        default: "the scene's name with .exr",
+        ..common(Output, "output", "FILE")
+    },
+    OptionEntry {
+        short: "Tone curve of PNG files",
+        long: "srgb is the sRGB transfer function; values above 1 are white. paper compresses highlights by luminance.",
+        default: "srgb",
+        ..common(Output, "tone", "srgb|paper")
+    },
+    OptionEntry {
+        short: "Exposure of PNG files: brighter by 2^STOPS",
+        default: "0",
+        ..common(Output, "exposure", "STOPS")
+    },
+    OptionEntry { short: "Write the picture so far every so many seconds", ..common(Output, "write-every", "SECONDS") },
+    OptionEntry {
+        short: "File to resume the render from after an interruption",
+        long: "`lodestar resume FILE` continues the render after a signal, a fault or a power cut.",
+        ..common(Output, "checkpoint", "FILE")
+    },
+    OptionEntry {
+        short: "Seconds between two writings of the checkpoint",
+        long: "The checkpoint is also written when the render ends.",
+        default: "60",
+        ..common(Output, "checkpoint-every", "SECONDS")
+    },
+    OptionEntry { short: "Show no progress", ..common(Output, "quiet", "") },
+    OptionEntry {
+        short: "Measure the error against this picture during the render",
+        long: "The errors are written to --stats.",
+        ..further(Output, "reference", "REF.exr")
+    },
+    OptionEntry {
+        short: "Write settings, times and counts of every step as JSON",
+        ..further(Output, "stats", "STATS.json")
+    },
+    OptionEntry {
+        short: "Time every dispatch, and write a trace to this file",
+        long: "A table of the times is printed at the end. ui.perfetto.dev and chrome://tracing open the trace.",
+        ..further(Output, "profile", "TRACE.json")
+    },
+    OptionEntry {
+        short: "Samples per pixel",
+        long: "With --time or --noise there is no default: these end the render.",
+        default: "the scene's, or 64",
+        ..common(Length, "spp", "N")
+    },
+    OptionEntry {
+        short: "Stop after so many seconds of rendering",
+        long: "Loading the scene does not count.",
+        ..common(Length, "time", "SECONDS")
+    },
+    OptionEntry {
+        short: "Stop each tile at this relative error, such as 0.05",
+        long: "A tile of 8 x 8 pixels is sampled until its estimated relative error, and that of its neighbors, is at most TARGET. \
+               The picture is then consistent, not unbiased. --spp and --time still end the render.",
+        range: Some((1.0e-4, 1.0)),
+        setting: setting!(noise),
+        rules: &[always(
+            When::Any,
+            Needs::Without("--sample-offset", |settings| settings.sample_offset.is_some()),
+            "it would end each part of a picture at another sample, so give every part an --spp",
+        )],
+        ..common(Length, "noise", "TARGET")
+    },
+    OptionEntry {
+        short: "How directions are sampled, such as product or bsdf",
+        setting: Some(Setting {
+            get: |settings| settings.sampler.value(),
+            set: Some(|settings, text| {
+                settings.sampler = Choice::read(text)?;
+                settings.learner = settings.sampler.default_learner();
+                Ok(())
+            }),
+            words: <Sampler as Choice>::words,
+        }),
+        ..common(Guiding, "sampler", "SAMPLER")
+    },
+    OptionEntry {
+        short: "Longest path in edges; 1 shows emission only",
+        default: "the scene's, or 16",
+        range: Some((1.0, MAX_DEPTH_LIMIT as f64)),
+        setting: checked!(max_depth),
+        rules: &[always(
+            When::Any,
+            Needs::Value("at most 128 with --learner monte-carlo", |settings| {
+                settings.learner != Learner::MonteCarlo || settings.max_depth <= MAX_KEPT_VERTICES
+            }),
+            "this learner keeps every vertex of a path",
+        )],
+        ..common(Paths, "max-depth", "N")
+    },
+    OptionEntry {
+        short: "Number of edges after which Russian roulette begins",
+        long: "It is for roulette by throughput; --roulette chooses the kind.",
+        default: "the scene's, or 8",
+        range: Some((1.0, u32::MAX as f64)),
+        setting: checked!(rr_depth),
+        ..further(Paths, "rr-depth", "N")
+    },
+    OptionEntry {
+        short: "Sample emitters at every vertex of a path",
+        long: "This is next event estimation.",
+        setting: setting!(nee),
+        ..common(Paths, "nee", "on|off")
+    },
+    OptionEntry {
+        short: "Seed of the random numbers",
+        long: "The same seed gives the same pixels.",
+        setting: setting!(seed),
+        ..common(Paths, "seed", "N")
+    },
+    OptionEntry {
+        short: "How the samples of a pixel are distributed",
+        setting: setting!(pattern),
+        ..further(Paths, "pattern", "PATTERN")
+    },
+    OptionEntry {
+        short: "Begin with sample K of every pixel; the first is 0",
+        long: "It is for a part of a picture; `lodestar merge` puts the parts together.",
+        setting: setting!(sample_offset),
+        ..further(Paths, "sample-offset", "K")
+    },
+    OptionEntry {
+        short: "Surfaces that are guided",
+        setting: setting!(guide_set),
+        rules: &[if_given(When::Any, Needs::Samplers(GUIDED))],
+        ..research(Guiding, "guide-set", "SET")
+    },
+    OptionEntry {
+        short: "How the guide learns",
+        default: "sarsa; with the sampler quadtree monte-carlo",
+        setting: setting!(learner),
+        rules: &[
+            always(When::Word("sarsa"), WITHOUT_QUADTREE, HOLDS_FLUX),
+            always(When::Word("expected-sarsa"), WITHOUT_QUADTREE, HOLDS_FLUX),
+            always(When::Word("expected-sarsa"), Needs::Samplers(WITH_CELLS), ""),
+            always(When::Word("irradiance-sarsa"), Needs::Samplers(PRODUCT), ""),
+            always(When::Word("monte-carlo"), Needs::Samplers(GUIDED), ""),
+            if_given(When::Any, Needs::Samplers(GUIDED)),
+        ],
+        ..research(Guiding, "learner", "LEARNER")
+    },
+    OptionEntry {
+        short: "Directions over which expected-sarsa takes its mean",
+        range: Some((1.0, 4096.0)),
+        setting: setting!(expected_directions),
+        rules: &[if_given(When::Any, Needs::Learners(&[Learner::ExpectedSarsa]))],
+        ..research(Guiding, "expected-directions", "N")
+    },
+    OptionEntry {
+        short: "Quantities that rejection-mix mixes with the uniform share",
+        setting: setting!(mix),
+        rules: &[
+            always(When::Word("acceptance"), Needs::Samplers(REJECTION_MIX), ""),
+            if_given(When::Any, Needs::Samplers(REJECTION_MIX)),
+        ],
+        ..research(Guiding, "mix", "MIX")
+    },
+    OptionEntry {
+        short: "Share that is mixed with the guide",
+        long: "With the sampler rejection-mix it is the share of uniform directions, by default the optimal one (Eq. 8). With the \
+               sampler product it is the share of the scattering function, by default the share that each cell learns.",
+        range: Some((1.0e-4, 1.0)),
+        setting: setting!(epsilon),
+        rules: &[always(When::Any, Needs::Samplers(WITH_EPSILON), "")],
+        ..research(Guiding, "epsilon", "E")
+    },
+    OptionEntry {
+        short: "Share of product's samples for the scattering function",
+        long: "This share is also known as the BSDF sampling fraction.",
+        default: "learned; with --epsilon or the learner monte-carlo fixed",
+        setting: setting!(bsdf_share),
+        rules: &[
+            always(When::Any, Needs::Samplers(PRODUCT), ""),
+            always(
+                When::Word("learned"),
+                Needs::Without("--epsilon", |settings| settings.epsilon.is_some()),
+                "--epsilon fixes the share",
+            ),
+            always(
+                When::Word("learned"),
+                Needs::Without(MONTE_CARLO, |settings| settings.learner == Learner::MonteCarlo),
+                "this learner keeps no statistics of the share",
+            ),
+        ],
+        ..research(Guiding, "bsdf-share", "SHARE")
+    },
+    OptionEntry {
+        short: "Quantity that Russian roulette compares with",
+        default: "contribution with the sampler product if --rr-depth is less than --max-depth, else throughput",
+        setting: setting!(roulette),
+        rules: &[always(When::Word("contribution"), Needs::Samplers(PRODUCT), "")],
+        ..research(Guiding, "roulette", "ROULETTE")
+    },
+    OptionEntry {
+        short: "Map between directions and their bins",
+        setting: setting!(map),
+        rules: &[if_given(When::Any, Needs::Samplers(GUIDED))],
+        ..research(Guiding, "map", "MAP")
+    },
+    OptionEntry {
+        short: "Cells of the guide along each axis, or auto",
+        long: "auto takes the finest cubes whose guide fits 8 MiB. The trees of the sampler quadtree have at most as many nodes as \
+               a grid of this size has bins.",
+        range: Some((1.0, 32.0)),
+        setting: Some(Setting {
+            get: |settings| match settings.grid {
+                AUTO_GRID => Value::Word("auto".into()),
+                number => number.value(),
+            },
+            set: Some(|settings, text| {
+                let number = || text.parse().map_err(|_| "give a whole number or auto".to_owned());
+                settings.grid = if text == "auto" { AUTO_GRID } else { number()? };
+                Ok(())
+            }),
+            words: Vec::new,
+        }),
+        rules: &[
+            always(When::Word("auto"), WITHOUT_QUADTREE, "quadtrees have no cells"),
+            if_given(When::Any, Needs::Samplers(GUIDED)),
+        ],
+        ..research(Guiding, "grid", "N|auto")
+    },
+    OptionEntry {
+        short: "Weight of a cell's parents, in targets for each bin",
+        long: "With 0 a cell uses its own knowledge only.",
+        range: Some((0.0, 1.0e6)),
+        setting: setting!(fallback),
+        rules: &[
+            always(When::AboveZero, WITHOUT_QUADTREE, "quadtrees have no cells"),
+            if_given(When::AboveZero, Needs::Samplers(WITH_CELLS)),
+        ],
+        ..research(Guiding, "fallback", "K")
+    },
+    OptionEntry {
+        short: "Direction bins of a cell along each axis",
+        range: Some((4.0, 64.0)),
+        setting: setting!(directions),
+        rules: &[
+            always(
+                When::Any,
+                Needs::Value("16, 32 or 64 with the sampler product", |settings| {
+                    settings.sampler != Sampler::Product || matches!(settings.directions, 16 | 32 | 64)
+                }),
+                "this sampler descends in steps of four",
+            ),
+            if_given(When::Any, Needs::Samplers(GUIDED)),
+        ],
+        ..research(Guiding, "directions", "N")
+    },
+    OptionEntry {
+        short: "Normal bins of a cell along each axis",
+        range: Some((4.0, 32.0)),
+        setting: setting!(normals),
+        rules: &[if_given(When::Any, Needs::Samplers(WITH_NORMALS))],
+        ..research(Guiding, "normals", "N")
+    },
+    OptionEntry {
+        short: "Most samples per pixel between two updates of the guide",
+        range: Some((1.0, 65_536.0)),
+        setting: setting!(spp_per_step),
+        ..research(Guiding, "spp-per-step", "N")
+    },
+    OptionEntry {
+        short: "Number of samples per pixel between updates of the guide",
+        setting: setting!(steps),
+        rules: &[if_given(When::Word("growing"), Needs::Samplers(WITH_CELLS))],
+        ..research(Guiding, "steps", "STEPS")
+    },
+    OptionEntry {
+        short: "Weights of the samples in the picture",
+        default: "growing with the sampler product, without --noise and --sample-offset; else even",
+        setting: setting!(sample_weights),
+        rules: &[
+            always(When::Word("growing"), Needs::Samplers(GUIDED), "without a guide, no sample is better than another"),
+            always(
+                When::Word("growing"),
+                Needs::Without("--noise", |settings| settings.noise.is_some()),
+                "the error is estimated from samples of equal weight",
+            ),
+            always(
+                When::Word("growing"),
+                Needs::Without("--sample-offset", |settings| settings.sample_offset.is_some()),
+                "parts of a picture are averaged by their numbers of samples",
+            ),
+        ],
+        ..research(Guiding, "sample-weights", "WEIGHTS")
+    },
+    OptionEntry {
+        short: "Factor on a bin's earlier count at each step",
+        long: "With 1, the mean runs over all steps, as in the paper.",
+        range: Some((0.0, 1.0)),
+        setting: setting!(decay),
+        rules: &[if_given(When::Any, Needs::Samplers(WITH_CELLS))],
+        ..research(Guiding, "decay", "D")
+    },
+    OptionEntry {
+        short: "Tries of rejection before it takes a uniform direction",
+        range: Some((1.0, 1024.0)),
+        setting: setting!(max_tries),
+        rules: &[if_given(When::Any, Needs::Samplers(WITH_REJECTION))],
+        ..research(Guiding, "max-tries", "K")
+    },
+    OptionEntry {
+        short: "Least share of uniform directions in the guide",
+        long: "The inversion samplers have far fewer outliers with 0.25 to 0.5. They seldom sample light that the guide does not \
+               know yet, and such a sample weighs up to 2/E at every edge.",
+        range: Some((1.0e-4, 1.0)),
+        setting: setting!(min_uniform),
+        rules: &[
+            if_given(When::Any, Needs::Samplers(WITH_UNIFORM)),
+            if_given(
+                When::Any,
+                Needs::Without("--epsilon, which fixes the share of mixed densities", |settings| {
+                    settings.epsilon.is_some() && settings.mix == Mix::Density
+                }),
+            ),
+        ],
+        ..research(Guiding, "min-uniform", "E")
+    },
+    OptionEntry {
+        short: "Vulkan device, by index or by a part of its name",
+        long: "`lodestar devices` lists the devices. The environment variable LODESTAR_DEVICE sets the default.",
+        ..common(Device, "device", "INDEX|NAME")
+    },
+    OptionEntry {
+        short: "Wanted duration of a dispatch in milliseconds",
+        default: "50 on a GPU, 150 on a CPU",
+        range: Some((0.001, 60_000.0)),
+        setting: checked!(slice_milliseconds),
+        ..further(Device, "slice-ms", "MS")
+    },
+    OptionEntry {
+        short: "Kernels that trace the paths",
+        long: "With --kernel-dir, auto is megakernel.",
+        setting: checked!(execution),
+        rules: &[
+            always(
+                When::Word("wavefront"),
+                Needs::Without("--noise", |settings| settings.noise.is_some()),
+                "take --execution megakernel",
+            ),
+            always(
+                When::Word("wavefront"),
+                Needs::Without(MONTE_CARLO, |settings| {
+                    settings.sampler != Sampler::Bsdf && settings.learner == Learner::MonteCarlo
+                }),
+                "that learner keeps all vertices of a path, so take --execution megakernel",
+            ),
+        ],
+        ..further(Device, "execution", "EXECUTION")
+    },
+    OptionEntry {
+        short: "Most samples per pixel of one dispatch",
+        long: "A driver may bound the loop iterations of a dispatch.",
+        range: Some((1.0, 64.0)),
+        setting: setting!(samples_per_dispatch),
+        ..further(Device, "samples-per-dispatch", "N")
+    },
+    OptionEntry {
+        short: "Take edited kernels from the .spv files of this folder",
+        long: "`lodestar inspect --out` writes the kernels as files.",
+        ..further(Device, "kernel-dir", "DIR")
+    },
+    OptionEntry { short: "Turn Vulkan's validation layer on", ..further(Device, "validate", "") },
+];
+
+/// Entry of the option with this name.
+pub fn find(name: &str) -> Option<&'static OptionEntry> {
+    OPTIONS.iter().find(|option| option.name == name)
+}

@@ -1,0 +1,37 @@
+//! The run: lengths of steps, weights of samples, and the kernels that trace the paths.
+
+use serde::{Deserialize, Serialize};
+
+/// Number of samples per pixel between two updates of the guide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepSchedule {
+    /// A quarter of the samples taken so far, at least 1 and at most --spp-per-step: the guide learns early.
+    Growing,
+    /// Always --spp-per-step samples.
+    Even,
+}
+
+/// Kernels that trace the paths. The picture is the same with each of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Execution {
+    /// The faster choice: `wavefront` on a GPU that samples emitters among 10,000 primitives or more and has the memory,
+    /// `megakernel` otherwise.
+    Auto,
+    /// One kernel follows each path to its end.
+    Megakernel,
+    /// All paths advance by one edge, then by the next, with separate kernels for rays, lights and surfaces. The paths take
+    /// memory: at most 800 MiB or an eighth of the device's.
+    Wavefront,
+}
+
+/// Weights of the samples in a pixel's mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum SampleWeights {
+    /// Equal weights.
+    Even,
+    /// Smaller weights for samples of an early guide, by a schedule that is fixed before the render begins.
+    Growing,
+}

@@ -1,0 +1,88 @@
+//! Samplers and learners, and the words that choose them.
+
+use serde::{Deserialize, Serialize};
+
+use crate::generated::constants;
+
+/// Source of scattered directions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum Sampler {
+    /// The scattering function times the cosine: an ordinary path tracer.
+    Bsdf = constants::SAMPLER_BSDF,
+    /// Rejection sampling of learned radiance times cosine, with the optimal share of uniform directions: the paper's "Rej+",
+    /// Eq. 8.
+    RejectionMix = constants::SAMPLER_REJECTION_MIX,
+    /// Rejection sampling of learned radiance times cosine, with the least share of uniform directions.
+    Rejection = constants::SAMPLER_REJECTION,
+    /// Inversion of learned radiance over the whole sphere, without regard to the normal.
+    SphereInversion = constants::SAMPLER_SPHERE_INVERSION,
+    /// Inversion of learned radiance times the cosine's integral over each bin, summed for every sample.
+    HemisphereInversion = constants::SAMPLER_HEMISPHERE_INVERSION,
+    /// Learned radiance times cosine by a descent of fixed length, mixed with a share of the scattering function.
+    Product = constants::SAMPLER_PRODUCT,
+    /// Quadtrees of learned flux in the leaves of a binary tree, without regard to the normal, half and half with the
+    /// scattering function (Müller, Gross and Novák 2017).
+    Quadtree = constants::SAMPLER_QUADTREE,
+}
+
+impl Sampler {
+    /// Learner of the sampler unless another is asked for.
+    pub const fn default_learner(self) -> Learner {
+        match self {
+            Self::Quadtree => Learner::MonteCarlo,
+            _ => Learner::Sarsa,
+        }
+    }
+}
+
+/// Quantities that `rejection-mix` mixes with the uniform share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum Mix {
+    /// Densities (Eq. 8).
+    Density = constants::MIX_DENSITY,
+    /// Probabilities of acceptance (Eq. 9).
+    Acceptance = constants::MIX_ACCEPTANCE,
+}
+
+/// Scattering functions that are guided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum GuideSet {
+    /// `diffuse`, `roughdiffuse` and the diffuse lobe of `plastic` and `roughplastic`.
+    Diffuse = constants::GUIDE_SET_DIFFUSE,
+    /// The set `diffuse`, and `roughconductor` and `roughdielectric`: as in the code of the paper's authors.
+    Authors = constants::GUIDE_SET_AUTHORS,
+    /// The set `authors`, and `principled`. Rough conductors and dielectrics are guided by a share that grows with roughness.
+    All = constants::GUIDE_SET_ALL,
+}
+
+/// Share of the samples that `product` draws from the scattering function; the guide draws the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum BsdfShare {
+    /// One share everywhere: 0.25 or --epsilon.
+    Fixed,
+    /// A share that each cell learns, so that the mixture comes nearest to f cos L in Kullback-Leibler divergence. Diffuse lobes
+    /// and scattering functions that are guided as a whole have shares of their own.
+    Learned,
+}
+
+/// Rule by which the radiance grid learns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+#[repr(u32)]
+pub enum Learner {
+    /// Bootstraps from the one direction that was sampled next (Eq. 6).
+    Sarsa = constants::LEARNER_SARSA,
+    /// Bootstraps from the mean over many directions (Eq. 5).
+    ExpectedSarsa = constants::LEARNER_EXPECTED_SARSA,
+    /// Learns the radiance that the rest of the path has collected.
+    MonteCarlo = constants::LEARNER_MONTE_CARLO,
+    /// Bootstraps from the irradiance that the normalization grid of `product` holds: Eq. 5 at a constant cost.
+    IrradianceSarsa = constants::LEARNER_IRRADIANCE_SARSA,
+}

@@ -1,0 +1,133 @@
+//! Values of settings as text, as the command line and the pictures' attributes spell them.
+
+use clap::ValueEnum;
+
+use super::{
+    BsdfShare, DirectionMap, Execution, GuideSet, Learner, Mix, Roulette, SamplePattern, SampleWeights, Sampler,
+    StepSchedule,
+};
+
+/// Value of one setting.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// No value was chosen.
+    Nothing,
+    /// A number.
+    Number(f64),
+    /// A word among several.
+    Word(String),
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Nothing => f.write_str("nothing"),
+            Self::Number(number) => number.fmt(f),
+            Self::Word(word) => f.write_str(word),
+        }
+    }
+}
+
+/// A word that an option takes, and its meaning.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Word {
+    /// Spelling of the word.
+    pub name: String,
+    /// Meaning of the word, one sentence or two.
+    pub help: String,
+}
+
+/// A type that an option's value may have.
+pub(super) trait Choice: Sized {
+    /// Words that can be written; none where numbers are.
+    fn words() -> Vec<Word> {
+        Vec::new()
+    }
+
+    /// Value that `text` stands for.
+    fn read(text: &str) -> Result<Self, String>;
+
+    /// Value as a number or a word.
+    fn value(&self) -> Value;
+}
+
+macro_rules! numbers {
+    ($($number:ty: $expected:literal,)*) => {$(
+        impl Choice for $number {
+            fn read(text: &str) -> Result<Self, String> {
+                text.parse().map_err(|_| concat!("give ", $expected).to_owned())
+            }
+
+            fn value(&self) -> Value {
+                // By way of its text, an `f32` of 0.1 stays 0.1.
+                Value::Number(self.to_string().parse().unwrap_or(f64::NAN))
+            }
+        }
+    )*};
+}
+
+numbers! {
+    u32: "a whole number of at least 0",
+    f32: "a number",
+    f64: "a number",
+}
+
+macro_rules! words {
+    ($($words:ty),*) => {$(
+        impl Choice for $words {
+            fn words() -> Vec<Word> {
+                words_of::<Self>()
+            }
+
+            fn read(text: &str) -> Result<Self, String> {
+                let names = || Self::words().into_iter().map(|word| word.name).collect::<Vec<_>>();
+                Self::from_str(text, false).map_err(|_| format!("give one of {}", names().join(", ")))
+            }
+
+            fn value(&self) -> Value {
+                self.to_possible_value().map_or(Value::Nothing, |value| Value::Word(value.get_name().to_owned()))
+            }
+        }
+    )*};
+}
+
+words!(BsdfShare, DirectionMap, Execution, GuideSet, Learner, Mix, Roulette, SamplePattern);
+words!(SampleWeights, Sampler, StepSchedule);
+
+fn words_of<T: ValueEnum>() -> Vec<Word> {
+    let values = T::value_variants().iter().filter_map(T::to_possible_value);
+    let help = |value: &clap::builder::PossibleValue| value.get_help().map(ToString::to_string).unwrap_or_default();
+    values.map(|value| Word { name: value.get_name().to_owned(), help: help(&value) }).collect()
+}
+
+impl Choice for bool {
+    fn words() -> Vec<Word> {
+        ["on", "off"].map(|name| Word { name: name.into(), help: String::new() }).into()
+    }
+
+    fn read(text: &str) -> Result<Self, String> {
+        match text {
+            "on" => Ok(true),
+            "off" => Ok(false),
+            _ => Err("give on or off".into()),
+        }
+    }
+
+    fn value(&self) -> Value {
+        Value::Word(if *self { "on" } else { "off" }.into())
+    }
+}
+
+impl<T: Choice> Choice for Option<T> {
+    fn words() -> Vec<Word> {
+        T::words()
+    }
+
+    fn read(text: &str) -> Result<Self, String> {
+        T::read(text).map(Some)
+    }
+
+    fn value(&self) -> Value {
+        self.as_ref().map_or(Value::Nothing, T::value)
+    }
+}

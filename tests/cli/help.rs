@@ -1,0 +1,58 @@
+//! Help texts, and the page of options that is written from the same table.
+
+use lodestar::settings::options::document;
+
+use crate::support::Folder;
+
+const SUBCOMMANDS: [&str; 8] = ["render", "resume", "inspect", "devices", "compare", "merge", "radiance", "reproduce"];
+
+fn help(arguments: &[&str]) -> String {
+    let output = Folder::new().run(arguments);
+    assert!(output.status.success(), "{arguments:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn the_short_help_of_render_is_one_page() {
+    let text = help(&["render", "-h"]);
+    assert!(text.lines().count() <= 45, "{} lines:\n{text}", text.lines().count());
+    let wide: Vec<_> = text.lines().filter(|line| line.chars().count() > 100).collect();
+    assert!(wide.is_empty(), "{wide:?}");
+    for option in ["--output", "--spp", "--time", "--noise", "--sampler", "--nee", "--seed", "--checkpoint", "--device"]
+    {
+        assert!(text.contains(option), "{option} is not in\n{text}");
+    }
+    assert!(!text.contains("Research") && !text.contains("--epsilon"), "{text}");
+}
+
+#[test]
+fn the_long_help_of_render_has_research_under_one_heading() {
+    let text = help(&["render", "--help"]);
+    let (before, research) = text.split_once("\nResearch:\n").expect("a heading");
+    let (research, _) = research.split_once("\nDevice:\n").expect("the next heading");
+    for option in ["--learner", "--epsilon", "--max-tries", "--grid"] {
+        assert!(research.contains(option) && !before.contains(&format!(" {option} <")), "{option}");
+    }
+}
+
+/// A link to the crate's documentation means nothing on a command line.
+#[test]
+fn no_help_has_links_of_the_documentation() {
+    for subcommand in SUBCOMMANDS {
+        for flag in ["-h", "--help"] {
+            let text = help(&[subcommand, flag]);
+            assert!(!text.contains("[`") && !text.contains("]("), "{subcommand} {flag}:\n{text}");
+        }
+    }
+}
+
+/// With LODESTAR_WRITE_DOCS=1, the page is written.
+#[test]
+fn the_page_of_options_is_that_of_the_table() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/options.md");
+    if std::env::var_os("LODESTAR_WRITE_DOCS").is_some_and(|value| value == "1") {
+        std::fs::write(path, document()).unwrap();
+    }
+    let page = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(page == document(), "docs/options.md is out of date: run this test with LODESTAR_WRITE_DOCS=1");
+}
