@@ -11,13 +11,14 @@
 //! | tracing paths | `trace/` |
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
-//! | state that a later render goes on from | `state.rs` |
+//! | state that a later render goes on from | `state.rs`, `restore.rs` |
 
 mod film_store;
 mod guide_cells;
 mod learn;
 mod memory_needs;
 mod persistent;
+mod restore;
 mod sets;
 mod setup;
 mod state;
