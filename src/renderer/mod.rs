@@ -11,14 +11,14 @@
 //! | tracing paths | `trace/` |
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
-//! | state that a later render goes on from | `render_state.rs`, `state.rs` |
+//! | state that a later render goes on from | `state.rs`, `restore.rs` |
 
 mod film_store;
 mod guide_cells;
 mod learn;
 mod memory_needs;
 mod persistent;
-mod render_state;
+mod restore;
 mod sets;
 mod setup;
 mod state;
@@ -31,7 +31,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-pub use render_state::{RenderState, StatePart};
+pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
 

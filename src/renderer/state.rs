@@ -1,65 +1,19 @@
-//! Saving and restoring a renderer's state.
+//! The state that a renderer keeps to go on later as if it had never stopped.
 
-use super::Renderer;
-use crate::renderer::film_store::FilmStore;
-use crate::renderer::film_store::part_sums::PartSums;
-use crate::renderer::persistent::Persistent;
-use crate::renderer::render_state::{RenderState, StatePart};
-use crate::{Error, Result};
+/// Everything that complete steps have left behind.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RenderState {
+    /// Samples per pixel so far.
+    pub samples_done: u32,
+    /// Memory of the device, in the order in which a renderer of the same settings expects it, then sums of the host.
+    pub parts: Vec<StatePart>,
+}
 
-impl Renderer {
-    /// Reads back what complete steps have left. The state does not depend on how the film is cut into pages.
-    ///
-    /// # Errors
-    /// Where the device is lost, or a step was stopped: some pixels then have samples of the step that others lack.
-    pub fn state(&self) -> Result<RenderState> {
-        if self.stopped {
-            return Err(Error::Render("a step that was stopped cannot be gone on with later".into()));
-        }
-        let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
-        let parts: Result<Vec<_>> = self.persistent().iter().map(read).collect();
-        let parts = parts?.into_iter().chain(self.host_part()).collect();
-        Ok(RenderState { samples_done: self.samples_done, parts })
-    }
-
-    /// Goes on from the state of a renderer of the same scene and settings: from here on both do the same to the last bit.
-    ///
-    /// # Errors
-    /// Where the state does not fit the settings, or the device is lost.
-    pub fn restore(&mut self, state: &RenderState) -> Result<()> {
-        let persistent = self.persistent();
-        let shape = |parts: &[(&str, u64)]| {
-            parts.iter().map(|(name, bytes)| format!("{name}: {bytes} bytes")).collect::<Vec<_>>().join(", ")
-        };
-        let host_part = self.host_part();
-        let of_host = host_part.iter().map(|part| (&part.name[..], part.bytes.len() as u64));
-        let ours: Vec<_> = persistent.iter().map(|part| (part.name, part.len_bytes())).chain(of_host).collect();
-        let theirs: Vec<_> = state.parts.iter().map(|part| (&part.name[..], part.bytes.len() as u64)).collect();
-        if ours != theirs {
-            let (theirs, ours) = (shape(&theirs), shape(&ours));
-            return Err(Error::Render(format!("the saved state holds {theirs}, but this render has {ours}")));
-        }
-        persistent.iter().zip(&state.parts).try_for_each(|(part, saved)| part.write(&saved.bytes))?;
-        if let (FilmStore::Part(sums), Some(saved)) = (&mut self.film_store, state.parts.last()) {
-            sums.restore(&saved.bytes);
-        }
-        (self.samples_done, self.stopped, self.at_step_end) = (state.samples_done, false, true);
-        self.choose_tiles()
-    }
-
-    /// The part of the state that the host's memory holds.
-    fn host_part(&self) -> Option<StatePart> {
-        let part = |sums: &PartSums| StatePart { name: "film sums".into(), bytes: sums.bytes().to_vec() };
-        match &self.film_store {
-            FilmStore::Part(sums) => Some(part(sums)),
-            FilmStore::Plain | FilmStore::Adaptive(_) => None,
-        }
-    }
-
-    /// Memory of the device that outlives a step. A complete step leaves no sums in a radiance grid, which has learned from
-    /// them.
-    fn persistent(&self) -> Vec<Persistent<'_>> {
-        let film = self.sets.frame.persistent().into_iter();
-        film.chain(self.sets.radiance_grid.persistent()).chain(self.sets.normalization_grid.persistent()).collect()
-    }
+/// One part of a state, in the device's (little-endian) byte order.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StatePart {
+    /// Name of the memory.
+    pub name: String,
+    /// Contents of the memory.
+    pub bytes: Vec<u8>,
 }

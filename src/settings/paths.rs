@@ -2,11 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Learner, Sampler, Settings};
 use crate::generated::constants;
-use crate::generated::layout::PathVertex;
 use crate::scene::Scene;
-use crate::{Error, Result};
 
 /// Longest path that can be asked for, in edges. A scene's "unlimited" becomes this length.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
@@ -38,40 +35,6 @@ pub enum Roulette {
     /// Contribution that the guide expects of the rest of the path, relative to the value it expects of the pixel, from the
     /// first edge on (Vorba and Křivánek 2016). Surfaces without a guide use throughput.
     Contribution = constants::ROULETTE_CONTRIBUTION,
-}
-
-impl Settings {
-    /// Quantity that Russian roulette uses. Where none is chosen, `product` uses the expected contribution, because its guide
-    /// knows it. If no path is long enough for roulette by throughput, none is wanted, and throughput is the answer.
-    pub fn roulette(&self) -> Roulette {
-        let knows = self.sampler == Sampler::Product && self.rr_depth < self.max_depth;
-        self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })
-    }
-
-    /// Number of vertices that a kernel keeps of a path.
-    pub(crate) fn kept_vertices(&self) -> u32 {
-        if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
-    }
-
-    /// Bytes of the vertices that the learner keeps of each path in progress; 0 where it keeps none.
-    pub fn path_bytes(&self) -> u64 {
-        let keeps_vertices = self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo;
-        if keeps_vertices { u64::from(self.kept_vertices()) * size_of::<PathVertex>() as u64 } else { 0 }
-    }
-
-    /// Refuses a scene with an emitter that no path can find.
-    ///
-    /// # Errors
-    /// [`Error::Settings`] where emitters are not sampled and no ray can hit one of them.
-    pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
-        match scene.delta_emitters.first() {
-            Some(emitter) if !self.nee => Err(Error::Settings(format!(
-                "the scene has a `{}` emitter, which no ray can hit: its light needs --nee on",
-                emitter.kind.plugin()
-            ))),
-            _ => Ok(()),
-        }
-    }
 }
 
 /// Warning for a scene whose depth is outside the range that can be rendered.

@@ -2,9 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Sampler, Settings, options};
-use crate::Result;
-
 /// Number of samples per pixel between two updates of the guide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -37,18 +34,4 @@ pub enum SampleWeights {
     Even,
     /// Smaller weights for samples of an early guide, by a schedule that is fixed before the render begins.
     Growing,
-}
-
-impl Settings {
-    /// Weights of the samples. Where none are chosen, `product` uses growing weights, unless parts of a picture are rendered or
-    /// noise ends the render; everything else uses even weights.
-    pub fn sample_weights(&self) -> SampleWeights {
-        let grow = self.sampler == Sampler::Product && self.noise.is_none() && self.sample_offset.is_none();
-        self.sample_weights.unwrap_or(if grow { SampleWeights::Growing } else { SampleWeights::Even })
-    }
-
-    /// Refuses settings whose paths cannot be traced as waves.
-    pub(crate) fn check_wavefront(&self) -> Result<()> {
-        options::check(&Self { execution: Execution::Wavefront, ..self.clone() })
-    }
 }

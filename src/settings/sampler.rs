@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Settings;
 use crate::generated::constants;
 
 /// Source of scattered directions.
@@ -86,18 +85,4 @@ pub enum Learner {
     MonteCarlo = constants::LEARNER_MONTE_CARLO,
     /// Bootstraps from the irradiance that the normalization grid of `product` holds: Eq. 5 at a constant cost.
     IrradianceSarsa = constants::LEARNER_IRRADIANCE_SARSA,
-}
-
-impl Settings {
-    /// Whether cells learn the share of the scattering function: they can, and no fixed share is chosen. `monte-carlo` would
-    /// have to keep the share's statistics for every vertex.
-    pub fn learns_share(&self) -> bool {
-        let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
-        can && self.bsdf_share != Some(BsdfShare::Fixed)
-    }
-
-    /// Number of normal bins that the sampler distinguishes, along each side of the equal-area square.
-    pub(crate) fn normal_resolution(&self) -> u32 {
-        if matches!(self.sampler, Sampler::SphereInversion | Sampler::Quadtree) { 1 } else { self.normals }
-    }
 }

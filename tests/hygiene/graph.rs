@@ -134,14 +134,17 @@ fn a_planted_circle_is_found() {
         ("use crate::a::A;", "pub struct A; use crate::b::B;"),
         ("use super::a::{self, A as C};fn f() { a::f() }", "use super::b::{c::C, B};"),
         ("use crate::a; fn f() -> a::A {}", "fn f() { crate::b::g() }"),
+        // A function beside the module of its name.
+        ("use crate::A;", "use crate::c; fn f() { c::d() }"),
         // By way of another file, and of a name that it re-exports.
         ("use crate::A;", "use crate::c::B;"),
     ] {
         let others = [
             ("src/lib.rs", "pub use a::A; mod a; mod b; mod c;"),
-            ("src/c.rs", "pub use super::b::*; use crate::b::B;"),
+            ("src/c.rs", "mod d; pub use d::d; pub use super::b::*; use crate::b::B;"),
+            ("src/c/d.rs", "use crate::b::B; pub fn d() {}"),
         ];
-        let edges = graph(&[("src/a.rs", a), ("src/b.rs", b), others[0], others[1]]);
+        let edges = graph(&[("src/a.rs", a), ("src/b.rs", b), others[0], others[1], others[2]]);
         assert!(!circles(&edges).is_empty(), "{b} {a}: {edges:?}");
     }
     let edges =

@@ -47,11 +47,12 @@ impl Modules {
         let mut path = path.to_vec();
         // No name is re-exported more often.
         for _ in 0..16 {
-            let length = (0..=path.len()).rev().find(|&length| self.0.contains_key(&path[..length].join("::")))?;
-            let (module, rest) = (path[..length].join("::"), &path[length..]);
-            let name = rest.first()?;
-            match self.0[&module].imports.get(name) {
+            // The last segment may be a name beside a module of that name, as a function is that `pub use` brings up.
+            let parent = (0..path.len()).rev().find(|&length| self.0.contains_key(&path[..length].join("::")))?;
+            let (module, rest) = (path[..parent].join("::"), &path[parent..]);
+            match self.0[&module].imports.get(&rest[0]) {
                 Some(target) => path = target.iter().chain(&rest[1..]).cloned().collect(),
+                None if self.0.contains_key(&path.join("::")) => return None,
                 None => return Some(module),
             }
         }

@@ -2,8 +2,10 @@
 
 use clap::ValueEnum;
 
-use super::{Needs, OPTIONS, OptionEntry, Rule, Value, When};
+use super::entry::{Needs, OptionEntry, Rule, When};
+use super::table::OPTIONS;
 use crate::settings::Settings;
+use crate::settings::value::Value;
 use crate::{Error, Result};
 
 /// Refuses values that are out of range and combinations that cannot be rendered.

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use super::{Audience, Category, OPTIONS, OptionEntry, RESEARCH, Word};
+use super::entry::{Audience, Category, OptionEntry, RESEARCH};
+use super::table::OPTIONS;
+use crate::settings::value::Word;
 
 /// Text of `docs/options.md`.
 pub fn document() -> String {
@@ -70,7 +72,8 @@ impl OptionEntry {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::options::{Value, defaults};
+    use crate::settings::Value;
+    use crate::settings::options::defaults;
 
     #[test]
     fn every_option_is_described_once_and_shortly() {

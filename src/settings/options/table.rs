@@ -1,7 +1,8 @@
 //! Every option of `lodestar render`, one entry each, in the order of the help.
 
-use super::{Audience, Category, Choice, Needs, OptionEntry, Rule, Setting, Value, When};
+use super::entry::{Audience, Category, Needs, OptionEntry, Rule, Setting, When};
 use crate::settings::paths::MAX_KEPT_VERTICES;
+use crate::settings::value::{Choice, Value, Word};
 use crate::settings::{AUTO_GRID, Learner, MAX_DEPTH_LIMIT, MAX_FILM_SIDE, Mix, Sampler};
 
 use Category::{Device, Guiding, Length, Output, Paths, Scene};
@@ -53,7 +54,7 @@ macro_rules! checked {
 }
 
 /// Words of the field's type.
-const fn words_of<T: Choice>(_: fn(&crate::settings::Settings) -> &T) -> fn() -> Vec<super::Word> {
+const fn words_of<T: Choice>(_: fn(&crate::settings::Settings) -> &T) -> fn() -> Vec<Word> {
     T::words
 }
 
@@ -498,3 +499,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry { short: "Turn Vulkan's validation layer on", ..further(Device, "validate", "") },
 ];
+
+/// Entry of the option with this name.
+pub fn find(name: &str) -> Option<&'static OptionEntry> {
+    OPTIONS.iter().find(|option| option.name == name)
+}

@@ -1,0 +1,62 @@
+//! Answers that follow from several settings.
+
+use super::flat::Settings;
+use super::paths::Roulette;
+use super::run::SampleWeights;
+use super::sampler::{BsdfShare, Learner, Sampler};
+use crate::generated::layout::PathVertex;
+use crate::scene::Scene;
+use crate::{Error, Result};
+
+impl Settings {
+    /// Quantity that Russian roulette uses. Where none is chosen, `product` uses the expected contribution, because its guide
+    /// knows it. If no path is long enough for roulette by throughput, none is wanted, and throughput is the answer.
+    pub fn roulette(&self) -> Roulette {
+        let knows = self.sampler == Sampler::Product && self.rr_depth < self.max_depth;
+        self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })
+    }
+
+    /// Number of vertices that a kernel keeps of a path.
+    pub(crate) fn kept_vertices(&self) -> u32 {
+        if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
+    }
+
+    /// Bytes of the vertices that the learner keeps of each path in progress; 0 where it keeps none.
+    pub fn path_bytes(&self) -> u64 {
+        let keeps_vertices = self.sampler != Sampler::Bsdf && self.learner == Learner::MonteCarlo;
+        if keeps_vertices { u64::from(self.kept_vertices()) * size_of::<PathVertex>() as u64 } else { 0 }
+    }
+
+    /// Refuses a scene with an emitter that no path can find.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] where emitters are not sampled and no ray can hit one of them.
+    pub fn check_lighting(&self, scene: &Scene) -> Result<()> {
+        match scene.delta_emitters.first() {
+            Some(emitter) if !self.nee => Err(Error::Settings(format!(
+                "the scene has a `{}` emitter, which no ray can hit: its light needs --nee on",
+                emitter.kind.plugin()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether cells learn the share of the scattering function: they can, and no fixed share is chosen. `monte-carlo` would
+    /// have to keep the share's statistics for every vertex.
+    pub fn learns_share(&self) -> bool {
+        let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
+        can && self.bsdf_share != Some(BsdfShare::Fixed)
+    }
+
+    /// Number of normal bins that the sampler distinguishes, along each side of the equal-area square.
+    pub(crate) fn normal_resolution(&self) -> u32 {
+        if matches!(self.sampler, Sampler::SphereInversion | Sampler::Quadtree) { 1 } else { self.normals }
+    }
+
+    /// Weights of the samples. Where none are chosen, `product` uses growing weights, unless parts of a picture are rendered or
+    /// noise ends the render; everything else uses even weights.
+    pub fn sample_weights(&self) -> SampleWeights {
+        let grow = self.sampler == Sampler::Product && self.noise.is_none() && self.sample_offset.is_none();
+        self.sample_weights.unwrap_or(if grow { SampleWeights::Growing } else { SampleWeights::Even })
+    }
+}

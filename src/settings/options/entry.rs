@@ -1,0 +1,203 @@
+//! Entry of the table: one option with its help, range and rules.
+
+use crate::scene::{FilmDescription, IntegratorDescription, ReconstructionFilter};
+use crate::settings::flat::Settings;
+use crate::settings::sampler::{Learner, Sampler};
+use crate::settings::value::{Value, Word};
+
+/// One option of the command line.
+#[derive(Debug)]
+pub struct OptionEntry {
+    /// Name without the dashes.
+    pub name: &'static str,
+    /// Placeholder for the value in the help.
+    pub value_name: &'static str,
+    /// Subject of the option.
+    pub category: Category,
+    /// Readers that the option is for.
+    pub audience: Audience,
+    /// Help on one line, at most 60 characters.
+    pub short: &'static str,
+    /// Further help, after the short one.
+    pub long: &'static str,
+    /// Default in words. Where it is empty, the default settings say it.
+    pub default: &'static str,
+    /// Least and largest number.
+    pub range: Option<(f64, f64)>,
+    /// Combinations that the option allows.
+    pub rules: &'static [Rule],
+    /// Setting that the option sets, if it sets one.
+    pub setting: Option<Setting>,
+}
+
+/// Subject of an option.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Category {
+    /// The scene and the film.
+    Scene,
+    /// Files and messages.
+    Output,
+    /// Length of the render.
+    Length,
+    /// Paths and their random numbers.
+    Paths,
+    /// Sampling and learning of directions. Every option of this category sets one setting.
+    Guiding,
+    /// The device and its kernels.
+    Device,
+}
+
+/// Readers that an option is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Audience {
+    /// Everyone: `-h` shows the option.
+    Everyone,
+    /// Readers of `--help`.
+    Curious,
+    /// Researchers: `--help` shows the option under a heading of its own.
+    Researchers,
+}
+
+/// Heading of the options for researchers.
+pub const RESEARCH: &str = "Research";
+
+/// Function that sets a setting to the value that a text stands for.
+pub type Set = fn(&mut Settings, &str) -> Result<(), String>;
+
+/// Access to one setting.
+#[derive(Debug, Clone, Copy)]
+pub struct Setting {
+    /// Value of the setting.
+    pub get: fn(&Settings) -> Value,
+    /// Sets the setting to the value that a text stands for. `None` where the command line reads the option in another way.
+    pub set: Option<Set>,
+    /// Words that the setting takes; none where it takes numbers.
+    pub words: fn() -> Vec<Word>,
+}
+
+/// Condition on an option.
+#[derive(Debug)]
+pub struct Rule {
+    /// Values that the rule is about.
+    pub when: When,
+    /// Condition that must hold for these values.
+    pub needs: Needs,
+    /// Reason in one clause; it may be empty.
+    pub reason: &'static str,
+    /// Whether the rule holds for settings as such. Otherwise the settings are legal, but the option has no effect: only an
+    /// option that was written down is refused.
+    pub always: bool,
+}
+
+/// Values that a rule is about.
+#[derive(Debug, Clone, Copy)]
+pub enum When {
+    /// Any value.
+    Any,
+    /// One word.
+    Word(&'static str),
+    /// Numbers above 0.
+    AboveZero,
+}
+
+/// Condition that a rule states.
+#[derive(Debug, Clone, Copy)]
+pub enum Needs {
+    /// One of these samplers.
+    Samplers(&'static [Sampler]),
+    /// One of these learners.
+    Learners(&'static [Learner]),
+    /// No such other option.
+    Without(&'static str, fn(&Settings) -> bool),
+    /// A value as described.
+    Value(&'static str, fn(&Settings) -> bool),
+}
+
+impl OptionEntry {
+    /// Heading of the option in the help.
+    pub fn heading(&self) -> &'static str {
+        match (self.audience, self.category) {
+            (Audience::Researchers, _) => RESEARCH,
+            (_, category) => category.heading(),
+        }
+    }
+
+    /// Short help with the default.
+    pub fn short_help(&self) -> String {
+        match self.default_text() {
+            default if default.is_empty() => self.short.to_owned(),
+            default => format!("{} [default: {default}]", self.short),
+        }
+    }
+
+    /// Long help with the words that the option takes and the default.
+    pub fn long_help(&self) -> String {
+        let mut text = format!("{}.", self.short);
+        if !self.long.is_empty() {
+            text += &format!(" {}", self.long);
+        }
+        let words = self.words();
+        if words.iter().any(|word| !word.help.is_empty()) {
+            text += "\n\nValues:";
+            for Word { name, help } in words {
+                text += &format!("\n- {name}: {}", help.trim_end_matches('.'));
+            }
+        }
+        match self.default_text() {
+            default if default.is_empty() => text,
+            default => format!("{text}\n\n[default: {default}]"),
+        }
+    }
+
+    /// Function that sets the option's setting from text alone, if there is one.
+    pub fn set(&self) -> Option<Set> {
+        self.setting.and_then(|setting| setting.set)
+    }
+
+    /// Words that the option takes; none where it takes something else.
+    pub fn words(&self) -> Vec<Word> {
+        self.setting.map_or_else(Vec::new, |setting| (setting.words)())
+    }
+
+    /// Default as text; empty where there is none.
+    pub fn default_text(&self) -> String {
+        if !self.default.is_empty() {
+            return self.default.to_owned();
+        }
+        match self.setting.map(|setting| (setting.get)(&defaults())) {
+            Some(Value::Nothing) | None => String::new(),
+            Some(value) => value.to_string(),
+        }
+    }
+}
+
+impl Category {
+    /// Every category, in the order of the help.
+    pub const ALL: [Self; 6] = [Self::Scene, Self::Output, Self::Length, Self::Paths, Self::Guiding, Self::Device];
+
+    /// Heading of the category.
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Scene => "Scene",
+            Self::Output => "Output",
+            Self::Length => "Length",
+            Self::Paths => "Paths",
+            Self::Guiding => "Guiding",
+            Self::Device => "Device",
+        }
+    }
+}
+
+/// Refuses a text that is no value of the option's setting.
+///
+/// # Errors
+/// The expected form of the value.
+pub fn check_text(option: &OptionEntry, text: &str) -> Result<(), String> {
+    option.set().map_or(Ok(()), |set| set(&mut defaults(), text))
+}
+
+/// Settings of a film of any size.
+pub(in crate::settings) fn defaults() -> Settings {
+    let film = FilmDescription { width: 1, height: 1, crop: None, filter: ReconstructionFilter::Box };
+    Settings::for_film(&film, &IntegratorDescription::default())
+}
