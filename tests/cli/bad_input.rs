@@ -160,8 +160,8 @@ fn combinations_without_meaning() {
             ["--learner sarsa cannot be combined with --sampler quadtree", "monte-carlo only"],
         ),
         (&["--directions", "8"], ["--directions must be 16, 32 or 64", "but it is 8"]),
-        (&["--noise", "0.1", "--sample-offset", "0"], ["--noise cannot be combined with --sample-offset"]),
-        (&["--noise", "0.1", "--execution", "wavefront"], ["--execution wavefront cannot be combined with --noise"]),
+        (&["--noise", "0.1", "--sample-offset", "0"], ["--noise", "cannot be combined with --sample-offset"]),
+        (&["--noise", "0.1", "--execution", "wavefront"], ["--execution wavefront", "cannot be combined with --noise"]),
         (
             &["--learner", "monte-carlo", "--execution", "wavefront"],
             ["--execution wavefront cannot be combined with --learner monte-carlo", "take --execution megakernel"],
@@ -176,17 +176,20 @@ fn combinations_without_meaning() {
         ),
         (
             &["--sample-offset", "0", "--sample-weights", "growing"],
-            ["--sample-weights growing cannot be combined with --sample-offset"],
+            ["--sample-weights growing", "cannot be combined with --sample-offset"],
         ),
         (
             &["--noise", "0.1", "--sample-weights", "growing"],
-            ["--sample-weights growing cannot be combined with --noise"],
+            ["--sample-weights growing", "cannot be combined with --noise"],
         ),
         (&["--sampler", "bsdf", "--bsdf-share", "fixed"], ["--bsdf-share", "product only; the sampler here is bsdf"]),
-        (&["--epsilon", "0.5", "--bsdf-share", "learned"], ["--bsdf-share learned cannot be combined with --epsilon"]),
+        (
+            &["--epsilon", "0.5", "--bsdf-share", "learned"],
+            ["--bsdf-share learned", "cannot be combined with --epsilon"],
+        ),
         (
             &["--learner", "monte-carlo", "--bsdf-share", "learned"],
-            ["--bsdf-share learned cannot be combined with --learner monte-carlo"],
+            ["--bsdf-share learned", "cannot be combined with --learner monte-carlo"],
         ),
         (
             &["--sampler", "sphere-inversion", "--mix", "acceptance"],
