@@ -93,7 +93,7 @@ const fn research(category: Category, name: &'static str, value_name: &'static s
 /// Every option, in the order of the help. Options that set settings are applied in this order.
 pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
-        short: "Set a <default> of the scene; may be given several times",
+        short: "Set a `<default>` of the scene; may be given several times",
         ..common(Scene, "D", "NAME=VALUE")
     },
     OptionEntry {
