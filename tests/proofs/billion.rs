@@ -1,5 +1,5 @@
-//! 10^9 samples with a guide against 10^9 without: `cargo test --release --test proofs -- --ignored --nocapture billion`.
-//! `LODESTAR_SAMPLES` takes another number.
+//! 10^9 samples with a guide against 10^9 without: `cargo test --release --test proofs -- --ignored --nocapture
+//! billion`. `LODESTAR_SAMPLES` sets another number.
 
 use std::env;
 use std::io::{Write, stdout};
@@ -14,15 +14,15 @@ use support::scenes::ours;
 
 const WIDTH: u32 = 256;
 const HEIGHT: u32 = 144;
-/// Intermediate results that a run prints, the last one included.
+/// Number of intermediate results that a run prints, including the last one.
 const REPORTS: u32 = 20;
-/// Standard errors that the two means may lie apart.
+/// Maximum distance between the two means, in standard errors.
 const MOST_SIGMA: f64 = 4.0;
 
 /// Mean radiance over all pixels and channels, and an upper bound of its standard error.
 type Mean = (f64, f64);
 
-/// What two means say of the second one's bias.
+/// Difference of the second mean from the first, with its standard error.
 struct Verdict {
     difference: f64,
     error: f64,
@@ -43,7 +43,7 @@ impl Verdict {
         self.difference / self.relative_to
     }
 
-    /// Of the relative bias, were the difference off by as much as is allowed.
+    /// Upper bound of the relative bias: the difference that was found plus `MOST_SIGMA` standard errors.
     fn bound(&self) -> f64 {
         (self.difference.abs() + MOST_SIGMA * self.error) / self.relative_to
     }
@@ -74,9 +74,9 @@ fn report(renderers: &[Renderer; 2], begin: Instant) -> Verdict {
     verdict
 }
 
-/// Both renders go on step by step, one after the other, so that whenever the test is ended both have as many samples.
-/// Samples of different steps are uncorrelated, whatever the guide has learned from the earlier: each step's expectation is
-/// the same.
+/// The means of 10^9 samples with and without a guide differ by less than `MOST_SIGMA` standard errors. Both renderers
+/// take steps in turn, so that both have as many samples whenever the test is stopped. Samples of different steps are
+/// uncorrelated, whatever the guide has learned before: the expectation of each step is the same.
 #[test]
 #[ignore = "takes hours"]
 fn billion() {
@@ -117,6 +117,6 @@ fn billion() {
 fn the_verdict_on_two_means_is_their_difference_in_standard_errors() {
     let verdict = Verdict::new((2.0, 0.003), (2.01, 0.004));
     assert!((verdict.sigma() - 2.0).abs() < 1.0e-9 && (verdict.bound() - 0.015).abs() < 1.0e-9);
-    // The twin: a guide that is 2 % off.
+    // The twin must fail: a guide that is 2 % off.
     assert!(Verdict::new((2.0, 0.003), (2.04, 0.004)).sigma() > MOST_SIGMA);
 }

@@ -1,4 +1,4 @@
-//! What a claim is tested with: p-values, statements that must hold exactly, and where both are written.
+//! Evidence for or against a claim: p-values, and statements that must hold exactly. Both are written to a folder.
 
 use std::fmt::{Display, Write as _};
 use std::fs;
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use lodestar::image::{Image, ToneCurve, png};
 
-/// Chance that the whole suite fails though all is right.
+/// Chance that the whole suite fails although everything is right.
 pub const FALSE_ALARM: f64 = 1.0e-4;
-/// P-values that the whole suite may have at most; each claim says how many are its own.
+/// Maximum number of p-values of the whole suite. Each claim declares its own maximum.
 pub const MOST_TESTS: usize = 50_000;
 
 /// The p-value below which a single test fails (Sidak 1967).
@@ -16,24 +16,24 @@ pub fn level() -> f64 {
     -((-FALSE_ALARM).ln_1p() / MOST_TESTS as f64).exp_m1()
 }
 
-/// What a failing test leaves.
+/// Record that a failing test keeps.
 pub enum Record {
     /// Observed and expected numbers of samples in every cell.
     Histogram(Vec<u64>, Vec<f64>),
-    /// The picture, and what it was compared with, if that is one.
+    /// The picture, and the picture that it was compared with, if there is one.
     Pictures(Vec<Image>),
     Nothing,
 }
 
-/// What speaks most against a claim.
+/// The strongest evidence against a claim.
 #[derive(Debug, Clone)]
 pub struct Finding {
     pub case: String,
-    /// `None` where a statement does not hold that is no matter of chance.
+    /// P-value; `None` for an exact statement that does not hold.
     pub p: Option<f64>,
 }
 
-/// All tests of one claim about one subject.
+/// Results of all tests of one claim about one subject.
 pub struct Evidence {
     claim: &'static str,
     folder: PathBuf,
@@ -41,9 +41,9 @@ pub struct Evidence {
     failures: Vec<String>,
     least: (f64, String),
     first_untrue: Option<String>,
-    /// P-values so far.
+    /// Number of p-values so far.
     pub tests: usize,
-    /// Exact statements so far.
+    /// Number of exact statements so far.
     pub statements: usize,
 }
 
@@ -56,11 +56,11 @@ impl Evidence {
         Self { claim, folder, log, failures, least, first_untrue: None, tests: 0, statements: 0 }
     }
 
-    /// Adds a test of chance; `record` is asked for where it fails.
+    /// Adds a statistical test. `record` is called if the test fails.
     pub fn test(&mut self, case: impl Display, p: f64, record: impl FnOnce() -> Record) {
         self.tests += 1;
         let _ = writeln!(self.log, "{p:.3e}\t{case}");
-        // What is no number speaks against the claim, too.
+        // A p-value that is not a number counts as a failure.
         let p = if p.is_nan() { 0.0 } else { p };
         if p < self.least.0 {
             self.least = (p, case.to_string());
@@ -71,7 +71,7 @@ impl Evidence {
         }
     }
 
-    /// Adds a statement that must hold, and what is the case where it does not.
+    /// Adds a statement that must hold. `otherwise` describes how it fails.
     pub fn hold(&mut self, case: impl Display, holds: bool, otherwise: impl FnOnce() -> String) {
         self.statements += 1;
         if !holds {
@@ -82,7 +82,7 @@ impl Evidence {
         }
     }
 
-    /// Whether anything speaks against the claim.
+    /// Whether any test or statement has failed.
     pub fn is_refuted(&self) -> bool {
         !self.failures.is_empty()
     }
@@ -92,7 +92,8 @@ impl Evidence {
         self.least.0
     }
 
-    /// What refutes the claim: the least p-value that does, or else the first statement.
+    /// The failure that refutes the claim: the smallest p-value below the level, or else the first statement that does
+    /// not hold.
     pub fn finding(&self) -> Option<Finding> {
         if self.least.0 < level() {
             return Some(Finding { case: self.least.1.clone(), p: Some(self.least.0) });
@@ -100,14 +101,14 @@ impl Evidence {
         self.first_untrue.clone().map(|case| Finding { case, p: None })
     }
 
-    /// Writes all p-values. Returns the folder that they, and what failing tests left, are in.
+    /// Writes all p-values. Returns the folder, which also holds the records of failures.
     pub fn write(&self) -> &Path {
         fs::create_dir_all(&self.folder).expect("a folder below target");
         fs::write(self.folder.join("p-values.tsv"), &self.log).expect("written");
         &self.folder
     }
 
-    /// Fails where the claim is refuted.
+    /// Fails if the claim is refuted.
     pub fn judge(&self) {
         let folder = self.write().display();
         println!(
@@ -127,7 +128,7 @@ impl Evidence {
         );
     }
 
-    /// Of the first few failures, for each is large.
+    /// Keeps the record of a failure. Only the first few are kept, because records are large.
     fn keep(&self, record: &Record) {
         const MOST_RECORDS: usize = 4;
         let number = self.failures.len();

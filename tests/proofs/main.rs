@@ -1,5 +1,5 @@
-//! Proofs that no sampler is biased: what is claimed of every sampler, learner and scattering function, tested at once, and
-//! a proof that the tests find what they are for: known faults, each in kernels of its own. See `docs/proofs.md`.
+//! Proofs that no sampler is biased. Every claim is tested for all samplers, learners and scattering functions. Another
+//! test proves that the claims are sharp: each known fault, in kernels of its own, must be found. See `docs/proofs.md`.
 
 mod billion;
 mod claims;

@@ -1,4 +1,4 @@
-//! Renders of a subject.
+//! Renders with the kernels and settings of a subject.
 
 use std::sync::Arc;
 
@@ -27,7 +27,8 @@ impl Studio {
         mutated::renderer(&self.context, scene, &bvh, &settings, subject.mutation)
     }
 
-    /// A picture of `spp` samples a pixel, in steps of eight unless the subject has others, and what was counted.
+    /// Picture of `spp` samples per pixel, and the counts of the render. Steps have eight samples unless the subject
+    /// changes that.
     pub fn render(&self, subject: &Subject, scene: &Scene, settings: Settings, spp: u32) -> (Picture, Counts) {
         let per_step = subject.settings(settings.clone()).spp_per_step;
         let mut renderer = self.renderer(subject, scene, settings);
@@ -36,7 +37,7 @@ impl Studio {
     }
 }
 
-/// Takes `spp` samples more.
+/// Takes `spp` more samples per pixel.
 pub fn steps(renderer: &mut Renderer, per_step: u32, spp: u32) -> Counts {
     let mut counts = Counts::default();
     let mut left = spp;

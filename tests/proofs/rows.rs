@@ -1,5 +1,5 @@
-//! The table of what is proven: every sampler with every way to set it, and every learner. What is added here is tested by
-//! all claims.
+//! Table of the rows that are proven: every sampler with every way to set it, and every learner. All claims test every
+//! row.
 
 use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, SampleWeights, Sampler, Settings};
 use support::guide_cases::Kind;
@@ -21,12 +21,12 @@ const fn row(name: &'static str, set: Change) -> Row {
     Row { name, set, is_short: true }
 }
 
-/// Of the full form only.
+/// Row of the full form only.
 const fn more(name: &'static str, set: Change) -> Row {
     Row { name, set, is_short: false }
 }
 
-/// Everything that follows a guide.
+/// Rows that follow a guide.
 pub const GUIDED: &[Row] = &[
     row("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     row("rejection-mix, cylindrical", |s| (s.sampler, s.map) = (Sampler::RejectionMix, DirectionMap::Cylindrical)),
@@ -36,7 +36,8 @@ pub const GUIDED: &[Row] = &[
     row("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
     row("hemisphere-inversion", |s| s.sampler = Sampler::HemisphereInversion),
     row("product", |s| s.sampler = Sampler::Product),
-    // With a much smaller share the few uniform samples weigh so much that their sums are far from normally distributed.
+    // With a much smaller share, the few uniform samples have such large weights that their sums are far from normally
+    // distributed.
     more("rejection-mix, share 0.05, cylindrical", |s| {
         (s.sampler, s.epsilon, s.map) = (Sampler::RejectionMix, Some(0.05), DirectionMap::Cylindrical);
     }),
@@ -64,8 +65,9 @@ pub const GUIDED: &[Row] = &[
     more("hemisphere-inversion, half uniform", |s| (s.sampler, s.min_uniform) = (Sampler::HemisphereInversion, 0.5)),
 ];
 
-/// What stands in pictures only: it has no table of bins, or more parts than the kernels of single functions have. Of samples and
-/// trees of quadtrees tells `tests/samplers/quadtree.rs`, of learned shares `tests/samplers/shares.rs`.
+/// Rows that only claims about pictures test. They have no table of bins, or more parts than the kernels of single
+/// functions have. `tests/samplers/quadtree.rs` tests samples and trees of quadtrees, `tests/samplers/shares.rs` tests
+/// learned shares.
 pub const RENDERED: &[Row] = &[
     row("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
     row("product, every part", |s| {
@@ -77,15 +79,15 @@ pub const RENDERED: &[Row] = &[
     more("product, fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed))),
 ];
 
-/// A plain path tracer.
+/// Row of the plain path tracer.
 pub const UNGUIDED: Row = row("bsdf", |s| s.sampler = Sampler::Bsdf);
 
-/// Every way to learn.
+/// All learners, by name.
 pub const LEARNERS: &[(&str, Learner)] =
     &[("sarsa", Learner::Sarsa), ("expected-sarsa", Learner::ExpectedSarsa), ("monte-carlo", Learner::MonteCarlo)];
 
 impl Row {
-    /// As the kernels of single functions and their twins take it.
+    /// Constants of this row, in the form that kernels of single functions and their twins take.
     pub fn kind(&self) -> Kind {
         let mut s = Settings::for_scene(&ours("furnace/scene.xml", &[]));
         (self.set)(&mut s);
@@ -100,22 +102,22 @@ impl Row {
     }
 }
 
-/// How much of the table is tested.
+/// Part of the table that is tested.
 #[derive(Clone, Copy)]
 pub struct Scope {
-    /// The full form.
+    /// Whether it is the full form.
     pub full: bool,
-    /// This row only.
+    /// The only row to test, if there is one.
     only: Option<&'static str>,
 }
 
 impl Scope {
-    /// `LODESTAR_FULL` chooses the full form.
+    /// Scope of this run: the full form if `LODESTAR_FULL` is set, else the short form.
     pub fn of_this_run() -> Self {
         Self { full: std::env::var_os("LODESTAR_FULL").is_some(), only: None }
     }
 
-    /// The short form with one row of the table.
+    /// Scope of the short form with one row of the table.
     pub const fn only(row: &'static str) -> Self {
         Self { full: false, only: Some(row) }
     }
@@ -125,13 +127,13 @@ impl Scope {
         self.wanted(GUIDED)
     }
 
-    /// Those, and the plain path tracer.
+    /// Rows that follow a guide, and the plain path tracer.
     pub fn all(&self) -> Vec<Row> {
         let unguided = self.only.is_none_or(|name| name == UNGUIDED.name).then_some(UNGUIDED);
         unguided.into_iter().chain(self.guided()).collect()
     }
 
-    /// All that pictures are made with.
+    /// All rows that pictures are rendered with.
     pub fn rendered(&self) -> Vec<Row> {
         self.all().into_iter().chain(self.wanted(RENDERED)).collect()
     }

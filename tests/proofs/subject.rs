@@ -1,4 +1,4 @@
-//! What is put to the proof: the kernels as they are shipped, or a change to them or to their settings.
+//! Subject of a proof: the shipped kernels, or a change to them or to their settings.
 
 use lodestar::generated::kernels::test;
 use lodestar::gpu::KernelSource;
@@ -7,39 +7,39 @@ use support::device::GROUP;
 use support::guide_cases::GuideKernels;
 use support::mutated;
 
-/// A change to settings.
+/// Function that changes settings.
 pub type Change = fn(&mut Settings);
 
-/// Kernels and how they are run.
+/// Kernels and the way in which they are run.
 #[derive(Clone)]
 pub struct Subject {
-    /// What is changed.
+    /// Name of the change.
     pub name: &'static str,
-    /// A mutation of `tests/tampered`.
+    /// Name of a mutation of `tests/tampered`.
     pub mutation: Option<&'static str>,
-    /// What renders are made with.
+    /// Change to the settings of renders.
     pub change: Change,
-    /// Added to every seed.
+    /// Offset of every seed.
     pub seed: u32,
-    /// Invocations of a workgroup, in the kernels of single functions.
+    /// Invocations per workgroup, in the kernels of single functions.
     pub group: u32,
 }
 
-/// The renderer as it is.
+/// The renderer as it is shipped.
 pub const SHIPPED: Subject = Subject { name: "shipped", mutation: None, change: |_| {}, seed: 0, group: GROUP };
 
 impl Subject {
-    /// With a mutation of the kernels.
+    /// Subject with a mutation of the kernels.
     pub const fn mutated(name: &'static str) -> Self {
         Self { name, mutation: Some(name), ..SHIPPED }
     }
 
-    /// With other settings.
+    /// Subject with other settings.
     pub const fn changed(name: &'static str, change: Change) -> Self {
         Self { name, change, ..SHIPPED }
     }
 
-    /// The kernel that is run in place of a built-in one.
+    /// Kernel that runs in place of a built-in one.
     pub fn kernel(&self, built_in: &KernelSource) -> KernelSource {
         self.mutation.map_or_else(|| built_in.clone(), |mutation| mutated::kernel(built_in, mutation))
     }
@@ -53,7 +53,7 @@ impl Subject {
         }
     }
 
-    /// Settings of a render, given those of a claim.
+    /// Settings of a render, made from the settings of a claim.
     pub fn settings(&self, mut settings: Settings) -> Settings {
         settings.seed += self.seed;
         (self.change)(&mut settings);

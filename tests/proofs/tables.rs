@@ -1,4 +1,4 @@
-//! Tables that a guide is tested with: made up, and learned in a render.
+//! Radiance tables to test a guide with: made-up ones, and ones learned in a render.
 
 use std::sync::OnceLock;
 
@@ -10,11 +10,11 @@ use support::scenes::ours;
 use crate::renders::Studio;
 use crate::subject::SHIPPED;
 
-/// Of a cell with the sharpest contrast after two steps, and a step later.
+/// Radiance of the cell with the sharpest contrast: after the first step, and after the second.
 struct Learned([Vec<f32>; 2]);
 
-/// Radiance of a cell. They are filled in one after the other, each over the one before: the last but one is what the last
-/// was a step earlier.
+/// Named radiance tables of a cell. Tests fill them in one after the other, each over the one before. The last table is
+/// one step newer than the table before it.
 pub fn tables(map: DirectionMap, nb: DVec3) -> Vec<(&'static str, Vec<f32>)> {
     let [before, after] = learned(map).0.clone();
     let learned = [("learned a step before", before), ("freshly learned", after)];

@@ -1,5 +1,5 @@
-//! The proof of the proofs: every known way to be wrong is found by the claim that is there for it, and changes that do not
-//! matter are not. The faulty kernels are those of `tests/tampered`.
+//! Proof that the claims are sharp: every known fault is found by the claim that is meant to find it, and changes that
+//! must not matter are not flagged. The faulty kernels are in `tests/tampered`.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,7 +15,7 @@ use crate::evidence::MOST_TESTS;
 use crate::rows::Scope;
 use crate::subject::{Change, SHIPPED, Subject};
 
-/// A way to be wrong, the claim that must find it, and the row of the table with which it does.
+/// A fault, the claim that must find it, and the row of the table that is tested.
 struct Fault(Subject, Claim, &'static str);
 
 const MIX: &str = "rejection-mix";
@@ -73,7 +73,7 @@ const FAULTS: &[Fault] = &[
     kernels("densities 25 % off", FURNACE, MIX),
 ];
 
-/// A change that must not matter, and claims that it touches.
+/// A change that must not matter, and the claims that it touches.
 struct Harmless(Subject, &'static [Claim]);
 
 const RENDERS: &[Claim] = &[FURNACE, PICTURES];
@@ -124,7 +124,7 @@ const HARMLESS: &[Harmless] = &[
 
 const DOCUMENT: &str = include_str!("../../docs/proofs.md");
 
-/// Keeps a table below `target/proofs`. The document has its first columns.
+/// Writes a table below `target/proofs`. `docs/proofs.md` must contain its first columns.
 fn write_table(file: &str, heading: &str, rows: &[(String, String)]) {
     let mut table = format!("{heading}\n");
     for (documented, measured) in rows {
@@ -185,7 +185,7 @@ fn no_harmless_change_is_flagged() {
     write_table("harmless.md", "| change | claims | least p |\n|---|---|---|", &rows);
 }
 
-/// What no test uses would prove nothing.
+/// Every mutation is used: a mutation that no test uses would prove nothing.
 #[test]
 fn every_mutation_is_a_fault_or_harmless() {
     let used = FAULTS.iter().map(|fault| &fault.0).chain(HARMLESS.iter().map(|harmless| &harmless.0));

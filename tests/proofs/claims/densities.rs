@@ -1,5 +1,5 @@
-//! The device's density of a guide is the twin's, integrates to one over the sphere and leaves out no direction that the
-//! surface can reflect to.
+//! Claim: the device's density of a guide equals the twin's, integrates to one over the sphere, and is positive for
+//! every direction that the surface can reflect to.
 
 use std::f64::consts::PI;
 
@@ -14,9 +14,9 @@ use crate::rows::Scope;
 use crate::subject::Subject;
 use crate::tables::tables;
 
-/// Deviation of the integral over the sphere from one.
+/// Maximum deviation of the integral over the sphere from one.
 const MOST_OFF: f64 = 1.0e-4;
-/// Normals that the short form takes.
+/// Number of normals in the short form.
 const FEW_NORMALS: usize = 2;
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
@@ -40,7 +40,7 @@ fn check(guided: &Guided, setting: &Setting, guide: &Guide, case: &str, evidence
     let integral = 4.0 * PI * densities.iter().map(|d| f64::from(d.pdf)).sum::<f64>() / densities.len() as f64;
     evidence.hold(format!("integral, {case}"), (integral - 1.0).abs() < MOST_OFF, || format!("it is {integral:.6}"));
     let (mut unsupported, mut wrong) = (0, None);
-    // Enough of them, in every bin.
+    // Every seventh point is enough: each bin has some.
     for d in densities.iter().step_by(7) {
         let w = Vec3::from(d.wi).as_dvec3();
         let (height, guide_height) = (w.dot(guide.n), w.dot(guide.nb));
@@ -58,24 +58,24 @@ fn check(guided: &Guided, setting: &Setting, guide: &Guide, case: &str, evidence
     evidence.hold(format!("density, {case}"), wrong.is_none(), || format!("(direction, density, twin): {wrong:?}"));
 }
 
-/// What a density may differ by because the numbers that it is made of are rounded, or integrals approximate; samples are
-/// drawn from the same numbers.
+/// Allowed difference between two densities. It covers rounding of the numbers that a density is made of, and
+/// approximate integrals. Samples are drawn from the same numbers, so this is no bias.
 pub fn slack(guide: &Guide, w: DVec3) -> f64 {
     let bin = direction_bin(guide.map, w, DIRECTIONS) as usize;
     match guide.rules.sampler {
-        // A prefix sum's precision.
+        // Precision of a prefix sum.
         Sampler::SphereInversion => 2.0e-5,
-        // The twin's points know an integral to 3e-6 sr: see the tests of the normalizers.
+        // The twin's points give an integral to within 3e-6 sr: see the tests of the normalizers.
         Sampler::HemisphereInversion => guide.entry.guide_scale * f64::from(guide.radiance[bin]) * 3.0e-6,
         // The cosine about the true normal is a sum of three rounded products.
         Sampler::Product => guide.cosine_share() * 3.0e-7 / PI,
-        // The share of Eq. 8: next to 0, from a normalizer that is right to some 1e-6.
+        // The share of Eq. 8 is next to 0. It comes from a normalizer that is right to about 1e-6.
         _ if guide.rules.mixes_acceptances() => guide.entry.guide_scale * 4.0e-6,
         _ => 0.0,
     }
 }
 
-/// Distance in the square from the next border between direction bins.
+/// Distance in the square to the nearest border between direction bins.
 fn from_border(map: DirectionMap, w: DVec3) -> f64 {
     let cells = (0.5 * sphere_to_map(map, w) + 0.5) * f64::from(DIRECTIONS);
     (cells - cells.round()).abs().min_element() * 2.0 / f64::from(DIRECTIONS)

@@ -1,5 +1,6 @@
-//! Directions in which paths leave surfaces of every family of scattering functions that a guide has a part in: drawn with
-//! the density of the twins, weighed to the light that they scatter, and leaving out none that they scatter to.
+//! Claim: paths leave surfaces in directions drawn with the density of the twins. The weighted samples add up to the
+//! light that the surface scatters, and no direction that it scatters to is left out. All families of scattering
+//! functions that a guide takes part in are tested.
 
 use std::sync::OnceLock;
 
@@ -31,13 +32,13 @@ use crate::subject::Subject;
 use crate::tables::tables;
 
 const SAMPLES: usize = 1 << 16;
-/// Cells of histograms a side, and points of the map that the twins are integrated over.
+/// Cells of a histogram along each side, and points along each side of the map over which the twins are integrated.
 const HISTOGRAM: u32 = 32;
 const FINE: u32 = 352;
 const SEED: u32 = 200;
-/// The authors' share of a dielectric's samples that a guide takes.
+/// Share of a dielectric's samples that a guide draws in the authors' code.
 const DIELECTRIC_SHARE: f64 = 0.9;
-/// Relative deviation of a density that single precision may make.
+/// Relative error of a density in single precision.
 const TOLERANCE: f64 = 2.0e-3;
 
 /// A family of scattering functions.
@@ -54,7 +55,7 @@ impl Family {
         }
     }
 
-    /// Guided in the authors' code only.
+    /// Guide set that includes this family. Some families are guided in the authors' code only.
     fn guide_set(&self) -> GuideSet {
         match self {
             Self::Other(Surface {
@@ -72,7 +73,7 @@ impl Family {
         }
     }
 
-    /// f cos without single directions.
+    /// Value f cos, without lobes of a single direction.
     fn eval(&self, wo: DVec3, wi: DVec3) -> f64 {
         let value = match self {
             Self::Diffuse(albedo) => *albedo * (wi.z.max(0.0) / std::f64::consts::PI),
@@ -81,13 +82,13 @@ impl Family {
         value.element_sum() / 3.0
     }
 
-    /// Whether anything is scattered to directions on this side.
+    /// Whether light is scattered to directions on this side.
     fn reaches(&self, wi: DVec3) -> bool {
         wi.z > 0.0 || matches!(self, Self::Other(surface) if surface.transmits())
     }
 
-    /// Density of a direction that is reached, given that of the guide. `product` is the density of the product sampler's
-    /// descent alone and the share of the cosine that it is mixed with over a lobe.
+    /// Density of a direction that light is scattered to, given the density of the guide. `product` holds the density
+    /// of the product sampler's descent alone, and the share of the cosine that it is mixed with over a lobe.
     fn pdf(&self, wo: DVec3, wi: DVec3, guide: f64, product: Option<(f64, f64)>) -> f64 {
         let is_whole = self.guide_set() == GuideSet::Authors;
         if let (Some((descent, cosine_share)), true, Self::Other(surface)) = (product, is_whole, self) {
@@ -163,7 +164,8 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             let families: Vec<_> = families().into_iter().filter(|family| family.guide_set() == guide_set).collect();
             let bench = Bench::new(subject, &row, guide_set, &families);
             let kind = row.kind();
-            // Their horizons lie between the points that the twins are integrated over, and they are not on centers of bins.
+            // The horizons of these normals lie between the points over which the twins are integrated. The normals are
+            // not on centers of bins.
             for setting in [1, 3].iter().take(normals).map(|&index| &settings(kind.map)[index]) {
                 let wanted = ["peaked", "freshly learned", "hot bin at the horizon", "all zero"];
                 let wanted = &wanted[..if scope.full { 4 } else { 2 }];
@@ -223,7 +225,7 @@ impl Case<'_> {
         spread().for_each(|(w, _)| observed[direction_bin(self.map, w, HISTOGRAM) as usize] += 1);
         let masses = fine(self.map).integrals(HISTOGRAM, |w| if reached(w) { self.pdf(w) } else { 0.0 });
         let mut expected: Vec<f64> = masses.iter().map(|mass| mass * count).collect();
-        // Single directions, and what is lost.
+        // The last cell counts single directions and lost samples.
         observed.push(drawn.len() as u64 - observed.iter().sum::<u64>());
         expected.push((count - expected.iter().sum::<f64>()).max(0.0));
         evidence.test(format!("chi-square, {name}"), chi_square(&observed, &expected), || {
@@ -235,7 +237,7 @@ impl Case<'_> {
             if d.pdf > 0.0 { d.weight.iter().map(|&w| f64::from(w)).sum::<f64>() / 3.0 } else { 0.0 }
         };
         let (mean, error) = mean_and_error(drawn.iter().map(weight));
-        // The light is a sum over points, next to whose horizon the value jumps.
+        // The light is a sum over points, and the value jumps at the horizon.
         let p = two_sided((mean - light) / error.hypot(1.0e-3 * light));
         evidence.test(format!("light, {name}: {mean:.5} +- {error:.5}, not {light:.5}"), p, || Record::Nothing);
     }
@@ -248,7 +250,7 @@ impl Case<'_> {
         let (mut wrong, mut apart, mut unsupported) = (0, 0, 0);
         for d in drawn {
             let (wi, given) = (unit(d.wi), unit(d.given));
-            // Away from the horizon, where rounding decides on the side.
+            // Only directions away from the horizon count: next to it, rounding decides the side.
             let is_clear = |w: DVec3| self.local(w).z.abs() > 1.0e-4 && w.dot(self.guide.nb).abs() > 1.0e-4;
             if d.pdf > 0.0 && self.family.reaches(self.local(wi)) && is_clear(wi) {
                 wrong += usize::from(is_off(wi, d.pdf));
@@ -259,7 +261,7 @@ impl Case<'_> {
                 unsupported += usize::from(Vec3::from(d.value_of_given).max_element() > 0.0 && d.pdf_of_given <= 0.0);
             }
         }
-        // At borders of bins, where rounding decides on the bin.
+        // Few samples may be wrong: at borders of bins, rounding decides the bin.
         let few = drawn.len() / 2000;
         evidence.hold(format!("density, {name}"), wrong <= few, || format!("{wrong} differ from the twin's"));
         evidence

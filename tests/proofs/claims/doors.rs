@@ -1,5 +1,5 @@
-//! What is infinite or no number is stopped before the film and before the grids, and counted; numbers whose sums are not
-//! finite leave all to uniform directions.
+//! Claim: infinite values and values that are not numbers are stopped before the film and before the grids, and are
+//! counted. Where sums of finite numbers overflow, all directions are uniform.
 
 use std::f64::consts::PI;
 
@@ -18,7 +18,7 @@ use crate::subject::Subject;
 
 const SIDE: u32 = 16;
 const SEED: u32 = 1000;
-/// Radiance that a light may emit, and whether samples of it are to be counted as dropped.
+/// Radiance of the light, and whether its samples must be counted as dropped.
 const EMISSIONS: [(f32, bool); 5] =
     [(f32::NAN, true), (f32::INFINITY, true), (-1.0, false), (3.0e37, false), (f32::MIN_POSITIVE, false)];
 
@@ -37,7 +37,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     }
 }
 
-/// The Cornell box, whose lamp emits this.
+/// The Cornell box with a lamp of radiance `emission`.
 fn lit_by(emission: f32) -> Scene {
     let mut scene = ours("cornell-box/scene.xml", &[]);
     for emitter in &mut scene.emitters {
@@ -71,7 +71,8 @@ fn check_emission(
     let spp = settings.spp_per_step;
     let mut renderer = studio.renderer(subject, &scene, settings.clone());
     let first = steps(&mut renderer, spp, spp);
-    // The first step draws what a plain path tracer draws, whose samples alone are counted: it has no targets.
+    // The first step draws the samples of a plain path tracer. A plain path tracer has no targets, so it counts samples
+    // alone.
     let plain =
         Settings { sampler: Sampler::Bsdf, learner: Learner::Sarsa, mix: Mix::Density, epsilon: None, ..settings };
     let plain = studio.render(subject, &scene, plain, spp).1;
@@ -90,8 +91,8 @@ fn check_emission(
     check_grids(&renderer, row, &case, evidence);
 }
 
-/// Radiance and factors are finite; none is negative. The product sampler has weights of a few bits in the place of factors, which
-/// no pattern of bits can make wrong.
+/// Radiance and factors are finite, and none is negative. The product sampler has weights of a few bits in place of
+/// factors. Every pattern of bits is a valid weight.
 fn check_grids(renderer: &Renderer, row: &Row, case: &str, evidence: &mut Evidence) {
     let state = renderer.state().expect("a state");
     let names = ["radiance", "learned radiance", "normalizers"];
@@ -105,7 +106,7 @@ fn check_grids(renderer: &Renderer, row: &Row, case: &str, evidence: &mut Eviden
     }
 }
 
-/// Finite numbers whose sums are not: directions are uniform.
+/// Finite numbers whose sum overflows give uniform directions.
 fn check_tables(subject: &Subject, row: &Row, evidence: &mut Evidence) {
     let kind = row.kind();
     let guided = Guided::with(kind, &subject.guide_kernels());

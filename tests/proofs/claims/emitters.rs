@@ -1,5 +1,4 @@
-//! Light that is sampled and light that is met by chance make up the radiance of a floor in closed form, with a guide and
-//! without.
+//! Claim: emitter sampling and light hits add up to the radiance of a floor in closed form, with and without a guide.
 
 use lodestar::settings::{SamplePattern, Settings};
 use support::estimate::Estimate;
@@ -20,7 +19,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
     let rows = scope.all();
     let rows = if scope.full || scope.is_narrow() { &rows[..] } else { &rows[..2] };
-    // All of them, sampled and not, are in `tests/render/nee.rs` for two samplers.
+    // `tests/render/nee.rs` tests all lights, with and without emitter sampling, for two samplers.
     let few = ["rectangle", "constant"];
     let is_wanted = |light: &&str| scope.full || few.contains(light);
     for light in SPREAD.into_iter().chain(DELTA).filter(is_wanted) {
@@ -38,7 +37,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             let (picture, _) = studio.render(subject, &scene, steady(settings), SPP);
             let (mean, error) = Estimate::of(&picture).gray();
             let expected = floor_radiance(light);
-            // Single precision, and a camera that sees more than one point.
+            // The added error covers single precision and a camera that sees more than one point.
             let z = (mean - expected) / error.hypot(1.0e-5 * expected);
             let case = format!("floor, {light}, {}, seed {SEED}: {mean:.6} +- {error:.6}, not {expected:.6}", row.name);
             evidence.test(case, two_sided(z), || Record::Pictures(vec![picture.image()]));

@@ -1,5 +1,5 @@
-//! After a step every marked entry of the normalization grid is what brute force makes of the radiance table, and no other
-//! is filled.
+//! Claim: after a step, every marked entry of the normalization grid equals the brute-force result for the radiance
+//! table. No other entry is filled.
 
 use std::f64::consts::TAU;
 
@@ -23,13 +23,13 @@ use crate::subject::Subject;
 const SIDE: u32 = 32;
 const STEPS: u32 = 3;
 const SEED: u32 = 400;
-/// What the factors may be off, relatively: a sum of hundreds of numbers in single precision.
+/// Allowed relative error of a factor, which is a sum of hundreds of numbers in single precision.
 const TOLERANCE: f64 = 3.0e-5;
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
     let scene = ours("cornell-box/scene.xml", &[]);
-    // Inversion over the sphere has one entry a cell, whose factors are the same for every table.
+    // Inversion over the sphere has one entry per cell, whose factors are the same for every table.
     for row in scope.guided().iter().filter(|row| row.kind().rules.sampler != Sampler::SphereInversion) {
         let mut settings = Settings {
             width: SIDE,
@@ -98,12 +98,12 @@ fn check(
         .hold(format!("marked entries, {case}"), wrong.is_none(), || format!("(cell, normal, deviation): {wrong:?}"));
 }
 
-/// Of all direction bins, for one normal bin.
+/// Clamped cosines over all direction bins, for one normal bin.
 struct Cosines {
-    /// What an integral may be off, sr: see the tests of the normalizers.
+    /// Error of an integral, sr: see the tests of the normalizers.
     error: f64,
     integrals: Vec<f64>,
-    /// The renderer's, whose last digits decide to which of few bits a sum is rounded.
+    /// The renderer's integrals. Their last digits decide how a sum is rounded to few bits.
     stored: Vec<f64>,
     maxima: Vec<f64>,
 }
@@ -125,8 +125,8 @@ impl Cosines {
     }
 }
 
-/// The same between the blocks' weights that the product sampler keeps; 0 where they are those of the twin, or next to them
-/// and rounding may have decided.
+/// Largest relative difference between the block weights that the product sampler stores and the twin's. The difference
+/// is 0 for equal weights, and for neighbors where rounding may have decided.
 fn block_difference(words: &[u32; 4], radiance: &[f32], cosines: &Cosines) -> f64 {
     let twin = Product { radiance, integrals: &cosines.stored }.block_weights();
     let code = |i: usize| words[i / 4] >> (7 * (i % 4)) & 127;
@@ -137,14 +137,14 @@ fn block_difference(words: &[u32; 4], radiance: &[f32], cosines: &Cosines) -> f6
     if worst < 0.126 && inexact <= 1 { 0.0 } else { worst }
 }
 
-/// The largest relative difference between any of the factors and what brute force makes them.
+/// Largest relative difference between any of the factors and the brute-force result.
 fn difference(ours: &layout::NormalizationEntry, radiance: &[f32], cosines: &Cosines, rules: &Rules) -> f64 {
     let (normalizer, bound) = normalizer_and_bound(radiance, &cosines.integrals, &cosines.maxima);
     let twin: NormalizationEntry = match rules.sampler {
         Sampler::HemisphereInversion => inversion_factors(normalizer, radiance.len(), rules),
         _ => rejection_factors(normalizer, bound, rules),
     };
-    // Of 1 - (1 - c)^K little is left where c is small, and c itself is rounded next to 1.
+    // 1 - (1 - c)^K cancels where c is small, and c itself is rounded next to 1.
     let cancelled = match rules.sampler {
         Sampler::HemisphereInversion => 0.0,
         _ => 6.0e-8 / rules.accepted(normalizer / (TAU * bound), twin.uniform_share),
@@ -155,10 +155,10 @@ fn difference(ours: &layout::NormalizationEntry, radiance: &[f32], cosines: &Cos
         (ours.acceptance_scale, twin.acceptance_scale),
     ];
     let relative = pairs.map(|(a, b)| (f64::from(a) / b - 1.0).abs()).into_iter().fold(0.0, f64::max);
-    // Next to the horizon little is left of the brightest bin but the error of its integral.
+    // Next to the horizon, the brightest bin's contribution is mostly the error of its integral.
     let brightest = radiance.iter().copied().fold(0.0, f32::max);
     let approximate = cosines.error * f64::from(brightest) / normalizer;
-    // Eq. 8 gives shares next to 0, with the rounding of numbers next to 1.
+    // Eq. 8 gives shares next to 0 with the rounding error of numbers next to 1.
     let share = (f64::from(ours.uniform_share) - twin.uniform_share).abs() / twin.uniform_share.max(0.0625);
     relative.max(share) - cancelled - approximate
 }

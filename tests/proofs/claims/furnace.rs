@@ -1,4 +1,5 @@
-//! Inside a surface that emits and reflects alike everywhere, every path of `n` edges sees the same, with any sampler.
+//! Claim: inside a surface that emits and reflects alike everywhere, every path of `n` edges brings the same radiance,
+//! with any sampler.
 
 use lodestar::settings::{SamplePattern, Settings};
 use support::estimate::Estimate;
@@ -13,10 +14,10 @@ use crate::subject::Subject;
 const SIDE: u32 = 32;
 const SPP: u32 = 64;
 const SEED: u32 = 500;
-/// Single precision sums up this many samples.
+/// Relative rounding error of a sum of `SPP` samples in single precision.
 const ROUNDING: f64 = 1.0e-6;
 
-/// How a picture of the furnace is made.
+/// Settings of one picture of the furnace.
 struct Case {
     file: &'static str,
     rr_depth: u32,
@@ -26,7 +27,7 @@ struct Case {
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
     let case = |file, rr_depth, nee| Case { file, rr_depth, nee };
-    // The short form has those of `tests/render/analytic.rs` besides.
+    // `tests/render/analytic.rs` tests more cases in the short form.
     let mut cases = vec![case("furnace/scene.xml", 2, true)];
     if scope.full {
         cases.extend([
@@ -38,7 +39,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     for row in scope.rendered() {
         cases.iter().for_each(|case| test_case(&studio, subject, &row, case, |_| {}, row.name, evidence));
     }
-    // Learners differ in what they learn only, so one sampler shows them all.
+    // Learners differ only in the radiance that they learn, so one sampler is enough for all of them.
     for (name, learner) in LEARNERS[1..].iter().filter(|_| !scope.is_narrow()) {
         let row = scope.guided()[0];
         test_case(&studio, subject, &row, &cases[0], |s| s.learner = *learner, name, evidence);
@@ -68,7 +69,7 @@ fn test_case(
     (row.set)(&mut settings);
     change(&mut settings);
     let settings = steady(settings);
-    // Emission of a half, of which a half is reflected.
+    // The surface emits 0.5 and reflects half.
     let expected = 1.0 - 0.5_f64.powi(settings.max_depth as i32);
     let (picture, _) = studio.render(subject, &scene, settings, SPP);
     let (mean, error) = Estimate::of(&picture).gray();

@@ -1,4 +1,4 @@
-//! The claims, one file each. A claim is tested for any subject and any part of the table.
+//! The claims, one file each. Each claim can be tested for any subject and any part of the table.
 
 pub mod densities;
 pub mod directions;
@@ -24,7 +24,7 @@ use crate::subject::{SHIPPED, Subject};
 pub struct Claim {
     pub name: &'static str,
     test: fn(&Subject, Scope, &mut Evidence),
-    /// P-values that it has at most, in the full form.
+    /// Maximum number of p-values of this claim, in the full form.
     pub most_tests: usize,
 }
 

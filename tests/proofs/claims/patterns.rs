@@ -1,5 +1,5 @@
-//! Pictures by samples in sets are those by independent samples: what the samples of a set are to each other is no matter of
-//! the mean.
+//! Claim: pictures from samples in sets agree with pictures from independent samples. Dependence between the samples of
+//! a set does not change the mean.
 
 use lodestar::film::Picture;
 use lodestar::settings::{SamplePattern, Settings};
@@ -14,9 +14,9 @@ use crate::subject::{SHIPPED, Subject};
 const SIDE: u32 = 24;
 const SPP: u32 = 512;
 const SEED: u32 = 1000;
-/// With sets of samples.
+/// Patterns with sets of samples.
 const SETS: [SamplePattern; 2] = [SamplePattern::Sobol, SamplePattern::BlueNoise];
-/// One whose sets reach over steps, and one whose do not.
+/// Rows of the short form: one whose sets reach over steps, and one whose sets do not.
 const SHORT: [&str; 2] = ["bsdf", "product"];
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
@@ -26,7 +26,8 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     for row in scope.rendered().iter().filter(|row| is_wanted(row)) {
         for pattern in SETS {
             let sets = render(&studio, subject, row, pattern, SEED + 1);
-            // The variances are those of independent samples. Sets err less (`tests/render/pattern.rs`), so that p is too large.
+            // Both variances are those of independent samples. Sets have less error (`tests/render/pattern.rs`), so p
+            // is too large.
             let comparison = Comparison::new(&Estimate::of(&independent), &Estimate::of(&sets), &[6, WHOLE]);
             let name = format!("{}, {pattern:?}, seeds {SEED} and {}", row.name, SEED + 1);
             let is_known = comparison.largest.iter().all(|&(_, count)| count > 0);

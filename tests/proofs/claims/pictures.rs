@@ -1,4 +1,5 @@
-//! Pictures made with a guide are those made without one, up to noise: at every scale, with emitters sampled and not.
+//! Claim: pictures with a guide agree with pictures without one, up to noise, at every scale, with and without emitter
+//! sampling.
 
 use std::collections::HashMap;
 use std::sync::{LazyLock, Mutex};
@@ -14,7 +15,7 @@ use crate::renders::Studio;
 use crate::rows::{LEARNERS, Row, Scope, UNGUIDED};
 use crate::subject::{SHIPPED, Subject};
 
-/// A scene and how often its pixels are sampled: without a guide and with one, each without emitter sampling and with it.
+/// A scene and its samples per pixel: without and with a guide, each without and with emitter sampling.
 struct Case {
     file: &'static str,
     size: [u32; 2],
@@ -30,7 +31,7 @@ const CASES: [Case; 3] = [
 ];
 const UNGUIDED_SEED: u32 = 600;
 const GUIDED_SEED: u32 = 700;
-/// Times as many samples in the full form.
+/// Factor on the number of samples in the full form.
 const FULL: u32 = 2;
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
@@ -39,8 +40,8 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     for (index, case) in cases.iter().enumerate() {
         let scene = ours(&format!("{}/scene.xml", case.file), &[]);
         for nee in [false, true] {
-            // One scene shows what all samplers and learners do; elsewhere one of them is enough in the short form, which has
-            // the pictures of `tests/render/ztest.rs` besides.
+            // All samplers and learners render the first scene. In the short form, the other scenes have one row each,
+            // because `tests/render/ztest.rs` renders more pictures.
             let rows: Vec<_> = scope.rendered().into_iter().filter(|row| row.name != UNGUIDED.name).collect();
             let rows = if scope.full || (index == 0 && nee) { &rows[..] } else { &rows[..1] };
             let unguided = case.unguided(&studio, &scene, scope, nee);
@@ -67,7 +68,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     }
 }
 
-/// By file, emitter sampling and length: the same for all subjects.
+/// Pictures without a guide by file, emitter sampling and length. All subjects share them.
 type Unguided = HashMap<(&'static str, bool, bool), Picture>;
 
 impl Case {

@@ -1,4 +1,5 @@
-//! Russian roulette ends paths without changing the picture's mean, by throughput and, with `product`, by what is expected.
+//! Claim: Russian roulette ends paths without changing the picture's mean. Most samplers play it by throughput,
+//! `product` by expected contribution.
 
 use lodestar::film::Picture;
 use lodestar::settings::{SamplePattern, Settings};
@@ -13,7 +14,8 @@ use crate::subject::{SHIPPED, Subject};
 const SIDE: u32 = 24;
 const SPP: u32 = 1024;
 const SEED: u32 = 800;
-/// One without a guide, one with roulette by throughput, one with roulette by what is expected.
+/// Rows of the short form: one without a guide, one with roulette by throughput, one with roulette by expected
+/// contribution.
 const SHORT: [&str; 3] = ["bsdf", "rejection-mix", "product"];
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {

@@ -1,5 +1,4 @@
-//! Directions that the device draws from a guide have the density of the reference twin (CPU, double precision), and come
-//! with it.
+//! Claim: directions that the device draws from a guide have the density of the twin, and each comes with that density.
 
 use std::f64::consts::{PI, TAU};
 
@@ -18,7 +17,7 @@ use crate::subject::Subject;
 use crate::tables::tables;
 
 const SAMPLES: usize = 1 << 16;
-/// Of one row alone, to be sharp.
+/// Number of samples where one row is tested alone, so that the test is sharper.
 const MORE_SAMPLES: usize = 1 << 18;
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
@@ -46,7 +45,7 @@ fn test_row(subject: &Subject, scope: Scope, row: &Row, evidence: &mut Evidence)
     }
 }
 
-/// Every sample comes with the density that its direction has, and none of rejection lies below both horizons.
+/// Every sample comes with the density of its direction. No sample of a rejection sampler lies below both horizons.
 fn check_samples(drawn: &[Drawn], guide: &Guide, case: &str, evidence: &mut Evidence) {
     let (mut at_borders, mut wrong, mut below) = (0, 0, 0);
     for d in drawn {
@@ -73,7 +72,7 @@ fn check_samples(drawn: &[Drawn], guide: &Guide, case: &str, evidence: &mut Evid
     evidence.hold(format!("bins of samples, {case}"), few, || format!("{at_borders} samples are in another bin"));
 }
 
-/// Probability of a mean at least as far from what is expected; single precision is no deviation.
+/// Probability of a mean at least as far from `expected`. Rounding in single precision is no deviation.
 fn surprise((mean, error): (f64, f64), expected: f64) -> f64 {
     two_sided((mean - expected) / error.hypot(1.0e-6 * expected))
 }
@@ -89,7 +88,7 @@ fn check_tries(drawn: &[Drawn], setting: &Setting, guide: &Guide, case: &str, ev
     evidence.test(format!("tries, {case}"), surprise(tries, expected), || Record::Nothing);
 }
 
-/// Estimates of the hemisphere's solid angle and of its projection.
+/// Samples estimate the hemisphere's solid angle and its projected solid angle, which are known.
 fn check_estimates(drawn: &[Drawn], setting: &Setting, case: &str, evidence: &mut Evidence) {
     let cosine = |d: &Drawn| d.direction().dot(setting.n).max(0.0);
     let weight = |c: f64, d: &Drawn| if c > 0.0 { 1.0 / f64::from(d.pdf) } else { 0.0 };

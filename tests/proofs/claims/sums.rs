@@ -1,5 +1,5 @@
-//! Sums of fixed-point targets (`glsl/include/guide/grid/radiance_grid.glsl`) are exact in any order, beyond the first word too, and
-//! their rounding is unbiased.
+//! Claim: sums of fixed-point targets (`glsl/include/guide/grid/radiance_grid.glsl`) are exact in any order, also
+//! beyond the first word. The rounding of targets is unbiased.
 
 use bytemuck::{Pod, Zeroable};
 use lodestar::generated::kernels::{Variant, test as kernels};
@@ -28,7 +28,7 @@ struct TestPush {
     target_limit: f32,
 }
 
-/// A power of two, so that the device's division is exact.
+/// Largest target: a power of two, so that the device's division is exact.
 const LIMIT: f32 = 16.0;
 const BINS: usize = 256;
 
@@ -38,7 +38,7 @@ pub fn test(subject: &Subject, _: Scope, evidence: &mut Evidence) {
     check_rounding(subject, evidence);
 }
 
-/// Has `groups` workgroups of `group` invocations add the targets up.
+/// Adds up the targets with `groups` workgroups of `group` invocations.
 fn add(subject: &Subject, targets: &[TargetInput], limit: f32, group: u32, groups: u32) -> Vec<RadianceSum> {
     let device = Device::new();
     let variant = Variant { workgroup_size: group, ..Variant::default() };
@@ -63,7 +63,7 @@ fn expected(targets: &[TargetInput], limit: f32) -> Vec<(u64, u32)> {
     sums
 }
 
-/// Targets over six decades, a few of them beyond the limit, with a hot bin that takes half of all.
+/// Targets over six decades. A few exceed the limit, and half of them go to one bin.
 fn wild_targets(count: usize, seed: u32) -> Vec<TargetInput> {
     let mut numbers = Numbers::new(seed);
     let mut target = || TargetInput {
@@ -74,7 +74,7 @@ fn wild_targets(count: usize, seed: u32) -> Vec<TargetInput> {
     (0..count).map(|_| target()).collect()
 }
 
-/// Other shapes of dispatch, and all targets the other way round.
+/// Sums do not depend on the shape of the dispatch or on the order of the targets.
 fn check_sums(subject: &Subject, evidence: &mut Evidence) {
     let targets = wild_targets(1 << 17, subject.seed + 5);
     let reversed: Vec<_> = targets.iter().rev().copied().collect();
@@ -88,7 +88,7 @@ fn check_sums(subject: &Subject, evidence: &mut Evidence) {
         let wrong = sums.iter().zip(&twin).filter(|(sum, twin)| (units(sum), sum.target_count) != **twin).count();
         evidence.hold(format!("sums, {name}"), wrong == 0, || format!("{wrong} of {BINS} sums are not the exact ones"));
     }
-    // The twin: a sum without its second word is another.
+    // The twin must fail: a sum without its second word.
     assert!(twin[7].0 >> 32 > 1000, "enough to carry often: {:?}", twin[7]);
 }
 
@@ -111,7 +111,7 @@ fn check_saturation(subject: &Subject, evidence: &mut Evidence) {
     }
 }
 
-/// 64 bins of targets of some share of a unit, far below what rounding to the nearest would see.
+/// 64 bins of targets that are a fraction of a unit. Rounding to the nearest unit would make all of them 0.
 fn check_rounding(subject: &Subject, evidence: &mut Evidence) {
     let (count, limit) = (1 << 18, 3.0_f32);
     let share = |index: u32| f64::from(index % 64) / 64.0 + 1.0 / 128.0;

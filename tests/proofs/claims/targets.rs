@@ -1,6 +1,6 @@
-//! What is learned in a furnace is the radiance there, in closed form, step by step: for a surface that emits `e` and
-//! reflects a share `a`, the targets of step k are e (1 - a^k) / (1 - a) on average (Eq. 5, Eq. 6), and returns over two
-//! edges e (1 + a).
+//! Claim: in a furnace, each step learns the radiance of the closed form. For a surface that emits `e` and reflects a
+//! share `a`, the mean target of step k is e (1 - a^k) / (1 - a) (Eq. 5, Eq. 6), and the mean return over two edges is
+//! e (1 + a).
 
 use lodestar::generated::layout::LearnedRadiance;
 use lodestar::renderer::{RenderState, Renderer};
@@ -15,26 +15,26 @@ use crate::rows::{LEARNERS, Row, Scope};
 use crate::subject::Subject;
 
 const SIDE: u32 = 16;
-/// Bins a side, few enough to be reached in every step, in a grid of one cell.
+/// Bins along each side. They are few, so that every step reaches all of them. The grid has one cell.
 const DIRECTIONS: u32 = 4;
-/// Old targets are forgotten, so a step's means are of its own.
+/// Decay of old targets: all are forgotten, so a step's means depend on that step only.
 const DECAY: f32 = 0.0;
 const STEPS: i32 = 3;
-/// Renders with random numbers of their own, whose spread is the error.
+/// Number of renders with other random numbers. Their spread gives the error.
 const REPLICATES: u32 = 16;
-/// Samples a pixel from one to the next.
+/// Distance between the sample ranges of two replicates, in samples per pixel.
 const STRIDE: u32 = 10_000;
 const SEED: u32 = 300;
-/// What single precision and fixed-point targets leave, relatively.
+/// Relative error of single precision and fixed-point targets.
 const ROUNDING: f64 = 3.0e-6;
-/// Albedo and emission.
+/// Albedo and emission of the furnaces.
 const FURNACES: [(&str, &str); 2] = [("0.5", "0.5"), ("0.9", "0.1")];
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
     for (index, row) in scope.guided().iter().enumerate() {
         for (name, learner) in LEARNERS {
-            // One sampler shows them all.
+            // One sampler is enough for all of them.
             if scope.full || index == 0 || *learner == Learner::Sarsa {
                 let furnaces = if scope.full || index == 0 { &FURNACES[..] } else { &FURNACES[..1] };
                 for furnace in furnaces {
@@ -54,7 +54,7 @@ fn test_learner(
     evidence: &mut Evidence,
 ) {
     let scene = ours("furnace/scene.xml", &[("albedo", albedo), ("emission", emission)]);
-    // With roulette from the first vertex that may be recorded on.
+    // Russian roulette starts at the first vertex that may be recorded.
     let (max_depth, rr_depth) = if learner == Learner::MonteCarlo { (3, 1) } else { (16, 2) };
     let mut settings = Settings {
         seed: SEED,
@@ -66,7 +66,7 @@ fn test_learner(
     };
     (row.set)(&mut settings);
     (settings.width, settings.height, settings.grid, settings.learner) = (SIDE, SIDE, 1, learner);
-    // A descent has no fewer bins than 16 a side, which take more samples to be reached.
+    // The product sampler needs at least 16 bins along each side. They need more samples to be reached.
     let (directions, spp_per_step) = match settings.sampler {
         Sampler::Product => (16, 16 * settings.spp_per_step),
         _ => (DIRECTIONS, settings.spp_per_step),
@@ -94,7 +94,7 @@ fn test_learner(
     }
 }
 
-/// Renders anew with other samples. Returns the mean of all targets of every step, and whether every bin had one.
+/// Renders again with other samples. Returns for each step the mean of all targets, and whether every bin had one.
 fn replicate(renderer: &mut Renderer, empty: &RenderState, number: u32, spp: u32) -> Vec<(f64, bool)> {
     renderer.restore(&RenderState { samples_done: number * STRIDE, ..empty.clone() }).expect("restored");
     let step = |_| {

@@ -1,5 +1,5 @@
-//! What an iteration of `quadtree` leaves is whole: squares of directions are divided where they have more than their share
-//! of a tree's flux and nowhere else, trees do not overlap, and every leaf of space has its own.
+//! Claim: each iteration of `quadtree` leaves valid trees. Squares of directions are divided exactly where they have
+//! more than their share of a tree's flux. Trees do not overlap, and every leaf of space has a tree of its own.
 
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::settings::{SamplePattern, Sampler, Settings};
@@ -13,9 +13,9 @@ use crate::subject::Subject;
 
 const SIDE: u32 = 24;
 const SEED: u32 = 1100;
-/// After as many samples, six iterations have ended.
+/// Samples per pixel after which six iterations have ended.
 const SPP: u32 = 63;
-/// What shares in single precision leave of a square's share of the flux.
+/// Error of a square's share of the flux in single precision.
 const ROUNDING: f64 = 1.0e-6;
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
@@ -59,7 +59,7 @@ fn settings(row: &Row) -> Settings {
     settings
 }
 
-/// Whether what lies below a square at this level, of a tree of flux 1, has nodes as it should.
+/// Whether the part of a tree below a square at this level is divided where it should be. The tree has flux 1.
 fn is_refined(square: &Square, level: u32) -> bool {
     let is_first = level == 0;
     let is_near = (square.flux - FLUX_SHARE).abs() < ROUNDING;
@@ -68,14 +68,14 @@ fn is_refined(square: &Square, level: u32) -> bool {
     (is_near || square.quarters.is_some() == should) && below.clone().all(|quarter| is_refined(quarter, level + 1))
 }
 
-/// A leaf of the tree of space: its place there, and its quadtree's first and last node.
+/// A leaf of the tree of space: its node there, and its quadtree's first and last node.
 struct Leaf {
     spatial_node: usize,
     first: usize,
     last: usize,
 }
 
-/// As `quadtree_nodes.glsl` lays it out.
+/// All quadtrees of a render, laid out as in `quadtree_nodes.glsl`.
 struct Forest {
     words: Vec<[u32; 4]>,
     leaves: Vec<Leaf>,
@@ -110,7 +110,7 @@ impl Forest {
     }
 }
 
-/// `leaf_limit` in GLSL.
+/// Twin of `leaf_limit` in GLSL.
 fn leaf_limit(limit: usize) -> usize {
     limit / 8
 }

@@ -1,5 +1,5 @@
-//! A step's update (`glsl/kernels/learn/update_radiance.comp`) is Eq. 7: the running mean of all targets, old ones fading geometrically,
-//! and no bin is left without support.
+//! Claim: a step's update (`glsl/kernels/learn/update_radiance.comp`) is Eq. 7, the running mean of all targets with
+//! geometric decay of old ones. No bin loses its support.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::subject::Subject;
 const LIMIT: f32 = 32.0;
 const CELLS: usize = 4;
 const STEPS: usize = 6;
-/// Decay of old targets, and bins a side.
+/// Decay of old targets, and bins along each side.
 const CASES: [(f32, u32); 4] = [(1.0, 16), (0.5, 16), (0.75, 8), (0.9, 32)];
 
 pub fn test(subject: &Subject, _: Scope, evidence: &mut Evidence) {
@@ -59,7 +59,7 @@ impl Grid {
         }
     }
 
-    /// Ends a step that recorded `sums`, in the cells from `first` on.
+    /// Ends a step that recorded `sums`, in `cells` cells from `first` on.
     fn update(&self, sums: &[RadianceSum], first: u32, cells: u32) {
         self.sums.upload(0, sums).expect("uploaded");
         let named = [
@@ -97,7 +97,7 @@ fn value(sum: &RadianceSum) -> f64 {
     (f64::from(sum.high) * 4_294_967_296.0 + f64::from(sum.low)) * f64::from(LIMIT) / FIXED_POINT_UNITS
 }
 
-/// What a step may record: most bins a few targets, some none, one cell nothing at all and one bin millions.
+/// Sums of one step: most bins have a few targets, some have none, one cell has none at all, and one bin has millions.
 fn step(numbers: &mut Numbers, bins: usize) -> Vec<RadianceSum> {
     let silent = bins / CELLS;
     let bin = |index: usize| {
@@ -113,7 +113,8 @@ fn close(a: f32, b: f64) -> bool {
     (f64::from(a) - b).abs() <= 1.0e-5 * b.abs()
 }
 
-/// Whether a bin is what Eq. 7 makes of all steps, in closed form: sum of d^age sum over sum of d^age count.
+/// Whether a bin equals the closed form of Eq. 7 over all steps: the sum of decay^age times target sums, over the sum
+/// of decay^age times counts.
 fn is_faded_mean(learned: &LearnedRadiance, steps: &[Vec<RadianceSum>], bin: usize, decay: f64) -> bool {
     let faded = |f: &dyn Fn(&RadianceSum) -> f64| -> f64 {
         steps.iter().rev().zip(0..).map(|(sums, age)| f(&sums[bin]) * decay.powi(age)).sum()
@@ -140,7 +141,7 @@ fn check_steps(subject: &Subject, decay: f32, directions: u32, evidence: &mut Ev
     let wrong = |decay: f64| (0..grid.bins).filter(|&bin| !is_faded_mean(&learned[bin], &steps, bin, decay)).count();
     evidence
         .hold(format!("means, {case}"), wrong(decay.into()) == 0, || format!("{} bins differ", wrong(decay.into())));
-    // The twin: one that forgets 1 % faster.
+    // The twin must fail: a decay that is 1 % smaller.
     assert!(wrong(0.99 * f64::from(decay)) > grid.bins / 4, "{case}: hardly a bin depends on the decay");
 }
 
@@ -153,7 +154,7 @@ fn check_silence(subject: &Subject, evidence: &mut Evidence) {
     evidence.hold("a cell without targets", is_even, || "it is not uniform".into());
     let is_untouched = radiance[..cell].iter().chain(&radiance[3 * cell..]).all(|&l| l == 0.0);
     evidence.hold("other cells", is_untouched, || "they are changed".into());
-    // One bright bin lifts all others of its cell, and of no other, to a share of the cell's mean.
+    // One bright bin lifts all others of its cell, and of no other cell, to a share of the cell's mean.
     let mut sums = vec![sum_of(0, 0); grid.bins];
     sums[cell + 5] = sum_of(FIXED_POINT_UNITS as u64 * 10, 10);
     grid.update(&sums, 0, CELLS as u32);
