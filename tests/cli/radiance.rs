@@ -9,7 +9,7 @@ use crate::support::{Folder, assert_sentence, attribute};
 
 const FURNACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/furnace/scene.xml");
 const SIDE: u32 = 8;
-/// Of 8 samples per pixel each.
+/// Number of steps, of 8 samples per pixel each.
 const STEPS: u32 = 32;
 
 /// Radiance by bin at a point of the furnace.
@@ -37,7 +37,7 @@ fn map(folder: &Folder, more: &[&str]) -> Vec<f32> {
     image.pixels.iter().map(|pixel| pixel[0]).collect()
 }
 
-/// The bins that lie above the surface as a whole.
+/// Bins that lie entirely above the surface.
 fn above(folder: &Folder) -> Vec<usize> {
     let text = attribute(&folder.path("a.exr"), "surface_normal");
     let numbers: Vec<f64> = text.trim_matches(['[', ']']).split(", ").map(|number| number.parse().unwrap()).collect();
@@ -50,7 +50,7 @@ fn mean(map: &[f32], bins: &[usize]) -> f32 {
     bins.iter().map(|&bin| map[bin]).sum::<f32>() / bins.len() as f32
 }
 
-/// What so many steps of targets 0.5 + 0.5 L come to, at rates of 1 over the decayed count of targets.
+/// Radiance that `STEPS` steps learn from targets 0.5 + 0.5 L, at rates of 1 over the decayed count of targets.
 fn bootstrapped() -> f32 {
     let (mut distance, mut weight) = (1.0, 0.0);
     for _ in 0..STEPS {

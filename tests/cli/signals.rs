@@ -1,4 +1,4 @@
-//! Ctrl-C and its like: the picture so far is written, and the exit code is 128 and the signal's number.
+//! Signals such as Ctrl-C: the picture so far is written, and the exit code is 128 plus the signal's number.
 
 use std::fs;
 use std::io::Write;
@@ -11,7 +11,7 @@ use crate::support::{Folder, Running, SCENE, wait_until};
 
 const OUTPUTS: [&str; 8] = ["render", "scene.xml", "-o", "a.exr", "-o", "b.png", "--stats", "s.json"];
 
-/// Fails unless a render that gets `signal`, `count` times, writes its files and ends with `code`.
+/// Fails unless a render that gets `signal` `count` times writes its files and ends with `code`.
 fn is_answered(signal: &str, count: u32, code: i32) {
     let folder = Folder::new();
     let size = ["--spp", "1000000", "--width", "64", "--height", "64"];
@@ -43,13 +43,13 @@ fn a_termination_is_answered_with_the_picture_so_far() {
     is_answered("TERM", 1, 143);
 }
 
-/// As `timeout` does it: to the process, then to its group.
+/// Two signals in short succession count as one. `timeout` sends two: one to the process and one to its group.
 #[test]
 fn a_signal_sent_twice_is_one() {
     is_answered("TERM", 2, 143);
 }
 
-/// Starts the program on a scene that comes through a pipe, which holds it up before the first sample.
+/// Starts the program on a scene that it reads from a pipe, so that it waits before the first sample.
 fn start_on_a_pipe(folder: &Folder) -> (Running, fs::File) {
     let pipe = folder.path("pipe.xml");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -76,7 +76,7 @@ fn a_later_signal_ends_the_process_at_once() {
     }
 }
 
-/// A black picture would be written over a good one.
+/// No file is written before the first sample: a black picture would replace a good one.
 #[test]
 fn an_interrupt_before_the_first_sample_leaves_earlier_pictures_alone() {
     let folder = Folder::new();
@@ -93,7 +93,7 @@ fn an_interrupt_before_the_first_sample_leaves_earlier_pictures_alone() {
     assert_eq!(folder.read_json("s.json")["totals"]["paths"], 0);
 }
 
-/// Scripts that start it in the background see the same.
+/// Interrupts are answered with `--quiet`, too, as for a script that starts the program in the background.
 #[test]
 fn a_quiet_render_is_interrupted_just_so() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! Standard output is for results and standard error for messages; either may be closed.
+//! Standard output is for results and standard error for messages. Either may be closed.
 
 use std::process::Stdio;
 
@@ -6,7 +6,7 @@ use crate::support::{Folder, SCENE, assert_quiet_success};
 
 const TINY: [&str; 8] = ["render", "scene.xml", "--width", "8", "--height", "8", "--sampler", "bsdf"];
 
-/// A scene of which a parameter is not understood.
+/// Folder with a scene that has an unknown parameter.
 fn folder_with_a_warning() -> Folder {
     let folder = Folder::new();
     folder
@@ -45,7 +45,7 @@ fn help_and_version_go_to_standard_output() {
     assert_eq!(folder.run(&["--version"]).stdout, format!("lodestar {}\n", env!("CARGO_PKG_VERSION")).into_bytes());
 }
 
-/// Messages that nobody reads are no reason to fail, let alone to panic: 101 would be the exit code.
+/// Messages that nobody reads are no failure. A panic would give the exit code 101.
 #[test]
 fn a_reader_that_has_left_changes_no_exit_code() {
     let folder = folder_with_a_warning();
@@ -65,7 +65,7 @@ fn a_reader_that_has_left_changes_no_exit_code() {
     assert!(folder.path("scene.exr").exists() || folder.names().iter().any(|name| name.ends_with(".exr")));
 }
 
-/// As `lodestar ... >&- 2>&-` does.
+/// Exit codes do not change when both streams are closed, as by `lodestar ... >&- 2>&-`.
 #[test]
 fn closed_streams_change_no_exit_code() {
     let folder = folder_with_a_warning();

@@ -1,4 +1,4 @@
-//! A folder to run the program in, and what is asked of its answers.
+//! Folder to run the program in, and checks of its output.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read};
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-/// A lit wall before the camera. Its sampler says 12 samples per pixel.
+/// Scene of a lit wall in front of the camera. Its sampler asks for 12 samples per pixel.
 pub const SCENE: &str = r#"<scene version="3.0.0">
 	<default name="gray" value="0.5"/>
 	<integrator type="path"/>
@@ -27,14 +27,14 @@ pub const SCENE: &str = r#"<scene version="3.0.0">
 </scene>
 "#;
 
-/// Longest that anything may take which should take a moment: other tests keep the cores busy.
+/// Maximum time for anything that should take a moment. Other tests keep the cores busy.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// A temporary folder, the program's working directory.
 pub struct Folder(tempfile::TempDir);
 
 impl Folder {
-    /// With `scene.xml` in it.
+    /// Folder with `scene.xml` in it.
     pub fn new() -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
         folder.write("scene.xml", SCENE);
@@ -53,7 +53,7 @@ impl Folder {
         serde_json::from_str(&fs::read_to_string(self.path(name)).unwrap()).unwrap()
     }
 
-    /// Every file below the folder, but not the program's cache.
+    /// Names of all files below the folder, except the program's cache.
     pub fn names(&self) -> Vec<String> {
         let mut names = Vec::new();
         collect_names(self.0.path(), "", &mut names);
@@ -62,7 +62,7 @@ impl Folder {
         names
     }
 
-    /// The program, in this folder and with a cache of its own.
+    /// Command that runs the program in this folder, with a cache of its own.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
         command.args(arguments).current_dir(self.0.path());
@@ -75,12 +75,12 @@ impl Folder {
         self.command(arguments).output().unwrap()
     }
 
-    /// Renders `scene.xml` with further arguments and returns the statistics.
+    /// Renders `scene.xml` with more arguments and returns the statistics.
     pub fn render(&self, arguments: &[&str]) -> Value {
         self.render_scene("scene.xml", arguments)
     }
 
-    /// The same for another scene.
+    /// Renders the given scene with more arguments and returns the statistics.
     pub fn render_scene(&self, scene: &str, arguments: &[&str]) -> Value {
         let all = [&["render", scene, "--quiet", "--stats", "stats.json"], arguments].concat();
         assert_quiet_success(&self.run(&all));
@@ -105,7 +105,7 @@ fn collect_names(folder: &Path, prefix: &str, names: &mut Vec<String>) {
     }
 }
 
-/// The program at work. Killed when dropped, so that a failing test leaves nothing behind.
+/// The running program. It is killed when this is dropped, so that a failing test leaves nothing behind.
 pub struct Running {
     child: Child,
     stderr: BufReader<ChildStderr>,
@@ -122,7 +122,7 @@ impl Running {
         line
     }
 
-    /// Sends the signal of that name.
+    /// Sends the signal with the given name.
     pub fn signal(&self, name: &str) {
         let pid = self.child.id().to_string();
         assert!(Command::new("kill").args([&format!("-{name}"), &pid]).status().unwrap().success());
@@ -132,7 +132,7 @@ impl Running {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Waits for the end; returns the exit code and what was left on standard error.
+    /// Waits for the end. Returns the exit code and the rest of standard error.
     pub fn wait(mut self) -> (Option<i32>, String) {
         let status: ExitStatus = wait_until(|| self.child.try_wait().unwrap());
         let mut rest = String::new();
@@ -143,13 +143,13 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Most have ended by themselves.
+        // Most programs have ended by themselves.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Asks until there is an answer.
+/// Calls `ask` until it returns a value.
 pub fn wait_until<T>(mut ask: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {

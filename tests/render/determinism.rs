@@ -1,4 +1,4 @@
-//! The same seed gives the same bits, however the work is cut.
+//! Equal seeds give equal bits, however the work is cut.
 
 use std::path::Path;
 use std::process::Command;

@@ -1,5 +1,6 @@
-//! The same pictures however lavapipe is made to run: with subgroups of 4, 8 and 16, on memory full of garbage, and from a
-//! program that was built another way. The driver reads its variables when it starts, so each is a process of its own.
+//! Pictures have the same bits however lavapipe runs: with subgroups of 4, 8 and 16, on memory full of garbage, and
+//! with a program that was built in another way. The driver reads its variables when it starts, so each case is a
+//! process of its own.
 
 use std::env;
 use std::fs;

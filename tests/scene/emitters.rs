@@ -1,4 +1,4 @@
-//! `<emitter>`: what is read, and what is refused.
+//! `<emitter>`: the forms that are read, and the forms that are refused.
 
 use glam::{Mat3, Vec3, vec3};
 use lodestar::scene::{
@@ -7,7 +7,7 @@ use lodestar::scene::{
 
 use super::{Folder, load_body, with_sensor};
 
-/// A folder with a picture `sky.exr`.
+/// Folder with the scene and a picture `sky.exr`.
 fn folder(body: &str) -> Folder {
     let folder = Folder::new(&[("scene.xml", &with_sensor(body))]);
     let sky = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/lights/sky.exr");
@@ -106,7 +106,8 @@ fn every_plugin_has_a_scene_that_loads() {
     }
 }
 
-/// As in Mitsuba 3, which gives a shape without a BSDF a reflectance of 0.5 only where it does not emit.
+/// Emitters without a BSDF are black. In Mitsuba 3, too, a shape without a BSDF has a reflectance of 0.5 only if it
+/// does not emit.
 #[test]
 fn shapes_that_emit_are_black_unless_they_say_otherwise() {
     let scene = load_body(
