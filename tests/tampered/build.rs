@@ -12,7 +12,7 @@ use std::{env, fs, process};
 use mutations::{MUTATIONS, Patch};
 
 const REPOSITORY: &str = "../..";
-/// Reading storage buffers, which every device has.
+/// Kernels to compile. They read storage buffers, which every device has.
 const KERNELS: [&str; 17] = [
     "glsl/kernels/noise/judge_noise.comp",
     "glsl/kernels/trace/trace.comp",
@@ -32,7 +32,7 @@ const KERNELS: [&str; 17] = [
     "glsl/test/normalize_cell.comp",
     "glsl/test/sample_direction.comp",
 ];
-/// Where every file that a mutation may patch finds the constant.
+/// File that declares the constant. Every file that a mutation may patch includes it.
 const VARIANT: &str = "glsl/include/shared/variant.glsl";
 const CONSTANT: &str = "layout(constant_id = 2000) const uint MUTATION = 0u;";
 

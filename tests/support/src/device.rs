@@ -1,4 +1,4 @@
-//! A device under the validation layer, and the grids of one cell.
+//! Device under the validation layer, and the grids of a single cell.
 
 use std::sync::Arc;
 
@@ -12,10 +12,10 @@ use lodestar::gpu::{
 };
 use lodestar::settings::DirectionMap;
 
-/// Invocations of a workgroup unless a test says otherwise.
+/// Invocations per workgroup, unless a test sets another number.
 pub const GROUP: u32 = 64;
 
-/// A context whose validation messages fail the test when it is dropped.
+/// Context whose validation messages fail the test when it is dropped.
 pub struct Device {
     pub context: Arc<Context>,
 }
@@ -41,7 +41,8 @@ impl Device {
         buffer
     }
 
-    /// Whether texels of so many bytes each fit a texel buffer; says where a test must be passed over.
+    /// Whether a texel buffer has room for `bytes` bytes, in texels of `texel_bytes` each. Prints a line if not,
+    /// because the test is then skipped.
     pub fn has_room(&self, name: &str, bytes: usize, texel_bytes: u64) -> bool {
         let device = self.context.device();
         let has_room = bytes as u64 <= device.limits.max_texel_elements * texel_bytes;
@@ -55,7 +56,7 @@ impl Device {
         Kernel::new(&self.context, source, &variant.entries()).expect("a pipeline")
     }
 
-    /// Dispatches a kernel; `buffers` are its buffers in order of set and binding.
+    /// Dispatches a kernel. `buffers` lists its buffers in order of set and binding.
     pub fn dispatch(&self, kernel: &Kernel, buffers: &[&Arc<Buffer>], push: &[u8], groups: u32) -> Submission {
         let mut rest = buffers;
         let sets = kernel.source().sets.iter().map(|shape| {
@@ -69,7 +70,7 @@ impl Device {
         self.context.submit(name, |recorder| recorder.dispatch(kernel, &sets, push, [groups, 1, 1])).expect("done")
     }
 
-    /// Builds a kernel of the renderer and dispatches it with the buffers that are named in it; it reaches no others.
+    /// Builds a kernel of the renderer and dispatches it. `buffers` holds the buffers that the kernel reaches, by name.
     pub fn dispatch_renderers(
         &self,
         source: &KernelSource,
@@ -93,12 +94,12 @@ impl Device {
             .expect("done");
     }
 
-    /// What a kernel of one input and one output buffer makes of each input.
+    /// Outputs of a kernel for all inputs. The kernel has one input buffer and one output buffer.
     pub fn map<I: Pod, O: Pod>(&self, source: &KernelSource, variant: &Variant, inputs: &[I]) -> Vec<O> {
         self.map_with(source, variant, inputs, &[])
     }
 
-    /// The same for a kernel that reads more buffers besides.
+    /// Outputs of a kernel for all inputs. The kernel reads more buffers besides its inputs.
     pub fn map_with<I: Pod, O: Pod>(
         &self,
         source: &KernelSource,
@@ -141,7 +142,7 @@ impl Drop for Device {
     }
 }
 
-/// The grids of a single cell.
+/// Grids of a single cell.
 pub struct Cell {
     pub radiance: Arc<Buffer>,
     pub bin_ends: Arc<Buffer>,
@@ -154,16 +155,16 @@ pub struct Cell {
     bins: u32,
 }
 
-/// Of each share: `glsl/include/guide/samplers/bsdf_share.glsl`.
+/// Number of words per learned share: `glsl/include/guide/samplers/bsdf_share.glsl`.
 const SHARE_WORDS: u32 = 4;
 
 impl Cell {
-    /// A cell without content.
+    /// Cell without content.
     pub fn new(device: &Device, variant: &Variant) -> Self {
         Self::normalized_by(device, variant, &test::NORMALIZE_CELL)
     }
 
-    /// The same, with another kernel that fills the normalizers.
+    /// Cell without content, whose normalizers another kernel fills.
     pub fn normalized_by(device: &Device, variant: &Variant, normalize: &KernelSource) -> Self {
         let map = if variant.map == MAP_CYLINDRICAL { DirectionMap::Cylindrical } else { DirectionMap::EqualArea };
         let (directions, normals) = (variant.direction_resolution, variant.normal_resolution);
@@ -172,7 +173,7 @@ impl Cell {
         let is_product = variant.sampler == SAMPLER_PRODUCT;
         let trees = if is_product { cosine_trees(&integrals, directions, normals) } else { vec![Node::default()] };
         Self {
-            // With room for shares.
+            // The shares lie behind the bins.
             radiance: device
                 .storage("radiance", (directions * directions + 2 * SHARE_WORDS) as usize * size_of::<f32>()),
             bin_ends: device.storage("bin ends", (directions * directions) as usize * size_of::<u32>()),
@@ -186,14 +187,14 @@ impl Cell {
         }
     }
 
-    /// Sets its shares of scattering functions: of diffuse lobes, and of those that are guided as a whole. Variants find them
-    /// where `shares_at` is the number of bins.
+    /// Sets the cell's learned shares: of diffuse lobes, and of scattering functions that are guided as a whole.
+    /// Variants find them if `shares_at` is the number of bins.
     pub fn set_shares(&self, [of_lobes, of_wholes]: [f32; 2]) {
         let words = [of_lobes, 0.0, 0.0, 0.0, of_wholes, 0.0, 0.0, 0.0];
         self.radiance.upload(u64::from(self.bins) * size_of::<f32>() as u64, &words).expect("uploaded");
     }
 
-    /// Sets its radiance and has the device fill all normalizers.
+    /// Sets the cell's radiance and has the device fill all normalizers.
     pub fn fill(&self, device: &Device, radiance: &[f32]) {
         self.radiance.upload(0, radiance).expect("uploaded");
         let buffers = [&self.radiance, &self.bin_ends, &self.nodes, &self.entries, &self.integrals];

@@ -7,14 +7,15 @@ use lodestar::image::Image;
 
 use crate::significance::{ALPHA, sidak, two_sided};
 
-/// The side of a block that holds the whole picture.
+/// Side of a block that holds the whole picture.
 pub const WHOLE: usize = usize::MAX;
 
-/// Where few paths find light, noise is far from normal and its variance unknown: a pixel that no path has lit claims none.
-/// Errors of this share of the mean take a hundred such paths or more.
+/// Largest relative error of a value that a z-test uses. Where few paths find light, noise is far from normally
+/// distributed and its variance is unknown: a pixel that no path has lit has variance 0. A relative error of 0.1 takes
+/// a hundred such paths or more.
 const MAX_RELATIVE_ERROR: f64 = 0.1;
 
-/// Per pixel and channel: an estimate and the variance of its error.
+/// Estimate of every pixel and channel, with the variance of its error.
 pub struct Estimate {
     width: usize,
     mean: Vec<[f64; 3]>,
@@ -59,14 +60,14 @@ impl Estimate {
         blocks
     }
 
-    /// Mean over all pixels and channels, and its standard error were the channels one.
+    /// Mean over all pixels and channels, and its standard error as if all channels had the same error.
     pub fn gray(&self) -> (f64, f64) {
         let whole = self.blocks(WHOLE);
         let mean = |of: [f64; 3]| of.iter().sum::<f64>() / 3.0;
         (mean(whole.mean[0]), mean(whole.variance[0].map(f64::sqrt)))
     }
 
-    /// Deviation from `other` in combined standard deviations, of every pixel and channel that is known well enough.
+    /// Deviation from `other` in combined standard deviations, for every pixel and channel with a small enough error.
     pub fn z(&self, other: &Self) -> Vec<f64> {
         assert_eq!((self.width, self.mean.len()), (other.width, other.mean.len()));
         let pixel = |at: usize| {
@@ -83,11 +84,11 @@ impl Estimate {
     }
 }
 
-/// What the z-tests of two pictures say, at every scale together.
+/// Result of the z-tests of two pictures at all scales.
 pub struct Comparison {
     /// P-value of the largest deviation, Sidak-corrected over the blocks and channels of all scales.
     pub p: f64,
-    /// The largest deviation at each scale, in standard deviations, and the number of values it was taken from.
+    /// Largest deviation at each scale, in standard deviations, and the number of values at that scale.
     pub largest: Vec<(f64, usize)>,
     /// Deviation of the whole picture's mean, for the channel that deviates most.
     pub whole: f64,

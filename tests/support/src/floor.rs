@@ -1,4 +1,4 @@
-//! The radiance of one point of a floor, in closed form, for every kind of light of `scenes/lights/floor.xml`.
+//! Radiance of one point of a floor, in closed form, for every kind of light of `scenes/lights/floor.xml`.
 
 use std::f64::consts::PI;
 
@@ -9,26 +9,26 @@ use lodestar::scene::{EnvironmentKind, Scene};
 use crate::scenes::ours;
 use crate::twins::light::environment_radiance;
 
-/// Lights that rays can hit, and those that none can.
+/// Lights that rays can hit, and lights that no ray can hit.
 pub const SPREAD: [&str; 6] = ["rectangle", "textured", "disk", "sphere", "constant", "envmap"];
 pub const DELTA: [&str; 3] = ["point", "spot", "directional"];
 
 /// Reflectance of the floor in `floor.xml`.
 const ALBEDO: f64 = 0.5;
 
-/// Irradiance at the origin of a plane whose normal is +y, from a polygon of radiance 1 (Lambert 1760).
+/// Irradiance at the origin of a plane with normal +y, from a polygon of radiance 1 (Lambert 1760).
 fn polygon_irradiance(vertices: &[DVec3]) -> f64 {
     let next = vertices.iter().cycle().skip(1);
     let edge = |(a, b): (&DVec3, &DVec3)| a.angle_between(*b) * a.cross(*b).normalize().y;
     0.5 * vertices.iter().zip(next).map(edge).sum::<f64>().abs()
 }
 
-/// Of a panel above the origin, between these coordinates.
+/// Irradiance from a panel of radiance 1 above the origin, between these coordinates.
 fn panel_irradiance(x0: f64, x1: f64, z0: f64, z1: f64) -> f64 {
     polygon_irradiance(&[(x0, z0), (x1, z0), (x1, z1), (x0, z1)].map(|(x, z)| dvec3(x, 2.0, z)))
 }
 
-/// The same of directions with this radiance, by the midpoint rule.
+/// Irradiance from the hemisphere with this radiance, by the midpoint rule.
 fn hemisphere_irradiance(radiance: impl Fn(DVec3) -> DVec3) -> DVec3 {
     const STEPS: u32 = 1500;
     let cell = (0.5 * PI / f64::from(STEPS)) * (2.0 * PI / f64::from(2 * STEPS));

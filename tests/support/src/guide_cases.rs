@@ -1,4 +1,5 @@
-//! What the tests of the guides' samplers share: tables, normals, the kernels, and the mass that the twin expects.
+//! Cases for tests of the samplers that follow a guide: radiance tables, normals, kernels, and the probabilities that
+//! the twin expects.
 
 use std::sync::{Arc, OnceLock};
 
@@ -21,11 +22,11 @@ use crate::twins::normalization_entry::{
 
 pub const DIRECTIONS: u32 = 16;
 pub const NORMALS: u32 = 16;
-/// Histograms have four cells in every direction bin.
+/// Cells of a histogram along each side: four per direction bin.
 const HISTOGRAM: u32 = 32;
-/// Densities are evaluated at this many points a side.
+/// Points along each side at which densities are evaluated.
 const FINE: u32 = 1024;
-/// Most samples that are drawn at once.
+/// Maximum number of samples that are drawn at once.
 pub const MOST_SAMPLES: usize = 1 << 20;
 
 #[repr(C)]
@@ -59,7 +60,7 @@ pub struct PushedNormal {
     pub seed_or_resolution: u32,
 }
 
-/// A sampler with its constants.
+/// Sampler with its constants.
 #[derive(Debug, Clone, Copy)]
 pub struct Kind {
     pub rules: Rules,
@@ -84,18 +85,18 @@ impl Kind {
         Self { rules: Rules { epsilon: Some(epsilon), ..self.rules }, ..self }
     }
 
-    /// The constants of the kernels.
+    /// Constants of the kernels.
     pub fn variant(&self) -> Variant {
         variant(&self.rules, self.map)
     }
 
-    /// Whether a bin is chosen first, and then a direction anywhere in it, be that below the surface.
+    /// Whether the sampler chooses a bin first, and then any direction in it, even one below the surface.
     pub fn chooses_bins(&self) -> bool {
         matches!(self.rules.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion | Sampler::Product)
     }
 }
 
-/// The constants of the kernels.
+/// Constants of the kernels for a sampler and a map.
 pub fn variant(rules: &Rules, map: DirectionMap) -> Variant {
     Variant {
         sampler: rules.sampler as u32,
@@ -108,7 +109,7 @@ pub fn variant(rules: &Rules, map: DirectionMap) -> Variant {
     }
 }
 
-/// Radiance of a cell, given a representative normal whose horizon may matter.
+/// Named radiance tables of a cell. Some put light next to the horizon of the representative normal `nb`.
 pub fn tables(map: DirectionMap, nb: DVec3) -> Vec<(&'static str, Vec<f32>)> {
     let bins = DIRECTIONS * DIRECTIONS;
     let center = |bin: u32| bin_center(map, bin, DIRECTIONS);
@@ -130,7 +131,7 @@ pub fn tables(map: DirectionMap, nb: DVec3) -> Vec<(&'static str, Vec<f32>)> {
     ]
 }
 
-/// A normal, the representative of its bin, and what the twin knows of the two, in cells of the histogram.
+/// Normal, the representative normal of its bin, and integrals that the twin needs, per cell of the histogram.
 pub struct Setting {
     pub name: &'static str,
     pub n: DVec3,
@@ -142,12 +143,12 @@ pub struct Setting {
     visible_to_guide: Vec<f64>,
     visible_cosines: Vec<f64>,
     integrals: Vec<f64>,
-    /// The renderer's, whose last digits decide to which of few bits they are rounded.
+    /// The renderer's integrals. Their last digits decide how they are rounded to few bits.
     stored_integrals: Vec<f64>,
     maxima: Vec<f64>,
 }
 
-/// Normals on centers of bins and between them.
+/// Settings with normals on centers of bins and between them.
 pub fn settings(map: DirectionMap) -> &'static [Setting] {
     static SETTINGS: [OnceLock<Vec<Setting>>; 2] = [OnceLock::new(), OnceLock::new()];
     SETTINGS[map as usize].get_or_init(|| {
@@ -170,7 +171,7 @@ fn stored(map: DirectionMap) -> &'static [CosineIntegral] {
 
 impl Setting {
     pub fn new(map: DirectionMap, name: &'static str, n: DVec3) -> Self {
-        // As the device gets it.
+        // The device gets the normal in single precision.
         let n = n.normalize().as_vec3().as_dvec3();
         let normal_bin = normal_bin(n, NORMALS);
         let nb = representative_normal(normal_bin, NORMALS);
@@ -195,12 +196,12 @@ impl Setting {
         }
     }
 
-    /// Normalizer and bound of a table, the integrals made independently of the renderer's.
+    /// Normalizer and bound of a table, from integrals made independently of the renderer's.
     pub fn normalizer_and_bound(&self, table: &[f32]) -> (f64, f64) {
         normalizer_and_bound(table, &self.integrals, &self.maxima)
     }
 
-    /// What the sampler's factors should be, of a normalizer that is `off` times the right one.
+    /// Factors of the sampler for a normalizer that is `off` times the right one.
     pub fn entry_off(&self, table: &[f32], rules: &Rules, off: f64) -> NormalizationEntry {
         let (normalizer, bound) = self.normalizer_and_bound(table);
         let total: f64 = table.iter().map(|&l| f64::from(l)).sum();
@@ -216,7 +217,7 @@ impl Setting {
         self.entry_off(table, rules, 1.0)
     }
 
-    /// The twin of the sampler, with these factors.
+    /// Twin of the sampler, with these factors.
     pub fn guide<'a>(&'a self, table: &'a [f32], rules: &'a Rules, entry: NormalizationEntry) -> Guide<'a> {
         let (nb, n) = (self.nb, self.n);
         let is_product = rules.sampler == Sampler::Product;
@@ -239,14 +240,14 @@ impl Setting {
         (0..self.cosines.len()).map(mass).collect()
     }
 
-    /// Samples in every cell of the histogram, and how many a density expects there.
+    /// Number of samples in every cell of the histogram, and the number that the twin's density expects.
     pub fn histogram(&self, drawn: &[Drawn], guide: &Guide) -> (Vec<u64>, Vec<f64>) {
         let mut counts = vec![0; (HISTOGRAM * HISTOGRAM) as usize];
         drawn.iter().for_each(|d| counts[direction_bin(self.map, d.direction(), HISTOGRAM) as usize] += 1);
         (counts, self.masses(guide).iter().map(|mass| mass * drawn.len() as f64).collect())
     }
 
-    /// Chi-square of samples against a density.
+    /// P-value of a chi-square test of samples against the twin's density.
     pub fn fit(&self, drawn: &[Drawn], guide: &Guide) -> f64 {
         let (counts, expected) = self.histogram(drawn, guide);
         chi_square(&counts, &expected)
@@ -258,12 +259,12 @@ fn bin_of_cell(cell: usize) -> usize {
     (cell / side / ratio) * DIRECTIONS as usize + cell % side / ratio
 }
 
-/// The kernels that a guide is tested with.
+/// Kernels that a guide is tested with.
 pub struct GuideKernels {
     pub normalize: KernelSource,
     pub draw: KernelSource,
     pub density: KernelSource,
-    /// Invocations of their workgroups.
+    /// Invocations per workgroup of these kernels.
     pub group: u32,
 }
 
@@ -278,7 +279,7 @@ impl GuideKernels {
     }
 }
 
-/// A sampler on the device.
+/// Sampler on the device.
 pub struct Guided {
     device: Device,
     group: u32,
@@ -320,7 +321,7 @@ impl Guided {
         self.drawn.read(0, count).expect("read")
     }
 
-    /// The density somewhere in every bin of a fine map.
+    /// Density at a point in every bin of a fine map.
     pub fn densities(&self, setting: &Setting) -> Vec<Density> {
         let count = (FINE * FINE) as usize;
         self.run(&self.density, &self.densities, setting, FINE, count);

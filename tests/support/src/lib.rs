@@ -1,4 +1,4 @@
-//! What the test suites and the benches share. Production cannot reach any of it.
+//! Support for the test suites and the benches. Production code cannot reach any of it.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! The renderer's kernels with a mutation of `tests/tampered` in them.
+//! Kernels of the renderer with a mutation of `tests/tampered`.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -11,24 +11,24 @@ use lodestar::renderer::Renderer;
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
 
-/// Factors on the densities that samples are divided by.
+/// Mutations: factors on the densities that samples are divided by.
 pub const DENSITIES: &str = "densities 5 % off";
 pub const DENSITIES_FAR: &str = "densities 25 % off";
-/// Factors on what learning takes surfaces to reflect.
+/// Mutations: factors on the reflectance that learning uses.
 pub const BRIGHTER: &str = "learning takes surfaces to be 5 % brighter";
 pub const TWICE_AS_BRIGHT: &str = "learning takes surfaces to be twice as bright";
-/// Faults of the weights of emitter sampling.
+/// Mutations: faults of the weights of emitter sampling.
 pub const BLIND_TO_GUIDE: &str = "weights blind to the guide";
 pub const COUNTED_TWICE: &str = "light counted whole however it is found";
 
-/// A built-in kernel with the mutation in it.
+/// Built-in kernel with the mutation.
 pub fn kernel(built_in: &KernelSource, mutation: &str) -> KernelSource {
     let mut source = built_in.clone();
     source.spirv = Cow::Owned(tampered::kernel(built_in.name, mutation));
     source
 }
 
-/// Kernels of which all that read storage buffers have the mutation in them, if there is one.
+/// Registry of kernels. With a mutation, every kernel that reads storage buffers has it.
 pub fn registry(mutation: Option<&str>) -> Registry {
     let mut registry = Registry::built_in();
     if let Some(mutation) = mutation {
@@ -37,7 +37,7 @@ pub fn registry(mutation: Option<&str>) -> Registry {
     registry
 }
 
-/// A renderer that has the mutation in all its kernels, if there is one.
+/// Renderer with the mutation, if there is one, in all its kernels.
 pub fn renderer(
     context: &Arc<Context>,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! What `sample_direction` makes of a surface over the grids of one cell: `glsl/test/sample_direction.comp`.
+//! Samples that `sample_direction` draws for a surface over the grids of one cell: `glsl/test/sample_direction.comp`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -17,7 +17,7 @@ struct SurfaceInput {
     normal: [f32; 3],
 }
 
-/// A sample, and the density of some direction.
+/// Sample, and the density of a given direction.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct DirectionOutput {
@@ -28,7 +28,7 @@ pub struct DirectionOutput {
     pub given: [f32; 3],
     pub pdf_of_given: f32,
     pub value_of_given: [f32; 3],
-    /// What the sample says of its share.
+    /// Evidence of this sample about the learned share.
     pub scattered: f32,
     pub of_guide: f32,
 }
@@ -40,17 +40,17 @@ struct TestPush {
     count: u32,
 }
 
-/// A surface and where it is looked at from.
+/// Surface, and the direction to the eye.
 #[derive(Clone, Copy)]
 pub struct SeenSurface {
     pub bsdf: DeviceBsdf,
-    /// Local.
+    /// Direction to the eye, in local coordinates.
     pub wo: DVec3,
-    /// World space.
+    /// Normal in world space.
     pub normal: DVec3,
 }
 
-/// Draws `count` samples by the kernel, whose workgroups have `group` invocations.
+/// Draws `count` samples with a kernel whose workgroups have `group` invocations.
 pub fn draw(
     device: &Device,
     cell: &Cell,

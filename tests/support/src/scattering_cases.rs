@@ -1,4 +1,4 @@
-//! Surfaces of every kind, as the device and as their twins take them.
+//! Surfaces of every kind, in the form of the device and in the form of their twins.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -13,7 +13,7 @@ use crate::twins::direction::pdf_cosine_hemisphere;
 use crate::twins::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
 use crate::twins::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
 
-/// `Bsdf` of `glsl/include/bsdf/parameters.glsl`
+/// Parameters on the device: `Bsdf` of `glsl/include/bsdf/parameters.glsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
 pub struct DeviceBsdf {
@@ -31,7 +31,7 @@ impl DeviceBsdf {
     }
 }
 
-/// What is below a coating, if there is one.
+/// Scattering function of a surface, below the coating if there is one.
 #[derive(Debug, Clone)]
 pub enum Base {
     RoughDiffuse(RoughDiffuse),
@@ -47,7 +47,7 @@ pub struct Surface {
     pub coating: Option<Coating>,
 }
 
-/// A pipeline for all of them.
+/// Constants of a pipeline for all of these surfaces.
 pub fn variant() -> Variant {
     Variant { material_kinds: u32::MAX, surface_features: FEATURE_COATING | FEATURE_BECKMANN, ..Variant::default() }
 }
@@ -61,7 +61,7 @@ impl Surface {
         Self { name, base, coating: None }
     }
 
-    /// Light is seen on both sides.
+    /// Whether light passes to the other side.
     pub fn transmits(&self) -> bool {
         match &self.base {
             Base::Principled(b) => b.spec_trans > 0.0,
@@ -70,7 +70,7 @@ impl Surface {
         }
     }
 
-    /// The same without absorption.
+    /// This surface without absorption.
     pub fn white(&self) -> Self {
         let mut white = self.clone();
         match &mut white.base {
@@ -85,7 +85,7 @@ impl Surface {
         white
     }
 
-    /// Share of a value by which the device may be off: rounding of a facet's normal over its roughness.
+    /// Allowed relative error of a value on the device: rounding of a facet's normal over its roughness.
     pub fn tolerance(&self) -> f64 {
         match &self.base {
             Base::Principled(b) if b.roughness < 0.1 => 5.0e-3,
@@ -113,7 +113,7 @@ impl Surface {
         bsdf
     }
 
-    /// f |cos| without what goes to single directions.
+    /// Value f |cos|, without lobes of a single direction.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
         match &self.coating {
             Some(c) => eval_coating(c, wo, wi, |wo, wi| self.base.eval(wo, wi)),
@@ -121,7 +121,7 @@ impl Surface {
         }
     }
 
-    /// Density likewise.
+    /// Density, without lobes of a single direction.
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match &self.coating {
             Some(c) => pdf_coating(c, wo, wi, |wo, wi| self.base.pdf(wo, wi)),
@@ -129,7 +129,7 @@ impl Surface {
         }
     }
 
-    /// Probability of the single directions.
+    /// Probability that a sample takes a lobe of a single direction.
     pub fn delta(&self, wo: DVec3) -> f64 {
         let layer = self.coating.map_or(0.0, |c| coating_probability(&c, wo));
         match &self.base {
@@ -139,7 +139,7 @@ impl Surface {
         }
     }
 
-    /// Index of refraction by which transmitted directions are bent, interior over exterior.
+    /// Index of refraction that bends transmitted light, interior over exterior.
     pub fn eta(&self) -> f64 {
         match &self.base {
             Base::Principled(b) => b.eta,
@@ -205,7 +205,7 @@ fn rough_diffuse(alpha: f64, fast_approximation: bool) -> (String, Base) {
     (format!("rough diffuse {alpha} {fast_approximation}"), Base::RoughDiffuse(b))
 }
 
-/// A dielectric over a diffuse base.
+/// Principled surface: a dielectric over a diffuse base.
 const PRINCIPLED: Principled = Principled {
     base_color: DVec3::new(0.8, 0.5, 0.3),
     eta: 1.5,
@@ -221,7 +221,7 @@ const PRINCIPLED: Principled = Principled {
     clearcoat_gloss: 0.0,
 };
 
-/// Roughness 0.05 to 1 of a metal, of glass, and of everything at once.
+/// Principled surfaces at a roughness: a metal, a glass, and one with all lobes at once.
 fn principled(roughness: f64) -> [(String, Base); 3] {
     let metal = Principled { roughness, metallic: 1.0, anisotropic: 0.7, ..PRINCIPLED };
     let glass = Principled { roughness, spec_trans: 1.0, eta: 1.4, ..PRINCIPLED };

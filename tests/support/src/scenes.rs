@@ -7,7 +7,8 @@ use lodestar::settings::{
 
 use crate::scenes_folder;
 
-/// A plain path tracer and one with a guide, for what does not depend on how the guide is followed.
+/// Samplers for tests of a property that does not depend on how a guide is followed: a plain path tracer and one with a
+/// guide.
 pub const SAMPLERS: [Sampler; 2] = [Sampler::Bsdf, Sampler::RejectionMix];
 
 pub const ALL_SAMPLERS: [Sampler; 7] = [
@@ -20,17 +21,17 @@ pub const ALL_SAMPLERS: [Sampler; 7] = [
     Sampler::Quadtree,
 ];
 
-/// Every sampler that follows a guide with every learner that it combines with.
+/// All samplers that follow a guide, each with every learner that it can be combined with.
 pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
     let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo];
     let all = ALL_SAMPLERS[1..].iter().flat_map(move |&sampler| learners.map(|learner| (sampler, learner)));
     all.filter(|&(sampler, learner)| sampler != Sampler::Quadtree || learner == Learner::MonteCarlo)
 }
 
-/// A change to the settings that a test makes.
+/// Change of the settings that a test makes.
 type Change = fn(&mut Settings);
 
-/// Every way to follow a guide.
+/// All ways to follow a guide, by name.
 pub const GUIDED: [(&str, Change); 18] = [
     ("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
     ("rejection-mix of acceptances", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
@@ -70,7 +71,7 @@ pub fn ours(name: &str, defines: &[(&str, &str)]) -> Scene {
     load(&path, &LoadOptions { defines }).expect("a scene")
 }
 
-/// The scene's own settings but for the size, sampler and seed, and without emitter sampling.
+/// Settings of the scene, with the given size, sampler and seed, and without emitter sampling.
 pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed: u32) -> Settings {
     steady(Settings {
         width,
@@ -83,9 +84,10 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed
     })
 }
 
-/// Has half of the samples by inversion uniform. Where a table misses light that is there, the few others that find it weigh
-/// so much, edge after edge, that sums of a test's size are far from normally distributed: with the default, 64 samples per
-/// pixel of the furnace are five standard errors too dark and 2048 are right. And has quadtrees learn as they must.
+/// Settings with less noise. For inversion, half of the samples are uniform. Where a table misses light, the few other
+/// samples that find it have weights that multiply along the path. Sums of a test's size are then far from normally
+/// distributed: with the default share, 64 samples per pixel of the furnace are five standard errors too dark, and 2048
+/// are right. Quadtrees get the learner that they need.
 pub fn steady(settings: Settings) -> Settings {
     let inverts = matches!(settings.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion);
     let learner = if settings.sampler == Sampler::Quadtree { Learner::MonteCarlo } else { settings.learner };
@@ -103,7 +105,7 @@ pub fn with_albedo_scaled(scene: &Scene, factor: f32) -> Scene {
     scene
 }
 
-/// The surface that a material of the project's scenes is.
+/// Surface of a material of the project's scenes.
 pub fn surface_mut(material: &mut Material) -> &mut SurfaceMaterial {
     match &mut material.kind {
         MaterialKind::Surface(surface) => surface,

@@ -1,4 +1,4 @@
-//! Metals, dielectrics and plastics, smooth and rough, as the device and as their twins take them.
+//! Metals, dielectrics and plastics, smooth and rough, in the form of the device and in the form of their twins.
 
 use std::sync::Mutex;
 
@@ -19,7 +19,7 @@ use crate::twins::dielectric::{
 use crate::twins::direction::pdf_cosine_hemisphere;
 use crate::twins::plastic::{Plastic, RoughSurface, eval_bsdf_plastic, pdf_bsdf_plastic, plastic_lobes};
 
-/// A scattering function with its parameters.
+/// Scattering function with its parameters.
 #[derive(Debug, Clone)]
 pub enum Substance {
     Conductor(Conductor),
@@ -28,11 +28,11 @@ pub enum Substance {
     ThinDielectric(Dielectric),
     RoughDielectric(Dielectric, Microfacets),
     Plastic(Plastic),
-    /// With the address of its table.
+    /// Rough plastic, with the address of its table.
     RoughPlastic(Plastic, u32),
 }
 
-/// Layers of rough plastics so far, and the words of their tables.
+/// Layers of the rough plastics so far, and the words of their tables.
 static TABLES: Mutex<Tables> = Mutex::new(Tables { layers: vec![], words: vec![] });
 
 struct Tables {
@@ -40,7 +40,7 @@ struct Tables {
     words: Vec<u32>,
 }
 
-/// The words that addresses refer to.
+/// Words of all tables of rough plastics so far.
 pub fn table_words() -> Vec<u32> {
     TABLES.lock().expect("no test panics with it").words.clone()
 }
@@ -56,7 +56,7 @@ fn layer(facets: Microfacets, eta: f64) -> (RoughLayer, u32) {
     (layer, address)
 }
 
-/// A plastic; rough where it has facets.
+/// Plastic. It is rough if facets are given.
 pub fn plastic(
     eta: f64,
     diffuse_reflectance: DVec3,
@@ -81,12 +81,12 @@ pub fn plastic(
 }
 
 impl Substance {
-    /// Light is seen on both sides.
+    /// Whether light passes to the other side.
     pub fn transmits(&self) -> bool {
         matches!(self, Self::Dielectric(_) | Self::ThinDielectric(_) | Self::RoughDielectric(..))
     }
 
-    /// The same without absorption.
+    /// This substance without absorption.
     pub fn white(&self) -> Self {
         let conductor = Conductor { specular_reflectance: DVec3::ONE, eta: DVec3::ZERO, k: DVec3::ZERO };
         let dielectric = |b: &Dielectric| Dielectric {
@@ -115,7 +115,7 @@ impl Substance {
         }
     }
 
-    /// Index of refraction by which transmitted directions are bent, interior over exterior.
+    /// Index of refraction that bends transmitted light, interior over exterior.
     pub fn bending(&self) -> f64 {
         match self {
             Self::Dielectric(b) | Self::RoughDielectric(b, _) => b.eta,
@@ -123,7 +123,7 @@ impl Substance {
         }
     }
 
-    /// Single directions that light from the eye takes.
+    /// Lobes of a single direction for light to the eye at `wo`.
     pub fn lobes(&self, wo: DVec3) -> Vec<DeltaLobe> {
         match self {
             Self::Conductor(b) => conductor_lobes(b, wo),
@@ -134,7 +134,7 @@ impl Substance {
         }
     }
 
-    /// f |cos| without what goes to single directions.
+    /// Value f |cos|, without lobes of a single direction.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
         match self {
             Self::RoughConductor(b, facets) => eval_bsdf_rough_conductor(b, facets, wo, wi),
@@ -144,7 +144,7 @@ impl Substance {
         }
     }
 
-    /// Density likewise.
+    /// Density, without lobes of a single direction.
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match self {
             Self::RoughConductor(_, facets) => pdf_reflection(facets, wo, wi),
@@ -219,13 +219,13 @@ fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
     if alpha[0] == alpha[1] {
         let b = plastic(1.49, COLOR, DVec3::new(0.6, 0.8, 1.0), true, Some(facets));
         all.push((format!("rough plastic, {name}"), b));
-        // Light that enters what is optically thinner.
+        // Light enters a medium that is optically thinner.
         all.push((format!("bubble, {name}"), Substance::RoughDielectric(glass(0.75), facets)));
     }
     all
 }
 
-/// One or more of every kind, at roughness 0.05 to 1.
+/// Substances of every kind, at roughness 0.05 to 1.
 pub fn substances() -> Vec<(String, Substance)> {
     let alphas = [[0.05; 2], [0.2; 2], [0.5; 2], [1.0; 2], [0.05, 0.5], [0.8, 0.3]];
     let rough = alphas.into_iter().flat_map(|alpha| [rough(alpha, false), rough(alpha, true)]).flatten();

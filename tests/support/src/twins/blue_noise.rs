@@ -4,29 +4,30 @@ use super::sobol::{hashed_owen_scramble, owen_scramble, reversed, sobol};
 
 /// Pixels along a side of a tile.
 pub const SIDE: u32 = 32;
-/// Binary digits of a pixel's place along the curve through its tile.
+/// Number of binary digits of a pixel's place along the curve through its tile.
 const PLACE_DIGITS: u32 = 10;
-/// Those of the numbers of a set's points.
+/// Number of binary digits of a set's points.
 const POINT_DIGITS: u32 = 13;
-/// x^3 + x + 1, over GF(2).
+/// Polynomial x^3 + x + 1 over GF(2).
 const POLYNOMIAL: u32 = 0b1011;
 
-/// Tells tiles apart.
+/// Number that identifies the tile of a pixel.
 pub fn tile_of([x, y]: [u32; 2]) -> u32 {
     ((y / SIDE) << 16) | (x / SIDE)
 }
 
-/// The place of a pixel along Morton's curve (1966) through its tile.
+/// Place of a pixel along Morton's curve (1966) through its tile.
 pub fn place_in_tile([x, y]: [u32; 2]) -> u32 {
     (0..PLACE_DIGITS / 2).fold(0, |place, bit| place | (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1))
 }
 
-/// A product of polynomials over GF(2).
+/// Product of polynomials over GF(2).
 fn product(a: u32, b: u32) -> u32 {
     (0..u32::BITS).filter(|bit| a >> bit & 1 == 1).fold(0, |sum, bit| sum ^ (b << bit))
 }
 
-/// The first 13 digits of four numbers of the sample at this place of its pixel's part of a set; `bits` are those of the set.
+/// First 13 digits of four numbers of the sample at `within_set`, its place in its pixel's part of a set. `bits` are
+/// the random bits of the set.
 pub fn tile_digits(film_pixel: [u32; 2], within_set: u32, bits: [u32; 4]) -> [u32; 4] {
     let number = |pair: usize| {
         let [mine, other] = [bits[2 * pair], bits[2 * pair + 1]];

@@ -13,14 +13,14 @@ pub fn sample_tent(u: f64) -> f64 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
-/// A Gaussian of unit deviation, cut off at a distance of four.
+/// Gaussian of unit standard deviation, cut off at a distance of four.
 pub fn sample_gaussian(u: DVec2) -> DVec2 {
     let inside = 1.0 - (-8.0_f64).exp();
     let radius = (-2.0 * (-inside * u.x).ln_1p()).sqrt();
     radius * dvec2((TAU * u.y).cos(), (TAU * u.y).sin())
 }
 
-/// A point of the unit disk, uniformly: the disk's sectors are the square's four triangles (Shirley and Chiu 1997).
+/// Uniform point of the unit disk. The disk's sectors are the square's four triangles (Shirley and Chiu 1997).
 pub fn concentric_disk(u: DVec2) -> DVec2 {
     let p = 2.0 * u - 1.0;
     if p == DVec2::ZERO {
@@ -31,7 +31,7 @@ pub fn concentric_disk(u: DVec2) -> DVec2 {
     radius * dvec2(angle.cos(), angle.sin())
 }
 
-/// The ray of a `CAMERA_*` through `position`, in film pixels from the top left; `u` chooses a point of the lens.
+/// Ray of a `CAMERA_*` through `position`, in film pixels from the top left. `u` chooses a point of the lens.
 pub fn camera_ray(camera: u32, scene: &SceneConstants, position: DVec2, u: DVec2) -> Ray {
     let two = |v: [f32; 2]| Vec2::from(v).as_dvec2();
     let screen = 1.0 - 2.0 * (position / two(scene.film_size) + two(scene.principal_point));
@@ -48,7 +48,8 @@ pub fn camera_ray(camera: u32, scene: &SceneConstants, position: DVec2, u: DVec2
         constants::CAMERA_THINLENS => (f64::from(scene.focus_distance), f64::from(scene.aperture_radius)),
         _ => (1.0, 0.0),
     };
-    // From a point of the lens to where the ray through its center meets the plane in focus.
+    // The ray goes from a point of the lens to the point where the ray through the lens's center meets the plane in
+    // focus.
     let lens = (radius * concentric_disk(u)).extend(0.0);
     let local = (focus * on_screen.extend(1.0) - lens).normalize();
     Ray { origin: point(lens + near / local.z * local), direction: vector(local), t_max: (far - near) / local.z }

@@ -3,18 +3,18 @@
 use glam::DVec3;
 use lodestar::math::fresnel::fresnel_dielectric;
 
-/// A smooth dielectric layer.
+/// Smooth dielectric layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coating {
     /// Index of refraction, interior over exterior.
     pub eta: f64,
     /// Absorption times thickness.
     pub optical_thickness: DVec3,
-    /// Factor of what the layer reflects.
+    /// Factor of the light that the layer reflects.
     pub specular_reflectance: DVec3,
 }
 
-/// The direction inside the layer, and the layer's reflectance.
+/// Direction inside the layer, and the layer's reflectance.
 pub fn enter_coating(c: &Coating, w: DVec3) -> (DVec3, f64) {
     let interface = fresnel_dielectric(w.z.abs(), c.eta);
     let inside = (w.truncate() / c.eta).extend(interface.cos_t.copysign(w.z));
@@ -35,7 +35,7 @@ fn jacobian(c: &Coating, wi: DVec3) -> f64 {
     (wi.z / enter_coating(c, wi).0.z / (c.eta * c.eta)).abs()
 }
 
-/// f cos of the coated surface, given that of the one inside.
+/// Value f cos of the coated surface, given that of the surface inside.
 pub fn eval_coating(c: &Coating, wo: DVec3, wi: DVec3, nested: impl Fn(DVec3, DVec3) -> DVec3) -> DVec3 {
     let [(o, reflected_o), (i, reflected_i)] = [wo, wi].map(|w| enter_coating(c, w));
     let paths = 1.0 / o.z.abs() + 1.0 / i.z.abs();

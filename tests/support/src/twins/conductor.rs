@@ -7,18 +7,18 @@ use super::delta::DeltaLobe;
 use super::fresnel::fresnel_conductor;
 use super::microfacet::{microfacet_density, pdf_visible_normal};
 
-/// A metal.
+/// Metal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Conductor {
-    /// Factor of what is reflected.
+    /// Factor of the reflected light.
     pub specular_reflectance: DVec3,
     /// Index of refraction, real part.
     pub eta: DVec3,
-    /// Imaginary part.
+    /// Index of refraction, imaginary part.
     pub k: DVec3,
 }
 
-/// What a smooth metal does to light.
+/// Lobe of a smooth metal, if it is seen from above.
 pub fn conductor_lobes(b: &Conductor, wo: DVec3) -> Vec<DeltaLobe> {
     if wo.z <= 0.0 {
         return vec![];
@@ -27,7 +27,7 @@ pub fn conductor_lobes(b: &Conductor, wo: DVec3) -> Vec<DeltaLobe> {
     vec![DeltaLobe { wi: dvec3(-wo.x, -wo.y, wo.z), probability: 1.0, value, eta: 1.0 }]
 }
 
-/// f cos of a rough metal (Walter et al. 2007, equation 20).
+/// Value f cos of a rough metal (Walter et al. 2007, equation 20).
 pub fn eval_bsdf_rough_conductor(b: &Conductor, facets: &Microfacets, wo: DVec3, wi: DVec3) -> DVec3 {
     if wo.z <= 0.0 || wi.z <= 0.0 {
         return DVec3::ZERO;
@@ -37,7 +37,7 @@ pub fn eval_bsdf_rough_conductor(b: &Conductor, facets: &Microfacets, wo: DVec3,
     b.specular_reflectance * fresnel_conductor(wo.dot(m), b.eta, b.k) * light
 }
 
-/// Density of `wi` where visible facets are sampled, and reflect.
+/// Density of `wi` for samples that reflect at visible facets.
 pub fn pdf_reflection(facets: &Microfacets, wo: DVec3, wi: DVec3) -> f64 {
     if wo.z <= 0.0 || wi.z <= 0.0 {
         return 0.0;

@@ -1,23 +1,24 @@
-//! Clamped cosines over parts of the sphere, by brute force: independent of the tables that the renderer uploads.
+//! Clamped cosines over parts of the sphere, by brute force. They are independent of the tables that the renderer
+//! uploads.
 
 use glam::DVec3;
 use lodestar::math::direction_map::bin_center;
 use lodestar::settings::DirectionMap;
 
-/// A fine map of the sphere: every point stands for the same solid angle.
+/// Fine map of the sphere. Every point stands for the same solid angle.
 pub struct SphereGrid {
     resolution: u32,
     directions: Vec<DVec3>,
 }
 
 impl SphereGrid {
-    /// Such a map of `resolution` points a side.
+    /// Map with `resolution` points along each side.
     pub fn new(map: DirectionMap, resolution: u32) -> Self {
         let directions = (0..resolution * resolution).map(|bin| bin_center(map, bin, resolution)).collect();
         Self { resolution, directions }
     }
 
-    /// Integrals of `f` over each bin of a coarser map, which this one subdivides.
+    /// Integrals of `f` over each bin of a coarser map, whose bins this map subdivides.
     pub fn integrals(&self, coarse: u32, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
         assert!(self.resolution.is_multiple_of(coarse), "{coarse} does not divide {}", self.resolution);
         let side = self.resolution / coarse;
@@ -31,7 +32,7 @@ impl SphereGrid {
         sums.iter().map(|sum| sum * solid_angle).collect()
     }
 
-    /// The directions, row by row.
+    /// Directions of all points, row by row.
     pub fn directions(&self) -> &[DVec3] {
         &self.directions
     }
@@ -41,7 +42,8 @@ impl SphereGrid {
         self.integrals(coarse, |w| w.dot(n).max(0.0))
     }
 
-    /// Solid angles above the horizon of `n`. Points on the horizon count half, for a row of the map may lie along it.
+    /// Solid angles above the horizon of `n`. Points on the horizon count half, because a row of the map may lie along
+    /// it.
     pub fn visible(&self, coarse: u32, n: DVec3) -> Vec<f64> {
         self.integrals(coarse, |w| match w.dot(n) {
             cosine if cosine.abs() < 1.0e-9 => 0.5,

@@ -1,11 +1,11 @@
-//! Twin of `glsl/include/math/cylindrical.glsl`: Lambert's cylindrical map from the sphere to the square [-1, 1]^2. The way
-//! back is [`lodestar::math::cylindrical::cylinder_to_sphere`].
+//! Twin of `glsl/include/math/cylindrical.glsl`: Lambert's cylindrical map from the sphere to the square [-1, 1]^2. The
+//! inverse is [`lodestar::math::cylindrical::cylinder_to_sphere`].
 
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, dvec2};
 
-/// Point of the square of a unit direction.
+/// Point of the square for a unit direction.
 pub fn sphere_to_cylinder(w: DVec3) -> DVec2 {
     dvec2(w.y.atan2(w.x) / PI, w.z)
 }

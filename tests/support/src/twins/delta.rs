@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-/// One direction that light may take, with its share of the samples and of the light.
+/// Single direction that light may take, with its share of the samples and of the light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeltaLobe {
-    /// To the light.
+    /// Direction to the light.
     pub wi: DVec3,
-    /// That a sample takes it.
+    /// Probability that a sample takes this direction.
     pub probability: f64,
-    /// Radiance that goes to the eye over radiance that comes from there.
+    /// Radiance towards the eye over radiance that arrives from `wi`.
     pub value: DVec3,
     /// Index of refraction on the side of `wi` over that on the side of the eye.
     pub eta: f64,

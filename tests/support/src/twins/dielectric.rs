@@ -7,18 +7,18 @@ use lodestar::math::microfacet::{Microfacets, smith_g1};
 use super::delta::DeltaLobe;
 use super::microfacet::{microfacet_density, pdf_visible_normal};
 
-/// A surface between two dielectrics, or a sheet of one.
+/// Surface between two dielectrics, or a thin sheet of one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dielectric {
     /// Index of refraction, interior over exterior.
     pub eta: f64,
-    /// Factor of what is reflected.
+    /// Factor of the reflected light.
     pub specular_reflectance: DVec3,
-    /// Factor of what is transmitted.
+    /// Factor of the transmitted light.
     pub specular_transmittance: DVec3,
 }
 
-/// What a smooth surface does to light.
+/// Lobes of a smooth surface.
 pub fn dielectric_lobes(b: &Dielectric, wo: DVec3) -> Vec<DeltaLobe> {
     let boundary = fresnel_dielectric(wo.z, b.eta);
     let through = dvec3(-wo.x / boundary.eta, -wo.y / boundary.eta, -boundary.cos_t.copysign(wo.z));
@@ -27,7 +27,7 @@ pub fn dielectric_lobes(b: &Dielectric, wo: DVec3) -> Vec<DeltaLobe> {
     lobes(b, wo, boundary.reflectance, through, boundary.eta, compression)
 }
 
-/// What a thin sheet does to light.
+/// Lobes of a thin sheet.
 pub fn thin_dielectric_lobes(b: &Dielectric, wo: DVec3) -> Vec<DeltaLobe> {
     let r = fresnel_dielectric(wo.z.abs(), b.eta).reflectance;
     // The second part is the sum over all orders of internal reflection, (1 - r)^2 r^(2 n + 1).
@@ -48,14 +48,14 @@ fn lobes(b: &Dielectric, wo: DVec3, reflectance: f64, through: DVec3, eta: f64, 
     ]
 }
 
-/// The facets between two directions.
+/// Facets that scatter light between two directions.
 struct Facet {
-    /// On the upper side.
+    /// Normal of the facets, on the upper side.
     m: DVec3,
     reflectance: f64,
     /// Index on the side of `wi` over that on the side of `wo`.
     eta: f64,
-    /// Whether both directions see them from the sides of the surface that they are on.
+    /// Whether each direction sees the facets from its own side of the surface.
     is_visible: bool,
 }
 
@@ -80,7 +80,7 @@ fn jacobian(wo: DVec3, wi: DVec3, facet: &Facet) -> f64 {
     facet.eta.powi(2) * wi.dot(facet.m).abs() / sum.powi(2)
 }
 
-/// f |cos| (Walter et al. 2007, equations 20 and 21), scaled for radiance.
+/// Value f |cos| (Walter et al. 2007, equations 20 and 21), scaled for radiance.
 pub fn eval_bsdf_rough_dielectric(b: &Dielectric, facets: &Microfacets, wo: DVec3, wi: DVec3) -> DVec3 {
     let f = facet(b.eta, wo, wi);
     if wo.z * wi.z == 0.0 || !f.is_visible {

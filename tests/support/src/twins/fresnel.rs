@@ -8,7 +8,7 @@ pub fn fresnel_conductor(cos_i: f64, eta: DVec3, k: DVec3) -> DVec3 {
     DVec3::new(channel(0), channel(1), channel(2))
 }
 
-/// By complex arithmetic: `q = sqrt(n^2 - sin^2)` is n times the cosine in the metal.
+/// Reflectance of one channel, by complex arithmetic: `q = sqrt(n^2 - sin^2)` is n times the cosine in the metal.
 fn fresnel_conductor_channel(cos_i: f64, eta: f64, k: f64) -> f64 {
     let (n2_re, n2_im) = (eta * eta - k * k, -2.0 * eta * k);
     let (q_re, q_im) = complex_sqrt(n2_re - (1.0 - cos_i * cos_i), n2_im);
@@ -22,7 +22,7 @@ fn fresnel_conductor_channel(cos_i: f64, eta: f64, k: f64) -> f64 {
     0.5 * (s + p)
 }
 
-/// The root with a real part >= 0.
+/// Complex square root with a real part >= 0.
 fn complex_sqrt(re: f64, im: f64) -> (f64, f64) {
     let modulus = re.hypot(im);
     let root_re = (0.5 * (modulus + re)).max(0.0).sqrt();

@@ -10,10 +10,10 @@ use super::direction_map::direction_bin;
 use super::normalization_entry::{NormalizationEntry, Rules};
 use super::product::Product;
 
-/// A cell and a normal, and how they are sampled.
+/// Cell, surface normal and rules of the sampler that draws there.
 #[derive(Debug, Clone, Copy)]
 pub struct Guide<'a> {
-    /// Which sampler it is.
+    /// Sampler and its constants.
     pub rules: &'a Rules,
     /// Map between directions and bins.
     pub map: DirectionMap,
@@ -25,18 +25,18 @@ pub struct Guide<'a> {
     pub nb: DVec3,
     /// True normal.
     pub n: DVec3,
-    /// The factors, of the normalizers in double precision.
+    /// Factors that follow from the normalizers in double precision.
     pub entry: NormalizationEntry,
 }
 
-/// What the guide's density is within one bin: `times_cosine max(0, nb.w) + constant + above [nb.w > 0]`.
+/// Density of the guide within one bin: `times_cosine max(0, nb.w) + constant + above [nb.w > 0]`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BinDensity {
     /// Factor of the clamped cosine about the representative normal.
     pub times_cosine: f64,
-    /// All over the bin.
+    /// Density in the whole bin.
     pub constant: f64,
-    /// On the hemisphere of the representative normal.
+    /// Density on the hemisphere of the representative normal.
     pub above: f64,
 }
 
@@ -46,7 +46,7 @@ impl Guide<'_> {
         self.radiance.len().isqrt() as u32
     }
 
-    /// The density in a bin, but for the uniform share.
+    /// Density in a bin, without the uniform share.
     pub fn bin_density(&self, bin: usize) -> BinDensity {
         let (radiance, scale) = (f64::from(self.radiance[bin]), self.entry.guide_scale);
         match self.rules.sampler {
@@ -68,7 +68,7 @@ impl Guide<'_> {
         Product { radiance: self.radiance, integrals: self.integrals }
     }
 
-    /// Share of the cosine about the true normal.
+    /// Share of samples drawn by the cosine about the true normal.
     pub fn cosine_share(&self) -> f64 {
         if self.rules.sampler == Sampler::Product { self.entry.uniform_share } else { 0.0 }
     }

@@ -1,28 +1,29 @@
-//! Twin of `glsl/include/geometry/intersect.glsl` and, by looking at every primitive, of `glsl/include/geometry/traverse.glsl`.
+//! Twin of `glsl/include/geometry/intersect.glsl`. By testing every primitive, it is also the twin of
+//! `glsl/include/geometry/traverse.glsl`.
 
 use glam::DVec3;
 use lodestar::scene::{Primitive, PrimitiveShape};
 
-/// A ray of a unit direction.
+/// Ray with a unit direction.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
-    /// Where it starts.
+    /// Start of the ray.
     pub origin: DVec3,
-    /// Its unit direction.
+    /// Unit direction.
     pub direction: DVec3,
-    /// How far it goes.
+    /// Length of the ray.
     pub t_max: f64,
 }
 
-/// Where a line meets a primitive or passes it.
+/// Point where a line crosses a primitive or its plane.
 #[derive(Debug, Clone, Copy)]
 pub struct Crossing {
-    /// Distance along the ray; may be negative.
+    /// Distance along the ray. It may be negative.
     pub t: f64,
-    /// How far inside its outline the primitive is crossed: 0 on the outline, negative beyond; about 1 amid a primitive.
+    /// Distance from the outline, relative to the primitive: 0 on the outline, negative outside, about 1 in the middle.
     pub inside: f64,
-    /// How far from grazing: the sine of the angle to a plane (1 where the shape's edges are at right angles, too); a
-    /// sphere has no outline but this, so there it is `inside` again.
+    /// Distance from grazing incidence: the sine of the angle to a plane (1 if the shape's edges are at right angles,
+    /// too). A sphere's outline is where rays graze it, so its value is `inside`.
     pub steepness: f64,
 }
 
@@ -69,7 +70,7 @@ fn sphere_crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {
     [middle - half, middle + half].map(|t| Crossing { t, inside, steepness: inside }).to_vec()
 }
 
-/// The nearest hit by trying every primitive: distance and index.
+/// Distance and index of the nearest hit, by trying every primitive.
 pub fn traverse(ray: &Ray, primitives: &[Primitive]) -> Option<(f64, usize)> {
     let hits = primitives.iter().enumerate().flat_map(|(index, p)| {
         let hits = crossings(ray, p).into_iter().filter(|c| c.inside >= 0.0 && c.t > 0.0 && c.t < ray.t_max);

@@ -8,8 +8,8 @@ use lodestar::scene::{DeltaKind, Primitive, PrimitiveShape};
 
 use super::intersect::{Ray, crossings};
 
-/// Spheres are sampled by the cone that they fill where the squared distance of their center exceeds their squared radius by
-/// this factor.
+/// Ratio of the squared distance of a sphere's center to its squared radius. Above it, the sphere is sampled by the
+/// cone that it fills.
 const CONE_FROM: f64 = 1.001;
 
 /// Density per steradian with which a direction to `p` is drawn from `from`.
@@ -45,7 +45,8 @@ pub fn area(p: &Primitive) -> f64 {
     }
 }
 
-/// Coordinates on a map, each in [0, 1), of a direction in the map's space: azimuth from -z towards +x, and angle from +y.
+/// Coordinates on a map, each in [0, 1), of a direction in the map's space: the azimuth from -z towards +x, and the
+/// angle from +y.
 pub fn environment_coordinates(direction: DVec3) -> DVec2 {
     let azimuth = direction.x.atan2(-direction.z) / TAU;
     dvec2(azimuth.rem_euclid(1.0), direction.y.clamp(-1.0, 1.0).acos() / PI)
@@ -71,8 +72,7 @@ pub fn pdf_environment(table: &EnvironmentTable, direction: DVec3) -> f64 {
     f64::from(entry.probability) * (table.columns * table.rows) as f64 / (TAU * PI * sine)
 }
 
-/// What arrives at `from` from an emitter that no ray can hit: the direction towards it, and the irradiance on a surface that
-/// faces it.
+/// Direction from `from` towards an emitter that no ray can hit, and the irradiance there on a surface that faces it.
 pub fn delta_light(kind: &DeltaKind, from: DVec3) -> (DVec3, DVec3) {
     let arriving = |position: Vec3, intensity: Vec3| {
         let d = position.as_dvec3() - from;

@@ -6,12 +6,12 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use lodestar::math::microfacet::{Microfacets, smith_g1};
 
-/// Tangent of the angle from the z-axis, squared.
+/// Squared tangent of the angle from the z-axis.
 fn tan2(x: f64, y: f64, z: f64) -> f64 {
     (x * x + y * y) / (z * z)
 }
 
-/// D(m): normals per unit of area and steradian.
+/// Density D(m) of normals, per unit of area and steradian.
 pub fn microfacet_density(s: &Microfacets, m: DVec3) -> f64 {
     if m.z <= 0.0 {
         return 0.0;
@@ -21,7 +21,7 @@ pub fn microfacet_density(s: &Microfacets, m: DVec3) -> f64 {
     of_slopes / (PI * s.alpha[0] * s.alpha[1] * m.z.powi(4))
 }
 
-/// Smith's exact masking of either distribution.
+/// Exact masking G1 by Smith, for either distribution.
 pub fn exact_g1(s: &Microfacets, v: DVec3) -> f64 {
     if s.is_ggx {
         return smith_g1(s, v);
@@ -35,7 +35,7 @@ pub fn pdf_visible_normal(s: &Microfacets, v: DVec3, m: DVec3) -> f64 {
     exact_g1(s, v) * v.dot(m).max(0.0) * microfacet_density(s, m) / v.z
 }
 
-/// The error function to double precision: its series for small x, Lentz's continued fraction beyond.
+/// Error function in double precision: a series for small x, Lentz's continued fraction for large x.
 pub fn erf(x: f64) -> f64 {
     if x.abs() > 3.0 {
         return x.signum() * (1.0 - erfc_fraction(x.abs()));
@@ -49,7 +49,7 @@ pub fn erf(x: f64) -> f64 {
     2.0 / PI.sqrt() * sum
 }
 
-/// erfc for x > 3, the fraction evaluated from its end.
+/// Function erfc for x > 3: a continued fraction, evaluated from its end.
 fn erfc_fraction(x: f64) -> f64 {
     let tail = (1..100).rev().fold(x, |tail, n| x + 0.5 * f64::from(n) / tail);
     (-x * x).exp() / (PI.sqrt() * tail)

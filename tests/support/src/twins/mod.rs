@@ -1,5 +1,5 @@
-//! Slow, obvious twins of the pure GLSL functions, in double precision and under the same names. Tests hold the kernels
-//! against them. Functions that production calls, too, are in [`lodestar::math`].
+//! Slow, obvious twins of the pure GLSL functions, in double precision and under the same names. Tests compare the
+//! kernels with them. Functions that production also calls are in [`lodestar::math`].
 
 pub mod blue_noise;
 pub mod camera;

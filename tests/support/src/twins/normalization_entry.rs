@@ -6,58 +6,59 @@ use lodestar::settings::{Mix, Sampler};
 
 use super::product::COSINE_SHARE;
 
-/// What the kernels take as specialization constants.
+/// Specialization constants of the kernels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rules {
-    /// `SAMPLER`
+    /// Constant `SAMPLER`.
     pub sampler: Sampler,
-    /// `MIX`
+    /// Constant `MIX`.
     pub mix: Mix,
-    /// `EPSILON`, where it is not 0
+    /// Constant `EPSILON`; `None` stands for 0.
     pub epsilon: Option<f64>,
-    /// `MAX_TRIES`
+    /// Constant `MAX_TRIES`.
     pub max_tries: u32,
-    /// `MIN_UNIFORM_SHARE`
+    /// Constant `MIN_UNIFORM_SHARE`.
     pub min_uniform_share: f64,
 }
 
-/// `NormalizationEntry` in GLSL. Times what a sampler follows: L cos, its rejection; L, inversion over the sphere; L times
-/// the cosine's integral over the bin, inversion over the hemisphere.
+/// Factors of a sampler: `NormalizationEntry` in GLSL. They multiply the function that the sampler follows. It is L cos
+/// for rejection, L for inversion over the sphere, and L times the cosine's integral over the bin for inversion over
+/// the hemisphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NormalizationEntry {
-    /// Times what the sampler follows: density of a guided direction.
+    /// Factor from the function that the sampler follows to the density of a guided direction.
     pub guide_scale: f64,
     /// Density of the uniform share and of the fallback.
     pub uniform_density: f64,
-    /// Times what the sampler follows: a probability.
+    /// Factor from the function that the sampler follows to a probability.
     pub acceptance_scale: f64,
-    /// The share e of Eq. 8 and 9.
+    /// Share e of Eq. 8 and 9.
     pub uniform_share: f64,
 }
 
 impl Rules {
-    /// Whether it is acceptances that are mixed (Eq. 9).
+    /// Whether acceptances are mixed (Eq. 9), not densities.
     pub fn mixes_acceptances(&self) -> bool {
         self.mix == Mix::Acceptance
     }
 
-    /// Probability of the component that draws uniformly, at the share e.
+    /// Probability of the component that draws uniformly, for the share e.
     pub fn unconditional_share(&self, e: f64) -> f64 {
         if self.mixes_acceptances() { self.min_uniform_share } else { e }
     }
 
-    /// Probability that a proposal of the guide is accepted where it is `c` on average without any mix.
+    /// Probability that a proposal of the guide is accepted. Without any mix, the mean probability would be `c`.
     pub fn accepted(&self, c: f64, e: f64) -> f64 {
         if self.mixes_acceptances() { c + (1.0 - c) * e } else { c }
     }
 }
 
-/// Eq. 8: the uniform share that spends the fewest proposals on a target whose mean over maximum is `c`.
+/// Uniform share of Eq. 8. It needs the fewest proposals for a target whose mean over maximum is `c`.
 pub fn optimal_uniform_share(c: f64) -> f64 {
     if c < 0.5 { (1.0 - 2.0 * c) / (2.0 - 2.0 * c) } else { 0.0 }
 }
 
-/// The share e of the rejection samplers.
+/// Share e of the rejection samplers.
 pub fn uniform_share(c: f64, rules: &Rules) -> f64 {
     match (rules.sampler, rules.epsilon) {
         (Sampler::Rejection, _) => rules.min_uniform_share,
@@ -67,7 +68,7 @@ pub fn uniform_share(c: f64, rules: &Rules) -> f64 {
     }
 }
 
-/// The factors of a rejection sampler for a target of this normalizer, upper bound and uniform share.
+/// Factors of a rejection sampler for a target with this normalizer, upper bound and uniform share.
 pub fn factors_with_share(normalizer: f64, bound: f64, e: f64, rules: &Rules) -> NormalizationEntry {
     let accepted = rules.accepted((normalizer / (TAU * bound)).min(1.0), e);
     let all_fail = (1.0 - accepted).powi(rules.max_tries as i32);
@@ -82,7 +83,7 @@ pub fn factors_with_share(normalizer: f64, bound: f64, e: f64, rules: &Rules) ->
     NormalizationEntry { guide_scale, uniform_density, acceptance_scale, uniform_share: e }
 }
 
-/// The factors of a rejection sampler for a target of this normalizer (integral over the hemisphere) and this upper bound.
+/// Factors of a rejection sampler for a target with this normalizer (its integral over the hemisphere) and upper bound.
 pub fn rejection_factors(normalizer: f64, bound: f64, rules: &Rules) -> NormalizationEntry {
     if normalizer == 0.0 {
         return uniform_factors(rules);
@@ -91,7 +92,7 @@ pub fn rejection_factors(normalizer: f64, bound: f64, rules: &Rules) -> Normaliz
     factors_with_share(normalizer, bound, e, rules)
 }
 
-/// The factors where there is nothing to follow.
+/// Factors for a table without light: all directions are uniform.
 pub fn uniform_factors(rules: &Rules) -> NormalizationEntry {
     let unconditional = rules.unconditional_share(1.0);
     NormalizationEntry {
@@ -102,7 +103,7 @@ pub fn uniform_factors(rules: &Rules) -> NormalizationEntry {
     }
 }
 
-/// The factors where one of `bins` is chosen by its share of `total`, and all its directions are as likely as each other.
+/// Factors of a sampler that chooses one of `bins` by its share of `total`, and a uniform direction within it.
 pub fn inversion_factors(total: f64, bins: usize, rules: &Rules) -> NormalizationEntry {
     if total == 0.0 {
         return uniform_factors(rules);
@@ -116,7 +117,7 @@ pub fn inversion_factors(total: f64, bins: usize, rules: &Rules) -> Normalizatio
     }
 }
 
-/// What stands for the factors of the product sampler: the share of its descent, and that of the cosine.
+/// Factors of the product sampler: the share of its descent, and the share of the cosine.
 pub fn product_factors(rules: &Rules) -> NormalizationEntry {
     let e = rules.epsilon.unwrap_or(COSINE_SHARE);
     NormalizationEntry { guide_scale: 1.0 - e, uniform_density: 0.0, acceptance_scale: 0.0, uniform_share: e }

@@ -10,14 +10,14 @@ use super::conductor::pdf_reflection;
 use super::delta::DeltaLobe;
 use super::microfacet::microfacet_density;
 
-/// A dielectric layer over a diffuse base.
+/// Dielectric layer over a diffuse base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plastic {
     /// Index of refraction, interior over exterior.
     pub eta: f64,
     /// Albedo of the base.
     pub diffuse_reflectance: DVec3,
-    /// Factor of what the layer reflects.
+    /// Factor of the light that the layer reflects.
     pub specular_reflectance: DVec3,
     /// Whether internal scattering shifts the color.
     pub nonlinear: bool,
@@ -25,16 +25,16 @@ pub struct Plastic {
     pub internal_reflectance: f64,
     /// Share of the mean specular albedo in the sum of both mean albedos.
     pub specular_sampling: f64,
-    /// Of a rough layer.
+    /// Surface of the layer, if it is rough.
     pub rough: Option<RoughSurface>,
 }
 
-/// A rough layer's surface.
+/// Surface of a rough layer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoughSurface {
-    /// Its facets.
+    /// Facets of the surface.
     pub facets: Microfacets,
-    /// Share of light from above that passes, at equidistant cosines from 0 to 1.
+    /// Share of light from above that passes, at evenly spaced cosines from 0 to 1.
     pub transmittance: Vec<f64>,
 }
 
@@ -48,7 +48,7 @@ impl Plastic {
         rough.transmittance[entry] * (1.0 - between) + rough.transmittance[entry + 1] * between
     }
 
-    /// That a sample is of the specular lobe.
+    /// Probability that a sample takes the specular lobe.
     pub fn specular_probability(&self, wo: DVec3) -> f64 {
         let transmittance = self.transmittance(wo.z);
         let specular = (1.0 - transmittance) * self.specular_sampling;
@@ -57,7 +57,7 @@ impl Plastic {
     }
 }
 
-/// What a smooth layer reflects.
+/// Lobe of a smooth layer's reflection.
 pub fn plastic_lobes(b: &Plastic, wo: DVec3) -> Vec<DeltaLobe> {
     if wo.z <= 0.0 || b.rough.is_some() {
         return vec![];
@@ -66,7 +66,7 @@ pub fn plastic_lobes(b: &Plastic, wo: DVec3) -> Vec<DeltaLobe> {
     vec![DeltaLobe { wi: dvec3(-wo.x, -wo.y, wo.z), probability: b.specular_probability(wo), value, eta: 1.0 }]
 }
 
-/// f cos without the smooth layer's reflection.
+/// Value f cos, without the smooth layer's reflection.
 pub fn eval_bsdf_plastic(b: &Plastic, wo: DVec3, wi: DVec3) -> DVec3 {
     if wo.z <= 0.0 || wi.z <= 0.0 {
         return DVec3::ZERO;
@@ -84,7 +84,7 @@ fn specular(b: &Plastic, facets: &Microfacets, wo: DVec3, wi: DVec3) -> DVec3 {
     b.specular_reflectance * (reflectance * microfacet_density(facets, m) * masking / (4.0 * wo.z))
 }
 
-/// Density of `wi`, given that under the diffuse lobe's sampler.
+/// Density of `wi`, given its density under the sampler of the diffuse lobe.
 pub fn pdf_bsdf_plastic(b: &Plastic, wo: DVec3, wi: DVec3, diffuse_density: f64) -> f64 {
     if wo.z <= 0.0 || wi.z <= 0.0 {
         return 0.0;

@@ -8,7 +8,7 @@ use lodestar::math::microfacet::Microfacets;
 
 use super::microfacet::{exact_g1, microfacet_density};
 
-/// The parameters, named as Mitsuba names them.
+/// Parameters, named as in Mitsuba.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(missing_docs)]
 pub struct Principled {
@@ -51,7 +51,7 @@ impl Principled {
     }
 }
 
-/// What both functions need of a pair of directions.
+/// Quantities of a pair of directions that value and density share.
 struct Pair {
     /// Normal of the facets between them, on the surface's upper side.
     m: DVec3,
@@ -59,13 +59,13 @@ struct Pair {
     eta: f64,
     /// Reflectance of the facets.
     fresnel: f64,
-    /// Whether the facets are seen from the sides on which the directions are.
+    /// Whether each direction sees the facets from its own side.
     compatible: bool,
-    /// G1(wo) G1(wi)
+    /// Masking G1(wo) G1(wi).
     masking: f64,
-    /// D(m)
+    /// Density D(m) of the facets' normals.
     density: f64,
-    /// G1(wo) D(m) |wo.m| / |cos wo|
+    /// Density G1(wo) D(m) |wo.m| / |cos wo| of visible normals.
     visible: f64,
 }
 
@@ -91,7 +91,7 @@ fn schlick(c: f64) -> f64 {
     (1.0 - c).clamp(0.0, 1.0).powi(5)
 }
 
-/// Schlick's reflectance by the angle on the side of the lower index.
+/// Reflectance by Schlick, with the angle on the side of the lower index.
 fn schlick_between(head_on: DVec3, c: f64, eta: f64) -> DVec3 {
     let interface = fresnel_dielectric(c, eta);
     let weight = schlick(if interface.eta > 1.0 { c.abs() } else { interface.cos_t });
@@ -133,7 +133,7 @@ fn diffuse(b: &Principled, wo: DVec3, wi: DVec3, m: DVec3) -> DVec3 {
     (b.base_color * (b.diffuse_share() * blended / PI) + sheen) * wi.z
 }
 
-/// Whether any light comes to `wo`.
+/// Whether any light leaves towards `wo`.
 fn is_visible(b: &Principled, wo: DVec3) -> bool {
     wo.z > 0.0 || (wo.z < 0.0 && b.transmitting_share() > 0.0)
 }
@@ -144,7 +144,7 @@ fn refraction_jacobian(wo: DVec3, wi: DVec3, p: &Pair) -> f64 {
     (p.eta * p.eta * wi.dot(p.m)).abs() / (sum * sum)
 }
 
-/// f |cos|; radiance that is transmitted is scaled by the square of the indices' ratio.
+/// Value f |cos|. Transmitted radiance is scaled by the squared ratio of the indices.
 pub fn eval_bsdf_principled(b: &Principled, wo: DVec3, wi: DVec3) -> DVec3 {
     let p = pair(b, wo, wi);
     if !is_visible(b, wo) || wi.z == 0.0 {

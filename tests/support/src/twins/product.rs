@@ -2,29 +2,29 @@
 
 use std::f64::consts::PI;
 
-/// The largest number of few bits.
+/// Largest number that few bits can store.
 pub const LARGEST: f64 = 1.875;
-/// The least number of 7 bits.
+/// Smallest number that 7 bits can store.
 pub const LEAST_7: f64 = 1.0 / 32_768.0;
-/// The least number of 8 bits.
+/// Smallest number that 8 bits can store.
 pub const LEAST_8: f64 = 1.0 / 2_147_483_648.0;
 
-/// Share of the cosine where `--epsilon` does not say another: `bsdf_share` in GLSL.
+/// Share of the cosine unless `--epsilon` sets it: `bsdf_share` in GLSL.
 pub const COSINE_SHARE: f64 = 0.25;
 
-/// What a descent is made of: a value for every bin of the map, row by row.
+/// Functions that a descent multiplies, with a value for every bin of the map, row by row.
 #[derive(Debug, Clone, Copy)]
 pub struct Product<'a> {
-    /// Radiance.
+    /// Radiance of every bin.
     pub radiance: &'a [f32],
-    /// Integral of the clamped cosine, sr.
+    /// Integral of the clamped cosine over every bin, sr.
     pub integrals: &'a [f64],
 }
 
-/// Sixteen weights of a node's parts, row by row; 0 for a part that it does not have.
+/// Weights of a node's sixteen parts, row by row; 0 for a part that the node does not have.
 type Weights = [f64; 16];
 
-/// The number with three bits of mantissa that is nearest to `x`, but no less than `least`.
+/// Nearest number to `x` with three bits of mantissa, at least `least`.
 pub fn small_float(x: f64, least: f64) -> f64 {
     if x <= least {
         return least;
@@ -33,7 +33,7 @@ pub fn small_float(x: f64, least: f64) -> f64 {
     (power * (8.0 * x / power).round() / 8.0).max(least)
 }
 
-/// Weights as they are stored: in proportion to the largest, in few bits.
+/// Weights as they are stored: relative to the largest, in few bits.
 fn stored(weights: &Weights, least: f64) -> Weights {
     let largest = weights.iter().copied().fold(0.0, f64::max);
     let scale = if largest > 1.0e-36 && largest < 1.0e37 { LARGEST / largest } else { 0.0 };
@@ -45,13 +45,13 @@ impl Product<'_> {
         self.radiance.len().isqrt()
     }
 
-    /// A function of bins, summed over a square of them.
+    /// Sum of a function of bins over a square of bins.
     fn sum(&self, corner: [usize; 2], side: usize, value: impl Fn(usize) -> f64) -> f64 {
         let bins = (0..side * side).map(|i| (corner[1] + i / side) * self.side() + corner[0] + i % side);
         bins.map(value).sum()
     }
 
-    /// The same over `parts * parts` parts, `side` bins wide each.
+    /// Sums of a function of bins over `parts * parts` squares, each `side` bins wide.
     fn sums(&self, corner: [usize; 2], parts: usize, side: usize, value: impl Fn(usize) -> f64 + Copy) -> Weights {
         std::array::from_fn(|i| {
             let (x, y) = (i % 4, i / 4);
@@ -91,7 +91,7 @@ impl Product<'_> {
         probability * share(&self.node(at.map(|x| x / 4 * 4), 4, 1), at.map(|x| x % 4))
     }
 
-    /// Density all over a bin, per steradian.
+    /// Density in a bin, per steradian.
     pub fn density(&self, bin: usize) -> f64 {
         self.probability(bin) * self.radiance.len() as f64 / (4.0 * PI)
     }

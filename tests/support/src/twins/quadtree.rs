@@ -1,5 +1,5 @@
-//! Twin of the quadtrees in `glsl/include/guide/samplers/quadtree.glsl`, of their layout in `quadtree_nodes.glsl`, and of what
-//! `glsl/kernels/learn/refine_quadtrees.comp` makes of one.
+//! Twin of the quadtrees in `glsl/include/guide/samplers/quadtree.glsl`, of their layout in `quadtree_nodes.glsl`, and
+//! of their refinement in `glsl/kernels/learn/refine_quadtrees.comp`.
 
 use std::collections::VecDeque;
 
@@ -8,39 +8,39 @@ use lodestar::settings::DirectionMap;
 
 use super::direction_map::sphere_to_map;
 
-/// Most levels of nodes: `QUADTREE_LEVELS` in GLSL.
+/// Maximum number of levels of nodes: `QUADTREE_LEVELS` in GLSL.
 pub const LEVELS: u32 = 12;
-/// A square with a larger share of its tree's flux has a node: `FLUX_SHARE` in GLSL.
+/// Share of its tree's flux above which a square has a node: `FLUX_SHARE` in GLSL.
 pub const FLUX_SHARE: f64 = 0.01;
-/// Share of the cosine that samples are mixed with: `bsdf_share` in GLSL.
+/// Share of samples drawn by the cosine: `bsdf_share` in GLSL.
 pub const COSINE_SHARE: f64 = 0.5;
 
-/// `LEARNED_LINK`, `LEVEL_SHIFT` and `FIRST_LINK_SHIFT` in GLSL.
+/// Layout of links: `LEARNED_LINK`, `LEVEL_SHIFT` and `FIRST_LINK_SHIFT` in GLSL.
 const LEARNED_LINK: u32 = 16;
 const LEVEL_SHIFT: u32 = 5;
 const FIRST_LINK_SHIFT: u32 = 9;
 
-/// A square of the map of directions. A tree is the square of them all.
+/// Square of the map of directions. A tree is the square of all directions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Square {
-    /// Flux that arrives through it, in any unit.
+    /// Flux that arrives through the square, in any unit.
     pub flux: f64,
-    /// Lower left, lower right, upper left, upper right; `None` where it has no node.
+    /// Quarters: lower left, lower right, upper left, upper right. `None` for a square without a node.
     pub quarters: Option<Box<[Square; 4]>>,
 }
 
 impl Square {
-    /// Without a node.
+    /// Square without a node.
     pub fn leaf(flux: f64) -> Self {
         Self { flux, quarters: None }
     }
 
-    /// With a node of these.
+    /// Square with a node for these quarters.
     pub fn of(quarters: [Self; 4]) -> Self {
         Self { flux: quarters.iter().map(|quarter| quarter.flux).sum(), quarters: Some(Box::new(quarters)) }
     }
 
-    /// The tree after an iteration in which it has learned these fluxes. The first square always has a node.
+    /// Tree after an iteration that learned these fluxes. The first square always has a node.
     pub fn refined(&self) -> Self {
         let threshold = if self.flux > 0.0 { FLUX_SHARE * self.flux } else { f64::INFINITY };
         Self::of(self.quarters_or_even().map(|quarter| quarter.refined_at(1, threshold)))
@@ -60,12 +60,12 @@ impl Square {
         }
     }
 
-    /// Nodes of it and of all within it.
+    /// Number of nodes of this square and of all squares within it.
     pub fn node_count(&self) -> usize {
         self.quarters.iter().map(|quarters| 1 + quarters.iter().map(Self::node_count).sum::<usize>()).sum()
     }
 
-    /// Density of a point of the unit square.
+    /// Density at a point of the unit square.
     pub fn density(&self, at: DVec2) -> f64 {
         let Some(quarters) = &self.quarters else { return 1.0 };
         let part = |x: f64| usize::from(x >= 0.5);
@@ -73,7 +73,7 @@ impl Square {
         4.0 * quarter.flux / self.flux * quarter.density((2.0 * at).fract())
     }
 
-    /// Every square without a node: lower left corner and side in the unit square, and probability.
+    /// All squares without a node: lower left corner and side in the unit square, and probability.
     pub fn leaves(&self) -> Vec<(DVec2, f64, f64)> {
         let mut leaves = Vec::new();
         self.collect_leaves(DVec2::ZERO, 1.0, self.flux, &mut leaves);
@@ -94,13 +94,13 @@ impl Square {
         self.density(at.clamp(DVec2::ZERO, DVec2::splat(1.0 - f64::EPSILON))) / (4.0 * std::f64::consts::PI)
     }
 
-    /// Density of its mixture with the cosine, per steradian.
+    /// Density of the mixture of descent and cosine, per steradian.
     pub fn pdf(&self, map: DirectionMap, n: DVec3, wi: DVec3) -> f64 {
         let of_cosine = wi.dot(n).max(0.0) / std::f64::consts::PI;
         (1.0 - COSINE_SHARE) * self.descent(map, wi) + COSINE_SHARE * of_cosine
     }
 
-    /// Its nodes as a kernel reads them, level by level.
+    /// Nodes in the form that a kernel reads, level by level.
     pub fn words(&self) -> Vec<[u32; 4]> {
         let (mut words, mut known) = (Vec::new(), 1);
         let mut open = VecDeque::from([(self, 0)]);
@@ -141,7 +141,8 @@ impl Square {
         Self { flux, quarters: Some(Box::new(std::array::from_fn(quarter))) }
     }
 
-    /// Whether another tree has nodes for the same squares, and fluxes within a share of this one's whole.
+    /// Whether another tree has nodes for the same squares, and fluxes that differ by at most `share` of this tree's
+    /// flux.
     pub fn is_near(&self, other: &Self, share: f64) -> bool {
         self.is_within(other, share * self.flux)
     }

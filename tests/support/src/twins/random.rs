@@ -1,33 +1,33 @@
-//! Twin of `glsl/include/random/random.glsl`: the same words and, as they are short of 24 bits, the same floats.
+//! Twin of `glsl/include/random/random.glsl`. Its words are equal, and so are its floats, which have 24 bits.
 
 use super::blue_noise::{tile_digits, tile_of};
 use super::sobol::{SET_SIZE, sequence_digits, set_digits};
 
-/// `RandomKey` in GLSL: what does not change along a path.
+/// Constants of a path: `RandomKey` in GLSL.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RandomKey {
-    /// Index within the whole film.
+    /// Index of the pixel within the whole film.
     pub pixel: u32,
-    /// Index of the pixel's sample.
+    /// Index of the sample within the pixel.
     pub sample_index: u32,
-    /// What the sample is well distributed with.
+    /// Set of samples that are well distributed together with this one.
     pub set: SampleSet,
-    /// The render's seed.
+    /// Seed of the render.
     pub seed: u32,
 }
 
-/// Samples that share a scrambling, from one of this index on.
+/// Set of samples that share a scrambling. The numbers are the index of its first sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SampleSet {
-    /// The sample alone.
+    /// Only this sample.
     Alone,
-    /// Those of its pixel.
+    /// Samples of the pixel.
     OfPixel(u32),
-    /// Those of all pixels of the tile that holds this pixel of the film.
+    /// Samples of all pixels of a tile: the tile that holds this pixel of the film.
     OfTile(u32, [u32; 2]),
 }
 
-/// Jarzynski and Olano 2020, "Hash Functions for GPU Rendering".
+/// Hash `pcg4d` (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 pub fn pcg4d(v: [u32; 4]) -> [u32; 4] {
     let v = v.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     let v = mix_words(v).map(|x| x ^ (x >> 16));
@@ -42,18 +42,18 @@ fn mix_words([mut x, mut y, mut z, mut w]: [u32; 4]) -> [u32; 4] {
     [x, y, z, w]
 }
 
-/// The upper 24 bits as a number in [0, 1).
+/// Number in [0, 1) from the upper 24 bits.
 pub fn unit_float(bits: u32) -> f64 {
     f64::from(bits >> 8) / f64::from(1 << 24)
 }
 
-/// One more number, from the lowest bytes of all words.
+/// Extra number from the lowest bytes of all words.
 pub fn leftover_float(bits: [u32; 4]) -> f64 {
     let low = u32::from_le_bytes(bits.map(|word| word as u8));
     unit_float(low.wrapping_mul(0x9e37_79b9))
 }
 
-/// Four words for a block of a vertex.
+/// Four random words for a block of a vertex.
 pub fn random_bits(key: RandomKey, vertex: u32, block: u32) -> [u32; 4] {
     let place = vertex << 16 | block;
     let bits = pcg4d([key.pixel, key.sample_index, place, key.seed]);
@@ -69,7 +69,8 @@ pub fn random_bits(key: RandomKey, vertex: u32, block: u32) -> [u32; 4] {
     [0, 1, 2, 3].map(|k| digits[k] << (32 - count) | bits[k] >> count)
 }
 
-/// Four words for the camera's ray: of pixels' sets, those of one sequence for all samples, or for each half of them.
+/// Four random words for the camera's ray. For sets of a pixel, all samples share one sequence, or each half of them
+/// has one.
 pub fn camera_bits(key: RandomKey, halves: bool) -> [u32; 4] {
     if !matches!(key.set, SampleSet::OfPixel(_)) {
         return random_bits(key, 0, 0);
@@ -82,14 +83,14 @@ pub fn camera_bits(key: RandomKey, halves: bool) -> [u32; 4] {
     [0, 1, 2, 3].map(|k| digits[k] << 16 | bits[k] >> 16)
 }
 
-/// Marsaglia's xorshift of four words (2003).
+/// Random stream: Marsaglia's xorshift of four words (2003).
 #[derive(Debug, Clone, Copy)]
 pub struct RandomStream {
-    /// Its words, the last the newest.
+    /// Words of the stream, the newest last.
     pub state: [u32; 4],
 }
 
-/// A stream that the hash has started.
+/// Stream that starts from the hash of its key.
 pub fn random_stream(key: RandomKey, vertex: u32, block: u32) -> RandomStream {
     let [x, y, z, w] = random_bits(key, vertex, block);
     RandomStream { state: [x, y, z, w | 1] }

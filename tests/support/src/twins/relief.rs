@@ -2,19 +2,19 @@
 
 use glam::{DMat3, DVec2, DVec3};
 
-/// The normal of a surface raised by a height of the given gradient, in a frame whose z-axis is the shading normal.
+/// Normal of a surface whose height has the given gradient, in a frame whose z-axis is the shading normal.
 pub fn bump_normal(dp_du: DVec3, dp_dv: DVec3, gradient: DVec2, geometric_normal: DVec3) -> DVec3 {
     let raised = |tangent: DVec3, slope: f64| tangent - DVec3::Z * DVec3::Z.dot(tangent) + DVec3::Z * slope;
     let n = raised(dp_du, gradient.x).cross(raised(dp_dv, gradient.y));
     if n.dot(geometric_normal) < 0.0 { -n } else { n }
 }
 
-/// The normal that a color stands for.
+/// Normal that a color encodes.
 pub fn mapped_normal(color: DVec3) -> DVec3 {
     color * 2.0 - 1.0
 }
 
-/// The frame about the normal `n`, turned where `wo` is behind it.
+/// Frame about the normal `n`. It is turned if `wo` is behind it.
 pub fn relief_frame(n: DVec3, wo: DVec3) -> DMat3 {
     let behind = wo.z * wo.dot(n) <= 0.0;
     let n = if behind { DVec3::new(-n.x, -n.y, n.z) } else { n }.normalize();
@@ -22,7 +22,7 @@ pub fn relief_frame(n: DVec3, wo: DVec3) -> DMat3 {
     DMat3::from_cols(s, n.cross(s), n)
 }
 
-/// The shadowing of a tilted facet (Conty Estevez et al. 2019); both in the surface's own frame.
+/// Shadowing of a tilted facet (Conty Estevez et al. 2019). Both directions are in the surface's own frame.
 pub fn relief_shadowing(n: DVec3, wi: DVec3) -> f64 {
     if wi.z * n.dot(wi) <= 0.0 {
         return 0.0;

@@ -4,18 +4,18 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-/// A surface of grooves.
+/// Surface of V-shaped grooves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoughDiffuse {
     /// Albedo of the facets.
     pub reflectance: DVec3,
-    /// sqrt(2) times the standard deviation of the facets' angles.
+    /// Roughness: sqrt(2) times the standard deviation of the facets' angles.
     pub alpha: f64,
-    /// The qualitative model.
+    /// Whether Oren and Nayar's qualitative model replaces the full one.
     pub fast_approximation: bool,
 }
 
-/// f cos (Oren and Nayar 1994, equations 29 to 31), by the paper's angles.
+/// Value f cos (Oren and Nayar 1994, equations 29 to 31), by the paper's angles.
 pub fn eval_bsdf_rough_diffuse(b: &RoughDiffuse, wo: DVec3, wi: DVec3) -> DVec3 {
     if wo.z <= 0.0 || wi.z <= 0.0 {
         return DVec3::ZERO;

@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texture};
 use lodestar::scene::texture_lookup::bilinear_taps;
 
-/// How the luminance of the bilinear interpolation changes with the surface's coordinates, as Mitsuba has it. Zero for a
-/// checkerboard and for nearest texels.
+/// Gradient of the luminance of the bilinear interpolation, in the surface's coordinates, as in Mitsuba. It is zero for
+/// a checkerboard and for nearest texels.
 pub fn gradient(texture: &Texture, images: &[Image], uv: DVec2) -> DVec2 {
     let Pattern::Bitmap { image, filter: TexelFilter::Bilinear, wrap } = texture.pattern else { return DVec2::ZERO };
     let matrix = texture.to_uv.as_dmat3();
