@@ -1,4 +1,4 @@
-//! The furnace, of which the answer is known.
+//! Renders of the furnace against its closed form.
 
 use lodestar::renderer::Renderer;
 use lodestar::settings::{Learner, Roulette, Sampler, Settings};
@@ -11,12 +11,12 @@ use crate::device::{Device, steps};
 
 const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 64;
-/// What at most `n` edges see.
+/// Radiance that paths of at most `n` edges bring.
 const fn answer(edges: u32) -> f64 {
     1.0 - 1.0 / (1_u64 << edges) as f64
 }
 
-/// Deviation of the mean radiance from the known answer, in standard errors.
+/// Deviation of the mean radiance from the closed form, in standard errors.
 fn deviation(device: &Device, file: &str, defines: &[(&str, &str)], change: impl FnOnce(&mut Settings)) -> f64 {
     let scene = ours(file, defines);
     let mut settings = settings(&scene, SIZE, Sampler::Bsdf, 5);
@@ -24,14 +24,15 @@ fn deviation(device: &Device, file: &str, defines: &[(&str, &str)], change: impl
     let settings = steady(settings);
     let depth = settings.max_depth;
     let (mean, error) = Estimate::of(&device.render(&scene, &settings, SPP)).gray();
-    // Single precision sums up 64 samples.
+    // Relative rounding error of a sum of 64 samples in single precision.
     let rounding = 1.0e-6;
     let z = (mean - answer(depth)) / error.hypot(rounding);
     println!("{file} {defines:?} {:?}: {mean:.6} +- {error:.6}, z = {z:.2}", settings.sampler);
     z
 }
 
-/// Cases: the sphere and its mesh, all samplers, roulette late and early.
+/// Mean radiance agrees with the closed form for the sphere and for its mesh, for all samplers, and for Russian
+/// roulette that starts early or late.
 #[test]
 fn every_sampler_is_within_its_confidence_interval() {
     let device = Device::new();
@@ -48,7 +49,8 @@ fn every_sampler_is_within_its_confidence_interval() {
     }
 }
 
-/// With the default share of uniform directions, and so few edges that no path weighs much more than others.
+/// Inversion agrees with the closed form at its default uniform share. Paths are so short that no path has a much
+/// larger weight than others.
 #[test]
 fn inversion_is_right_at_its_default_share() {
     let device = Device::new();
@@ -85,7 +87,8 @@ fn a_wrong_density_or_albedo_is_found_in_the_furnace() {
     }
 }
 
-/// Without roulette the BSDF sampler has no noise here: every path sees the same.
+/// Depth counts edges. Without Russian roulette the BSDF sampler has no noise here: every path brings the same
+/// radiance.
 #[test]
 fn depth_counts_edges() {
     let device = Device::new();
@@ -101,7 +104,7 @@ fn depth_counts_edges() {
     }
 }
 
-/// Bins that have learned something (others are lifted to a 64th of their cell's mean).
+/// Radiance of the bins that have learned something. Other bins have a 64th of their cell's mean.
 fn learned_bins(renderer: &Renderer) -> Vec<f64> {
     renderer.radiance().expect("a table").into_iter().map(f64::from).filter(|&l| l > 0.2).collect()
 }
@@ -112,7 +115,8 @@ fn mean_and_deviation(values: &[f64], expected: f64) -> (f64, f64) {
     (values.iter().sum::<f64>() / n, (squared / n).sqrt())
 }
 
-/// What is learned of the furnace in 24 steps: the mean over bins, and their deviation from `expected`.
+/// Radiance that 24 steps learn in the furnace: its mean over bins, and the root-mean-square deviation of bins from
+/// `expected`.
 fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
     let scene = ours("furnace/scene.xml", defines);
     let mut settings = Settings { grid: 4, directions: 8, ..settings(&scene, [64, 64], Sampler::RejectionMix, 9) };
@@ -127,8 +131,8 @@ fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: imp
     (mean, rms)
 }
 
-/// The learner that needs it has as many bins with it as the others have with theirs, and paths as long, so that as much
-/// comes to each in every step.
+/// Gives a learner that needs the product sampler that sampler. The number of bins and the length of paths are set so
+/// that each bin gets as many targets per step as with the other learners.
 fn follow_product(s: &mut Settings) {
     if s.learner == Learner::IrradianceSarsa {
         (s.sampler, s.directions, s.grid) = (Sampler::Product, 16, 2);
@@ -142,8 +146,9 @@ fn is_learned((mean, rms): (f64, f64), expected: f64) -> bool {
     (mean - expected).abs() < 0.01 && rms < 0.05
 }
 
-/// Every step's targets are 0.5 + 0.5 L of the step before (Eq. 5, Eq. 6), which tends to the incident radiance, 1. With
-/// rates alpha_k = 1 / (1 + decay + ... + decay^(k-1)) the distance to it shrinks by 1 - alpha_k / 2 in step k.
+/// The table tends to the incident radiance, 1, at the predicted rate. The targets of each step are 0.5 + 0.5 L of the
+/// step before (Eq. 5, Eq. 6). With rates alpha_k = 1 / (1 + decay + ... + decay^(k-1)), the distance to 1 shrinks by
+/// the factor 1 - alpha_k / 2 in step k.
 #[test]
 fn the_radiance_table_tends_to_the_incident_radiance() {
     let device = Device::new();
@@ -169,7 +174,7 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
     }
 }
 
-/// Neighbors know the same of a furnace, so what cells take from them changes nothing.
+/// Parent cells change nothing in a furnace, because neighbors have the same radiance.
 #[test]
 fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
     let device = Device::new();
@@ -181,7 +186,8 @@ fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
     assert!(!is_learned(faulty, expected), "the twin, 5 % off: {faulty:?}");
 }
 
-/// A segment that ends at edge e of 16 collects 1 - 2^-(17 - e); those of edges 2 to 15 are recorded.
+/// Monte Carlo learns the mean return. A path of 16 edges returns 1 - 2^-(17 - e) from edge e on. Edges 2 to 15 are
+/// recorded.
 #[test]
 fn monte_carlo_learns_the_mean_return() {
     let device = Device::new();
@@ -195,8 +201,9 @@ fn monte_carlo_learns_the_mean_return() {
     }
 }
 
-/// With an albedo of 0.9 a segment collects 1 - 0.9^(17 - e) all the same, where roulette is played from vertex 6 on; its
-/// chance is the throughput, which is 1 whenever it has been divided. One step, for a guide's weights would vary it.
+/// Returns are divided by the probability of survival. With an albedo of 0.9, the mean return from edge e on is 1 -
+/// 0.9^(17 - e), although Russian roulette starts at vertex 6. Its probability is the throughput, which is 1 after each
+/// division. The render has one step, because the weights of a guide would change the throughput.
 #[test]
 fn monte_carlo_divides_by_survival() {
     let device = Device::new();
@@ -211,14 +218,14 @@ fn monte_carlo_divides_by_survival() {
     let found = learned(&device, &[("albedo", "0.9"), ("emission", "0.1")], mean(1.0), |s| {
         (s.learner, s.decay, s.rr_depth, s.spp_per_step) = (Learner::MonteCarlo, 1.0, 6, LEARNING_STEPS * 8);
     });
-    // Returns of few paths, which weigh more, are noisy in one bin; all bins together are not. (Cut off at 16 times the
-    // emission, their mean is 0.012 too low.)
+    // Returns of few paths have large weights. They are noisy in one bin, but not over all bins. (Cut off at 16 times
+    // the emission, their mean is 0.012 too low.)
     let is_near = |expected: f64| (found.0 - expected).abs() < 0.01;
     assert!(is_near(mean(1.0)), "{found:?}, not {}", mean(1.0));
     assert!(!is_near(mean(0.95)), "the twin: an albedo 5 % off");
 }
 
-/// Where the surface's attenuation is left out, there is no radiance to tend to.
+/// The twin must fail: a learner without the surface's attenuation never reaches the closed form.
 #[test]
 fn a_learner_without_attenuation_is_found() {
     let device = Device::new();

@@ -1,4 +1,4 @@
-//! What is left of the noise where a picture is seen from afar.
+//! Noise of blurred pictures: the noise that remains when a picture is seen from afar.
 
 use lodestar::film::Picture;
 use lodestar::settings::{SamplePattern, Sampler, Settings};
@@ -6,16 +6,16 @@ use support::scenes::{ours, settings};
 
 use crate::device::Device;
 
-/// Pixels along a side: four tiles share a picture.
+/// Pixels along each side of a picture, which has four tiles.
 const SIDE: usize = 64;
 const PICTURES: u32 = 8;
-/// Standard deviation of the Gaussian that blurs, in pixels.
+/// Standard deviation of the Gaussian blur, in pixels.
 const BLUR: f64 = 1.5;
-/// Pixels that it reaches to either side.
+/// Reach of the blur to either side, in pixels.
 const REACH: usize = 5;
 
-/// Errors of every pixel of pictures that differ by their seeds, whose mean stands for the truth. Each pixel weighs the same: its
-/// errors are relative to their own standard deviation.
+/// Errors of every pixel of pictures with different seeds. The mean of the pictures stands for the truth. Errors are
+/// relative to the pixel's own standard deviation, so all pixels count the same.
 fn errors(pictures: &[Picture]) -> Vec<Vec<f64>> {
     let gray = |picture: &Picture| picture.radiance.iter().map(|pixel| f64::from(pixel.iter().sum::<f32>())).collect();
     let mut errors: Vec<Vec<f64>> = pictures.iter().map(gray).collect();
@@ -28,7 +28,7 @@ fn errors(pictures: &[Picture]) -> Vec<Vec<f64>> {
     errors
 }
 
-/// The variance that a blur leaves, relative to what it leaves where pixels err independently.
+/// Variance after a blur, relative to the variance after a blur of independent pixels.
 fn left(pictures: &[Picture]) -> f64 {
     let (mut near, mut far) = (0.0, 0.0);
     for error in errors(pictures) {
@@ -41,7 +41,7 @@ fn left(pictures: &[Picture]) -> f64 {
     far / near / of_independent
 }
 
-/// Places that the blur reaches no edge from.
+/// Positions whose blur stays within the picture.
 fn inner() -> std::ops::Range<usize> {
     REACH..SIDE - REACH
 }
@@ -52,13 +52,13 @@ fn blurred(values: &[f64], x: usize, y: usize) -> f64 {
     (0..=2 * REACH).map(|j| weight(j) * row(j)).sum()
 }
 
-/// Of a pixel of a row, the middle one being that of `REACH`.
+/// Weight of the blur at the position `at` of its window. The middle of the window is `REACH`.
 fn weight(at: usize) -> f64 {
     let density = |at: usize| (-0.5 * ((at as f64 - REACH as f64) / BLUR).powi(2)).exp();
     density(at) / (0..=2 * REACH).map(density).sum::<f64>()
 }
 
-/// `--nocapture` shows the figures.
+/// Blurred pictures have less noise than independent pixels would leave. `--nocapture` prints the figures.
 #[test]
 fn neighbors_make_up_for_what_a_pixel_errs() {
     let (device, scene) = (Device::new(), ours("cornell-box/scene.xml", &[]));
@@ -70,8 +70,8 @@ fn neighbors_make_up_for_what_a_pixel_errs() {
         };
         left(&(0..PICTURES).map(picture).collect::<Vec<_>>())
     };
-    // Sampler, edges of a path, samples of a step and of all, and the most that may be left. Light that has taken many turns
-    // is the work of many numbers, of which only pairs are well distributed.
+    // Sampler, edges of a path, samples per step, all samples, and the maximum variance after the blur. Light over many
+    // edges depends on many random numbers, of which only pairs are well distributed.
     for (sampler, max_depth, per_step, spp, most) in [
         (Sampler::Bsdf, 2, 8, 1, 0.7),
         (Sampler::Bsdf, 2, 8, 8, 0.7),

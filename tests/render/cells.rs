@@ -1,4 +1,4 @@
-//! The grid that is chosen by the scene.
+//! Grid whose resolution the renderer chooses for the scene.
 
 use lodestar::settings::{AUTO_GRID, Sampler, Settings};
 use support::scenes::{ours, settings};
@@ -17,12 +17,12 @@ fn a_chosen_grid_is_as_fine_as_its_memory_allows() {
         let chosen = bytes(AUTO_GRID);
         println!("{chosen} bytes, {} of 8 cells a side", bytes(8));
         assert!(chosen <= BUDGET && chosen > BUDGET / 2, "{chosen}");
-        // The twin: a finer grid does not fit.
+        // The twin must fail: a finer grid does not fit.
         assert!(bytes(32) > BUDGET);
     }
 }
 
-/// Where nothing is guided no cell is kept.
+/// A plain path tracer keeps no cells, because nothing is guided.
 #[test]
 fn a_plain_path_tracer_has_no_cells() {
     let scene = ours("cornell-box/scene.xml", &[]);

@@ -1,4 +1,4 @@
-//! Blends, two-sided pairs and holes, in a furnace of which the answer is known.
+//! Blends, two-sided pairs and holes, in a furnace with a closed form.
 
 use glam::{Mat3, Vec3};
 use lodestar::scene::bsdf::Principled;
@@ -16,10 +16,10 @@ use crate::device::Device;
 const SIZE: [u32; 2] = [32, 32];
 const SPP: u32 = 128;
 const EDGES: u32 = 6;
-/// Tests here, times samplers, with emitter sampling and without.
+/// Number of tests of this file, for all samplers, with and without emitter sampling.
 const CASES: usize = 12 * SAMPLERS.len();
 const EMISSION: f64 = 0.5;
-/// Radiance of what is around the furnace.
+/// Radiance around the furnace.
 const OUTSIDE: f32 = 0.3;
 
 fn diffuse(albedo: f32) -> SurfaceMaterial {
@@ -42,7 +42,7 @@ fn sides(front: u32, back: u32) -> Material {
     material(MaterialKind::Sides { front, back })
 }
 
-/// The closed sphere, lit from within and without, with its first material.
+/// Closed sphere with the first of `materials`, lit from inside and outside.
 fn furnace(materials: Vec<Material>) -> Scene {
     let mut scene = ours("furnace/scene.xml", &[]);
     scene.emitters = vec![AreaEmitter::new(Textured::constant(Vec3::splat(EMISSION as f32)))];
@@ -51,7 +51,8 @@ fn furnace(materials: Vec<Material>) -> Scene {
     scene
 }
 
-/// What at most `edges` edges see where a share `albedo` of the light is reflected and a share `holes` comes from outside.
+/// Radiance that paths of at most `edges` edges bring. A share `albedo` of the light is reflected, and a share `holes`
+/// comes from outside.
 fn answer(edges: u32, albedo: f64, holes: f64) -> f64 {
     match edges {
         1 => EMISSION,
@@ -59,7 +60,7 @@ fn answer(edges: u32, albedo: f64, holes: f64) -> f64 {
     }
 }
 
-/// The probability that a correct renderer is as far from `expected`.
+/// Probability that a correct renderer deviates as far from `expected`.
 fn surprise(device: &Device, scene: &Scene, (sampler, nee): (Sampler, bool), expected: f64) -> f64 {
     let mut settings = settings(scene, SIZE, sampler, 9);
     (settings.max_depth, settings.nee) = (EDGES, nee);
@@ -69,7 +70,7 @@ fn surprise(device: &Device, scene: &Scene, (sampler, nee): (Sampler, bool), exp
     two_sided(z)
 }
 
-/// The scene agrees with the answer, and would not with one that is 3 % brighter.
+/// Fails unless the picture agrees with `expected`, and disagrees with a value that is 3 % larger.
 fn check(name: &str, scene: &Scene, expected: f64) {
     let device = Device::new();
     for how in SAMPLERS.map(|sampler| [false, true].map(|nee| (sampler, nee))).into_iter().flatten() {
@@ -89,13 +90,13 @@ fn a_blend_is_the_mean_of_its_parts() {
 
 #[test]
 fn blends_of_blends_draw_anew() {
-    // Paths that have chosen wait for those that choose again.
+    // Paths that have chosen a surface wait for paths that choose again.
     let scene = furnace(vec![blend(0.6, [2, 1]), blend(0.9, [3, 4]), surface(0.1), surface(0.5), surface(0.9)]);
     let albedo = 0.4 * 0.1 + 0.6 * (0.1 * 0.5 + 0.9 * 0.9);
     check("nested blend", &scene, answer(EDGES, albedo, 0.0));
 }
 
-/// As many choices within choices as the kernels follow; each blend takes its surface with probability 1/4.
+/// Blends can be nested as deep as the kernels' loop goes. Each blend takes its surface with probability 1/4.
 #[test]
 fn blends_may_be_as_deep_as_the_loop_that_follows_them() {
     const DEEPEST: u32 = 8;
@@ -114,7 +115,7 @@ fn the_front_has_the_first_material() {
     check("front", &scene, answer(EDGES, 0.6, 0.0));
 }
 
-/// Half of the light that meets the back passes; there is no other.
+/// The back has the second material: half of the light that meets the back passes through. There is no other light.
 #[test]
 fn the_back_has_the_second_material() {
     let back = SurfaceMaterial { two_sided: true, opacity: Textured::constant(0.5), ..diffuse(0.2) };
@@ -136,7 +137,8 @@ fn light_goes_straight_through_holes() {
     check("mask", &scene, answer(EDGES, 0.8 * 0.7, 0.2));
 }
 
-/// As many textures as a material may have: the loop over them ends by its bound, after the opacity's.
+/// The last of eight textures counts, which is the maximum per material. The loop over textures ends at its bound,
+/// after the texture of the opacity.
 #[test]
 fn the_last_of_eight_textures_counts() {
     let gray = |value: f32| Texture {
@@ -170,7 +172,7 @@ fn the_last_of_eight_textures_counts() {
     let (textured, constant) = (mean(Textured { value: 1.0, texture: Some(1) }), mean(Textured::constant(0.8)));
     let (seventh, whole) = (mean(Textured { value: 1.0, texture: Some(0) }), mean(Textured::constant(1.0)));
     println!("{textured} {constant}, {seventh} {whole}");
-    // But for the rounding of a texture's luminance, the same paths.
+    // The paths are the same, except for rounding of a texture's luminance.
     assert!((textured / constant - 1.0).abs() < 1.0e-3 && (seventh / whole - 1.0).abs() < 1.0e-3);
     assert!((textured / whole - 1.0).abs() > 1.0e-2);
 }

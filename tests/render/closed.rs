@@ -14,14 +14,14 @@ use crate::device::{Device, steps};
 /// Edges of every path.
 const DEPTH: u32 = 256;
 const SIDE: u32 = 64;
-/// Rays of each scene in the everyday test.
+/// Number of rays per scene in the everyday test.
 const FEW: u64 = 2_000_000;
-/// Share of rays that may slip past the edges of triangles that stick out into a mesh: which of the two triangles at such
-/// an edge is nearer is lost in rounding, and behind the wrong one lies the outside.
+/// Maximum share of rays that may slip past edges of triangles that stick out into a mesh. Rounding decides which of
+/// the two triangles at such an edge is nearer. Behind the wrong one lies the outside.
 const MOST_PAST_RIDGES: f64 = 3.0e-6;
 const MANY: u64 = 100_000_000;
 
-/// The furnace's mesh, dark in itself but in a bright environment.
+/// Mesh of the furnace without emission, in a bright environment.
 fn icosphere() -> Scene {
     let mut scene = ours("furnace/mesh.xml", &[("albedo", "1"), ("emission", "0")]);
     scene.environment = Some(Environment::constant(Vec3::ONE));
@@ -31,7 +31,7 @@ fn icosphere() -> Scene {
     scene
 }
 
-/// A closed mesh of the given triangles, seen from `eye`.
+/// Scene of a closed mesh of the given triangles, seen from `eye`.
 fn closed(triangles: impl IntoIterator<Item = [Vec3; 3]>, eye: Vec3) -> Scene {
     let mut scene = icosphere();
     let model = scene.primitives[0];
@@ -49,8 +49,8 @@ fn closed(triangles: impl IntoIterator<Item = [Vec3; 3]>, eye: Vec3) -> Scene {
     scene
 }
 
-/// The surface of the cube [-1, 1]^3 in 6 x 2 n^2 triangles. Shared vertices are equal to the bit, for each is `place` of
-/// the same point.
+/// Surface of the cube [-1, 1]^3 in 6 x 2 n^2 triangles, moved by `place`. Shared vertices have equal bits, because
+/// each is `place` of the same point.
 fn cube(n: u32, place: impl Fn(Vec3) -> Vec3) -> Vec<[Vec3; 3]> {
     let at = |i: u32| 2.0 * i as f32 / n as f32 - 1.0;
     let mut triangles = Vec::new();
@@ -70,12 +70,12 @@ fn cube(n: u32, place: impl Fn(Vec3) -> Vec3) -> Vec<[Vec3; 3]> {
     triangles
 }
 
-/// Turned by an angle that no axis shares.
+/// Point rotated by an angle about each axis, so that no triangle is axis-aligned.
 fn turned(point: Vec3) -> Vec3 {
     Quat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1) * point
 }
 
-/// Axis-aligned, turned, flat, far from the origin and finely tessellated: all closed, none with a ridge inside.
+/// Closed meshes without a ridge inside: axis-aligned, rotated, flat, far from the origin, and finely tessellated.
 fn convex() -> Vec<(&'static str, Scene)> {
     let flat = vec3(1.0, 0.01, 2.0);
     let far = vec3(300.0, -200.0, 100.0);
@@ -90,13 +90,13 @@ fn convex() -> Vec<(&'static str, Scene)> {
     ]
 }
 
-/// Tessellated, with bumps of 5 %: half of its edges stick out into it.
+/// Tessellated mesh with bumps of 5 %. Half of its edges stick out into it.
 fn bumpy() -> Scene {
     let bump = |p: Vec3| turned(p * (1.0 + 0.05 * (11.0 * p.x).sin() * (9.0 * p.y).cos() * (10.0 * p.z).sin()));
     closed(cube(48, bump), vec3(0.1, 0.2, 0.3))
 }
 
-/// Shoots at least `rays` rays; returns how many it were and how many of them got out.
+/// Shoots at least `rays` rays. Returns their number, and the number of rays that got out.
 fn shoot(device: &Device, scene: &Scene, rays: u64) -> (u64, u64) {
     let settings = Settings {
         max_depth: DEPTH,
@@ -113,9 +113,9 @@ fn shoot(device: &Device, scene: &Scene, rays: u64) -> (u64, u64) {
         escaped += counts.light_hits;
     }
     let picture = renderer.picture().expect("a picture");
-    // Rays of the camera are not counted as hits of light, but seen.
+    // Camera rays that get out do not count as light hits, but light their pixel.
     let lit = picture.radiance.iter().filter(|color| color[0] > 0.0).count() as u64;
-    // A path ends early only where a direction lies in the surface to the bit: one in some 10^7.
+    // A path ends early only if a direction lies exactly in the surface, about once in 10^7 directions.
     let expected = u64::from(spp * SIDE * SIDE * DEPTH);
     assert!(escaped.max(lit) > 0 || shot as f64 >= expected as f64 * (1.0 - 2.0e-4), "{shot} of {expected} rays");
     (shot, escaped.max(lit))
@@ -142,7 +142,7 @@ fn no_ray_leaves_a_closed_mesh() {
     none_escapes(FEW);
 }
 
-/// Minutes; the number of rays that the renderer promises.
+/// No ray of a hundred million leaves a closed mesh, as the renderer promises. The test takes minutes.
 #[test]
 fn none_of_a_hundred_million_rays_leaves_a_closed_mesh() {
     match env::var_os("LODESTAR_FULL") {
@@ -151,7 +151,7 @@ fn none_of_a_hundred_million_rays_leaves_a_closed_mesh() {
     }
 }
 
-/// The twin: without one of 12288 triangles some do.
+/// The twin must fail: without one of 12288 triangles, some rays get out.
 #[test]
 fn a_hole_is_found() {
     let device = Device::new();

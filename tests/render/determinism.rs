@@ -12,14 +12,14 @@ use support::scenes::{ALL_SAMPLERS, GUIDED, SAMPLERS, combinations, ours, settin
 
 use crate::device::Device;
 
-/// Every number of the picture as bits.
+/// Bits of every number of the picture.
 pub fn bits(picture: &Picture) -> Vec<u32> {
     let colors = [&picture.radiance, &picture.variance, &picture.albedo, &picture.normal];
     let floats = colors.into_iter().flatten().flatten().chain(&picture.depth).map(|value| value.to_bits());
     floats.chain(picture.sample_count.iter().copied()).collect()
 }
 
-/// Not a whole number of tiles, and of several steps.
+/// Size that is not a whole number of tiles. The samples take several steps.
 const SIZE: [u32; 2] = [100, 61];
 const SPP: u32 = 36;
 
@@ -51,7 +51,7 @@ fn no_way_of_cutting_the_work_changes_a_bit() {
     }
 }
 
-/// Learned sums do not depend on the order of their targets, whatever samples and whatever learns.
+/// Learned sums do not depend on the order of their targets, for all samplers and learners.
 #[test]
 fn every_way_to_follow_a_guide_gives_the_same_bits() {
     let device = Device::new();
@@ -72,7 +72,7 @@ fn every_way_to_follow_a_guide_gives_the_same_bits() {
     }
 }
 
-/// How many samples a dispatch takes changes how their moments are merged, so only their rounding.
+/// Samples per dispatch change the picture by rounding only, because they change how moments are merged.
 #[test]
 fn samples_per_dispatch_change_no_more_than_rounding() {
     let device = Device::new();
@@ -90,7 +90,7 @@ fn samples_per_dispatch_change_no_more_than_rounding() {
     }
 }
 
-/// Texels and storage hold the same numbers.
+/// Reads through texel buffers and through storage buffers give equal bits.
 #[test]
 fn storage_reads_change_no_bit() {
     let device = Device::new();
@@ -118,7 +118,7 @@ fn a_crop_window_holds_the_whole_picture_s_pixels() {
     assert!(whole.variance_image().crop([37, 5], 21, 50).expect("a window").pixels == part.variance);
 }
 
-/// A guide that has learned from a window alone leaves the mean as it is.
+/// A guide that has learned only from a crop window does not change the window's mean.
 #[test]
 fn a_guided_crop_window_has_the_whole_picture_s_mean() {
     let device = Device::new();
@@ -143,7 +143,8 @@ fn render_with_threads(threads: &str, arguments: &str, output: &Path) {
     assert!(status.success());
 }
 
-/// The driver reads the number when it starts, so each is a process of its own.
+/// One thread and two give equal bits. The driver reads their number when it starts, so each case is a process of its
+/// own.
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,4 +1,4 @@
-//! A device under the validation layer that renders whole pictures.
+//! Device under the validation layer that renders whole pictures.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use lodestar::scene::Scene;
 use lodestar::settings::Settings;
 use support::mutated;
 
-/// A context whose validation messages fail the test when it is dropped.
+/// Context whose validation messages fail the test when it is dropped.
 pub struct Device {
     context: Arc<Context>,
     mutation: Option<&'static str>,
@@ -22,12 +22,12 @@ impl Device {
         Self { context, mutation: None }
     }
 
-    /// A device whose kernels have a mutation of `tests/tampered` in them.
+    /// Device whose kernels have a mutation of `tests/tampered`.
     pub fn mutated(&self, mutation: &'static str) -> Self {
         Self { context: self.context.clone(), mutation: Some(mutation) }
     }
 
-    /// What the kernels have in them, in words.
+    /// Name of the kernels' mutation.
     pub fn mutation(&self) -> &'static str {
         self.mutation.unwrap_or("no fault")
     }
@@ -52,7 +52,7 @@ impl Drop for Device {
     }
 }
 
-/// Takes `spp` samples in the settings' steps, and returns what every step counted.
+/// Takes `spp` samples per pixel in steps of the settings. Returns the counts of every step.
 pub fn steps(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Vec<Counts> {
     let mut counts = Vec::new();
     while renderer.samples_done() < spp {

@@ -1,4 +1,4 @@
-//! Paths traced as waves make the picture of the kernel that follows each to its end, bit for bit.
+//! Wave execution gives the bits of the megakernel.
 
 use glam::Vec3;
 use lodestar::renderer::Counts;
@@ -10,11 +10,11 @@ use support::scenes::{GUIDED, ours, settings};
 use crate::determinism::bits;
 use crate::device::Device;
 
-/// Not a whole number of tiles, and of several steps.
+/// Size that is not a whole number of tiles. The samples take several steps.
 const SIZE: [u32; 2] = [52, 37];
 const SPP: u32 = 21;
 
-/// The picture's bits, and what was counted.
+/// Bits of the picture, and the counts of the render.
 fn rendered(device: &Device, scene: &Scene, settings: &Settings) -> (Vec<u32>, Counts) {
     let mut renderer = device.renderer(scene, settings);
     let mut counts = Counts::default();
@@ -25,7 +25,7 @@ fn rendered(device: &Device, scene: &Scene, settings: &Settings) -> (Vec<u32>, C
     (bits(&renderer.picture().expect("a picture")), counts)
 }
 
-/// Compares a wave, of small slices and pages, of queues that few workgroups go through, with the megakernel.
+/// Compares waves with the megakernel. The waves have small slices and pages, and queues that few workgroups process.
 fn compare(device: &Device, name: &str, scene: &Scene, change: impl Fn(&mut Settings)) {
     let render = |further: &dyn Fn(&mut Settings)| {
         let mut settings = settings(scene, SIZE, Sampler::Product, 11);

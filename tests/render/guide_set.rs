@@ -1,4 +1,4 @@
-//! Rough conductors, dielectrics and principled surfaces under a guide: the picture stays what it is.
+//! Rough conductors, dielectrics and principled surfaces under a guide, which must not change the picture's mean.
 
 use glam::Vec3;
 use lodestar::image::metrics::compare;
@@ -25,7 +25,7 @@ fn metal(alpha: f32) -> Bsdf {
     Bsdf::RoughConductor { microfacets: facets(alpha), eta: Vec3::ZERO, k: Vec3::ZERO, specular_reflectance }
 }
 
-/// The Cornell box with a wall of rough metal on the left and one of rough glass, with nothing behind it, on the right.
+/// Cornell box with a left wall of rough metal and a right wall of rough glass, with nothing behind it.
 fn rough_box() -> Scene {
     let mut scene = ours("cornell-box/scene.xml", &[]);
     let (microfacets, metal) = (facets(0.4), metal(0.4));
@@ -81,7 +81,7 @@ fn guided_conductors_and_dielectrics_leave_the_picture_as_it_is() {
     }
 }
 
-/// Light comes from above a shade, and all that is white is rough metal.
+/// Cornell box whose light comes from above a shade. All white surfaces are rough metal.
 fn metal_box(alpha: f32) -> Scene {
     let mut scene = ours("cornell-box-hard/scene.xml", &[]);
     let white = scene.materials.iter_mut().find(|material| material.name == "white").expect("a material");
@@ -90,7 +90,8 @@ fn metal_box(alpha: f32) -> Scene {
     scene
 }
 
-/// With diffuse lobes guided, and with all surfaces: errors of the displayed pictures.
+/// Guiding of all surfaces leaves less than 0.75 times the error of guiding diffuse lobes alone. Errors are those of
+/// displayed pictures.
 #[test]
 fn metal_gains_from_a_guide() {
     let device = Device::new();

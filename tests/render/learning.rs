@@ -1,4 +1,4 @@
-//! What the guide learns, and the edges of the estimator.
+//! Learning of the guide, and limits of the estimator.
 
 use std::cell::Cell;
 
@@ -14,7 +14,7 @@ use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::{Device, steps};
 
-/// The paper's Fig. 7a.
+/// Guided rays find the light more often with every step, as in the paper's Fig. 7a.
 #[test]
 fn guided_rays_find_the_light_more_often_step_by_step() {
     let device = Device::new();
@@ -33,7 +33,8 @@ fn guided_rays_find_the_light_more_often_step_by_step() {
     assert!((guided[0] / unguided[0] - 1.0).abs() < 1.0e-6, "the first step draws from the BSDF");
 }
 
-/// The paper's Table 1: hardly a direction is lost below the surface, but where samplers do not know the normal.
+/// Few directions are lost below the surface, except for samplers that do not know the normal, as in the paper's Table
+/// 1.
 #[test]
 fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
     let device = Device::new();
@@ -47,14 +48,15 @@ fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
         let is_blind = matches!(sampler, Sampler::SphereInversion | Sampler::Quadtree);
         let is_expected = if is_blind { invalid > 0.05 } else { invalid < 0.01 };
         assert!(is_expected, "{sampler:?} and {learner:?}: {invalid}");
-        // Plain rejection pays with tries what the mix takes from the uniform share.
+        // Plain rejection has no uniform share, so it needs more tries than the mix.
         let least = if sampler == Sampler::Rejection { 4.0 } else { 1.0 };
         assert!(tries >= least, "{sampler:?} and {learner:?}: {tries} tries");
     }
 }
 
-/// A guide that knows no more than the surface hardly changes shares, and not in its own favor; one that knows where the light
-/// is gets more than half, and one that is coarser than what metal reflects gets little.
+/// Learned shares favor the better sampler. A guide that knows no more than the surface hardly changes shares, and not
+/// in its own favor. A guide that knows where the light is gets more than half. A guide that is coarser than the
+/// metal's reflection gets little.
 #[test]
 fn shares_go_to_what_knows_more() {
     let device = Device::new();
@@ -83,7 +85,7 @@ fn shares_go_to_what_knows_more() {
     assert!(shares_where_fixed(&device).is_empty());
 }
 
-/// The Cornell box with a wall of almost polished metal.
+/// Cornell box with a wall of almost polished metal.
 fn polished_box() -> Scene {
     let mut scene = ours("cornell-box/scene.xml", &[]);
     let alpha = Textured::constant(0.05);
@@ -117,7 +119,8 @@ fn only_guided_samplers_count_guided_samples() {
     }
 }
 
-/// Seen directly, the lamp fills some pixels and touches others; it covers the same area whatever the filter.
+/// Reconstruction filters keep the sum and blur the edge. The lamp, seen directly, fills some pixels and touches
+/// others. It covers the same area with every filter.
 #[test]
 fn filters_keep_the_sum_and_blur_the_edge() {
     let device = Device::new();
@@ -148,7 +151,7 @@ fn filters_keep_the_sum_and_blur_the_edge() {
         assert!(sidak(two_sided(z), 3) > ALPHA, "{filter:?}: z = {z}");
         assert!(picture.radiance.iter().all(|color| color[0] <= 17.0001));
     }
-    // Inside the furnace all pixels are alike.
+    // All pixels are equal inside the furnace.
     let furnace = ours("furnace/mesh.xml", &[]);
     for filter in filters {
         let settings = Settings { filter, rr_depth: 1000, ..settings(&furnace, [16, 16], Sampler::Bsdf, 2) };
@@ -178,7 +181,7 @@ fn a_stopped_step_leaves_a_valid_picture() {
     let device = Device::new();
     let scene = ours("cornell-box/scene.xml", &[]);
     for sampler in SAMPLERS {
-        // Slices of a workgroup, so that a step has several however fast the device is.
+        // Slices have one workgroup each, so that a step has several slices on any device.
         let settings = Settings { slice_milliseconds: Some(0.001), ..settings(&scene, [128, 128], sampler, 4) };
         let mut renderer = device.renderer(&scene, &settings);
         steps(&mut renderer, &settings, 16);
@@ -191,7 +194,8 @@ fn a_stopped_step_leaves_a_valid_picture() {
         let with = |count| picture.sample_count.iter().filter(|&&samples| samples == count).count();
         assert!(with(16) > 0 && with(24) > 0 && with(16) + with(24) == 128 * 128);
         assert!(picture.radiance.iter().flatten().all(|l| l.is_finite() && *l >= 0.0));
-        // Its pixels have unequal numbers of samples: no step can follow, and none touches the picture.
+        // The interrupted picture's pixels have unequal numbers of samples. No step can follow, and the picture stays
+        // as it is.
         assert!(renderer.step(8, &|| false).is_err());
         assert!(renderer.picture().expect("a picture").radiance == picture.radiance);
     }
@@ -211,7 +215,8 @@ fn an_empty_scene_shows_its_environment() {
     }
 }
 
-/// 64 paths of 1024 edges are as many iterations as lavapipe 22.3 gives one invocation for everything.
+/// A driver's loop budget gives an error, not a dark picture. 64 paths of 1024 edges need all iterations that lavapipe
+/// 22.3 grants one invocation.
 #[test]
 fn a_driver_s_loop_budget_is_an_error_and_no_dark_picture() {
     let device = Device::new();

@@ -1,4 +1,4 @@
-//! Emitter sampling: against closed forms, against pictures made without it, and what must not depend on it.
+//! Emitter sampling: against closed forms, against pictures without it, and in cases where it must change nothing.
 
 use glam::Vec3;
 use lodestar::film::Picture;
@@ -13,7 +13,7 @@ use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::{Device, steps};
 
-/// The floor's radiance, as it is rendered.
+/// Mean radiance of the rendered floor, with its standard error.
 fn render_floor(device: &Device, light: &str, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
     let scene = ours("lights/floor.xml", &[("light", light)]);
     let mut settings = settings(&scene, [16, 16], Sampler::Bsdf, 71);
@@ -24,7 +24,8 @@ fn render_floor(device: &Device, light: &str, change: impl FnOnce(&mut Settings)
     (mean, error)
 }
 
-/// Deviation from `expected` in standard errors, or in what single precision and a camera that sees more than one point leave.
+/// Deviation from `expected` in standard errors. The error includes single precision and a camera that sees more than
+/// one point.
 fn deviation((mean, error): (f64, f64), expected: f64) -> f64 {
     (mean - expected) / error.hypot(1.0e-5 * expected)
 }
@@ -60,20 +61,21 @@ fn faults_of_the_weights_are_found_on_the_floor() {
     for light in ["constant", "rectangle"] {
         assert!(is_found(light, Sampler::RejectionMix, BLIND_TO_GUIDE), "{light}: weights blind to the guide");
     }
-    // Of smaller lights so little is left to scattered rays that their density hardly matters.
+    // Only the largest light is tested: scattered rays bring so little of smaller lights that their density hardly
+    // matters.
     for sampler in SAMPLERS {
         assert!(is_found("constant", sampler, DENSITIES), "{sampler:?}: density 5 % off");
     }
 }
 
-/// A scene, how often its pixels are sampled without emitter sampling and with it, and at which scales it is compared.
+/// A scene, its samples per pixel without and with emitter sampling, and the scales of the comparison.
 struct Case {
     file: &'static str,
     light: &'static str,
     size: [u32; 2],
     spp: [u32; 2],
     sides: &'static [usize],
-    /// Whether floor, ball and box shine.
+    /// Whether floor, ball and box are glossy.
     glossy: bool,
 }
 
@@ -87,7 +89,7 @@ const GLOSSY: Case =
 const SKY: Case =
     Case { file: "lights/scene.xml", light: "envmap", size: [32, 24], spp: [4096, 512], sides: BLOCKS, glossy: false };
 
-/// A rough layer over what is diffuse and not black.
+/// Adds a rough layer to a diffuse material that is not black.
 fn polish(material: &mut Material) {
     if let Bsdf::Diffuse { reflectance } = surface_mut(material).bsdf
         && reflectance.value.max_element() > 0.0
@@ -104,7 +106,7 @@ fn polish(material: &mut Material) {
 }
 
 impl Case {
-    /// With all albedos multiplied.
+    /// Picture of the scene with all albedos multiplied.
     fn render(&self, device: &Device, albedo: f32, change: impl FnOnce(&mut Settings)) -> Estimate {
         let defines = [("light", self.light)];
         let scene = ours(self.file, if self.light.is_empty() { &[] } else { &defines });
@@ -159,7 +161,8 @@ fn emitter_sampling_leaves_the_sky_as_it_is() {
     SKY.check();
 }
 
-/// Inside a surface that emits 0.5 and reflects half, the light comes from everywhere.
+/// Emitter sampling does not change the furnace's brightness. The furnace emits 0.5 and reflects half, and light comes
+/// from everywhere.
 #[test]
 fn the_furnace_is_as_bright_with_emitter_sampling() {
     let device = Device::new();
@@ -201,7 +204,7 @@ fn the_same_seed_gives_the_same_bits_with_emitter_sampling() {
     }
 }
 
-/// What emitter sampling finds at a vertex is not what the guide there is for.
+/// The guide learns only the light that emitter sampling does not find at a vertex.
 #[test]
 fn the_guide_learns_what_emitter_sampling_leaves() {
     let device = Device::new();
@@ -220,7 +223,7 @@ fn the_guide_learns_what_emitter_sampling_leaves() {
         let learned: Vec<f64> = bins.into_iter().map(f64::from).filter(|&l| l > 0.2).collect();
         learned.iter().sum::<f64>() / learned.len() as f64
     };
-    // All that arrives is 1, emission's part of it 0.5, of which about half is left to the guide.
+    // The incident radiance is 1. Emission is 0.5 of it, and about half of the emission is left to the guide.
     let (all, left) = (mean(false), mean(true));
     println!("learned {all:.3} without emitter sampling, {left:.3} with it");
     assert!((all - 1.0).abs() < 0.02 && (0.6..0.9).contains(&left), "{all} {left}");
@@ -251,7 +254,7 @@ fn what_no_ray_can_hit_needs_emitter_sampling() {
     }
 }
 
-/// A scene without light is black, whatever is asked for.
+/// A scene without light is black with all settings.
 #[test]
 fn without_lights_nothing_is_sampled() {
     let device = Device::new();

@@ -1,4 +1,4 @@
-//! Renders that end by noise: whether they have the error that was asked for, and where their samples go.
+//! Renders that end by noise: their error against the requested error, and the distribution of their samples.
 
 use std::sync::OnceLock;
 
@@ -12,12 +12,12 @@ use support::scenes::{ours, settings};
 use crate::determinism::bits;
 use crate::device::Device;
 
-/// Not a whole number of tiles.
+/// Size that is not a whole number of tiles.
 const SIZE: [u32; 2] = [44, 41];
-/// Pixels along a side of a tile.
+/// Pixels along each side of a tile.
 const TILE: u32 = 8;
 const TARGET: f32 = 0.1;
-/// More than any tile of the scene needs.
+/// Maximum number of samples per pixel, more than any tile of the scene needs.
 const MOST: u32 = 1 << 14;
 
 struct Studio {
@@ -39,7 +39,7 @@ impl Studio {
         self.device.renderer(&self.scene, settings)
     }
 
-    /// To its end.
+    /// Picture of a render that runs until `target` is reached.
     fn render(&self, target: f32) -> Picture {
         let mut renderer = self.renderer(&self.settings(Some(target)));
         while renderer.sampled_pixels() > 0 {
@@ -49,7 +49,7 @@ impl Studio {
         renderer.picture().expect("a picture")
     }
 
-    /// A picture with a tenth of the error that is asked for, made once.
+    /// Picture with a tenth of the requested error. It is rendered once.
     fn truth(&self) -> &'static Picture {
         static TRUTH: OnceLock<Picture> = OnceLock::new();
         let settings = Settings { sampler: Sampler::Bsdf, seed: 77, spp_per_step: 64, ..self.settings(None) };
@@ -70,7 +70,7 @@ fn mean_rgb(color: [f32; 3]) -> f64 {
     color.into_iter().map(f64::from).sum::<f64>() / 3.0
 }
 
-/// Where the pixels of a tile are that lie in the window.
+/// Indices of the pixels of a tile that lie within the picture.
 fn pixels_of(tile: usize) -> Vec<usize> {
     let [width, height] = SIZE;
     let columns = width.div_ceil(TILE);
@@ -79,7 +79,7 @@ fn pixels_of(tile: usize) -> Vec<usize> {
     rows.flat_map(|y| (x..(x + TILE).min(width)).map(move |x| (y * width + x) as usize)).collect()
 }
 
-/// The relative error of every tile against a picture that has hardly any, by the definition that estimates have.
+/// Relative error of every tile against `truth`, defined in the same way as the estimate.
 fn true_errors(picture: &Picture, truth: &Picture) -> Vec<f64> {
     let noise = |tile: usize| {
         let pixels = pixels_of(tile);
@@ -98,8 +98,8 @@ fn root_mean_square(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Whether a picture has about the error that was asked for: no more, but for what the estimates of single tiles miss, and not
-/// much less.
+/// Whether a picture has about the requested error: at most 1.1 times and at least half of it over all tiles, and at
+/// most twice in a single tile.
 fn is_as_asked(errors: &[f64], target: f64) -> bool {
     (0.5 * target..1.1 * target).contains(&root_mean_square(errors)) && errors.iter().all(|&error| error < 2.0 * target)
 }
@@ -117,7 +117,8 @@ fn the_error_that_is_asked_for_is_reached() {
     assert!(!is_as_asked(&too_good, TARGET.into()), "{:.4}", root_mean_square(&too_good));
 }
 
-/// Samples of a set depend on each other, halves must not: whatever the pattern, the estimate is that of the error there is.
+/// Estimated errors are right for every pattern. Samples of a set depend on each other, but the two halves that an
+/// estimate compares must not.
 #[test]
 fn estimates_are_right_for_every_pattern() {
     let studio = Studio::new();
@@ -133,12 +134,12 @@ fn estimates_are_right_for_every_pattern() {
         let error = root_mean_square(&true_errors(&picture, studio.truth()));
         println!("{pattern:?}: {estimate:.4} by estimate, {error:.4}");
         assert!(is_right(estimate, error), "{pattern:?}");
-        // Half as many samples, or twice.
+        // The twins must fail: errors for half as many samples, and for twice as many.
         assert!(!is_right(estimate * f64::sqrt(2.0), error) && !is_right(estimate / f64::sqrt(2.0), error));
     }
 }
 
-/// The tiles around one, itself included.
+/// Neighbors of a tile, including itself.
 fn around(tile: usize) -> impl Iterator<Item = usize> {
     let [columns, rows] = SIZE.map(|size| size.div_ceil(TILE) as usize);
     let (column, row) = (tile % columns, tile / columns);
@@ -149,7 +150,7 @@ fn around(tile: usize) -> impl Iterator<Item = usize> {
 #[test]
 fn samples_go_where_they_are_needed() {
     let mut studio = Studio::new();
-    // Half of the picture lies beside the box, where nothing is and no estimate has an error.
+    // Half of the picture shows the empty space beside the box, where estimates have no error.
     studio.scene.camera.principal_point.x += 0.5;
     let picture = studio.render(TARGET);
     let is_lit = |tile: usize| pixels_of(tile).iter().any(|&at| mean_rgb(picture.radiance[at]) > 0.0);
@@ -169,7 +170,7 @@ fn samples_go_where_they_are_needed() {
     assert!(lit_tiles >= 6 && dark_tiles >= 6, "{lit_tiles} and {dark_tiles}");
 }
 
-/// Judging alone does nothing to the picture.
+/// A target out of reach changes no bit: judging noise does not affect the picture.
 #[test]
 fn a_target_out_of_reach_changes_no_bit() {
     let studio = Studio::new();
@@ -185,7 +186,7 @@ fn a_target_out_of_reach_changes_no_bit() {
     assert!(render(Some(0.3)) != plain, "tiles end before");
 }
 
-/// Neither pages nor slices nor a break change a bit, also where few tiles are left and steps are long.
+/// Pages, slices and interruptions change no bit, also where few tiles are left and steps are long.
 #[test]
 fn the_same_seed_ends_with_the_same_bits() {
     let studio = Studio::new();

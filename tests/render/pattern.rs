@@ -1,4 +1,4 @@
-//! Samples in sets against independent ones.
+//! Samples in sets against independent samples.
 
 use lodestar::film::Picture;
 use lodestar::image::Image;
@@ -14,9 +14,10 @@ use crate::device::Device;
 const SIZE: [u32; 2] = [24, 24];
 const SPP: u32 = 32;
 const PICTURES: u32 = 24;
-/// With sets of samples.
+/// Patterns with sets of samples.
 const SETS: [SamplePattern; 2] = [SamplePattern::Sobol, SamplePattern::BlueNoise];
-/// Neither divides the size of a set nor is divided by it, so that steps cut sets in two.
+/// Samples per step. The number neither divides the size of a set nor is a multiple of it, so that steps cut sets in
+/// two.
 const STEP: u32 = 5;
 
 struct Studio {
@@ -33,8 +34,8 @@ impl Studio {
         Settings { pattern, nee: true, spp_per_step: STEP, ..settings(&self.scene, SIZE, sampler, seed) }
     }
 
-    /// The mean of pictures that differ by their seeds, and its variance by their spread: nothing is assumed of the samples
-    /// of a picture. Pixels are summed up to blocks first, which are all but normally distributed.
+    /// Mean of pictures with different seeds, with a variance from their spread. Nothing is assumed about the samples
+    /// of one picture. Pixels are summed to blocks first, which are close to normally distributed.
     fn estimate(&self, first_seed: u32, change: &dyn Fn(&mut Settings)) -> Estimate {
         self.estimate_on(&self.device, first_seed, change)
     }
@@ -49,7 +50,7 @@ impl Studio {
     }
 }
 
-/// Mean and variance of the mean over pictures.
+/// Mean over pictures, and the variance of the mean.
 fn of_spread(pictures: &[Picture]) -> Estimate {
     let count = pictures.len() as f64;
     let [width, height] = SIZE;
@@ -95,13 +96,14 @@ fn sets_leave_less_noise() {
     assert!(sets.iter().all(|&sets| sets < 0.7) && again > 0.7);
 }
 
-/// Edges that the camera sees are sampled along one sequence, also where sets end with each step of a guide.
+/// Camera rays follow one sequence for all samples, even if a guide ends sets with each step. So edges that the camera
+/// sees have less noise than sets would leave.
 #[test]
 fn camera_rays_leave_less_noise_than_sets_would() {
     let studio = Studio::new();
     for sampler in [Sampler::Bsdf, Sampler::Product] {
         let variance = |pattern, first_seed| {
-            // What is seen without a bounce: the light and its edges.
+            // Paths of one edge see the light and its edges.
             let change = |s: &mut Settings| (s.sampler, s.pattern, s.max_depth) = (sampler, pattern, 1);
             studio.estimate(first_seed, &change).total_variance()
         };
@@ -109,7 +111,7 @@ fn camera_rays_leave_less_noise_than_sets_would() {
         let [sequence, again] = [(SamplePattern::Sobol, 100), (SamplePattern::Independent, 300)]
             .map(|(pattern, first_seed)| variance(pattern, first_seed) / independent);
         println!("{sampler:?}: variance of a sequence {sequence:.3}, of independent samples of other seeds {again:.3}");
-        // Sets of eight would have 8^-0.5 = 0.35 of it, 32 samples of a sequence 32^-0.5 = 0.18.
+        // The relative error of sets of eight would be 8^-0.5 = 0.35, that of 32 samples of a sequence 32^-0.5 = 0.18.
         assert!(sequence < 0.25 && again > 0.5, "{sampler:?}: {sequence} {again}");
     }
 }
@@ -136,7 +138,8 @@ fn sets_come_out_the_same_however_the_work_is_cut() {
     }
 }
 
-/// Without a guide, sets reach over steps, and parts of a picture that begin within one hold the samples of the whole.
+/// Sets reach over steps where there is no guide. A part of a picture that begins within a set has the samples of the
+/// whole picture.
 #[test]
 fn unguided_sets_do_not_depend_on_steps() {
     let studio = Studio::new();

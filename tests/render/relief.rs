@@ -1,4 +1,4 @@
-//! Bump and normal maps of the same slope everywhere, on a diffuse floor below an even sky or a sun.
+//! Bump and normal maps with a constant slope, on a diffuse floor under a uniform sky or a sun.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -18,10 +18,10 @@ use crate::device::Device;
 const SIZE: [u32; 2] = [16, 16];
 const SPP: u32 = 256;
 const ALBEDO: f64 = 0.5;
-/// Tests here, times samplers, with emitter sampling and without.
+/// Number of tests of this file, for all samplers, with and without emitter sampling.
 const CASES: usize = 8;
 
-/// World from the floor's uv frame: its sides are 2 and 4 long, and it does not lie along the axes.
+/// Sides of the floor in world space. The floor's uv frame is 2 by 4 units large and is not axis-aligned.
 const U: Vec3 = Vec3::new(0.6, 0.8, 0.0);
 const V: Vec3 = Vec3::new(-1.6, 1.2, 0.0);
 
@@ -35,7 +35,7 @@ fn gray(value: f32) -> [f32; 4] {
     [value, value, value, 1.0]
 }
 
-/// The floor from one side, with a relief.
+/// Floor with a relief, seen from the front or from behind.
 fn floor(relief: Relief, texels: Vec<[f32; 4]>, behind: bool) -> Scene {
     let mut scene = ours("furnace/scene.xml", &[]);
     let mut floor = scene.primitives[0];
@@ -49,7 +49,7 @@ fn floor(relief: Relief, texels: Vec<[f32; 4]>, behind: bool) -> Scene {
     (surface.two_sided, surface.relief) = (true, Some(relief));
     let (texture, image) = texture(texels);
     (scene.textures, scene.images) = (vec![texture], vec![image]);
-    // Sees a small part of the middle, straight on.
+    // The camera sees a small part of the middle, at right angles.
     let side = if behind { -1.0 } else { 1.0 };
     let (forward, up) = (Vec3::new(0.0, 0.0, -side), Vec3::Y);
     let axes = [up.cross(forward), up, forward].map(|axis| axis.extend(0.0));
@@ -58,7 +58,7 @@ fn floor(relief: Relief, texels: Vec<[f32; 4]>, behind: bool) -> Scene {
     scene
 }
 
-/// Radiance of the floor whose normal is `n` in its uv frame, mirrored where it is seen from behind.
+/// Radiance of a floor with normal `n` in its uv frame. The normal is mirrored if the floor is seen from behind.
 fn answer(n: DVec3) -> f64 {
     let frame = relief_frame(n, DVec3::Z);
     let count = 400;
@@ -89,13 +89,14 @@ fn check(name: &str, scene: &Scene, expected: f64) {
     }
 }
 
-/// Radiance of the floor in the light of a sun of irradiance pi, at `wi` in the floor's frame.
+/// Radiance of the floor under a sun of irradiance pi, at `wi` in the floor's frame.
 fn sunlit(n: DVec3, wi: DVec3) -> f64 {
     let n = relief_frame(n, DVec3::Z).z_axis;
     ALBEDO * n.dot(wi).max(0.0) * relief_shadowing(n, wi)
 }
 
-/// No path but the one to the sun carries light, so there is no noise.
+/// Fails unless the floor under a sun has the closed form's radiance. Only the path to the sun carries light, so there
+/// is no noise.
 fn check_sun(name: &str, scene: &Scene, n: DVec3) {
     let device = Device::new();
     let behind = scene.camera.world_from_camera.w_axis.z < 0.0;
@@ -113,7 +114,7 @@ fn check_sun(name: &str, scene: &Scene, n: DVec3) {
         let (mean, _) = Estimate::of(&device.render(&scene, &settings, 1)).gray();
         let expected = sunlit(n, wi);
         println!("{name}, sun at {wi:.2}: {mean:.5}, not {expected:.5}");
-        // The camera sees the floor within half a degree of straight on.
+        // The camera's rays are within half a degree of the normal.
         assert!((mean - expected).abs() < 1.0e-4, "{name}, sun at {wi}: {mean}, not {expected}");
         let turned = sunlit(n * dvec3(-1.0, -1.0, 1.0), wi);
         told_apart |= (mean - turned).abs() > 1.0e-2;
@@ -123,7 +124,7 @@ fn check_sun(name: &str, scene: &Scene, n: DVec3) {
 
 #[test]
 fn a_bump_map_tilts_by_its_slope() {
-    // Between the texels' centers, half a unit of u apart, the height rises by 0.8; the factor makes it 1.6.
+    // Between the texels' centers, half a unit of u apart, the height rises by 0.8. The scale doubles it to 1.6.
     let scene = |behind| floor(Relief::Bump { texture: 0, scale: 2.0 }, vec![gray(0.1), gray(0.9)], behind);
     let [u, v] = [U, V].map(|edge| 2.0 * edge.as_dvec3());
     let n = bump_normal(u.length() * DVec3::X, v.length() * DVec3::Y, DVec2::new(2.0 * 0.8 * 2.0, 0.0), DVec3::Z);

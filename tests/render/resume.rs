@@ -1,4 +1,4 @@
-//! A render that is gone on with has the bits of one that was never interrupted.
+//! Resumed renders have the bits of renders that were never interrupted.
 
 use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
@@ -8,16 +8,16 @@ use support::scenes::{SAMPLERS, combinations, ours, settings};
 use crate::determinism::bits;
 use crate::device::{Device, steps};
 
-/// Not a whole number of tiles.
+/// Size that is not a whole number of tiles.
 const SIZE: [u32; 2] = [60, 41];
-/// Several steps and a part of one.
+/// Samples per pixel: several steps, and a part of one.
 const SPP: u32 = 44;
 
 fn scene() -> Scene {
     ours("cornell-box/scene.xml", &[])
 }
 
-/// Picture and counts of the samples from `renderer`'s to the last.
+/// Bits of the picture after the remaining samples, and the counts of their steps.
 fn rest(renderer: &mut Renderer, settings: &Settings) -> (Vec<u32>, Vec<Counts>) {
     let counts = steps(renderer, settings, SPP);
     (bits(&renderer.picture().expect("a picture")), counts)
@@ -29,7 +29,7 @@ fn state_after(device: &Device, scene: &Scene, settings: &Settings, spp: u32) ->
     (renderer.state().expect("a state"), counts)
 }
 
-/// Whether a part of a render's state is of this name.
+/// Whether a part of a render's state has this name.
 type IsPart = fn(&str) -> bool;
 
 #[test]
@@ -44,7 +44,7 @@ fn a_resumed_render_has_the_bits_of_one_never_interrupted() {
         {
             let cut = Settings { film_page_pixels: page_pixels, slice_milliseconds: slice, ..settings.clone() };
             let (state, mut counts) = state_after(&device, &scene, &cut, spp);
-            // Pages and slices are another matter before and after.
+            // Pages and slices differ before and after.
             let mut renderer = device.renderer(&scene, &settings);
             renderer.restore(&state).expect("the same settings");
             assert!(renderer.state().expect("a state") == state, "{sampler:?} {spp}");
@@ -56,7 +56,8 @@ fn a_resumed_render_has_the_bits_of_one_never_interrupted() {
     }
 }
 
-/// Whatever samples and whatever learns: after a checkpoint the guide and all that is made of it are as they were.
+/// All combinations of sampler and learner resume with equal bits: a checkpoint restores the guide and everything
+/// derived from it.
 #[test]
 fn every_combination_goes_on_with_the_same_bits() {
     let device = Device::new();
@@ -75,7 +76,7 @@ fn every_combination_goes_on_with_the_same_bits() {
     }
 }
 
-/// What larger cells know is made anew by every step of what the saved cells have learned.
+/// Parent cells resume with equal bits. They are not saved: every step computes them again from the saved cells.
 #[test]
 fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
     let device = Device::new();
@@ -87,13 +88,13 @@ fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
     let mut renderer = device.renderer(&scene, &settings);
     renderer.restore(&state).expect("the same settings");
     assert!(rest(&mut renderer, &settings).0 == whole.0);
-    // The twins: each of the settings matters.
+    // The twins must fail: each of the settings matters.
     for other in [Settings { grid: plain.grid, ..settings.clone() }, Settings { fallback: 5.0, ..settings.clone() }] {
         assert!(rest(&mut device.renderer(&scene, &other), &other).0 != whole.0, "{other:?}");
     }
 }
 
-/// With sums in which the order of steps changes no bit.
+/// A resumed part has equal bits in sums that do not depend on the order of steps.
 #[test]
 fn a_resumed_part_has_the_bits_of_one_never_interrupted() {
     let device = Device::new();
@@ -106,13 +107,14 @@ fn a_resumed_part_has_the_bits_of_one_never_interrupted() {
     assert!(rest(&mut renderer, &part).0 == whole.0);
 }
 
-/// The twin of the tests above: each part of the state matters, but for what a plain path tracer does not use.
+/// The twins of the tests above must fail: renders that resume from a state that lacks a part. Every part matters,
+/// except those that a plain path tracer does not use.
 #[test]
 fn a_state_that_lacks_a_part_is_noticed() {
     let device = Device::new();
     let scene = scene();
-    // Only sphere inversion has ends of bins; all of its normals' entries are the same. Only the product sampler and
-    // quadtrees have nodes, and only these learn over several steps.
+    // Only sphere inversion has ends of bins, and all normals have the same entry there. Only the product sampler and
+    // quadtrees have nodes, and only they learn over several steps.
     let cases: [(Sampler, IsPart); 4] = [
         (Sampler::RejectionMix, |name| !["bin ends", "radiance nodes"].contains(&name)),
         (Sampler::SphereInversion, |name| name == "bin ends"),
@@ -150,7 +152,8 @@ fn a_state_of_other_settings_is_refused_and_so_is_one_of_a_stopped_step() {
     assert!(renderer.state().expect("a state") == state);
 }
 
-/// Renders of disjoint ranges of samples, one after the other and apart: the samples are the same.
+/// Sample offsets give disjoint ranges of samples. The mean of two renders of 16 samples, at offsets 0 and 16, is the
+/// picture of one render of 32 samples, up to rounding.
 #[test]
 fn a_sample_offset_moves_the_range() {
     let device = Device::new();

@@ -1,4 +1,4 @@
-//! Roulette by expected contribution: what it spares is worth more than the noise that it adds.
+//! Russian roulette by expected contribution: the rays that it saves are worth more than the noise that it adds.
 
 use lodestar::image::metrics::compare;
 use lodestar::scene::Scene;
@@ -16,7 +16,7 @@ fn with(scene: &Scene, roulette: Roulette, seed: u32) -> Settings {
     Settings { nee: true, roulette: Some(roulette), ..settings(scene, SIZE, Sampler::Product, seed) }
 }
 
-/// Roulette by contribution is for `product`, and for scenes that want any.
+/// Default roulette follows from sampler and depths: by contribution for `product`, if the scene asks for any.
 #[test]
 fn what_is_not_chosen_follows_from_sampler_and_depths() {
     let (device, scene) = (Device::new(), ours("cornell-box/scene.xml", &[]));
@@ -40,7 +40,7 @@ fn what_is_not_chosen_follows_from_sampler_and_depths() {
 fn by_contribution_a_ray_brings_more() {
     let (device, scene) = (Device::new(), ours("cornell-box/scene.xml", &[]));
     let reference = device.render(&scene, &with(&scene, Roulette::Throughput, 1), REFERENCE_SPP).image();
-    // Mean absolute error that as many rays would leave, and rays per path.
+    // Mean absolute error for a fixed number of rays, and rays per path.
     let measure = |roulette, first_seed: u32| {
         let (mut error, mut rays) = (0.0, 0.0);
         for seed in first_seed..first_seed + PICTURES {

@@ -1,4 +1,4 @@
-//! Significance against tables.
+//! P-values against tables.
 
 use support::significance::{sidak, two_sided};
 

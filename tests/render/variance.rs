@@ -1,4 +1,4 @@
-//! The layers beside the radiance.
+//! Layers besides the radiance.
 
 use lodestar::film::Picture;
 use lodestar::settings::Sampler;
@@ -9,8 +9,8 @@ use crate::device::Device;
 
 const SEEDS: u32 = 32;
 
-/// Per pixel and channel, over several pictures: the spread of the radiance (an unbiased variance) and the mean of the
-/// variance layer.
+/// Spread of the radiance over several pictures (an unbiased variance) and mean of the variance layer, per pixel and
+/// channel.
 pub fn spread_and_claim(pictures: &[Picture]) -> Vec<(f64, f64)> {
     let count = pictures.len() as f64;
     let one = |at: usize, channel: usize| {
@@ -23,8 +23,9 @@ pub fn spread_and_claim(pictures: &[Picture]) -> Vec<(f64, f64)> {
     (0..pictures[0].radiance.len()).flat_map(|at| [0, 1, 2].map(|channel| one(at, channel))).collect()
 }
 
-/// Spread over claim, and the ratio's deviation from 1 in standard errors, where claims are first multiplied by `fault`.
-/// Both are unbiased, so their differences have the mean 0, and pixels are independent; channels are summed up first.
+/// Spread over variance layer, and the ratio's deviation from 1 in standard errors. The layer is first multiplied by
+/// `fault`. Both are unbiased, so their differences have mean 0. Pixels are independent. Channels are not, so they are
+/// summed first.
 pub fn ratio_and_deviation(pixels: &[(f64, f64)], fault: f64) -> (f64, f64) {
     let of_pixel = |channels: &[(f64, f64)]| {
         channels.iter().fold((0.0, 0.0), |sum, (spread, claim)| (sum.0 + spread, sum.1 + claim * fault))
@@ -63,7 +64,7 @@ fn features_are_those_of_the_first_hit() {
             let (x, y) = ((at % 24) as f32 + 0.5, (at / 24) as f32 + 0.5);
             let screen = glam::vec3(1.0 - x / 12.0, (1.0 - y / 8.0) * 16.0 / 24.0, 1.0);
             let towards = scene.camera.world_from_camera.transform_vector3(screen).normalize();
-            // The sphere's radius is 1 and its normals point to the eye; a pixel holds many of them.
+            // The sphere has radius 1 and normals that point to the eye. A pixel averages many normals.
             assert!((picture.depth[at] - 1.0).abs() < 1.0e-5, "{}", picture.depth[at]);
             assert!(normal.length() < 1.0 + 1.0e-5 && normal.length() > 0.999, "{normal}");
             assert!(normal.dot(towards) < -0.999, "{normal} {towards}");
@@ -77,7 +78,7 @@ fn flat_walls_have_unit_normals() {
     let device = Device::new();
     let scene = ours("cornell-box/scene.xml", &[]);
     let picture = device.render(&scene, &settings(&scene, [32, 32], Sampler::Bsdf, 3), 8);
-    // The back wall, between the blocks' tops and the ceiling.
+    // The back wall is visible between the tops of the blocks and the ceiling.
     let at = 32 * 9 + 16;
     assert!(glam::Vec3::from(picture.normal[at]).distance(glam::Vec3::NEG_Z) < 1.0e-5, "{:?}", picture.normal[at]);
     assert!((picture.depth[at] - 1378.0).abs() < 30.0, "{}", picture.depth[at]);

@@ -1,4 +1,4 @@
-//! What samples count for: a fixed schedule keeps pictures unbiased and does what it says.
+//! Sample weights: a fixed schedule keeps pictures unbiased and has the weights that it promises.
 
 use lodestar::film::Picture;
 use lodestar::scene::Scene;
@@ -12,16 +12,16 @@ use crate::determinism::bits;
 use crate::device::{Device, steps};
 use crate::variance::{ratio_and_deviation, spread_and_claim};
 
-/// Not a whole number of tiles.
+/// Size that is not a whole number of tiles.
 const SIZE: [u32; 2] = [60, 41];
-/// The schedule's blocks, and a part of one.
+/// Ends of the schedule's blocks, and of a part of a block.
 const ENDS: [u32; 5] = [0, 8, 16, 32, 40];
 
 fn box_settings(scene: &Scene, size: [u32; 2], sample_weights: SampleWeights, seed: u32) -> Settings {
     Settings { sample_weights: Some(sample_weights), ..settings(scene, size, Sampler::Product, seed) }
 }
 
-/// As many samples of every pixel, and their mean by pixel and channel.
+/// Block of equally many samples of every pixel: their number, and their mean by pixel and channel.
 struct Block {
     samples: f64,
     mean: Vec<f64>,
@@ -33,7 +33,7 @@ impl Block {
         Self { samples, mean: picture.radiance.iter().flatten().map(|&value| f64::from(value)).collect() }
     }
 
-    /// Those of `self` that `first` has not.
+    /// Block of the samples of `self` that are not in `first`.
     fn without(&self, first: &Self) -> Self {
         let samples = self.samples - first.samples;
         let mean = |at: usize| (self.samples * self.mean[at] - first.samples * first.mean[at]) / samples;
@@ -41,7 +41,7 @@ impl Block {
     }
 }
 
-/// The blocks of a render that weights all samples alike.
+/// Blocks of a render with equal sample weights.
 fn blocks(device: &Device, scene: &Scene) -> Vec<Block> {
     let settings = box_settings(scene, SIZE, SampleWeights::Even, 4);
     let mut renderer = device.renderer(scene, &settings);
@@ -54,7 +54,7 @@ fn blocks(device: &Device, scene: &Scene) -> Vec<Block> {
     [first].into_iter().chain(sums.windows(2).map(|pair| pair[1].without(&pair[0]))).collect()
 }
 
-/// The mean of blocks whose samples have these weights.
+/// Weighted mean of the blocks.
 fn weighted(blocks: &[Block], weights: [f64; 4]) -> Vec<f64> {
     let of_pixel = |at: usize| {
         let terms = blocks.iter().zip(weights).map(|(block, weight)| (block.samples * weight, block.mean[at]));
@@ -64,7 +64,7 @@ fn weighted(blocks: &[Block], weights: [f64; 4]) -> Vec<f64> {
     (0..blocks[0].mean.len()).map(of_pixel).collect()
 }
 
-/// The largest difference over the mean of the picture.
+/// Largest difference between picture and `expected`, relative to the mean of `expected`.
 fn difference(picture: &Picture, expected: &[f64]) -> f64 {
     let mean = expected.iter().sum::<f64>() / expected.len() as f64;
     let pixels = picture.radiance.iter().flatten().zip(expected);
@@ -95,7 +95,7 @@ fn a_schedule_leaves_no_bias() {
     let plain = Estimate::of(&device.render(&scene, &plain, 8192));
     let compare = |seed, device: &Device| {
         let settings = box_settings(&scene, [32, 32], SampleWeights::Growing, seed);
-        // So many short renders as have as many samples: most of them are of low weight.
+        // Many short renders, because most of their samples have low weights.
         let pictures: Vec<_> =
             (0..32).map(|i| device.render(&scene, &Settings { seed: seed + i, ..settings.clone() }, 32)).collect();
         let comparison = Comparison::new(&plain, &mean_of(&pictures), &[8, WHOLE]);
@@ -105,7 +105,7 @@ fn a_schedule_leaves_no_bias() {
     assert!(compare(100, &device) && !compare(200, &device.mutated(DENSITIES)));
 }
 
-/// Of pictures of as many samples.
+/// Mean of pictures with equal numbers of samples, with its variance.
 fn mean_of(pictures: &[Picture]) -> Estimate {
     let mut mean = pictures[0].clone();
     let count = pictures.len() as f32;
@@ -132,7 +132,7 @@ fn the_variance_layer_is_that_of_the_weighted_mean() {
     }
 }
 
-/// Neither pages nor slices nor a break, within a block or at its end, change a bit.
+/// Pages, slices and interruptions, within a block or at its end, change no bit.
 #[test]
 fn weighted_renders_go_on_with_the_same_bits() {
     let device = Device::new();

@@ -1,4 +1,4 @@
-//! Guided against unguided pictures.
+//! Guided pictures against unguided pictures, by z-tests.
 
 use lodestar::image::Image;
 use lodestar::settings::{Sampler, Settings};
@@ -8,16 +8,17 @@ use support::scenes::{GUIDED, ours, settings, steady};
 
 use crate::device::Device;
 
-/// A scene, how it is sampled and at which scales it is compared.
+/// A scene, its samples per pixel and the scales of the comparison.
 struct Case {
     file: &'static str,
     size: [u32; 2],
-    /// For `bsdf`, for `rejection-mix`, and for all others that follow a guide, with less noise each.
+    /// Samples per pixel for `bsdf`, for `rejection-mix`, and for all other samplers that follow a guide. The later
+    /// have less noise.
     spp: [u32; 3],
     sides: &'static [usize],
-    /// The sampler that meets the wrong albedo: the one that has less noise to hide it in.
+    /// Sampler that renders the wrong albedo: the one whose noise hides it least.
     faulty: Sampler,
-    /// The walls' albedo times 0.97.
+    /// Albedo of the walls times 0.97, the planted fault.
     wrong_white: &'static str,
 }
 
@@ -50,7 +51,8 @@ impl Case {
         Estimate::of(&device.render(&scene, &settings, spp))
     }
 
-    /// Seeds differ, for the first step of all samplers draws the same numbers.
+    /// Fails unless guided pictures agree with unguided pictures and the wrong albedo is found. Seeds differ, because
+    /// the first step of all samplers draws the same numbers.
     fn check(&self) {
         let device = Device::new();
         let faulty = device.mutated(DENSITIES);
@@ -93,8 +95,9 @@ fn samplers_agree_on_the_door_ajar() {
     DOOR_AJAR.check();
 }
 
-/// In a test's time so many bins have few targets each, and what they have missed weighs so much that single pixels are far from
-/// normally distributed; blocks of them are not, with four times the samples.
+/// Finer directions agree in blocks of pixels, with four times the samples. Within a test's time, so many bins get few
+/// targets each. Samples in bins that missed light have such large weights that single pixels are far from normally
+/// distributed. Blocks are not.
 #[test]
 fn finer_directions_agree() {
     let case = Case { spp: [4096, 4096, 4096], sides: &[8, WHOLE], ..CORNELL_BOX };
@@ -109,7 +112,8 @@ fn finer_directions_agree() {
     assert!(compare(2, &device) && !compare(4, &device.mutated(DENSITIES)));
 }
 
-/// So few samples that a slow driver takes them in seconds; the fault is larger in turn.
+/// A small picture agrees, with few samples, so that a slow driver renders it in seconds. The planted fault is larger
+/// in turn.
 #[test]
 fn a_small_picture_agrees() {
     let small = Case { size: [16, 16], spp: [1024, 512, 512], sides: &[8, WHOLE], ..CORNELL_BOX };
@@ -124,7 +128,7 @@ fn a_small_picture_agrees() {
     assert!(compare(&device) && !compare(&device.mutated(DENSITIES_FAR)));
 }
 
-/// A picture of 16 x 16 pixels of which some deviate by `z` standard deviations.
+/// Picture of 16 x 16 pixels. Some pixels deviate by `z` standard deviations.
 fn deviating(z: f32, which: impl Fn(usize) -> bool) -> Estimate {
     let value = |at| 10.0 + if which(at) { 0.1 * z } else { 0.0 };
     let image = |pixels| Image { width: 16, height: 16, pixels };
@@ -150,7 +154,7 @@ fn blocks_average_and_their_variances_shrink() {
     let mean = image((0..6).map(|i| [i as f32, 0.0, 1.0]).collect());
     let estimate = Estimate::new(&mean, &image(vec![[1.0; 3]; 6]));
     let other = Estimate::new(&image(vec![[0.0; 3]; 6]), &image(vec![[0.0; 3]; 6]));
-    // Blocks of 4 and of 2 pixels: means 2 and 3.5 with variances 1/4 and 1/2.
+    // Blocks of 4 pixels and of 2 have means 2 and 3.5, and variances 1/4 and 1/2.
     let z = estimate.blocks(2).z(&other.blocks(2));
     for (z, expected) in z.iter().zip([4.0, 0.0, 2.0, 3.5 * 2.0_f64.sqrt(), 0.0, 2.0_f64.sqrt()]) {
         assert!((z - expected).abs() < 1.0e-6, "{z} {expected}");
