@@ -1,8 +1,8 @@
-//! What ships has no faults on purpose: those that tests must find are mutations of `tests/tampered`.
+//! Shipped code has no planted faults. Faults that tests must find are mutations of `tests/tampered`.
 
 use crate::source::{Source, words};
 
-/// What is wrong with `sources`, one line each.
+/// Violations of the rule in `sources`, one line each.
 pub fn violations(sources: &[Source]) -> Vec<String> {
     sources.iter().flat_map(violations_of).collect()
 }
@@ -12,7 +12,7 @@ fn violations_of(source: &Source) -> impl Iterator<Item = String> {
     found.map(|word| format!("{}:{}: names {}, but faults belong to tests", source.path, word.line, word.text))
 }
 
-/// Whether a name says of what it stands for that it is wrong on purpose. A fault as such is one that the program meets.
+/// Whether a name marks a planted fault. The word `fault` alone is allowed: it can be an error that the program meets.
 fn is_fault(name: &str) -> bool {
     let name = name.to_lowercase();
     let is_mutation = name.split('_').any(|part| part.starts_with("mutat"));

@@ -1,10 +1,10 @@
-//! A file that declares a binding is the only one that names it, among the files that one kernel includes.
+//! Bindings are named only in the file that declares them, among the files that one kernel includes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::source::{Source, words};
 
-/// What is wrong with `sources`, one line each.
+/// Violations of the rule in `sources`, one line each.
 pub fn violations(sources: &[Source]) -> Vec<String> {
     let kernels = sources.iter().filter(|source| source.path.ends_with(".comp"));
     let found: BTreeSet<_> = kernels.flat_map(|kernel| kernel_violations(&included(kernel, sources))).collect();
@@ -20,7 +20,7 @@ fn kernel_violations(files: &[&Source]) -> Vec<String> {
     }
     let mut violations = Vec::new();
     for file in files {
-        // What follows a point is a member of something else.
+        // A word after a point is a member of another structure.
         for word in words(&file.code).filter(|word| !word.before.ends_with('.')) {
             let Some(owners) = owners.get(word.text) else { continue };
             if !owners.contains(&file.path.as_str()) {

@@ -1,4 +1,4 @@
-//! Words and crates that few modules may name. Who may use whom among the modules is the business of `graph`.
+//! Words and crates that few modules may name. The test `graph` checks which modules may use which others.
 
 use crate::source::{Source, Word, words};
 
@@ -27,7 +27,7 @@ const RULES: &[Rule] = &[
     Rule { word: Name::Crate("support"), only_in: &[], reason: "twins are for tests only" },
 ];
 
-/// What is wrong with `sources`, one line each.
+/// Violations of the rules in `sources`, one line each.
 pub fn violations(sources: &[Source]) -> Vec<String> {
     sources.iter().flat_map(|source| RULES.iter().flat_map(move |rule| rule.violations(source))).collect()
 }

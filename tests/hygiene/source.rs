@@ -1,15 +1,15 @@
-//! Source files, and their text without what a compiler does not look at.
+//! Source files, and their text without comments and the contents of strings.
 
 use std::fs;
 use std::path::Path;
 
 /// One source file.
 pub struct Source {
-    /// Its path within the repository, with `/` between the parts.
+    /// Path within the repository, with `/` between the parts.
     pub path: String,
-    /// Its text without comments and the contents of strings; line breaks stay.
+    /// Text without comments and the contents of strings. Line breaks stay.
     pub code: String,
-    /// Its text as it is.
+    /// Original text.
     pub text: String,
 }
 
@@ -70,7 +70,7 @@ fn strip(text: &str) -> String {
             code.push(first);
             rest = &rest[first.len_utf8()..];
         } else {
-            // Something must stay between what stood on either side.
+            // A space separates the texts on either side.
             code.push(' ');
             code.extend(rest[..skipped].chars().filter(|&c| c == '\n'));
             rest = &rest[skipped..];

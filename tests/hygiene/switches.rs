@@ -1,8 +1,8 @@
-//! One file alone tells samplers apart, and one alone tells learners apart.
+//! Exactly one file distinguishes samplers, and exactly one distinguishes learners.
 
 use crate::source::{Source, words};
 
-/// Where the constants are declared.
+/// File that declares the constants.
 const DECLARATION: &str = "glsl/include/shared/variant.glsl";
 /// Constants, each with the file that may name it.
 const SWITCHES: [(&str, &str); 2] =

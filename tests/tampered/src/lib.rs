@@ -1,5 +1,5 @@
-//! Lodestar's kernels with known faults in them, and with changes that must not matter. The shipped GLSL has none of this:
-//! the build script patches a copy of it.
+//! Kernels of Lodestar with known faults, and with changes that must not matter. The shipped GLSL has neither: the
+//! build script patches a copy of it.
 
 mod mutations;
 
@@ -30,7 +30,7 @@ pub fn kernel_names() -> impl Iterator<Item = &'static str> {
     KERNELS.iter().map(|(name, _)| *name)
 }
 
-/// Gives the constant this default, wherever the module has it.
+/// Sets the constant's default to `value`, if the module has the constant.
 fn choose(words: &mut [u32], value: u32) {
     let mut constant = None;
     let mut at = HEADER_WORDS;

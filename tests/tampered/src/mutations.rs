@@ -1,14 +1,14 @@
-//! What is changed in which kernel. A text must occur exactly once in its file; in what takes its place, `MUTATED` is true
-//! where the mutation is chosen.
+//! Mutations of the kernels. A text to replace must occur exactly once in its file. In its replacement, `MUTATED` is
+//! true if the mutation is chosen.
 
-/// One text of one file and what takes its place.
+/// Text of a file, and its replacement.
 pub struct Patch {
     pub file: &'static str,
     pub text: &'static str,
     pub mutated: &'static str,
 }
 
-/// A change to the kernels.
+/// Change to the kernels.
 pub struct Mutation {
     pub name: &'static str,
     pub patches: &'static [Patch],
@@ -45,7 +45,7 @@ const REJECTION: &str = "glsl/include/guide/samplers/rejection_mix.glsl";
 const SEGMENT: &str = "glsl/include/guide/learners/segment.glsl";
 const SOBOL: &str = "glsl/include/random/sobol.glsl";
 
-/// Where the file of sets of samples finds the constant; that of blue noise includes it.
+/// Patch that gives the file of sets of samples the constant. The file of blue noise includes that file.
 const SOBOL_FINDS_CONSTANT: Patch =
     Patch { file: SOBOL, text: "#define SOBOL_GLSL", mutated: "#define SOBOL_GLSL\n#include \"shared/variant.glsl\"" };
 
@@ -53,7 +53,7 @@ const fn mutation(name: &'static str, patches: &'static [Patch]) -> Mutation {
     Mutation { name, patches }
 }
 
-/// All mutations: the faults, then what must not matter.
+/// All mutations: the faults, then the changes that must not matter.
 pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "memo keyed by a visitor's normal",
@@ -445,7 +445,7 @@ pub const MUTATIONS: &[Mutation] = &[
             mutated: "eval_scatterer(scatterer, bsdf_sample.wi) / (MUTATED ? 1.25 : 1.0) / ",
         }],
     ),
-    // What follows must not matter.
+    // The following changes must not matter.
     mutation(
         "digits flipped whatever comes before",
         &[
