@@ -1,4 +1,4 @@
-//! Area lights of `glsl/include/light/light.glsl` and `light_shape.glsl`
+//! Area lights of `glsl/include/light/light.glsl` and `light_shape.glsl`: samples against the density of the twin.
 
 use std::f64::consts::PI;
 
@@ -34,7 +34,7 @@ fn ball(center: Vec3, radius: f32) -> Primitive {
     primitive(PrimitiveShape::Sphere, center, Vec3::X * radius, Vec3::Z * radius)
 }
 
-/// What emits, and from where it is seen.
+/// Lights, and the point that sees them.
 struct Case {
     name: &'static str,
     lights: Vec<(Primitive, f32)>,
@@ -69,14 +69,14 @@ fn cases() -> Vec<Case> {
 }
 
 impl Case {
-    /// Density of a direction as seen from `from`, lights chosen by power.
+    /// Density of a direction seen from `from`, with lights chosen by power.
     fn pdf(&self, from: DVec3, direction: DVec3) -> f64 {
         let power = |(p, radiance): &(Primitive, f32)| area(p) * PI * f64::from(*radiance);
         let sum: f64 = self.lights.iter().map(power).sum();
         self.lights.iter().map(|light| power(light) / sum * pdf_primitive(&light.0, from, direction)).sum()
     }
 
-    /// Chi-square of the samples against what is expected from `from`.
+    /// P-value of a chi-square test of the samples against the density seen from `from`.
     fn fit(&self, drawn: &[LightOutput], from: DVec3, factor: f64) -> f64 {
         let mut counts = vec![0; (HISTOGRAM * HISTOGRAM) as usize];
         drawn.iter().for_each(|s| counts[direction_bin(DirectionMap::EqualArea, s.wi(), HISTOGRAM) as usize] += 1);
@@ -106,7 +106,8 @@ impl Case {
     }
 }
 
-/// Of several lights a ray meets the nearest, so only single ones are checked.
+/// Samples and hits have equal density and radiance. Only single lights are tested, because a ray hits the nearest of
+/// several lights.
 #[test]
 fn a_sample_and_a_hit_have_the_same_density_and_radiance() {
     for (case, seed) in cases().iter().filter(|case| case.lights.len() == 1).zip(21..) {
@@ -117,7 +118,7 @@ fn a_sample_and_a_hit_have_the_same_density_and_radiance() {
             let twin = case.pdf(case.from, s.wi());
             let grazing = (d3(s.target) - case.from).normalize().dot(normal(&light, d3(s.target))).abs() < 0.02;
             let agrees = |pdf: f32, tolerance: f64| (f64::from(pdf) / twin - 1.0).abs() < tolerance;
-            // Near the outline rounding decides what a ray meets.
+            // Near the outline, rounding decides whether a ray hits the light.
             let far_hit = light.shape == PrimitiveShape::Sphere && case.name.contains("surface");
             let same = agrees(s.pdf, 1.0e-3) && agrees(s.along_wi.pdf, 1.0e-3) && s.radiance == s.along_wi.radiance;
             differing += usize::from(!same && !grazing && !far_hit);
@@ -137,7 +138,7 @@ fn normal(p: &Primitive, at: DVec3) -> DVec3 {
     }
 }
 
-/// Whether the light's front is seen at the sampled point.
+/// Whether the light's front faces the sampled direction.
 fn faces(p: &Primitive, s: &LightOutput) -> bool {
     normal(p, d3(s.target)).dot(s.wi()) < 0.0
 }

@@ -1,5 +1,5 @@
-//! `glsl/include/bsdf_*.glsl` of dielectrics, conductors and plastics: Mitsuba's values, single directions, reciprocity
-//! between media, and inputs at the edge. Their samples are tested with those of all other kinds in `scattering.rs`.
+//! Dielectrics, conductors and plastics of `glsl/include/bsdf/*.glsl`: Mitsuba's values, single directions, reciprocity
+//! between media, and extreme inputs. `scattering.rs` tests their samples together with those of all other kinds.
 
 use glam::{DVec3, dvec3};
 use lodestar::generated::kernels::{FEATURE_BECKMANN, Variant};
@@ -13,7 +13,7 @@ use support::twins::dielectric::Dielectric;
 use crate::fixture::{Row, rows};
 use crate::scattering::{Bench, LOBE_DELTA, LOBE_NONE, ScatteringInput, ScatteringOutput, d3, relative};
 
-/// The largest number below one that a kernel draws.
+/// Largest number below one that a kernel draws.
 const LAST: f32 = 1.0 - 1.0 / 16_777_216.0;
 
 fn conductor(row: &Row) -> Conductor {
@@ -52,7 +52,7 @@ fn input(substance: &Substance, wo: DVec3, wi: DVec3, u: [f32; 3]) -> Scattering
     ScatteringInput { bsdf: substance.device(), wo: wo.as_vec3().into(), wi: wi.as_vec3().into(), u }
 }
 
-/// Mitsuba's values and densities, times `tamper`, that the twin or the device does not have.
+/// Cases in which the twin or the device differs from Mitsuba's values and densities, multiplied by `tamper`.
 fn differing(tamper: f64) -> Vec<String> {
     let rows = rows("bsdfs/values.json");
     let substances: Vec<_> = rows.iter().map(substance).collect();
@@ -80,8 +80,9 @@ fn differing(tamper: f64) -> Vec<String> {
         .collect()
 }
 
-/// Mitsuba computes densities of Beckmann's visible facets from an approximation that is up to 0.4 % off; ours are exact. Of
-/// a layer of GGX its quadrature is 2e-4 off, which is up to 0.3 % of the specular lobe's probability.
+/// Allowed relative error of a density. Mitsuba approximates densities of Beckmann's visible facets with an error of up
+/// to 0.4 %; ours are exact. Its quadrature for a layer of GGX has an error of 2e-4, which is up to 0.3 % of the
+/// specular lobe's probability.
 fn pdf_tolerance(substance: &Substance) -> f64 {
     match substance {
         Substance::RoughPlastic(..) => 5.0e-3,
@@ -98,14 +99,14 @@ fn values_are_mitsubas() {
     assert!(tampered.len() > 1000, "1 % more differs in {} places only", tampered.len());
 }
 
-/// Samples of the device in every single direction, the smallest number first.
+/// Samples of the device in every single direction, for the smallest and for the largest number.
 fn sampled_lobes(bench: &Bench, substance: &Substance, wo: DVec3) -> [ScatteringOutput; 2] {
     let samples = bench.map(&[0.0, LAST].map(|u| input(substance, wo, DVec3::Z, [0.5, 0.5, u])));
     [samples[0], samples[1]]
 }
 
-/// What single precision leaves open of a cosine: a square root of a difference of numbers of size 1, which loses digits where
-/// little is left.
+/// Rounding error of a cosine in single precision. It is the square root of a difference of numbers of size 1, so a
+/// small cosine loses digits.
 fn cosine_rounding(cosine: f64) -> f64 {
     f64::from(f32::EPSILON) / cosine.abs().max(1.0e-6)
 }
@@ -142,7 +143,8 @@ fn single_directions_are_mitsubas() {
     assert_eq!(tampered, rows.len(), "the twin: 0.1 % more");
 }
 
-/// Directions are the twin's on both sides of the numbers at which lobes end, so they are sampled as often as they should.
+/// Single directions have the probabilities of the twin. Just below and just above each number at which a lobe ends,
+/// the device takes the twin's direction.
 #[test]
 fn single_directions_have_their_probabilities() {
     let bench = Bench::new();
@@ -154,7 +156,7 @@ fn single_directions_have_their_probabilities() {
             let wo = wo.as_vec3().as_dvec3();
             let lobes = substance.lobes(wo);
             let end = lobes[0].probability;
-            // By Fresnel's equations a probability changes by a few times as much as a cosine.
+            // By Fresnel's equations, a probability changes by a few times as much as a cosine.
             let margin = 1.0e-5 + lobes.iter().map(|lobe| 8.0 * cosine_rounding(lobe.wi.z)).fold(0.0, f64::max);
             let ends_at = |end: f64| {
                 let around = bench.map(&[-margin, margin].map(|off| {
@@ -176,7 +178,8 @@ fn single_directions_have_their_probabilities() {
     }
 }
 
-/// Radiance over the square of the index of refraction is symmetric in both directions, across a surface, too.
+/// Transmission is reciprocal: radiance over the squared index of refraction is symmetric in both directions, also
+/// across a surface.
 #[test]
 fn transmission_is_reciprocal() {
     let asymmetry = |power: i32| {
@@ -186,7 +189,7 @@ fn transmission_is_reciprocal() {
             let Some(facets) = substance.facets() else { continue };
             let eta = substance.bending();
             for _ in 0..2000 {
-                // What a facet near the mean normal transmits.
+                // The light direction is one that a facet near the mean normal transmits to.
                 let wo = dvec3(numbers.between(-0.6, 0.6), numbers.between(-0.6, 0.6), 1.0).normalize();
                 let slopes = DVec3::from([facets.alpha[0], facets.alpha[1], 0.0]) * numbers.unit_vector();
                 let m = dvec3(slopes.x, slopes.y, 1.0).normalize();
@@ -208,7 +211,7 @@ fn transmission_is_reciprocal() {
     assert!(asymmetry(0) > 0.1 && asymmetry(-2) > 0.1, "the twins: no scaling, and that of the other side");
 }
 
-/// The same surfaces at the least roughness, and with indices of refraction of one and next to it.
+/// Substances with minimum roughness, and with indices of refraction of one and next to one.
 fn extremes() -> Vec<Substance> {
     let facets = [[0.0, 0.0], [1.0e-4, 1.0], [5.0, 1.0e-3]]
         .into_iter()
@@ -238,7 +241,7 @@ fn extremes() -> Vec<Substance> {
     all
 }
 
-/// Grazing, along an axis, opposite to each other, and anything.
+/// Directions that are grazing, along an axis, or opposite to each other, and random ones.
 fn extreme_directions() -> Vec<DVec3> {
     let mut numbers = Numbers::new(63);
     let grazing = [0.0, -0.0, 1.0e-30, -1.0e-30, 1.0e-7, 1.0e-4, -1.0e-4, 0.01].map(|z| dvec3(0.6, -0.8, z));
@@ -251,7 +254,8 @@ fn is_sound(i: &ScatteringInput, o: &ScatteringOutput) -> bool {
     let finite = all.iter().all(|x| x.is_finite());
     let positive = o.weight.iter().chain(&o.value).chain([&o.pdf]).all(|&x| x >= 0.0);
     let unit = o.lobe == LOBE_NONE || (d3(o.wi).length() - 1.0).abs() < 1.0e-3;
-    // Of a plastic's two lobes one may be sampled less often than it is bright; the rest is the rounding of narrow lobes.
+    // A plastic may sample one of its two lobes less often than its brightness asks for. For other kinds, a weight
+    // above 1 is rounding of narrow lobes.
     let is_plastic = i.bsdf.scalars[5] > 0.0;
     let energy = o.lobe == LOBE_NONE || o.weight[0] * o.eta * o.eta < if is_plastic { 2.0 } else { 1.2 };
     finite && positive && unit && energy
@@ -279,7 +283,7 @@ fn extreme_inputs_give_sound_outputs() {
     }
 }
 
-/// Whether two samples differ by no more than rounding. Weights of grazing directions are in proportion to their cosines.
+/// Whether two samples differ by rounding only. Weights of grazing directions are proportional to their cosines.
 fn is_same(a: &ScatteringOutput, b: &ScatteringOutput) -> bool {
     let close = |a: f32, b: f32, more: f32| (a - b).abs() <= (1.0e-4 + more) * b.abs().max(1.0e-3);
     let grazing = (a.wi[2] - b.wi[2]).abs() / b.wi[2].abs().max(1.0e-6);
@@ -290,7 +294,7 @@ fn is_same(a: &ScatteringOutput, b: &ScatteringOutput) -> bool {
         && close(a.weight[0], b.weight[0], 2.0 * grazing)
 }
 
-/// What a kind gives does not depend on which other kinds the pipeline knows.
+/// Samples of a kind do not depend on the other kinds that the pipeline contains.
 #[test]
 fn kinds_are_the_same_alone() {
     let all = Bench::new();

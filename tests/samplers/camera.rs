@@ -1,4 +1,4 @@
-//! `camera_ray` of `glsl/include/film/camera.glsl`
+//! Camera rays of `glsl/include/film/camera.glsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Mat4, Vec2, Vec3, Vec4, Vec4Swizzles, dvec2, dvec3, vec2, vec3, vec4};
@@ -37,7 +37,8 @@ fn scene() -> SceneConstants {
     }
 }
 
-/// The error of the device's rays where `camera` is the variant, and what the twin says of slightly other positions.
+/// Fails unless the device's rays with the variant `camera` agree with the twin, and disagree with the twin at slightly
+/// other positions.
 fn rays_are_those_of_the_twin(camera: u32) {
     let (device, scene) = (Device::new(), scene());
     let at = |i: u32| {
@@ -58,7 +59,7 @@ fn rays_are_those_of_the_twin(camera: u32) {
         let direction = (Vec3::from(ray.direction).as_dvec3() - twin.direction).length();
         origin.max(direction).max((f64::from(ray.t_max) / twin.t_max - 1.0).abs())
     };
-    // A point on the lens comes of a longer calculation.
+    // A point on the lens needs a longer calculation, so its error is larger.
     let tolerance = if camera == CAMERA_THINLENS { 6.0e-6 } else { 2.0e-6 };
     for (ray, &position) in rays.iter().zip(&positions) {
         assert!(error(ray, position) < tolerance, "{position}: {ray:?}, off by {}", error(ray, position));
@@ -70,7 +71,7 @@ fn rays_are_those_of_the_twin(camera: u32) {
 #[test]
 fn perspective() {
     rays_are_those_of_the_twin(CAMERA_PERSPECTIVE);
-    // The center of projection lies where the principal point says.
+    // The center of projection lies at the principal point.
     let scene = scene();
     let center = (0.5 - Vec2::from(scene.principal_point)) * FILM;
     let center = camera_ray(CAMERA_PERSPECTIVE, &scene, center.as_dvec2(), DVec2::ZERO);
@@ -100,7 +101,8 @@ fn of_mitsuba(near_clip: f32, far_clip: f32, world_from_camera: Mat4, raster_sca
     }
 }
 
-/// What Mitsuba 3.9's `sample_ray` answers for a film of 200 x 100 at (0.25, 0.75), the lens at (0.9, 0.3).
+/// Camera rays agree with `sample_ray` of Mitsuba 3.9, for a film of 200 x 100 at (0.25, 0.75) and the lens at (0.9,
+/// 0.3).
 #[test]
 fn rays_are_mitsubas() {
     let tangent = 30.0_f32.to_radians().tan();

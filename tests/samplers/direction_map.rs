@@ -1,4 +1,4 @@
-//! `glsl/include/math/direction_map.glsl`, `equal_area.glsl`, `cylindrical.glsl`
+//! Maps of directions: `glsl/include/math/direction_map.glsl`, `equal_area.glsl` and `cylindrical.glsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec3, Vec2, Vec3, dvec2, vec2, vec3};
@@ -47,13 +47,13 @@ fn variant(map: DirectionMap, resolution: u32) -> Variant {
     Variant { map: map as u32, direction_resolution: resolution, ..Variant::default() }
 }
 
-/// Points of a grid over the whole square, its border, corners, diagonals and center included.
+/// Points of a grid over the square, including its border, corners, diagonals and center.
 fn points() -> Vec<Vec2> {
     let at = |i: u32| 2.0 * i as f32 / SIDE as f32 - 1.0;
     (0..=SIDE).flat_map(|y| (0..=SIDE).map(move |x| vec2(at(x), at(y)))).collect()
 }
 
-/// Random directions, with all that is special: poles, axes, zeros of either sign and next to poles and planes.
+/// Random directions, and special ones: poles, axes, zeros of either sign, and directions next to poles and planes.
 fn directions(count: usize) -> Vec<Vec3> {
     let special = [-1.0, -1.0e-4, -1.0e-30, -0.0, 0.0, 1.0e-30, 1.0e-7, 1.0e-4, 0.5, 1.0];
     let triples = special.iter().flat_map(|&x| special.iter().flat_map(move |&y| special.map(|z| vec3(x, y, z))));
@@ -71,7 +71,7 @@ fn inputs(resolution: u32) -> Vec<MapInput> {
     all.map(|((&p, w), bin)| MapInput { p: p.into(), w: w.into(), bin }).collect()
 }
 
-/// Distance in the square from the next border between bins.
+/// Distance in the square to the nearest border between bins.
 fn from_border(p: DVec2, resolution: u32) -> f64 {
     let cells = (0.5 * p + 0.5) * f64::from(resolution);
     (cells - cells.round()).abs().min_element() * 2.0 / f64::from(resolution)
@@ -95,7 +95,7 @@ fn check_both_ways(map: DirectionMap) {
             (d3(o.w_of_p) - map_to_sphere(map, p)).length(),
             (d3(o.w_of_p).length() - 1.0).abs(),
             (d3(o.w_of_antipode) + d3(o.w_of_p)).length(),
-            // Points of the border and corners of the square stand for one direction together: compare those.
+            // Several points on the square's border stand for one direction, so directions are compared.
             direction_error(map, d2(o.p_of_w), w.normalize()),
             (map_to_sphere(map, d2(o.p_of_w_of_p)) - map_to_sphere(map, p)).length(),
             (map_to_sphere(map, d2(o.antipode_of_p)) + map_to_sphere(map, p)).length(),
@@ -107,8 +107,8 @@ fn check_both_ways(map: DirectionMap) {
     assert!(worst.iter().all(|&e| e < 1.0e-6), "errors {worst:?}");
 }
 
-/// How far the direction of a point of the map is from `w`. At the poles of the cylinder the height of single precision says
-/// little of the distance from them, so there the height itself is compared, and the azimuth about the axis.
+/// Distance of a map point's direction from `w`. At the poles of the cylinder, the height in single precision
+/// determines the distance from the pole badly. There, the height itself is compared, and the azimuth.
 fn direction_error(map: DirectionMap, p: DVec2, w: DVec3) -> f64 {
     match map {
         DirectionMap::EqualArea => (map_to_sphere(map, p) - w).length(),
@@ -126,7 +126,7 @@ fn points_away_from_borders_are_unique() {
     }
 }
 
-/// Off the square's border (its seam) the point itself must come back, not merely its direction.
+/// Points off the square's border (its seam) come back as the same points, not only as the same directions.
 fn check_uniqueness(map: DirectionMap) {
     let device = Device::new();
     let inputs = inputs(16);
@@ -154,7 +154,7 @@ fn bins_are_their_twins() {
         let outputs: Vec<MapOutput> = device.map(&test::DIRECTION_MAP, &variant(map, resolution), &inputs);
         let mut near_borders = 0;
         for (i, o) in inputs.iter().zip(&outputs) {
-            // Exact, for these points and their bins' borders are.
+            // These bins are exact, because the points and the borders of bins are exact.
             assert_eq!(o.bin_of_p, square_bin(d2(i.p), resolution), "{:?}", i.p);
             assert_eq!(o.bin_of_center, i.bin);
             let q = twin::sphere_to_map(map, d3(i.w).normalize());
@@ -171,7 +171,7 @@ fn bins_are_their_twins() {
 
 #[test]
 fn a_map_that_is_slightly_off_is_noticed() {
-    // What the tolerance above can tell: an azimuth that is off by 2e-6 of a quadrant.
+    // The twin must fail: an azimuth that is off by 2e-6 of a quadrant exceeds the tolerance.
     for map in MAPS {
         let p = dvec2(0.3, 0.4);
         let wrong = map_to_sphere(map, p + dvec2(-2.0e-6, 2.0e-6));

@@ -1,4 +1,4 @@
-//! `glsl/include/math/direction.glsl` and the filters of `glsl/include/film/camera.glsl`
+//! Directions of `glsl/include/math/direction.glsl` and reconstruction filters of `glsl/include/film/camera.glsl`.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -30,7 +30,7 @@ struct DirectionOutput {
     filtered: [f32; 2],
 }
 
-/// The largest number below one that a kernel draws.
+/// Largest number below one that a kernel draws.
 const LAST: f32 = 1.0 - 1.0 / 16_777_216.0;
 
 fn inputs() -> Vec<DirectionInput> {
@@ -40,7 +40,7 @@ fn inputs() -> Vec<DirectionInput> {
         let r = (1.0 - z * z).max(0.0).sqrt();
         normals.extend([vec3(r, 0.0, z), vec3(0.0, -r, z), vec3(-0.6 * r, 0.8 * r, z)]);
     }
-    // Nearly -z, where Frisvad's basis, of which this is the repair, breaks down.
+    // Normals next to -z, where Frisvad's basis fails. The tested basis repairs it.
     normals.extend([1.0e-3, 1.0e-4, 3.0e-5].map(|x| vec3(x, -x, -1.0).normalize()));
     let corners = [0.0, 1.0 / 16_777_216.0, 0.25, 0.5, LAST].into_iter();
     let mut points: Vec<Vec2> = corners.clone().flat_map(|x| corners.clone().map(move |y| Vec2::new(x, y))).collect();
@@ -77,7 +77,7 @@ fn bases_are_orthonormal_and_right_handed() {
         assert!(worst < 2.0e-6, "{i:?}: {basis}");
         assert!((basis.determinant() - 1.0).abs() < 2.0e-6, "{i:?}: {basis}");
         let twin = direction::basis_from_normal(d3(i.n));
-        // Next to -z the basis turns fast, so there only that it is one counts.
+        // Next to -z the basis turns fast with the normal, so there it must only be a basis.
         let near_pole = i.n[2] < -0.999;
         assert!(near_pole || (basis.x_axis - twin.x_axis).length() < 1.0e-5, "{i:?}: {basis}");
     }
@@ -102,7 +102,7 @@ fn cosine_hemisphere_is_its_twin_and_has_its_density() {
         let w = d3(o.cosine);
         let twin = direction::sample_cosine_hemisphere(d2(i.u));
         assert!((d2(o.disk) - direction::concentric_disk(d2(i.u))).length() < 1.0e-6, "{i:?} {o:?}");
-        // Next to the horizon the height is a root of a difference; its square is what is exact.
+        // Next to the horizon, the height is the root of a difference, so its square is compared.
         assert!((w - twin).truncate().length() < 1.0e-6 && (w.z * w.z - twin.z * twin.z).abs() < 1.0e-6, "{i:?} {o:?}");
         assert!((w.length() - 1.0).abs() < 1.0e-6 && w.z >= 0.0, "{i:?} {o:?}");
         assert!((f64::from(o.pdf) - direction::pdf_cosine_hemisphere(w.z)).abs() < 1.0e-6);
@@ -120,7 +120,7 @@ fn cosine_hemisphere_is_its_twin_and_has_its_density() {
     assert!(fit(2.1) < SIGNIFICANCE, "the twin: {}", fit(2.1));
 }
 
-/// Azimuth as a share of a turn.
+/// Azimuth as a fraction of a turn.
 fn turn(d: DVec2) -> f64 {
     (d.y.atan2(d.x) / TAU).rem_euclid(1.0)
 }
@@ -137,7 +137,7 @@ fn the_tent_is_its_twin_and_has_its_density() {
         let twin = 0.5 + 1.5 * dvec2(camera::sample_tent(f64::from(i.u[0])), camera::sample_tent(f64::from(i.u[1])));
         assert!((d2(o.filtered) - twin).length() < 2.0e-6, "{i:?}: {o:?}");
     }
-    // Through the cumulative tent of the given radius.
+    // The cumulative tent of the given radius makes the numbers uniform.
     let cumulative =
         |x: f64| if x < 0.0 { (1.0 + x).max(0.0).powi(2) / 2.0 } else { 1.0 - (1.0 - x).max(0.0).powi(2) / 2.0 };
     let fit = |radius: f64| {
@@ -153,7 +153,7 @@ fn the_gaussian_is_its_twin_and_has_its_density() {
     let results = run(FILTER_GAUSSIAN);
     for (i, o) in &results {
         let twin = 0.5 + 1.5 * camera::sample_gaussian(d2(i.u));
-        // Next to the center, and at the rim, the logarithm cancels.
+        // The logarithm loses digits next to the center and at the rim.
         let tolerance = if (1.0e-3..0.999).contains(&i.u[0]) { 1.0e-4 } else { 2.0e-3 };
         assert!((d2(o.filtered) - twin).length() < tolerance, "{i:?}: {o:?}, not {twin}");
         assert!((d2(o.filtered) - 0.5).length() < 1.5 * 4.001, "{i:?}: {o:?}");

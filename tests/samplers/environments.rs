@@ -1,4 +1,4 @@
-//! `glsl/include/light/environment.glsl` and the delta lights of `glsl/include/light/light.glsl`
+//! Environment maps of `glsl/include/light/environment.glsl`, and the delta lights of `glsl/include/light/light.glsl`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,7 +27,7 @@ fn map_scene(width: u32, height: u32, texels: Vec<[f32; 4]>, to_world: glam::Mat
     scene
 }
 
-/// Maps with a name each: noise, one texel much brighter than the rest, and one in the dark.
+/// Named environment maps: noise, one with a texel much brighter than the rest, and one that is mostly dark.
 fn maps() -> Vec<(&'static str, u32, u32, Vec<[f32; 4]>)> {
     let mut numbers = Numbers::new(3);
     let mut noise = |count: u32| (0..count).map(|_| [(); 4].map(|()| numbers.unit() as f32)).collect::<Vec<_>>();
@@ -42,7 +42,7 @@ fn turn() -> glam::Mat3 {
     glam::Mat3::from_rotation_z(0.5) * glam::Mat3::from_rotation_y(0.9)
 }
 
-/// Integral of a map's mean radiance, by the midpoint rule.
+/// Integral of a map's radiance, averaged over channels, by the midpoint rule.
 fn flux(map: &EnvironmentMap) -> f64 {
     const ROWS: usize = 2400;
     let cell = TAU / (2 * ROWS) as f64 * (PI / ROWS as f64);
@@ -105,7 +105,7 @@ fn check_densities(name: &str, drawn: &[LightOutput], map: &EnvironmentMap, tabl
     assert!(at_borders <= drawn.len() / 1000, "{name}: {at_borders} samples differ from the twin");
 }
 
-/// The mean of radiance over density is the integral.
+/// Fails unless the mean of radiance over density agrees with the map's integral.
 fn check_flux(name: &str, drawn: &[LightOutput], map: &EnvironmentMap) {
     let estimates = drawn.iter().map(|s| d3(s.radiance).element_sum() / 3.0 / f64::from(s.pdf));
     let estimate = mean_and_error(estimates);
@@ -143,7 +143,7 @@ fn vector(value: &Value) -> DVec3 {
     DVec3::new(number(0), number(1), number(2))
 }
 
-/// Whether the device's answers are Mitsuba's where these are multiplied by `factor`.
+/// Whether the device's radiance agrees with Mitsuba's, multiplied by `factor`.
 fn radiances_agree(case: &Value, factor: f64) -> bool {
     let scene = parse(case["xml"].as_str().expect("XML"));
     let samples = case["directions"].as_array().expect("an array");
@@ -156,7 +156,7 @@ fn radiances_agree(case: &Value, factor: f64) -> bool {
     };
     let worst = pairs.map(error).fold(0.0, f64::max);
     println!("{factor}: {worst:?} off, {}", case["xml"]);
-    // Maps are kept as halves.
+    // Maps are stored in half precision.
     worst < 5.0e-4
 }
 
@@ -168,7 +168,7 @@ fn environments_are_mitsubas() {
     }
 }
 
-/// The largest error of the device against Mitsuba's answers, where these are multiplied by `factor`, and against the twin.
+/// Largest error of the device against Mitsuba's answers, multiplied by `factor`, and against the twin.
 fn delta_errors(case: &Value, factor: f64) -> [f64; 2] {
     let scene = parse(case["xml"].as_str().expect("XML"));
     let kind = scene.delta_emitters[0].kind;
@@ -197,7 +197,8 @@ fn delta_lights_are_mitsubas() {
     }
 }
 
-/// Every kind of light in one scene, and how often each is drawn.
+/// Lights are chosen in proportion to their power. One scene has lights of every kind, and the samples of each are
+/// counted.
 #[test]
 fn lights_are_chosen_by_their_power() {
     let radius = (0.75_f64).sqrt();
@@ -214,7 +215,7 @@ fn lights_are_chosen_by_their_power() {
         material: 0,
         emitter: Some(0),
     };
-    // Together they span the unit cube.
+    // The two primitives together span the unit cube.
     scene.primitives = vec![half, Primitive { origin: vec3(0.5, 0.5, 1.0), emitter: None, ..half }];
     let (position, direction, color) = (vec3(3.0, 0.0, 0.0), Vec3::Z, Vec3::ONE);
     let spot = DeltaKind::Spot { position, direction, intensity: color, cutoff_angle: 0.5, beam_width: 0.5 };

@@ -1,11 +1,11 @@
-//! Numbers of another renderer, written by the scripts in `tests/data`.
+//! Results of another renderer, written by the scripts in `tests/data`.
 
 use std::path::Path;
 
 use glam::DVec3;
 use serde_json::Value;
 
-/// One case.
+/// Case of a file.
 #[derive(Debug)]
 pub struct Row(Value);
 

@@ -1,5 +1,6 @@
-//! The samplers that follow a guide (`glsl/include/guide/samplers/guided_direction.glsl`) do not have the densities of slightly wrong twins.
-//! That they have those of the right ones is a claim of `tests/proofs`.
+//! Twins with slight faults must fail: samples that follow a guide
+//! (`glsl/include/guide/samplers/guided_direction.glsl`) do not have their densities. `tests/proofs` claims that
+//! samples have the densities of the right twins.
 
 use lodestar::generated::layout;
 use lodestar::math::direction_map::bin_center;
@@ -18,7 +19,7 @@ const HEMISPHERE: Kind = Kind::new(Sampler::HemisphereInversion, 1, 1.0 / 16.0);
 
 const PRODUCT: Kind = Kind::new(Sampler::Product, 1, 1.0 / 16.0);
 
-/// Every sampler with every way to set it.
+/// All samplers that follow a guide, with all ways to set them.
 const ALL: [Kind; 15] = [
     MIX,
     MIX.on_cylinder(),
@@ -57,22 +58,22 @@ fn twins_are_rejected() {
             epsilon: rules.epsilon.map(|epsilon| 1.5 * epsilon),
             ..*rules
         };
-        // Elsewhere it is Eq. 8 that decides, or the fallback hides a share of a thousandth.
+        // In other cases, Eq. 8 sets the share, or the fallback hides a share of a thousandth.
         let decides = !matches!(kind.rules.sampler, Sampler::RejectionMix | Sampler::Product);
         let matters = decides || kind.rules.epsilon.is_some_and(|e| e > 0.01);
         if matters {
             reject("another share", fit(setting.entry(table, &least_share)));
         }
-        // That of the product sampler is the weights of the table, not factors.
+        // The product sampler's entry holds the weights of the table, not factors.
         if kind.rules.sampler != Sampler::Product {
             reject("the entry of another table", fit(setting.entry(&all[3].1, rules)));
         }
         let elsewhere = setting.guide(&all[3].1, rules, setting.entry(&all[3].1, rules));
         reject("another table", setting.fit(&drawn, &elsewhere));
-        // The density of another normal whose representative is the same one.
+        // A twin with another normal of the same normal bin, so with the same representative normal.
         let other = Setting::new(kind.map, "center of that bin", setting.nb);
         reject("another normal", other.fit(&drawn, &other.guide(table, rules, entry)));
-        // What the last step left behind.
+        // The twin of a stale guide: the radiance is new, the factors are those of the step before.
         guided.cell.radiance.upload(0, &all[3].1).expect("uploaded");
         reject("a stale guide", setting.fit(&guided.draw(setting, 78, MOST_SAMPLES), &elsewhere));
     }
@@ -97,7 +98,7 @@ fn twins_of_the_share_and_of_the_tries_are_rejected() {
             let share = setting.entry(table, &kind.rules).uniform_share;
             let tries = kind.rules.max_tries;
             assert!(fit(share, tries) > SIGNIFICANCE / 4.0, "{kind:?}: {}", fit(share, tries));
-            // Many tries hide one more; few hide all else, for nearly all samples fall back.
+            // Many tries hide one try more. With few tries nearly all samples fall back, which hides everything else.
             let (what, p) =
                 if tries == 2 { ("a try more", fit(share, 3)) } else { ("a share 5 % off", fit(1.05 * share, tries)) };
             assert!(p < 1.0e-6, "{kind:?}: {what}: {p}");
@@ -129,7 +130,7 @@ fn entries_that_do_not_fit_the_table_are_rejected() {
     let (peaked, horizon, noisy) = (&all[1].1, &all[2].1, &all[3].1);
     let stale = fit(peaked, setting.entry(noisy, &kind.rules));
     assert!(stale < 1.0e-9, "last step's normalizer: {stale}");
-    // A maximum over the centers of bins is too low wherever radiance lies beside them.
+    // A maximum over the centers of bins is too low if a bin has radiance off its center.
     let (normalizer, _) = setting.normalizer_and_bound(horizon);
     let centers =
         (0..).zip(horizon).map(|(bin, &l)| f64::from(l) * bin_center(kind.map, bin, DIRECTIONS).dot(setting.nb));

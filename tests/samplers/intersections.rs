@@ -1,4 +1,5 @@
-//! `glsl/include/geometry/traverse.glsl` and `glsl/include/geometry/intersect.glsl`, against trying every primitive.
+//! Traversal of `glsl/include/geometry/traverse.glsl` and intersection of `glsl/include/geometry/intersect.glsl`,
+//! against a twin that tests every primitive.
 
 use std::iter::once;
 
@@ -12,7 +13,8 @@ use support::device::Device;
 use support::statistics::Numbers;
 use support::twins::intersect::{Ray, crossings, traverse};
 
-/// So far from an outline, as a share of the primitive, or from grazing it, rounding cannot decide.
+/// Distance from an outline, as a share of the primitive, or from grazing incidence, beyond which rounding cannot
+/// decide.
 const CLEAR: f64 = 1.0e-3;
 
 #[repr(C)]
@@ -25,7 +27,7 @@ pub struct TraceInput {
 }
 
 impl TraceInput {
-    /// An endless ray.
+    /// Ray without an end.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin: origin.into(), direction: direction.into(), t_max: 3.0e38, any_hit: 0 }
     }
@@ -79,7 +81,7 @@ pub fn primitives(shapes: &[PrimitiveShape], count: usize, seed: u32) -> Vec<Pri
     (0..count).map(&mut one).collect()
 }
 
-/// Rays from everywhere, most towards the middle, some along the axes, some short.
+/// Rays from everywhere. Most go towards the middle, some along the axes, and some are short.
 pub fn rays(count: usize, any_hit: bool) -> Vec<TraceInput> {
     let mut numbers = Numbers::new(55);
     let mut ray = |index: usize| {
@@ -94,19 +96,19 @@ pub fn rays(count: usize, any_hit: bool) -> Vec<TraceInput> {
     (0..count).map(&mut ray).collect()
 }
 
-/// A hierarchy in which materials tell the primitives' places in the list.
+/// Hierarchy of the primitives. Each primitive's material is its place in the list.
 fn build(primitives: &[Primitive]) -> Bvh {
     let numbered: Vec<_> = (0..).zip(primitives).map(|(material, &p)| Primitive { material, ..p }).collect();
     Bvh::build(&numbered)
 }
 
-/// What the device finds, its primitives numbered as in `primitives`.
+/// Hits that the device finds, with primitives numbered as in `primitives`.
 fn trace(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
     let bvh = build(primitives);
     trace_with_stack(&bvh, bvh.depth, rays)
 }
 
-/// The same of a hierarchy of [`build`], with a stack of so many entries.
+/// Hits that the device finds in a hierarchy of [`build`], with a stack of `stack_size` entries.
 fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<TraceOutput> {
     let device = Device::new();
     let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
@@ -115,18 +117,18 @@ fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<Trac
     records.upload(0, &bvh.primitives).expect("uploaded");
     let variant = Variant { has_spheres: bvh.has_spheres(), stack_size, ..Variant::default() };
     let mut found: Vec<TraceOutput> = device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records]);
-    // Leaves have an order of their own; the material remembers the other.
+    // Leaves have another order than the list. The material gives the place in the list.
     for output in found.iter_mut().filter(|output| output.primitive != NONE) {
         output.primitive = bvh.attributes[output.primitive as usize].material;
     }
     found
 }
 
-/// What is wrong with an answer of the device, where rounding cannot excuse it.
+/// Error in an answer of the device that rounding cannot explain, if there is one.
 fn fault(primitives: &[Primitive], input: &TraceInput, output: &TraceOutput) -> Option<String> {
     let ray = input.ray();
     let tolerance = 1.0e-5 * (1.0 + ray.origin.length());
-    // A hit that no rounding can take away.
+    // A clear hit is one that no rounding can lose.
     let clear = |c: &support::twins::intersect::Crossing| {
         c.inside > CLEAR && c.steepness > CLEAR && c.t > tolerance && c.t < ray.t_max - tolerance
     };
@@ -157,7 +159,7 @@ fn assert_all_right(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceO
     outputs
 }
 
-/// Share of rays of which the device and the twin say exactly the same.
+/// Share of rays for which the device and the twin find the same primitive.
 fn agreement(primitives: &[Primitive], rays: &[TraceInput], outputs: &[TraceOutput]) -> f64 {
     let agree = rays.iter().zip(outputs).filter(|(input, output)| match traverse(&input.ray(), primitives) {
         None => output.primitive == NONE,
@@ -237,16 +239,16 @@ fn degenerate_primitives_are_never_hit_and_hide_nothing() {
     primitives.push(primitive(PrimitiveShape::Sphere, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO));
     let outputs = assert_all_right(&primitives, &rays(4096, false));
     assert!(outputs.iter().all(|o| o.primitive == NONE || o.primitive < 100));
-    // And where there is nothing else.
+    // Degenerate primitives alone are hit by no ray.
     let only = &primitives[100..];
     assert!(trace(only, &rays(512, false)).iter().all(|o| o.primitive == NONE));
 }
 
-/// Nodes of a chain, two inner ones on every level: the chain's next and, visited after all that hangs below that, one that
-/// holds a single primitive. Boxes are all of [0, 1]^3. A ray of positive direction so leaves one group on the stack at every
-/// level but the last, which has no children but its primitive.
+/// Nodes of a chain with two inner nodes on every level. One is the chain's next node. The other holds a single
+/// primitive and is visited after everything below the first. All boxes are [0, 1]^3. A ray with a positive direction
+/// leaves one group on the stack at every level except the last, which has only its primitive.
 fn chain(primitive_count: u32) -> Vec<[u32; NODE_WORDS]> {
-    // Cells of 2^-7, so that 128 of them are the box.
+    // Cells have side 2^-7, so that 128 of them make up the box.
     let mut node = [0; NODE_WORDS];
     node[3] = u32::from_le_bytes([120, 120, 120, 0]);
     let inner = |child_base: u32| {
@@ -269,7 +271,8 @@ fn chain(primitive_count: u32) -> Vec<[u32; NODE_WORDS]> {
     once(inner(1)).chain((0..=last).flat_map(|level| [next(level), leaf(level)])).collect()
 }
 
-/// The nearest primitive hangs at the root and is found last, so nothing that waits on the stack may be lost.
+/// A stack can be filled to its last entry, and an entry too many is an overrun. The nearest primitive hangs at the
+/// root and is found last, so no entry of the stack may be lost.
 #[test]
 fn a_stack_is_filled_to_its_last_entry_and_what_does_not_fit_is_an_overrun() {
     const LEVELS: u32 = 24;
@@ -280,7 +283,7 @@ fn a_stack_is_filled_to_its_last_entry_and_what_does_not_fit_is_an_overrun() {
     let primitives: Vec<_> = (0..LEVELS).map(plane).collect();
     let mut bvh = build(&primitives);
     bvh.nodes = chain(LEVELS);
-    // In the order of the list, which is that of the chain's leaves.
+    // Sorts the primitives in the order of the list, which is the order of the chain's leaves.
     let Bvh { primitives: records, attributes, .. } = &mut bvh;
     records.sort_by(|a, b| a.origin[2].total_cmp(&b.origin[2]));
     attributes.sort_by_key(|attributes| attributes.material);
@@ -293,7 +296,7 @@ fn a_stack_is_filled_to_its_last_entry_and_what_does_not_fit_is_an_overrun() {
     let rays: Vec<_> = (0..512).map(&mut ray).collect();
     for any_hit in [0, 1] {
         let rays: Vec<_> = rays.iter().map(|&ray| TraceInput { any_hit, ..ray }).collect();
-        // One group waits on every level but the last.
+        // One group waits on every level except the last.
         let outputs = trace_with_stack(&bvh, LEVELS - 1, &rays);
         for (input, output) in rays.iter().zip(&outputs) {
             assert_eq!(fault(&primitives, input, output), None, "{input:?} {output:?}");

@@ -1,4 +1,4 @@
-//! Draws lights of a scene on the device.
+//! Samples of a scene's lights, drawn on the device.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ pub struct LightInput {
     pub direction: [f32; 3],
 }
 
-/// What a ray meets.
+/// Light that a ray hits: its radiance and density.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 pub struct Met {
@@ -50,12 +50,12 @@ pub fn d3(v: [f32; 3]) -> DVec3 {
     Vec3::from(v).as_dvec3()
 }
 
-/// A scene with a sensor and nothing else.
+/// Scene with a sensor and nothing else.
 pub fn empty_scene() -> Scene {
     parse("<scene version=\"3.0.0\"><sensor type=\"perspective\"/></scene>")
 }
 
-/// A scene of its text; the files of `tests/data/emitters` lie beside it.
+/// Scene parsed from text. The files of `tests/data/emitters` lie beside it.
 pub fn parse(xml: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a folder");
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/emitters/map.exr");
@@ -67,7 +67,7 @@ pub fn parse(xml: &str) -> Scene {
     scene
 }
 
-/// A scene of emitting primitives, each with the radiance beside it.
+/// Scene of emitting primitives, each with its radiance.
 pub fn emitting(primitives: &[(Primitive, f32)]) -> Scene {
     let mut scene = empty_scene();
     for &(primitive, radiance) in primitives {
@@ -78,7 +78,7 @@ pub fn emitting(primitives: &[(Primitive, f32)]) -> Scene {
     scene
 }
 
-/// One sample for every input.
+/// One sample for each input.
 pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput> {
     assert!((inputs.len() as u32).is_multiple_of(GROUP));
     let device = Device::new();
@@ -120,7 +120,7 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
     output.read(0, inputs.len()).expect("read")
 }
 
-/// Many samples as seen from one point.
+/// Samples of lights seen from one point.
 pub fn draw_from(scene: &Scene, from: DVec3, count: usize, seed: u32) -> Vec<LightOutput> {
     draw(scene, &vec![LightInput { from: from.as_vec3().into(), direction: [0.0, 0.0, 1.0] }; count], seed)
 }

@@ -1,5 +1,6 @@
-//! The pure functions of the kernels on the device: samplers against their own densities, all against their twins on the
-//! host. Every statistical test has a fixed seed, so it passes always or never, and a tampered twin that it must reject.
+//! Pure functions of the kernels on the device. Samplers are tested against their own densities, and all functions
+//! against their twins on the CPU. Every statistical test has a fixed seed, so that it always passes or always fails,
+//! and a twin with a planted fault that must fail.
 
 mod area_lights;
 mod bsdf;

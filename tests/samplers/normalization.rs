@@ -1,4 +1,4 @@
-//! `glsl/include/guide/normalization/normalization_entry.glsl` and the integrals that it reads
+//! Factors of `glsl/include/guide/normalization/normalization_entry.glsl`, and the integrals that they are made from.
 
 use std::f64::consts::TAU;
 
@@ -15,10 +15,10 @@ use support::twins::normalization_entry::{
     NormalizationEntry, Rules, inversion_factors, normalizer_and_bound, rejection_factors,
 };
 
-/// `SHARE_UNITS` in GLSL.
+/// Units of a stored share: `SHARE_UNITS` in GLSL.
 const SHARE_UNITS: u32 = 1 << 31;
 
-/// Radiance of growing contrast, and a cell that only one bin lights.
+/// Radiance tables of growing contrast, and one with light in a single bin.
 fn tables(bins: u32) -> Vec<Vec<f32>> {
     let mut numbers = Numbers::new(41);
     let mut noisy = |decades: f64| (0..bins).map(|_| 10_f64.powf(numbers.between(-decades, 0.0)) as f32).collect();
@@ -26,7 +26,7 @@ fn tables(bins: u32) -> Vec<Vec<f32>> {
     vec![vec![1.0; bins as usize], noisy(1.0), noisy(6.0), hot(3), hot(bins / 2 + 5)]
 }
 
-/// The largest relative difference between any of the factors; of small shares, the absolute one.
+/// Largest relative difference between any of the factors. For small shares the difference is absolute.
 fn difference(ours: &layout::NormalizationEntry, twin: &NormalizationEntry) -> f64 {
     let pairs = [
         (ours.guide_scale, twin.guide_scale),
@@ -34,7 +34,7 @@ fn difference(ours: &layout::NormalizationEntry, twin: &NormalizationEntry) -> f
         (ours.acceptance_scale, twin.acceptance_scale),
     ];
     let relative = pairs.map(|(a, b)| (f64::from(a) / b - 1.0).abs()).into_iter().fold(0.0, f64::max);
-    // Eq. 8 gives shares next to 0, with the rounding of numbers next to 1.
+    // Eq. 8 gives shares next to 0 with the rounding error of numbers next to 1.
     relative.max((f64::from(ours.uniform_share) - twin.uniform_share).abs() / twin.uniform_share.max(0.0625))
 }
 
@@ -106,29 +106,30 @@ fn check_entries(case: &Case) {
                 Sampler::HemisphereInversion => inversion_factors(normalizer, table.len(), &rules),
                 _ => rejection_factors(normalizer, bound, &rules),
             };
-            // Of 1 - (1 - c)^K little is left where c is small, and c itself is rounded next to 1.
+            // 1 - (1 - c)^K cancels where c is small, and c itself is rounded next to 1.
             let cancelled = match rules.sampler {
                 Sampler::HemisphereInversion => 0.0,
                 _ => 6.0e-8 / rules.accepted(normalizer / (TAU * bound), twin(normalizer).uniform_share),
             };
             worst[index] = worst[index].max(difference(&entries[normal], &twin(normalizer)) - cancelled);
-            // With few tries and a sharp peak the normalizer hardly matters, so the flat table must tell.
+            // With few tries and a sharp peak the normalizer hardly matters, so only the flat table can find the fault.
             assert!(
                 index > 0 || difference(&entries[normal], &twin(1.05 * normalizer)) > 1.0e-3,
                 "a normalizer 5 % off"
             );
         }
     }
-    // A sum of up to a thousand numbers in single precision.
+    // The tolerance is that of a sum of up to a thousand numbers in single precision.
     assert!(
         worst.iter().all(|&error| error < 2.0e-5),
         "{rules:?}, {map:?}, {directions} directions, {normals} normals: {worst:?}"
     );
 }
 
-/// The integrals that the renderer uploads, along the borders of bins, against points all over them. In comparison with 100
-/// times as many, those err by up to 3.4e-7 sr in a bin of the square's 16^2, in proportion to how much of the horizon runs
-/// through a bin; and at the cylinder's poles, where they are 0.06 rad apart, by 2.6e-6.
+/// Compares the integrals that the renderer uploads, which run along the borders of bins, with sums over points.
+/// Against 100 times as many points, the sums err by up to 3.4e-7 sr in a bin of the square's 16^2. The error grows
+/// with the length of the horizon in a bin. At the cylinder's poles, where points are 0.06 rad apart, it is up to
+/// 2.6e-6 sr.
 fn check_integrals(map: DirectionMap, integrals: &[f64], directions: u32, nb: DVec3) {
     let error = match map {
         DirectionMap::EqualArea => 4.0e-7,
@@ -190,14 +191,14 @@ fn bounds_are_no_lower_than_any_cosine() {
             assert!(bound >= center - 1.0e-7, "normal {normal}, bin {bin}");
             below_bound += u32::from(center < bound);
         }
-        // The twin, a maximum over centers, would be too low nearly everywhere above the horizon.
+        // The twin must fail: a maximum over centers is too low nearly everywhere above the horizon.
         assert!(below_bound > directions * directions / 3);
     }
 }
 
 #[test]
 fn a_device_fills_whatever_the_radiance() {
-    // No entry may become NaN, zero or negative: that would end the sampler's support.
+    // No factor may be NaN, zero or negative: the sampler would lose support.
     let (device, variant) = (Device::new(), Variant { sampler: SAMPLER_REJECTION_MIX, ..Variant::default() });
     let cell = Cell::new(&device, &variant);
     for level in [1.0e-36_f32, 1.0e-30, 1.0, 1.0e30, 1.0e36] {

@@ -1,4 +1,4 @@
-//! Texture coordinates and tangents of `glsl/include/geometry/surface.glsl`, against what Mitsuba 3 says of the same hits.
+//! Texture coordinates and tangents of `glsl/include/geometry/surface.glsl`, against Mitsuba 3 for equal hits.
 
 use glam::{DVec2, DVec3, Vec3};
 use lodestar::generated::kernels::{FEATURE_TANGENTS, NONE};
@@ -12,15 +12,16 @@ fn ray(hit: &Row) -> TraceInput {
     TraceInput::new(hit.vector("origin").as_vec3(), hit.vector("direction").as_vec3())
 }
 
-/// Relative to the size of what is compared, which the shapes' sizes and the polar coordinates' poles set.
+/// Difference relative to the size of Mitsuba's vector. The sizes of shapes and the poles of polar coordinates make
+/// vectors large.
 fn differs(device: [f32; 3], mitsuba: DVec3) -> f64 {
     (Vec3::from(device).as_dvec3() - mitsuba).length() / mitsuba.length().max(1.0)
 }
 
-/// The largest deviation of uv, dp_du, dp_dv and the two tangents of the shading frame.
+/// Deviations of uv, dp_du, dp_dv and the two tangents of the shading frame.
 fn deviations(hit: &Row, o: &SurfaceOutput) -> [f64; 5] {
     let uv = DVec2::from(hit.numbers("uv")) - DVec2::from(o.uv.map(f64::from));
-    // An azimuth of one turn is one of none.
+    // An azimuth of one turn equals an azimuth of 0.
     let uv = DVec2::new((uv.x + 0.5).rem_euclid(1.0) - 0.5, (uv.y + 0.5).rem_euclid(1.0) - 0.5);
     let [s, t, _] = o.frame;
     let vectors = [(o.dp_du, "dp_du"), (o.dp_dv, "dp_dv"), (s, "s"), (t, "t")];
@@ -42,12 +43,12 @@ fn coordinates_and_tangents_are_mitsubas() {
         for (worst, deviation) in worst.iter_mut().zip(deviations) {
             *worst = worst.max(deviation);
         }
-        // Vertex normals are kept in 16 bits a coordinate; the last two are frames about them.
+        // Vertex normals have 16 bits per coordinate. The last two vectors are frames about them.
         let tolerances = [1.0e-5, 3.0e-5, 3.0e-5, 1.0e-4, 1.0e-4];
         let ok = deviations.iter().zip(tolerances).all(|(deviation, tolerance)| *deviation < tolerance);
         assert!(ok, "{deviations:?} for {hit:?}: {o:?}");
     }
     println!("largest deviations of uv, dp_du, dp_dv, s, t: {worst:?}");
-    // The twin: the right answers to the wrong questions.
+    // The twin must fail: each hit against the answer for the next hit.
     assert!(hits.iter().zip(&found[1..]).any(|(hit, o)| deviations(hit, o)[0] > 2.0e-5));
 }

@@ -1,4 +1,5 @@
-//! `glsl/kernels/learn/pool_radiance.comp` and `glsl/kernels/learn/blend_radiance.comp`: what cells fall back on, against the twins and in closed form.
+//! Parent cells of `glsl/kernels/learn/pool_radiance.comp` and `glsl/kernels/learn/blend_radiance.comp`, against the
+//! twins and in closed form.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,7 +21,7 @@ const FALLBACK: f32 = 6.0;
 const DIRECTIONS: u32 = 8;
 const BINS: usize = (DIRECTIONS * DIRECTIONS) as usize;
 
-/// A ball's cells, on a grid whose sides are no powers of two.
+/// Cells of a ball, on a grid whose sides are not powers of two.
 fn cells() -> Cells {
     let ball = Primitive {
         shape: PrimitiveShape::Sphere,
@@ -36,7 +37,7 @@ fn cells() -> Cells {
     Cells::new(&Bvh::build(&[ball]), UVec3::new(7, 5, 6))
 }
 
-/// What the device makes of what the cells have learned.
+/// Device with the kernels that pool and blend learned radiance.
 struct Blend {
     device: Device,
     cells: Cells,
@@ -81,7 +82,7 @@ impl Blend {
         self.device.dispatch_renderers(kernel, &variant, &named, bytemuck::bytes_of(&push), count);
     }
 
-    /// The table `[cell][bin]` after what `learned` says of the cells.
+    /// Table `[cell][bin]` after the cells have learned `learned`.
     fn radiance(&self, learned: &[LearnedRadiance]) -> Vec<f32> {
         self.learned.upload(0, learned).expect("uploaded");
         let levels = self.cells.parent_levels();
@@ -91,7 +92,7 @@ impl Blend {
         self.radiance.read(0, self.cells.count() as usize * BINS).expect("read")
     }
 
-    /// The twins' table.
+    /// Table of the twins.
     fn expected(&self, learned: &[LearnedRadiance], fallback: f64) -> Vec<f64> {
         let (count, all) = (self.cells.count() as usize, self.cells.all_count() as usize);
         let (parents, first_children) =
@@ -114,7 +115,7 @@ impl Blend {
     }
 }
 
-/// Many cells know nothing of a bin, others little or much.
+/// Learned radiance: for each bin, many cells have learned nothing, others little or much.
 fn some(cells: &Cells) -> Vec<LearnedRadiance> {
     let mut numbers = Numbers::new(17);
     let mut learned = |_| {
@@ -138,13 +139,14 @@ fn cells_fall_back_as_the_twins_do() {
     let ours = blend.radiance(&learned);
     let off = worst(&ours, &blend.expected(&learned, FALLBACK.into()));
     assert!(off < 1.0e-4, "{off}");
-    // The twin: parents that count for 5 % more.
+    // The twin must fail: parents with a 5 % larger weight.
     assert!(worst(&ours, &blend.expected(&learned, 1.05 * f64::from(FALLBACK))) > 1.0e-2);
-    // A second time: what parents were blended to does not matter.
+    // A second run gives the same table: earlier blended values do not matter.
     assert!(blend.radiance(&learned) == ours);
 }
 
-/// Where one cell alone has learned something, all others take it over; where all are sure, each stands for itself.
+/// Cells that have learned nothing borrow from cells that have. If one cell alone has learned something, all others
+/// take its radiance. If all cells are sure, each keeps its own.
 #[test]
 fn what_nobody_knows_is_taken_from_who_does() {
     let blend = Blend::new();

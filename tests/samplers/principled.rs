@@ -1,4 +1,4 @@
-//! `glsl/include/bsdf/principled.glsl`
+//! Principled surfaces of `glsl/include/bsdf/principled.glsl`.
 
 use glam::DVec3;
 use support::twins::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
@@ -22,8 +22,7 @@ fn principled(row: &Row) -> Principled {
     }
 }
 
-/// The largest relative deviation of the twin's values from Mitsuba's, of f cos and of the density, with one parameter
-/// changed.
+/// Largest relative deviation of the twin from Mitsuba, for f cos and for the density, with one parameter changed.
 fn deviations(change: impl Fn(&mut Principled)) -> [f64; 2] {
     let relative = |a: DVec3, b: DVec3| (a - b).length() / (b.length() + 1.0e-4);
     let deviation = |row: Row| {

@@ -1,4 +1,5 @@
-//! `glsl/include/guide/samplers/product.glsl` with two or three levels below the first: 32^2 and 64^2 directions
+//! Product sampler of `glsl/include/guide/samplers/product.glsl` with two or three levels below the first: 32^2 and
+//! 64^2 directions.
 
 use std::f64::consts::PI;
 
@@ -14,15 +15,15 @@ use support::twins::direction_map::{direction_bin, normal_bin, sphere_to_map};
 use support::twins::normalization_entry::Rules;
 use support::twins::product::{COSINE_SHARE, Product};
 
-/// Probability that any of all chi-squares fails by chance.
+/// Probability that any of the chi-square tests fails by chance.
 const SIGNIFICANCE: f64 = 0.01;
 const SAMPLES: usize = 1 << 19;
-/// Densities are evaluated at this many points a side.
+/// Points along each side at which densities are evaluated.
 const FINE: u32 = 512;
 const RULES: Rules =
     Rules { sampler: Sampler::Product, mix: Mix::Density, epsilon: None, max_tries: 1, min_uniform_share: 0.0625 };
 
-/// What the twin knows of a cell and a normal.
+/// Twin's densities for a cell and a normal.
 struct Case {
     map: DirectionMap,
     directions: u32,
@@ -49,14 +50,14 @@ impl Case {
         (1.0 - self.cosine_share) * self.densities[bin] + self.cosine_share * w.dot(self.n).max(0.0) / PI
     }
 
-    /// Distance in bins from the next border between them.
+    /// Distance to the nearest border between bins, in bins.
     fn border_distance(&self, w: DVec3) -> f64 {
         let cells = (0.5 * sphere_to_map(self.map, w) + 0.5) * f64::from(self.directions);
         (cells - cells.round()).abs().min_element()
     }
 }
 
-/// The sampler on the device.
+/// Product sampler on the device.
 struct Descent {
     device: Device,
     cell: Cell,
@@ -103,14 +104,14 @@ fn normals() -> [DVec3; 3] {
     [representative_normal(100, NORMALS), DVec3::new(0.3, -0.2, 0.9), DVec3::new(-0.6, 0.1, -0.7)]
 }
 
-/// Every map and resolution that the other tests do not have.
+/// Maps and resolutions that no other test has.
 const SIZES: [(DirectionMap, u32); 3] =
     [(DirectionMap::EqualArea, 32), (DirectionMap::EqualArea, 64), (DirectionMap::Cylindrical, 64)];
 
 fn fit(case: &Case, drawn: &[Drawn]) -> f64 {
     let mut counts = vec![0; case.densities.len()];
     let mut by_cosine = vec![0.0; case.densities.len()];
-    // The cosine share over a bin, by points all over the sphere.
+    // The cosine's share of each bin is a sum over points of the whole sphere.
     let fine = 4 * case.directions;
     let weight = 4.0 * PI / f64::from(fine * fine);
     for point in 0..fine * fine {
@@ -149,7 +150,7 @@ fn samples_follow_their_density_at_every_resolution() {
     }
 }
 
-/// A cell's own share of the cosine.
+/// Samples follow the share of the cosine that their cell has learned.
 #[test]
 fn samples_follow_the_share_that_their_cell_has_learned() {
     let (map, directions) = (DirectionMap::EqualArea, 16);
@@ -175,7 +176,7 @@ fn samples_follow_the_share_that_their_cell_has_learned() {
     }
 }
 
-/// The samples' densities are those of their directions, and estimate the projected solid angle.
+/// Fails unless each sample has the density of its direction, and the samples estimate the projected solid angle.
 fn check_estimate(case: &Case, drawn: &[Drawn], title: &str) {
     let mut at_borders = 0;
     for d in drawn {

@@ -1,5 +1,5 @@
-//! The sampler by quadtrees (`glsl/include/guide/samplers/quadtree.glsl`) has the density of its twin, and `glsl/kernels/learn/refine_quadtrees.comp`
-//! makes the trees that the twin makes.
+//! Quadtrees on the device: samples (`glsl/include/guide/samplers/quadtree.glsl`) have the density of the twin, and
+//! refined trees (`glsl/kernels/learn/refine_quadtrees.comp`) equal the twin's.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -20,16 +20,16 @@ use support::twins::direction_map::{direction_bin, sphere_to_map};
 use support::twins::quadtree::{COSINE_SHARE, Square};
 use support::twins::radiance_grid::FIXED_POINT_UNITS;
 
-/// Probability that any of all chi-squares fails by chance.
+/// Probability that any of the chi-square tests fails by chance.
 const SIGNIFICANCE: f64 = 0.01;
 const SAMPLES: usize = 1 << 19;
-/// Cells of histograms along each side.
+/// Cells of a histogram along each side.
 const HISTOGRAM: u32 = 64;
-/// Densities are evaluated at this many points a side: several in each of the finest squares here.
+/// Points along each side at which densities are evaluated: several in each of the finest squares here.
 const FINE: u32 = 1024;
 const MAPS: [DirectionMap; 2] = [DirectionMap::EqualArea, DirectionMap::Cylindrical];
 
-/// A tree that follows a function of the unit square, its shares rounded as they are stored.
+/// Tree that follows a function of the unit square. Its shares are rounded as they are stored.
 fn tree(value: &dyn Fn(DVec2) -> f64, levels: u32) -> Square {
     fn square(value: &dyn Fn(DVec2) -> f64, corner: DVec2, side: f64, levels: u32) -> Square {
         let quarter = |i: usize| corner + 0.5 * side * dvec2((i % 2) as f64, (i / 2) as f64);
@@ -61,12 +61,12 @@ fn normals() -> [DVec3; 3] {
     [DVec3::Z, dvec3(0.3, -0.2, 0.9), dvec3(-0.6, 0.1, -0.7)]
 }
 
-/// Normalized as the device gets it.
+/// Unit vector in the precision of the device.
 fn dvec3(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z).normalize().as_vec3().as_dvec3()
 }
 
-/// The sampler on the device.
+/// Quadtree sampler on the device.
 struct Descent {
     device: Device,
     variant: Variant,
@@ -103,7 +103,7 @@ impl Descent {
     }
 }
 
-/// Probability of a histogram with that density.
+/// P-value of a histogram of the samples against the twin's density.
 fn fit(tree: &Square, map: DirectionMap, cosines: &[f64], drawn: &[Drawn]) -> f64 {
     let mut masses = vec![0.0; (HISTOGRAM * HISTOGRAM) as usize];
     let side = f64::from(HISTOGRAM);
@@ -122,12 +122,12 @@ fn fit(tree: &Square, map: DirectionMap, cosines: &[f64], drawn: &[Drawn]) -> f6
     chi_square(&counts, &expected)
 }
 
-/// Whether a direction is so near a border between squares that rounding may decide on which side of it it is.
+/// Whether a direction is so near a border between squares that rounding may decide the square.
 fn is_at_border(tree: &Square, map: DirectionMap, w: DVec3) -> bool {
     let at = 0.5 * sphere_to_map(map, w) + 0.5;
     let near = 2.0e-6;
     let moved = |x: f64, y: f64| tree.density(at + near * dvec2(x, y)) != tree.density(at);
-    // The map's own border: what lies behind it is elsewhere on the map.
+    // Beyond the map's own border, the sphere continues elsewhere on the map.
     at.min_element() < near
         || at.max_element() > 1.0 - near
         || [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].iter().any(|&(x, y)| moved(x, y))
@@ -164,7 +164,7 @@ fn samples_follow_their_density() {
     }
 }
 
-/// Their densities are those of their directions, and estimate the projected solid angle.
+/// Fails unless each sample has the density of its direction, and the samples estimate the projected solid angle.
 fn check_samples(tree: &Square, map: DirectionMap, n: DVec3, drawn: &[Drawn], title: &str) {
     for d in drawn.iter().step_by(16).filter(|d| !is_at_border(tree, map, d.direction())) {
         let twin = tree.pdf(map, n, d.direction());
@@ -190,7 +190,7 @@ fn check_densities(tree: &Square, map: DirectionMap, n: DVec3, densities: &[Dens
 
 const LIMIT: f32 = 32.0;
 
-/// Quadtrees of up to `grid^3 * directions^2` nodes on the device.
+/// Quadtrees on the device, with up to `grid^3 * directions^2` nodes.
 struct Forest {
     device: Device,
     variant: Variant,
@@ -200,7 +200,7 @@ struct Forest {
     limit: usize,
 }
 
-/// A leaf of the spatial tree: its level, and its quadtree's nodes.
+/// Leaf of the spatial tree: its level, and the nodes of its quadtree.
 struct Leaf {
     level: u32,
     first: usize,
@@ -239,7 +239,7 @@ impl Forest {
         }
     }
 
-    /// Has every quarter without a node of its own learn so many targets.
+    /// Lets every quarter without a node of its own learn `count` targets.
     fn teach(&self, count: u32) {
         let mut sums = vec![RadianceSum::zeroed(); 4 * self.limit];
         for leaf in self.leaves() {
@@ -267,13 +267,13 @@ impl Forest {
     }
 }
 
-/// What the quarters of each node learn, where they have none of their own.
+/// Radiance that a quarter of a node learns, if the quarter has no node of its own.
 fn learned(at: usize, quarter: usize) -> f64 {
     let hash = (at * 4 + quarter).wrapping_mul(2_654_435_761) >> 7 & 1023;
     (hash as f64 / 128.0).exp2() / 64.0
 }
 
-/// The tree with what it has learned in place of what it had.
+/// Tree with the fluxes that it has learned in place of its old ones.
 fn taught(words: &[[u32; 4]], node: usize) -> Square {
     let links = words[node][3];
     Square::of(std::array::from_fn(|quarter| {
@@ -285,7 +285,7 @@ fn taught(words: &[[u32; 4]], node: usize) -> Square {
     }))
 }
 
-/// Four iterations, in one of which the spatial tree grows.
+/// Trees are refined as their twins are, in four iterations. In one of them, the spatial tree grows.
 #[test]
 fn trees_are_refined_as_their_twins_are() {
     let forest = Forest::new(8, 16);
@@ -312,7 +312,7 @@ fn trees_are_refined_as_their_twins_are() {
     }
 }
 
-/// Whatever is learned, trees do not overlap, and there are no more nodes and leaves than there is room for.
+/// Trees never overlap, and nodes and leaves never exceed their room, whatever is learned.
 #[test]
 fn there_are_no_more_nodes_than_there_is_room_for() {
     for (grid, directions) in [(1, 4), (2, 8), (3, 16)] {
@@ -332,7 +332,7 @@ fn there_are_no_more_nodes_than_there_is_room_for() {
     }
 }
 
-/// Where no light arrives the tree says that it knows nothing, however many paths have passed.
+/// Trees without light stay unused, however many paths have passed.
 #[test]
 fn without_flux_there_is_no_guide() {
     let forest = Forest::new(2, 16);

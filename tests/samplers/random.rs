@@ -1,4 +1,5 @@
-//! `glsl/include/random/random.glsl`, `glsl/include/random/sobol.glsl` and `glsl/include/random/blue_noise.glsl`
+//! Random numbers of `glsl/include/random/random.glsl`, `glsl/include/random/sobol.glsl` and
+//! `glsl/include/random/blue_noise.glsl`.
 
 use std::collections::{BTreeMap, HashSet};
 use std::ops::Range;
@@ -10,7 +11,7 @@ use support::statistics::{pair_uniformity, sidak, uniformity};
 use support::twins::random as twin;
 use support::twins::random::{RandomKey, SampleSet};
 
-/// With this probability any of all the chi-squares of one test would fail by chance.
+/// Probability that any of the chi-square tests of one test function fails by chance.
 const SIGNIFICANCE: f64 = 0.01;
 
 #[repr(C)]
@@ -36,12 +37,12 @@ struct DrawOutput {
 }
 
 impl DrawOutput {
-    /// Those of the camera's ray.
+    /// Four numbers of the camera's ray.
     fn camera_numbers(&self) -> [f64; 4] {
         self.camera.map(twin::unit_float)
     }
 
-    /// All numbers that a key yields.
+    /// All numbers of a key.
     fn numbers(&self) -> [f64; 9] {
         let [a, b, c, d] = self.floats;
         let [e, f, g, h] = self.stream;
@@ -55,13 +56,13 @@ impl DrawInput {
     }
 }
 
-/// Pixels of a row of the film that the box of keys is part of.
+/// Width of the film that the box of keys lies on, in pixels.
 const FILM_WIDTH: u32 = 8;
 
 /// Extents of a box of keys: pixel, sample, seed, vertex, block.
 const BOX: [u32; 5] = [64, 16, 4, 8, 2];
 
-/// All keys of the box, the last of its extents changing fastest.
+/// All keys of the box. The last of its coordinates changes fastest.
 fn keys(first: [u32; 5]) -> Vec<DrawInput> {
     let count: u32 = BOX.iter().product();
     let key = |mut index: u32| {
@@ -78,14 +79,14 @@ fn keys(first: [u32; 5]) -> Vec<DrawInput> {
     (0..count).map(key).collect()
 }
 
-/// The same with every pixel in a tile of its own.
+/// All keys of the box, with every pixel in a tile of its own.
 fn keys_of_tiles(first: [u32; 5]) -> Vec<DrawInput> {
     let apart = |i: DrawInput| DrawInput { film_pixel: i.film_pixel.map(|x| x << 5), film_width: FILM_WIDTH << 5, ..i };
     keys(first).into_iter().map(apart).collect()
 }
 
 const PATTERNS: [u32; 3] = [PATTERN_INDEPENDENT, PATTERN_SOBOL, PATTERN_BLUE_NOISE];
-/// Those with sets.
+/// Patterns with sets of samples.
 const SETS: [u32; 2] = [PATTERN_SOBOL, PATTERN_BLUE_NOISE];
 
 fn draw(pattern: u32, inputs: &[DrawInput]) -> Vec<DrawOutput> {
@@ -117,7 +118,7 @@ fn of_twin(&Variant { pattern, adaptive, .. }: &Variant, i: &DrawInput) -> DrawO
 #[test]
 fn every_bit_is_the_twins() {
     let mut inputs = keys([0; 5]);
-    // Far along every axis, where products wrap around.
+    // More keys lie far out on every axis, where products wrap around.
     inputs.extend(keys([u32::MAX - 63, 1 << 20, 0xdead_beef, 1000, 1]));
     for (pattern, adaptive) in PATTERNS.into_iter().flat_map(|pattern| [(pattern, false), (pattern, true)]) {
         let variant = Variant { pattern, adaptive, ..Variant::default() };
@@ -140,7 +141,7 @@ fn numbers_are_uniform() {
     }
 }
 
-/// Pairs of number `a` at a key and number `b` at the next key along `axis`.
+/// Pairs of number `a` of a key and number `b` of the next key along `axis`.
 fn neighbors(numbers: &[[f64; 9]], axis: usize, a: usize, b: usize) -> Vec<(f64, f64)> {
     let stride: usize = BOX[axis + 1..].iter().map(|&extent| extent as usize).product();
     let has_next = |index: usize| index / stride % (BOX[axis] as usize) + 1 < BOX[axis] as usize;
@@ -152,7 +153,7 @@ fn neighbors(numbers: &[[f64; 9]], axis: usize, a: usize, b: usize) -> Vec<(f64,
 fn neighboring_keys_are_independent() {
     let inputs = keys([100, 0, 0, 0, 0]);
     let numbers: Vec<_> = draw(PATTERN_INDEPENDENT, &inputs).iter().map(DrawOutput::numbers).collect();
-    // The cheapest hash that passes the test of uniformity: its neighbors are not independent.
+    // The twin must fail: the cheapest hash that passes the test of uniformity. Its neighbors are not independent.
     let weak = inputs.iter().map(|i| {
         let mixed =
             i.pixel().wrapping_mul(0x9e37_79b9) ^ (i.sample_index + 16 * (i.vertex + 8 * i.seed) + 512 * i.block) << 22;
@@ -181,12 +182,12 @@ fn numbers_of_one_key_are_independent() {
             assert!(p > level, "numbers {a} and {b}: {p}");
         }
     }
-    // A twin whose second number leans on the first: both are uniform, but not together.
+    // The twin must fail: a second number that depends on the first. Each is uniform, the pair is not.
     let leaning = |n: &[f64; 9]| (n[5], if n[6] < 0.05 { n[5] } else { n[6] });
     assert!(pair_uniformity(numbers.iter().map(leaning), 16) < level);
 }
 
-/// Numbers of the samples of every set, one set per (pixel, set, seed, vertex, block), none of two in the same tile.
+/// Numbers of the samples of each set, one set per (pixel, set, seed, vertex, block). No two sets share a tile.
 fn sets(pattern: u32) -> Vec<[[f64; 9]; 8]> {
     let (inputs, mut sets) = (keys_of_tiles([3, 0, 0, 0, 0]), BTreeMap::new());
     for (i, o) in inputs.iter().zip(draw(pattern, &inputs)) {
@@ -196,7 +197,8 @@ fn sets(pattern: u32) -> Vec<[[f64; 9]; 8]> {
     sets.into_values().collect()
 }
 
-/// Whether each rectangle of 1/2^k by 2^k/n, for every k, has one of so many points, a power of two.
+/// Whether the points form a net: each rectangle of 1/2^k by 2^k/n, for every k, holds one of the n points. The number
+/// n is a power of two.
 fn is_net(points: &[(f64, f64)]) -> bool {
     let count = points.len();
     (0..=count.ilog2()).all(|k| {
@@ -215,13 +217,13 @@ fn sets_are_nets_of_eight_points() {
     };
     for pattern in SETS {
         assert_eq!((nets(pattern, 0, 1), nets(pattern, 2, 3)), (1.0, 1.0), "{pattern}");
-        // The numbers of two nets are none.
+        // The twin must fail: numbers of two nets rarely form a net.
         assert!(nets(pattern, 0, 2) < 0.2 && nets(pattern, 1, 3) < 0.2, "{pattern}");
     }
     assert!(nets(PATTERN_INDEPENDENT, 0, 1) < 0.2);
 }
 
-/// Numbers of camera rays of these samples, for each of so many pixels.
+/// Numbers of the camera rays of these samples, for each of `pixels` pixels.
 fn camera_rays(adaptive: bool, pixels: u32, samples: Range<u32>) -> Vec<Vec<[f64; 4]>> {
     let key = |pixel: u32, sample_index: u32| DrawInput {
         film_pixel: [pixel % FILM_WIDTH, pixel / FILM_WIDTH],
@@ -244,14 +246,14 @@ fn is_net_of(points: &[[f64; 4]], a: usize, b: usize) -> bool {
 
 #[test]
 fn stretches_of_camera_rays_are_nets() {
-    // Also where a sequence ends and the next one begins.
+    // Nets are also tested where one sequence ends and the next begins.
     for points in [0..1024, (1 << 16) - 512..(1 << 16) + 512].map(|samples| camera_rays(false, 4, samples)).concat() {
         for length in (0..10).map(|digits| 1 << digits) {
             for stretch in points.chunks(length) {
                 assert!(is_net_of(stretch, 0, 1) && is_net_of(stretch, 2, 3), "{length}");
             }
         }
-        // Not those that begin elsewhere, nor numbers of two nets.
+        // The twins must fail: points that begin elsewhere, and numbers of two nets.
         assert!(!is_net_of(&points[8..72], 0, 1) && !is_net_of(&points[..64], 0, 2));
     }
 }
@@ -269,7 +271,7 @@ fn halves_have_camera_rays_of_their_own() {
         }
         assert!(!is_net_of(points, 0, 1));
     }
-    // What one half lacks the other may not have.
+    // The two halves are independent.
     let level = sidak(SIGNIFICANCE, 4);
     for k in 0..4 {
         let pairs = rays.iter().flat_map(|points| (0..8).map(move |i| (points[i][k], points[8 + i][k])));
@@ -282,8 +284,8 @@ fn halves_have_camera_rays_of_their_own() {
     );
 }
 
-/// Over pixels, the numbers of one camera ray are as independent as if there were no sequence, of each other and of what is drawn
-/// at the first surface.
+/// Numbers of a camera ray are independent of each other, and of the numbers at the first surface, over pixels. They
+/// are as independent as without a sequence.
 #[test]
 fn the_numbers_of_a_camera_ray_are_independent_whatever_its_place() {
     let level = sidak(SIGNIFICANCE, 8 * 10);
@@ -313,7 +315,7 @@ fn the_numbers_of_a_camera_ray_are_independent_whatever_its_place() {
     }
 }
 
-/// Of each set one sample, chosen by its place: such numbers are as independent as if there were no sets.
+/// Numbers of one sample per set, chosen by its place, are as independent as without sets.
 #[test]
 fn the_numbers_of_a_sample_are_independent_whatever_its_place_in_a_set() {
     let level = sidak(SIGNIFICANCE, 2 * 8 * 36);
@@ -325,7 +327,7 @@ fn the_numbers_of_a_sample_are_independent_whatever_its_place_in_a_set() {
                 assert!(p > level, "{pattern}: place {place}, numbers {a} and {b}: {p}");
             }
         }
-        // Without shuffling, a sample's place would tell where it lies.
+        // The twin must fail: without shuffling, a sample's place determines its stratum.
         let unshuffled = sets.iter().map(|set| (set[0][0] / 2.0, set[0][1]));
         assert!(pair_uniformity(unshuffled, 16) < level, "{pattern}");
     }
@@ -337,7 +339,7 @@ fn sets_of_neighboring_keys_are_independent() {
     let level = sidak(SIGNIFICANCE, 2 * 4 * 9 * 2);
     for pattern in SETS {
         let numbers: Vec<_> = draw(pattern, &inputs).iter().map(DrawOutput::numbers).collect();
-        // All but that of the samples.
+        // All axes except the sample's are tested.
         for axis in [0, 2, 3, 4] {
             for (a, b) in (0..9).flat_map(|a| [(a, a), (a, (a + 1) % 9)]) {
                 let p = pair_uniformity(neighbors(&numbers, axis, a, b), 16);
@@ -349,9 +351,9 @@ fn sets_of_neighboring_keys_are_independent() {
     }
 }
 
-/// Numbers of these samples of the pixels of a square, at one vertex.
+/// Numbers of these samples for all pixels of a square, at one vertex.
 fn square(pattern: u32, side: u32, samples: Range<u32>) -> Vec<[f64; 9]> {
-    // No square lies in two tiles.
+    // Each square lies within one tile.
     let corner = [3 * side, 5 * side];
     let key = |at: u32, sample_index| DrawInput {
         film_pixel: [corner[0] + at % side, corner[1] + at / side],
@@ -372,20 +374,20 @@ fn squares_of_pixels_share_a_net() {
         let is_net = |pattern, samples: Range<u32>, a: usize, b: usize| {
             is_net(&square(pattern, side, samples).iter().map(|n| (n[a], n[b])).collect::<Vec<_>>())
         };
-        // All of a set, and whichever sample a pixel takes first.
+        // All samples of a set form a net, and so does the first sample of every pixel.
         for samples in [8..16, 8..9] {
             for (a, b) in [(0, 1), (2, 3)] {
                 assert!(is_net(PATTERN_BLUE_NOISE, samples.clone(), a, b), "{side}: {samples:?}, {a} and {b}");
                 assert!(!is_net(PATTERN_SOBOL, samples.clone(), a, b), "{side}: {samples:?}, {a} and {b}");
             }
-            // Four numbers of two nets are one by chance often.
+            // Four numbers of two nets often form a net by chance.
             let is_mixed_net = samples.len() as u32 * side > 2 && is_net(PATTERN_BLUE_NOISE, samples.clone(), 0, 2);
             assert!(!is_mixed_net, "{side}: {samples:?}");
         }
     }
 }
 
-/// The pixels of a tile take their points of two nets in orders that tell nothing of each other.
+/// The nets of a tile are independent: its pixels take points of two nets in unrelated orders.
 #[test]
 fn the_nets_of_a_tile_are_independent() {
     let numbers = square(PATTERN_BLUE_NOISE, 32, 8..16);
@@ -394,13 +396,13 @@ fn the_nets_of_a_tile_are_independent() {
         let p = pair_uniformity(numbers.iter().map(|n| (n[a], n[b])), 16);
         assert!(p > level, "numbers {a} and {b}: {p}");
     }
-    // In the same order, two nets lie on few lines.
+    // The twin must fail: with equal orders, points of two nets lie on few lines.
     assert!(pair_uniformity(numbers.iter().map(|n| (n[0], (3.0 * n[0]).fract())), 16) < level);
 }
 
 #[test]
 fn a_long_stream_is_uniform_in_pairs_and_along_itself() {
-    // One stream as the rejection loop reads it: threes of numbers.
+    // One stream is read as the rejection loop reads it, three numbers at a time.
     let mut stream = twin::random_stream(RandomKey { pixel: 3, sample_index: 5, set: SampleSet::Alone, seed: 1 }, 2, 1);
     let values: Vec<f64> = (0..3 << 17).map(|_| twin::next_random(&mut stream)).collect();
     let level = sidak(SIGNIFICANCE, 5);

@@ -1,4 +1,4 @@
-//! `glsl/include/geometry/relief.glsl`
+//! Relief of `glsl/include/geometry/relief.glsl`.
 
 use std::f64::consts::PI;
 
@@ -56,12 +56,12 @@ fn twins_frame(row: &Row) -> DMat3 {
     relief_frame(n, row.vector("wo"))
 }
 
-/// f cos of a white diffuse surface that is tilted.
+/// Value f cos of a tilted white diffuse surface.
 fn diffuse(wo: DVec3, wi: DVec3, shadowing: f64) -> f64 {
     if wo.z > 0.0 { wi.z.max(0.0) * shadowing / PI } else { 0.0 }
 }
 
-/// The largest deviation of the twin's values from Mitsuba's; `shadowing` replaces the factor.
+/// Largest deviation of the twin's values from Mitsuba's. `shadowing` replaces the factor of shadowing.
 fn twins_deviation(shadowing: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let deviation = |row: &Row| {
         let (frame, wi) = (twins_frame(row), row.vector("wi"));

@@ -1,5 +1,5 @@
-//! `glsl/include/bsdf/rough_diffuse.glsl`, `bsdf/principled.glsl` and `coating.glsl`: samples of the device against the twins'
-//! densities, values against the twins', energy and reciprocity.
+//! Scattering functions of `glsl/include/bsdf/rough_diffuse.glsl`, `bsdf/principled.glsl` and `coating.glsl`: samples
+//! of the device against the twins' densities, values against the twins', energy and reciprocity.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,7 +13,7 @@ use support::scattering_cases::{DeviceBsdf, Surface, surfaces, variant};
 use support::statistics::{Numbers, chi_square, mean_and_error, sidak};
 use support::substances::table_words;
 
-/// Chance that a sound sampler is rejected anywhere here.
+/// Probability that any correct sampler is rejected by chance.
 const SIGNIFICANCE: f64 = 0.01;
 const SAMPLES: usize = 1 << 17;
 pub const LOBE_NONE: u32 = 0;
@@ -43,11 +43,11 @@ pub fn d3(v: [f32; 3]) -> DVec3 {
     Vec3::from(v).as_dvec3()
 }
 
-/// From normal to grazing incidence and, where light comes through, from behind.
+/// Directions from normal to grazing incidence. For surfaces that transmit light, some come from behind.
 fn incidences(surface: &Surface) -> Vec<DVec3> {
     let at = |degrees: f64, side: f64| {
         let theta = degrees.to_radians();
-        // As the device has them.
+        // The device gets the direction in single precision.
         dvec3(0.8 * theta.sin(), -0.6 * theta.sin(), side * theta.cos()).as_vec3().normalize().as_dvec3()
     };
     let mut all = vec![at(0.0, 1.0), at(40.0, 1.0), at(75.0, 1.0), at(88.0, 1.0)];
@@ -55,7 +55,7 @@ fn incidences(surface: &Surface) -> Vec<DVec3> {
     all
 }
 
-/// A device with the kernel's pipeline.
+/// Device with the pipeline of the kernel.
 pub struct Bench {
     device: Device,
     kernel: Kernel,
@@ -79,7 +79,7 @@ impl Bench {
         input.upload(0, inputs).expect("uploaded");
         let output = self.device.storage("outputs", padded * size_of::<ScatteringOutput>());
         let tables = self.device.uploaded("tables", &table_words());
-        // The parameters are given, so that only tables are looked up.
+        // Parameters are given directly, so only tables are looked up.
         let unused = self.device.storage("unused", 256);
         let bindings = self.kernel.source().sets.iter().flat_map(|set| set.bindings);
         let buffers = bindings.map(|binding| match binding.name {
@@ -105,8 +105,8 @@ fn draw(bench: &Bench, surface: &Surface, wo: DVec3, seed: u32) -> Vec<Scatterin
     bench.map(&inputs)
 }
 
-/// A partition of the sphere into the two sides of the surface, each in polar coordinates about the direction that light
-/// takes where the surface is smooth. Angles grow geometrically, for lobes are narrow.
+/// Partition of the sphere into the two sides of the surface. Each side has polar coordinates about the direction in
+/// which a smooth surface sends light. Angles grow geometrically, because lobes are narrow.
 struct Bins {
     axes: [DQuat; 2],
     upper: bool,
@@ -114,9 +114,9 @@ struct Bins {
 
 const RINGS: usize = 14;
 const SECTORS: usize = 12;
-/// Each bin is integrated over at this number of points squared.
+/// Number of points along each side over which a bin is integrated.
 const POINTS: usize = 32;
-/// Outer angle of the first ring, and the whole sphere.
+/// Outer angle of the first ring.
 const NARROWEST: f64 = 2.0e-3;
 
 fn outer_angle(ring: f64) -> f64 {
@@ -176,8 +176,8 @@ impl Bins {
     }
 }
 
-/// Chi-square of samples against the twin's density and the probability of single directions; and the same where the density
-/// is 5 % higher in one half of all directions, and lower in the other.
+/// P-values of chi-square tests of samples against the twin's density and its probability of single directions. The
+/// second p-value is that of a fault: a density 5 % higher in one half of all directions, and lower in the other.
 fn fit(surface: &Surface, wo: DVec3, samples: &[ScatteringOutput]) -> [f64; 2] {
     let bins = Bins::new(wo, surface.eta());
     let mut observed = vec![0_u64; Bins::COUNT + 1];
@@ -208,12 +208,13 @@ fn samples_have_the_twins_density() {
     }
 }
 
-/// Light from `wi` is a fraction of what is reflected below, so errors are relative to the larger of it and a floor.
+/// Relative difference of two values. Light from `wi` may be a small fraction of the light that is reflected below, so
+/// a floor is added.
 pub fn relative(a: DVec3, b: DVec3) -> f64 {
     (a - b).length() / (b.length() + 1.0e-3)
 }
 
-/// How much values and densities change where the directions' last bits do: half vectors of narrow lobes lose digits.
+/// Change of values and densities when the directions' last bits change. Half vectors of narrow lobes lose digits.
 fn conditioning(surface: &Surface, wo: DVec3, wi: DVec3) -> f64 {
     let (value, pdf) = (surface.eval(wo, wi), DVec3::splat(surface.pdf(wo, wi)));
     let change = |off: DVec3| {
@@ -226,7 +227,7 @@ fn conditioning(surface: &Surface, wo: DVec3, wi: DVec3) -> f64 {
     DVec3::AXES.into_iter().map(|axis| change(2.0e-7 * axis)).fold(0.0, |sum, change| sum + change)
 }
 
-/// Pairs of directions; half of them near what a smooth surface reflects or transmits.
+/// Pairs of directions. Half of them are near the reflection or transmission of a smooth surface.
 fn pairs(surface: &Surface, count: usize, seed: u32) -> Vec<[DVec3; 2]> {
     let mut numbers = Numbers::new(seed);
     let pair = |i: usize| {
@@ -273,10 +274,10 @@ fn values_and_densities_are_the_twins() {
     assert!(tampered > 10_000, "the twin that is 1 % brighter differs in {tampered} places only");
 }
 
-/// f is symmetric where both directions are on one side; `twist` spoils it.
+/// Largest asymmetry of f for two directions on one side. `twist` adds a fault.
 fn asymmetry(surface: &Surface, twist: f64) -> f64 {
     let pairs = pairs(surface, 4096, 77).into_iter().filter(|[wo, wi]| wo.z > 0.05 && wi.z > 0.05);
-    // Facets take what is not quite a unit vector as another angle.
+    // Facets treat a vector that is not quite a unit vector as another angle.
     let pairs = pairs.map(|pair| pair.map(DVec3::normalize));
     let deviation = |[wo, wi]: [DVec3; 2]| {
         let there = surface.eval(wo, wi) / wi.z * (1.0 + twist * (wo.x - wi.x));
@@ -285,7 +286,7 @@ fn asymmetry(surface: &Surface, twist: f64) -> f64 {
     pairs.map(deviation).fold(0.0, f64::max)
 }
 
-/// Of the twins, which the device agrees with.
+/// Reflection is reciprocal for the twins, which agree with the device.
 #[test]
 fn reflection_is_reciprocal() {
     for surface in surfaces().iter().filter(|s| s.delta(DVec3::Z) < 0.9) {
@@ -294,11 +295,11 @@ fn reflection_is_reciprocal() {
     }
 }
 
-/// Share of the light from one direction that leaves a white surface, most of all, and four standard errors of it.
+/// Largest share of the light from one direction that leaves a white surface, and four standard errors of it.
 fn most_reflected(bench: &Bench, surface: &Surface) -> (f64, f64) {
     let shares = incidences(surface).into_iter().zip(500..).map(|(wo, seed)| {
         let samples = draw(bench, surface, wo, seed);
-        // Radiance that enters a denser medium grows; the power does not.
+        // Radiance that enters a denser medium grows. Its power does not.
         let power = |s: &ScatteringOutput| f64::from(s.weight[0]) * f64::from(s.eta).powi(2);
         let weights = samples.iter().filter(|s| s.lobe != LOBE_NONE).map(power);
         let invalid = samples.iter().filter(|s| s.lobe == LOBE_NONE).map(|_| 0.0);
@@ -308,8 +309,9 @@ fn most_reflected(bench: &Bench, surface: &Surface) -> (f64, f64) {
     shares.fold((0.0, 0.0), |most, share| if share.0 > most.0 { share } else { most })
 }
 
-/// Sheen, clear coat and retro-reflection are added without regard for energy, so of the principled model only metal and
-/// glass are tested. Oren and Nayar's fit itself exceeds 1 by up to 4 % at grazing incidence.
+/// White surfaces reflect at most the light that arrives. Sheen, clear coat and retro-reflection are added without
+/// regard for energy, so only metal and glass of the principled model are tested. Oren and Nayar's fit itself exceeds 1
+/// by up to 4 % at grazing incidence.
 #[test]
 fn white_surfaces_reflect_no_more_than_they_get() {
     let bench = Bench::new();

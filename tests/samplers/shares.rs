@@ -1,5 +1,5 @@
-//! `glsl/include/guide/learners/share_learning.glsl`: what an update makes of a step's evidence, and how directions are drawn by
-//! shares.
+//! Learned shares of `glsl/include/guide/learners/share_learning.glsl`: updates from a step's evidence, and directions
+//! drawn by shares.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ const FIRST_SAMPLES: f64 = 64.0;
 const LEAST_SHARE: f64 = 0.1;
 const SHARE_DECAY: f64 = 0.5;
 
-/// What a step records of a share.
+/// Evidence of one step about a share.
 #[derive(Clone, Copy)]
 struct Evidence {
     scattered: f64,
@@ -41,7 +41,7 @@ struct Evidence {
     samples: u32,
 }
 
-/// Twin of `learn_share`: the share after these steps, the last one last.
+/// Share after these steps, the last one last: twin of `learn_share`.
 fn learned_share(steps: &[Evidence], decay: f64) -> f64 {
     let faded = |value: fn(&Evidence) -> f64| -> f64 {
         steps.iter().rev().zip(0..).map(|(step, age)| value(step) * decay.powi(age)).sum()
@@ -79,7 +79,7 @@ impl Grid {
         }
     }
 
-    /// The shares after a step.
+    /// Shares after a step.
     fn update(&self, step: &[Evidence]) -> Vec<f32> {
         let units = |value: f64| (value / f64::from(LIMIT) * FIXED_POINT_UNITS) as u64;
         let sum = |value: f64, target_count| {
@@ -114,7 +114,7 @@ fn shares_are_what_the_evidence_says() {
     let mut steps = Vec::new();
     let mut differ = 0;
     for _ in 0..6 {
-        // The last share has no evidence, the first none of its own side.
+        // The last share has no evidence. The first has none of its own side.
         let step: Vec<_> = (0..SHARES)
             .map(|share| {
                 let samples = if share + 1 == SHARES { 0 } else { numbers.between(1.0, 3000.0) as u32 };
@@ -139,7 +139,7 @@ const SAMPLES: usize = 1 << 19;
 const RULES: Rules =
     Rules { sampler: Sampler::Product, mix: Mix::Density, epsilon: None, max_tries: 1, min_uniform_share: 0.0625 };
 
-/// A diffuse surface and one of rough metal, over a noisy table.
+/// Diffuse surface and surface of rough metal, over a noisy table.
 struct Surfaces {
     device: Device,
     cell: Cell,
@@ -148,7 +148,7 @@ struct Surfaces {
 const NORMAL: DVec3 = DVec3::new(0.3, -0.2, 0.9);
 const WO: DVec3 = DVec3::new(0.6, 0.0, 0.8);
 
-/// Roughness of the metal, and what part of its samples the guide has its share of: `guided_part` in GLSL.
+/// Roughness of the metal, and the part of its samples that the guide has its share of: `guided_part` in GLSL.
 const ALPHA: f64 = 0.3;
 const PART: f64 = ALPHA / 0.4;
 
@@ -185,12 +185,12 @@ impl Surfaces {
     }
 }
 
-/// Whether a direction lies in some part of the sphere.
+/// Whether a direction lies in a certain part of the sphere.
 fn is_inside(w: DVec3) -> bool {
     w.dot(DVec3::new(0.9, 0.3, 0.2)) > 0.4
 }
 
-/// A surface, and what it scatters in local directions.
+/// Surface, and its scattering function in local directions.
 struct Case {
     name: &'static str,
     bsdf: DeviceBsdf,
@@ -211,7 +211,7 @@ impl Case {
         (self.eval)(basis_from_normal(NORMAL.normalize()).transpose() * w)
     }
 
-    /// The light that it scatters to the part of the sphere, by points.
+    /// Light that the surface scatters to the part of the sphere, by points.
     fn light(&self) -> f64 {
         let side = 1024;
         let points = (0..side * side).map(|point| bin_center(DirectionMap::EqualArea, point, side));
@@ -219,7 +219,8 @@ impl Case {
         sum * 4.0 * PI / f64::from(side * side)
     }
 
-    /// The same by samples, of which `weight` says what they stand for.
+    /// Light that the surface scatters to the part of the sphere, by samples. `weight` gives the contribution of a
+    /// sample. Returns the mean and its standard error.
     fn estimate(&self, drawn: &[DirectionOutput], weight: impl Fn(&DirectionOutput, DVec3) -> f64) -> (f64, f64) {
         mean_and_error(drawn.iter().map(|d| {
             let w = Vec3::from(d.wi).as_dvec3().normalize();
@@ -247,7 +248,7 @@ fn weights_make_up_the_light_whatever_shares_are() {
             assert!(within_four_sigma(estimate, light), "{title}: {estimate:?}, not {light}");
             let by_density = case.estimate(&drawn, |d, w| case.value(w) / f64::from(d.pdf));
             assert!(within_four_sigma(by_density, light), "{title}: {by_density:?} by density, {light}");
-            // The twin: a density 5 % off.
+            // The twin must fail: a density 5 % off.
             let twin = case.estimate(&drawn, |d, w| case.value(w) / f64::from(1.05 * d.pdf));
             assert!(!within_four_sigma(twin, light), "{title}: {twin:?} by a density 5 % off, {light}");
         }
@@ -266,7 +267,7 @@ fn each_kind_of_surface_has_its_own_share() {
         let shares = |own_share, other| if own == 0 { [own_share, other] } else { [other, own_share] };
         let [few, more, most] = [0.2, 0.5, 0.8].map(|share| densities(shares(share, 0.4)));
         assert!(few == densities(shares(0.2, 0.9)), "{}: the other share has a part in it", case.name);
-        // Half way between two shares, the density is, too.
+        // A share halfway between two others has a density halfway between theirs.
         let is_between = |i: usize| (2.0 * more[i] - few[i] - most[i]).abs() <= 1.0e-4 * more[i];
         assert!((0..few.len()).all(is_between), "{}", case.name);
         let changed = few.iter().zip(&most).filter(|(few, most)| few != most).count();
@@ -274,8 +275,8 @@ fn each_kind_of_surface_has_its_own_share() {
     }
 }
 
-/// What a sample says of its share: with which probability it came from the guide, told by the density of the surface's own
-/// sampler, over the part of the samples that the share is of.
+/// Samples report the evidence for their share: the probability that they came from the guide. It follows from the
+/// density of the surface's own sampler, over the part of the samples that the share is about.
 #[test]
 fn samples_tell_who_has_drawn_them() {
     let surfaces = Surfaces::new();

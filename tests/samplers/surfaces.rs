@@ -1,4 +1,4 @@
-//! `glsl/include/geometry/surface.glsl` and `glsl/include/math/octahedral.glsl`
+//! Surfaces of `glsl/include/geometry/surface.glsl`, and normals of `glsl/include/math/octahedral.glsl`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
@@ -12,7 +12,7 @@ use support::twins::intersect::{Ray, crossings};
 
 use crate::intersections::{SHAPES, TraceInput, primitives, rays};
 
-/// Of the larger one of a hit's coordinates and its primitive's longest edge.
+/// Offset of leaving rays, relative to the largest of a hit's coordinates and its primitive's longest edge.
 const RAY_EPSILON: f64 = 1.0 / 131_072.0;
 
 #[repr(C)]
@@ -40,7 +40,7 @@ fn d3(v: [f32; 3]) -> DVec3 {
     Vec3::from(v).as_dvec3()
 }
 
-/// Primitives of all shapes that bear their index as their material; some are flipped, emit or have normals of their own.
+/// Primitives of all shapes. Each one's material is its index. Some are flipped, emit, or have vertex normals.
 fn numbered_primitives() -> Vec<Primitive> {
     let mut numbers = Numbers::new(91);
     let mut all = primitives(&SHAPES, 400, 90);
@@ -56,7 +56,7 @@ fn numbered_primitives() -> Vec<Primitive> {
     all
 }
 
-/// What rays find, and the ray that leaves there, on a device with the given `FEATURE_*` bits.
+/// Surfaces that rays hit, and the rays that leave there, on a device with the given `FEATURE_*` bits.
 pub fn find(primitives: &[Primitive], rays: &[TraceInput], features: u32) -> Vec<SurfaceOutput> {
     let device = Device::new();
     let bvh = Bvh::build(primitives);
@@ -80,7 +80,8 @@ pub fn find(primitives: &[Primitive], rays: &[TraceInput], features: u32) -> Vec
     output.read(0, rays.len()).expect("read")
 }
 
-/// Normals by the scene's own definition, of the primitive as it was before its first vertex was chosen anew.
+/// Geometric and shading normal by the scene's definition. The primitive is the original, before its first vertex was
+/// changed.
 fn normals(p: &Primitive, position: DVec3, hit: DVec3) -> (DVec3, DVec3) {
     let outward = match p.shape {
         PrimitiveShape::Sphere => (position - p.origin.as_dvec3()).normalize(),
@@ -112,21 +113,21 @@ fn surfaces_are_what_the_scene_says() {
         let direction = d3(input.direction);
         let (geometric, shading) = normals(p, position, d3(input.origin) + t * direction);
         assert!((d3(o.geometric_normal) - geometric).length() < 1.0e-4, "{o:?}, not {geometric}");
-        // Octahedral normals have 16 bits a coordinate; flattened ones amplify their error.
+        // Octahedral normals have 16 bits per coordinate. Flattened normals amplify their error.
         assert!((d3(o.shading_normal) - shading).length() < 5.0e-4, "{o:?}, not {shading}");
         assert!((d3(o.shading_normal).length() - 1.0).abs() < 1.0e-5, "{o:?}");
         interpolated += u32::from(p.normals.is_some());
         let epsilon = RAY_EPSILON * position.abs().max_element().max(longest(p));
         assert!((f64::from(o.epsilon) / epsilon - 1.0).abs() < 1.0e-4, "{epsilon}: {o:?}");
-        // At most drawn in from the edges, by some epsilons where these meet at a sharp angle.
+        // The position is drawn in from edges by an epsilon at most, or a few where edges meet at a sharp angle.
         let moved = (position - (d3(input.origin) + t * direction)).length();
         let smallest = f64::from(p.edge_u.length().min(p.edge_v.length()));
         assert!(moved < 10.0 * epsilon, "moved by {moved}, of {smallest}: {o:?}");
-        // A line through it along the normal crosses the primitive there, well inside.
+        // A line along the normal through the position crosses the primitive there, well inside.
         let through = Ray { origin: position - geometric, direction: geometric, t_max: 2.0 };
         let crossed = crossings(&through, p).iter().any(|c| c.inside > 0.0 && (c.t - 1.0).abs() < 1.0e-6);
         assert!(crossed, "{:?}: {o:?}", crossings(&through, p));
-        // Leaves on the side of its direction.
+        // The leaving ray starts on the side of its direction.
         let side = geometric.dot(-direction);
         let off = (d3(o.leaving_origin) - position).dot(geometric) * side.signum();
         assert!(side.abs() < 1.0e-5 || (off - epsilon).abs() < 1.0e-6, "left by {off}: {o:?}");

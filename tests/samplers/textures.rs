@@ -1,4 +1,4 @@
-//! `glsl/include/texture/textures.glsl` and `texture_lookup.glsl` against their twin.
+//! Textures of `glsl/include/texture/textures.glsl` and `texture_lookup.glsl`, against their twin.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec4, Mat3, Vec2, Vec3};
@@ -12,7 +12,7 @@ use support::device::{Device, GROUP};
 use support::statistics::Numbers;
 use support::twins::texture as twin;
 
-/// What the polynomial for the sRGB curve may be off by.
+/// Maximum error of the polynomial for the sRGB curve.
 const CURVE_TOLERANCE: f64 = 1.0e-5;
 
 #[repr(C)]
@@ -29,7 +29,7 @@ struct TextureOutput {
     gradient: [f32; 2],
 }
 
-/// The kernel's answers; its variant is what the textures need, so that what they do not need is left out.
+/// Answers of the kernel. Its variant contains only the features that the textures need.
 fn look_up(textures: &[Texture], images: &[Image], inputs: &[TextureInput]) -> Vec<TextureOutput> {
     look_up_after(textures, images, inputs, Vec::new())
 }
@@ -70,7 +70,7 @@ fn bytes(width: u32, height: u32, srgb: bool, seed: u32) -> Image {
     Image { name: "bytes".into(), width, height, texels: Texels::Bytes { srgb, data } }
 }
 
-/// Values that halves can hold.
+/// Image of values that half precision can hold.
 fn floats(width: u32, height: u32, largest: f64, seed: u32) -> Image {
     let mut numbers = Numbers::new(seed);
     let mut value = || ((numbers.unit() * 1024.0).floor() / 1024.0 * largest) as f32;
@@ -88,7 +88,7 @@ fn modes() -> Vec<(TexelFilter, WrapMode)> {
     filters.into_iter().flat_map(|filter| wraps.map(|wrap| (filter, wrap))).collect()
 }
 
-/// Coordinates all over a few copies of the image, and exactly on what may be an edge.
+/// Coordinates over a few copies of the image. Some lie exactly on edges.
 fn points(seed: u32, count: usize) -> Vec<Vec2> {
     let mut numbers = Numbers::new(seed);
     let exact = [-1.0f32, -0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0];
@@ -97,7 +97,7 @@ fn points(seed: u32, count: usize) -> Vec<Vec2> {
     edges.chain(any).collect()
 }
 
-/// To within `tolerance` and what a rounding of the coordinates changes.
+/// Whether a color agrees with the twin's, up to `tolerance` and the effect of rounded coordinates.
 fn agrees(texture: &Texture, images: &[Image], uv: Vec2, color: DVec4, tolerance: f64) -> bool {
     let shift = 4.0e-7 * f64::from(1.0 + uv.abs().max_element());
     let expected = sample(texture, images, uv.as_dvec2());
@@ -108,7 +108,7 @@ fn agrees(texture: &Texture, images: &[Image], uv: Vec2, color: DVec4, tolerance
     (expected - color).abs().max_element() <= allowed
 }
 
-/// Holds every texture against its twin at every point. `tamper` is added to u of the twin's points.
+/// Compares every texture with its twin at every point. `tamper` is added to u of the twin's points.
 fn compare(textures: &[Texture], images: &[Image], points: &[Vec2], tamper: f32) -> Result<(), String> {
     let inputs: Vec<_> = (0..textures.len() as u32)
         .flat_map(|index| points.iter().map(move |uv| TextureInput { index, uv: (*uv).into() }))
@@ -174,7 +174,7 @@ fn checkerboards() {
     compare(&textures, &image, &points(9, 500), 0.01).expect_err("another square must be seen");
 }
 
-/// Far from the origin a coordinate has few digits left, but the texel is one of the image.
+/// Any coordinate gives a texel of the image. Far from the origin, a coordinate has few digits left.
 #[test]
 fn any_coordinate_gives_a_texel() {
     let images = [bytes(7, 5, true, 1)];
@@ -209,7 +209,7 @@ fn gradients_agree(tamper: f64) -> bool {
     let images = [bytes(7, 5, true, 1), floats(6, 9, 4.0, 3)];
     let mut textures: Vec<_> = (0..2).flat_map(|image| all_modes(image, Mat3::IDENTITY)).collect();
     textures.extend((0..2).flat_map(|image| all_modes(image, mapping())));
-    // Off the lines between texels, where slopes jump.
+    // Points lie off the lines between texels, where slopes jump.
     let mut numbers = Numbers::new(10);
     let points: Vec<_> = (0..300).map(|_| [(), ()].map(|()| (6.0 * numbers.unit() - 2.5) as f32)).collect();
     let inputs: Vec<_> =
@@ -234,7 +234,7 @@ fn gradients() {
     assert!(!gradients_agree(0.01), "a percent must be seen");
 }
 
-/// An image that fills a page leaves the others to further ones.
+/// Several pages: an image that fills a page leaves other images to the next pages.
 #[test]
 fn pages() {
     let side = 4096;
@@ -248,7 +248,7 @@ fn pages() {
     }
 }
 
-/// Tables lie in front of the images.
+/// Tables lie before the images, so images move.
 #[test]
 fn tables_move_images() {
     let images = [bytes(7, 5, true, 1)];

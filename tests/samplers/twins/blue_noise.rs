@@ -1,4 +1,4 @@
-//! The twin of `glsl/include/random/blue_noise.glsl`.
+//! Twin of `glsl/include/random/blue_noise.glsl`, tested against known results.
 
 use support::twins::blue_noise::{SIDE, place_in_tile, tile_of};
 use support::twins::sobol::{sobol, sobol_digits};

@@ -1,4 +1,4 @@
-//! The maps of directions on the host.
+//! Maps of directions on the CPU, tested against known results.
 
 use glam::dvec2;
 use lodestar::math::direction_map::{bin_center, map_to_sphere};
@@ -22,7 +22,8 @@ fn the_maps_are_invertible_and_unit() {
 
 #[test]
 fn equal_areas_have_equal_moments() {
-    // The mean of z^2 over the sphere is 1/3, and of every odd power 0: both fail for a map that is not equal-area.
+    // The mean of z^2 over the sphere is 1/3, and that of every odd power is 0. Both fail for a map that is not
+    // equal-area.
     let n = 400;
     for map in MAPS {
         let mut moments = [0.0; 3];

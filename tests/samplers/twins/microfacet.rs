@@ -1,4 +1,4 @@
-//! The twin of `glsl/include/math/microfacet.glsl`.
+//! Twin of `glsl/include/math/microfacet.glsl`, tested against known results.
 
 use support::twins::microfacet::erf;
 

@@ -1,4 +1,4 @@
-//! The twins themselves, against what is known of them on paper.
+//! Twins themselves, tested against results that are known on paper.
 
 mod blue_noise;
 mod direction_map;

@@ -1,4 +1,4 @@
-//! The twin of `glsl/include/guide/samplers/product.glsl`.
+//! Twin of `glsl/include/guide/samplers/product.glsl`, tested against known results.
 
 use support::twins::product::{LARGEST, LEAST_7, LEAST_8, Product, small_float};
 
@@ -31,7 +31,7 @@ fn probabilities_add_up_and_follow_the_product() {
             for (bin, integral) in integrals.iter().enumerate() {
                 let exact = f64::from(radiance[bin]) * integral / total;
                 let ratio = product.probability(bin) / exact;
-                // Three roundings of a sixteenth, and those of the sums.
+                // The ratio has three rounding errors of a sixteenth, and those of the sums.
                 assert!((0.75..1.33).contains(&ratio), "{bin}: {ratio}");
             }
         }

@@ -1,4 +1,4 @@
-//! The twin of `glsl/include/guide/samplers/quadtree.glsl`.
+//! Twin of `glsl/include/guide/samplers/quadtree.glsl`, tested against known results.
 
 use support::twins::quadtree::{FLUX_SHARE, Square};
 
@@ -25,7 +25,8 @@ fn words_are_the_tree() {
     assert!(!Square::of_words(&words, 1.02 * tree().flux).is_near(&tree(), 1.0e-3));
 }
 
-/// No square without a node has more than a hundredth, and none with one has less.
+/// Refinement bounds shares: every square without a node has at most a hundredth of the flux, and every square with a
+/// node has more.
 #[test]
 fn refinement_bounds_shares() {
     let refined = tree();

@@ -1,4 +1,4 @@
-//! The twin of `glsl/include/random/random.glsl`.
+//! Twin of `glsl/include/random/random.glsl`, tested against known results.
 
 use support::twins::random::{RandomStream, leftover_float, next_random, unit_float};
 
