@@ -1,11 +1,11 @@
-//! Whatever is wrong with the input: one sentence, exit code 1 (2 for usage), and no file.
+//! Invalid input of any kind: one sentence, exit code 1 (2 for usage), and no file.
 
 use std::fs;
 use std::process::Output;
 
 use crate::support::{Folder, SCENE, assert_sentence};
 
-/// Runs the program where nothing can be rendered, so that only what is found before the device is opened is reported.
+/// Runs the program without any driver, so that only errors found before the device is opened are reported.
 fn run_without_driver(folder: &Folder, arguments: &[&str]) -> Output {
     let mut command = folder.command(arguments);
     command.env("VK_DRIVER_FILES", "/nonexistent").env_remove("VK_ICD_FILENAMES").output().unwrap()
@@ -44,7 +44,7 @@ fn a_scene_that_is_no_whole_scene() {
     refuse(&folder, &[], 1, &["scene.xml"]);
 }
 
-/// A film of 2^32 pixels: the arithmetic is done before anything is allocated, let alone rendered.
+/// A film of 2^32 pixels is refused before anything is allocated or rendered.
 #[test]
 fn what_memory_cannot_hold_is_refused_before_anything_is_rendered() {
     let folder = Folder::new();
@@ -250,7 +250,7 @@ fn options_given_in_vain() {
     assert_sentence(&output, 1, &["--max-tries", by_rejection]);
 }
 
-/// All that is missed is a device.
+/// Valid options are accepted: the only error is that there is no device.
 #[test]
 fn options_of_use_and_those_that_ask_for_nothing_are_taken() {
     let folder = Folder::new();

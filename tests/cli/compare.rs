@@ -1,4 +1,4 @@
-//! `lodestar compare`.
+//! Subcommand `lodestar compare`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -20,7 +20,7 @@ fn write(folder: &Path, name: &str, width: u32, value: f32) -> String {
     path.into_os_string().into_string().unwrap()
 }
 
-/// Writes a picture of one row with the same value everywhere.
+/// Writes a picture of one row with a constant value.
 pub fn write_row(path: &Path, width: u32, value: f32) {
     let count = width as usize;
     let picture = Picture {
@@ -85,7 +85,8 @@ fn a_reader_that_has_left_is_no_failure() {
     }
 }
 
-/// The reference pictures of another renderer are not part of the repository: `LODESTAR_REFERENCES` names their folder.
+/// Reference pictures of another renderer can be read. They are not part of the repository: `LODESTAR_REFERENCES` names
+/// their folder.
 #[test]
 fn reads_the_pictures_of_another_renderer() {
     let Some(folder) = std::env::var_os("LODESTAR_REFERENCES").map(PathBuf::from) else {
@@ -96,7 +97,8 @@ fn reads_the_pictures_of_another_renderer() {
     let (a, b) = (path("cornell-box.mean.exr"), path("cornell-box-hard.mean.exr"));
     let output = lodestar(&["compare", &a, &b, "--json"]).output().unwrap();
     let metrics: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    // Computed by an independent implementation that reads the files with the other renderer's own code.
+    // The expected figures come from an independent implementation that reads the files with the other renderer's own
+    // code.
     let expected = [
         ("mae_ldr", 0.072_656_541_704_536_1),
         ("mae", 0.131_004_451_965_593_18),

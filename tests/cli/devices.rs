@@ -1,4 +1,4 @@
-//! `lodestar devices`, and how a device is chosen.
+//! Subcommand `lodestar devices`, and the choice of a device.
 
 use serde_json::Value;
 
@@ -12,7 +12,7 @@ fn list(folder: &Folder) -> Vec<Value> {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// The index and the name of a device that can be used.
+/// Index and name of a usable device.
 fn usable(folder: &Folder) -> (String, String) {
     let devices = list(folder);
     let device = devices.iter().find(|device| device["refused"].is_null()).expect("a device that can be used");
@@ -44,7 +44,7 @@ fn a_device_is_chosen_by_index_or_name() {
     let folder = Folder::new();
     let (index, name) = usable(&folder);
     assert_eq!(folder.render(&["--spp", "1", "--device", &index])["device"]["name"], name.as_str());
-    // The first word, in any case, as a person would type it; the environment gives way to the option.
+    // The first word of the name is enough, in any case. The option takes precedence over the environment.
     let word = name.split_whitespace().next().unwrap().to_uppercase();
     if list(&folder).iter().filter(|device| device["name"].to_string().to_uppercase().contains(&word)).count() == 1 {
         let mut command = folder.command(&TINY);

@@ -1,5 +1,5 @@
-//! A device that is lost or out of memory, at any Vulkan call that can say so, costs no file and no more than the interval
-//! between two checkpoints. `LODESTAR_FAULT` has calls fail on purpose (`src/gpu/fault_injection.rs`).
+//! Device loss and lack of device memory, at any Vulkan call that can report them. No file is lost, and no more work
+//! than since the last checkpoint. `LODESTAR_FAULT` makes calls fail on purpose (`src/gpu/fault_injection.rs`).
 
 use std::env;
 use std::fs;
@@ -12,7 +12,7 @@ use crate::support::{Folder, assert_quiet_success, assert_sentence};
 
 const SPP: u32 = 64;
 const PICTURE: [&str; 6] = ["--width", "40", "--height", "24", "--seed", "3"];
-/// More calls than there are in a row whose failure the program comes over.
+/// Upper bound of the number of successive calls whose failure the program survives.
 const FORGIVEN: u32 = 128;
 const LAST_GOOD: &str = "the last good step is number ";
 
@@ -22,14 +22,14 @@ fn render_with(folder: &Folder, fault: &str) -> Output {
     folder.command(&[&begin[..], &keep, &PICTURE].concat()).env("LODESTAR_FAULT", fault).output().unwrap()
 }
 
-/// A folder with a picture from earlier on.
+/// Folder with a picture of an earlier render.
 fn with_old_picture() -> Folder {
     let folder = Folder::new();
     folder.write("a.exr", "earlier");
     folder
 }
 
-/// About as many calls as a render makes: the last at which a fault was seen to end it.
+/// Approximate number of calls of a render: the last call whose failure ended it.
 fn call_count(kind: &str) -> u32 {
     let ends = |at: u32| !render_with(&with_old_picture(), &format!("{kind}@{at}")).status.success();
     let (mut last, mut at) = (1, 1);
@@ -42,13 +42,13 @@ fn call_count(kind: &str) -> u32 {
     last
 }
 
-/// Samples that were whole before the fault, by the program's word.
+/// Number of samples that were complete before the fault, from the program's message.
 fn whole_samples(message: &str) -> u32 {
     let rest = message.split(LAST_GOOD).nth(1).and_then(|rest| rest.split("ended at ").nth(1));
     rest.map_or(0, |rest| rest.split(' ').next().unwrap().parse().unwrap())
 }
 
-/// Checks what one fault has left, and returns its message; nothing where the program came over it.
+/// Checks the files after one fault. Returns the message, or `None` if the program survived the fault.
 fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
     let message = String::from_utf8(output.stderr.clone()).unwrap();
     let strangers = |name: &String| !["a.ckpt", "a.exr", "scene.xml"].contains(&&name[..]);
@@ -63,7 +63,7 @@ fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
     assert!(message.contains(word), "{fault}: {message}");
     let whole = whole_samples(&message);
     if whole == 0 {
-        // Memory that has run out leaves the device with what the first step had done.
+        // After lack of memory, the device still has the result of the first step.
         let is_old = fs::read(folder.path("a.exr")).unwrap() == b"earlier";
         let is_new = || fault.starts_with("memory") && read_picture(&folder.path("a.exr")).is_ok();
         assert!(is_old || is_new(), "{fault}: {message}");
@@ -101,12 +101,13 @@ fn faults_lose_the_last_interval_at_most_and_no_file() {
             }
             messages.push(message);
         }
-        // Many the program comes over by itself, such as those of names for debuggers.
+        // The program survives many faults, such as those in naming objects for debuggers.
         assert!(messages.len() as u32 >= per_kind / 5 && late > 0, "{kind}: {messages:?}");
     }
 }
 
-/// The first buffers are allocated early on.
+/// Lack of memory gives a message: what needs memory, how much, and how to need less. The first buffers are allocated
+/// early.
 #[test]
 fn out_of_memory_says_what_needs_how_much_and_what_makes_it_less() {
     let told = (1..200).find_map(|at| {
@@ -114,14 +115,14 @@ fn out_of_memory_says_what_needs_how_much_and_what_makes_it_less() {
         message.contains("allocating").then_some(message)
     });
     let message = told.expect("an allocation");
-    // 40 x 24 pixels of 64 bytes.
+    // The buffer holds 40 x 24 pixels of 64 bytes.
     for word in ["the film 61440 (", "--crop", "the BVH ", "triangles", "textures and lights ", "the grids ", "--grid"]
     {
         assert!(message.contains(word), "{message} lacks {word}");
     }
 }
 
-/// Another program of the same calls, and those that only it makes.
+/// Lack of memory is reported by `inspect`, too. It makes calls that a render does not make.
 #[test]
 fn out_of_memory_while_a_kernel_is_examined_is_said() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! The pictures that a render writes.
+//! Pictures that a render writes.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ fn size(image: &Image) -> (u32, u32) {
     (image.width, image.height)
 }
 
-/// The scene lies elsewhere, and the validation layer watches.
+/// Every output is written with the right content. The scene lies in another folder, and the validation layer is on.
 #[test]
 fn every_output_is_written_and_holds_what_it_should() {
     let folder = Folder::new();
@@ -84,7 +84,7 @@ fn a_crop_is_that_window_of_the_film() {
     let folder = Folder::new();
     let common = ["--spp", "2", "--sampler", "bsdf"];
     folder.render(&[&common[..], &["-o", "whole.exr"]].concat());
-    // The whole picture serves as the reference of its window.
+    // The whole picture is the reference of its crop window.
     let window = ["-o", "part.exr", "--crop", "5,3,7,4", "--reference", "whole.exr"];
     let stats = folder.render(&[&common[..], &window].concat());
     let (whole, part) = (read_rgb(&folder.path("whole.exr")).unwrap(), read_rgb(&folder.path("part.exr")).unwrap());
@@ -103,7 +103,7 @@ fn size_and_definitions_are_those_of_the_command_line() {
     assert!(albedo.iter().all(|&value| (value - 0.25).abs() < 1e-6), "{albedo:?}");
 }
 
-/// A folder that goes away while the picture is rendered costs that one file.
+/// Only one file is lost when its folder disappears during the render.
 #[test]
 fn an_output_that_fails_at_the_end_takes_no_other_with_it() {
     let folder = Folder::new();

@@ -1,11 +1,11 @@
-//! Where a disk is full, or a file too large for its limit, the old file stays and the message says so.
+//! Full disks and limits on file sizes: the old file stays, and the message names the cause.
 
 use std::fs;
 use std::process::{Command, Output};
 
 use crate::support::{Folder, assert_quiet_success, assert_sentence};
 
-/// Runs the program under a shell that first does what `setup` says, and afterwards what `check` says.
+/// Runs the program in a shell, after the shell commands `setup` and before the shell commands `check`.
 fn run_after(folder: &Folder, shell: &[&str], setup: &str, arguments: &[&str], check: &str) -> Output {
     let program = env!("CARGO_BIN_EXE_lodestar");
     let script = format!("{setup}; {program} \"$@\"; code=$?; {check}; exit $code");
@@ -18,7 +18,7 @@ fn run_after(folder: &Folder, shell: &[&str], setup: &str, arguments: &[&str], c
 const RENDER: [&str; 10] =
     ["render", "scene.xml", "--quiet", "--spp", "8", "--width", "64", "--height", "64", "--seed=1"];
 
-/// A folder with a checkpoint and pictures from earlier on.
+/// Folder with a checkpoint and pictures of an earlier render.
 fn with_old_files() -> Folder {
     let folder = Folder::new();
     fs::create_dir(folder.path("full")).unwrap();
@@ -30,7 +30,7 @@ fn with_old_files() -> Folder {
     folder
 }
 
-/// `ulimit -f 1` allows 512 bytes in a file.
+/// A limit on file sizes is an error, and the old file stays. `ulimit -f 1` allows 512 bytes per file.
 #[test]
 fn a_limit_on_file_sizes_is_an_error_and_the_old_file_stays() {
     let folder = with_old_files();
@@ -42,7 +42,7 @@ fn a_limit_on_file_sizes_is_an_error_and_the_old_file_stays() {
         assert_eq!(fs::read_to_string(folder.path(name)).unwrap(), "old");
     }
     let resume = ["resume", "full/a.ckpt", "--spp", "24", "--checkpoint-every", "0.001", "-o", "b.exr", "--quiet"];
-    // Enough for the picture.
+    // This limit is enough for the picture.
     let output = run_after(&folder, &[], "ulimit -f 2000", &resume, ":");
     let said = String::from_utf8(output.stderr).unwrap();
     let lines: Vec<_> = said.lines().collect();
@@ -56,7 +56,7 @@ fn a_limit_on_file_sizes_is_an_error_and_the_old_file_stays() {
     assert_eq!(folder.names(), before, "nothing else is left");
 }
 
-/// With a disk of its own, where the system lets a user have one.
+/// A full disk is an error, and the old file stays. The test mounts a disk of its own, if the system lets a user do so.
 #[test]
 fn a_full_disk_is_an_error_and_the_old_file_stays() {
     let namespace = ["unshare", "--user", "--map-root-user", "--mount"];
@@ -69,7 +69,7 @@ fn a_full_disk_is_an_error_and_the_old_file_stays() {
     let folder = with_old_files();
     fs::create_dir(folder.path("disk")).unwrap();
     fs::create_dir(folder.path("seen")).unwrap();
-    // All that is left is smaller than any of the files.
+    // The space left is smaller than any of the files.
     let fill = "cp full/* disk/ && head -c 9999999 /dev/zero > disk/rest 2>/dev/null";
     let setup = format!("{mount} && {fill}");
     let copy = "rm disk/rest; rm -f seen/*; cp disk/* seen/; ls -A disk > names";
@@ -93,7 +93,7 @@ fn a_full_disk_is_an_error_and_the_old_file_stays() {
     assert!(folder.path("kept.exr").exists());
 }
 
-/// Two pictures to merge.
+/// Writes two pictures to merge.
 fn write_parts(folder: &Folder) {
     if folder.path("parts").exists() {
         return;

@@ -1,4 +1,4 @@
-//! Help texts, and the page of options that is written from the same table.
+//! Help texts, and the page of options, which is generated from the same table.
 
 use lodestar::settings::options::document;
 
@@ -35,7 +35,7 @@ fn the_long_help_of_render_has_research_under_one_heading() {
     }
 }
 
-/// A link to the crate's documentation means nothing on a command line.
+/// Help texts have no links to the crate's documentation.
 #[test]
 fn no_help_has_links_of_the_documentation() {
     for subcommand in SUBCOMMANDS {
@@ -46,7 +46,7 @@ fn no_help_has_links_of_the_documentation() {
     }
 }
 
-/// With LODESTAR_WRITE_DOCS=1, the page is written.
+/// The page of options equals the page generated from the table. With `LODESTAR_WRITE_DOCS=1`, the test writes it.
 #[test]
 fn the_page_of_options_is_that_of_the_table() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/options.md");

@@ -1,4 +1,4 @@
-//! `lodestar inspect`.
+//! Subcommand `lodestar inspect`.
 
 use std::process::Command;
 
@@ -27,7 +27,7 @@ fn text(folder: &Folder, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// The path tracer that reads texel buffers.
+/// Report about the tracing kernel that reads texel buffers.
 fn trace(folder: &Folder, arguments: &[&str]) -> Value {
     inspect(folder, &[&["trace", "--back-end", "texel"], arguments].concat())["kernels"][0].clone()
 }
@@ -41,7 +41,7 @@ fn instructions(histogram: &Value) -> u64 {
     histogram["total"]["instructions"].as_u64().unwrap()
 }
 
-/// Instructions that come from that GLSL file.
+/// Number of instructions that come from a GLSL file.
 fn instructions_of(histogram: &Value, file: &str) -> u64 {
     let lines = histogram["lines"].as_array().unwrap().iter().filter(|line| line["file"] == file);
     lines.map(|line| line["total"]["instructions"].as_u64().unwrap()).sum()
@@ -89,7 +89,7 @@ fn layouts_are_those_of_the_glsl() {
     let member = &scene["layout"]["members"][0];
     assert_eq!(member["members"][0]["type"], "vec4[3]");
     assert_eq!((&member["members"][0]["stride"], &member["members"][1]["offset"]), (&16.into(), &48.into()));
-    // layout.rs is held against the same reflection when the crate is compiled.
+    // `layout.rs` is checked against the same reflection when the crate is compiled.
     assert_eq!(member["bytes"], size_of::<lodestar::generated::layout::SceneConstants>());
     assert_eq!(kernel["interface"]["push_constants"]["bytes"], size_of::<lodestar::generated::layout::TracePush>());
 }
@@ -197,7 +197,8 @@ fn check_executables(executables: &Value) {
     }
 }
 
-/// Mesa's driver of AMD GPUs compiles for one that is not there, and tells all of it.
+/// Statistics of a driver are quoted. Mesa's driver of AMD GPUs compiles for hardware that is absent and reports
+/// everything.
 #[test]
 fn a_driver_that_tells_much_is_quoted() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `--kernel-dir`: what `inspect --out` wrote, edited, in place of the built-in kernels.
+//! Option `--kernel-dir`: edited files from `inspect --out` replace the built-in kernels.
 
 use std::fs;
 use std::path::Path;
@@ -11,10 +11,10 @@ use rspirv::spirv::{Decoration, Op};
 
 use crate::support::{Folder, assert_quiet_success, assert_sentence, attribute};
 
-/// Roulette from the first bounce on, so that it matters here.
+/// Arguments of a render. Russian roulette starts at the first bounce, so that it matters here.
 const RENDER: [&str; 8] = ["render", "scene.xml", "--quiet", "--spp", "16", "--rr-depth", "1", "--sampler"];
 
-/// Both back ends' files: which one a device reads is its affair.
+/// Files of both back ends. Each device reads one of them.
 const FILES: [&str; 2] = ["kernels/trace.spv", "kernels/trace.texel.spv"];
 
 fn folder_with_kernels() -> Folder {
@@ -39,7 +39,7 @@ fn picture(folder: &Folder, name: &str) -> Image {
     exr::read_rgb(&folder.path(name)).unwrap()
 }
 
-/// One line per file that this device does not read; no other.
+/// Fails unless standard error has one line per file that this device does not read, and no other.
 fn assert_only_unused(output: &Output) {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && output.stdout.is_empty(), "{said}");
@@ -65,7 +65,8 @@ fn what_inspect_wrote_renders_the_same() {
 #[test]
 fn an_edited_constant_changes_the_picture() {
     let folder = folder_with_kernels();
-    // The most that a path may survive roulette with. Unbiased at any value above 0, so the mean stays.
+    // The edited constant is the maximum probability of survival. The picture is unbiased at any value above 0, so the
+    // mean stays.
     let change = |i: &mut Instruction| {
         if i.class.opcode == Op::Constant && i.operands == [Operand::LiteralBit32(0.95_f32.to_bits())] {
             i.operands = vec![Operand::LiteralBit32(0.3_f32.to_bits())];

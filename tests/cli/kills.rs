@@ -1,4 +1,4 @@
-//! A render that is killed at any moment loses no more than what came after its last checkpoint, and no file.
+//! Killed renders lose no file, and no more work than since the last checkpoint.
 
 use std::env;
 use std::path::Path;
@@ -10,12 +10,12 @@ use crate::resume::{assert_same_picture, samples_in};
 use crate::support::{Folder, assert_quiet_success, wait_until};
 
 const SEED: u64 = 0x1357_9bdf;
-/// Between two checkpoints, in seconds.
+/// Time between two checkpoints, in seconds.
 const EVERY: f64 = 0.1;
-/// What a step, the writing of the file and a busy machine may add to that.
+/// Extra time for a step, for writing the file and for a busy machine, in seconds.
 const SLACK: f64 = 3.0;
 
-/// Steele, Lea and Flood 2014 (SplitMix64).
+/// Random number by SplitMix64 (Steele, Lea and Flood 2014).
 fn random(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
@@ -28,7 +28,7 @@ fn modified(path: &Path) -> Option<SystemTime> {
     path.metadata().and_then(|metadata| metadata.modified()).ok()
 }
 
-/// The one render that all kills together interrupt: begun once, then gone on with.
+/// Arguments of the one render that all kills interrupt: to begin it, then to resume it.
 fn arguments(is_begun: bool) -> Vec<String> {
     let every = EVERY.to_string();
     let begin: &[&str] = match is_begun {
@@ -52,7 +52,8 @@ fn kills_lose_the_last_interval_at_most_and_no_file() {
         let began = SystemTime::now();
         let arguments = arguments(checkpoint.exists());
         let running = folder.start(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
-        // Every other one while samples are taken and files are written, the rest at any time, the start included.
+        // Every other kill happens while samples are taken and files are written. The rest happen at any time, even at
+        // the start.
         let is_late = kill % 2 == 1;
         if is_late {
             wait_until(|| modified(&checkpoint).filter(|&time| time > began));

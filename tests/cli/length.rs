@@ -1,4 +1,4 @@
-//! How long a render goes on, and what it writes meanwhile.
+//! Length of a render, and its output meanwhile.
 
 use std::fs;
 
@@ -25,7 +25,7 @@ fn the_samples_are_the_command_lines_else_the_scenes_else_64() {
     assert_eq!(spp(&folder.render(&[])), 64);
 }
 
-/// A time limit alone takes no notice of the scene's samples.
+/// A time limit ends a render, whatever number of samples the scene asks for.
 #[test]
 fn time_ends_a_render() {
     let folder = Folder::new();
@@ -35,7 +35,8 @@ fn time_ends_a_render() {
     assert!(read_layer(&folder.path("a.exr"), "samples").unwrap().pixels.iter().all(|pixel| pixel[0] > 12.0));
 }
 
-/// The film is so large that one step takes longer: its paths count, although no sample is complete.
+/// A step that the time limit cuts short counts its paths, although no sample is complete. The film is so large that
+/// one step takes longer.
 #[test]
 fn a_step_that_is_cut_short_counts_what_it_did() {
     let folder = Folder::new();
@@ -54,7 +55,7 @@ fn a_step_that_is_cut_short_counts_what_it_did() {
     assert!(steps.iter().all(|step| step["rays"].as_u64() >= step["paths"].as_u64()));
 }
 
-/// A target alone takes no notice of the scene's samples either.
+/// A noise target ends a render, whatever number of samples the scene asks for.
 #[test]
 fn noise_ends_a_render() {
     let folder = Folder::new();
@@ -83,7 +84,7 @@ fn whichever_is_reached_first_ends_it() {
     assert!(seconds(&stats) < 5.0 && spp(&stats) > 0);
 }
 
-/// There is nothing to write, and what an earlier render wrote is worth more.
+/// A time limit that ends before the first sample is an error, and an earlier picture stays.
 #[test]
 fn no_time_at_all_is_an_error_and_no_picture() {
     let folder = Folder::new();
@@ -103,7 +104,7 @@ fn the_picture_so_far_is_whole_and_says_what_it_is() {
     wait_until(|| path.exists().then_some(()));
     let mut last = String::new();
     for _ in 0..3 {
-        // Another may take its place at any moment, but it is always a whole one.
+        // A newer file may replace this one at any moment, but each is complete.
         last = wait_until(|| Some(attribute(&path, "spp")).filter(|spp| *spp != last));
         assert!(last.parse::<u32>().unwrap() > 0);
     }
@@ -117,7 +118,7 @@ fn the_picture_so_far_is_whole_and_says_what_it_is() {
     assert!(device.len() > 3 && attribute(&path, "spp").parse::<u32>().unwrap() >= last.parse().unwrap());
 }
 
-/// Hours of work do not end because a disk was full for a moment.
+/// A picture so far that cannot be written gives one warning. A disk that is full for a moment does not end the render.
 #[test]
 fn a_picture_so_far_that_cannot_be_written_is_one_warning() {
     let folder = Folder::new();

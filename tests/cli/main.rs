@@ -1,4 +1,4 @@
-//! The command line as scripts see it: exit codes, files, standard output and standard error.
+//! Command line as scripts see it: exit codes, files, standard output and standard error.
 
 mod bad_input;
 mod compare;

@@ -1,4 +1,4 @@
-//! Pictures that share a frame's samples.
+//! Merged pictures, whose samples are parts of one range.
 
 use std::fs;
 
@@ -33,7 +33,7 @@ fn differences(a: &Picture, b: &Picture) -> [f32; 2] {
     [pairs(&a.radiance, &b.radiance, 1e-3), pairs(&a.variance, &b.variance, 1e-6)]
 }
 
-/// Fails unless every number of both has the same bits.
+/// Fails unless all numbers of both pictures have equal bits.
 #[track_caller]
 fn assert_same_bits(a: &Picture, b: &Picture) {
     assert!(a == b, "{:?}", differences(a, b));
@@ -52,7 +52,7 @@ fn the_number_of_parts_changes_no_bit() {
     assert_same_bits(&folder.merge(&["a.exr", "b.exr", "c.exr"], "abc.exr"), &whole);
     assert_same_bits(&folder.merge(&["c.exr", "a.exr", "b.exr"], "cab.exr"), &whole);
     assert_same_bits(&folder.merge(&["d.exr", "e.exr"], "de.exr"), &whole);
-    // Nor do the steps in which they are merged, or that a part was rendered in two goes.
+    // Merging in several steps changes no bit, and neither does a part that was rendered in two runs.
     assert_same_bits(&folder.merge(&["a.exr", "c.exr"], "ac.exr"), &folder.merge(&["c.exr", "a.exr"], "ca.exr"));
     assert_same_bits(&folder.merge(&["ac.exr", "b.exr"], "acb.exr"), &whole);
     folder.part("c.exr", 24, 16, &["--sampler", "bsdf", "--checkpoint", "c.ckpt"]);
@@ -66,7 +66,7 @@ fn the_number_of_parts_changes_no_bit() {
     assert_eq!(attribute(&path, "scene_hash"), attribute(&folder.path("a.exr"), "scene_hash"));
 }
 
-/// The samples are the same; only how they are added up is not.
+/// Merged parts make the picture of one render with the same samples, up to the rounding of sums.
 #[test]
 fn parts_make_the_picture_of_a_render_that_is_none() {
     let folder = Folder::new();
@@ -90,7 +90,7 @@ fn parts_make_the_picture_of_a_render_that_is_none() {
     }
 }
 
-/// The twin: other samples than the whole's are noticed.
+/// The twin must fail: parts with other samples than the whole.
 #[test]
 fn other_samples_are_noticed() {
     let folder = Folder::new();
@@ -103,7 +103,7 @@ fn other_samples_are_noticed() {
     assert!(differences(&whole, &merged)[0] > 1e-3, "c.exr has other samples");
 }
 
-/// What was merged is a part of a larger whole.
+/// Merged pictures can be merged again, as parts of a larger whole.
 #[test]
 fn merged_pictures_can_be_merged_again() {
     let folder = Folder::new();
@@ -152,7 +152,7 @@ fn what_does_not_belong_together_is_refused() {
         (&["--max-depth", "5"], "max_depth (16 there, 5 here)"),
         (&["--sampler", "rejection-mix"], "sampler (bsdf there, rejection-mix here)"),
     ] {
-        // What is said last holds, so it must be said once.
+        // The last of two values would hold, so each option is given once.
         let mut arguments = vec!["--width", "40", "--height", "30", "--sampler", "bsdf"];
         for pair in more.chunks(2) {
             match arguments.iter().position(|name| name == &pair[0]) {
@@ -179,7 +179,7 @@ fn what_does_not_belong_together_is_refused() {
     fs::remove_file(folder.path("a.exr")).unwrap();
 }
 
-/// How many samples a pixel has depends on what they are.
+/// Pictures that ended by noise are refused, because a pixel's number of samples depends on their values.
 #[test]
 fn pictures_that_ended_by_noise_are_refused() {
     let folder = Folder::new();

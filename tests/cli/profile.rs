@@ -1,4 +1,4 @@
-//! `render --profile`.
+//! Option `render --profile`.
 
 use std::process::Output;
 
@@ -55,7 +55,7 @@ fn the_trace_nests() {
     let (steps, submissions, kernels) = (slices(&trace, 1), slices(&trace, 2), slices(&trace, 3));
     assert_eq!(steps.len(), 3);
     assert!(kernels.len() >= 9 && submissions.len() >= 6, "{} and {}", kernels.len(), submissions.len());
-    // Two clocks, of which the device's may run a little faster than the host's.
+    // The device's clock may run a little faster than the host's.
     let slack = |slice: &Value| 1000.0 + 0.01 * number(slice, "dur");
     for kernel in &kernels {
         let within =

@@ -1,4 +1,4 @@
-//! `lodestar radiance`.
+//! Subcommand `lodestar radiance`.
 
 use glam::DVec3;
 use lodestar::image::exr::read_rgb;
@@ -60,7 +60,8 @@ fn bootstrapped() -> f32 {
     1.0 - distance
 }
 
-/// In a furnace that emits 0.5 and reflects half, n edges see 1 - 2^-n from everywhere.
+/// The known radiance of a furnace is learned. The furnace emits 0.5 and reflects half, so n edges see 1 - 2^-n in
+/// every direction.
 #[test]
 fn the_truth_of_a_furnace_is_known_and_learned() {
     let folder = Folder::new();

@@ -1,4 +1,4 @@
-//! `lodestar reproduce`, on a scene of the project's own and a reference that is rendered for it.
+//! Subcommand `lodestar reproduce`, on a scene of this repository and a reference rendered for it.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::support::{Folder, assert_quiet_success, assert_sentence};
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
 
-/// A folder with a reference of 64 x 64 pixels.
+/// Folder with a reference of 64 x 64 pixels.
 fn with_reference() -> Folder {
     let folder = Folder::new();
     fs::create_dir(folder.path("references")).unwrap();
@@ -43,14 +43,14 @@ fn tables_are_measured_once_and_hold_every_method() {
     assert_quiet_success(&reproduce(&folder, "table1", "0.5", &small));
     let table = fs::read_to_string(folder.path("out/table1.md")).unwrap();
     let row = table.lines().find(|line| line.starts_with("| cornell-box")).unwrap();
-    // The paper's errors beside ours, and the size.
+    // The table has the paper's errors beside ours, and the size.
     for word in ["(0.0114)", "(0.0093)", "(0.0098)", "(0.0072)", "16 x 16"] {
         assert!(row.contains(word), "{row} lacks {word}");
     }
     for method in ["bsdf", "rejection+sarsa", "rejection-mix+expected-sarsa", "rejection-mix+sarsa"] {
         let record = folder.read_json(&format!("out/cornell-box/{method}.json"));
         let number = |name: &str| record[name].as_f64().unwrap();
-        // As long as all others, to within half a step: on a machine that is busy, one may take long.
+        // All renders take equal time, to within half a step. On a busy machine, a single one may take longer.
         assert!(number("seconds") > 0.25 && number("spp") >= 8.0, "{method}: {record}");
         let mae = record["errors"]["mae_ldr"].as_f64().unwrap();
         assert!(mae > 0.0 && mae < 0.2, "{method}: {mae}");
@@ -60,7 +60,7 @@ fn tables_are_measured_once_and_hold_every_method() {
         assert!(folder.path(&format!("out/cornell-box/{method}-error.png")).exists());
     }
 
-    // The same bits as a render of as many samples has.
+    // The picture has the bits of a render with equally many samples.
     let spp = folder.read_json("out/cornell-box/rejection-mix+sarsa.json")["spp"].to_string();
     let scene = format!("{SCENES}/cornell-box/scene.xml");
     let how = ["--width", "16", "--height", "16", "--rfilter", "box", "--max-depth", "16", "--rr-depth", "8"];
@@ -86,7 +86,7 @@ fn tables_are_measured_once_and_hold_every_method() {
     let row: Vec<_> = table.lines().find(|line| line.starts_with("| cornell-box")).unwrap().split(" | ").collect();
     assert_eq!((row.len(), row[5]), (1 + 9, "1.000"), "{table}");
 
-    // Other conditions.
+    // Other conditions make all pictures anew.
     assert_quiet_success(&reproduce(&folder, "table1", "0.3", &small));
     assert!(modified(&kept) > before);
     assert_eq!(fs::read_to_string(&csv).unwrap().lines().count(), 1 + 6);
@@ -96,7 +96,7 @@ fn tables_are_measured_once_and_hold_every_method() {
 fn figures_are_drawn() {
     let folder = with_reference();
     let small = ["--scale", "0.25"];
-    // All of it has 52 pictures, and the ablation 32.
+    // The full table has 52 pictures, and the ablation 32.
     let is_full = std::env::var_os("LODESTAR_FULL").is_some();
     let targets = if is_full { &["all", "ablation"][..] } else { &["figure1", "figure6"] };
     for target in targets {
@@ -122,7 +122,8 @@ fn figures_are_drawn() {
     }
 }
 
-/// The size is chosen by the speed of `bsdf`, which a small reference of a simple scene reaches at once.
+/// The size is chosen by the speed of `bsdf`, and then kept. A small reference of a simple scene reaches the speed at
+/// once.
 #[test]
 fn the_size_is_chosen_and_kept() {
     let folder = with_reference();

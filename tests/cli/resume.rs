@@ -1,4 +1,4 @@
-//! Checkpoints, and renders that are gone on with.
+//! Checkpoints, and renders that resume from them.
 
 use std::fs;
 use std::path::Path;
@@ -10,14 +10,14 @@ use serde_json::Value;
 
 use crate::support::{Folder, SCENE, assert_quiet_success, assert_sentence, wait_until};
 
-/// Not a whole number of tiles, and so many samples that a signal comes in time.
+/// Arguments of a render whose size is not a whole number of tiles. It has enough samples for a signal to come in time.
 const LARGE: [&str; 6] = ["--width", "100", "--height", "61", "--spp", "1000000"];
 
 pub fn samples_in(checkpoint: &Path) -> u32 {
     Checkpoint::read(checkpoint).unwrap().state.samples_done
 }
 
-/// What statistics say apart from time and memory.
+/// Statistics other than time and memory.
 fn counts(stats: &Value) -> Value {
     let mut counts = serde_json::json!([stats["totals"], stats["steps"]]);
     let [totals, steps] = counts.as_array_mut().unwrap().as_mut_slice() else { unreachable!() };
@@ -29,15 +29,15 @@ fn counts(stats: &Value) -> Value {
     counts
 }
 
-/// Fails unless both pictures have the same bits.
+/// Fails unless both pictures have equal bits.
 #[track_caller]
 pub fn assert_same_picture(a: &Path, b: &Path) {
-    // By text: a NaN is unlike itself.
+    // The comparison is by text, because a NaN does not equal itself.
     let [a, b] = [a, b].map(|path| format!("{:?}", read_picture(path).unwrap().0));
     assert!(a == b);
 }
 
-/// Fails unless a render that gets `signal` ends with `code` and can be gone on with to the bits of one that got none.
+/// Fails unless a render that gets `signal` ends with `code`, and resumes to the bits of an uninterrupted render.
 fn is_resumed_after(signal: &str, code: i32, sampler: &str) {
     let folder = Folder::new();
     let what = ["--sampler", sampler, "--steps", "even", "--seed", "3"];
@@ -53,7 +53,7 @@ fn is_resumed_after(signal: &str, code: i32, sampler: &str) {
     assert!(samples > 0 && samples.is_multiple_of(8), "{samples}");
     let picture = read_picture(&folder.path("a.exr")).unwrap().0;
     assert!(picture.sample_count.iter().all(|&count| count >= samples), "the picture has the last step's samples too");
-    // Not a whole number of steps.
+    // The number of samples is not a whole number of steps.
     let spp = (samples + 20).to_string();
     assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--spp", &spp, "--stats", "a.json", "--quiet"]));
     assert_eq!(samples_in(&folder.path("a.ckpt")), samples + 16, "whole steps only");
@@ -73,16 +73,16 @@ fn a_terminated_render_is_gone_on_with_to_the_same_bits() {
     is_resumed_after("TERM", 143, "rejection-mix");
 }
 
-/// Whatever the number of samples, there is no step in the checkpoint that a longer render would not have made.
+/// A finished render can be made longer. A checkpoint has only steps that a longer render would take, too.
 #[test]
 fn a_finished_render_can_be_made_longer() {
     let folder = Folder::new();
-    // After 8 samples steps have two.
+    // Steps have two samples after the first 8 samples.
     folder.render(&["--spp", "13", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
     assert_eq!(samples_in(&folder.path("a.ckpt")), 12);
     folder.render(&["--spp", "13", "-o", "thirteen.exr"]);
     fs::remove_file(folder.path("a.exr")).unwrap();
-    // As long as it was, to the file that it had.
+    // The render has its old length and its old output file.
     assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet"]));
     assert_same_picture(&folder.path("a.exr"), &folder.path("thirteen.exr"));
     assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet", "--spp", "40", "-o", "b.exr"]));
@@ -116,7 +116,7 @@ fn checkpoints_are_written_as_the_render_goes() {
     assert!(samples_in(&path) >= samples);
 }
 
-/// Also where the next slice would take seconds.
+/// A second signal harms no file, even if the next slice would take seconds.
 #[test]
 fn a_second_signal_harms_no_file() {
     let folder = Folder::new();
@@ -170,7 +170,7 @@ fn another_scene_is_refused_with_both_hashes() {
     folder.write("triangle.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 3\n");
     folder.write("scene.xml", &scene.replace("z=\"5\"", "z=\"6\""));
     refused();
-    // What changes no picture is no difference, nor is the place.
+    // The render also resumes if the scene file changes without effect on the picture, or moves to another folder.
     fs::create_dir(folder.path("moved")).unwrap();
     folder.write("moved/scene.xml", &scene.replace("<emitter", "<!-- the sky --> <emitter"));
     fs::rename(folder.path("triangle.obj"), folder.path("moved/triangle.obj")).unwrap();

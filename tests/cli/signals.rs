@@ -54,7 +54,7 @@ fn start_on_a_pipe(folder: &Folder) -> (Running, fs::File) {
     let pipe = folder.path("pipe.xml");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let running = folder.start(&["render", "pipe.xml", "-o", "a.exr", "--stats", "s.json"]);
-    // Returns when the program opens the other end.
+    // Opening returns when the program opens the other end.
     let writer = fs::File::options().write(true).open(pipe).unwrap();
     (running, writer)
 }

@@ -1,4 +1,4 @@
-//! What `--stats` writes.
+//! Statistics file of `--stats`.
 
 use std::path::Path;
 
@@ -29,7 +29,7 @@ const STEP: [&str; 9] = [
     "spp",
     "tries_per_sample",
 ];
-/// What the totals hold besides.
+/// Further members of the totals.
 const TOTALS: [&str; 4] = ["nonfinite_samples", "peak_bytes", "peak_resident_bytes", "primitives"];
 const ERRORS: [&str; 6] = ["mae", "mae_ldr", "mean_ratio", "mse", "relmse", "relmse_trim"];
 
@@ -73,7 +73,7 @@ fn steps_add_up_to_the_totals() {
         check_rates(step);
     }
     check_rates(totals);
-    // In a step of one sample it may be none that meets the light by chance.
+    // A step of one sample may have no light hit at all.
     assert!(number(totals, "light_hit_rate") > 0.0);
     for name in ["spp", "paths", "rays", "shadow_rays"] {
         assert_eq!(sum(steps, name), number(totals, name), "{name}");
@@ -81,7 +81,7 @@ fn steps_add_up_to_the_totals() {
     assert!((sum(steps, "seconds") - number(totals, "seconds")).abs() < 1e-9);
     assert_eq!(number(totals, "paths"), 20.0 * 32.0 * 32.0);
     assert_eq!((number(totals, "nonfinite_samples"), number(totals, "peak_bytes") > 65536.0), (0.0, true));
-    // The first step samples the scattering function only.
+    // The first step samples the BSDF only.
     assert_eq!(number(&steps[0], "tries_per_sample"), 0.0);
     assert!(steps[1..].iter().all(|step| number(step, "tries_per_sample") >= 1.0));
     for name in ["load_seconds", "bvh_seconds", "pipeline_seconds", "setup_seconds"] {
@@ -100,7 +100,7 @@ fn errors_are_measured_on_the_way_and_at_the_end() {
     let stats = folder.render(&[&common[..], &measured].concat());
     let (totals, steps) = (&stats["totals"], stats["steps"].as_array().unwrap());
     assert_eq!(keys(&totals["errors"]), ERRORS);
-    // The same seed: the error falls to nothing.
+    // The reference has the same seed, so the error vanishes.
     assert_eq!((number(&totals["errors"], "mae"), number(&totals["errors"], "mean_ratio")), (0.0, 1.0));
     let measured: Vec<_> = steps.iter().map(|step| step["errors"].is_object()).collect();
     assert_eq!(measured, [true, true, false, true, false, true]);

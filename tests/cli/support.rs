@@ -30,7 +30,7 @@ pub const SCENE: &str = r#"<scene version="3.0.0">
 /// Maximum time for anything that should take a moment. Other tests keep the cores busy.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A temporary folder, the program's working directory.
+/// Temporary folder, which is the program's working directory.
 pub struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -180,14 +180,14 @@ pub fn assert_quiet_success(output: &Output) {
     assert_eq!((output.status.code(), said), (Some(0), [String::new(), String::new()]));
 }
 
-/// The names of an object's members, sorted.
+/// Names of an object's members, sorted.
 pub fn keys(value: &Value) -> Vec<&str> {
     let mut keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
     keys.sort_unstable();
     keys
 }
 
-/// The text of an attribute of an EXR picture.
+/// Text of an attribute of an EXR picture.
 pub fn attribute(path: &Path, name: &str) -> String {
     let attributes = lodestar::image::exr::read_attributes(path).unwrap();
     let found = attributes.into_iter().find(|(found, _)| found == name);

@@ -1,5 +1,5 @@
-//! The program writes the files that the command line names and its cache, and nothing else; it may read whatever a scene
-//! names, wherever that lies.
+//! Files that the program writes: those that the command line names, and its cache. It may read any file that a scene
+//! names, wherever it lies.
 
 use std::fs;
 
@@ -34,7 +34,7 @@ fn only_named_files_and_the_cache_are_written() {
     let named = named.map(|name| format!("work/{name}"));
     let written: Vec<_> = folder.names().into_iter().filter(|name| !before.contains(name)).collect();
     assert_eq!(written, named);
-    // The cache is Lodestar's and the driver's, and nothing else is in it.
+    // The cache holds only Lodestar's files and the driver's.
     let mut cached: Vec<_> =
         fs::read_dir(folder.path("cache")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     cached.retain(|name| name != "lodestar" && !name.to_string_lossy().starts_with("mesa_shader_cache"));
