@@ -1,4 +1,4 @@
-//! Spelling, defaults, includes, references, and what every parameter becomes.
+//! Spelling, defaults, includes, references, and the effect of every parameter.
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use lodestar::scene::{
@@ -58,7 +58,7 @@ fn both_spellings_give_the_same_scene() {
     assert_eq!(old.film.filter, ReconstructionFilter::Tent { radius: 1.0 });
 }
 
-/// The numbers are Mitsuba 3.9's for the same `lookat`.
+/// Camera transforms by `lookat` have Mitsuba 3.9's numbers.
 #[test]
 fn lookat_is_mitsubas() {
     let scene = Folder::new(&[("scene.xml", NEW)]).load(&[]).unwrap();
@@ -71,7 +71,8 @@ fn lookat_is_mitsubas() {
     assert!(scene.camera.world_from_camera.abs_diff_eq(expected, 1e-5));
 }
 
-/// Mitsuba 3.9 prints `x_fov = 42.3117` for a 50 mm lens before a film of 200 x 100.
+/// A focal length spans the film's diagonal. Mitsuba 3.9 prints `x_fov = 42.3117` for a 50 mm lens and a film of 200 x
+/// 100.
 #[test]
 fn a_focal_length_spans_the_diagonal() {
     let text = r#"<scene><sensor type="perspective"><string name="focal_length" value="50mm"/></sensor></scene>"#;
@@ -91,7 +92,7 @@ fn sensors() {
     let lens = |parameters: &str| camera("thinlens", parameters).projection;
     let parameters = r#"<float name="aperture_radius" value="0.1"/><float name="focusDistance" value="5"/>"#;
     assert_eq!(lens(parameters), Projection::ThinLens { aperture_radius: 0.1, focus_distance: 5.0 });
-    // Mitsuba focuses on the far plane where nothing is said.
+    // Mitsuba focuses on the far plane by default.
     let parameters = r#"<float name="aperture_radius" value="0.1"/><float name="far_clip" value="70"/>"#;
     assert_eq!(lens(parameters), Projection::ThinLens { aperture_radius: 0.1, focus_distance: 70.0 });
     let scaled = r#"<transform name="to_world"><scale x="3" y="2"/></transform><float name="near_clip" value="0.5"/>"#;

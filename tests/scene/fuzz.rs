@@ -1,4 +1,4 @@
-//! Whatever stands in the files: a scene or an error, never a panic.
+//! Files with arbitrary content give a scene or an error, never a panic.
 
 use std::time::{Duration, Instant};
 
@@ -43,8 +43,8 @@ value="1, 2, 3"/></bsdf></bsdf><bsdf type="roughdielectric" id="e"><string name=
 const MESH: &str = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1.5\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n\
                     f 1/1/1 2/2/1 3/1/1\nf -3/1/1 -2//1 4/1/1 1/1/1\n";
 
-/// Overwritten bytes, some runs of bytes repeated or left out, and a cut: with anything, or with what has a meaning in
-/// one of the formats.
+/// Bytes with some overwritten, some runs repeated or left out, and a cut. They are overwritten with anything, or with
+/// text that has a meaning in one of the formats.
 pub fn mangled(bytes: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
     let length = bytes.len();
     let byte = prop_oneof![any::<u8>(), prop::sample::select(&b"-0123456789.e/$<>\"' \nfvn\0\xff"[..])];
@@ -63,7 +63,7 @@ pub fn mangled(bytes: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-/// What a loaded scene promises.
+/// Checks the invariants of a loaded scene.
 fn check(scene: &Scene) -> Result<(), TestCaseError> {
     for primitive in &scene.primitives {
         prop_assert!(primitive.bounds().0.is_finite() && primitive.bounds().1.is_finite());
@@ -92,7 +92,7 @@ fn check_image(image: &Image) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Tries some thousand inputs, or as many as `LODESTAR_FUZZ_SECONDS` allow.
+/// Tests some thousand inputs, or as many as `LODESTAR_FUZZ_SECONDS` allows.
 pub fn fuzz<T: std::fmt::Debug>(inputs: impl Strategy<Value = T>, test: impl Fn(T) -> Result<(), TestCaseError>) {
     let seconds = std::env::var("LODESTAR_FUZZ_SECONDS").ok().and_then(|text| text.parse().ok());
     let limit = Duration::from_secs(seconds.unwrap_or(0));
@@ -127,7 +127,7 @@ fn materials() {
     });
 }
 
-/// A file's content says what it is, so that one name serves for all.
+/// Images of every format are fuzzed under one name, because the content determines the format.
 #[test]
 fn images() {
     let files = Union::new(image_files().into_iter().map(|file| mangled(file).boxed()));
@@ -138,7 +138,7 @@ fn images() {
     });
 }
 
-/// Fuzzes a mesh reader with mangled files and with noise after what a file begins with.
+/// Fuzzes a mesh reader with mangled files, and with noise after the valid beginning of a file.
 fn meshes(plugin: &str, files: Vec<Vec<u8>>, begin: &[u8]) {
     let noise = prop::collection::vec(any::<u8>(), 0..200);
     let begin = begin.to_vec();
@@ -165,7 +165,7 @@ fn serialized_as_it_is() {
     meshes("serialized", vec![file(3, 0x1003), file(4, 0x200b)], b"\x1c\x04\x04\x00\x78\x9c");
 }
 
-/// Most faults within the compressed data end in its checksum, so here they are made before it is compressed.
+/// Serialized content is mangled before it is compressed: most faults in compressed data are found by its checksum.
 #[test]
 fn serialized_content_of_any_kind() {
     let contents = [(3, 0x1003), (4, 0x1000), (4, 0x200b)].map(|(version, flags)| {

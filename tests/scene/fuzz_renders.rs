@@ -1,4 +1,4 @@
-//! Whatever stands in a checkpoint or in a picture that is read back or merged: a result or an error, never a panic.
+//! Checkpoints and pictures with arbitrary content, read back or merged, give a result or an error, never a panic.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use xxhash_rust::xxh3::xxh3_128;
 use crate::fuzz::{fuzz, mangled};
 use crate::{Folder, load_body};
 
-/// Before the header: magic, its length, its hash.
+/// Number of bytes before the header: a magic number, the header's length and its hash.
 const PREFIX_BYTES: usize = 32;
 
 fn checkpoint_file() -> Vec<u8> {
@@ -36,7 +36,7 @@ fn checkpoint_file() -> Vec<u8> {
     std::fs::read(folder.path("a.ckpt")).unwrap()
 }
 
-/// Two by two pixels that were sampled from number `first` on.
+/// Picture file of two by two pixels, with samples from index `first` on.
 fn picture_file(first: u32) -> Vec<u8> {
     let mut picture = Picture::empty(2, 2, [0, 0], [2, 2]);
     picture.sample_count.fill(8);
@@ -69,7 +69,7 @@ fn checkpoints() {
     });
 }
 
-/// Most faults end in the header's hash, so here they are made before it is taken.
+/// Headers are mangled before their hash is taken: most faults after that are found by the hash.
 #[test]
 fn checkpoints_with_headers_of_any_kind() {
     let file = checkpoint_file();
@@ -105,8 +105,8 @@ fn pictures_that_are_read_back_and_merged() {
     });
 }
 
-/// `tests/corpus` has a small file for each reader and for faults that were found: those whose name begins with `ok` are
-/// taken, the others refused with one sentence.
+/// Corpus in `tests/corpus`: a small file for each reader, and for each fault that was found. Files whose name begins
+/// with `ok` are read. All others are refused with one sentence.
 #[test]
 fn the_corpus() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus");

@@ -1,4 +1,5 @@
-//! What shapes become, against Mitsuba 3.9's answers for the same XML (noted by hand) and against plain geometry.
+//! Geometry of loaded shapes, against Mitsuba 3.9's answers for the same XML (noted by hand) and against plain
+//! geometry.
 
 use glam::{Vec2, Vec3};
 use lodestar::scene::{Primitive, PrimitiveShape};
@@ -37,7 +38,7 @@ fn a_matrix_is_given_by_rows() {
     assert_eq!(by_nine[0].edge_v, -Vec3::X);
 }
 
-/// Mitsuba: (0, 0, 1) as a shading normal, negated by `flip_normals` and by nothing else.
+/// Flat shapes face along their shading normal (0, 0, 1), as in Mitsuba. Only `flip_normals` negates it.
 #[test]
 fn flat_shapes_face_where_their_normal_goes() {
     for plugin in ["rectangle", "disk"] {
@@ -64,7 +65,7 @@ fn a_cube_faces_outward_also_in_a_mirror() {
     }
 }
 
-/// Mitsuba 3.9's vertices of a cube: where each face has uv (0, 0), (1, 0) and (0, 1).
+/// Textures lie on a cube as in Mitsuba 3.9: the vertices with uv (0, 0), (1, 0) and (0, 1) of each face.
 #[test]
 fn textures_lie_on_a_cube_as_in_mitsuba() {
     let corners = [
@@ -98,7 +99,7 @@ fn spheres() {
     assert_eq!(flips, [false, true, true, false]);
 }
 
-/// Mitsuba: a mirror turns the normals it computes, but not those in the file.
+/// A mirrored mesh faces as in Mitsuba: a mirror turns computed normals, but not normals from the file.
 #[test]
 fn a_mirrored_mesh_faces_as_in_mitsuba() {
     for (obj, parameters, expected) in [
@@ -127,8 +128,8 @@ fn normals_go_by_the_inverse_transpose() {
     assert!(scene.primitives[0].normals.unwrap()[0].abs_diff_eq(expected, 1e-6));
 }
 
-/// Mitsuba 3.9's normals and texture coordinates of this file: smooth across `o` and `g` and the shared vertex 2/1,
-/// not across the seam at vertex 3; v turned over.
+/// Smooth normals and texture coordinates are Mitsuba 3.9's. Normals are smooth across `o` and `g` and the shared
+/// vertex 2/1, but not across the seam at vertex 3. The coordinate v is flipped.
 #[test]
 fn smooth_normals_are_mitsubas() {
     let obj = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nvt 0 0\nvt 0.25 0.125\nvt 1 1\n\

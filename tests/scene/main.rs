@@ -1,4 +1,4 @@
-//! The scene loader from outside: what it accepts, what it refuses and in which words.
+//! Scene loader from outside: the scenes that it accepts, and the words in which it refuses others.
 
 mod accepts;
 mod emitters;
@@ -17,11 +17,11 @@ use std::path::PathBuf;
 use lodestar::Result;
 use lodestar::scene::{LoadOptions, Scene, load};
 
-/// A folder of files that is gone when the test ends.
+/// Temporary folder of files.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
-    /// With the given files; the first one's path is what [`Folder::load`] reads.
+    /// Folder with the given files. [`Folder::load`] reads the first one.
     fn new(files: &[(&str, &str)]) -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
         for (name, text) in files {
@@ -45,17 +45,17 @@ impl Folder {
     }
 }
 
-/// A scene with a sensor and what `body` adds, on line 2 and below.
+/// Scene with a sensor and `body`, which begins on line 2.
 fn with_sensor(body: &str) -> String {
     format!("<scene version=\"3.0.0\"><sensor type=\"perspective\"/>\n{body}\n</scene>")
 }
 
-/// Loads `body` next to a sensor.
+/// Loads `body` beside a sensor.
 fn load_body(body: &str) -> Result<Scene> {
     Folder::new(&[("scene.xml", &with_sensor(body))]).load(&[])
 }
 
-/// Loads a single shape next to a sensor, with an OBJ file `mesh.obj` beside it.
+/// Loads a single shape beside a sensor, with an OBJ file `mesh.obj`.
 fn load_mesh(obj: &str, parameters: &str) -> Result<Scene> {
     let body = format!(r#"<shape type="obj"><string name="filename" value="mesh.obj"/>{parameters}</shape>"#);
     Folder::new(&[("scene.xml", &with_sensor(&body)), ("mesh.obj", obj)]).load(&[])

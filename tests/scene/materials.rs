@@ -1,4 +1,4 @@
-//! One small file per BSDF plugin, and what becomes of every parameter.
+//! One small file per BSDF plugin, and the effect of every parameter.
 
 use glam::Vec3;
 use lodestar::scene::bsdf::{Coating, Distribution, Microfacets, Principled, Relief};
@@ -13,7 +13,7 @@ fn shape(bsdf: &str) -> String {
     format!(r#"<shape type="disk">{bsdf}</shape>"#)
 }
 
-/// The scene of a disk with this `<bsdf>`, without a warning.
+/// Scene of a disk with this `<bsdf>`, loaded without a warning.
 #[track_caller]
 fn scene(bsdf: &str) -> Scene {
     let scene = load_body(&shape(bsdf)).unwrap();
@@ -27,7 +27,7 @@ fn surface_of(material: &Material) -> &SurfaceMaterial {
     surface
 }
 
-/// The surface of a disk with this `<bsdf>`.
+/// Surface of a disk with this `<bsdf>`.
 #[track_caller]
 fn surface(bsdf: &str) -> SurfaceMaterial {
     let scene = scene(bsdf);
@@ -60,7 +60,7 @@ fn diffuse() {
     assert_eq!(bsdf("diffuse", ""), Bsdf::Diffuse { reflectance: gray(0.5) });
     let given = bsdf("diffuse", r#"<rgb name="reflectance" value="0.1, 0.2, 0.3"/>"#);
     assert_eq!(given, Bsdf::Diffuse { reflectance: Textured::constant(Vec3::new(0.1, 0.2, 0.3)) });
-    // Mitsuba 3.9's reduction.
+    // The figure is Mitsuba 3.9's reduction.
     let spectrum = bsdf("diffuse", r#"<spectrum name="reflectance" value="400:0.5, 700:0.6"/>"#);
     let Bsdf::Diffuse { reflectance } = spectrum else { panic!() };
     assert!(reflectance.value.abs_diff_eq(Vec3::new(0.578086, 0.547524, 0.511059), 1e-5), "{reflectance:?}");
@@ -104,7 +104,7 @@ fn rough_dielectric() {
     assert_eq!(bsdf("roughdielectric", ""), expected(facets(Distribution::Beckmann, 0.1, 0.1)));
     let given = r#"<string name="distribution" value="GGX"/>
         <float name="alphaU" value="0.3"/><float name="alpha_v" value="0"/>"#;
-    // Mitsuba takes nothing to be smoother.
+    // Roughness is at least 1e-4, as in Mitsuba.
     assert_eq!(bsdf("roughdielectric", given), expected(facets(Distribution::Ggx, 0.3, 1e-4)));
 }
 
@@ -133,7 +133,7 @@ fn conductors() {
     assert_eq!(bsdf("conductor", r#"<string name="material" value="none"/>"#), mirror);
     let gold = bsdf("conductor", r#"<string name="material" value="Au"/>"#);
     assert_eq!(gold, conductor(Vec3::new(0.143036, 0.375307, 1.442045), Vec3::new(3.982997, 2.385556, 1.603359)));
-    // Fits may be negative; Mitsuba takes them as they are.
+    // Fits may be negative. Mitsuba uses them unchanged.
     let fitted = r#"<rgb name="eta" value="-0.05, 4.1, 4.7"/><float name="k" value="2"/>"#;
     let expected = Bsdf::RoughConductor {
         microfacets: facets(Distribution::Beckmann, 0.1, 0.1),
@@ -200,7 +200,7 @@ fn principled() {
         assert_eq!(parsed, number(i as f32 / 10.0), "{i}");
     }
     assert_eq!((given.eta, given.base_color), (1.7, gray(0.3)));
-    // What transmits needs a surface that refracts.
+    // A surface that transmits must refract.
     let specular = r#"<float name="specular" value="0"/>"#;
     assert_eq!(parse(specular).eta, 1.0);
     assert!(parse(&format!(r#"{specular}<float name="spec_trans" value="1"/>"#)).eta > 1.0);
@@ -234,7 +234,7 @@ fn two_sides() {
     assert!(twice.two_sided);
 }
 
-/// What stands around a blend goes into its parts.
+/// Blends hand the materials around them to their parts.
 #[test]
 fn blends() {
     let blend = format!(r#"<bsdf type="blendbsdf"><float name="weight" value="0.3"/>{RED}{BLUE}</bsdf>"#);
@@ -338,7 +338,7 @@ fn what_mitsuba_refuses_is_refused() {
     refuse(&format!(r#"<bsdf type="diffuse">{RED}</bsdf>"#), &["<bsdf>"]);
 }
 
-/// Also where no shape uses it.
+/// Unused materials are read and checked, but not kept.
 #[test]
 fn materials_that_nobody_uses_are_read_but_not_kept() {
     let error = load_body(r#"<bsdf type="mask"/>"#).unwrap_err().to_string();
@@ -405,7 +405,7 @@ fn materials_that_never_end() {
         chain += &format!(r#"<bsdf type="twosided" id="t{i}"><ref id="t{}"/></bsdf>"#, i - 1);
     }
     assert!(load_body(&doubling).unwrap_err().to_string().contains("surfaces"));
-    // Read from the innermost outward, any depth is fine; from the outermost inward there is a bound.
+    // Any depth is accepted if inner materials come first. If outer ones come first, there is a bound.
     assert!(load_body(&chain).is_ok());
     let mut links: Vec<_> = chain.split_inclusive("</bsdf>").collect();
     links.reverse();
@@ -431,7 +431,7 @@ fn deeper_choices_than_the_kernels_follow_are_refused() {
         };
         (0..depth).fold(r#"<bsdf type="diffuse"/>"#.to_owned(), |inner, _| blend(inner))
     };
-    // Eight blends, eight surfaces beside them, and one within.
+    // There are eight blends, eight surfaces beside them, and one innermost surface.
     assert_eq!(scene(&nested(8)).materials.len(), 17);
     refuse(&nested(9), &["more than 8 deep"]);
 }

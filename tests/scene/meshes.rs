@@ -10,7 +10,7 @@ use lodestar::scene::{Primitive, Scene};
 
 use super::{Folder, load_body, with_sensor};
 
-/// Loads a shape `plugin` of the file `mesh` with this content.
+/// Loads a shape `plugin` whose file `mesh` has this content.
 pub fn load_bytes(plugin: &str, content: &[u8], parameters: &str) -> Result<Scene> {
     let shape = format!(r#"<shape type="{plugin}"><string name="filename" value="mesh"/>{parameters}</shape>"#);
     let folder = Folder::new(&[("scene.xml", &with_sensor(&shape))]);
@@ -26,7 +26,7 @@ fn refuse(plugin: &str, content: &[u8], parameters: &str, parts: &[&str]) {
     }
 }
 
-/// Two vertices of each triangle are shared. Position, normal, texture coordinates.
+/// Vertices of two triangles that share two of them: position, normal, texture coordinates.
 const VERTICES: [[f32; 8]; 4] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.1, 0.2],
     [1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 0.3, 0.4],
@@ -117,7 +117,7 @@ fn ply_files_that_lie() {
     refuse("ply", b"ply\nformat ascii 1.0\nelement nothing 18446744073709551615\nend_header\n", "", &["no faces"]);
 }
 
-/// One mesh of a serialized file; `flags` say which of its arrays there are.
+/// Mesh of a serialized file. `flags` selects its arrays.
 fn serialized_mesh(version: u16, flags: u32) -> Vec<u8> {
     compressed(version, &serialized_content(version, flags))
 }
@@ -184,7 +184,7 @@ fn serialized_meshes() {
         }
         let one = serialized_mesh(version, 0x1000);
         let scene = load_bytes("serialized", &one, "").unwrap();
-        // Mitsuba's smooth normals of these two triangles.
+        // The normals are Mitsuba's smooth normals of these two triangles.
         let expected = [Vec3::new(0.2270, -0.2270, 0.9470), Vec3::Z, Vec3::new(0.2270, -0.2270, 0.9470)];
         for (own, expected) in scene.primitives[0].normals.unwrap().into_iter().zip(expected) {
             assert!(own.abs_diff_eq(expected, 1.0e-4), "{own}");
@@ -243,7 +243,7 @@ fn instances_are_copies_in_their_places() {
             <shape type="sphere"/></shape>
         <shape type="instance"><ref id="group"/></shape>
         <shape type="instance"><ref id="group"/><transform name="to_world"><scale value="3"/><translate z="5"/></transform></shape>"#;
-    // A group holds shapes; materials stand outside or within these.
+    // A group holds shapes. Materials stand outside or within shapes.
     assert!(load_body(body).is_err());
     let body = body.replace(r#"<bsdf type="diffuse" id="red"/>"#, "");
     let scene = load_body(&format!(r#"<bsdf type="diffuse" id="red"/>{body}"#)).unwrap();
@@ -252,7 +252,8 @@ fn instances_are_copies_in_their_places() {
     assert_eq!(places, [(Vec3::ZERO, 2.0, 0), (Vec3::ZERO, 1.0, 1), (far, 6.0, 0), (far, 3.0, 1)]);
 }
 
-/// Mitsuba takes normals along with an instance, also those that a mirrored mesh has computed.
+/// Mirrored instances face as in Mitsuba, which transforms normals with an instance, even those that a mirrored mesh
+/// has computed.
 #[test]
 fn mirrored_instances_face_as_in_mitsuba() {
     let mirror = r#"<scale x="-1"/>"#;
@@ -290,7 +291,7 @@ fn instances_and_groups_that_make_no_sense() {
     refused(&group(r#"<shape type="disk"><emitter type="area"/></shape>"#), "cannot emit");
     let uneven = r#"<shape type="instance"><ref id="a"/><transform name="to_world"><scale x="2"/></transform></shape>"#;
     refused(&[&group(r#"<shape type="sphere"/>"#), uneven].concat(), "unevenly");
-    // A thousand instances of a thousand shapes and a bit: 2^20 is the limit.
+    // A thousand instances of slightly more than a thousand shapes exceed the limit of 2^20.
     let many = group(&r#"<shape type="disk"/>"#.repeat(1100));
     refused(&(many + &r#"<shape type="instance"><ref id="a"/></shape>"#.repeat(1000)), "more than 1048576 shapes");
 }

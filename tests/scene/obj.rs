@@ -1,4 +1,4 @@
-//! OBJ files: meshes written as text in many ways and read back, and lines that `tobj` alone takes otherwise.
+//! OBJ files: meshes written as text in many ways and read back, and lines that `tobj` alone reads differently.
 
 use glam::{Vec2, Vec3};
 use lodestar::scene::{Primitive, Scene};
@@ -7,13 +7,13 @@ use proptest::prelude::*;
 use super::load_mesh;
 
 const PLAIN_UVS: &str = r#"<boolean name="flip_tex_coords" value="false"/>"#;
-/// How many positions, texture coordinates and normals a random mesh has.
+/// Numbers of positions, texture coordinates and normals of a random mesh.
 const COUNTS: [u32; 3] = [12, 5, 4];
 
-/// Position, texture coordinates and normal; the last two are zero where the file gives none.
+/// Corner: position, texture coordinates and normal. The last two are zero if the file has none.
 type Corner = (Vec3, Vec2, Vec3);
 
-/// Random choices, and the text that they make.
+/// Random choices, and the text that they produce.
 struct Writer<'a> {
     words: std::iter::Cycle<std::iter::Copied<std::slice::Iter<'a, u32>>>,
     text: String,
@@ -63,7 +63,7 @@ impl Writer<'_> {
         row
     }
 
-    /// Writes an index from 1 or from behind; it counts from 0.
+    /// Writes an index, counted from 1 or from the end. The returned index counts from 0.
     fn index(&mut self, count: u32) -> usize {
         let index = self.below(count);
         let is_relative = self.below(2) == 0;
@@ -71,7 +71,7 @@ impl Writer<'_> {
         index as usize
     }
 
-    /// Writes one corner. `kinds`: 0 gives texture coordinates or normals to none, 1 to some corners, 2 to all.
+    /// Writes one corner. In `kinds`, 0 gives texture coordinates or normals to no corner, 1 to some, 2 to all.
     fn corner(&mut self, kinds: [u32; 2], rows: &[Vec<Vec3>; 3]) -> Corner {
         self.text += " ";
         let position = rows[0][self.index(COUNTS[0])];
@@ -91,7 +91,7 @@ impl Writer<'_> {
     }
 }
 
-/// A mesh as text, and the triangles with area that it stands for.
+/// Text of a random mesh, and its triangles with area.
 fn random_mesh(seed: &[u32], kinds: [u32; 2]) -> (String, Vec<[Corner; 3]>) {
     let mut writer = Writer { words: seed.iter().copied().cycle(), text: String::new() };
     let rows = [("v", 3, COUNTS[0]), ("vt", 2, COUNTS[1]), ("vn", 3, COUNTS[2])]
@@ -112,7 +112,7 @@ fn random_mesh(seed: &[u32], kinds: [u32; 2]) -> (String, Vec<[Corner; 3]>) {
     (writer.text, triangles)
 }
 
-/// What differs between a scene and the triangles that it should have.
+/// Difference between a scene and the expected triangles, if there is one.
 fn difference(scene: &Scene, expected: &[[Corner; 3]], [has_uvs, has_normals]: [bool; 2]) -> Option<String> {
     if scene.primitives.len() != expected.len() {
         return Some(format!("{} triangles, not {}", scene.primitives.len(), expected.len()));
@@ -143,7 +143,7 @@ proptest! {
         prop_assert!(found.is_none(), "{found:?}\n{text}");
     }
 
-    /// The twin of the property: a file in which a corner of a triangle moved is told from the one that was written.
+    /// The twin must fail: a file in which one corner of a triangle is moved.
     #[test]
     fn a_mesh_of_another_file_is_told_apart(seed in prop::collection::vec(any::<u32>(), 400)) {
         let (text, mut expected) = random_mesh(&seed, [2, 2]);
@@ -159,24 +159,25 @@ proptest! {
     }
 }
 
-/// Each line that `tobj` alone reads otherwise, in the words of a file that says the same plainly.
+/// Lines that `tobj` alone reads differently, each beside a plain file with the same meaning.
 #[test]
 fn lines_that_tobj_takes_otherwise() {
     let plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let expected = load_mesh(plain, "").unwrap().primitives;
     for text in [
-        // A fourth number divides; six are a color, which all vertices need; other counts are refused.
+        // A fourth number is a divisor. Six numbers are a color, which all vertices then need. Other counts are
+        // refused.
         "v 0 0 0\nv 1 0 0 2\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0\nv 1 0 0 0\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0\nv 1 0 0 .5 .5 .5\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0 1 1\nv 1 0 0 # here\nv 0 1 0\nf 1 2 3\n",
-        // Lines are faces.
+        // `tobj` alone reads `l` lines as faces.
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\nf 1 2 3\nl 1 2\n",
-        // Indices in front of the vertices, across an object.
+        // Indices refer to later vertices, across an object.
         "f 1 2 3\no a\nv 0 0 0\nv 1 0 0\nv 0 1 0\n",
-        // Names that are missing.
+        // Some names are missing.
         "usemtl\nmtllib\ng\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 # remark\n",
-        // Other blanks.
+        // White space differs.
         "v\x010 0 0\nv 1\x0b0 0\nv 0 1 0\r\nf 1\t2 3\r\n",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1",
     ] {
@@ -203,7 +204,7 @@ fn what_tobj_passes_over_is_refused() {
         let error = load_mesh(&format!("{vertices}{lines}\nf 1 2 3\n"), "").map(drop).expect_err(lines).to_string();
         assert!(error.contains("mesh.obj:6: ") && error.contains(part), "{lines}: {error}");
     }
-    // Without any texture coordinates `tobj` looks at no index into them.
+    // Without texture coordinates, `tobj` ignores indices of them.
     let error = load_mesh("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", "").map(drop).expect_err("none").to_string();
     assert!(error.contains("mesh.obj:4: texture coordinate index 1 is out of range; the file has 0"), "{error}");
 }
@@ -229,7 +230,7 @@ fn many_vertices_at_one_position() {
     assert_eq!(scene.primitives.len(), 198);
     for (i, pair) in scene.primitives.chunks(2).enumerate() {
         assert!(pair.iter().all(|p| p.uvs[0] == Vec2::new(0.5, i as f32 / 128.0)));
-        // The two faces at each seam cancel out, so none has a smooth normal.
+        // The two faces at each seam cancel, so no vertex there has a smooth normal.
         assert!(pair[0].normals.unwrap().iter().all(|n| n.abs_diff_eq(Vec3::Z, 1.0e-6)));
     }
 }

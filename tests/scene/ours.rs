@@ -1,4 +1,4 @@
-//! The scenes of this repository, and the shared ones where they are unpacked.
+//! Scenes of this repository, and the shared scenes if they are unpacked.
 
 use std::path::Path;
 
@@ -49,7 +49,7 @@ fn furnaces_face_inward_and_are_closed() {
         let normal = triangle.edge_u.cross(triangle.edge_v) * if triangle.flip_normal { -1.0 } else { 1.0 };
         assert!(normal.dot(triangle.origin) < 0.0);
     }
-    // A closed surface's vector areas cancel.
+    // The vector areas of a closed surface cancel.
     let sum: Vec3 = mesh.primitives.iter().map(|triangle| triangle.edge_u.cross(triangle.edge_v)).sum();
     assert!(sum.length() < 1e-5, "{sum}");
 }
@@ -68,7 +68,7 @@ fn shared_cornell_boxes() {
     }
 }
 
-/// Every scene that is there loads, and nothing is warned of.
+/// Shared scenes that are available load without a warning.
 #[test]
 fn shared_scenes() {
     let Ok(folder) = std::env::var("LODESTAR_SCENES") else {

@@ -1,8 +1,8 @@
-//! Bad input: one sentence that names the file, the line and the thing.
+//! Invalid input is refused with one sentence that names the file, the line and the cause.
 
 use super::{Folder, load_body, load_mesh, with_sensor};
 
-/// Asserts that the error says all of `parts`, in one line.
+/// Asserts that the error has one line and contains all `parts`.
 #[track_caller]
 fn assert_says(result: lodestar::Result<lodestar::scene::Scene>, parts: &[&str]) {
     let message = result.map(drop).expect_err("this should be refused").to_string();

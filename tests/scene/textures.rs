@@ -13,7 +13,7 @@ use super::{Folder, with_sensor};
 const WIDTH: u32 = 4;
 const HEIGHT: u32 = 3;
 
-/// No two texels are alike.
+/// Color of a texel. All texels differ.
 fn pixel(x: u32, y: u32) -> [u8; 3] {
     [x * 61 + y * 97 + 5, x * 17 + y * 151 + 90, x * 131 + y * 29 + 200].map(|value| (value % 256) as u8)
 }
@@ -22,7 +22,7 @@ fn rgb() -> RgbImage {
     RgbImage::from_fn(WIDTH, HEIGHT, |x, y| Rgb(pixel(x, y)))
 }
 
-/// A folder with `a.png` and a disk whose reflectance is the texture.
+/// Folder with `a.png` and a scene of a disk whose reflectance is the texture.
 fn folder(texture: &str) -> Folder {
     let body = format!(r#"<shape type="disk"><bsdf type="diffuse">{texture}</bsdf></shape>"#);
     let folder = Folder::new(&[("scene.xml", &with_sensor(&body))]);
@@ -52,7 +52,7 @@ fn reflectance(scene: &Scene) -> Textured<Vec3> {
     reflectance
 }
 
-/// A small file of every format whose content says which it is.
+/// Small image files, one of every format that the content identifies.
 pub fn image_files() -> Vec<Vec<u8>> {
     let folder = Folder::new(&[]);
     let mut names = vec!["a.png", "a.jpg", "a.bmp"];
@@ -69,7 +69,7 @@ fn save_hdr(path: &std::path::Path) {
     image::codecs::hdr::HdrEncoder::new(file).encode(&pixels, WIDTH as usize, HEIGHT as usize).unwrap();
 }
 
-/// Values and slopes that Mitsuba 3.9's `bitmap` gives for the same image.
+/// Bitmaps have the values and slopes of Mitsuba 3.9's `bitmap` for the same image.
 #[test]
 fn bitmaps_are_mitsubas() {
     let turned = r#"<transform name="to_uv"><rotate z="1" angle="30"/><scale x="2" y="0.5"/>
@@ -141,7 +141,7 @@ fn scales_are_factors() {
     assert_eq!(scene.textures.len(), 1);
 }
 
-/// One image however often it is named; two where its bytes mean different things.
+/// Images are shared: one image however often it is named, two if its bytes have two meanings.
 #[test]
 fn images_are_shared() {
     let shape = |parameters: &str| {
@@ -202,7 +202,7 @@ fn bytes_of_every_format() {
     assert_eq!(bytes_of("b.png", gray_alpha)[0], [9, 9, 9, 8]);
 }
 
-/// The content counts, not the name.
+/// Misnamed files are read, because the content counts, not the name.
 #[test]
 fn misnamed_files_are_read() {
     let folder = folder(&bitmap("b.jpg", ""));
@@ -244,7 +244,7 @@ fn floating_point_files() {
     let exr = floats_of("b.exr", "", |path| save_exr(path, 0.75));
     assert_eq!(float_texels(&exr)[6], [0.5, 0.75, 0.0, 1.0]);
     assert!(exr.warnings.is_empty(), "{:?}", exr.warnings);
-    // As in Mitsuba, a reflectance above 1 is warned of and kept.
+    // A reflectance above 1 gives a warning and is kept, as in Mitsuba.
     let bright = floats_of("b.exr", "", |path| save_exr(path, 7.0));
     assert_eq!(float_texels(&bright)[6][1], 7.0);
     assert!(bright.warnings.len() == 1 && bright.warnings[0].contains("`b.exr`"), "{:?}", bright.warnings);
@@ -286,13 +286,13 @@ fn broken_images_are_one_sentence() {
     assert!(error(&folder).contains("supported"));
 }
 
-/// A header may promise any size; nothing is allocated for it.
+/// Images of absurd sizes are refused before anything is allocated for them.
 #[test]
 fn images_of_absurd_sizes_are_refused() {
     let folder = folder(&bitmap("b.bmp", ""));
     rgb().save(folder.path("b.bmp")).unwrap();
     let mut bytes = std::fs::read(folder.path("b.bmp")).unwrap();
-    // Width and height stand at 18 and 22.
+    // Width and height are at bytes 18 and 22.
     bytes[18..26].copy_from_slice(&[0xff, 0xff, 0, 0, 0xff, 0xff, 0, 0]);
     folder.write("b.bmp", &bytes);
     assert!(error(&folder).contains("b.bmp"));
