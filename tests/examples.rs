@@ -1,4 +1,4 @@
-//! The programs in `examples/` do what they say. Cargo builds them beside the tests.
+//! Programs in `examples/` do what they promise. Cargo builds them beside the tests.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -36,9 +36,9 @@ fn a_file_is_rendered() {
     let (picture, _) = film::read_picture(&out).unwrap();
     assert_eq!((picture.width, picture.height), (64, 64));
     assert!(picture.sample_count.iter().all(|&count| count == 64));
-    // Radiance 1 meets an albedo of 0.5 from all sides, and the background is black or 1.
+    // Radiance 1 comes from all sides and meets an albedo of 0.5. The background is black or 1.
     assert!(mean(&picture) > 0.1, "{}", mean(&picture));
-    // The library renders to the same bits.
+    // The library renders equal bits.
     let options = lodestar::Options::new().samples(64).size(64, 64);
     let again = lodestar::render(furnace(), &options).unwrap();
     assert_eq!(again.rgb(), picture.rgb());
@@ -71,7 +71,7 @@ fn a_scene_is_made_in_code() {
     assert!(sky.into_iter().all(|(found, sky)| (found - sky).abs() < 1.0e-5), "the sky: {:?}", at(1, 1));
 }
 
-/// A request of 16 samples is 12 steps of the schedule, so that the guide learns within it.
+/// A request for 16 samples is 12 steps of the schedule, so the guide learns within it.
 #[test]
 fn a_step_of_many_samples_is_guided() {
     let options = || lodestar::Options::new().size(32, 32).seed(5);

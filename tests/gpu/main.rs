@@ -1,4 +1,4 @@
-//! The `gpu` module on whatever device there is, always under the validation layer.
+//! Tests of the `gpu` module on any device, always under the validation layer.
 
 use std::borrow::Cow;
 use std::ffi::OsStr;
@@ -11,7 +11,7 @@ use lodestar::gpu::{
     SetShape, list_devices,
 };
 
-/// Runs a test and fails it for any message of the validation layer, those about leaks included.
+/// Runs a test and fails it for any message of the validation layer, including messages about leaks.
 fn validated(test: impl FnOnce(&Arc<Context>)) {
     assert_eq!(messages_of(test), [""; 0]);
 }
@@ -63,7 +63,7 @@ fn an_unknown_device_is_a_sentence_that_lists_the_known() {
     }
 }
 
-/// Runs a test of this file in a process of its own, for the environment belongs to the process.
+/// Runs a test of this file in a process of its own, because the environment belongs to the process.
 fn rerun(test: &str, variable: &str, value: impl AsRef<OsStr>) -> String {
     let this = env::current_exe().expect("this program");
     let mut command = Command::new(this);
@@ -253,7 +253,7 @@ fn kernels_see_specialization_and_push_constants() {
     validated(|context| {
         let values = storage(context, "values", &[1000; 200]);
         let set = DescriptorSet::new(context, "values", &VALUES, &[&values]).expect("a set");
-        // Id 7 is another kernel's, and 3 comes after it.
+        // Id 7 belongs to another kernel, and 3 comes after it.
         let times_five = Kernel::new(context, &fill_source(), &[(7, 99), (3, 5)]).expect("a kernel");
         let times_one = Kernel::new(context, &fill_source(), &[]).expect("a kernel");
         let push = [150_u32, 7];
@@ -290,8 +290,8 @@ fn kernels_read_texels_past_an_empty_set() {
     });
 }
 
-/// The twin that must be rejected: proof that the other tests would notice. (Of two dispatches that both write, the layer
-/// says nothing: they may write apart.)
+/// The twin that must fail: a missing barrier is reported, so the other tests would notice one. (The layer does not
+/// report two dispatches that both write, because they may write to different places.)
 #[test]
 fn a_missing_barrier_is_reported_with_the_names_of_the_objects() {
     let messages = messages_of(|context| {
@@ -384,7 +384,7 @@ fn a_set_of_another_shape_panics() {
 #[should_panic(expected = "workgroups of `fill` are more than the device's")]
 fn more_groups_than_the_device_allows_panic() {
     let most = list_devices().expect("devices").iter().map(|device| device.limits.max_workgroup_count[1]).max();
-    // A device without a limit has nothing to test; the panic stands in for it.
+    // A device without a limit has nothing to test. The panic stands for the expected one.
     let more = most.and_then(|most| most.checked_add(1)).expect("workgroups of `fill` are more than the device's");
     dispatch(values_set, &[0; 8], [1, more, 1]);
 }

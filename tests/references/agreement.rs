@@ -1,22 +1,23 @@
-//! Whether two noisy pictures show the same: a z-test on blocks of pixels, and one of the mean luminance.
+//! Agreement of two noisy pictures: a z-test on blocks of pixels, and one on the mean luminance.
 
 use std::fmt;
 
 use lodestar::image::Image;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Chance with which one picture's blocks reject what is right (before the share below, which forgives some).
+/// Probability that the blocks of one picture reject a correct one, before the accepted share below forgives some.
 const SIGNIFICANCE: f64 = 0.01;
-/// Share of the blocks that must be accepted: what heavy tails leave of a test that assumes normal noise.
+/// Minimum share of accepted blocks. The test assumes normal noise, and heavy tails reject a few blocks.
 const LEAST_ACCEPTED: f64 = 0.9975;
-/// Largest deviation of the mean luminance, where three standard errors are less.
+/// Maximum deviation of the mean luminance, where three standard errors are less.
 const LUMINANCE_TOLERANCE: f64 = 0.01;
-/// Blocks grow until nearly all of them are known this well: below, noise is too far from normal for a test that assumes it.
+/// Relative error that nearly all blocks must stay below. Blocks grow until they do: with a larger error, noise is too
+/// far from normal for the test.
 const KNOWN_ERROR: f64 = 0.05;
 const KNOWN_SHARE: f64 = 0.97;
 const SIDES: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Per pixel and channel: an estimate and the variance of its error.
+/// Estimate of every pixel and channel, with the variance of its error.
 pub struct Estimate {
     width: usize,
     mean: Vec<[f64; 3]>,
@@ -29,7 +30,7 @@ impl Estimate {
         Self { width: mean.width as usize, mean: doubles(mean), variance: doubles(variance) }
     }
 
-    /// Means over blocks of `side` x `side` pixels; errors of different pixels are independent.
+    /// Means over blocks of `side` x `side` pixels. Errors of different pixels are independent.
     fn blocks(&self, side: usize) -> Self {
         let columns = self.width.div_ceil(side);
         let count = columns * (self.mean.len() / self.width).div_ceil(side);
@@ -50,7 +51,7 @@ impl Estimate {
         blocks
     }
 
-    /// Mean luminance of the picture and the standard error of it. Channels of a pixel are taken as fully dependent.
+    /// Mean luminance of the picture, and its standard error. Channels of a pixel count as fully dependent.
     pub fn luminance(&self) -> (f64, f64) {
         const WEIGHTS: [f64; 3] = [0.2126, 0.7152, 0.0722];
         let weigh = |color: [f64; 3]| (0..3).map(|c| WEIGHTS[c] * color[c]).sum::<f64>();
@@ -61,19 +62,19 @@ impl Estimate {
     }
 }
 
-/// What the tests say.
+/// Result of the tests.
 pub struct Agreement {
     /// Side of the blocks in pixels.
     pub side: usize,
-    /// Blocks times channels.
+    /// Number of blocks times channels.
     pub count: usize,
-    /// Share of them that is accepted.
+    /// Share of accepted blocks.
     pub accepted: f64,
-    /// The largest deviation in standard deviations.
+    /// Largest deviation, in standard deviations.
     pub largest: f64,
-    /// Mean luminance over the reference's.
+    /// Mean luminance, relative to the reference's.
     pub ratio: f64,
-    /// Standard error of that ratio.
+    /// Standard error of the relative mean luminance.
     pub error: f64,
 }
 
@@ -125,7 +126,7 @@ fn deviations(a: &Estimate, b: &Estimate) -> Vec<f64> {
     (0..a.mean.len()).flat_map(z).collect()
 }
 
-/// Whether nearly all blocks are known well enough. It looks at the noise alone, never at the deviation.
+/// Whether nearly all blocks have a small enough error. The decision uses the noise only, never the deviation.
 fn is_known(a: &Estimate, b: &Estimate, side: usize) -> bool {
     let (a, b) = (a.blocks(side), b.blocks(side));
     let known = |at: usize| {
@@ -137,13 +138,13 @@ fn is_known(a: &Estimate, b: &Estimate, side: usize) -> bool {
     (0..a.mean.len()).filter(|&at| known(at)).count() as f64 >= KNOWN_SHARE * a.mean.len() as f64
 }
 
-/// The deviation that the largest of `count` normal ones exceeds with the chance [`SIGNIFICANCE`] (Sidak 1967).
+/// Deviation that the largest of `count` normal ones exceeds with probability [`SIGNIFICANCE`] (Sidak 1967).
 fn largest_expected(count: usize) -> f64 {
     let each = -((-SIGNIFICANCE).ln_1p() / count as f64).exp_m1();
     Normal::standard().inverse_cdf(1.0 - 0.5 * each)
 }
 
-/// What the tests must find and what they must let pass, on made-up pictures of `64 x 64` pixels with 2 % noise.
+/// The tests find planted faults and accept correct pictures: made-up pictures of `64 x 64` pixels with 2 % noise.
 pub fn check_itself() {
     let noisy = |seed: u64, change: &dyn Fn(usize) -> f64| {
         let mut state = seed;

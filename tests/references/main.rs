@@ -1,11 +1,12 @@
-//! The paper's twelve scenes against the pictures of another renderer, for `bsdf` and `rejection-mix`, with emitter sampling off
-//! and on.
+//! The paper's twelve scenes against pictures of another renderer, for `bsdf` and `rejection-mix`, without and with
+//! emitter sampling.
 //!
-//! They are too large to lie here: `LODESTAR_SCENES` names the folder of the scenes and `LODESTAR_REFERENCES` that of the
-//! pictures, `NAME.mean.exr` and `NAME.var.exr`; without them nothing is tested, which is said.
+//! Scenes and pictures are too large for this repository. `LODESTAR_SCENES` names the folder of the scenes, and
+//! `LODESTAR_REFERENCES` that of the pictures, `NAME.mean.exr` and `NAME.var.exr`. Without them, the test prints that
+//! nothing is tested.
 //!
-//! `cargo test --release --test references [-- SCENE...]` takes few samples. With `LODESTAR_FULL=1` it takes so many that the
-//! mean luminance is known to 0.5 %, or as many as `LODESTAR_REFERENCE_SECONDS` (600) a picture allow. Both write every
+//! `cargo test --release --test references [-- SCENE...]` takes few samples. With `LODESTAR_FULL=1` it renders until
+//! the mean luminance is known to 0.5 %, or for `LODESTAR_REFERENCE_SECONDS` (600) per picture. Both forms write every
 //! picture beside its reference, with the signed difference, and a contact sheet to `target/references`.
 
 mod agreement;
@@ -28,7 +29,7 @@ use lodestar::scene::{Bsdf, LoadOptions, MaterialKind, ReconstructionFilter, Sce
 use lodestar::settings::{SamplePattern, Sampler, Settings};
 use support::mutated;
 
-/// A scene and the samples per pixel of the short test, for emitter sampling off and on.
+/// A scene, and the samples per pixel of the short test without and with emitter sampling.
 struct Case {
     name: &'static str,
     spp: [u32; 2],
@@ -49,7 +50,7 @@ const CASES: [Case; 12] = [
     Case { name: "veach-ajar-2", spp: [64, 256] },
 ];
 
-/// The scene on which faults must be found, and how many samples that takes.
+/// Scene on which faults must be found, and the samples per pixel for it.
 const FAULTY_SCENE: &str = "cornell-box";
 const FAULTY_SPP: u32 = 64;
 
@@ -58,7 +59,7 @@ const TARGET_ERROR: f64 = 0.005;
 const DEFAULT_SECONDS: f64 = 600.0;
 
 fn main() -> ExitCode {
-    // A test runner asks for the list; there is one test, named below.
+    // A test runner asks for the list of tests. There is one test, named below.
     let arguments: Vec<String> = env::args().skip(1).collect();
     if arguments.iter().any(|argument| argument == "--list") {
         println!("references: test");
@@ -83,7 +84,7 @@ struct Run {
     scenes: PathBuf,
     references: PathBuf,
     context: Arc<Context>,
-    /// Where pictures go.
+    /// Folder for pictures.
     out: PathBuf,
     strips: Vec<Image>,
     failures: Vec<String>,
@@ -127,7 +128,7 @@ impl Run {
         }
     }
 
-    /// What the test must find: a density 5 % off, albedos 3 % off.
+    /// Checks that planted faults are found: a density 5 % off, and albedos 3 % off.
     fn check_faults(&mut self, scene: &Scene, bvh: &Bvh, mean: &Image, reference: &Estimate) {
         let darker = with_albedo_scaled(scene, 0.97);
         let faults = [("density", scene, Some(mutated::DENSITIES)), ("albedo", &darker, None)];
@@ -154,7 +155,7 @@ impl Run {
     }
 }
 
-/// Samplers, and whether emitters are sampled. The last one is shown on the contact sheet.
+/// Samplers, each without and with emitter sampling. The contact sheet shows the last one.
 const METHODS: [(Sampler, bool); 4] =
     [(Sampler::Bsdf, false), (Sampler::Bsdf, true), (Sampler::RejectionMix, false), (Sampler::RejectionMix, true)];
 
@@ -162,7 +163,7 @@ fn name(sampler: Sampler) -> String {
     sampler.to_possible_value().map_or_else(String::new, |value| value.get_name().into())
 }
 
-/// How the references were rendered.
+/// Settings with which the references were rendered.
 fn settings(scene: &Scene, reference: &Image, sampler: Sampler, nee: bool, seed: u32) -> Settings {
     Settings {
         width: reference.width,
@@ -178,7 +179,7 @@ fn settings(scene: &Scene, reference: &Image, sampler: Sampler, nee: bool, seed:
     }
 }
 
-/// The scene with every diffuse albedo multiplied.
+/// Scene with every diffuse albedo multiplied.
 fn with_albedo_scaled(scene: &Scene, factor: f32) -> Scene {
     let mut scene = scene.clone();
     for material in &mut scene.materials {
@@ -195,7 +196,7 @@ fn estimate(picture: &Picture) -> Estimate {
     Estimate::new(&picture.image(), &picture.variance_image())
 }
 
-/// Renders `spp` samples per pixel or, in the long test, as many as it takes.
+/// Renders `spp` samples per pixel or, in the long test, as many as needed.
 fn render(mut renderer: Renderer, spp_per_step: u32, reference: &Estimate, spp: u32) -> (Picture, u32) {
     let step = |renderer: &mut Renderer, until: u32| {
         while renderer.samples_done() < until {
@@ -206,7 +207,8 @@ fn render(mut renderer: Renderer, spp_per_step: u32, reference: &Estimate, spp: 
     if env::var_os("LODESTAR_FULL").is_some() {
         let begin = Instant::now();
         let seconds = env::var("LODESTAR_REFERENCE_SECONDS").ok().and_then(|text| text.parse().ok());
-        // Only ever doubled, so that when to stop depends on the picture as little as can be.
+        // The number of samples only doubles, so that the moment of stopping depends on the picture as little as
+        // possible.
         while begin.elapsed().as_secs_f64() < 0.5 * seconds.unwrap_or(DEFAULT_SECONDS)
             && Agreement::new(&estimate(&renderer.picture().expect("a picture")), reference).error > TARGET_ERROR
         {

@@ -5,12 +5,12 @@ use std::path::Path;
 use lodestar::Result;
 use lodestar::image::{Image, ToneCurve, png};
 
-/// Relative difference that is shown in full color.
+/// Relative difference that has full color.
 const FULL_COLOR: f32 = 0.25;
-/// Pixels between pictures.
+/// Number of pixels between pictures.
 const GAP: u32 = 4;
 
-/// Ours, the reference and the difference, red where ours is brighter and blue where it is darker.
+/// Strip of our picture, the reference and the difference: red where ours is brighter, blue where it is darker.
 pub fn strip(picture: &Image, reference: &Image) -> Image {
     beside(&[picture, reference, &difference(picture, reference)])
 }
@@ -39,7 +39,7 @@ fn beside(images: &[&Image]) -> Image {
     canvas
 }
 
-/// Strips below each other, in columns.
+/// Sheet of strips below each other, in columns.
 pub fn below(strips: &[Image], columns: usize) -> Image {
     let rows: Vec<Image> = strips.chunks(columns).map(|row| beside(&row.iter().collect::<Vec<_>>())).collect();
     let width = rows.iter().map(|row| row.width).max().unwrap_or(1);
