@@ -234,7 +234,7 @@ links_shaderc() { # FOLDER
   return "$status"
 }
 
-has_shaderc() { [ -n "$(find "$SHADERC_FOLDER/" -name 'libshaderc_*' 2>/dev/null)" ]; }
+has_shaderc() { [ -n "$(find -L "$SHADERC_FOLDER/" -name 'libshaderc_*' 2>/dev/null)" ] && links_shaderc "$SHADERC_FOLDER"; }
 
 # Puts a shaderc that links into $SHADERC_FOLDER. Fails if the system has none.
 provide_shaderc() {
@@ -244,12 +244,13 @@ provide_shaderc() {
     say "installing: $packages"
     # Word splitting is intended: each package becomes one argument. A system without these packages builds shaderc from source.
     # shellcheck disable=SC2086
-    install_packages $packages || true
+    (install_packages $packages) || true
   fi
   library=$(system_shaderc) || return 1
+  rm -rf "$SHADERC_FOLDER"
   trial_folder=$(mktemp -d)
   case "$library" in
-    /usr/lib/*-linux-gnu/*) combine_debian_shaderc "$library" "$trial_folder/libshaderc_combined.a" || return 1 ;;
+    /usr/lib/*-linux-gnu/*) combine_debian_shaderc "$library" "$trial_folder/libshaderc_combined.a" || true ;;
     *) ln -s "$library" "$trial_folder/$(basename "$library")" ;;
   esac
   if links_shaderc "$trial_folder"; then

@@ -187,7 +187,11 @@ impl<'a> Reader<'a> {
             );
             return Err(Error::checkpoint(self.path, message));
         }
-        serde_json::from_slice(&header).map_err(unreadable)
+        let unknown = |_| {
+            let message = "another build has written it, whose settings differ from this one's; go on with that build";
+            Error::checkpoint(self.path, message)
+        };
+        serde_json::from_slice(&header).map_err(unknown)
     }
 
     fn check_length(&self, parts: &[PartEntry]) -> Result<()> {
@@ -287,6 +291,18 @@ mod tests {
                 refused(&path, &bytes);
             }
         }
+    }
+
+    #[test]
+    fn settings_of_another_build_are_refused_in_one_sentence() {
+        let (_folder, path) = written();
+        let header = format!(r#"{{"version":"{VERSION}","settings":{{"candidates":2}}}}"#);
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend((header.len() as u64).to_le_bytes());
+        bytes.extend(xxh3_128(header.as_bytes()).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        let text = refused(&path, &bytes);
+        assert!(text.contains("another build has written it") && !text.contains("column"), "{text}");
     }
 
     #[test]

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::Result;
 use crate::gpu::{Context, ContextOptions};
 use crate::scene::{Crop, ReconstructionFilter, Scene};
 use crate::session::files::OutputFiles;
 use crate::session::length::Length;
 use crate::settings::{Execution, Guide, Sampler, Settings, depth_warning};
+use crate::{Error, Result};
 
 /// Samples per pixel where neither the caller nor the scene says when the render ends.
 const DEFAULT_SPP: u32 = 64;
@@ -58,7 +58,7 @@ pub struct Options {
     checks: Vec<Check>,
     pub(super) device: DeviceChoice,
     slice_milliseconds: Option<f64>,
-    execution: Execution,
+    execution: Option<Execution>,
     pub(super) kernel_folder: Option<PathBuf>,
     /// `None` keeps the picture in memory only.
     pub(super) files: Option<OutputFiles>,
@@ -79,7 +79,7 @@ impl Default for Options {
             checks: Vec::new(),
             device: DeviceChoice::Open(ContextOptions::default()),
             slice_milliseconds: None,
-            execution: Execution::Auto,
+            execution: None,
             kernel_folder: None,
             files: None,
             checkpoint: None,
@@ -207,7 +207,7 @@ impl Options {
     /// Sets how paths are traced.
     #[must_use]
     pub fn execution(self, execution: Execution) -> Self {
-        Self { execution, ..self }
+        Self { execution: Some(execution), ..self }
     }
 
     /// Takes kernels from the `.spv` files of this folder.
@@ -243,6 +243,12 @@ impl Options {
     /// Where an option is out of its range or does not suit the scene.
     pub fn settings_for(&self, scene: &Scene) -> Result<Settings> {
         let mut settings = Settings::for_scene(scene);
+        if let FilmSize::Scaled(factor) = self.size
+            && !(factor > 0.0 && factor.is_finite())
+        {
+            let message = format!("the film's scale is {factor}, but must be a finite number above 0");
+            return Err(Error::Settings(message));
+        }
         self.resize(&mut settings);
         settings.crop = self.crop.or(settings.crop);
         settings.filter = self.filter.unwrap_or(settings.filter);
@@ -281,8 +287,8 @@ impl Options {
 
     /// Sets the settings that change no bit of a picture.
     pub(super) fn set_execution(&self, settings: &mut Settings) {
-        settings.slice_milliseconds = self.slice_milliseconds;
-        settings.execution = self.execution;
+        settings.slice_milliseconds = self.slice_milliseconds.or(settings.slice_milliseconds);
+        settings.execution = self.execution.unwrap_or(settings.execution);
     }
 }
 

@@ -85,7 +85,8 @@ impl Session {
     /// # Errors
     /// Where the device is lost or a result would be wrong.
     pub fn step(&mut self, samples: u32) -> Result<Progress> {
-        let end = self.renderer.samples_done().saturating_add(samples);
+        let most = u32::MAX - self.settings.sample_offset.unwrap_or(0);
+        let end = self.renderer.samples_done().saturating_add(samples).min(most);
         while self.can_step() && self.renderer.samples_done() < end {
             self.advance(end - self.renderer.samples_done(), None, &Watch::silent())?;
         }

@@ -228,7 +228,10 @@ impl<'a> SceneInput<'a> {
         // The other part of a watch stays in this thread.
         let events = watch.events;
         match self {
-            Self::Memory(scene) => Ok(Cow::Borrowed(scene)),
+            Self::Memory(scene) => {
+                scene.check()?;
+                Ok(Cow::Borrowed(scene))
+            }
             Self::File { path, defines } => {
                 let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
                 scene::load_with_progress(path, &LoadOptions { defines: defines.clone() }, &show).map(Cow::Owned)
