@@ -1,4 +1,4 @@
-//! The steps that a render has taken.
+//! History of a render: the steps that it has taken.
 
 use serde::{Deserialize, Serialize};
 
@@ -20,10 +20,10 @@ pub struct History {
 }
 
 impl History {
-    /// The clause of an error message that says which step was the last good one.
+    /// Clause of an error message that names the last good step.
     pub(super) fn last_good_step(&self) -> String {
         match self.steps.len() {
-            0 => "no step was done yet".to_owned(),
+            0 => "no step had ended".to_owned(),
             count => {
                 let samples: u64 = self.steps.iter().map(|step| step.spp).sum();
                 format!("the last good step is number {count}, which ended at {samples} samples per pixel")
