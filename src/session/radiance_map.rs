@@ -123,15 +123,15 @@ impl MappedScene<'_> {
         let offset = OFFSET * self.bvh.largest_coordinate();
         let eye = point.position + offset * point.normal;
         // Emitter sampling reduces the noise and keeps the expected value.
-        let settings = Settings { nee: true, ..plain(settings, side, side) };
+        let unguided = Settings { nee: true, ..plain(settings, side, side) };
         let mut faces = Vec::new();
         for axes in FACES {
             let camera = face_camera(axes, eye, 0.01 * offset.max(1.0e-30));
             let scene = Scene { camera, ..self.scene.clone() };
-            faces.push(self.picture(&scene, &settings, spp)?);
+            faces.push(self.picture(&scene, &unguided, spp)?);
         }
         let bins = 0..settings.directions * settings.directions;
-        Ok(bins.map(|bin| bin_mean(&faces, &settings, bin)).collect())
+        Ok(bins.map(|bin| bin_mean(&faces, settings, bin)).collect())
     }
 
     fn picture(&self, scene: &Scene, settings: &Settings, spp: u32) -> Result<Picture> {
