@@ -2,7 +2,7 @@
 //!
 //! Layout of the file; all numbers are little-endian:
 //!
-//! | bytes  | what                                                                                          |
+//! | bytes  | content                                                                                       |
 //! |--------|-----------------------------------------------------------------------------------------------|
 //! | 8      | [`MAGIC`]                                                                                     |
 //! | 8      | length of the header                                                                          |

@@ -13,7 +13,7 @@ pub struct History {
     pub seconds: f64,
     /// Paths traced.
     pub paths: u64,
-    /// Sums of what the kernels counted.
+    /// Sums of the kernels' counters.
     pub counts: Counts,
     /// The steps in order.
     pub steps: Vec<StepStatistics>,

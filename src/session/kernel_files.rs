@@ -25,7 +25,7 @@ impl KernelFiles {
         Ok(Self { folder: folder.unwrap_or(Path::new("")).to_path_buf(), replacement })
     }
 
-    /// All kernels: those from files, and the built-in ones for the rest.
+    /// All kernels: each from its file if there is one, otherwise built in.
     pub fn registry(&self) -> &Registry {
         &self.replacement.registry
     }

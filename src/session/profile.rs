@@ -13,7 +13,7 @@ use crate::gpu::{Clock, SubmissionTime};
 /// whose number is a power of two.
 const STEPS_SHOWN: usize = 16;
 
-/// One step of a render and what it submitted.
+/// One step of a render, with its submissions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfiledStep {
     /// Samples per pixel that the step was asked for.

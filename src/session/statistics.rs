@@ -70,7 +70,7 @@ impl Versions {
 /// Numbers about one step, or about all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepStatistics {
-    /// Samples of every pixel, except of pixels whose sampling has ended at their noise.
+    /// Samples per pixel. A pixel that has reached its noise target has fewer.
     pub spp: u64,
     /// Wall time.
     pub seconds: f64,
@@ -113,8 +113,8 @@ pub struct Totals {
 }
 
 impl StepStatistics {
-    /// Numbers about `paths` paths: `spp` for every pixel, except for pixels whose sampling has ended at their noise. A step that
-    /// was cut short has a few paths more.
+    /// Numbers about `paths` paths. Every pixel has `spp` of them, a pixel that has reached its noise target fewer. A step that was
+    /// cut short has a few paths more.
     pub fn new(spp: u64, paths: u64, pixels: u64, seconds: f64, counts: &Counts) -> Self {
         let mean_spp = paths as f64 / pixels as f64;
         Self {

@@ -146,7 +146,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         default: "0",
         ..common(Output, "exposure", "STOPS")
     },
-    OptionEntry { short: "Write the picture so far every so many seconds", ..common(Output, "write-every", "SECONDS") },
+    OptionEntry { short: "Seconds between two writings of the unfinished picture", ..common(Output, "write-every", "SECONDS") },
     OptionEntry {
         short: "File to resume the render from after an interruption",
         long: "`lodestar resume FILE` continues the render after a signal, a fault or a power cut.",
@@ -180,7 +180,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Length, "spp", "N")
     },
     OptionEntry {
-        short: "Stop after so many seconds of rendering",
+        short: "Stop after this number of seconds of rendering",
         long: "Loading the scene does not count.",
         ..common(Length, "time", "SECONDS")
     },
