@@ -146,7 +146,10 @@ pub static OPTIONS: &[OptionEntry] = &[
         default: "0",
         ..common(Output, "exposure", "STOPS")
     },
-    OptionEntry { short: "Seconds between two writings of the unfinished picture", ..common(Output, "write-every", "SECONDS") },
+    OptionEntry {
+        short: "Seconds between two writings of the unfinished picture",
+        ..common(Output, "write-every", "SECONDS")
+    },
     OptionEntry {
         short: "File to resume the render from after an interruption",
         long: "`lodestar resume FILE` continues the render after a signal, a fault or a power cut.",
