@@ -210,6 +210,12 @@ system_shaderc() {
   return 1
 }
 
+# Whether all packages with the parts of shaderc are there. Debian's library needs glslang's beside it.
+has_shaderc_packages() {
+  system_shaderc >/dev/null || return 1
+  [ "$system" != debian ] || [ -n "$(find /usr/lib/*-linux-gnu -maxdepth 1 -name libglslang.a 2>/dev/null)" ]
+}
+
 # Combines Debian's libshaderc_combined.a with the libraries that it lacks. The combined archive links.
 combine_debian_shaderc() { # LIBRARY TARGET
   folder=$(dirname "$1")
@@ -234,22 +240,23 @@ links_shaderc() { # FOLDER
   return "$status"
 }
 
-has_shaderc() { [ -n "$(find "$SHADERC_FOLDER/" -name 'libshaderc_*' 2>/dev/null)" ]; }
+has_shaderc() { [ -n "$(find -L "$SHADERC_FOLDER/" -name 'libshaderc_*' 2>/dev/null)" ] && links_shaderc "$SHADERC_FOLDER"; }
 
 # Puts a shaderc that links into $SHADERC_FOLDER. Fails if the system has none.
 provide_shaderc() {
   if has_shaderc; then return 0; fi
   packages=$(shaderc_packages)
-  if ! system_shaderc >/dev/null && [ -n "$packages" ]; then
+  if [ -n "$packages" ] && ! has_shaderc_packages; then
     say "installing: $packages"
     # Word splitting is intended: each package becomes one argument. A system without these packages builds shaderc from source.
     # shellcheck disable=SC2086
-    install_packages $packages || true
+    (install_packages $packages) || true
   fi
   library=$(system_shaderc) || return 1
+  rm -rf "$SHADERC_FOLDER"
   trial_folder=$(mktemp -d)
   case "$library" in
-    /usr/lib/*-linux-gnu/*) combine_debian_shaderc "$library" "$trial_folder/libshaderc_combined.a" || return 1 ;;
+    /usr/lib/*-linux-gnu/*) combine_debian_shaderc "$library" "$trial_folder/libshaderc_combined.a" || true ;;
     *) ln -s "$library" "$trial_folder/$(basename "$library")" ;;
   esac
   if links_shaderc "$trial_folder"; then

@@ -23,7 +23,7 @@ pub struct CompareArgs {
     json: bool,
 }
 
-/// Prints the error metrics of the two pictures.
+/// Prints the error metrics of the picture.
 pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     let image = exr::read_rgb(&args.image)?;
     let reference = exr::read_rgb(&args.reference)?;
@@ -44,7 +44,7 @@ fn table(metrics: &Metrics) -> String {
         ("mae", metrics.mae, "mean absolute difference"),
         ("mse", metrics.mse, "mean squared difference"),
         ("relmse", metrics.relmse, "relative mean squared difference"),
-        ("relmse_trim", metrics.relmse_trim, "the same without the worst 0.1 % of the pixels"),
+        ("relmse_trim", metrics.relmse_trim, "relative mean squared difference without the worst 0.1 % of the pixels"),
         ("mean_ratio", metrics.mean_ratio, "mean of A over mean of B"),
     ];
     rows.map(|(name, value, what)| format!("{name:<12} {value:>12.6e}  {what}")).join("\n")

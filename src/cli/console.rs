@@ -1,4 +1,4 @@
-//! What a render tells the user: loading, progress, warnings.
+//! Console of a render: shows loading, progress and warnings.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -7,10 +7,10 @@ use lodestar::session::Event;
 use super::print::report;
 use super::progress::{Loading, Meter, line};
 
-/// Shows the news of one render on standard error.
+/// Shows the events of one render on standard error.
 pub struct Console {
     quiet: bool,
-    /// Events come from several threads.
+    /// Stage of the render, behind a lock because events come from several threads.
     stage: Mutex<Stage>,
 }
 
@@ -43,7 +43,7 @@ impl Console {
 }
 
 impl Stage {
-    /// Prints a line without a bar in its way.
+    /// Prints a line while the bar is hidden.
     fn interleave(&self, kind: &str, message: &str) {
         let print = || report(kind, message);
         match self {

@@ -8,7 +8,7 @@ use lodestar::gpu::{DeviceInfo, list_devices};
 
 use super::print::{print_json, print_line};
 
-/// Lists the Vulkan devices and, for those that cannot be used, the need that they lack.
+/// Lists the Vulkan devices. For a device that cannot be used, it names what the device lacks.
 #[derive(Debug, clap::Args)]
 pub struct DevicesArgs {
     /// Print JSON.

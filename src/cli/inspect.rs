@@ -22,7 +22,7 @@ use super::print::{print_json, print_line, report};
 use super::render_args::{Filter, Switch, define};
 use super::setting_args::SettingArgs;
 
-/// Shows what a kernel is made of.
+/// Shows the interface and the instructions of the kernels.
 ///
 /// The report has its interface, its instructions, one variant of it with constants folded, and the code that a driver compiles.
 /// Options choose the variant. Constants that a scene decides have their defaults unless --scene names a scene.
@@ -30,7 +30,7 @@ use super::setting_args::SettingArgs;
 pub struct InspectArgs {
     /// The kernel, such as trace [default: all].
     kernel: Option<String>,
-    /// Only this back end [default: both].
+    /// Show this back end only [default: both].
     #[arg(long, value_enum)]
     back_end: Option<BackEnd>,
     /// Write .spv and .spvasm files and inspect.json to this folder; `specialized` holds the variant, `device` the driver's code.
@@ -68,17 +68,17 @@ pub struct InspectArgs {
     guiding: SettingArgs<true>,
 }
 
-/// What is printed as JSON.
+/// Report that is printed as JSON.
 #[derive(Debug, Serialize)]
 struct Report<'a> {
     version: &'static str,
-    /// The scene that chose what a scene decides.
+    /// Scene that decides constants of the variant.
     scene: Option<&'a Path>,
     device: Option<&'a DeviceInfo>,
     kernels: &'a [Inspected],
 }
 
-/// Inspects as `args` say.
+/// Prints and writes the report that `args` ask for.
 pub fn run(args: &InspectArgs) -> Result<ExitCode> {
     let kernels = KernelFiles::load(args.kernel_dir.as_deref())?;
     kernels.warnings().iter().for_each(|warning| report("warning", warning));
@@ -109,10 +109,10 @@ pub fn run(args: &InspectArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// (id, bits) of the variant's constants.
+/// Constants of the variant, each as its id and its bits.
 fn constants(args: &InspectArgs) -> Result<Vec<(u32, u32)>> {
     let Some(path) = &args.scene else {
-        // A film of any size: it has no say over the variant.
+        // The variant does not depend on the film's size.
         let film = FilmDescription { width: 1, height: 1, crop: None, filter: ReconstructionFilter::Box };
         let settings = settings(args, Settings::for_film(&film, &IntegratorDescription::default()))?;
         return Ok(variant_of_settings(&settings).entries());
@@ -136,7 +136,7 @@ fn settings(args: &InspectArgs, mut settings: Settings) -> Result<Settings> {
     Ok(settings)
 }
 
-/// The wanted kernels, those that both back ends share once.
+/// Kernels that `args` ask for. A kernel that both back ends share is listed once.
 fn chosen<'a>(args: &InspectArgs, registry: &'a Registry) -> Result<Vec<(Vec<BackEnd>, &'a KernelSource)>> {
     let mut chosen: Vec<(Vec<BackEnd>, &KernelSource)> = Vec::new();
     for back_end in [BackEnd::Texel, BackEnd::Storage] {
@@ -162,7 +162,7 @@ fn chosen<'a>(args: &InspectArgs, registry: &'a Registry) -> Result<Vec<(Vec<Bac
     }
 }
 
-/// In the form that --kernel-dir reads.
+/// Writes the kernels to `folder`, in the form that --kernel-dir reads, and the report.
 fn write_all(folder: &Path, whole: &Report) -> Result<()> {
     for kernel in whole.kernels {
         let stem = kernel.report.file.trim_end_matches(".spv");
@@ -182,7 +182,7 @@ fn write_all(folder: &Path, whole: &Report) -> Result<()> {
     files::write_json(&path, whole)
 }
 
-/// Under a name that any file system takes: the driver chose it.
+/// Writes one form of a driver's code. The driver chose its name, so characters that a file system may refuse are replaced.
 fn write_form(folder: &Path, stem: &str, form: &Representation) -> Result<()> {
     let name = format!("{stem}.{}", form.name);
     let words = name.split(|c: char| !c.is_ascii_alphanumeric() && c != '.' && c != '_');

@@ -1,4 +1,4 @@
-//! What `lodestar inspect` prints for people.
+//! Text that `lodestar inspect` prints for people.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -9,20 +9,20 @@ use lodestar::spirv::inspect::{Class, Count, Histogram, Interface, KernelReport,
 
 use serde::Serialize;
 
-/// One kernel of one or both back ends.
+/// Report on one kernel.
 #[derive(Debug, Serialize)]
 pub struct Inspected {
-    /// Which back ends use it.
+    /// Back ends that use the kernel.
     pub back_ends: Vec<BackEnd>,
     #[serde(flatten)]
     pub report: KernelReport,
-    /// What a device's driver made of it.
+    /// Code and statistics of the device's driver, if a device was chosen.
     pub pipeline: Option<PipelineReport>,
     #[serde(skip)]
     pub spirv: Vec<u8>,
 }
 
-/// Every kernel, with `line_count` lines of GLSL each.
+/// Report on every kernel, with `line_count` lines of GLSL each.
 pub fn text(kernels: &[Inspected], device: Option<&DeviceInfo>, line_count: usize) -> String {
     let mut text = String::new();
     for kernel in kernels {
@@ -48,7 +48,7 @@ fn header(text: &mut String, kernel: &Inspected) {
     let reads = match kernel.back_ends.as_slice() {
         [BackEnd::Texel] => "reads texel buffers",
         [BackEnd::Storage] => "reads storage buffers",
-        _ => "the same for both back ends",
+        _ => "used by both back ends",
     };
     let report = &kernel.report;
     let size = report.interface.workgroup_size.map(|dimension| dimension.to_string()).join(" x ");
@@ -126,9 +126,7 @@ fn driver(text: &mut String, pipeline: &PipelineReport, device: &DeviceInfo) {
     let _ = writeln!(text, "\non {} ({} {})", device.name, device.driver_name, device.driver_info);
     let _ = writeln!(text, "  compiled in {:.1} ms, without a cache", pipeline.creation_seconds * 1e3);
     match &pipeline.executables {
-        None => {
-            push(text, "  the driver lacks VK_KHR_pipeline_executable_properties: it tells nothing of the result\n")
-        }
+        None => push(text, "  the driver lacks VK_KHR_pipeline_executable_properties, so its code cannot be shown\n"),
         Some(executables) => executables.iter().for_each(|executable| program(text, executable)),
     }
 }

@@ -10,17 +10,17 @@ use lodestar::{Error, Result};
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-/// What shells add to a signal's number to make an exit code of it.
+/// Number that shells add to a signal's number to form an exit code.
 const EXIT_CODE_BASE: i32 = 128;
-/// How soon after the first a signal still means the same: `timeout`, for one, sends each twice.
+/// Time after the first signal in which a second one is ignored. Some programs, such as `timeout`, send each signal twice.
 const ECHO: Duration = Duration::from_millis(500);
-/// How often the first signal is looked for, to measure that time.
+/// Interval at which a thread looks for the first signal, to measure that time.
 const WATCH: Duration = Duration::from_millis(100);
 
-/// Notes SIGINT (Ctrl-C) and SIGTERM. The first stops the render, which still writes its files; a later one ends the process
-/// at once.
+/// Catches SIGINT (Ctrl-C) and SIGTERM. The first signal stops the render, which still writes its files. A later signal ends the
+/// process at once.
 pub struct Interrupt {
-    /// Number of the last signal, 0 before.
+    /// Number of the last signal; 0 before the first one.
     signal: Arc<AtomicUsize>,
 }
 
@@ -51,7 +51,7 @@ impl Interrupt {
         self.signal.load(Ordering::Relaxed) != 0
     }
 
-    /// Success, or 128 and the signal's number, as a shell expects it.
+    /// Exit code: success, or 128 plus the signal's number.
     pub fn exit_code(&self) -> ExitCode {
         match self.signal.load(Ordering::Relaxed) {
             0 => ExitCode::SUCCESS,

@@ -35,7 +35,7 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
     let (picture, attributes) = merge(&parts)?;
     let is_whole = |part: &&PartialPicture| part.picture.sums.is_empty();
     if let Some(part) = parts.iter().find(is_whole).filter(|_| !parts.iter().all(|part| is_whole(&part))) {
-        let message = "it carries no sums, so the last bits depend on the parts: render it with --sample-offset, 0 if it is the first";
+        let message = "it carries no sums, so the last bits depend on how the samples are divided; render it with --sample-offset (0 for the first part)";
         report("warning", &format!("{}: {message}", part.path.display()));
     }
     film::write_picture(&args.output, &picture, &attributes)?;

@@ -1,5 +1,7 @@
-//! The command line: one file per subcommand. Exit codes: 0 done, 1 failed, 2 wrong usage; where a signal ended a
-//! render, 128 and its number: 130 for Ctrl-C.
+//! The command line: one file per subcommand.
+//!
+//! Exit codes: 0 success, 1 failure, 2 wrong usage. If a signal ended a render, the code is 128 plus the signal's number, such as
+//! 130 for Ctrl-C.
 
 mod compare;
 mod console;
@@ -34,7 +36,7 @@ struct Cli {
     command: Command,
 }
 
-/// What a shell expects of a program that was called wrongly.
+/// Exit code for wrong usage.
 const WRONG_USAGE: u8 = 2;
 
 #[derive(Debug, Subcommand)]
@@ -78,29 +80,30 @@ pub fn run() -> ExitCode {
     })
 }
 
-/// A write beyond the limit of `ulimit -f` would end the process, and its other files with it; caught, it just fails.
+/// Catches the signal that a write beyond the limit of `ulimit -f` sends. The write then fails, instead of ending the process
+/// before its other files are written.
 fn take_file_size_limits_as_errors() {
-    // Where the signal cannot be caught, such a limit ends the process: the files are whole even so.
+    // If the signal cannot be caught, the limit ends the process. No file is then left half written.
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 
-/// Prints the help or the version where these were asked for, else what is wrong with the arguments.
+/// Prints the help or the version if the arguments ask for it, otherwise the fault in the arguments.
 fn answer(error: &clap::Error) -> ExitCode {
     let is_help = error.kind() == UsageError::DisplayHelpOnMissingArgumentOrSubcommand || !error.use_stderr();
     match is_help {
-        // To a reader that has left, or a full disk: nothing can be done about either.
+        // The result is ignored: nothing can be done about a closed pipe or a full disk.
         true => drop(error.print()),
         false => report("error", &usage_sentence(&error.to_string())),
     }
     if error.use_stderr() { ExitCode::from(WRONG_USAGE) } else { ExitCode::SUCCESS }
 }
 
-/// The first paragraph of clap's message on one line.
+/// First paragraph of clap's message, on one line.
 fn usage_sentence(message: &str) -> String {
     let paragraph = message.split("\n\n").next().unwrap_or_default();
     let lines: Vec<_> = paragraph.lines().map(str::trim).collect();
     let sentence = lines.join(" ");
-    format!("{}; --help lists what there is", sentence.strip_prefix("error: ").unwrap_or(&sentence))
+    format!("{}; --help lists the possible arguments", sentence.strip_prefix("error: ").unwrap_or(&sentence))
 }
 
 #[cfg(test)]

@@ -5,12 +5,12 @@ use std::path::Path;
 
 use lodestar::{Error, Result};
 
-/// Prints a line to standard error. Where that is closed, nothing is left to report to.
+/// Prints a line to standard error. A closed standard error is ignored.
 pub(super) fn report(kind: &str, text: &str) {
     let _ = writeln!(io::stderr(), "lodestar: {kind}: {text}");
 }
 
-/// Prints `text` and a line break. A reader that has left (`lodestar ... | head -1`) is no error: it has what it wanted.
+/// Prints `text` and a line break. A pipe that its reader has closed (`lodestar ... | head -1`) is no error.
 pub(super) fn print_line(text: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {

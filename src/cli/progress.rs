@@ -1,4 +1,4 @@
-//! How far a render is: a bar on a terminal, a line now and then elsewhere, both on standard error.
+//! Progress on standard error: a bar on a terminal, elsewhere a line every few seconds.
 
 use std::io::{self, IsTerminal, Write};
 use std::sync::Mutex;
@@ -8,20 +8,20 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lodestar::film::noise::NoiseReport;
 use lodestar::session::Progress;
 
-/// Least time between two plain lines.
+/// Least time between two lines where there is no bar.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
-/// Resolution of the bar.
+/// Number of steps of the bar from empty to full.
 const BAR_STEPS: u64 = 1000;
 
-/// Shows what is being done before a render can start: where that is long, on a terminal at once.
+/// Shows the work before the first step: on a terminal at once, elsewhere if it takes longer than 5 seconds.
 pub struct Loading {
     bar: Option<ProgressBar>,
-    /// When to print the next line where there is no bar.
+    /// Time before which no line is printed, where there is no bar.
     next_line: Option<Mutex<Instant>>,
 }
 
 impl Loading {
-    /// Nothing is shown yet.
+    /// A display that shows nothing yet, and never anything if `quiet`.
     pub fn new(quiet: bool) -> Self {
         let is_terminal = io::stderr().is_terminal();
         let bar = (!quiet && is_terminal).then(|| styled(ProgressBar::no_length(), "{wide_msg}"));
@@ -42,7 +42,7 @@ impl Loading {
         }
     }
 
-    /// Lets `print` write to standard error without the text in its way.
+    /// Hides the text while `print` writes to standard error.
     pub fn interleave<T>(&self, print: impl FnOnce() -> T) -> T {
         match &self.bar {
             Some(bar) => bar.suspend(print),
@@ -57,13 +57,13 @@ impl Drop for Loading {
     }
 }
 
-/// A share of a whole and a text: as a bar, or as lines.
+/// Shows a share of a whole and a text, as a bar or as lines.
 pub struct Meter(Display);
 
 enum Display {
     Nothing,
     Bar(ProgressBar),
-    /// When the last line was printed, and what has not been since.
+    /// Lines: the time of the last one, and the text that has come since then.
     Lines {
         last: Option<Instant>,
         pending: Option<String>,
@@ -71,7 +71,7 @@ enum Display {
 }
 
 impl Meter {
-    /// Nothing is shown yet.
+    /// A meter that shows nothing yet, and never anything if `quiet`.
     pub fn new(quiet: bool) -> Self {
         Self(match (quiet, io::stderr().is_terminal()) {
             (true, _) => Display::Nothing,
@@ -99,7 +99,7 @@ impl Meter {
         }
     }
 
-    /// Lets `print` write to standard error without the bar in its way.
+    /// Hides the bar while `print` writes to standard error.
     pub fn interleave(&self, print: impl FnOnce()) {
         match &self.0 {
             Display::Bar(bar) => bar.suspend(print),
@@ -107,7 +107,7 @@ impl Meter {
         }
     }
 
-    /// Shows the last text and leaves the terminal to what is printed next.
+    /// Shows the last text and ends the bar, so that later lines follow below it.
     pub fn finish(&mut self) {
         match std::mem::replace(&mut self.0, Display::Nothing) {
             Display::Bar(bar) => bar.abandon(),
@@ -118,7 +118,7 @@ impl Meter {
 }
 
 impl Drop for Meter {
-    /// What fails must not leave its message behind half a bar.
+    /// Ends the bar also after a failure, so that the error message stands on a line of its own.
     fn drop(&mut self) {
         self.finish();
     }
@@ -128,7 +128,7 @@ fn new_bar() -> ProgressBar {
     styled(ProgressBar::with_draw_target(Some(BAR_STEPS), ProgressDrawTarget::stderr()), "{bar:10} {wide_msg}")
 }
 
-/// The template is a constant; if it were wrong, the default one would still show the position.
+/// `bar` in the style of `template`. A wrong template would leave the default style, which shows the position too.
 fn styled(bar: ProgressBar, template: &str) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
@@ -137,11 +137,11 @@ fn styled(bar: ProgressBar, template: &str) -> ProgressBar {
 }
 
 fn print(text: &str) {
-    // Progress is a courtesy: a closed standard error must not end the render.
+    // The result is ignored, because a closed standard error must not end the render.
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-/// `128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %`.
+/// Progress on one line: `128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %`.
 pub fn line(progress: &Progress) -> String {
     let samples = match progress.length.spp {
         Some(target) => format!("{}/{target} spp", progress.samples),
@@ -156,7 +156,7 @@ pub fn line(progress: &Progress) -> String {
     format!("{samples}, {time}, {rate:.2} Mpaths/s, light hit rate {:.1} %{noise}", 100.0 * progress.light_hit_rate)
 }
 
-/// `, noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left`.
+/// Noise as the end of a line: `, noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left`.
 fn noise_text(NoiseReport { target, largest, sampled_share, .. }: &NoiseReport) -> String {
     let largest = largest.map_or_else(|| "not known yet".to_owned(), |largest| format!("up to {largest:.4}"));
     format!(", noise {largest} ({target} is wanted), {:.1} % of the pixels left", 100.0 * sampled_share)
@@ -172,7 +172,7 @@ fn seconds_left(progress: &Progress) -> Option<f64> {
     }
 }
 
-/// `59 s`, `2 min 05 s`, `3 h 07 min`.
+/// Duration in words: `59 s`, `2 min 05 s`, `3 h 07 min`.
 pub fn duration(seconds: f64) -> String {
     let seconds = seconds.round() as u64;
     match (seconds / 3600, seconds / 60 % 60, seconds % 60) {

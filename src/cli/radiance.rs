@@ -18,8 +18,8 @@ use super::render_args::{ChoiceArgs, define, device_name, output_path};
 
 /// Writes the radiance that a guide has learned at one point, by direction (the paper's Fig. 6).
 ///
-/// The point is the one that a pixel shows. The map is a square with one pixel for each direction bin of the guide;
-/// --directions sets its side.
+/// --pixel chooses the point: the surface that the center of this pixel shows. The map is a square with one pixel for each
+/// direction bin of the guide; --directions sets its side.
 #[derive(Debug, clap::Args)]
 pub struct RadianceArgs {
     /// The scene, in Mitsuba's XML of any version
@@ -27,13 +27,13 @@ pub struct RadianceArgs {
     scene: PathBuf,
     #[arg(short = 'D', value_parser = define)]
     define: Vec<(String, String)>,
-    /// The pixel whose center shows the point.
+    /// Pixel whose center shows the point.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: [u32; 2],
     /// File to write, .exr (radiance) or .png (false colors); may be given several times.
     #[arg(short, long, value_name = "FILE", required = true, value_parser = output_path)]
     output: Vec<PathBuf>,
-    /// Samples per pixel to learn from; with --truth, those of each of six views around the point.
+    /// Samples per pixel to learn from; with --truth, samples per pixel of each of six views around the point.
     #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
     /// Write the true radiance, which a plain path tracer measures at the point.
@@ -45,7 +45,7 @@ pub struct RadianceArgs {
     device: Option<String>,
 }
 
-/// Writes as `args` say.
+/// Writes the map that `args` ask for.
 pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     args.output.iter().try_for_each(|path| files::check_writable(path))?;
     let scene = scene::load(&args.scene, &LoadOptions { defines: args.define })?;
@@ -68,7 +68,7 @@ pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The settings of a map. Options that suit a picture only are refused.
+/// Settings of a map. Options that make sense for a picture only are refused.
 fn settings(choices: ChoiceArgs, scene: &Scene) -> Result<Settings> {
     let grows = choices.settings.text("steps") == Some("growing");
     let has_weights = choices.settings.text("sample-weights").is_some();
@@ -86,7 +86,7 @@ fn settings(choices: ChoiceArgs, scene: &Scene) -> Result<Settings> {
     }
     if samples_emitters {
         return Err(Error::Settings(
-            "--nee on leaves sampled light out of what is learned, so the map would not be radiance: leave it off"
+            "--nee on keeps sampled light out of the guide, so the map would lack that light: leave --nee on out"
                 .into(),
         ));
     }

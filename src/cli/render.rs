@@ -1,4 +1,4 @@
-//! `lodestar render`: renders a scene, shows progress, and writes what was asked for.
+//! `lodestar render`: renders a scene, shows progress and writes the files.
 
 use std::ops::ControlFlow;
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ use super::interrupt::Interrupt;
 use super::print::print_line;
 use super::render_args::{RenderArgs, with};
 
-/// Renders as `args` say.
+/// Renders the scene that `args` name.
 pub fn run(args: RenderArgs) -> Result<ExitCode> {
     let is_quiet = args.files.quiet;
     let start = Start::Anew(SceneInput::File { path: args.scene, defines: args.define });
@@ -21,7 +21,7 @@ pub fn run(args: RenderArgs) -> Result<ExitCode> {
     render(start, &options, is_quiet)
 }
 
-/// Renders, anew or from a checkpoint.
+/// Renders from the beginning or from a checkpoint, and shows the progress.
 pub fn render(start: Start<'_>, options: &Options, is_quiet: bool) -> Result<ExitCode> {
     let interrupt = Interrupt::catch()?;
     let console = Console::new(is_quiet);

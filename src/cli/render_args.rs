@@ -68,7 +68,7 @@ pub struct LengthArgs {
     pub time: Option<f64>,
 }
 
-/// Choices that make the settings.
+/// Options that decide the settings.
 #[derive(Debug, clap::Args)]
 pub struct ChoiceArgs {
     #[arg(long, requires = "height", value_parser = clap::value_parser!(u32).range(1..))]
@@ -104,7 +104,7 @@ pub struct DeviceArgs {
     pub validate: bool,
 }
 
-/// On or off.
+/// A switch that is on or off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Switch {
     /// Yes.
@@ -148,12 +148,12 @@ impl DeviceArgs {
     }
 }
 
-/// The wanted device. An empty LODESTAR_DEVICE is as good as none.
+/// Name or index of the device, if one is chosen. An empty LODESTAR_DEVICE chooses none.
 pub fn device_name(device: Option<String>) -> Option<String> {
     device.filter(|device| !device.trim().is_empty())
 }
 
-/// `options` with a value that an argument may give.
+/// `options` with a value, if an argument gives one.
 pub fn with<T>(options: Options, value: Option<T>, set: impl FnOnce(Options, T) -> Options) -> Options {
     match value {
         Some(value) => set(options, value),

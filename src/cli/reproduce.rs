@@ -26,13 +26,13 @@ pub struct ReproduceArgs {
     /// Folder with the paper's scenes: NAME/scene.xml.
     #[arg(long, value_name = "DIR")]
     scenes: PathBuf,
-    /// Folder with their references: NAME.mean.exr.
+    /// Folder with the references of these scenes: NAME.mean.exr.
     #[arg(long, value_name = "DIR")]
     references: PathBuf,
     /// Seconds of rendering for each picture.
     #[arg(long, value_name = "SECONDS", default_value_t = 40.0, value_parser = seconds)]
     seconds: f64,
-    /// Size of the pictures relative to the references' [default: a plain path tracer reaches 1000 samples per pixel].
+    /// Size of the pictures relative to the references [default: so that a plain path tracer reaches 1000 samples per pixel].
     #[arg(long, value_name = "F", value_parser = positive)]
     scale: Option<f32>,
     /// Render this scene only; may be given several times.
@@ -47,7 +47,7 @@ pub struct ReproduceArgs {
     quiet: bool,
 }
 
-/// Measures as `args` say.
+/// Measures the table or figure that `args` ask for.
 pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
     let interrupt = Interrupt::catch()?;
     let plan = Plan {
@@ -75,7 +75,7 @@ pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
     Ok(interrupt.exit_code())
 }
 
-/// What is left to render, with as much on top as loading and measuring took so far.
+/// Seconds of rendering that are left, times the ratio so far of the elapsed time to the time of rendering.
 fn seconds_left(status: &Status, elapsed: f64) -> f64 {
     let overhead = if status.done > 0.0 { (elapsed / status.done).max(1.0) } else { 1.0 };
     (status.total - status.done).max(0.0) * overhead

@@ -5,7 +5,8 @@ use lodestar::Result;
 use lodestar::settings::Settings;
 use lodestar::settings::options::{self, Audience, Category, OPTIONS, OptionEntry};
 
-/// Settings that were given, as text: all of the table, or of guides only.
+/// Values of options that were given, as text. With `ONLY_GUIDES` these are the options of the category `Guiding`, otherwise all
+/// options of the table.
 #[derive(Debug)]
 pub struct SettingArgs<const ONLY_GUIDES: bool> {
     given: Vec<(&'static OptionEntry, String)>,
@@ -20,7 +21,7 @@ impl<const ONLY_GUIDES: bool> SettingArgs<ONLY_GUIDES> {
     /// Changes `settings` as the arguments say.
     pub fn apply(&self, settings: &mut Settings) {
         for (option, text) in &self.given {
-            // The parser has refused every text that is no value.
+            // The parser has refused every wrong text, so this cannot fail.
             let _ = option.set().map(|set| set(settings, text));
         }
     }
@@ -33,7 +34,7 @@ impl<const ONLY_GUIDES: bool> SettingArgs<ONLY_GUIDES> {
         options::check_given(settings, &|name| self.text(name).is_some())
     }
 
-    /// Value that was given for the option of that name.
+    /// Value that was given for the option `name`.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.given.iter().find(|(option, _)| option.name == name).map(|(_, text)| &text[..])
     }
@@ -100,7 +101,7 @@ mod tests {
     use super::*;
     use crate::cli::command;
 
-    /// The table has every option of `render`, and no other; none has help of its own.
+    /// The table has exactly the options of `render`, and their help comes from the table.
     #[test]
     fn the_options_of_render_are_those_of_the_table() {
         let command = command();

@@ -1,5 +1,5 @@
-//! Lambert's cylindrical map (1772) from the square [-1, 1]^2 to the unit sphere; it keeps areas up to a factor. GLSL:
-//! `glsl/include/math/cylindrical.glsl`.
+//! Lambert's cylindrical map (1772) from the square [-1, 1]^2 to the unit sphere. Equal areas of the square become equal solid
+//! angles. GLSL: `glsl/include/math/cylindrical.glsl`.
 
 use std::f64::consts::PI;
 

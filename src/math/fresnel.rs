@@ -1,18 +1,18 @@
 //! Fresnel's equations at the surface of a dielectric. GLSL: `glsl/include/math/fresnel.glsl`.
 
-/// A smooth surface between two dielectrics, as light from one direction meets it.
+/// Reflection and refraction at a smooth surface between two dielectrics, for one direction of light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DielectricInterface {
     /// Share of the power that is reflected, in [0, 1].
     pub reflectance: f64,
-    /// Cosine of the transmitted direction with the normal on its side, >= 0; zero where all light is reflected.
+    /// Cosine between the transmitted direction and the normal on its side, in [0, 1]. It is 0 if all light is reflected.
     pub cos_t: f64,
-    /// Index of refraction beyond over that in front.
+    /// Index of refraction on the transmitted side divided by the index on the incident side.
     pub eta: f64,
 }
 
-/// Fresnel's equations for unpolarized light. `cos_i` in [-1, 1] is the cosine of the incident direction with the outward
-/// normal, < 0 from the inside; `eta` > 0 is the index of refraction inside over that outside.
+/// Fresnel's equations for unpolarized light. `cos_i` in [-1, 1] is the cosine between the incident direction and the outward
+/// normal; it is negative for light from the inside. `eta` > 0 is the index of refraction inside divided by the index outside.
 pub fn fresnel_dielectric(cos_i: f64, eta: f64) -> DielectricInterface {
     let relative = if cos_i >= 0.0 { eta } else { 1.0 / eta };
     let c = cos_i.abs();

@@ -1,5 +1,5 @@
-//! Rough surfaces made of microfacets, by distributions of GGX (Walter et al. 2007) or Beckmann, in the surface's frame, whose
-//! z-axis is its normal. GLSL: `glsl/include/math/microfacet.glsl`.
+//! Rough surfaces made of microfacets, with the GGX (Walter et al. 2007) or the Beckmann distribution. Directions are in the
+//! surface's frame, whose z-axis is the normal. GLSL: `glsl/include/math/microfacet.glsl`.
 
 use glam::DVec3;
 
@@ -8,19 +8,19 @@ use glam::DVec3;
 pub struct Microfacets {
     /// Roughness along x and y, > 0.
     pub alpha: [f64; 2],
-    /// Whether facets are distributed by GGX; by Beckmann if not.
+    /// Whether the distribution is GGX; otherwise it is Beckmann.
     pub is_ggx: bool,
 }
 
 impl Microfacets {
-    /// Microfacets of a roughness of at least 1e-4, as in Mitsuba.
+    /// Microfacets with this roughness, but at least 1e-4. Mitsuba has the same limit.
     pub fn new(alpha: [f64; 2], is_ggx: bool) -> Self {
         Self { alpha: alpha.map(|a| a.max(1.0e-4)), is_ggx }
     }
 }
 
-/// Share of the facets that are seen from the unit direction `v`, in [0, 1], by Smith's masking: exact for GGX, for Beckmann
-/// the rational approximation of Walter et al. (2007).
+/// Share of the facets that are visible from the unit direction `v`, in [0, 1] (Smith's masking function). It is exact for GGX;
+/// for Beckmann it is the rational approximation of Walter et al. (2007).
 pub fn smith_g1(s: &Microfacets, v: DVec3) -> f64 {
     let [x, y] = [v.x * s.alpha[0], v.y * s.alpha[1]];
     let t = (x * x + y * y) / (v.z * v.z);

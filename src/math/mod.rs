@@ -1,8 +1,8 @@
 //! Functions that production and tests share, in double precision: maps between squares and the sphere, reflection at smooth
-//! and rough surfaces, the sRGB curve. Each knows nothing of scenes, files and devices.
+//! and rough surfaces, the sRGB curve. No function depends on scenes, files or devices.
 //!
-//! Directions are unit vectors in the frame that the function names. Twins of GLSL functions that production never calls are
-//! in the crate `tests/support`.
+//! Directions are unit vectors in the frame that the function names. Twins of GLSL functions that only tests need are in the
+//! crate `tests/support`.
 
 pub mod cylindrical;
 pub mod direction_map;

@@ -8,7 +8,7 @@ use super::{
     AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, IntegratorDescription, LoadOptions, Material, MaterialKind,
     Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial, Textured, load,
 };
-use crate::Result;
+use crate::{Error, Result};
 
 /// What covers a shape: a material, and light where it emits any. A scene gives these out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,6 +132,38 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// Checks the camera, and every primitive's numbers and indices. Readers of files make such checks themselves.
+    ///
+    /// # Errors
+    /// [`Error::Settings`], naming the camera or the primitive by its index in [`Scene::primitives`].
+    pub(crate) fn check(&self) -> Result<()> {
+        let refuse = |message: String| Err(Error::Settings(message));
+        let Camera { fov, world_from_camera, .. } = self.camera;
+        if !world_from_camera.is_finite() || !fov.is_finite() {
+            return refuse("the camera has a number that is not finite; give it finite ones".into());
+        }
+        if self.camera.projection == Projection::Perspective && !(fov > 0.0 && fov < 180.0) {
+            return refuse(format!("the camera's field of view is {fov} degrees, but must lie between 0 and 180"));
+        }
+        for (at, primitive) in self.primitives.iter().enumerate() {
+            let Primitive { origin, edge_u, edge_v, material, emitter, .. } = *primitive;
+            if ![origin, edge_u, edge_v].iter().all(|vector| vector.is_finite()) {
+                return refuse(format!("primitive {at} has a coordinate that is not finite; give it finite ones"));
+            }
+            if material as usize >= self.materials.len() {
+                let count = self.materials.len();
+                return refuse(format!("primitive {at} has material {material}, but the scene has {count} materials"));
+            }
+            if let Some(emitter) = emitter.filter(|&emitter| emitter as usize >= self.emitters.len()) {
+                let count = self.emitters.len();
+                return refuse(format!("primitive {at} has emitter {emitter}, but the scene has {count} emitters"));
+            }
+        }
+        Ok(())
+    }
+}
+
 fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3, surface: Surface) -> Primitive {
     let Surface { material, emitter } = surface;
     let uvs = [Vec2::ZERO, Vec2::X, Vec2::Y];
@@ -141,6 +173,27 @@ fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3, su
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_no_renderer_can_take_is_refused() {
+        let scene = |change: &dyn Fn(&mut Scene)| {
+            let mut scene = Scene::new(Camera::look_at([0.0, 0.0, 5.0], [0.0; 3], 40.0), 8, 8);
+            let gray = scene.add_diffuse([0.5; 3]);
+            scene.add_sphere([0.0; 3], 1.0, gray);
+            change(&mut scene);
+            scene.check().map_err(|error| error.to_string())
+        };
+        assert_eq!(scene(&|_| ()), Ok(()));
+        let refused = |change: &dyn Fn(&mut Scene), words: &str| {
+            let error = scene(change).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        };
+        refused(&|s| s.primitives[0].material = 1, "primitive 0 has material 1, but the scene has 1 materials");
+        refused(&|s| s.primitives[0].emitter = Some(0), "primitive 0 has emitter 0, but the scene has 0 emitters");
+        refused(&|s| s.primitives[0].origin.y = f32::NAN, "primitive 0 has a coordinate");
+        refused(&|s| s.camera.fov = 180.0, "field of view is 180 degrees");
+        refused(&|s| s.camera.fov = f32::NAN, "not finite");
+    }
 
     #[test]
     fn cameras_look_at_their_targets() {

@@ -1,8 +1,8 @@
-//! Renders on disk: everything that it takes to go on with one as if it had never stopped.
+//! Checkpoint files: everything that is needed to go on with a render as if it had never stopped.
 //!
-//! A file, all numbers little-endian:
+//! Layout of the file; all numbers are little-endian:
 //!
-//! | bytes  | what                                                                                          |
+//! | bytes  | content                                                                                       |
 //! |--------|-----------------------------------------------------------------------------------------------|
 //! | 8      | [`MAGIC`]                                                                                     |
 //! | 8      | length of the header                                                                          |
@@ -10,8 +10,8 @@
 //! | header | JSON: version, scene, settings, device, record, and length and hash of each part           |
 //! | rest   | the parts, one after the other                                                                |
 //!
-//! It is written whole or not at all, and no altered byte of it goes unnoticed. Another version's is refused: what it would
-//! render has other bits.
+//! The file is written whole or not at all. Hashes detect every altered byte. A file of another version is refused, because
+//! another version may render other bits.
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Write};
@@ -28,20 +28,20 @@ use crate::session::length::Length;
 use crate::settings::Settings;
 use crate::{Error, Result};
 
-/// What a checkpoint starts with. The line breaks are those that a transfer as text would spoil.
+/// First bytes of a checkpoint. They contain line breaks, which a transfer as text would change.
 pub const MAGIC: [u8; 8] = *b"LDSTR\r\n\x1a";
-/// Magic, length and hash of the header.
+/// Number of bytes before the header: its magic, length and hash.
 const PREFIX_BYTES: u64 = 32;
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// A render that can be gone on with.
+/// State of a render that can be resumed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Checkpoint {
-    /// The scene.
+    /// File and fingerprint of the scene.
     pub scene: SceneSource,
     /// The settings.
     pub settings: Settings,
-    /// The device and driver on which it was begun: another's arithmetic may differ in the last bit.
+    /// Device and driver on which the render began. The arithmetic of another device may differ in the last bit.
     pub device: String,
     /// Length, files and steps of the render.
     pub record: Record,
@@ -49,13 +49,13 @@ pub struct Checkpoint {
     pub state: RenderState,
 }
 
-/// Everything that a session remembers of a render beside what the device holds.
+/// Everything that a session remembers of a render, apart from the device's memory.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Record {
-    /// The end of the render.
+    /// Limits of the render.
     pub length: Length,
-    /// The picture's files.
+    /// Files of the picture.
     pub outputs: PictureFiles,
     /// Files that stand in for built-in kernels, with their hashes.
     pub kernels: Vec<String>,
@@ -67,11 +67,11 @@ pub struct Record {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneSource {
-    /// The file, with its whole path.
+    /// Absolute path of the file.
     pub path: String,
-    /// `-D name=value`
+    /// Replacements of the file's `<default>` values, by name (`-D name=value`).
     pub defines: Vec<(String, String)>,
-    /// See [`crate::scene::fingerprint()`].
+    /// Fingerprint of the scene, from [`crate::scene::fingerprint()`].
     pub hash: String,
 }
 
@@ -87,7 +87,7 @@ struct Header {
     parts: Vec<PartEntry>,
 }
 
-/// What every version's header has.
+/// Fields that the header of every version has.
 #[derive(Deserialize)]
 struct AnyHeader {
     version: String,
@@ -98,7 +98,7 @@ struct AnyHeader {
 struct PartEntry {
     name: String,
     bytes: u64,
-    /// XXH3-128 in hexadecimal.
+    /// XXH3-128 of the part's bytes, in hexadecimal.
     hash: String,
 }
 
@@ -106,7 +106,7 @@ impl Checkpoint {
     /// Writes the file whole or not at all.
     ///
     /// # Errors
-    /// [`Error::Write`]; an older file is then left as it was.
+    /// [`Error::Write`]. An older file then stays as it was.
     pub fn write(&self, path: &Path) -> Result<()> {
         write_whole(path, |writer| self.write_to(writer))
     }
@@ -140,7 +140,8 @@ impl Checkpoint {
     /// Reads a checkpoint of this version.
     ///
     /// # Errors
-    /// [`Error::Read`], or [`Error::Checkpoint`] where the file is no checkpoint, another version's, cut short, or altered.
+    /// [`Error::Read`], or [`Error::Checkpoint`] if the file is no checkpoint, is of another version, was cut short or was
+    /// altered.
     pub fn read(path: &Path) -> Result<Self> {
         let mut reader = Reader::open(path)?;
         let Header { scene, settings, device, record, samples_done, parts, .. } = reader.header()?;
@@ -151,7 +152,7 @@ impl Checkpoint {
     }
 }
 
-/// A file as far as it has been read.
+/// Reader of a checkpoint file, which knows how many bytes are left.
 struct Reader<'a> {
     path: &'a Path,
     file: BufReader<File>,
@@ -183,11 +184,15 @@ impl<'a> Reader<'a> {
         let AnyHeader { version } = serde_json::from_slice(&header).map_err(unreadable)?;
         if version != VERSION {
             let message = format!(
-                "version {version} has written it, but this is {VERSION}, which would render other bits; go on with {version}"
+                "version {version} wrote it, and version {VERSION} may render other bits; resume it with version {version}"
             );
             return Err(Error::checkpoint(self.path, message));
         }
-        serde_json::from_slice(&header).map_err(unreadable)
+        let unknown = |_| {
+            let message = "another build has written it, whose settings differ from this one's; go on with that build";
+            Error::checkpoint(self.path, message)
+        };
+        serde_json::from_slice(&header).map_err(unknown)
     }
 
     fn check_length(&self, parts: &[PartEntry]) -> Result<()> {
@@ -200,7 +205,7 @@ impl<'a> Reader<'a> {
         if hash_text(&bytes) == entry.hash { Ok(StatePart { name: entry.name, bytes }) } else { Err(self.damaged()) }
     }
 
-    /// The next bytes, which the file is known to have before room is made for them.
+    /// The next `count` bytes. Memory is allocated only if the file has that many bytes left.
     fn take(&mut self, count: u64) -> Result<Vec<u8>> {
         self.bytes_left = self.bytes_left.checked_sub(count).ok_or_else(|| self.damaged())?;
         let mut bytes = vec![0; count as usize];
@@ -256,7 +261,7 @@ mod tests {
         assert_eq!(Checkpoint::read(&path).unwrap(), example());
     }
 
-    /// Each as one sentence that names the file.
+    /// Writes `bytes` to the file, checks that reading them fails in one sentence that names the file, and returns the sentence.
     fn refused(path: &Path, bytes: &[u8]) -> String {
         fs::write(path, bytes).unwrap();
         let error = Checkpoint::read(path).unwrap_err();
@@ -287,6 +292,18 @@ mod tests {
                 refused(&path, &bytes);
             }
         }
+    }
+
+    #[test]
+    fn settings_of_another_build_are_refused_in_one_sentence() {
+        let (_folder, path) = written();
+        let header = format!(r#"{{"version":"{VERSION}","settings":{{"candidates":2}}}}"#);
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend((header.len() as u64).to_le_bytes());
+        bytes.extend(xxh3_128(header.as_bytes()).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        let text = refused(&path, &bytes);
+        assert!(text.contains("another build has written it") && !text.contains("column"), "{text}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The checkpoints of one render: kept in memory after every step, written now and then and at the end.
+//! Checkpoints of one render: its state is read back between steps, and written to a file at intervals and at the end.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -17,9 +17,9 @@ pub(super) struct CheckpointFile {
 }
 
 impl CheckpointFile {
-    /// The file, written every so many seconds.
+    /// The file at `path`, written every `seconds` seconds.
     pub fn new(path: &Path, seconds: f64) -> Self {
-        // A time too long to count in never comes.
+        // An interval that is too long for a `Duration` never ends.
         Self { path: path.to_path_buf(), every: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX) }
     }
 
@@ -28,7 +28,7 @@ impl CheckpointFile {
         files::check_writable(&self.path)
     }
 
-    /// Fails where the file exists: a new render never takes an older one's place.
+    /// Fails if the file exists, so that a new render never overwrites the checkpoint of an older one.
     pub fn check_absent(&self, identity: &Identity) -> Result<()> {
         if !self.path.exists() {
             return Ok(());
@@ -37,7 +37,7 @@ impl CheckpointFile {
         let Checkpoint { scene, settings, state, .. } = Checkpoint::read(&self.path).map_err(|error| {
             Error::checkpoint(
                 &self.path,
-                format!("the file is there already and no checkpoint to go on with; give another name ({error})"),
+                format!("the file exists and is no checkpoint that can be resumed; give another name ({error})"),
             )
         })?;
         let message = match Identity::of_render(&scene.hash, &settings).difference(identity) {
@@ -45,7 +45,7 @@ impl CheckpointFile {
                 format!("it is the checkpoint of another render: {difference}; give another name or remove it")
             }
             None => format!(
-                "it holds {} samples per pixel of this render already: `lodestar resume {file}` goes on with them; remove it to begin anew",
+                "it holds {} samples per pixel of this render already: `lodestar resume {file}` goes on with them; remove the file to begin anew",
                 state.samples_done
             ),
         };
@@ -53,13 +53,14 @@ impl CheckpointFile {
     }
 }
 
-/// Reading the state back may take one part in so many of the time: where steps are short, several pass between two readings.
+/// Least ratio of the time between two readings of the state to the time of one reading. Where steps are short, several steps
+/// pass between two readings.
 const READING_SHARE: u32 = 20;
 
 /// The checkpoints of one render.
 ///
-/// They hold steps of the full length only. So a signal in the middle of a step costs that step, and a resumed render has the
-/// bits of one that was longer from the start.
+/// A checkpoint holds steps of the full length only. A signal in the middle of a step loses that step. A resumed render has the
+/// bits of a render that was never interrupted.
 pub(super) struct Checkpoints {
     file: CheckpointFile,
     /// A checkpoint of this render with nothing rendered yet.
@@ -68,7 +69,7 @@ pub(super) struct Checkpoints {
     last_write: Instant,
     /// Samples per pixel in the file.
     samples_written: Option<u32>,
-    /// Whether the last attempt to write it has failed.
+    /// Whether the last attempt to write the file failed.
     is_failing: bool,
 }
 
@@ -79,20 +80,22 @@ struct Snapshot {
 }
 
 impl Checkpoints {
-    /// Keeps the render that `template` describes in `file`, which holds it after `samples_written` samples, if at all.
+    /// Checkpoints in `file` of the render that `template` describes. If the file holds the render already, `samples_written` is
+    /// its number of samples per pixel.
     pub fn new(file: CheckpointFile, template: Checkpoint, samples_written: Option<u32>) -> Self {
         Self { file, template, last: None, last_write: Instant::now(), samples_written, is_failing: false }
     }
 
-    /// Reads the state back before a step of so many samples, where it is time to or the next state to keep may be far away.
+    /// Reads the state back before a step of `samples` samples per pixel, if enough time has passed or the step is shorter than
+    /// usual. A checkpoint cannot hold a shorter step.
     pub fn before_step(&mut self, renderer: &Renderer, history: &History, samples: u32) -> Result<()> {
         let is_due = self.last.as_ref().is_none_or(|last| last.taken.elapsed() >= last.cost * READING_SHARE);
         let is_last = samples < renderer.samples_of_next_step();
         if is_due || is_last { self.take(renderer, history) } else { Ok(()) }
     }
 
-    /// Writes the file after a step where it is time to. After a failure, which is returned once, it waits as long as after a
-    /// success.
+    /// Writes the file after a step if the interval has passed. Of several failures in a row, only the first is returned. After a
+    /// failure the next attempt waits for the whole interval.
     pub fn after_step(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
         if self.last_write.elapsed() < self.file.every {
             return Ok(());
@@ -103,13 +106,13 @@ impl Checkpoints {
         if is_news { written } else { Ok(()) }
     }
 
-    /// Writes the last step that can be kept, at the end of a render, however it ended.
+    /// Writes the last state that a checkpoint can hold, at the end of a render.
     pub fn finish(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
         let taken = self.take(renderer, history);
         taken.and(self.write())
     }
 
-    /// Reads the state back unless it is known or is none to keep.
+    /// Reads the state back, unless it is known already or a step was cut short.
     fn take(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
         let samples = renderer.samples_done();
         let is_known = self.last.as_ref().is_some_and(|last| last.checkpoint.state.samples_done == samples);
@@ -117,7 +120,7 @@ impl Checkpoints {
             return Ok(());
         }
         let begin = Instant::now();
-        // The old one stays until then: the device may be lost.
+        // The old snapshot stays until the new one is complete, because the device may be lost.
         let state = renderer.state()?;
         let record = Record { history: history.clone(), ..self.template.record.clone() };
         let checkpoint = Checkpoint { record, state, ..self.template.clone() };
@@ -125,7 +128,7 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// Writes the last state that is known; the device is left alone, for it may be lost.
+    /// Writes the last state that was read back. The device is not used, because it may be lost.
     pub fn write(&mut self) -> Result<()> {
         let Some(Snapshot { checkpoint, .. }) = &self.last else { return Ok(()) };
         let samples = Some(checkpoint.state.samples_done);

@@ -10,22 +10,23 @@ use crate::image::{Image, ToneCurve, exr, metrics, png};
 use crate::settings::Settings;
 use crate::{Error, Result, files};
 
-/// Files that a caller asks for. A resumed render takes from its checkpoint what is left out here.
+/// Files that a caller asks for. A resumed render takes picture files, tone curve and exposure from its checkpoint where none
+/// are given here.
 #[derive(Debug, Clone, Default)]
 pub struct OutputFiles {
-    /// Pictures, by extension EXR or PNG. Empty means one EXR file with the scene's name.
+    /// Picture files; the extension chooses EXR or PNG. An empty list means one EXR file with the scene's name.
     pub pictures: Vec<PathBuf>,
     /// Tone curve of PNG files.
     pub tone: Option<ToneCurve>,
     /// Exposure of PNG files in stops.
     pub exposure: Option<f32>,
-    /// Seconds between two writings of the unfinished picture; without a number, the picture is written at the end only.
+    /// Seconds between two writings of the unfinished picture. `None` writes the picture at the end only.
     pub write_every: Option<f64>,
-    /// A picture to measure the error against.
+    /// Picture that errors are measured against.
     pub reference: Option<PathBuf>,
-    /// Statistics as JSON.
+    /// File for the statistics, as JSON.
     pub statistics: Option<PathBuf>,
-    /// A trace of all dispatches as JSON.
+    /// File for a trace of all dispatches, as JSON.
     pub profile: Option<PathBuf>,
 }
 
@@ -36,7 +37,7 @@ impl OutputFiles {
     }
 }
 
-/// The files that the picture goes to.
+/// Files into which the picture is written.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureFiles {
@@ -46,8 +47,8 @@ pub struct PictureFiles {
 }
 
 impl PictureFiles {
-    /// Resolves what a caller asks for: its own words first, then those of an `earlier` part of the render, then the defaults.
-    /// Tries every path, so that a file that cannot be written is found before the render begins.
+    /// Chooses the files: the caller's wishes come first, then the files of an `earlier` part of the render, then the defaults.
+    /// Every path is tried, so that a file that cannot be written is found before the render begins.
     pub(super) fn new(wanted: &OutputFiles, earlier: Option<&Self>, scene_name: &str) -> Result<Self> {
         let given = |paths: &Vec<PathBuf>| (!paths.is_empty()).then(|| paths.clone());
         let default = || vec![PathBuf::from(format!("{scene_name}.exr"))];
@@ -75,7 +76,7 @@ impl PictureFiles {
         Ok(Self { paths, ..self.clone() })
     }
 
-    /// Writes all files. A file that fails does not keep the others from being written.
+    /// Writes all files. If one cannot be written, the others still are.
     pub(super) fn write(&self, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
         let write = |path: &PathBuf| match path.extension().is_some_and(|extension| extension == "png") {
             true => png::write(path, &picture.image(), self.tone, self.exposure),
@@ -86,7 +87,7 @@ impl PictureFiles {
 }
 
 impl Picture {
-    /// Writes the picture, whole: a `.png` file by the sRGB curve, any other name as EXR with all layers.
+    /// Writes the picture, whole or not at all. A `.png` file uses the sRGB curve; any other name is an EXR file with all layers.
     ///
     /// # Errors
     /// Where the file cannot be written.
@@ -99,19 +100,19 @@ impl Picture {
 /// The absolute path of `path`, as text.
 ///
 /// # Errors
-/// Where it is not UTF-8.
+/// Where the absolute path is not UTF-8.
 pub(super) fn absolute_path(path: &Path) -> Result<String> {
     let absolute = std::path::absolute(path).map_err(Error::read(path))?;
     let text = absolute.to_str().map(str::to_owned);
     text.ok_or_else(|| {
-        Error::Settings(format!("{}: a checkpoint cannot name it, for it is not UTF-8", absolute.display()))
+        Error::Settings(format!("{}: a checkpoint cannot hold this path, because it is not UTF-8", absolute.display()))
     })
 }
 
-/// Reads the reference and cuts it to the rendered window where it has the size of the whole film.
+/// Reads the reference. A reference with the size of the whole film is cut to the rendered window.
 pub(super) fn read_reference(path: &Path, settings: &Settings) -> Result<Image> {
     let image = exr::read_rgb(path)?;
-    // Measured against itself, so that a reference with broken pixels is refused before the first step.
+    // The comparison with itself refuses a reference with broken pixels before the first step.
     metrics::compare(&image, &image).map_err(|_| {
         Error::image(path, "the reference has pixels that are infinite or not a number; render it again")
     })?;

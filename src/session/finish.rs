@@ -1,4 +1,4 @@
-//! The end of a render: pictures, checkpoint, statistics and profile are written, however it ended.
+//! The end of a render, also after an error: pictures, checkpoint, statistics and profile are written.
 
 use crate::film::Picture;
 use crate::image::metrics::Metrics;
@@ -9,7 +9,7 @@ use crate::session::statistics::{Statistics, StepStatistics, Totals, Versions, p
 use crate::{Error, Result, files};
 
 impl Session {
-    /// Writes all files after `rendered`, however that went, and returns the first failure.
+    /// Writes all files after a render with the result `rendered`, and returns the first failure of the two.
     pub(super) fn finish(&mut self, rendered: Result<()>, watch: &Watch<'_>) -> Result<()> {
         let written = self.write_files(rendered, watch);
         let profiled = self.write_profile();
@@ -39,10 +39,10 @@ impl Session {
         rendered.and(written).and(kept).and(statistics)
     }
 
-    /// The picture to write: the device's, or where the device is lost, the safety copy.
+    /// The picture to write, and the result of the render: the device's picture, or the safety copy if the device is lost.
     fn last_picture(&mut self, rendered: Result<()>) -> (Result<Option<CopiedPicture>>, Result<()>) {
         let read = match &rendered {
-            // It would be wrong: a file of an earlier time is left as it is.
+            // The picture would be wrong, so the files of an earlier moment are kept.
             Err(Error::Render(_)) => return (Ok(None), rendered),
             Err(Error::DeviceLost { .. }) => None,
             _ => Some(self.renderer.picture()),
@@ -58,14 +58,14 @@ impl Session {
         let copied = self.output.safety_copy.take();
         let clause = match &copied {
             Some(CopiedPicture { samples, .. }) => {
-                format!("the picture has the {samples} samples per pixel that were last read back from it")
+                format!("the picture has the {samples} samples per pixel that were last read back from the device")
             }
-            None => "there is no picture, for none was read back from it yet".to_owned(),
+            None => "there is no picture, because none had been read back from the device".to_owned(),
         };
         (Ok(copied), Err(lost.noting(&clause)))
     }
 
-    /// Writes the last picture, unless there is nothing on it.
+    /// Writes the last picture, unless it has no samples at all.
     fn write_last(&self, picture: &Picture, samples: u32, is_rendered: bool, watch: &Watch<'_>) -> Result<()> {
         let empty = picture.sample_count.iter().filter(|&&count| count == 0).count();
         if empty < picture.sample_count.len() {
@@ -84,19 +84,19 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the trace of all dispatches, where it is asked for.
+    /// Writes the trace of all dispatches if the caller wants one.
     fn write_profile(&mut self) -> Result<()> {
         self.profile = self.profiler.as_ref().map(|profiler| profiler.write()).transpose()?;
         Ok(())
     }
 
-    /// Passes on the validation layer's messages. They are a failure.
+    /// Tells `watch` the validation layer's messages. Any message makes the render fail.
     fn tell_validation(&self, watch: &Watch<'_>) -> Result<()> {
         let messages = self.context.validation_messages();
         messages.iter().for_each(|message| watch.tell(Event::Validation(message)));
         match messages.len() {
             0 => Ok(()),
-            count => Err(Error::Render(format!("the validation layer had {count} complaints"))),
+            count => Err(Error::Render(format!("the validation layer reported {count} problems"))),
         }
     }
 
@@ -130,7 +130,8 @@ impl Session {
     }
 }
 
-/// Dropped samples make a picture too dark. They come from a scene with infinite or undefined values.
+/// Warns of samples that were dropped, because they make the picture too dark. They come from a scene with infinite or
+/// undefined values.
 fn warn_of_nonfinite(count: u64, watch: &Watch<'_>) {
     if count > 0 {
         let what = "samples and learning targets were infinite or not a number: such samples count as black";

@@ -1,4 +1,4 @@
-//! The steps that a render has taken.
+//! History of a render: the steps that it has taken.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,17 +13,17 @@ pub struct History {
     pub seconds: f64,
     /// Paths traced.
     pub paths: u64,
-    /// Sums of what the kernels counted.
+    /// Sums of the kernels' counters.
     pub counts: Counts,
     /// The steps in order.
     pub steps: Vec<StepStatistics>,
 }
 
 impl History {
-    /// The clause of an error message that says which step was the last good one.
+    /// Clause of an error message that names the last good step.
     pub(super) fn last_good_step(&self) -> String {
         match self.steps.len() {
-            0 => "no step was done yet".to_owned(),
+            0 => "no step had ended".to_owned(),
             count => {
                 let samples: u64 = self.steps.iter().map(|step| step.spp).sum();
                 format!("the last good step is number {count}, which ended at {samples} samples per pixel")

@@ -25,17 +25,17 @@ impl KernelFiles {
         Ok(Self { folder: folder.unwrap_or(Path::new("")).to_path_buf(), replacement })
     }
 
-    /// All kernels, built in or not.
+    /// All kernels: each from its file if there is one, otherwise built in.
     pub fn registry(&self) -> &Registry {
         &self.replacement.registry
     }
 
-    /// Sentences about files that were passed over or could not be checked.
+    /// One sentence for each file that was ignored or could not be checked.
     pub fn warnings(&self) -> &[String] {
         &self.replacement.warnings
     }
 
-    /// Sentences about files that a render with this back end does not use.
+    /// One sentence for each file that a render with this back end does not use.
     pub fn unused(&self, back_end: BackEnd) -> Vec<String> {
         let used = self.replacement.files_of(back_end);
         let reads = match back_end {
@@ -46,7 +46,7 @@ impl KernelFiles {
         unused
             .map(|file| {
                 let path = self.folder.join(file);
-                format!("{}: not used, for this render reads {reads} buffers", path.display())
+                format!("{}: not used, because this render reads {reads} buffers", path.display())
             })
             .collect()
     }

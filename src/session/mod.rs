@@ -1,15 +1,15 @@
-//! A render from its start to its end: when it stops, its checkpoints and safety copies, its statistics and times.
+//! Sessions: a render from its start to its end, with its checkpoints, safety copies, statistics and times.
 //!
 //! | part | file |
 //! |---|---|
 //! | a caller's choices and their defaults | `options.rs`, `length.rs` |
-//! | the way to the first step, anew or from a checkpoint | `setup.rs` |
+//! | the work before the first step of a new or a resumed render | `setup.rs` |
 //! | the steps, and when they end | `run.rs` |
 //! | the files at the end | `finish.rs`, `files.rs` |
-//! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when), `film/identity.rs` (of which render) |
-//! | pictures that outlive a lost device | `safety_copy.rs` |
-//! | numbers | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
-//! | news for a caller | `progress.rs` |
+//! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when it is written), `film/identity.rs` (which render it belongs to) |
+//! | copies of the picture in case the device is lost | `safety_copy.rs` |
+//! | statistics and times | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
+//! | events for a caller | `progress.rs` |
 
 #[doc(hidden)]
 pub mod checkpoint;

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::Result;
 use crate::gpu::{Context, ContextOptions};
 use crate::scene::{Crop, ReconstructionFilter, Scene};
 use crate::session::files::OutputFiles;
 use crate::session::length::Length;
 use crate::settings::{Execution, Guide, Sampler, Settings, depth_warning};
+use crate::{Error, Result};
 
-/// Samples per pixel where neither the caller nor the scene says when the render ends.
+/// Samples per pixel if neither the caller nor the scene limits the render.
 const DEFAULT_SPP: u32 = 64;
 /// Seconds between two writings of a checkpoint.
 pub const CHECKPOINT_EVERY: f64 = 60.0;
@@ -32,7 +32,7 @@ pub enum FilmSize {
 pub(super) enum DeviceChoice {
     /// A device to open.
     Open(ContextOptions),
-    /// A device that is open.
+    /// A device that is open already.
     Opened(Arc<Context>),
 }
 
@@ -58,7 +58,7 @@ pub struct Options {
     checks: Vec<Check>,
     pub(super) device: DeviceChoice,
     slice_milliseconds: Option<f64>,
-    execution: Execution,
+    execution: Option<Execution>,
     pub(super) kernel_folder: Option<PathBuf>,
     /// `None` keeps the picture in memory only.
     pub(super) files: Option<OutputFiles>,
@@ -79,7 +79,7 @@ impl Default for Options {
             checks: Vec::new(),
             device: DeviceChoice::Open(ContextOptions::default()),
             slice_milliseconds: None,
-            execution: Execution::Auto,
+            execution: None,
             kernel_folder: None,
             files: None,
             checkpoint: None,
@@ -88,21 +88,21 @@ impl Default for Options {
     }
 }
 
-/// Where pictures come from and how they look.
+/// Length, film, paths and guide.
 impl Options {
     /// The defaults.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Ends the render after so many samples per pixel.
+    /// Ends the render after this number of samples per pixel.
     #[must_use]
     pub fn samples(mut self, per_pixel: u32) -> Self {
         self.length.spp = Some(per_pixel);
         self
     }
 
-    /// Ends the render after so many seconds of rendering; loading does not count.
+    /// Ends the render after this number of seconds. Loading does not count.
     #[must_use]
     pub fn seconds(mut self, seconds: f64) -> Self {
         self.length.seconds = Some(seconds);
@@ -121,7 +121,7 @@ impl Options {
         Self { size, ..self }
     }
 
-    /// Renders this window of the film only.
+    /// Renders only this window of the film.
     #[must_use]
     pub fn crop(self, crop: Crop) -> Self {
         Self { crop: Some(crop), ..self }
@@ -139,7 +139,7 @@ impl Options {
         Self { max_depth: Some(edges), ..self }
     }
 
-    /// Sets the number of edges from which Russian roulette by throughput is played.
+    /// Sets the number of edges after which Russian roulette by throughput begins.
     #[must_use]
     pub fn rr_depth(self, edges: u32) -> Self {
         Self { rr_depth: Some(edges), ..self }
@@ -157,7 +157,7 @@ impl Options {
         self.settings(move |settings| *settings = settings.clone().with_guide(guide.clone()))
     }
 
-    /// Sets where scattered directions come from, with the learner that suits it.
+    /// Sets the sampler of scattered directions, and the sampler's default learner.
     #[must_use]
     pub fn sampler(self, sampler: Sampler) -> Self {
         self.settings(move |settings| (settings.sampler, settings.learner) = (sampler, sampler.default_learner()))
@@ -170,7 +170,7 @@ impl Options {
         self
     }
 
-    /// Adds a rule that the settings must pass.
+    /// Adds a check that the settings must pass.
     #[must_use]
     pub fn check(mut self, check: impl Fn(&Settings) -> Result<()> + Send + Sync + 'static) -> Self {
         self.checks.push(Arc::new(check));
@@ -180,13 +180,13 @@ impl Options {
 
 /// Devices and files.
 impl Options {
-    /// Renders on a device that is open.
+    /// Renders on a device that is open already.
     #[must_use]
     pub fn context(self, context: &Arc<Context>) -> Self {
         Self { device: DeviceChoice::Opened(Arc::clone(context)), ..self }
     }
 
-    /// Opens the device with this index, or with a name that contains this text.
+    /// Opens the device with this index, or the device whose name contains this text.
     #[must_use]
     pub fn device(self, device: impl Into<String>) -> Self {
         self.open_device(ContextOptions { device: Some(device.into()), validate: false })
@@ -204,10 +204,10 @@ impl Options {
         Self { slice_milliseconds: Some(milliseconds), ..self }
     }
 
-    /// Sets how paths are traced.
+    /// Sets the kernels that trace the paths.
     #[must_use]
     pub fn execution(self, execution: Execution) -> Self {
-        Self { execution, ..self }
+        Self { execution: Some(execution), ..self }
     }
 
     /// Takes kernels from the `.spv` files of this folder.
@@ -222,14 +222,14 @@ impl Options {
         Self { files: Some(files), ..self }
     }
 
-    /// Keeps a checkpoint in this file, from which [`Session::resume`](crate::Session::resume) goes on. A resumed render keeps
-    /// its own file.
+    /// Keeps a checkpoint in this file, from which [`Session::resume`](crate::Session::resume) goes on. A resumed render
+    /// ignores this option and keeps the file that it came from.
     #[must_use]
     pub fn checkpoint(self, file: impl AsRef<Path>) -> Self {
         Self { checkpoint: Some(file.as_ref().to_path_buf()), ..self }
     }
 
-    /// Writes the checkpoint every so many seconds, and at the end.
+    /// Writes the checkpoint at this interval in seconds, and at the end.
     #[must_use]
     pub fn checkpoint_every(self, seconds: f64) -> Self {
         Self { checkpoint_every: seconds, ..self }
@@ -237,12 +237,18 @@ impl Options {
 }
 
 impl Options {
-    /// The settings of a render of `scene`: its own choices where no option is given.
+    /// Settings of a render of `scene`. Where no option is given, the scene's own choice counts.
     ///
     /// # Errors
     /// Where an option is out of its range or does not suit the scene.
     pub fn settings_for(&self, scene: &Scene) -> Result<Settings> {
         let mut settings = Settings::for_scene(scene);
+        if let FilmSize::Scaled(factor) = self.size
+            && !(factor > 0.0 && factor.is_finite())
+        {
+            let message = format!("the film's scale is {factor}, but must be a finite number above 0");
+            return Err(Error::Settings(message));
+        }
         self.resize(&mut settings);
         settings.crop = self.crop.or(settings.crop);
         settings.filter = self.filter.unwrap_or(settings.filter);
@@ -266,27 +272,27 @@ impl Options {
         [settings.width, settings.height] = new;
     }
 
-    /// The end of a new render of `scene` with `settings`.
+    /// Limits of a new render of `scene` with `settings`.
     pub(super) fn length_for(&self, scene: &Scene, settings: &Settings) -> Length {
         let ends_otherwise = self.length.seconds.is_some() || settings.noise.is_some();
         let default = (!ends_otherwise).then(|| scene.sample_count.unwrap_or(DEFAULT_SPP));
         Length { spp: self.length.spp.or(default), seconds: self.length.seconds }
     }
 
-    /// A warning where the scene asks for a depth that is rendered otherwise, unless the caller has chosen the depth.
+    /// Warning that the scene's depth is outside the range that can be rendered. A caller who has chosen the depth gets none.
     pub(super) fn depth_warning(&self, scene: &Scene) -> Option<String> {
         let is_chosen = self.max_depth.is_some() || self.rr_depth.is_some();
         depth_warning(scene).filter(|_| !is_chosen)
     }
 
-    /// Sets the settings that change no bit of a picture.
+    /// Sets the settings that cannot change a bit of the picture.
     pub(super) fn set_execution(&self, settings: &mut Settings) {
-        settings.slice_milliseconds = self.slice_milliseconds;
-        settings.execution = self.execution;
+        settings.slice_milliseconds = self.slice_milliseconds.or(settings.slice_milliseconds);
+        settings.execution = self.execution.unwrap_or(settings.execution);
     }
 }
 
-/// The scene's crop window keeps its place when the film's size changes.
+/// The scene's crop window, scaled with the film so that it shows the same part of the picture.
 fn rescaled_crop(crop: Option<Crop>, [width, height]: [u32; 2], [new_width, new_height]: [u32; 2]) -> Option<Crop> {
     let scale = |value: u32, old: u32, new: u32| (u64::from(value) * u64::from(new) / u64::from(old.max(1))) as u32;
     crop.map(|c| Crop {

@@ -1,4 +1,4 @@
-//! Where a render's time goes: dispatches by kernel and by step, as a table, as numbers and as a trace.
+//! Times of a render's dispatches, by kernel and by step: as a table, as numbers and as a trace.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,19 +9,20 @@ use serde_json::{Value, json};
 
 use crate::gpu::{Clock, SubmissionTime};
 
-/// Steps that the table shows one by one; of more, those whose number is a power of two.
+/// Largest number of steps for which the table shows every step. Of a longer render it shows the last step and the steps
+/// whose number is a power of two.
 const STEPS_SHOWN: usize = 16;
 
-/// One step of a render and what it submitted.
+/// One step of a render, with its submissions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProfiledStep {
-    /// Samples per pixel that were asked for.
+    /// Samples per pixel that the step was asked for.
     pub samples: u32,
     /// Rays traced.
     pub rays: u64,
-    /// Wall time.
+    /// Wall time of the step.
     pub seconds: f64,
-    /// In order.
+    /// Submissions in the order in which they ran.
     pub submissions: Vec<SubmissionTime>,
 }
 
@@ -33,34 +34,33 @@ pub struct Profile {
     steps: Vec<ProfiledStep>,
 }
 
-/// What the dispatches of one kernel took. Where the host's clock is used and a submission has several kernels, they count
-/// as one, called `a + b`.
+/// Times of one kernel's dispatches. By the host's clock, the kernels of one submission count as one kernel, called `a + b`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KernelTime {
-    /// The kernel's name.
+    /// Name of the kernel.
     pub kernel: String,
-    /// Their number.
+    /// Number of dispatches.
     pub dispatches: u64,
-    /// Their sum.
+    /// Sum of the dispatches' times.
     pub milliseconds: f64,
-    /// Of the steps' wall time, in [0, 1].
+    /// Share of the steps' wall time, in [0, 1].
     pub share: f64,
-    /// The shortest.
+    /// Time of the shortest dispatch.
     pub least_milliseconds: f64,
-    /// The longest.
+    /// Time of the longest dispatch.
     pub most_milliseconds: f64,
 }
 
-/// What one step took.
+/// Times of one step.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StepTime {
-    /// Counted from 1.
+    /// Number of the step, counted from 1.
     pub step: usize,
-    /// Samples per pixel that were asked for.
+    /// Samples per pixel that the step was asked for.
     pub samples: u32,
     /// Wall time.
     pub milliseconds: f64,
-    /// By kernel.
+    /// Milliseconds of each kernel, by its name.
     pub kernels: BTreeMap<String, f64>,
     /// Wall time in which no kernel ran.
     pub other_milliseconds: f64,
@@ -73,11 +73,11 @@ pub struct StepTime {
 /// All numbers of a profile.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// The device's name.
+    /// Name of the device.
     pub device: String,
-    /// Whose clock the kernels' times are by.
+    /// Clock that measured the kernels' times.
     pub clock: Clock,
-    /// The steps' wall time.
+    /// Wall time of all steps.
     pub milliseconds: f64,
     /// Rays traced.
     pub rays: u64,
@@ -85,17 +85,17 @@ pub struct Summary {
     pub rays_per_second: f64,
     /// Wall time in which no kernel ran.
     pub other_milliseconds: f64,
-    /// By kernel, the dearest first.
+    /// Kernels; the one with the longest time comes first.
     pub kernels: Vec<KernelTime>,
-    /// One by one.
+    /// Steps in order.
     pub steps: Vec<StepTime>,
 }
 
-/// A kernel's name and one of its spans, from the submission's begin.
+/// Name of a kernel, and begin and end of one of its spans since the begin of the submission.
 type Span = (String, Duration, Duration);
 
 impl Profile {
-    /// Of no steps yet.
+    /// An empty profile of the device with this name.
     pub fn new(clock: Clock, device: &str) -> Self {
         Self { clock, device: device.into(), steps: Vec::new() }
     }
@@ -105,7 +105,7 @@ impl Profile {
         self.steps.push(step);
     }
 
-    /// All numbers.
+    /// All numbers of the profile.
     pub fn summary(&self) -> Summary {
         let steps: Vec<_> = (1..).zip(&self.steps).map(|(number, step)| step_time(number, step)).collect();
         let milliseconds = sum(&steps, |step| step.milliseconds);
@@ -122,9 +122,8 @@ impl Profile {
         }
     }
 
-    /// The trace in Chrome's Trace Event Format, which Perfetto and `chrome://tracing` open; the numbers of
-    /// [`Self::summary`] are its `otherData`. Times by the device's clock are laid from the begin of their submission by
-    /// the host's.
+    /// The trace in Chrome's Trace Event Format, which Perfetto and `chrome://tracing` open. Its `otherData` has the numbers
+    /// of [`Self::summary`]. The host's clock places each submission; the device's clock places the kernels within it.
     pub fn trace(&self) -> Value {
         let mut events = vec![
             json!({"ph": "M", "name": "process_name", "pid": 1, "args": {"name": format!("lodestar on {}", self.device)}}),
@@ -146,7 +145,7 @@ impl Profile {
     }
 }
 
-// Tracks of the trace.
+// Numbers of the trace's tracks.
 const STEPS: u32 = 1;
 const SUBMISSIONS: u32 = 2;
 const KERNELS: u32 = 3;
@@ -161,7 +160,7 @@ fn slice(track: u32, name: &str, begin: Duration, length: Duration, args: Value)
 }
 
 fn step_events(number: usize, step: &ProfiledStep) -> Vec<Value> {
-    // Pictures that were read between two steps come first.
+    // A picture that was read back between two steps is a submission without dispatches: the step begins after it.
     let first = step.submissions.iter().find(|submission| !submission.dispatches.is_empty());
     let begin = first.map_or(Duration::ZERO, |first| first.begin);
     let rate = per_second(step.rays, step.seconds * 1e3) / 1e6;
@@ -182,7 +181,8 @@ fn step_events(number: usize, step: &ProfiledStep) -> Vec<Value> {
     events
 }
 
-/// By the device's clock where every dispatch has a span; else the whole submission counts for all its kernels together.
+/// Spans of a submission's kernels. Where a dispatch has no time by the device's clock, the whole submission is one span of all
+/// its kernels.
 fn spans(submission: &SubmissionTime) -> Vec<Span> {
     let dispatches = &submission.dispatches;
     if dispatches.is_empty() {
@@ -236,7 +236,7 @@ fn kernel_times(steps: &[ProfiledStep], wall: f64) -> Vec<KernelTime> {
 }
 
 impl Summary {
-    /// As a table for people.
+    /// A table of all times, for people.
     pub fn table(&self) -> String {
         let mut text = format!("{}, {}\n\n", self.device, self.clock_sentence());
         let _ = writeln!(
@@ -266,7 +266,7 @@ impl Summary {
     fn clock_sentence(&self) -> &'static str {
         match self.clock {
             Clock::Device => "times by the device's clock",
-            Clock::Host => "wall times of whole submissions, for the device has no timestamps",
+            Clock::Host => "wall times of whole submissions, because the device has no timestamps",
         }
     }
 

@@ -22,7 +22,7 @@ impl Profiler {
         Self { path, context: Arc::clone(context), profile }
     }
 
-    /// Notes a step that has just ended.
+    /// Adds a step that has just ended.
     pub fn note(&mut self, report: &StepReport) {
         self.profile.add(ProfiledStep {
             samples: report.samples,

@@ -1,4 +1,4 @@
-//! News of a render under way.
+//! Events and progress that a render reports while it runs.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use crate::film::noise::NoiseReport;
 use crate::scene::LoadProgress;
 use crate::session::length::Length;
 
-/// How far a render is.
+/// Progress of a render.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Samples per pixel so far.
@@ -15,22 +15,22 @@ pub struct Progress {
     pub seconds: f64,
     /// Paths so far.
     pub paths: u64,
-    /// Share of the last step's paths that reached a light, in [0, 1]. It grows as the guide learns.
+    /// Share of the last step's scattered rays that hit an emitter, in [0, 1]. It grows as the guide learns.
     pub light_hit_rate: f64,
-    /// Noise of the picture, where noise ends the render.
+    /// Noise of the picture, if noise can end the render.
     pub noise: Option<NoiseReport>,
-    /// Share of the render that is done, in [0, 1], by samples or by time, whichever is further.
+    /// Share of the render that is done, in [0, 1]: the larger one of its share of the samples and of the time.
     pub fraction: f64,
     /// The end of the render.
     pub length: Length,
 }
 
-/// Work that precedes the first step. Prints as `building the kernels`, say.
+/// Work that precedes the first step. It prints as a phrase, such as `building the kernels`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preparation {
     /// The scene's files are being read.
     Scene(LoadProgress),
-    /// The hierarchy of so many primitives is being built.
+    /// The hierarchy is being built, over this number of primitives.
     Hierarchy(usize),
     /// The kernels are being built.
     Kernels,
@@ -46,7 +46,7 @@ impl fmt::Display for Preparation {
     }
 }
 
-/// News for whoever watches a render, in this order: preparations, `Ready`, steps, `Rendered`. Messages come at any time.
+/// Event of a render. The order is: preparations, `Ready`, steps, `Rendered`. Warnings and validation messages come at any time.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
     /// Work that precedes the first step has begun.
@@ -63,16 +63,16 @@ pub enum Event<'a> {
     Validation(&'a str),
 }
 
-/// A caller's view of a render, and its way to stop it.
+/// Functions by which a caller watches a render and stops it.
 pub struct Watch<'a> {
-    /// Asked between two dispatches. True ends the render; its files are still written.
+    /// Whether to stop. It is called between two dispatches; true ends the render, and its files are still written.
     pub stop: &'a dyn Fn() -> bool,
-    /// Told all news, from several threads while a scene is read.
+    /// Receiver of every event. While a scene is read, several threads call it.
     pub events: &'a (dyn Fn(Event<'_>) + Sync),
 }
 
 impl Watch<'_> {
-    /// A watch that hears nothing and stops nothing.
+    /// A watch that ignores all events and never stops the render.
     pub fn silent() -> Self {
         Self { stop: &|| false, events: &|_| {} }
     }

@@ -1,5 +1,5 @@
-//! Radiance that arrives at a point of the scene, by direction: what a guide has learned of it, and what is true (the paper's
-//! Fig. 6). Maps are squares of `directions` x `directions` bins, rows from the top, as the radiance grid has them.
+//! Radiance that arrives at a point of the scene, by direction: as a guide has learned it, and as it truly is (the paper's
+//! Fig. 6). A map is a square of `directions` x `directions` bins, row by row from the top, in the order of the radiance grid.
 
 use std::sync::Arc;
 
@@ -16,26 +16,26 @@ use crate::scene::{Camera, Crop, FovAxis, Projection, ReconstructionFilter, Scen
 use crate::settings::{Guide, MAX_FILM_SIDE, Sampler, Settings};
 use crate::{Error, Result};
 
-/// Pixels of the film into which a pixel is cut to find what its center shows; odd.
+/// Parts along each side into which a pixel is cut, so that the middle part shows the pixel's center. The number is odd.
 const CENTER_CUT: u32 = 31;
-/// Pixels of a face of the cube of true radiance, relative to the map's side.
+/// Pixels along the side of a view, relative to the map's side. Six views, the faces of a cube, measure the true radiance.
 const FACE_SCALE: u32 = 2;
-/// Points of a bin, along each side, at which the cube is looked up.
+/// Number of points along each side of a bin at which the six views are looked up.
 const LOOKUPS: u32 = 8;
-/// How far off a surface the cube stands, relative to the scene's largest coordinate.
+/// Distance between the surface and the eye of the six views, relative to the scene's largest coordinate.
 const OFFSET: f32 = 1.0e-4;
 
-/// Further than any scene.
+/// Far clipping distance, beyond every scene.
 const FAR: f32 = 1.0e20;
-/// Pixels of a picture of a map, along each side, about.
+/// Approximate number of pixels along each side of a map's picture.
 const PICTURE_SIDE: u32 = 512;
 
 /// A point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// Where it is, world space.
+    /// Position in world space.
     pub position: Vec3,
-    /// The shading normal, on the side that is seen.
+    /// Shading normal, on the side that the camera sees.
     pub normal: Vec3,
 }
 
@@ -45,17 +45,17 @@ pub struct MappedScene<'a> {
     pub context: &'a Arc<Context>,
     /// The scene.
     pub scene: &'a Scene,
-    /// Its hierarchy.
+    /// Hierarchy of the scene.
     pub bvh: &'a Bvh,
 }
 
-/// Settings of a plain path tracer on a film of that size.
+/// Settings of a path tracer without a guide, on a film of `width` x `height` pixels.
 fn plain(settings: &Settings, width: u32, height: u32) -> Settings {
     let film = Settings { width, height, crop: None, filter: ReconstructionFilter::Box, ..settings.clone() };
     Settings { hide_emitters: false, sample_weights: None, ..film.with_guide(Guide::None) }
 }
 
-/// The settings with which a map is learned: those of a picture, without emitter sampling.
+/// Settings with which a map is learned: a picture's `settings`, without emitter sampling.
 ///
 /// # Errors
 /// [`Error::Settings`] where the sampler learns no radiance.
@@ -82,7 +82,7 @@ impl MappedScene<'_> {
         renderer.radiance_at(point.position)
     }
 
-    /// What the center of a pixel shows.
+    /// Point of a surface that the center of a pixel shows.
     ///
     /// # Errors
     /// Where the pixel lies outside the film, the camera is no pinhole, or there is nothing to be seen.
@@ -93,7 +93,7 @@ impl MappedScene<'_> {
             return refuse(&format!("the film has {width} x {height} pixels"));
         }
         if self.scene.camera.projection != Projection::Perspective {
-            return refuse("what a pixel shows is one point for a `perspective` sensor only");
+            return refuse("only a `perspective` sensor shows one point at the center of a pixel");
         }
         let cut = (MAX_FILM_SIDE / width.max(height)).min(CENTER_CUT);
         let cut = if cut.is_multiple_of(2) { cut - 1 } else { cut }.max(1);
@@ -113,8 +113,8 @@ impl MappedScene<'_> {
         Ok(SurfacePoint { position: eye + picture.depth[0] * direction, normal: normal.normalize_or(-direction) })
     }
 
-    /// Mean over RGB and each bin of the radiance that arrives, by `spp` samples per pixel of six views around the point. Bins
-    /// below the surface see its inside.
+    /// True radiance at `point`: the mean over each bin and over RGB. Six views around the point measure it with `spp` samples
+    /// per pixel each. Bins below the surface see the inside of the object.
     ///
     /// # Errors
     /// Where the device cannot hold the scene or is lost.
@@ -122,7 +122,7 @@ impl MappedScene<'_> {
         let side = FACE_SCALE * settings.directions;
         let offset = OFFSET * self.bvh.largest_coordinate();
         let eye = point.position + offset * point.normal;
-        // Emitters are sampled where that loses nothing: the expected value is the same.
+        // Emitter sampling reduces the noise and keeps the expected value.
         let unguided = Settings { nee: true, ..plain(settings, side, side) };
         let mut faces = Vec::new();
         for axes in FACES {
@@ -141,7 +141,7 @@ impl MappedScene<'_> {
     }
 }
 
-/// Left, up and forward of the cube's faces in world space: right-handed, as a camera's.
+/// Directions left, up and forward of the six views in world space: right-handed, like a camera's axes.
 const FACES: [[Vec3; 3]; 6] = [
     [Vec3::NEG_Z, Vec3::Y, Vec3::X],
     [Vec3::Z, Vec3::Y, Vec3::NEG_X],
@@ -151,7 +151,7 @@ const FACES: [[Vec3; 3]; 6] = [
     [Vec3::NEG_X, Vec3::Y, Vec3::NEG_Z],
 ];
 
-/// A camera that sees one face of the cube around `eye`.
+/// Camera at `eye` that sees one face of the cube around it.
 fn face_camera([left, up, forward]: [Vec3; 3], eye: Vec3, near_clip: f32) -> Camera {
     let axes = [left, up, forward].map(|axis| axis.extend(0.0));
     Camera {
@@ -165,7 +165,8 @@ fn face_camera([left, up, forward]: [Vec3; 3], eye: Vec3, near_clip: f32) -> Cam
     }
 }
 
-/// Unit direction from the eye through a point of the film, in widths and heights from its top left.
+/// Unit direction from the eye through a point of the film. `at` counts widths and heights of the film from its top left
+/// corner, in [0, 1]^2.
 fn direction_through(camera: &Camera, at: Vec2, [width, height]: [u32; 2]) -> Vec3 {
     let on_screen = (1.0 - 2.0 * (at + camera.principal_point)) * camera.half_extent(width, height);
     camera.world_from_camera.transform_vector3(on_screen.extend(1.0)).normalize()
@@ -179,7 +180,7 @@ fn bin_mean(faces: &[Picture], settings: &Settings, bin: u32) -> f32 {
     points.map(|direction| look_up(faces, direction.as_vec3())).sum::<f32>() / (LOOKUPS * LOOKUPS) as f32
 }
 
-/// Mean over RGB of what is seen in that direction.
+/// Mean over RGB of the radiance that the six views show in a direction.
 fn look_up(faces: &[Picture], direction: Vec3) -> f32 {
     let ahead = |face: &usize| FACES[*face][2].dot(direction);
     let face = (0..FACES.len()).max_by(|a, b| ahead(a).total_cmp(&ahead(b))).unwrap_or(0);
@@ -190,7 +191,7 @@ fn look_up(faces: &[Picture], direction: Vec3) -> f32 {
     picture.radiance[(y * picture.width + x) as usize].iter().sum::<f32>() / 3.0
 }
 
-/// A map in false colors, each bin a square of pixels: half way up the ramp is the mean over all bins.
+/// A map in false colors, each bin as a square of pixels. The middle of the color ramp is the mean over all bins.
 pub fn false_colors(map: &[f32], side: u32) -> Image {
     let zoom = (PICTURE_SIDE / side).max(1);
     let mean = f64::from(map.iter().sum::<f32>()) / map.len() as f64;
@@ -203,7 +204,7 @@ pub fn false_colors(map: &[f32], side: u32) -> Image {
     Image { width: size, height: size, pixels: (0..size * size).map(pixel).collect() }
 }
 
-/// Mean absolute difference of two maps over the bins above the surface, relative to the mean of the second.
+/// Mean absolute difference of `map` and `truth` over the bins above the surface, relative to the mean of `truth` there.
 pub fn relative_error(map: &[f32], truth: &[f32], settings: &Settings, normal: Vec3) -> f64 {
     let is_above =
         |bin: &usize| bin_center(settings.map, *bin as u32, settings.directions).dot(normal.as_dvec3()) > 0.0;

@@ -1,4 +1,4 @@
-//! Steps of a render until it is enough.
+//! Sessions: the steps of a render until a limit ends it.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -49,9 +49,9 @@ pub struct Session {
     pub(super) output: Output,
     pub(super) checkpoints: Option<Checkpoints>,
     pub(super) profiler: Option<Profiler>,
-    /// Times of all dispatches, once their trace is written.
+    /// Times of all dispatches. They are set when the trace is written.
     pub(super) profile: Option<Summary>,
-    /// The safety copy of the picture, once the device is lost.
+    /// Safety copy of the picture. It is set when the device is lost.
     pub(super) rescued: Option<Picture>,
 }
 
@@ -65,7 +65,7 @@ pub(super) struct Subject {
     pub times: SetupTimes,
 }
 
-/// Files of the picture and of its statistics, and when they were last written.
+/// Files of the picture and of its statistics, and the time of the last writing.
 pub(super) struct Output {
     pub pictures: PictureFiles,
     /// Seconds between two writings of the unfinished picture.
@@ -78,14 +78,15 @@ pub(super) struct Output {
 }
 
 impl Session {
-    /// Takes `samples` more samples per pixel, whatever the length of the render. They are split into steps by the guide's
-    /// schedule, so that the guide learns between them. A step that `samples` cuts short makes the next ones differ from those
-    /// of a longer request. Files are written by [`Session::run`].
+    /// Takes `samples` more samples per pixel, whatever the length of the render. The guide's schedule splits them into steps, so
+    /// that the guide learns between steps. If `samples` cuts a step short, the steps after it differ from the steps of one longer
+    /// call. This function writes no files; [`Session::run`] does.
     ///
     /// # Errors
     /// Where the device is lost or a result would be wrong.
     pub fn step(&mut self, samples: u32) -> Result<Progress> {
-        let end = self.renderer.samples_done().saturating_add(samples);
+        let most = u32::MAX - self.settings.sample_offset.unwrap_or(0);
+        let end = self.renderer.samples_done().saturating_add(samples).min(most);
         while self.can_step() && self.renderer.samples_done() < end {
             self.advance(end - self.renderer.samples_done(), None, &Watch::silent())?;
         }
@@ -100,17 +101,17 @@ impl Session {
         self.run_watched(&Watch::silent(), on_step)
     }
 
-    /// [`Session::run`] under the eyes of `watch`.
+    /// Renders like [`Session::run`] and tells `watch` every event.
     ///
     /// # Errors
-    /// As there.
+    /// Where [`Session::run`] fails.
     pub fn run_watched(&mut self, watch: &Watch<'_>, mut on_step: impl FnMut(&Self) -> ControlFlow<()>) -> Result<()> {
         let rendered = self.render(watch, &mut on_step);
         watch.tell(Event::Rendered);
         self.finish(rendered, watch)
     }
 
-    /// The picture so far. Where the device was lost during [`Session::run`], its last safety copy.
+    /// The picture so far. If the device was lost during [`Session::run`], this is the last safety copy of the picture.
     ///
     /// # Errors
     /// Where the device is lost and there is no copy.
@@ -118,7 +119,7 @@ impl Session {
         self.rescued.clone().map_or_else(|| self.renderer.picture(), Ok)
     }
 
-    /// How far the render is.
+    /// Progress of the render.
     pub fn progress(&self) -> Progress {
         let samples = self.renderer.samples_done();
         Progress {
@@ -142,13 +143,13 @@ impl Session {
         &self.context
     }
 
-    /// Times of all dispatches, where they were asked for, once the render has ended.
+    /// Times of all dispatches, after the end of a render with [`OutputFiles::profile`](crate::session::OutputFiles::profile).
     pub fn profile(&self) -> Option<&Summary> {
         self.profile.as_ref()
     }
 
-    /// Takes steps until the samples, the time or the caller's patience are used up. The clock stands while pictures are
-    /// written or measured.
+    /// Takes steps until a limit is reached or the caller stops the render. The time in which pictures are written or measured does
+    /// not count.
     fn render(&mut self, watch: &Watch<'_>, on_step: &mut dyn FnMut(&Self) -> ControlFlow<()>) -> Result<()> {
         while !self.is_done(watch) {
             self.advance(self.samples_left(), self.deadline(), watch)?;
@@ -160,7 +161,7 @@ impl Session {
         Ok(())
     }
 
-    /// Takes one step of at most `most` samples per pixel and keeps what a fault would cost.
+    /// Takes one step of at most `most` samples per pixel, then updates the safety copy and the checkpoint.
     fn advance(&mut self, most: u32, deadline: Option<Instant>, watch: &Watch<'_>) -> Result<()> {
         let step =
             self.take_step(most, deadline, watch).map_err(|error| error.noting(&self.history.last_good_step()))?;
@@ -192,20 +193,20 @@ impl Session {
         let paths = self.paths_of(&report, spp)?;
         self.history.paths += paths;
         let mut step = StepStatistics::new(spp.into(), paths, self.pixels(), report.seconds, &report.counts);
-        // At steps 1, 2, 4, 8, ...: the curve is drawn over logarithmic axes.
+        // Errors are measured after steps 1, 2, 4, 8, ..., because error curves have logarithmic axes.
         if (self.history.steps.len() + 1).is_power_of_two() {
             step.errors = self.measure(&self.renderer.picture()?)?;
         }
         Ok(step)
     }
 
-    /// Lets the checkpoints do something, if they are kept.
+    /// Calls `act` with the checkpoints, if there are any.
     pub(super) fn keep(&mut self, act: impl FnOnce(&mut Checkpoints, &Renderer, &History) -> Result<()>) -> Result<()> {
         let Self { checkpoints, renderer, history, .. } = self;
         checkpoints.as_mut().map_or(Ok(()), |checkpoints| act(checkpoints, renderer, history))
     }
 
-    /// The paths of a step that has just ended. A step that was cut short has sampled some pixels more often than others.
+    /// Number of paths of the step that has just ended. A step that was cut short has sampled some pixels more often than others.
     fn paths_of(&self, report: &StepReport, spp: u32) -> Result<u64> {
         if report.complete {
             return Ok(u64::from(spp) * report.pixels);
@@ -221,7 +222,7 @@ impl Session {
             || self.length.seconds.is_some_and(|limit| self.history.seconds >= limit)
     }
 
-    /// Whether a step may follow: none was stopped, and noise has not ended all pixels.
+    /// Whether another step may follow: no step was stopped, and some pixels are still noisy.
     fn can_step(&self) -> bool {
         !self.renderer.is_stopped() && self.renderer.sampled_pixels() > 0
     }
@@ -232,30 +233,30 @@ impl Session {
 
     fn deadline(&self) -> Option<Instant> {
         let time_left = self.length.seconds.map(|limit| (limit - self.history.seconds).max(0.0));
-        // A time too long to add up never ends.
+        // A limit that is too far away for an `Instant` is no limit.
         let time_left = time_left.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
         time_left.and_then(|time_left| Instant::now().checked_add(time_left))
     }
 
-    /// Pixels of the rendered window.
+    /// Number of pixels of the rendered window.
     pub(super) fn pixels(&self) -> u64 {
         let window = self.settings.window();
         u64::from(window.width) * u64::from(window.height)
     }
 
-    /// The error of `picture`, where there is a reference.
+    /// Error of `picture`, if there is a reference.
     pub(super) fn measure(&self, picture: &Picture) -> Result<Option<metrics::Metrics>> {
         let reference = self.reference.as_ref();
         reference.map(|reference| metrics::compare(&picture.image(), reference)).transpose()
     }
 
-    /// The device and its driver, as files name them.
+    /// Name of the device with its driver, as checkpoints and pictures have it.
     pub(super) fn device_name(&self) -> String {
         let device = self.context.device();
         format!("{} ({})", device.name, device.driver_info)
     }
 
-    /// Writes the unfinished picture where it is time to.
+    /// Writes the unfinished picture if its interval has passed.
     fn write_if_due(&mut self, watch: &Watch<'_>) -> Result<()> {
         let elapsed = self.output.last_write.elapsed().as_secs_f64();
         let is_due = self.output.write_every.is_some_and(|every| elapsed >= every);
@@ -264,14 +265,14 @@ impl Session {
         }
         let written = self.write_pictures(&self.renderer.picture()?, self.renderer.samples_done());
         if let (Err(error), true) = (&written, self.output.is_writable) {
-            // The folder may be back, or the disk have room, by the time the render ends.
+            // The render goes on, because the folder may be back or the disk may have room when it ends.
             watch.warn(&format!("{error}; the render goes on"));
         }
         (self.output.last_write, self.output.is_writable) = (Instant::now(), written.is_ok());
         Ok(())
     }
 
-    /// Writes the picture's files, with everything that is known of the picture in their headers.
+    /// Writes the picture's files. Their headers hold the settings, the sample numbers, the time, the device and the scene.
     pub(super) fn write_pictures(&self, picture: &Picture, samples: u32) -> Result<()> {
         let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
         let mut attributes = identity::attributes(scene_hash, &self.settings);

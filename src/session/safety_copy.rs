@@ -1,4 +1,4 @@
-//! Copies of the picture in the host's memory: all that is left of a render whose device is lost.
+//! Safety copies of the picture in the host's memory. When the device is lost, nothing else is left of the render.
 
 use std::time::{Duration, Instant};
 
@@ -6,35 +6,36 @@ use crate::Result;
 use crate::film::Picture;
 use crate::renderer::Renderer;
 
-/// The most rendering time that a lost device may cost.
+/// Longest time between two copies, which is the rendering time that a lost device may cost.
 const EVERY: Duration = Duration::from_secs(10);
-/// Reading the picture back may take one part in so many of the time.
+/// Least ratio of the time between two copies to the time that one copy takes.
 const READING_SHARE: u32 = 20;
 
 /// A recent picture in the host's memory.
 pub(super) struct SafetyCopy {
     every: Duration,
     last: Option<CopiedPicture>,
-    /// When the last copy was made, or the render began.
+    /// Time of the last copy, or of the render's begin.
     taken: Instant,
+    /// Time that the last copy took.
     cost: Duration,
 }
 
-/// A picture of whole steps.
+/// A picture after a whole step.
 pub(super) struct CopiedPicture {
     pub picture: Picture,
-    /// Samples per pixel.
+    /// Number of samples per pixel.
     pub samples: u32,
 }
 
 impl SafetyCopy {
-    /// Copies are made at least as often as every interval of `wanted`, where steps are that short.
+    /// A safety copy without a picture yet. It is renewed after 10 seconds, or after the shortest interval of `wanted`.
     pub fn new(wanted: impl IntoIterator<Item = Duration>) -> Self {
         let every = wanted.into_iter().fold(EVERY, Duration::min);
         Self { every, last: None, taken: Instant::now(), cost: Duration::ZERO }
     }
 
-    /// Copies the picture after a step where it is time to.
+    /// Copies the picture after a step, if the interval has passed.
     pub fn after_step(&mut self, renderer: &Renderer) -> Result<()> {
         if renderer.is_stopped() || self.taken.elapsed() < self.every.max(self.cost * READING_SHARE) {
             return Ok(());

@@ -1,5 +1,5 @@
-//! The way from a scene file or a checkpoint to the first step. Bad input and files that cannot be written are found before
-//! any time is spent.
+//! Setup of a session: from a scene file or a checkpoint to the first step. Bad input and files that cannot be written are found
+//! before the render begins.
 
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -38,9 +38,9 @@ pub enum Start<'a> {
     Anew(SceneInput<'a>),
     /// A render that goes on from its checkpoint, to the same bits as if it had never stopped.
     Resume {
-        /// The checkpoint.
+        /// File of the checkpoint.
         checkpoint: PathBuf,
-        /// The scene's file, where it was moved.
+        /// New path of the scene's file, if the file was moved.
         moved_scene: Option<PathBuf>,
     },
 }
@@ -50,12 +50,12 @@ pub enum Start<'a> {
 pub enum SceneInput<'a> {
     /// A file.
     File {
-        /// Its path.
+        /// Path of the file.
         path: PathBuf,
         /// Replacements of the file's `<default>` values, by name.
         defines: Vec<(String, String)>,
     },
-    /// A scene in memory, of which no checkpoint can be kept.
+    /// A scene in memory. Its render cannot keep a checkpoint.
     Memory(&'a Scene),
 }
 
@@ -69,7 +69,7 @@ struct Plan {
 /// A checkpoint to go on from, and its file.
 type Resumed = (PathBuf, Checkpoint);
 
-/// Files and kernels of a render, read and tried before any time is spent.
+/// Files and kernels of a render. They are read and tried before the render begins.
 struct Inputs {
     wanted: OutputFiles,
     pictures: PictureFiles,
@@ -99,26 +99,26 @@ impl Session {
     /// Reads a Mitsuba scene and makes everything ready for the first step.
     ///
     /// # Errors
-    /// As for [`Session::new`], and where the scene cannot be read.
+    /// Where [`Session::new`] fails, and where the scene cannot be read.
     pub fn open(scene: impl AsRef<Path>, options: &Options) -> Result<Self> {
         let input = SceneInput::File { path: scene.as_ref().to_path_buf(), defines: Vec::new() };
         Self::start(Start::Anew(input), options, &Watch::silent())
     }
 
-    /// Goes on with a render from its checkpoint. Its settings are the checkpoint's; a length in `options` replaces the
-    /// checkpoint's, where seconds count from now.
+    /// Goes on with a render from its checkpoint. The settings are those of the checkpoint. A length in `options` replaces the
+    /// length of the checkpoint; its seconds count from now.
     ///
     /// # Errors
-    /// Where the checkpoint cannot be read, or its scene is no longer as it was.
+    /// Where the checkpoint cannot be read, or its scene has changed.
     pub fn resume(checkpoint: impl AsRef<Path>, options: &Options) -> Result<Self> {
         let start = Start::Resume { checkpoint: checkpoint.as_ref().to_path_buf(), moved_scene: None };
         Self::start(start, options, &Watch::silent())
     }
 
-    /// Makes everything ready for the first step, under the eyes of `watch`.
+    /// Makes everything ready for the first step and tells `watch` every event.
     ///
     /// # Errors
-    /// As for [`Session::open`] and [`Session::resume`].
+    /// Where [`Session::open`] or [`Session::resume`] fails.
     pub fn start(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Self> {
         let (input, resumed) = start.read()?;
         let begin = Instant::now();
@@ -163,20 +163,20 @@ impl Session {
         Ok(session)
     }
 
-    /// Goes on from a checkpoint and returns the samples per pixel that it holds.
+    /// Restores the state of a checkpoint and returns its number of samples per pixel.
     fn go_on_from(&mut self, earlier: Earlier, watch: &Watch<'_>) -> Result<u32> {
         let Earlier { record: Record { kernels, history, .. }, device, state, .. } = earlier;
         self.check_kernels(&kernels)?;
         let own_device = self.device_name();
         if device != own_device {
-            watch.warn(&format!("the render was begun on {device}: on {own_device}, the last bits may differ"));
+            watch.warn(&format!("the render began on {device}; on {own_device}, the last bits may differ"));
         }
         self.renderer.restore(&state)?;
         self.history = history;
         Ok(state.samples_done)
     }
 
-    /// Refuses to go on with other kernels than before: the bits would differ.
+    /// Refuses to go on with other kernels than before, because the bits would differ.
     fn check_kernels(&self, before: &[String]) -> Result<()> {
         let kernels = &self.subject.kernels;
         if before == kernels {
@@ -187,7 +187,7 @@ impl Session {
             kernels => kernels.join(", "),
         };
         Err(Error::Settings(format!(
-            "the render was begun with {}, but would go on with {}: give the same --kernel-dir",
+            "the render began with {}, but would go on with {}: give the same --kernel-dir",
             list(before),
             list(kernels)
         )))
@@ -196,7 +196,9 @@ impl Session {
     /// A checkpoint of this render with nothing rendered yet.
     fn template(&self, input: &SceneInput<'_>) -> Result<Checkpoint> {
         let SceneInput::File { path, defines } = input else {
-            return Err(Error::Settings("a checkpoint names its scene's file, and this scene has none".into()));
+            return Err(Error::Settings(
+                "a checkpoint needs a scene that is read from a file, but this scene was made in memory".into(),
+            ));
         };
         let hash = self.subject.scene_hash.clone();
         let scene = SceneSource { path: absolute_path(path)?, defines: defines.clone(), hash };
@@ -209,7 +211,7 @@ impl Session {
 }
 
 impl<'a> Start<'a> {
-    /// The scene to read, and the checkpoint to go on from with its file.
+    /// The scene to read, and for a resumed render its checkpoint.
     fn read(self) -> Result<(SceneInput<'a>, Option<Resumed>)> {
         match self {
             Self::Anew(input) => Ok((input, None)),
@@ -225,10 +227,13 @@ impl<'a> Start<'a> {
 
 impl<'a> SceneInput<'a> {
     fn load(&self, watch: &Watch<'_>) -> Result<Cow<'a, Scene>> {
-        // The other part of a watch stays in this thread.
+        // Only this part of the watch can be shared between threads.
         let events = watch.events;
         match self {
-            Self::Memory(scene) => Ok(Cow::Borrowed(scene)),
+            Self::Memory(scene) => {
+                scene.check()?;
+                Ok(Cow::Borrowed(scene))
+            }
             Self::File { path, defines } => {
                 let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
                 scene::load_with_progress(path, &LoadOptions { defines: defines.clone() }, &show).map(Cow::Owned)
@@ -282,8 +287,8 @@ impl Plan {
         let Checkpoint { scene, settings, device, record, state } = checkpoint;
         if scene.hash != scene_hash {
             let message = format!(
-                "the scene is not the one it was begun with: scene_hash ({} there, {scene_hash} here); undo what has changed \
-                 in {} and what that reads",
+                "the scene has changed since the render began: scene_hash ({} there, {scene_hash} here); undo the changes \
+                 to {} and to the files that it reads",
                 scene.hash, scene.path
             );
             return Err(Error::checkpoint(file, message));
@@ -302,13 +307,13 @@ impl Plan {
         Ok(Self { settings, length, earlier: Some(Earlier { file, record, device, state }) })
     }
 
-    /// Sets the settings that change no bit of a picture, and checks the whole.
+    /// Sets the settings that cannot change a bit of the picture, and checks all settings.
     fn complete(&mut self, options: &Options) -> Result<()> {
         options.set_execution(&mut self.settings);
         self.settings.validate()?;
         self.length.check_sample_range(&self.settings)?;
         if options.kernel_folder.is_some() && self.settings.execution == Execution::Auto {
-            // An edited kernel is to be the one that runs.
+            // An edited megakernel must run, also where wavefront kernels would be faster.
             self.settings.execution = Execution::Megakernel;
         }
         Ok(())
@@ -337,10 +342,10 @@ impl Inputs {
     }
 }
 
-/// A device that a thread has opened; the outer error is the thread's panic.
+/// Result of the thread that opens the device. The outer error is the thread's panic.
 type OpenedDevice = thread::Result<Result<Arc<Context>>>;
 
-/// Opens the device while the scene is read, for drivers take a while to start.
+/// Opens the device while the scene is read, because drivers take a while to start.
 fn open_and_load<'a>(
     input: &SceneInput<'a>,
     options: &Options,
@@ -365,7 +370,7 @@ fn build(
     let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
     let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
     if let Cow::Owned(scene) = &mut scene {
-        // From here on the device's copy is the one that is used.
+        // The hierarchy and the surfaces have all that the renderer needs of the primitives.
         drop(std::mem::take(&mut scene.primitives));
     }
     watch.tell(Event::Preparing(Preparation::Kernels));
@@ -374,7 +379,7 @@ fn build(
     Ok((renderer, bvh_seconds, pipeline_seconds))
 }
 
-/// A resumed render keeps its checkpoint in the file that it came from.
+/// File of the checkpoint, if one is kept. A resumed render keeps the file that it came from.
 fn checkpoint_file(earlier: Option<&Earlier>, options: &Options) -> Option<CheckpointFile> {
     let path = earlier.map(|earlier| &earlier.file).or(options.checkpoint.as_ref())?;
     Some(CheckpointFile::new(path, options.checkpoint_every))
@@ -397,7 +402,7 @@ fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
     Ok((work()?, begin.elapsed().as_secs_f64()))
 }
 
-/// Tells every warning once.
+/// Tells `watch` every warning once.
 fn warn_once(warnings: &[String], watch: &Watch<'_>) {
     let mut seen = HashSet::new();
     warnings.iter().filter(|warning| seen.insert(*warning)).for_each(|warning| watch.warn(warning));

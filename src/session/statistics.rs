@@ -37,7 +37,8 @@ pub struct SetupTimes {
     pub bvh_seconds: f64,
     /// Building the kernels and uploading the scene.
     pub pipeline_seconds: f64,
-    /// Wall time from the start until the first sample could be taken. Parts run at the same time, so their sum may be more.
+    /// Wall time from the start until the first sample could be taken. Some of the work runs at the same time, so the sum of
+    /// the other times may be larger.
     pub setup_seconds: f64,
     /// Primitives of the scene.
     #[serde(skip)]
@@ -69,7 +70,7 @@ impl Versions {
 /// Numbers about one step, or about all of them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StepStatistics {
-    /// Samples that every pixel has taken, except pixels that noise has ended.
+    /// Samples per pixel. A pixel that has reached its noise target has fewer.
     pub spp: u64,
     /// Wall time.
     pub seconds: f64,
@@ -77,17 +78,17 @@ pub struct StepStatistics {
     pub paths: u64,
     /// Rays traced, without shadow rays.
     pub rays: u64,
-    /// Rays towards sampled lights.
+    /// Shadow rays, which test whether a sampled light is visible.
     pub shadow_rays: u64,
-    /// Milliseconds per sample per pixel, for the whole picture.
+    /// Milliseconds in which every pixel of the picture receives one sample.
     pub ms_per_sample: f64,
     /// Share of the guided directions that pointed below the surface.
     pub invalid_rate: f64,
-    /// Share of the scattered rays that met light.
+    /// Share of the scattered rays that hit an emitter.
     pub light_hit_rate: f64,
-    /// Proposals per guided direction.
+    /// Number of proposals per guided direction.
     pub tries_per_sample: f64,
-    /// Error of the picture after this step, where it was measured.
+    /// Error of the picture after this step, if it was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub errors: Option<Metrics>,
 }
@@ -102,18 +103,18 @@ pub struct Totals {
     pub primitives: usize,
     /// Samples and learning targets dropped because they were NaN or infinite.
     pub nonfinite_samples: u64,
-    /// Noise of the picture, where noise ends the render.
+    /// Noise of the picture, if noise can end the render.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseReport>,
-    /// The most memory that the device's buffers ever held.
+    /// Peak memory of the device's buffers in bytes.
     pub peak_bytes: u64,
-    /// The most memory of the process, where the system tells.
+    /// Peak memory of the process in bytes, on systems that report it.
     pub peak_resident_bytes: Option<u64>,
 }
 
 impl StepStatistics {
-    /// Numbers about `paths` paths, `spp` for every pixel that noise has not ended. A step that was cut short has a few paths
-    /// more.
+    /// Numbers about `paths` paths. Every pixel has `spp` of them, a pixel that has reached its noise target fewer. A step that was
+    /// cut short has a few paths more.
     pub fn new(spp: u64, paths: u64, pixels: u64, seconds: f64, counts: &Counts) -> Self {
         let mean_spp = paths as f64 / pixels as f64;
         Self {
@@ -131,7 +132,7 @@ impl StepStatistics {
     }
 }
 
-/// Peak resident memory of this process, on systems that tell it through a file.
+/// Peak resident memory of this process in bytes, on systems with `/proc`.
 pub(super) fn peak_resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! Answers that follow from several settings.
+//! Values that follow from several settings.
 
 use super::flat::Settings;
 use super::paths::Roulette;
@@ -9,8 +9,8 @@ use crate::scene::Scene;
 use crate::{Error, Result};
 
 impl Settings {
-    /// Quantity that Russian roulette uses. Where none is chosen, `product` uses the expected contribution, because its guide
-    /// knows it. If no path is long enough for roulette by throughput, none is wanted, and throughput is the answer.
+    /// Quantity that Russian roulette compares with. Where none is chosen, `product` uses the expected contribution, because its
+    /// guide knows it. If `rr_depth` is not below `max_depth`, the user wants no roulette; throughput then ends no path.
     pub fn roulette(&self) -> Roulette {
         let knows = self.sampler == Sampler::Product && self.rr_depth < self.max_depth;
         self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })
@@ -41,8 +41,8 @@ impl Settings {
         }
     }
 
-    /// Whether cells learn the share of the scattering function: they can, and no fixed share is chosen. `monte-carlo` would
-    /// have to keep the share's statistics for every vertex.
+    /// Whether cells learn the share of the scattering function. The sampler must be `product`, no fixed share may be chosen, and
+    /// the learner must not be `monte-carlo`, which would need the share's statistics at every vertex.
     pub fn learns_share(&self) -> bool {
         let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
         can && self.bsdf_share != Some(BsdfShare::Fixed)

@@ -1,8 +1,8 @@
 //! Guides as types: every value of [`Guide`] is a legal combination of sampler, learner and their parameters.
 //!
-//! The kernels, checkpoints and pictures have guides as flat [`Settings`]: [`Settings::with_guide`] writes a guide there, and
-//! `Guide::try_from` reads it back. A conversion to flat settings cannot fail; numbers alone may still be out of their ranges,
-//! which [`Settings::validate`] refuses.
+//! The kernels, checkpoints and pictures hold a guide as flat [`Settings`]. [`Settings::with_guide`] writes a guide to settings,
+//! and `Guide::try_from` reads it from them. Writing cannot fail. A number may still be out of its range;
+//! [`Settings::validate`] refuses it.
 
 use super::{
     AUTO_GRID, BsdfShare, DirectionMap, EXPECTED_DIRECTIONS, GuideSet, Learner, Mix, Roulette, Sampler, Settings,
@@ -31,7 +31,7 @@ pub struct Quadtree {
     pub surfaces: GuideSet,
     /// Map between directions and the squares of the quadtrees.
     pub map: DirectionMap,
-    /// Size of the grid, along each axis, whose bins are as many as the trees' nodes may be.
+    /// Cells along each axis of a grid. The trees have at most as many nodes as this grid has bins.
     pub cells: u32,
     /// Direction bins along each side of a cell of that grid.
     pub directions: u32,
@@ -130,7 +130,7 @@ pub enum GridSampler {
 pub enum GridLearner {
     /// [`Learner::Sarsa`].
     Sarsa,
-    /// [`Learner::ExpectedSarsa`] with the mean over so many directions.
+    /// [`Learner::ExpectedSarsa`] with the mean over this number of directions.
     ExpectedSarsa(u32),
     /// [`Learner::MonteCarlo`].
     MonteCarlo,
@@ -141,7 +141,7 @@ pub enum GridLearner {
 pub enum ProductLearner {
     /// [`Learner::Sarsa`].
     Sarsa(Share),
-    /// [`Learner::ExpectedSarsa`] with the mean over so many directions.
+    /// [`Learner::ExpectedSarsa`] with the mean over this number of directions.
     ExpectedSarsa(u32, Share),
     /// [`Learner::IrradianceSarsa`].
     IrradianceSarsa(Share),
@@ -189,7 +189,7 @@ pub enum Mixture {
 }
 
 impl Settings {
-    /// These settings with another guide. Parameters that the guide does not have return to their defaults.
+    /// Settings with another guide. Parameters that the guide does not have return to their defaults.
     #[must_use]
     pub fn with_guide(self, guide: Guide) -> Self {
         let mut settings = self.without_guide();
@@ -477,7 +477,7 @@ mod tests {
 
     #[test]
     fn every_guide_is_legal_and_comes_back() {
-        // Left over from each guide, nothing of it may reach the next one.
+        // The settings pass from guide to guide, and no guide may leave a trace in the next one.
         let mut settings = options::defaults();
         for guide in guides() {
             settings = settings.with_guide(guide.clone());
@@ -494,7 +494,7 @@ mod tests {
         assert_eq!(defaults.clone().with_guide(Guide::None).with_guide(guide), defaults);
     }
 
-    /// Flat settings can be written that are no guide: the table refuses each of them.
+    /// Some flat settings are no legal guide. The table refuses each of them.
     #[test]
     fn what_is_no_guide_is_refused() {
         let changes: [fn(&mut Settings); 12] = [

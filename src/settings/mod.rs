@@ -1,7 +1,7 @@
-//! Settings: everything that changes a picture or the way to it.
+//! Settings: everything that changes a picture, or how it is rendered.
 //!
-//! [`Settings`] lists them flat, one field each, as kernels, checkpoints and pictures have them. [`Guide`] is the way to choose a
-//! guide in which no illegal combination can be written. [`options`] is the table of all options: one entry holds the name, the
+//! [`Settings`] has one field for each, and kernels, checkpoints and pictures use this form. [`Guide`] chooses a guide in a form
+//! that allows no illegal combination. [`options`] is the table of all options: one entry holds the name, the
 //! help, the range and the combinations of an option.
 
 mod derived;

@@ -1,4 +1,4 @@
-//! Paths: their length, their random numbers, and what ends them.
+//! Paths: their length, their random numbers and their Russian roulette.
 
 use serde::{Deserialize, Serialize};
 

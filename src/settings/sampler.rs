@@ -55,7 +55,7 @@ pub enum Mix {
 pub enum GuideSet {
     /// `diffuse`, `roughdiffuse` and the diffuse lobe of `plastic` and `roughplastic`.
     Diffuse = constants::GUIDE_SET_DIFFUSE,
-    /// The set `diffuse`, and `roughconductor` and `roughdielectric`: as in the code of the paper's authors.
+    /// The set `diffuse`, `roughconductor` and `roughdielectric`, which the code of the paper's authors guides.
     Authors = constants::GUIDE_SET_AUTHORS,
     /// The set `authors`, and `principled`. Rough conductors and dielectrics are guided by a share that grows with roughness.
     All = constants::GUIDE_SET_ALL,

@@ -43,7 +43,7 @@ fn picture(folder: &Folder, name: &str) -> Image {
 fn assert_only_unused(output: &Output) {
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && output.stdout.is_empty(), "{said}");
-    assert!(said.lines().all(|line| line.contains("not used, for this render reads")), "{said}");
+    assert!(said.lines().all(|line| line.contains("not used, because this render reads")), "{said}");
 }
 
 fn mean(image: &Image) -> f64 {

@@ -156,7 +156,11 @@ fn what_cannot_be_reproduced_is_said() {
     };
     let whole = arguments("table1", "1");
     refuse(&[&whole[..], &["--only", "attic"]].concat(), 1, &["--only attic", "veach-ajar-2"]);
-    refuse(&[&whole[..], &["--only", "cornell-box-hard"]].concat(), 1, &["cornell-box-hard.mean.exr", "file not found"]);
+    refuse(
+        &[&whole[..], &["--only", "cornell-box-hard"]].concat(),
+        1,
+        &["cornell-box-hard.mean.exr", "file not found"],
+    );
     refuse(&[&whole[..], &["--scale", "0.3"]].concat(), 1, &["--scale 0.3", "64 x 64", "0.5000, 0.2500"]);
     refuse(&arguments("table3", "1"), 2, &["table3"]);
     refuse(&arguments("table1", "0"), 2, &["seconds above 0"]);

@@ -85,7 +85,7 @@ impl Needs {
         }
     }
 
-    /// Remark on what `settings` have in place of the condition.
+    /// Remark that says how `settings` break the condition.
     fn remark(self, value: &Value, settings: &Settings) -> String {
         match self {
             Self::Samplers(_) => format!("; the sampler here is {}", word(&settings.sampler)),

@@ -1,4 +1,4 @@
-//! `docs/options.md`, written from the table of options.
+//! Writer of `docs/options.md`, from the table of options.
 
 use std::fmt::Write;
 
@@ -38,7 +38,7 @@ fn section(option: &OptionEntry) -> String {
         text += "\n";
     }
     for line in lines {
-        // A string takes any text.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "- {line}");
     }
     text
@@ -83,7 +83,7 @@ mod tests {
             assert!(!option.short.ends_with('.'), "{}", option.name);
             assert!(option.long.is_empty() || option.long.ends_with('.'), "{}", option.name);
             assert!(option.category != Category::Guiding || option.setting.is_some(), "{}", option.name);
-            // A number that the scene may decide has its default in words; any other number is its own default.
+            // Only a number that the scene may decide has its default in words.
             let is_number = |get: fn(&Settings) -> Value| matches!(get(&defaults()), Value::Number(_));
             let has_number = option.set().is_some() && option.setting.is_some_and(|setting| is_number(setting.get));
             assert!(option.default.is_empty() || !has_number, "{}", option.name);

@@ -16,11 +16,11 @@ pub struct OptionEntry {
     pub category: Category,
     /// Readers that the option is for.
     pub audience: Audience,
-    /// Help on one line, at most 60 characters.
+    /// Help on one line of at most 60 characters.
     pub short: &'static str,
-    /// Further help, after the short one.
+    /// Further help, which follows the short help.
     pub long: &'static str,
-    /// Default in words. Where it is empty, the default settings say it.
+    /// Default in words. If it is empty, the default settings have the default.
     pub default: &'static str,
     /// Least and largest number.
     pub range: Option<(f64, f64)>,
@@ -84,8 +84,8 @@ pub struct Rule {
     pub needs: Needs,
     /// Reason in one clause; it may be empty.
     pub reason: &'static str,
-    /// Whether the rule holds for settings as such. Otherwise the settings are legal, but the option has no effect: only an
-    /// option that was written down is refused.
+    /// Whether the rule holds for all settings. A rule that does not refuses only an option that was given on the command line:
+    /// the settings are legal, but the option has no effect.
     pub always: bool,
 }
 
@@ -107,9 +107,9 @@ pub enum Needs {
     Samplers(&'static [Sampler]),
     /// One of these learners.
     Learners(&'static [Learner]),
-    /// No such other option.
+    /// Absence of another option.
     Without(&'static str, fn(&Settings) -> bool),
-    /// A value as described.
+    /// Values of settings, described in words.
     Value(&'static str, fn(&Settings) -> bool),
 }
 

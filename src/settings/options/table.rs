@@ -31,7 +31,7 @@ const GUIDED: &[Sampler] = &[
     Sampler::Quadtree,
 ];
 
-/// Access to the setting of that field.
+/// Access to the setting in a field.
 macro_rules! setting {
     ($field:ident) => {
         Some(Setting {
@@ -42,7 +42,7 @@ macro_rules! setting {
     };
 }
 
-/// Access to the setting of that field, for checks only.
+/// Access to the setting in a field, for checks only. The command line reads the option itself.
 macro_rules! checked {
     ($field:ident) => {
         Some(Setting {
@@ -58,7 +58,7 @@ const fn words_of<T: Choice>(_: fn(&crate::settings::Settings) -> &T) -> fn() ->
     T::words
 }
 
-/// Rule on settings as such.
+/// Rule that holds for all settings.
 const fn always(when: When, needs: Needs, reason: &'static str) -> Rule {
     Rule { when, needs, reason, always: true }
 }
@@ -146,7 +146,10 @@ pub static OPTIONS: &[OptionEntry] = &[
         default: "0",
         ..common(Output, "exposure", "STOPS")
     },
-    OptionEntry { short: "Write the picture so far every so many seconds", ..common(Output, "write-every", "SECONDS") },
+    OptionEntry {
+        short: "Seconds between two writings of the unfinished picture",
+        ..common(Output, "write-every", "SECONDS")
+    },
     OptionEntry {
         short: "File to resume the render from after an interruption",
         long: "`lodestar resume FILE` continues the render after a signal, a fault or a power cut.",
@@ -180,7 +183,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Length, "spp", "N")
     },
     OptionEntry {
-        short: "Stop after so many seconds of rendering",
+        short: "Stop after this number of seconds of rendering",
         long: "Loading the scene does not count.",
         ..common(Length, "time", "SECONDS")
     },
@@ -263,7 +266,7 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "How the guide learns",
-        default: "sarsa; with the sampler quadtree monte-carlo",
+        default: "monte-carlo with the sampler quadtree, else sarsa",
         setting: setting!(learner),
         rules: &[
             always(When::Word("sarsa"), WITHOUT_QUADTREE, HOLDS_FLUX),
@@ -303,7 +306,7 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Share of product's samples for the scattering function",
         long: "This share is also known as the BSDF sampling fraction.",
-        default: "learned; with --epsilon or the learner monte-carlo fixed",
+        default: "fixed with --epsilon or the learner monte-carlo, else learned",
         setting: setting!(bsdf_share),
         rules: &[
             always(When::Any, Needs::Samplers(PRODUCT), ""),
@@ -439,7 +442,7 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Least share of uniform directions in the guide",
         long: "The inversion samplers have far fewer outliers with 0.25 to 0.5. They seldom sample light that the guide does not \
-               know yet, and such a sample weighs up to 2/E at every edge.",
+               know yet, and such a sample is weighted by up to 2/E at every edge.",
         range: Some((1.0e-4, 1.0)),
         setting: setting!(min_uniform),
         rules: &[
