@@ -61,8 +61,8 @@ fn is_named(source: &Source, name: &str) -> bool {
     source.path.strip_suffix(name).is_some_and(|folder| folder.ends_with('/'))
 }
 
-/// The names under which `code` reaches the bindings that it declares: the variable, the block's instance, or the block's
-/// members where it has no instance.
+/// Names by which `code` reaches the bindings that it declares: the variable, the block's instance, or the members of a
+/// block without an instance.
 fn declared_names(code: &str) -> Vec<&str> {
     let mut names = Vec::new();
     for (start, _) in code.match_indices("layout") {

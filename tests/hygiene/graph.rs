@@ -1,7 +1,7 @@
-//! Graph of the source files: which file uses a name that which other file defines.
+//! Graph of the source files. An edge leads from a file that uses a name to the file that defines it.
 //!
-//! A name counts for the file that defines it, however many files re-export it. What only tests compile is left out, and
-//! so is what macros write.
+//! A name counts for the file that defines it, however many files re-export it. Code that only tests compile is left
+//! out, and so is code that macros write.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 

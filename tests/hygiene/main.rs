@@ -1,4 +1,4 @@
-//! Layering and prose that the crate's documentation promises, checked on the sources themselves.
+//! Rules about layering and prose that the crate's documentation promises, checked on the sources themselves.
 
 mod faults;
 mod glsl;

@@ -1,6 +1,7 @@
 //! Rays shot inside a closed mesh never leave it.
 //!
-//! All surfaces reflect everything on both sides and nothing but the environment emits, so whatever gets out brings light in.
+//! All surfaces reflect everything on both sides, and only the environment emits. So any ray that gets out brings light
+//! in.
 
 use std::env;
 

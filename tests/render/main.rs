@@ -1,7 +1,7 @@
 //! Whole pictures against closed forms, against each other, against another renderer, and against themselves.
 //!
-//! Every statistical test is made with fixed seeds, so that it comes out the same every time, and has a twin with a fault
-//! that it must find.
+//! Every statistical test has fixed seeds, so that it always passes or always fails, and a twin with a planted fault
+//! that must fail.
 
 mod analytic;
 mod blue_noise;

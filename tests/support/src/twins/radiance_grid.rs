@@ -1,4 +1,5 @@
-//! Twin of the arithmetic in `glsl/include/guide/grid/radiance_grid.glsl` and `glsl/kernels/learn/update_radiance.comp`.
+//! Twin of the arithmetic in `glsl/include/guide/grid/radiance_grid.glsl` and in
+//! `glsl/kernels/learn/update_radiance.comp`.
 
 /// Number of fixed-point units of a target as large as the limit.
 pub const FIXED_POINT_UNITS: f64 = 1_073_741_824.0;
