@@ -69,6 +69,9 @@ fn read_glsl() -> Vec<source::Source> {
 #[test]
 fn doc_comments_name_their_subject() {
     let mut sources = source::read_all(root(), "src", "rs");
+    for folder in ["build", "benches", "examples", "tests"] {
+        sources.extend(source::read_all(root(), folder, "rs"));
+    }
     sources.extend(source::read_all(root(), "glsl", "comp"));
     sources.extend(source::read_all(root(), "glsl", "glsl"));
     assert_none(prose::violations(&sources));
