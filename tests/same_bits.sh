@@ -162,8 +162,8 @@ radiance() { # BINARY FOLDER OPTION...
   local binary=$1 folder=$2 scene
   shift 2
   scene=$(scene_file cornell-box)
-  "$binary" radiance "$scene" "${size[@]}" --pixel 16,18 --spp 16 "$@" -o "$folder/map.exr" -o "$folder/map.png" &&
-    "$binary" radiance "$scene" "${size[@]}" --pixel 16,18 --spp 4 --truth -o "$folder/truth.exr"
+  "$binary" radiance "$scene" "${size[@]}" --pixel 10,10 --spp 16 "$@" -o "$folder/map.exr" -o "$folder/map.png" &&
+    "$binary" radiance "$scene" "${size[@]}" --pixel 10,10 --spp 4 --truth --directions 32 --map cylindrical -o "$folder/truth.exr"
 }
 
 # Writes a line FILE:CHANNEL HASH for every channel of every picture in FOLDER.
