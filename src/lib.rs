@@ -1,5 +1,5 @@
 //! Lodestar renders Mitsuba scenes with path guiding on any Vulkan device. It uses compute kernels only, no ray-tracing extension.
-//! It implements "Fast and Lightweight Path Guiding Algorithm on GPU" (Kim and Kim, Pacific Graphics 2021), in an unbiased form.
+//! The method is "Fast and Lightweight Path Guiding Algorithm on GPU" (Kim and Kim, Pacific Graphics 2021), in an unbiased form.
 //!
 //! ```text
 //!  scene.xml ─ scene/ ─▶ Scene ─ encode/ ─▶ words    CPU, no Vulkan, no unsafe

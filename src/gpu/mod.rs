@@ -23,7 +23,7 @@
 //!    every access of the host to mapped memory, so host and device never touch a buffer at once. If a submission
 //!    cannot be waited for although the device lives, the process is ended.
 //!
-//! These invariants cover the host's calls. Two guards cover what a kernel does. First, its SPIR-V is either the
+//! The invariants cover the host's calls. Two guards cover what a kernel does. First, its SPIR-V is either the
 //! compiler's output ([`KernelSource`] is written by `build.rs`) or a file that the user has asked for by name,
 //! validated and of the built-in kernel's interface ([`crate::spirv::replace`]). Second, devices are opened with robust
 //! buffer access, so an index out of range reaches no memory outside the buffer.

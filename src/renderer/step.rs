@@ -84,7 +84,7 @@ impl Renderer {
         Ok(true)
     }
 
-    /// Most samples per pixel of the next batch: the dispatch is bounded, all samples weigh the same, and a guide that is due
+    /// Most samples per pixel of the next batch: the dispatch is bounded, all samples have the same weight, and a guide that is due
     /// to learn is not followed further.
     fn longest_batch(&self) -> u32 {
         let of_same_weight = self.settings.samples_of_same_weight(self.samples_done);
