@@ -11,6 +11,8 @@
 #
 # usage: setup.sh            install missing packages
 #        setup.sh --check    only list missing tools; exit 1 if any is missing
+#        setup.sh --source-tools
+#                            install also the tools that build shaderc from source, for a test that compares both builds
 #        setup.sh --swiftshader [DIR]
 #                            unpack SwiftShader, a second Vulkan driver for the CPU, into DIR (target/swiftshader) for
 #                            tests, and print the path for VK_DRIVER_FILES. Nothing is installed. Works on Debian only,
@@ -309,12 +311,24 @@ main() {
         say "missing: $missing_names"
         status=1
       fi
-      has_shaderc || say "no shaderc in $SHADERC_FOLDER: cargo will build it from source"
+      if ! has_shaderc; then
+        say "no shaderc in $SHADERC_FOLDER: cargo will build it from source"
+        TOOLS=$SOURCE_TOOLS
+        find_missing
+        if [ -n "$missing" ]; then
+          say "missing for that: $missing_names"
+          status=1
+        fi
+      fi
       if [ "$status" -eq 0 ]; then say "all required tools are installed"; fi
       exit "$status"
       ;;
+    --source-tools)
+      TOOLS="$TOOLS $SOURCE_TOOLS"
+      find_missing
+      ;;
     "") ;;
-    *) fail "unknown argument $1; usage: setup.sh [--check | --swiftshader [DIR]]" ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR]]" ;;
   esac
   if [ -n "$missing" ]; then
     say "missing: $missing_names"

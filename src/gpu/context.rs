@@ -11,6 +11,7 @@ use super::idle_slots::IdleSlots;
 use super::instance::Instance;
 use super::memory::Memory;
 use super::pipeline_cache::PipelineCache;
+use super::pipelines::Pipelines;
 use super::selection;
 use super::timing::{Clock, SubmissionTime, TimingRecord};
 use crate::Result;
@@ -28,6 +29,7 @@ pub struct ContextOptions {
 /// Vulkan device with its memory and its pipelines. Everything made from a context holds it.
 pub struct Context {
     // These fields hold the device too, so it is declared last.
+    pipelines: Pipelines,
     pipeline_cache: PipelineCache,
     memory: Memory,
     idle_slots: IdleSlots,
@@ -65,7 +67,8 @@ impl Context {
         let pipeline_cache = PipelineCache::new(Arc::clone(&device))?;
         let memory = Memory::new(Arc::clone(&device))?;
         let idle_slots = IdleSlots::new(Arc::clone(&device));
-        Ok(Arc::new(Self { pipeline_cache, memory, idle_slots, timings: TimingRecord::default(), device }))
+        let (pipelines, timings) = Default::default();
+        Ok(Arc::new(Self { pipelines, pipeline_cache, memory, idle_slots, timings, device }))
     }
 
     /// Name, kind, driver and limits of the device.
@@ -140,6 +143,14 @@ impl Context {
 
     pub(super) fn timings(&self) -> &TimingRecord {
         &self.timings
+    }
+
+    pub(super) fn shared_device(&self) -> &Arc<LogicalDevice> {
+        &self.device
+    }
+
+    pub(super) fn pipelines(&self) -> &Pipelines {
+        &self.pipelines
     }
 
     pub(super) fn pipeline_cache(&self) -> &PipelineCache {

@@ -10,30 +10,32 @@ use super::context::Context;
 use super::executables::{self, PipelineReport};
 use super::fault::failed;
 use super::layout::PipelineLayout;
+use super::pipelines::{Pipeline, PipelineKey};
 use crate::generated::interface::KernelSource;
 use crate::spirv::specialization::resolve_branches;
 use crate::{Error, Result};
 
-/// Compute pipeline of a kernel.
+/// Kernel of a context: its pipeline, and the layout that its sets must have.
 pub struct Kernel {
-    raw: vk::Pipeline,
+    pipeline: Arc<Pipeline>,
     source: KernelSource,
-    // Declared last, because the pipeline must be destroyed first.
     layout: PipelineLayout,
 }
 
 impl Kernel {
-    /// Builds the pipeline with specialization constants as (id, bits). Ids that the kernel does not use are ignored.
-    /// Constants that are not given keep their value in the GLSL.
+    /// Builds the pipeline with specialization constants as (id, bits), unless the context has it already. Ids that the
+    /// kernel does not use are ignored. Constants that are not given keep their value in the GLSL.
     ///
     /// # Errors
     /// Where the driver cannot compile the kernel or is out of memory.
     pub fn new(context: &Arc<Context>, source: &KernelSource, constants: &[(u32, u32)]) -> Result<Self> {
-        let module = ShaderModule::new(context, source, constants)?;
         let layout = PipelineLayout::new(context, source)?;
-        let raw = create_pipeline(context, source, constants, &module, &layout, Build::ToRun)?;
-        context.logical().name(raw, source.name);
-        Ok(Self { raw, source: source.clone(), layout })
+        let used: Vec<_> = used_constants(source, constants).collect();
+        let pipeline = context.pipelines().get_or_build(PipelineKey::new(source, &used), || {
+            let module = ShaderModule::new(context, source, constants)?;
+            create_pipeline(context, source, constants, &module, &layout, Build::ToRun)
+        })?;
+        Ok(Self { pipeline, source: source.clone(), layout })
     }
 
     /// Builds the pipeline without the pipeline cache, and returns it with the driver's report and the build time. Some
@@ -49,10 +51,10 @@ impl Kernel {
         let module = ShaderModule::new(context, source, constants)?;
         let layout = PipelineLayout::new(context, source)?;
         let begin = Instant::now();
-        let raw = create_pipeline(context, source, constants, &module, &layout, Build::ToExamine)?;
+        let pipeline = create_pipeline(context, source, constants, &module, &layout, Build::ToExamine)?;
         let creation_seconds = begin.elapsed().as_secs_f64();
-        let kernel = Self { raw, source: source.clone(), layout };
-        let executables = executables::of_pipeline(context.logical(), kernel.raw)?;
+        let kernel = Self { pipeline: Arc::new(pipeline), source: source.clone(), layout };
+        let executables = executables::of_pipeline(context.logical(), kernel.raw())?;
         Ok((kernel, PipelineReport { creation_seconds, executables }))
     }
 
@@ -68,7 +70,7 @@ impl Kernel {
 
     /// Handle of the pipeline, for a call during which the caller borrows this value.
     pub(super) fn raw(&self) -> vk::Pipeline {
-        self.raw
+        self.pipeline.raw()
     }
 
     pub(super) fn layout(&self) -> &PipelineLayout {
@@ -77,13 +79,6 @@ impl Kernel {
 
     pub(super) fn context(&self) -> &Arc<Context> {
         self.layout.context()
-    }
-}
-
-impl Drop for Kernel {
-    fn drop(&mut self) {
-        // SAFETY: invariants 1 and 3: owned by this value alone, and no submission that used it is under way.
-        unsafe { self.context().raw().destroy_pipeline(self.raw, None) }
     }
 }
 
@@ -103,7 +98,7 @@ fn create_pipeline(
     module: &ShaderModule,
     layout: &PipelineLayout,
     build: Build,
-) -> Result<vk::Pipeline> {
+) -> Result<Pipeline> {
     let (entries, values) = specialization(source, constants);
     let specialization =
         vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(values.as_slice()));
@@ -125,17 +120,23 @@ fn create_pipeline(
     let pipelines = unsafe { context.raw().create_compute_pipelines(cache, &info, None) };
     // One pipeline was asked for, so none has to be destroyed after a failure.
     let pipelines = pipelines.map_err(|(_, code)| failed(format!("compiling the kernel `{}`", source.name))(code))?;
-    Ok(pipelines[0])
+    let pipeline = Pipeline::new(Arc::clone(context.shared_device()), pipelines[0]);
+    context.logical().name(pipeline.raw(), source.name);
+    Ok(pipeline)
+}
+
+/// Constants that the kernel uses.
+fn used_constants(source: &KernelSource, constants: &[(u32, u32)]) -> impl Iterator<Item = (u32, u32)> {
+    constants.iter().filter(|(id, _)| source.specialization_ids.contains(id)).copied()
 }
 
 /// Entries for the constants that the kernel uses, and the values that they point into, 4 bytes each.
 fn specialization(source: &KernelSource, constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u32>) {
-    let used = constants.iter().filter(|(id, _)| source.specialization_ids.contains(id));
-    let entry = |(place, &(id, value)): (usize, &(u32, u32))| {
+    let entry = |(place, (id, value)): (usize, (u32, u32))| {
         let entry = vk::SpecializationMapEntry::default().constant_id(id).offset(place as u32 * 4).size(4);
         (entry, value)
     };
-    used.enumerate().map(entry).unzip()
+    used_constants(source, constants).enumerate().map(entry).unzip()
 }
 
 /// Shader module, needed only until the pipeline is built.

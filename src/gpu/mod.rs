@@ -16,7 +16,8 @@
 //!    declaration, so children are always destroyed first. A descriptor set holds its buffers. Values of two contexts
 //!    are never mixed: each function that takes several asserts that they have one context. Command buffers, fences and
 //!    queries are reused by later submissions. While idle they belong to the context's `IdleSlots`, which holds the
-//!    device. They are reset before their next use, and destroyed after a failure.
+//!    device. They are reset before their next use, and destroyed after a failure. A pipeline is owned by a `Pipeline`,
+//!    which kernels and the context's `Pipelines` share. It does not need the layout that it was built with.
 //! 3. **`submit` waits.** A command buffer is recorded, submitted and waited for inside one call of
 //!    [`Context::submit`]. Everything it uses is borrowed for a lifetime that the caller chose, hence for longer than
 //!    that call, so nothing in use can drop or move. The queue's lock is held from submission to completion, and by
@@ -48,6 +49,7 @@ mod limits;
 mod memory;
 mod needs;
 mod pipeline_cache;
+mod pipelines;
 mod queries;
 mod selection;
 mod sets;

@@ -1,11 +1,11 @@
 //! Device loss and lack of device memory, at any Vulkan call that can report them. No file is lost, and no more work
 //! than since the last checkpoint. `LODESTAR_FAULT` makes calls fail on purpose (`src/gpu/fault_injection.rs`).
 
-use std::env;
 use std::fs;
 use std::process::Output;
 
 use lodestar::film::read_picture;
+use support::tier;
 
 use crate::resume::{assert_same_picture, samples_in};
 use crate::support::{Folder, assert_quiet_success, assert_sentence};
@@ -79,8 +79,8 @@ fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
 
 #[test]
 fn faults_lose_the_last_interval_at_most_and_no_file() {
-    let is_full = env::var_os("LODESTAR_FULL").is_some();
-    let per_kind = if is_full { 60 } else { 20 };
+    let is_full = tier::is_full();
+    let per_kind = if is_full { 60 } else { 6 };
     let whole = Folder::new();
     whole.render(&[&["--spp", &SPP.to_string(), "-o", "whole.exr"][..], &PICTURE].concat());
     for kind in ["lost", "memory"] {

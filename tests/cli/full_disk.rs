@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::{Command, Output};
 
-use crate::support::{Folder, assert_quiet_success, assert_sentence};
+use crate::support::{Folder, SHARED_CACHE, assert_quiet_success, assert_sentence};
 
 /// Runs the program in a shell, after the shell commands `setup` and before the shell commands `check`.
 fn run_after(folder: &Folder, shell: &[&str], setup: &str, arguments: &[&str], check: &str) -> Output {
@@ -11,7 +11,7 @@ fn run_after(folder: &Folder, shell: &[&str], setup: &str, arguments: &[&str], c
     let script = format!("{setup}; {program} \"$@\"; code=$?; {check}; exit $code");
     let command = [shell, &["sh", "-c", &script, "sh"], arguments].concat();
     let mut process = Command::new(command[0]);
-    process.args(&command[1..]).current_dir(folder.path("")).env("XDG_CACHE_HOME", folder.path("cache"));
+    process.args(&command[1..]).current_dir(folder.path("")).env("XDG_CACHE_HOME", SHARED_CACHE);
     process.env_remove("LODESTAR_DEVICE").output().unwrap()
 }
 

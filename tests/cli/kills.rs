@@ -1,10 +1,10 @@
 //! Killed renders lose no file, and no more work than since the last checkpoint.
 
-use std::env;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use lodestar::film::read_picture;
+use support::tier;
 
 use crate::resume::{assert_same_picture, samples_in};
 use crate::support::{Folder, assert_quiet_success, wait_until};
@@ -43,7 +43,7 @@ fn arguments(is_begun: bool) -> Vec<String> {
 
 #[test]
 fn kills_lose_the_last_interval_at_most_and_no_file() {
-    let kills = if env::var_os("LODESTAR_FULL").is_some() { 200 } else { 12 };
+    let kills = if tier::is_full() { 200 } else { 6 };
     let folder = Folder::new();
     let (picture, checkpoint) = (folder.path("a.exr"), folder.path("a.ckpt"));
     let (mut state, mut samples, mut advances) = (SEED, 0, 0);

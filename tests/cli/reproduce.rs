@@ -6,6 +6,7 @@ use std::process::Output;
 use std::time::SystemTime;
 
 use lodestar::film::read_picture;
+use support::tier;
 
 use crate::resume::assert_same_picture;
 use crate::support::{Folder, assert_quiet_success, assert_sentence};
@@ -97,7 +98,7 @@ fn figures_are_drawn() {
     let folder = with_reference();
     let small = ["--scale", "0.25"];
     // The full table has 52 pictures, and the ablation 32.
-    let is_full = std::env::var_os("LODESTAR_FULL").is_some();
+    let is_full = tier::is_full();
     let targets = if is_full { &["all", "ablation"][..] } else { &["figure1", "figure6"] };
     for target in targets {
         assert_quiet_success(&reproduce(&folder, target, "0.2", &small));

@@ -2,7 +2,7 @@
 
 use std::process::Stdio;
 
-use crate::support::{Folder, SCENE, assert_quiet_success};
+use crate::support::{Folder, SCENE, SHARED_CACHE, assert_quiet_success};
 
 const TINY: [&str; 8] = ["render", "scene.xml", "--width", "8", "--height", "8", "--sampler", "bsdf"];
 
@@ -73,7 +73,7 @@ fn closed_streams_change_no_exit_code() {
         let program = folder.command(arguments);
         let mut shell = std::process::Command::new("sh");
         shell.args(["-c", r#"exec "$0" "$@" <&- >&- 2>&-"#]).arg(program.get_program()).args(program.get_args());
-        shell.current_dir(program.get_current_dir().unwrap()).env("XDG_CACHE_HOME", folder.path("cache"));
+        shell.current_dir(program.get_current_dir().unwrap()).env("XDG_CACHE_HOME", SHARED_CACHE);
         assert_eq!(shell.status().unwrap().code(), Some(code), "{arguments:?}");
     }
 }

@@ -30,6 +30,9 @@ pub const SCENE: &str = r#"<scene version="3.0.0">
 /// Maximum time for anything that should take a moment. Other tests keep the cores busy.
 const PATIENCE: Duration = Duration::from_secs(30);
 
+/// Folder of caches that all tests of the program share: a kernel is then built once and not once for each test.
+pub const SHARED_CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
+
 /// Temporary folder, which is the program's working directory.
 pub struct Folder(tempfile::TempDir);
 
@@ -53,20 +56,19 @@ impl Folder {
         serde_json::from_str(&fs::read_to_string(self.path(name)).unwrap()).unwrap()
     }
 
-    /// Names of all files below the folder, except the program's cache.
+    /// Names of all files below the folder.
     pub fn names(&self) -> Vec<String> {
         let mut names = Vec::new();
         collect_names(self.0.path(), "", &mut names);
-        names.retain(|name| !name.starts_with("cache/"));
         names.sort();
         names
     }
 
-    /// Command that runs the program in this folder, with a cache of its own.
+    /// Command that runs the program in this folder.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
         command.args(arguments).current_dir(self.0.path());
-        command.env("XDG_CACHE_HOME", self.path("cache")).env_remove("LODESTAR_DEVICE");
+        command.env("XDG_CACHE_HOME", SHARED_CACHE).env_remove("LODESTAR_DEVICE");
         command
     }
 

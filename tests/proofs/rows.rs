@@ -4,6 +4,7 @@
 use lodestar::settings::{BsdfShare, DirectionMap, GuideSet, Learner, Mix, SampleWeights, Sampler, Settings};
 use support::guide_cases::Kind;
 use support::scenes::ours;
+use support::tier;
 use support::twins::normalization_entry::Rules;
 
 use crate::subject::Change;
@@ -29,9 +30,9 @@ const fn more(name: &'static str, set: Change) -> Row {
 /// Rows that follow a guide.
 pub const GUIDED: &[Row] = &[
     row("rejection-mix", |s| s.sampler = Sampler::RejectionMix),
-    row("rejection-mix, cylindrical", |s| (s.sampler, s.map) = (Sampler::RejectionMix, DirectionMap::Cylindrical)),
-    row("rejection-mix, share 0.3", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.3))),
-    row("acceptance mix", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
+    more("rejection-mix, cylindrical", |s| (s.sampler, s.map) = (Sampler::RejectionMix, DirectionMap::Cylindrical)),
+    more("rejection-mix, share 0.3", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.3))),
+    more("acceptance mix", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
     row("rejection", |s| s.sampler = Sampler::Rejection),
     row("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
     row("hemisphere-inversion", |s| s.sampler = Sampler::HemisphereInversion),
@@ -114,7 +115,7 @@ pub struct Scope {
 impl Scope {
     /// Scope of this run: the full form if `LODESTAR_FULL` is set, else the short form.
     pub fn of_this_run() -> Self {
-        Self { full: std::env::var_os("LODESTAR_FULL").is_some(), only: None }
+        Self { full: tier::is_full(), only: None }
     }
 
     /// Scope of the short form with one row of the table.

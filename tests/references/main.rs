@@ -5,9 +5,10 @@
 //! `LODESTAR_REFERENCES` that of the pictures, `NAME.mean.exr` and `NAME.var.exr`. Without them, the test prints that
 //! nothing is tested.
 //!
-//! `cargo test --release --test references [-- SCENE...]` takes few samples. With `LODESTAR_FULL=1` it renders until
-//! the mean luminance is known to 0.5 %, or for `LODESTAR_REFERENCE_SECONDS` (600) per picture. Both forms write every
-//! picture beside its reference, with the signed difference, and a contact sheet to `target/references`.
+//! `cargo test --release --test references` renders one scene. With names of scenes after `--`, it renders those; with
+//! `LODESTAR_FULL=1`, all. If `LODESTAR_REFERENCE_SECONDS` is set, it renders until the mean luminance is known to
+//! 0.5 %, or for so many seconds per picture. Every form writes every picture beside its reference, with the signed
+//! difference, and a contact sheet to `target/references`.
 
 mod agreement;
 mod sheet;
@@ -27,7 +28,7 @@ use lodestar::image::{Image, exr};
 use lodestar::renderer::Renderer;
 use lodestar::scene::{Bsdf, LoadOptions, MaterialKind, ReconstructionFilter, Scene, load};
 use lodestar::settings::{SamplePattern, Sampler, Settings};
-use support::mutated;
+use support::{mutated, tier};
 
 /// A scene, and the samples per pixel of the short test without and with emitter sampling.
 struct Case {
@@ -50,13 +51,12 @@ const CASES: [Case; 12] = [
     Case { name: "veach-ajar-2", spp: [64, 256] },
 ];
 
-/// Scene on which faults must be found, and the samples per pixel for it.
+/// Scene of the quick tier, on which faults must be found, and the samples per pixel for it.
 const FAULTY_SCENE: &str = "cornell-box";
 const FAULTY_SPP: u32 = 64;
 
 /// Standard error of the mean luminance that ends a long render.
 const TARGET_ERROR: f64 = 0.005;
-const DEFAULT_SECONDS: f64 = 600.0;
 
 fn main() -> ExitCode {
     // A test runner asks for the list of tests. There is one test, named below.
@@ -74,7 +74,11 @@ fn main() -> ExitCode {
     let only: Vec<&String> =
         arguments.iter().filter(|argument| CASES.iter().any(|case| case.name == **argument)).collect();
     let mut run = Run::new(scenes, references);
-    for case in CASES.iter().filter(|case| only.is_empty() || only.iter().any(|name| *name == case.name)) {
+    let is_wanted = |case: &&Case| match &only[..] {
+        [] => tier::is_full() || case.name == FAULTY_SCENE,
+        names => names.iter().any(|name| *name == case.name),
+    };
+    for case in CASES.iter().filter(is_wanted) {
         run.check(case);
     }
     run.finish()
@@ -204,12 +208,11 @@ fn render(mut renderer: Renderer, spp_per_step: u32, reference: &Estimate, spp: 
         }
     };
     step(&mut renderer, spp);
-    if env::var_os("LODESTAR_FULL").is_some() {
+    if let Some(seconds) = env::var("LODESTAR_REFERENCE_SECONDS").ok().and_then(|text| text.parse::<f64>().ok()) {
         let begin = Instant::now();
-        let seconds = env::var("LODESTAR_REFERENCE_SECONDS").ok().and_then(|text| text.parse().ok());
         // The number of samples only doubles, so that the moment of stopping depends on the picture as little as
         // possible.
-        while begin.elapsed().as_secs_f64() < 0.5 * seconds.unwrap_or(DEFAULT_SECONDS)
+        while begin.elapsed().as_secs_f64() < 0.5 * seconds
             && Agreement::new(&estimate(&renderer.picture().expect("a picture")), reference).error > TARGET_ERROR
         {
             let until = 2 * renderer.samples_done();

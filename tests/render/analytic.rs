@@ -6,6 +6,7 @@ use support::estimate::Estimate;
 use support::mutated::{BRIGHTER, DENSITIES, TWICE_AS_BRIGHT};
 use support::scenes::{ALL_SAMPLERS, ours, settings, steady};
 use support::significance::{ALPHA, sidak, two_sided};
+use support::tier;
 
 use crate::device::{Device, steps};
 
@@ -32,14 +33,16 @@ fn deviation(device: &Device, file: &str, defines: &[(&str, &str)], change: impl
 }
 
 /// Mean radiance agrees with the closed form for the sphere and for its mesh, for all samplers, and for Russian
-/// roulette that starts early or late.
+/// roulette that starts early or late. The quick tier has the sphere only.
 #[test]
 fn every_sampler_is_within_its_confidence_interval() {
     let device = Device::new();
-    let files = ["furnace/scene.xml", "furnace/mesh.xml"];
+    let files = tier::some_of(&["furnace/scene.xml", "furnace/mesh.xml"], 1);
     let cases: Vec<_> = files
         .iter()
-        .flat_map(|&file| ALL_SAMPLERS.map(|sampler| [2, 8].map(|rr| (file, sampler, rr))))
+        .flat_map(|&file| {
+            ALL_SAMPLERS.map(|sampler| tier::some_of(&[2, 8], 1).iter().map(move |&rr| (file, sampler, rr)))
+        })
         .flatten()
         .collect();
     for &(file, sampler, rr_depth) in &cases {
@@ -50,13 +53,13 @@ fn every_sampler_is_within_its_confidence_interval() {
 }
 
 /// Inversion agrees with the closed form at its default uniform share. Paths are so short that no path has a much
-/// larger weight than others.
+/// larger weight than others. The quick tier has one sampler by inversion.
 #[test]
 fn inversion_is_right_at_its_default_share() {
     let device = Device::new();
     let faulty = device.mutated(DENSITIES);
     let scene = ours("furnace/scene.xml", &[]);
-    for sampler in [Sampler::SphereInversion, Sampler::HemisphereInversion] {
+    for &sampler in tier::some_of(&[Sampler::HemisphereInversion, Sampler::SphereInversion], 1) {
         let z = |device: &Device| {
             let default = Settings::for_scene(&scene).min_uniform;
             let short = Settings { max_depth: 3, min_uniform: default, ..settings(&scene, SIZE, sampler, 6) };
@@ -72,11 +75,13 @@ fn inversion_is_right_at_its_default_share() {
     }
 }
 
+/// The twins must fail: densities that are 5 % off, and an albedo that is 3 % off. The quick tier has them for two
+/// samplers.
 #[test]
 fn a_wrong_density_or_albedo_is_found_in_the_furnace() {
     let device = Device::new();
     let faulty = device.mutated(DENSITIES);
-    for sampler in ALL_SAMPLERS {
+    for &sampler in tier::some_of(&ALL_SAMPLERS, 2) {
         let set = |s: &mut Settings| s.sampler = sampler;
         for (albedo, z) in [
             ("0.5", deviation(&faulty, "furnace/scene.xml", &[], set)),
@@ -148,19 +153,20 @@ fn is_learned((mean, rms): (f64, f64), expected: f64) -> bool {
 
 /// The table tends to the incident radiance, 1, at the predicted rate. The targets of each step are 0.5 + 0.5 L of the
 /// step before (Eq. 5, Eq. 6). With rates alpha_k = 1 / (1 + decay + ... + decay^(k-1)), the distance to 1 shrinks by
-/// the factor 1 - alpha_k / 2 in step k.
+/// the factor 1 - alpha_k / 2 in step k. The quick tier has each learner once.
 #[test]
 fn the_radiance_table_tends_to_the_incident_radiance() {
     let device = Device::new();
-    for (learner, decay) in [
-        (Learner::Sarsa, 0.0),
+    let cases = [
         (Learner::Sarsa, 0.95),
-        (Learner::Sarsa, 1.0),
-        (Learner::ExpectedSarsa, 0.95),
         (Learner::ExpectedSarsa, 1.0),
         (Learner::IrradianceSarsa, 0.95),
+        (Learner::Sarsa, 0.0),
+        (Learner::Sarsa, 1.0),
+        (Learner::ExpectedSarsa, 0.95),
         (Learner::IrradianceSarsa, 1.0),
-    ] {
+    ];
+    for &(learner, decay) in tier::some_of(&cases, 3) {
         let (mut distance, mut weight) = (1.0, 0.0);
         for _ in 0..LEARNING_STEPS {
             weight = weight * f64::from(decay) + 1.0;
@@ -187,12 +193,12 @@ fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
 }
 
 /// Monte Carlo learns the mean return. A path of 16 edges returns 1 - 2^-(17 - e) from edge e on. Edges 2 to 15 are
-/// recorded.
+/// recorded. The quick tier has one sampler.
 #[test]
 fn monte_carlo_learns_the_mean_return() {
     let device = Device::new();
     let expected = (2..=15).map(|edge| answer(17 - edge)).sum::<f64>() / 14.0;
-    for sampler in [Sampler::RejectionMix, Sampler::HemisphereInversion] {
+    for &sampler in tier::some_of(&[Sampler::RejectionMix, Sampler::HemisphereInversion], 1) {
         let set = |s: &mut Settings| {
             (s.sampler, s.learner, s.decay, s.rr_depth) = (sampler, Learner::MonteCarlo, 1.0, 1000);
         };
@@ -225,11 +231,13 @@ fn monte_carlo_divides_by_survival() {
     assert!(!is_near(mean(0.95)), "the twin: an albedo 5 % off");
 }
 
-/// The twin must fail: a learner without the surface's attenuation never reaches the closed form.
+/// The twins must fail: a learner without the surface's attenuation never reaches the closed form, and neither does one
+/// that takes surfaces to be 5 % brighter. The quick tier has them for one learner.
 #[test]
 fn a_learner_without_attenuation_is_found() {
     let device = Device::new();
-    for learner in [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo, Learner::IrradianceSarsa] {
+    let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo, Learner::IrradianceSarsa];
+    for &learner in tier::some_of(&learners, 1) {
         let faulty = |mutation| {
             learned(&device.mutated(mutation), &[], 1.0, |s| {
                 (s.learner, s.decay) = (learner, 0.5);

@@ -3,12 +3,11 @@
 //! All surfaces reflect everything on both sides, and only the environment emits. So any ray that gets out brings light
 //! in.
 
-use std::env;
-
 use glam::{Mat4, Quat, Vec3, vec3};
 use lodestar::scene::{Environment, Primitive, PrimitiveShape, Scene};
 use lodestar::settings::{Sampler, Settings};
 use support::scenes::{ours, settings, surface_mut};
+use support::tier;
 
 use crate::device::{Device, steps};
 
@@ -146,9 +145,8 @@ fn no_ray_leaves_a_closed_mesh() {
 /// No ray of a hundred million leaves a closed mesh, as the renderer promises. The test takes minutes.
 #[test]
 fn none_of_a_hundred_million_rays_leaves_a_closed_mesh() {
-    match env::var_os("LODESTAR_FULL") {
-        Some(_) => none_escapes(MANY),
-        None => println!("skipped, for LODESTAR_FULL is not set"),
+    if !tier::is_skipped("no_ray_leaves_a_closed_mesh") {
+        none_escapes(MANY);
     }
 }
 

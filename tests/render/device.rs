@@ -1,4 +1,4 @@
-//! Device under the validation layer that renders whole pictures.
+//! Device that renders whole pictures. The long tier uses the validation layer in all tests, the quick tier in some.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
-use support::mutated;
+use support::{mutated, tier};
 
 /// Context whose validation messages fail the test when it is dropped.
 pub struct Device {
@@ -17,8 +17,18 @@ pub struct Device {
 }
 
 impl Device {
+    /// Device under the validation layer in the long tier.
     pub fn new() -> Self {
-        let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device");
+        Self::open(tier::is_full())
+    }
+
+    /// Device under the validation layer.
+    pub fn validated() -> Self {
+        Self::open(true)
+    }
+
+    fn open(validate: bool) -> Self {
+        let context = Context::new(&ContextOptions { device: None, validate }).expect("a Vulkan device");
         Self { context, mutation: None }
     }
 

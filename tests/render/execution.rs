@@ -5,7 +5,8 @@ use lodestar::renderer::Counts;
 use lodestar::scene::emitter::AreaEmitter;
 use lodestar::scene::{Scene, Textured};
 use lodestar::settings::{Execution, Learner, SamplePattern, SampleWeights, Sampler, Settings};
-use support::scenes::{GUIDED, ours, settings};
+use support::scenes::{Change, guided, ours, settings};
+use support::tier;
 
 use crate::determinism::bits;
 use crate::device::Device;
@@ -42,7 +43,7 @@ fn compare(device: &Device, name: &str, scene: &Scene, change: impl Fn(&mut Sett
 
 #[test]
 fn however_waves_are_cut_they_change_no_bit() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box/scene.xml", &[]);
     let render = |further: &dyn Fn(&mut Settings)| {
         let mut settings = settings(&scene, SIZE, Sampler::Product, 11);
@@ -60,13 +61,13 @@ fn however_waves_are_cut_they_change_no_bit() {
 
 #[test]
 fn light_that_is_no_number_is_lost_alike() {
-    let device = Device::new();
-    for radiance in [f32::NAN, f32::INFINITY] {
+    let device = Device::validated();
+    for &radiance in tier::some_of(&[f32::NAN, f32::INFINITY], 1) {
         let mut scene = ours("cornell-box/scene.xml", &[]);
         for emitter in &mut scene.emitters {
             *emitter = AreaEmitter::new(Textured::constant(Vec3::new(1.0, radiance, 1.0)));
         }
-        for sampler in [Sampler::Bsdf, Sampler::Product] {
+        for &sampler in tier::some_of(&[Sampler::Product, Sampler::Bsdf], 1) {
             compare(&device, &format!("{sampler:?}, {radiance}"), &scene, |s| (s.sampler, s.nee) = (sampler, true));
         }
     }
@@ -74,12 +75,12 @@ fn light_that_is_no_number_is_lost_alike() {
 
 #[test]
 fn waves_change_no_bit_of_any_sampler() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box/scene.xml", &[]);
     compare(&device, "bsdf", &scene, |s| s.sampler = Sampler::Bsdf);
     compare(&device, "product", &scene, |_| {});
     compare(&device, "bsdf, emitters sampled", &scene, |s| (s.sampler, s.nee) = (Sampler::Bsdf, true));
-    for (name, set) in GUIDED {
+    for (name, set) in guided() {
         let mut changed = settings(&scene, SIZE, Sampler::Product, 11);
         set(&mut changed);
         if changed.learner != Learner::MonteCarlo {
@@ -93,8 +94,8 @@ fn waves_change_no_bit_of_any_sampler() {
 
 #[test]
 fn waves_change_no_bit_of_any_scene() {
-    let device = Device::new();
-    for name in ["cornell-box-hard", "door-ajar", "furnace", "lights"] {
+    let device = Device::validated();
+    for name in tier::some_of(&["lights", "door-ajar", "furnace", "cornell-box-hard"], 1) {
         let scene = ours(&format!("{name}/scene.xml"), &[]);
         compare(&device, name, &scene, |s| s.nee = true);
         compare(&device, &format!("{name}, roulette from the start"), &scene, |s| (s.max_depth, s.rr_depth) = (3, 1));
@@ -103,22 +104,24 @@ fn waves_change_no_bit_of_any_scene() {
 
 #[test]
 fn waves_change_no_bit_of_any_option() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("door-ajar/scene.xml", &[]);
-    let check = |name: &str, set: &dyn Fn(&mut Settings)| {
+    let changes: [(&str, Change); 10] = [
+        ("deeper than a submission", |s| (s.max_depth, s.rr_depth) = (40, 40)),
+        ("sets of samples", |s| s.pattern = SamplePattern::Sobol),
+        ("storage", |s| s.storage_reads = true),
+        ("a part of a picture", |s| s.sample_offset = Some(5)),
+        ("three samples a dispatch", |s| s.samples_per_dispatch = 3),
+        ("one edge", |s| s.max_depth = 1),
+        ("weights by a schedule", |s| s.sample_weights = Some(SampleWeights::Growing)),
+        ("blue noise", |s| s.pattern = SamplePattern::BlueNoise),
+        ("larger cells", |s| s.fallback = 8.0),
+        ("hidden emitters", |s| s.hide_emitters = true),
+    ];
+    for (name, set) in tier::some_of(&changes, 3) {
         compare(&device, name, &scene, |s| {
             s.nee = true;
             set(s);
         });
-    };
-    check("storage", &|s| s.storage_reads = true);
-    check("a part of a picture", &|s| s.sample_offset = Some(5));
-    check("three samples a dispatch", &|s| s.samples_per_dispatch = 3);
-    check("deeper than a submission", &|s| (s.max_depth, s.rr_depth) = (40, 40));
-    check("one edge", &|s| s.max_depth = 1);
-    check("weights by a schedule", &|s| s.sample_weights = Some(SampleWeights::Growing));
-    check("sets of samples", &|s| s.pattern = SamplePattern::Sobol);
-    check("blue noise", &|s| s.pattern = SamplePattern::BlueNoise);
-    check("larger cells", &|s| s.fallback = 8.0);
-    check("hidden emitters", &|s| s.hide_emitters = true);
+    }
 }

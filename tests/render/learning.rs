@@ -17,7 +17,7 @@ use crate::device::{Device, steps};
 /// Guided rays find the light more often with every step, as in the paper's Fig. 7a.
 #[test]
 fn guided_rays_find_the_light_more_often_step_by_step() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box-hard/scene.xml", &[]);
     let rates = |sampler| {
         let settings = settings(&scene, [128, 128], sampler, 1);
@@ -37,7 +37,7 @@ fn guided_rays_find_the_light_more_often_step_by_step() {
 /// 1.
 #[test]
 fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box/scene.xml", &[]);
     for (sampler, learner) in combinations() {
         let settings = Settings { learner, min_uniform: 0.0625, ..settings(&scene, [48, 48], sampler, 1) };
@@ -59,7 +59,7 @@ fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
 /// metal's reflection gets little.
 #[test]
 fn shares_go_to_what_knows_more() {
-    let device = Device::new();
+    let device = Device::validated();
     let shares = |scene: &Scene, change: fn(&mut Settings)| {
         let mut settings = settings(scene, [64, 64], Sampler::Product, 1);
         change(&mut settings);
@@ -108,7 +108,7 @@ fn shares_where_fixed(device: &Device) -> Vec<[f32; 2]> {
 
 #[test]
 fn only_guided_samplers_count_guided_samples() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box/scene.xml", &[]);
     for sampler in SAMPLERS {
         let settings = settings(&scene, [64, 64], sampler, 1);
@@ -123,7 +123,7 @@ fn only_guided_samplers_count_guided_samples() {
 /// others. It covers the same area with every filter.
 #[test]
 fn filters_keep_the_sum_and_blur_the_edge() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box/scene.xml", &[]);
     let filters = [
         ReconstructionFilter::Box,
@@ -162,7 +162,7 @@ fn filters_keep_the_sum_and_blur_the_edge() {
 
 #[test]
 fn hidden_emitters_still_light_the_scene() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box/scene.xml", &[]);
     let render = |hide_emitters, max_depth| {
         let settings = Settings { hide_emitters, max_depth, ..settings(&scene, [64, 64], Sampler::Bsdf, 4) };
@@ -178,7 +178,7 @@ fn hidden_emitters_still_light_the_scene() {
 
 #[test]
 fn a_stopped_step_leaves_a_valid_picture() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = ours("cornell-box/scene.xml", &[]);
     for sampler in SAMPLERS {
         // Slices have one workgroup each, so that a step has several slices on any device.
@@ -203,7 +203,7 @@ fn a_stopped_step_leaves_a_valid_picture() {
 
 #[test]
 fn an_empty_scene_shows_its_environment() {
-    let device = Device::new();
+    let device = Device::validated();
     let mut scene = ours("furnace/scene.xml", &[]);
     scene.primitives.clear();
     scene.environment = Some(Environment::constant(vec3(0.25, 0.5, 0.75)));
@@ -219,7 +219,7 @@ fn an_empty_scene_shows_its_environment() {
 /// 22.3 grants one invocation.
 #[test]
 fn a_driver_s_loop_budget_is_an_error_and_no_dark_picture() {
-    let device = Device::new();
+    let device = Device::validated();
     let mut scene = ours("furnace/mesh.xml", &[("albedo", "1"), ("emission", "0.0009765625")]);
     scene.environment = None;
     for sampler in SAMPLERS {

@@ -4,6 +4,7 @@ use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{AUTO_GRID, Sampler, Settings};
 use support::scenes::{SAMPLERS, combinations, ours, settings};
+use support::tier;
 
 use crate::determinism::bits;
 use crate::device::{Device, steps};
@@ -34,7 +35,7 @@ type IsPart = fn(&str) -> bool;
 
 #[test]
 fn a_resumed_render_has_the_bits_of_one_never_interrupted() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = scene();
     for sampler in SAMPLERS {
         let settings = settings(&scene, SIZE, sampler, 21);
@@ -60,7 +61,7 @@ fn a_resumed_render_has_the_bits_of_one_never_interrupted() {
 /// derived from it.
 #[test]
 fn every_combination_goes_on_with_the_same_bits() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = scene();
     for (sampler, learner) in combinations() {
         let settings = Settings { learner, ..settings(&scene, [24, 17], sampler, 21) };
@@ -79,7 +80,7 @@ fn every_combination_goes_on_with_the_same_bits() {
 /// Parent cells resume with equal bits. They are not saved: every step computes them again from the saved cells.
 #[test]
 fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = scene();
     let plain = settings(&scene, SIZE, Sampler::Product, 21);
     let settings = Settings { grid: AUTO_GRID, fallback: 4.0, ..plain.clone() };
@@ -97,7 +98,7 @@ fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
 /// A resumed part has equal bits in sums that do not depend on the order of steps.
 #[test]
 fn a_resumed_part_has_the_bits_of_one_never_interrupted() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = scene();
     let part = Settings { sample_offset: Some(24), ..settings(&scene, SIZE, Sampler::Bsdf, 21) };
     let whole = rest(&mut device.renderer(&scene, &part), &part);
@@ -108,10 +109,10 @@ fn a_resumed_part_has_the_bits_of_one_never_interrupted() {
 }
 
 /// The twins of the tests above must fail: renders that resume from a state that lacks a part. Every part matters,
-/// except those that a plain path tracer does not use.
+/// except those that a plain path tracer does not use. The quick tier has one sampler.
 #[test]
 fn a_state_that_lacks_a_part_is_noticed() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = scene();
     // Only sphere inversion has ends of bins, and all normals have the same entry there. Only the product sampler and
     // quadtrees have nodes, and only they learn over several steps.
@@ -121,7 +122,7 @@ fn a_state_that_lacks_a_part_is_noticed() {
         (Sampler::Product, |name| name == "radiance nodes"),
         (Sampler::Quadtree, |name| ["radiance nodes", "radiance sums"].contains(&name)),
     ];
-    for (sampler, matters) in cases {
+    for &(sampler, matters) in tier::some_of(&cases, 1) {
         let settings = settings(&scene, SIZE, sampler, 21);
         let whole = rest(&mut device.renderer(&scene, &settings), &settings).0;
         let state = state_after(&device, &scene, &settings, 16).0;
@@ -137,7 +138,7 @@ fn a_state_that_lacks_a_part_is_noticed() {
 
 #[test]
 fn a_state_of_other_settings_is_refused_and_so_is_one_of_a_stopped_step() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = scene();
     let settings = settings(&scene, SIZE, Sampler::RejectionMix, 21);
     let state = state_after(&device, &scene, &settings, 8).0;
@@ -156,7 +157,7 @@ fn a_state_of_other_settings_is_refused_and_so_is_one_of_a_stopped_step() {
 /// picture of one render of 32 samples, up to rounding.
 #[test]
 fn a_sample_offset_moves_the_range() {
-    let device = Device::new();
+    let device = Device::validated();
     let scene = scene();
     let whole = settings(&scene, SIZE, Sampler::Bsdf, 21);
     let part = |offset: u32, spp: u32| {

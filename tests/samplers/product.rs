@@ -11,6 +11,7 @@ use lodestar::settings::{DirectionMap, Mix, Sampler};
 use support::device::{Cell, Device, GROUP};
 use support::guide_cases::{Density, Drawn, NORMALS, PushedNormal, variant};
 use support::statistics::{Numbers, chi_square, mean_and_error, sidak, within_four_sigma};
+use support::tier;
 use support::twins::direction_map::{direction_bin, normal_bin, sphere_to_map};
 use support::twins::normalization_entry::Rules;
 use support::twins::product::{COSINE_SHARE, Product};
@@ -126,6 +127,7 @@ fn fit(case: &Case, drawn: &[Drawn]) -> f64 {
     chi_square(&counts, &expected.collect::<Vec<_>>())
 }
 
+/// Samples follow their density at every resolution. The quick tier has one normal.
 #[test]
 fn samples_follow_their_density_at_every_resolution() {
     let level = sidak(SIGNIFICANCE, SIZES.len() * normals().len() * 3);
@@ -134,7 +136,7 @@ fn samples_follow_their_density_at_every_resolution() {
         let tables = tables(map, directions);
         for (name, table) in &tables {
             descent.cell.fill(&descent.device, table);
-            for (seed, n) in (0..).zip(normals()) {
+            for (seed, &n) in (0..).zip(tier::some_of(&normals(), 1)) {
                 let title = format!("{map:?} {directions}, {name}, normal {seed}");
                 let case = Case::new(map, directions, n, table);
                 let drawn = descent.draw(case.n, seed);

@@ -14,6 +14,7 @@ pub mod scenes;
 pub mod significance;
 pub mod statistics;
 pub mod substances;
+pub mod tier;
 pub mod twins;
 
 /// Folder of the project's own scenes.

@@ -5,7 +5,7 @@ use lodestar::settings::{
     AUTO_GRID, BsdfShare, DirectionMap, GuideSet, Learner, Mix, Roulette, SamplePattern, Sampler, Settings,
 };
 
-use crate::scenes_folder;
+use crate::{scenes_folder, tier};
 
 /// Samplers for tests of a property that does not depend on how a guide is followed: a plain path tracer and one with a
 /// guide.
@@ -21,15 +21,20 @@ pub const ALL_SAMPLERS: [Sampler; 7] = [
     Sampler::Quadtree,
 ];
 
-/// All samplers that follow a guide, each with every learner that it can be combined with.
+/// All samplers that follow a guide, each with every learner that it can be combined with. The quick tier has every
+/// sampler with its default learner, and one sampler with every learner.
 pub fn combinations() -> impl Iterator<Item = (Sampler, Learner)> {
     let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo];
     let all = ALL_SAMPLERS[1..].iter().flat_map(move |&sampler| learners.map(|learner| (sampler, learner)));
-    all.filter(|&(sampler, learner)| sampler != Sampler::Quadtree || learner == Learner::MonteCarlo)
+    all.filter(|&(sampler, learner)| sampler != Sampler::Quadtree || learner == Learner::MonteCarlo).filter(
+        |&(sampler, learner)| {
+            tier::is_full() || sampler == Sampler::RejectionMix || learner == sampler.default_learner()
+        },
+    )
 }
 
 /// Change of the settings that a test makes.
-type Change = fn(&mut Settings);
+pub type Change = fn(&mut Settings);
 
 /// All ways to follow a guide, by name.
 pub const GUIDED: [(&str, Change); 18] = [
@@ -63,6 +68,13 @@ pub const GUIDED: [(&str, Change); 18] = [
     ("expected-sarsa", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::ExpectedSarsa)),
     ("monte-carlo", |s| (s.sampler, s.learner) = (Sampler::RejectionMix, Learner::MonteCarlo)),
 ];
+
+/// Ways to follow a guide of this run: all of them in the long tier; in the quick tier one of each kind.
+pub fn guided() -> Vec<(&'static str, Change)> {
+    const FEW: [&str; 4] =
+        ["rejection-mix", "hemisphere-inversion", "product in cells that fall back on their parents", "quadtree"];
+    GUIDED.into_iter().filter(|(name, _)| tier::is_full() || FEW.contains(name)).collect()
+}
 
 /// The scene file `name` of `scenes/`.
 pub fn ours(name: &str, defines: &[(&str, &str)]) -> Scene {
