@@ -8,18 +8,19 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::Settings;
-use support::mutated;
+use support::{mutated, tier};
 
 use crate::subject::Subject;
 
-/// A device under the validation layer.
+/// A device, under the validation layer in the long tier.
 pub struct Studio {
     context: Arc<Context>,
 }
 
 impl Studio {
     pub fn new() -> Self {
-        Self { context: Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device") }
+        let options = ContextOptions { device: None, validate: tier::is_full() };
+        Self { context: Context::new(&options).expect("a Vulkan device") }
     }
 
     pub fn renderer(&self, subject: &Subject, scene: &Scene, settings: Settings) -> Renderer {
