@@ -80,7 +80,7 @@ fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
 #[test]
 fn faults_lose_the_last_interval_at_most_and_no_file() {
     let is_full = tier::is_full();
-    let per_kind = if is_full { 60 } else { 6 };
+    let per_kind = if is_full { 60 } else { 4 };
     let whole = Folder::new();
     whole.render(&[&["--spp", &SPP.to_string(), "-o", "whole.exr"][..], &PICTURE].concat());
     for kind in ["lost", "memory"] {
