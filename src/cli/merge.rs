@@ -12,8 +12,8 @@ use super::render_args::exr_path;
 
 /// Averages pictures of one scene with disjoint samples, every pixel by its sample counts.
 ///
-/// The pictures come from renders that differ in --sample-offset or --seed only. Variances, features and counts are merged too,
-/// so the result can be merged again.
+/// Parts may differ in --sample-offset, --seed, length and device. All else must be alike, and no two parts may have a sample
+/// in common. Variances, features and counts are merged too, so the result can be merged again.
 #[derive(Debug, clap::Args)]
 pub struct MergeArgs {
     /// The pictures, two or more.

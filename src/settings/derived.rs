@@ -41,7 +41,7 @@ impl Settings {
         }
     }
 
-    /// Whether cells learn the share of the scattering function. The sampler must be `product`, no fixed share may be chosen, and
+    /// Whether cells learn the share of the BSDF. The sampler must be `product`, no fixed share may be chosen, and
     /// the learner must not be `monte-carlo`, which would need the share's statistics at every vertex.
     pub fn learns_share(&self) -> bool {
         let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();

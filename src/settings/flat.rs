@@ -49,7 +49,7 @@ pub struct Settings {
     pub sample_offset: Option<u32>,
     /// Source of scattered directions.
     pub sampler: Sampler,
-    /// Scattering functions that are guided.
+    /// BSDFs that are guided.
     pub guide_set: GuideSet,
     /// Rule by which the radiance grid learns.
     pub learner: Learner,
@@ -58,10 +58,10 @@ pub struct Settings {
     /// Quantities that `rejection-mix` mixes with the uniform share.
     pub mix: Mix,
     /// Share e that is mixed with the guide, in [1e-4, 1]. With `rejection-mix` it is the share of uniform directions; `None`
-    /// takes the optimal share (Eq. 8). With `product` it is the share of the scattering function; `None` takes the learned
+    /// takes the optimal share (Eq. 8). With `product` it is the share of the BSDF; `None` takes the learned
     /// share, or 0.25 where cells do not learn one.
     pub epsilon: Option<f32>,
-    /// Share of the scattering function with `product`, fixed or learned. `None` learns it where cells can.
+    /// Share of the BSDF with `product`, fixed or learned. `None` learns it where cells can.
     pub bsdf_share: Option<BsdfShare>,
     /// Quantity that Russian roulette compares with. `None` chooses it as [`Settings::roulette`] says.
     pub roulette: Option<Roulette>,

@@ -16,7 +16,7 @@ const CELLS: u32 = 8;
 /// Guide of a render.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Guide {
-    /// No guide: directions come from the scattering function.
+    /// No guide: directions come from the BSDF.
     None,
     /// Quadtrees of learned flux, which learn by [`Learner::MonteCarlo`].
     Quadtree(Quadtree),
@@ -27,7 +27,7 @@ pub enum Guide {
 /// Parameters of the quadtree guide.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quadtree {
-    /// Scattering functions that are guided.
+    /// BSDFs that are guided.
     pub surfaces: GuideSet,
     /// Map between directions and the squares of the quadtrees.
     pub map: DirectionMap,
@@ -42,7 +42,7 @@ pub struct Quadtree {
 pub struct Grid {
     /// Sampler that draws directions from the grid.
     pub sampler: GridSampler,
-    /// Scattering functions that are guided.
+    /// BSDFs that are guided.
     pub surfaces: GuideSet,
     /// Map between directions and their bins.
     pub map: DirectionMap,
@@ -66,9 +66,9 @@ pub enum Cells {
 /// Sampler of a grid, with its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub enum GridSampler {
-    /// Learned radiance times cosine by a descent, mixed with the scattering function ([`Sampler::Product`]).
+    /// Learned radiance times cosine by a descent, mixed with the BSDF ([`Sampler::Product`]).
     Product {
-        /// Learner, with the share of the scattering function that it allows.
+        /// Learner, with the share of the BSDF that it allows.
         learner: ProductLearner,
         /// Direction bins along each side of a cell.
         directions: ProductDirections,
@@ -136,7 +136,7 @@ pub enum GridLearner {
     MonteCarlo,
 }
 
-/// Learner of a grid from which [`Sampler::Product`] draws, with the share of the scattering function.
+/// Learner of a grid from which [`Sampler::Product`] draws, with the share of the BSDF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProductLearner {
     /// [`Learner::Sarsa`].
@@ -149,7 +149,7 @@ pub enum ProductLearner {
     MonteCarlo(Option<f32>),
 }
 
-/// Share of the scattering function.
+/// Share of the BSDF.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Share {
     /// A share that each cell learns.

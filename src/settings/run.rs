@@ -16,8 +16,8 @@ pub enum StepSchedule {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Execution {
-    /// The faster choice: `wavefront` on a GPU that samples emitters among 10,000 primitives or more and has the memory,
-    /// `megakernel` otherwise.
+    /// The faster choice, by a rule: `wavefront` on a GPU with --nee on, if the scene has 10,000 primitives or more and the
+    /// memory suffices; else `megakernel`.
     Auto,
     /// One kernel follows each path to its end.
     Megakernel,

@@ -9,7 +9,7 @@ use crate::generated::constants;
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Sampler {
-    /// The scattering function times the cosine: an ordinary path tracer.
+    /// The surface's BSDF times the cosine: an ordinary path tracer.
     Bsdf = constants::SAMPLER_BSDF,
     /// Rejection sampling of learned radiance times cosine, with the optimal share of uniform directions: the paper's "Rej+",
     /// Eq. 8.
@@ -20,10 +20,10 @@ pub enum Sampler {
     SphereInversion = constants::SAMPLER_SPHERE_INVERSION,
     /// Inversion of learned radiance times the cosine's integral over each bin, summed for every sample.
     HemisphereInversion = constants::SAMPLER_HEMISPHERE_INVERSION,
-    /// Learned radiance times cosine by a descent of fixed length, mixed with a share of the scattering function.
+    /// Learned radiance times cosine by a descent of fixed length, mixed with a share of the BSDF.
     Product = constants::SAMPLER_PRODUCT,
-    /// Quadtrees of learned flux in the leaves of a binary tree, without regard to the normal, half and half with the
-    /// scattering function (Müller, Gross and Novák 2017).
+    /// Quadtrees of learned flux in the leaves of a binary tree, without regard to the normal, half and half with the BSDF
+    /// (Müller, Gross and Novák 2017).
     Quadtree = constants::SAMPLER_QUADTREE,
 }
 
@@ -48,7 +48,7 @@ pub enum Mix {
     Acceptance = constants::MIX_ACCEPTANCE,
 }
 
-/// Scattering functions that are guided.
+/// BSDFs that are guided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
@@ -61,14 +61,14 @@ pub enum GuideSet {
     All = constants::GUIDE_SET_ALL,
 }
 
-/// Share of the samples that `product` draws from the scattering function; the guide draws the rest.
+/// Share of the samples that `product` draws from the BSDF; the guide draws the rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum BsdfShare {
     /// One share everywhere: 0.25 or --epsilon.
     Fixed,
     /// A share that each cell learns, so that the mixture comes nearest to f cos L in Kullback-Leibler divergence. Diffuse lobes
-    /// and scattering functions that are guided as a whole have shares of their own.
+    /// and BSDFs that are guided as a whole have shares of their own.
     Learned,
 }
 
@@ -77,12 +77,12 @@ pub enum BsdfShare {
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Learner {
-    /// Bootstraps from the one direction that was sampled next (Eq. 6).
+    /// An edge reports the emission at its end, plus what the guide expects from the one direction sampled there (Eq. 6).
     Sarsa = constants::LEARNER_SARSA,
-    /// Bootstraps from the mean over many directions (Eq. 5).
+    /// Emission, plus what the guide expects from many directions, as a mean (Eq. 5).
     ExpectedSarsa = constants::LEARNER_EXPECTED_SARSA,
-    /// Learns the radiance that the rest of the path has collected.
+    /// The radiance that the rest of the path has collected.
     MonteCarlo = constants::LEARNER_MONTE_CARLO,
-    /// Bootstraps from the irradiance that the normalization grid of `product` holds: Eq. 5 at a constant cost.
+    /// Emission, plus Eq. 5 taken from the irradiance that the normalization grid of `product` holds, at a constant cost.
     IrradianceSarsa = constants::LEARNER_IRRADIANCE_SARSA,
 }

@@ -10,6 +10,7 @@ use crate::settings::value::Word;
 pub fn document() -> String {
     let mut text = String::from(
         "# Options of `lodestar render`\n\n\
+         For everybody who has a scene and wants another picture of it than the default's.\n\n\
          This page is written from the table in `src/settings/options/table.rs`, and a test holds it to that table.\n\
          `lodestar render -h` shows the options marked with *; `lodestar render --help` shows all of them.\n",
     );

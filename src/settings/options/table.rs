@@ -228,8 +228,9 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Paths, "max-depth", "N")
     },
     OptionEntry {
-        short: "Number of edges after which Russian roulette begins",
-        long: "It is for roulette by throughput; --roulette chooses the kind.",
+        short: "Number of edges after which Russian roulette may end a path",
+        long: "Roulette ends dim paths by chance and weights the survivors, so the picture's mean stays. The number counts with \
+               --roulette throughput. With --roulette contribution it counts on surfaces without a guide only.",
         default: "the scene's, or 8",
         range: Some((1.0, u32::MAX as f64)),
         setting: checked!(rr_depth),
@@ -297,14 +298,14 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Share that is mixed with the guide",
         long: "With the sampler rejection-mix it is the share of uniform directions, by default the optimal one (Eq. 8). With the \
-               sampler product it is the share of the scattering function, by default the share that each cell learns.",
+               sampler product it is the share of the surface's BSDF, by default the share that each cell learns.",
         range: Some((1.0e-4, 1.0)),
         setting: setting!(epsilon),
         rules: &[always(When::Any, Needs::Samplers(WITH_EPSILON), "")],
         ..research(Guiding, "epsilon", "E")
     },
     OptionEntry {
-        short: "Share of product's samples for the scattering function",
+        short: "Share of product's samples that the surface's BSDF draws; the guide draws the rest",
         long: "This share is also known as the BSDF sampling fraction.",
         default: "fixed with --epsilon or the learner monte-carlo, else learned",
         setting: setting!(bsdf_share),
@@ -360,8 +361,10 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "grid", "N|auto")
     },
     OptionEntry {
-        short: "Weight of a cell's parents, in targets for each bin",
-        long: "With 0 a cell uses its own knowledge only.",
+        short: "How much a cell borrows from the larger cells around it while it has learned little",
+        long: "A bin mixes its own mean with the mean of its parent cell, as if that mean were of K targets. So the parent \
+               counts for much in a bin with few targets, and for little in a bin with many. With 0 a cell uses its own \
+               targets only.",
         range: Some((0.0, 1.0e6)),
         setting: setting!(fallback),
         rules: &[
@@ -425,8 +428,9 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "sample-weights", "WEIGHTS")
     },
     OptionEntry {
-        short: "Factor on a bin's earlier count at each step",
-        long: "With 1, the mean runs over all steps, as in the paper.",
+        short: "How much of its past a bin of the guide keeps at each step",
+        long: "A bin's mean runs over all of its targets. Before each update the number of its earlier targets is multiplied by D, \
+               so that later ones, which a better guide found, count for more. With 1 all count the same, as in the paper.",
         range: Some((0.0, 1.0)),
         setting: setting!(decay),
         rules: &[if_given(When::Any, Needs::Samplers(WITH_CELLS))],
@@ -489,8 +493,9 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..further(Device, "execution", "EXECUTION")
     },
     OptionEntry {
-        short: "Most samples per pixel of one dispatch",
-        long: "A driver may bound the loop iterations of a dispatch.",
+        short: "Most samples per pixel that one kernel call takes",
+        long: "Take fewer if a render ends with the error that the driver cut a loop short, as old versions of lavapipe do. \
+               Take more on a fast GPU.",
         range: Some((1.0, 64.0)),
         setting: setting!(samples_per_dispatch),
         ..further(Device, "samples-per-dispatch", "N")
