@@ -3,12 +3,14 @@
 //! `cargo bench --bench equal_time [-- SCENE...]` needs the shared scenes and references (`LODESTAR_SCENES`,
 //! `LODESTAR_REFERENCES`). Each method renders each scene for `LODESTAR_SECONDS` (40). The methods take turns, so that
 //! a slow minute affects all of them. After each turn the errors are measured, for the curve over time.
-//! `LODESTAR_METHODS='product;quadtree'` selects methods.
+//! `LODESTAR_METHODS='product;quadtree'` selects methods. `LODESTAR_OUT=DIR` also writes files: `errors.csv`, the plot
+//! `error-over-time.svg`, and the pictures of all methods at the end, `SCENE-METHOD.jpg`.
 //!
 //! The error is that of the paper, the mean absolute error of the displayed image. If the noise of the reference
 //! exceeds a quarter of the smaller error of two methods, their ratio is that of the mean squared errors, minus the
 //! variance of the reference.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
@@ -16,23 +18,11 @@ use std::sync::Arc;
 use lodestar::gpu::Context;
 use lodestar::image::{Image, exr, metrics, tone};
 use lodestar::renderer::Renderer;
+use lodestar::reproduce::plot::{Axis, Plot, Series};
 use lodestar::settings::{Learner, Sampler, Settings};
-use support::bench::{context, load, run_for, scene_path, settings};
+use support::bench::pictures::{file_name, out_folder, write_jpeg};
+use support::bench::{SHARED_SCENES, context, load, run_for, scene_path, settings};
 
-const SCENES: [&str; 12] = [
-    "bathroom",
-    "bathroom2",
-    "cornell-box",
-    "cornell-box-hard",
-    "kitchen",
-    "living-room",
-    "living-room-2",
-    "living-room-3",
-    "staircase",
-    "staircase2",
-    "veach-ajar",
-    "veach-ajar-2",
-];
 /// Ends of the turns, as shares of the time.
 const TURN_ENDS: [f64; 6] = [0.05, 0.1, 0.25, 0.5, 0.75, 1.0];
 const SECONDS: f64 = 40.0;
@@ -40,16 +30,17 @@ const SECONDS: f64 = 40.0;
 const MITSUBA: &str = "Mitsuba path";
 
 /// Method: its name, and this renderer's sampler and emitter sampling; `None` for Mitsuba.
-const METHODS: [(&str, Option<(Sampler, bool)>); 6] = [
+const METHODS: [(&str, Option<(Sampler, bool)>); 7] = [
     ("bsdf", Some((Sampler::Bsdf, false))),
     ("rejection-mix", Some((Sampler::RejectionMix, false))),
     ("product", Some((Sampler::Product, false))),
     ("product, emitters sampled", Some((Sampler::Product, true))),
     (MITSUBA, None),
     ("quadtree", Some((Sampler::Quadtree, false))),
+    ("bsdf, emitters sampled", Some((Sampler::Bsdf, true))),
 ];
 /// Pairs of methods whose errors are compared, as indices into `METHODS`.
-const RATIOS: [(usize, usize); 5] = [(2, 0), (2, 1), (2, 5), (3, 2), (3, 4)];
+const RATIOS: [(usize, usize); 6] = [(2, 0), (2, 1), (2, 5), (3, 2), (3, 4), (3, 6)];
 
 /// Picture of another renderer, and the variance of its pixels.
 struct Reference {
@@ -80,10 +71,12 @@ fn main() {
     let context = context();
     // The indices are the turn, the pair of methods, and the scene.
     let mut ratios = vec![vec![Vec::new(); RATIOS.len()]; TURN_ENDS.len()];
-    for name in SCENES.iter().filter(|name| asked.is_empty() || asked.iter().any(|asked| asked == *name)) {
+    let out = out_folder();
+    let mut curves = Vec::new();
+    for name in SHARED_SCENES.iter().filter(|name| asked.is_empty() || asked.iter().any(|asked| asked == *name)) {
         let read = |layer: &str| exr::read_rgb(&references.join(format!("{name}.{layer}.exr"))).expect("a reference");
         let reference = Reference { mean: read("mean"), variance: read("var") };
-        let curve = measure(&context, name, &reference, seconds);
+        let curve = measure(&context, name, &reference, seconds, out.as_deref());
         for ((errors, end), ratios) in curve.iter().zip(TURN_ENDS).zip(&mut ratios) {
             let at = format!("{name} at {} s", end * seconds);
             for ((method, _), e) in METHODS.iter().zip(errors).filter(|((method, _), _)| is_asked(method)) {
@@ -96,10 +89,51 @@ fn main() {
                 ratios.push((ratio, errors[a].mae / errors[b].mae));
             }
         }
+        curves.push((*name, curve));
+    }
+    if let Some(folder) = out {
+        std::fs::write(folder.join("errors.csv"), table(&curves, seconds, &context)).expect("the table's file");
+        std::fs::write(folder.join("error-over-time.svg"), plot(&curves).svg().expect("a plot")).expect("the plot's file");
     }
     for (ratios, end) in ratios.iter().zip(TURN_ENDS) {
         let known = ratios.iter().zip(&RATIOS).filter(|(ratios, _)| !ratios.is_empty());
         known.for_each(|(ratios, &pair)| summarize(ratios, pair, end * seconds));
+    }
+}
+
+/// Errors of all scenes, turns and methods as CSV, after a comment that names the device.
+fn table(curves: &[(&str, Vec<Vec<Errors>>)], seconds: f64, context: &Context) -> String {
+    let device = context.device();
+    let mut text = format!("# device: {} ({})\n", device.name, device.driver_info);
+    text += "scene,method,seconds asked for,seconds,samples per pixel,MAE,MSE\n";
+    for (scene, curve) in curves {
+        for (errors, end) in curve.iter().zip(TURN_ENDS) {
+            for ((method, _), e) in METHODS.iter().zip(errors).filter(|(_, e)| e.mae.is_finite()) {
+                let asked = end * seconds;
+                // Writing to a string cannot fail.
+                let _ = writeln!(text, "{scene},\"{method}\",{asked},{:.3},{},{:.6},{:.6e}", e.seconds, e.spp, e.mae, e.mse);
+            }
+        }
+    }
+    text
+}
+
+/// Plot of the mean absolute error over time: geometric means over the scenes, for each method that all scenes have.
+fn plot(curves: &[(&str, Vec<Vec<Errors>>)]) -> Plot {
+    let mean = |values: &mut dyn Iterator<Item = f64>| (values.map(f64::ln).sum::<f64>() / curves.len() as f64).exp();
+    let point = |method: usize, turn: usize| {
+        let errors = || curves.iter().map(|(_, curve)| curve[turn][method]);
+        [mean(&mut errors().map(|e| e.seconds)), mean(&mut errors().map(|e| e.mae))]
+    };
+    let series = METHODS.iter().enumerate().map(|(method, (name, _))| Series {
+        name: (*name).to_owned(),
+        points: (0..TURN_ENDS.len()).map(|turn| point(method, turn)).collect(),
+    });
+    Plot {
+        title: format!("Error over time, geometric mean of {} scenes", curves.len()),
+        x: Axis::logarithmic("seconds"),
+        y: Axis::logarithmic("mean absolute error of the displayed picture"),
+        series: series.filter(|series| series.points.iter().flatten().all(|value| value.is_finite())).collect(),
     }
 }
 
@@ -118,8 +152,15 @@ fn summarize(ratios: &[(f64, f64)], (a, b): (usize, usize), seconds: f64) {
     );
 }
 
-/// Errors of all methods on one scene after each turn; NaN for methods that are not available.
-fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f64) -> Vec<Vec<Errors>> {
+/// Errors of all methods on one scene after each turn; NaN for methods that are not available. The pictures after the last
+/// turn are written to the folder `out`.
+fn measure(
+    context: &Arc<Context>,
+    name: &str,
+    reference: &Reference,
+    seconds: f64,
+    out: Option<&Path>,
+) -> Vec<Vec<Errors>> {
     let scene = load(name);
     let size = [reference.mean.width, reference.mean.height];
     let renderer = |&(name, method): &(&str, Option<(Sampler, bool)>)| {
@@ -151,10 +192,23 @@ fn measure(context: &Arc<Context>, name: &str, reference: &Reference, seconds: f
         let of_mitsuba = |method| if method == MITSUBA { average(&parts) } else { None };
         let pictures = renderers.iter().zip(METHODS);
         let pictures = pictures.map(|(renderer, (method, _))| picture(renderer).or_else(|| of_mitsuba(method)));
-        let measured = pictures.map(|picture| errors(picture, reference)).zip(elapsed);
+        let pictures: Vec<_> = pictures.collect();
+        if let Some(folder) = out.filter(|_| end == 1.0) {
+            write_pictures(folder, name, &pictures);
+        }
+        let measured = pictures.into_iter().map(|picture| errors(picture, reference)).zip(elapsed);
         measured.map(|(errors, seconds)| Errors { seconds, ..errors }).collect()
     };
     (0..).step_by(1_000_000).zip(TURN_ENDS).map(&mut turn).collect()
+}
+
+fn write_pictures(folder: &Path, scene: &str, pictures: &[Option<(Image, u32)>]) {
+    for ((method, _), picture) in METHODS.iter().zip(pictures) {
+        let path = folder.join(format!("{scene}-{}.jpg", file_name(method)));
+        if let Some((image, _)) = picture {
+            write_jpeg(&path, image);
+        }
+    }
 }
 
 /// Whether a method is selected.

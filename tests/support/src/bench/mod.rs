@@ -2,6 +2,7 @@
 
 pub mod digits;
 pub mod guide_updates;
+pub mod pictures;
 pub mod rates;
 pub mod rays;
 pub mod relief;
@@ -16,6 +17,22 @@ use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::{self, LoadOptions, Scene};
 use lodestar::settings::{Sampler, Settings};
+
+/// Scenes of the paper, which `LODESTAR_SCENES` holds.
+pub const SHARED_SCENES: [&str; 12] = [
+    "bathroom",
+    "bathroom2",
+    "cornell-box",
+    "cornell-box-hard",
+    "kitchen",
+    "living-room",
+    "living-room-2",
+    "living-room-3",
+    "staircase",
+    "staircase2",
+    "veach-ajar",
+    "veach-ajar-2",
+];
 
 /// Path of a scene: the shared one if `LODESTAR_SCENES` names a folder, otherwise the project's own.
 pub fn scene_path(name: &str) -> PathBuf {
