@@ -17,6 +17,8 @@
 #                            unpack SwiftShader, a second Vulkan driver for the CPU, into DIR (target/swiftshader) for
 #                            tests, and print the path for VK_DRIVER_FILES. Nothing is installed. Works on Debian only,
 #                            because SwiftShader comes from Debian's Chromium package.
+#        setup.sh --book     install mdbook, which builds the book of docs/, into target/tools unless it is there, and print
+#                            its path. It is compiled from source: about 90 s of processor time.
 set -eu
 
 MIN_RUST=1.88
@@ -296,8 +298,29 @@ provide_swiftshader() { # DIR
   (cd "$1" && echo "$(pwd)/vk_swiftshader_icd.json")
 }
 
+# --- The book -----------------------------------------------------------------------------------------------------------
+
+MDBOOK_VERSION=0.5.4
+
+# Prints the path of mdbook. Installs it into the folder TOOLS if it is missing. An optimized build would take twice as long,
+# and this book is built in seconds either way.
+provide_mdbook() { # TOOLS
+  if command -v mdbook; then return 0; fi
+  if [ ! -x "$1/bin/mdbook" ]; then
+    check_rust >&2 || exit 1
+    say "compiling mdbook $MDBOOK_VERSION into $1" >&2
+    CARGO_PROFILE_DEV_DEBUG=0 cargo install mdbook --version "$MDBOOK_VERSION" --locked --debug --no-default-features \
+      --features search --root "$1" --quiet >&2 || fail "cannot compile mdbook; install it by hand: see rust-lang.github.io/mdBook"
+  fi
+  (cd "$1/bin" && echo "$(pwd)/mdbook")
+}
+
 main() {
   system=$(detect_system)
+  if [ "${1:-}" = --book ]; then
+    provide_mdbook "$(dirname "$0")/target/tools"
+    exit 0
+  fi
   if [ "${1:-}" = --swiftshader ]; then
     provide_swiftshader "${2:-$(dirname "$0")/target/swiftshader}"
     exit 0
@@ -328,7 +351,7 @@ main() {
       find_missing
       ;;
     "") ;;
-    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR]]" ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --book]" ;;
   esac
   if [ -n "$missing" ]; then
     say "missing: $missing_names"

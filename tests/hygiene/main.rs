@@ -1,5 +1,6 @@
-//! Rules about layering and prose that the crate's documentation promises, checked on the sources themselves.
+//! Rules about layering and prose that the crate's documentation promises, checked on the sources and documents themselves.
 
+mod book;
 mod faults;
 mod glsl;
 mod graph;
@@ -75,4 +76,21 @@ fn doc_comments_name_their_subject() {
     sources.extend(source::read_all(root(), "glsl", "comp"));
     sources.extend(source::read_all(root(), "glsl", "glsl"));
     assert_none(prose::violations(&sources));
+}
+
+#[test]
+fn documents_lead_somewhere() {
+    let pages = book::read_pages(root());
+    assert!(pages.len() > 10, "{} documents", pages.len());
+    assert_none(book::violations(&pages, &|path| root().join(path).exists()));
+    assert_none(book::picture_violations(&pages, &book::read_pictures(root())));
+}
+
+#[test]
+fn the_paper_map_names_what_there_is() {
+    let mut sources = read_glsl();
+    for folder in ["src", "tests"] {
+        sources.extend(source::read_all(root(), folder, "rs"));
+    }
+    assert_none(book::paper_map_violations(&book::read_pages(root()), &sources));
 }
