@@ -93,7 +93,8 @@ fn main() {
     }
     if let Some(folder) = out {
         std::fs::write(folder.join("errors.csv"), table(&curves, seconds, &context)).expect("the table's file");
-        std::fs::write(folder.join("error-over-time.svg"), plot(&curves).svg().expect("a plot")).expect("the plot's file");
+        std::fs::write(folder.join("error-over-time.svg"), plot(&curves).svg().expect("a plot"))
+            .expect("the plot's file");
     }
     for (ratios, end) in ratios.iter().zip(TURN_ENDS) {
         let known = ratios.iter().zip(&RATIOS).filter(|(ratios, _)| !ratios.is_empty());
@@ -111,7 +112,11 @@ fn table(curves: &[(&str, Vec<Vec<Errors>>)], seconds: f64, context: &Context) -
             for ((method, _), e) in METHODS.iter().zip(errors).filter(|(_, e)| e.mae.is_finite()) {
                 let asked = end * seconds;
                 // Writing to a string cannot fail.
-                let _ = writeln!(text, "{scene},\"{method}\",{asked},{:.3},{},{:.6},{:.6e}", e.seconds, e.spp, e.mae, e.mse);
+                let _ = writeln!(
+                    text,
+                    "{scene},\"{method}\",{asked},{:.3},{},{:.6},{:.6e}",
+                    e.seconds, e.spp, e.mae, e.mse
+                );
             }
         }
     }
@@ -251,6 +256,11 @@ fn mitsuba(scene: &Path, [width, height]: [u32; 2], seconds: f64, seed: u32) -> 
     let out = std::env::temp_dir().join(format!("lodestar-equal-time-{}.exr", std::process::id()));
     let numbers = [width.to_string(), height.to_string(), seconds.to_string(), seed.to_string()];
     let output = Command::new("python3").arg("-B").arg(script).arg(scene).args(numbers).arg(&out).output().ok()?;
+    if !output.status.success() {
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        println!("Mitsuba is left out: {}", message.lines().last().unwrap_or("it gives no reason"));
+        return None;
+    }
     let text = String::from_utf8(output.stdout).ok()?;
     let (spp, seconds) = text.trim().split_once(' ')?;
     let image = exr::read_rgb(&out).ok()?;

@@ -68,7 +68,8 @@ fn follow(
         return Ok(None);
     }
     let (file, anchor) = target.split_once('#').map_or((target, None), |(file, anchor)| (file, Some(anchor)));
-    let path = if file.is_empty() { page.path.clone() } else { resolve(&page.path, file).ok_or("leaves the repository")? };
+    let path =
+        if file.is_empty() { page.path.clone() } else { resolve(&page.path, file).ok_or("leaves the repository")? };
     if page.path.starts_with(BOOK) && !path.starts_with(BOOK) {
         return Err("leaves the book");
     }
@@ -165,13 +166,16 @@ fn without_code(text: &str) -> String {
 /// Whether the first paragraph after the title begins with "For".
 fn says_whom_it_is_for(text: &str) -> bool {
     let mut lines = text.lines().filter(|line| !line.trim().is_empty());
-    lines.next().is_some_and(|title| title.starts_with("# ")) && lines.next().is_some_and(|line| line.starts_with("For "))
+    lines.next().is_some_and(|title| title.starts_with("# "))
+        && lines.next().is_some_and(|line| line.starts_with("For "))
 }
 
 /// Files and functions that the paper map names and the repository lacks. `sources` are all files that it may name.
 pub fn paper_map_violations(pages: &[Page], sources: &[Source]) -> Vec<String> {
     let Some(page) = pages.iter().find(|page| page.path == METHOD) else { return vec![format!("{METHOD} is missing")] };
-    let Some((_, map)) = page.text.split_once(PAPER_MAP) else { return vec![format!("{METHOD}: `{PAPER_MAP}` is missing")] };
+    let Some((_, map)) = page.text.split_once(PAPER_MAP) else {
+        return vec![format!("{METHOD}: `{PAPER_MAP}` is missing")];
+    };
     let rows: Vec<_> = map.lines().filter(|line| line.starts_with('|')).skip(2).collect();
     if rows.is_empty() {
         return vec![format!("{METHOD}: the paper map has no rows")];
@@ -184,7 +188,8 @@ fn row_violations(row: &str, sources: &[Source]) -> Vec<String> {
     let (files, others): (Vec<&str>, Vec<&str>) =
         names.iter().partition(|name| [".glsl", ".comp", ".rs"].iter().any(|end| name.ends_with(end)));
     let is_named = |source: &&Source, file: &str| source.path == file || source.path.ends_with(&format!("/{file}"));
-    let of_row: Vec<&Source> = files.iter().filter_map(|file| sources.iter().find(|source| is_named(source, file))).collect();
+    let of_row: Vec<&Source> =
+        files.iter().filter_map(|file| sources.iter().find(|source| is_named(source, file))).collect();
     let lost = files.iter().filter(|file| !sources.iter().any(|source| is_named(&source, file)));
     let mut found: Vec<_> = lost.map(|file| format!("{METHOD}: no file {file}: {row}")).collect();
     let is_function = |name: &&&str| name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
@@ -220,7 +225,9 @@ pub fn picture_violations(pages: &[Page], sizes: &[(String, u64)]) -> Vec<String
 pub fn read_pictures(root: &Path) -> Vec<(String, u64)> {
     let folder = format!("{BOOK}pictures");
     let entries = std::fs::read_dir(root.join(&folder)).unwrap().map(Result::unwrap);
-    entries.map(|entry| (format!("{folder}/{}", entry.file_name().to_str().unwrap()), entry.metadata().unwrap().len())).collect()
+    entries
+        .map(|entry| (format!("{folder}/{}", entry.file_name().to_str().unwrap()), entry.metadata().unwrap().len()))
+        .collect()
 }
 
 #[cfg(test)]
@@ -228,12 +235,14 @@ mod tests {
     use super::*;
 
     const SUMMARY: &str = "# Book\n\n- [A](a.md)\n- [B](lab/b.md)\n";
-    const A: &str = "# A\n\nFor all. See [B](lab/b.md#two-words), [below](#end) and [the web](https://example.org/x).\n\n## End\n";
+    const A: &str =
+        "# A\n\nFor all. See [B](lab/b.md#two-words), [below](#end) and [the web](https://example.org/x).\n\n## End\n";
     const B: &str = "# B\n\nFor few.\n\n## Two `words`!\n\n[up](../a.md#end) ![picture](../pictures/p.png)\n";
 
     /// Violations of a book of two pages, of which one text is replaced.
     fn found(path: &str, text: &str) -> Vec<String> {
-        let texts = [(CONTENTS, SUMMARY), ("docs/a.md", A), ("docs/lab/b.md", B), ("README.md", "[A](docs/a.md#end)\n")];
+        let texts =
+            [(CONTENTS, SUMMARY), ("docs/a.md", A), ("docs/lab/b.md", B), ("README.md", "[A](docs/a.md#end)\n")];
         let replaced = |(own, original): (&str, &str)| Page {
             path: own.to_owned(),
             text: if own == path { text } else { original }.to_owned(),
@@ -266,7 +275,11 @@ mod tests {
         for (path, text, reason) in [
             ("docs/a.md", "# A\n\nFor all.\n\n## End\n\n[x](lab/none.md)\n", "names no file"),
             ("docs/a.md", "# A\n\nFor all.\n\n## End\n\n![x](pictures/none.png)\n", "names no file"),
-            ("docs/a.md", "# A\n\nFor all.\n\n## End\n\n[`x`\ny](none.md)\n", "docs/a.md:8: the link to none.md names no file"),
+            (
+                "docs/a.md",
+                "# A\n\nFor all.\n\n## End\n\n[`x`\ny](none.md)\n",
+                "docs/a.md:8: the link to none.md names no file",
+            ),
             ("docs/a.md", "# A\n\nFor all.\n\n## End\n\n[x](lab/b.md#two)\n", "names no heading"),
             ("docs/a.md", "# A\n\nFor all.\n\n## End\n\n[x](#ends)\n", "names no heading"),
             ("docs/a.md", "# A\n\nFor all.\n\n## End\n\n[x](#end-1)\n", "names no heading"),
