@@ -1,4 +1,4 @@
-//! As many samples with a guide against as many without as `LODESTAR_SAMPLES` says:
+//! Comparison of as many samples with a guide as without, in the number that `LODESTAR_SAMPLES` gives:
 //! `LODESTAR_SAMPLES=1e9 cargo test --release --test proofs -- --nocapture billion`. Without the variable, nothing is
 //! tested.
 
