@@ -80,7 +80,8 @@ fn check_even(part: &PartialPicture) -> Result<()> {
 /// them.
 fn check_precise(part: &PartialPicture, has_sums: bool) -> Result<()> {
     if part.value(PRECISION).is_some() && !has_sums {
-        let message = "its colors were rounded to half floats, and so would be their average; render every part without --half";
+        let message =
+            "its colors were rounded to half floats, and so would be their average; render every part without --half";
         return Err(part.error(message.into()));
     }
     Ok(())

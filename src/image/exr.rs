@@ -29,12 +29,8 @@ pub const LARGEST_HALF: f32 = 65_504.0;
 const MAX_PIXEL_COUNT: usize = 1 << 28;
 
 /// Primaries and white point of sRGB and of Rec. 709.
-const SRGB: Chromaticities = Chromaticities {
-    red: Vec2(0.64, 0.33),
-    green: Vec2(0.3, 0.6),
-    blue: Vec2(0.15, 0.06),
-    white: Vec2(0.3127, 0.329),
-};
+const SRGB: Chromaticities =
+    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
 
 /// Facts in the header of a file, besides windows and channels.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -151,7 +147,8 @@ pub type Attributes = Vec<(String, String)>;
 /// Reads a file that [`write_layers`] has written, to the last bit: every channel and the header. Half floats become floats.
 pub fn read_layers(path: &Path) -> Result<(Layers, FileHeader)> {
     let parts = read_parts(path)?;
-    let mut header = FileHeader { attributes: attributes_of(parts.iter().map(|part| &part.attributes)), ..FileHeader::default() };
+    let mut header =
+        FileHeader { attributes: attributes_of(parts.iter().map(|part| &part.attributes)), ..FileHeader::default() };
     let [part] = <[Part; 1]>::try_from(parts).map_err(|_| lacking(path, "one part"))?;
     let position = |at: i32| u32::try_from(at).map_err(|_| lacking(path, "a window within the film"));
     let matrix = |matrix: Option<Matrix4x4>| matrix.map(|matrix| Mat4::from_cols_array(&matrix));

@@ -37,8 +37,8 @@ pub use variants::{variant_for, variant_of_settings};
 
 use crate::Result;
 use crate::encode::cells::Cells;
-use crate::film::{Picture, View};
 use crate::film::noise::NoiseReport;
+use crate::film::{Picture, View};
 use crate::generated::kernels::BackEnd;
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
