@@ -7,6 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use lodestar::Error;
 use lodestar::film::noise::NoiseReport;
 use lodestar::session::{Beginning, Ending, Event, Preparation, Progress};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::print::print_message;
@@ -84,7 +85,7 @@ fn start(beginning: &Beginning<'_>) -> Value {
     let files: Vec<_> = files.iter().map(|file| text(file)).collect();
     let version = env!("CARGO_PKG_VERSION");
     json!({
-        "version": version, "scene": text(scene), "scene_hash": scene_hash, "device": device, "settings": settings,
+        "version": version, "scene": text(scene), "scene_hash": scene_hash, "device": device, "settings": decimal(settings),
         "length": length, "samples": samples, "files": files,
     })
 }
@@ -97,10 +98,18 @@ fn progress(progress: &Progress) -> Value {
         "light_hit_rate": light_hit_rate, "fraction": fraction,
     });
     if let Some(NoiseReport { target, largest, mean, sampled_share }) = noise {
-        let noise = json!({ "target": target, "largest": largest, "mean": mean, "sampled_share": sampled_share });
+        let noise = json!({
+            "target": decimal(&target), "largest": decimal(&largest), "mean": decimal(&mean),
+            "sampled_share": decimal(&sampled_share),
+        });
         add(&mut value, json!({ "noise": noise }));
     }
     value
+}
+
+/// Value with the shortest decimals of its numbers. Otherwise an `f32` of 0.05 would become 0.05000000074505806.
+fn decimal(value: &impl Serialize) -> Value {
+    serde_json::to_string(value).ok().and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 
 fn reason(ending: Ending) -> &'static str {

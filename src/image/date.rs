@@ -2,8 +2,8 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Name of the environment variable that replaces the present time, in seconds since 1970, so that a build or a render can be
-/// repeated to the same bytes (reproducible-builds.org).
+/// Name of the environment variable that replaces the present time, in seconds since 1970, so that work can be repeated with the
+/// same result (reproducible-builds.org).
 const SOURCE_DATE_EPOCH: &str = "SOURCE_DATE_EPOCH";
 const SECONDS_PER_DAY: u64 = 86_400;
 

