@@ -49,11 +49,35 @@ pub fn check_writable(path: &Path) -> Result<()> {
     Ok(())
 }
 
+/// Whether the name of `path` ends in `extension`, in any case.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+/// Folder that holds the file at `path`.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Error of a temporary file that cannot be made for `target`, with the remedy where its folder is missing.
+fn explained(error: io::Error, target: &Path) -> io::Error {
+    let folder = folder_of(target);
+    match fs::metadata(folder) {
+        Err(missing) if missing.kind() == io::ErrorKind::NotFound => {
+            let folder = folder.display();
+            io::Error::other(format!("there is no folder `{folder}`; make it first, such as by `mkdir -p {folder}`"))
+        }
+        Ok(metadata) if !metadata.is_dir() => {
+            io::Error::other(format!("`{}` is no folder; give another path", folder.display()))
+        }
+        _ => error,
+    }
+}
+
 /// Removes abandoned temporary files of `target` whose processes have ended. Failures are ignored, because such a file
 /// does no harm.
 fn remove_abandoned(target: &Path) {
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let (Some(name), Ok(entries)) = (target.file_name(), fs::read_dir(folder)) else { return };
+    let (Some(name), Ok(entries)) = (target.file_name(), fs::read_dir(folder_of(target))) else { return };
     let prefix = format!(".{}.", name.to_string_lossy());
     for entry in entries.filter_map(io::Result::ok) {
         let name = entry.file_name();
@@ -86,7 +110,8 @@ impl Temporary {
         let number = TEMPORARY_COUNT.fetch_add(1, Ordering::Relaxed);
         let name = format!(".{}.{}-{number}.part", name.to_string_lossy(), std::process::id());
         let path = target.with_file_name(name);
-        let file = File::options().write(true).create_new(true).open(&path)?;
+        let file = File::options().write(true).create_new(true).open(&path);
+        let file = file.map_err(|error| explained(error, &target))?;
         Ok((Self { path, target, renamed: false }, file))
     }
 
@@ -170,6 +195,26 @@ mod tests {
         }
         assert!(check_writable(&folder.path().join("a.txt")).is_ok());
         assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn a_missing_folder_is_named_with_the_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("file"), "").unwrap();
+        let error = |name: &str| check_writable(&folder.path().join(name)).unwrap_err().to_string();
+        let missing = folder.path().join("missing/inner");
+        assert!(
+            error("missing/inner/a.exr")
+                .ends_with(&format!("make it first, such as by `mkdir -p {}`", missing.display()))
+        );
+        assert!(error("file/a.exr").ends_with("file` is no folder; give another path"), "{}", error("file/a.exr"));
+    }
+
+    #[test]
+    fn extensions_have_any_case() {
+        for (name, is_png) in [("a.png", true), ("a.PNG", true), ("a.Png", true), ("a.exr", false), ("png", false)] {
+            assert_eq!(has_extension(Path::new(name), "png"), is_png, "{name}");
+        }
     }
 
     #[cfg(target_os = "linux")]

@@ -1,17 +1,25 @@
-//! Console of a render: shows loading, progress and warnings.
+//! Console of a render: shows loading, progress, warnings and the end on standard error, as text or as JSON.
 
+use std::path::Path;
+use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use lodestar::session::Event;
+use lodestar::Result;
+use lodestar::film::noise::NoiseReport;
+use lodestar::session::{Ending, Event, Progress};
 
-use super::print::report;
-use super::progress::{Loading, Meter, line};
+use super::log::Log;
+use super::print::{print_message, report};
+use super::progress::{Loading, Meter, line, noise_words};
+use super::render_args::{LogFormat, OutputArgs};
 
-/// Shows the events of one render on standard error.
-pub struct Console {
-    quiet: bool,
-    /// Stage of the render, behind a lock because events come from several threads.
-    stage: Mutex<Stage>,
+/// Shows the events of one render.
+pub struct Console(Form);
+
+/// Form in which events are shown. Both are behind a lock because events come from several threads.
+enum Form {
+    Text { is_quiet: bool, has_names: bool, stage: Mutex<Stage> },
+    Json(Mutex<Log>),
 }
 
 /// The part of a render that is being shown.
@@ -22,34 +30,82 @@ enum Stage {
 }
 
 impl Console {
-    /// A console that shows nothing yet.
-    pub fn new(quiet: bool) -> Self {
-        Self { quiet, stage: Mutex::new(Stage::Preparing(Loading::new(quiet))) }
+    /// A console of the form that `args` ask for. It has shown nothing yet.
+    pub fn new(args: &OutputArgs) -> Self {
+        let (is_quiet, has_names) = (args.quiet, !args.output.is_empty());
+        Self(match args.log {
+            LogFormat::Json => Form::Json(Mutex::new(Log::new(is_quiet))),
+            LogFormat::Text => {
+                Form::Text { is_quiet, has_names, stage: Mutex::new(Stage::Preparing(Loading::new(is_quiet))) }
+            }
+        })
     }
 
     /// Shows an event.
     pub fn show(&self, event: Event<'_>) {
-        let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
-        match (event, &mut *stage) {
-            (Event::Preparing(preparation), Stage::Preparing(loading)) => loading.show(&preparation.to_string()),
-            (Event::Ready, _) => *stage = Stage::Rendering(Meter::new(self.quiet)),
-            (Event::Step(progress), Stage::Rendering(meter)) => meter.update(progress.fraction, line(progress)),
-            (Event::Rendered, _) => *stage = Stage::Done,
-            (Event::Warning(message), stage) => stage.interleave("warning", message),
-            (Event::Validation(message), stage) => stage.interleave("validation", message),
-            (Event::Preparing(_) | Event::Step(_), _) => {}
+        match &self.0 {
+            Form::Json(log) => log.lock().unwrap_or_else(PoisonError::into_inner).write(event),
+            Form::Text { is_quiet, has_names, stage } => {
+                let mut stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
+                stage.show(event, *is_quiet, *has_names);
+            }
         }
+    }
+
+    /// Writes the last line of a JSON log, which has the error of a failure. Returns whether there is such a log.
+    pub fn tell_end(&self, rendered: &Result<ExitCode>) -> bool {
+        let Form::Json(log) = &self.0 else { return false };
+        log.lock().unwrap_or_else(PoisonError::into_inner).end(rendered.as_ref().err());
+        true
     }
 }
 
 impl Stage {
-    /// Prints a line while the bar is hidden.
-    fn interleave(&self, kind: &str, message: &str) {
-        let print = || report(kind, message);
+    fn show(&mut self, event: Event<'_>, is_quiet: bool, has_names: bool) {
+        match (event, &mut *self) {
+            (Event::Preparing(preparation), Self::Preparing(loading)) => loading.show(&preparation.to_string()),
+            (Event::Ready, _) => *self = Self::Rendering(Meter::new(is_quiet)),
+            (Event::Step(progress), Self::Rendering(meter)) => meter.update(progress.fraction, line(progress)),
+            (Event::Rendered, _) => *self = Self::Done,
+            (Event::Warning(message), stage) => stage.interleave(|| report("warning", message)),
+            (Event::Validation(message), stage) => stage.interleave(|| report("validation", message)),
+            (Event::Note(message), stage) if !is_quiet => stage.interleave(|| print_message(message)),
+            // The picture so far is written without a word.
+            (Event::Written(path), Self::Done) if !is_quiet => print_message(&written(path, has_names)),
+            (Event::Ended(ending, progress), _) if !is_quiet => {
+                end_sentence(ending, progress).iter().for_each(|text| print_message(text));
+            }
+            _ => {}
+        }
+    }
+
+    /// Calls `print` while the bar is hidden.
+    fn interleave(&self, print: impl FnOnce()) {
         match self {
             Self::Preparing(loading) => loading.interleave(print),
             Self::Rendering(meter) => meter.interleave(print),
             Self::Done => print(),
         }
+    }
+}
+
+/// Line about a file of the picture. A caller who has named no file learns how to.
+fn written(path: &Path, has_names: bool) -> String {
+    match has_names {
+        true => format!("wrote {}", path.display()),
+        false => format!("wrote {}; -o NAME.png writes a picture for any viewer", path.display()),
+    }
+}
+
+/// Sentence about an end that the caller has not asked for.
+fn end_sentence(ending: Ending, progress: &Progress) -> Option<String> {
+    let Progress { samples, length, .. } = *progress;
+    let of = length.spp.map_or_else(String::new, |spp| format!(" of {spp}"));
+    match (ending, progress.noise) {
+        (Ending::Stopped, _) => Some(format!("stopped after {samples}{of} samples per pixel")),
+        (Ending::Samples | Ending::Time, Some(noise @ NoiseReport { target, .. })) => {
+            Some(format!("--noise {target} was not reached: {}", noise_words(&noise)))
+        }
+        _ => None,
     }
 }

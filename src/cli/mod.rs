@@ -6,9 +6,11 @@
 mod compare;
 mod console;
 mod devices;
+mod duration;
 mod inspect;
 mod inspect_text;
 mod interrupt;
+mod log;
 mod merge;
 mod print;
 mod progress;
@@ -98,12 +100,20 @@ fn answer(error: &clap::Error) -> ExitCode {
     if error.use_stderr() { ExitCode::from(WRONG_USAGE) } else { ExitCode::SUCCESS }
 }
 
-/// First paragraph of clap's message, on one line.
+/// First paragraph of clap's message and its tips on names that are similar, on one line.
 fn usage_sentence(message: &str) -> String {
-    let paragraph = message.split("\n\n").next().unwrap_or_default();
-    let lines: Vec<_> = paragraph.lines().map(str::trim).collect();
-    let sentence = lines.join(" ");
-    format!("{}; --help lists the possible arguments", sentence.strip_prefix("error: ").unwrap_or(&sentence))
+    let mut paragraphs = message.split("\n\n").map(|paragraph| {
+        let lines: Vec<_> = paragraph.lines().map(str::trim).collect();
+        lines.join(" ")
+    });
+    let sentence = paragraphs.next().unwrap_or_default();
+    let mut sentence = sentence.strip_prefix("error: ").unwrap_or(&sentence).to_owned();
+    for tip in paragraphs.filter_map(|paragraph| paragraph.strip_prefix("tip: ").map(str::to_owned)) {
+        if tip.contains("similar") {
+            sentence += &format!("; {tip}");
+        }
+    }
+    format!("{sentence}; --help lists the possible arguments")
 }
 
 #[cfg(test)]

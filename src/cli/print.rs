@@ -10,6 +10,11 @@ pub(super) fn report(kind: &str, text: &str) {
     let _ = writeln!(io::stderr(), "lodestar: {kind}: {text}");
 }
 
+/// Prints a line to standard error without a prefix. A closed standard error is ignored.
+pub(super) fn print_message(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
 /// Prints `text` and a line break. A pipe that its reader has closed (`lodestar ... | head -1`) is no error.
 pub(super) fn print_line(text: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();

@@ -1,12 +1,14 @@
 //! Progress on standard error: a bar on a terminal, elsewhere a line every few seconds.
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lodestar::film::noise::NoiseReport;
 use lodestar::session::Progress;
+
+use super::print::print_message;
 
 /// Least time between two lines where there is no bar.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
@@ -38,7 +40,7 @@ impl Loading {
             && *next <= Instant::now()
         {
             *next = Instant::now() + LINE_INTERVAL;
-            print(text);
+            print_message(text);
         }
     }
 
@@ -93,7 +95,7 @@ impl Meter {
                     *pending = Some(text);
                 } else {
                     (*last, *pending) = (Some(Instant::now()), None);
-                    print(&text);
+                    print_message(&text);
                 }
             }
         }
@@ -111,7 +113,7 @@ impl Meter {
     pub fn finish(&mut self) {
         match std::mem::replace(&mut self.0, Display::Nothing) {
             Display::Bar(bar) => bar.abandon(),
-            Display::Lines { pending: Some(text), .. } => print(&text),
+            Display::Lines { pending: Some(text), .. } => print_message(&text),
             Display::Lines { .. } | Display::Nothing => {}
         }
     }
@@ -136,11 +138,6 @@ fn styled(bar: ProgressBar, template: &str) -> ProgressBar {
     bar
 }
 
-fn print(text: &str) {
-    // The result is ignored, because a closed standard error must not end the render.
-    let _ = writeln!(io::stderr(), "{text}");
-}
-
 /// Progress on one line: `128/256 spp, 12 s left, 3.21 Mpaths/s, light hit rate 41.5 %`.
 pub fn line(progress: &Progress) -> String {
     let samples = match progress.length.spp {
@@ -152,14 +149,14 @@ pub fn line(progress: &Progress) -> String {
         None => format!("{} so far", duration(progress.seconds)),
     };
     let rate = if progress.seconds > 0.0 { progress.paths as f64 / progress.seconds / 1e6 } else { 0.0 };
-    let noise = progress.noise.as_ref().map_or_else(String::new, noise_text);
+    let noise = progress.noise.as_ref().map_or_else(String::new, |noise| format!(", {}", noise_words(noise)));
     format!("{samples}, {time}, {rate:.2} Mpaths/s, light hit rate {:.1} %{noise}", 100.0 * progress.light_hit_rate)
 }
 
-/// Noise as the end of a line: `, noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left`.
-fn noise_text(NoiseReport { target, largest, sampled_share, .. }: &NoiseReport) -> String {
+/// Noise in words: `noise up to 0.0812 (0.05 is wanted), 12.5 % of the pixels left`.
+pub fn noise_words(NoiseReport { target, largest, sampled_share, .. }: &NoiseReport) -> String {
     let largest = largest.map_or_else(|| "not known yet".to_owned(), |largest| format!("up to {largest:.4}"));
-    format!(", noise {largest} ({target} is wanted), {:.1} % of the pixels left", 100.0 * sampled_share)
+    format!("noise {largest} ({target} is wanted), {:.1} % of the pixels left", 100.0 * sampled_share)
 }
 
 fn seconds_left(progress: &Progress) -> Option<f64> {

@@ -48,7 +48,7 @@ pub struct RadianceArgs {
 /// Writes the map that `args` ask for.
 pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     args.output.iter().try_for_each(|path| files::check_writable(path))?;
-    let scene = scene::load(&args.scene, &LoadOptions { defines: args.define })?;
+    let scene = scene::load(&scene::scene_file(&args.scene)?, &LoadOptions { defines: args.define })?;
     scene.warnings.iter().for_each(|warning| report("warning", warning));
     let settings = settings(args.choices, &scene)?;
     let context = Context::new(&ContextOptions { device: device_name(args.device), validate: false })?;
@@ -104,7 +104,7 @@ fn point_attributes(point: &SurfacePoint, spp: u32, is_truth: bool) -> [(String,
 
 fn write(path: &Path, map: &[f32], settings: &Settings, attributes: &[(String, String)]) -> Result<()> {
     let side = settings.directions;
-    if path.extension().is_some_and(|extension| extension == "png") {
+    if files::has_extension(path, "png") {
         return png::write(path, &false_colors(map, side), ToneCurve::Srgb, 0.0);
     }
     let radiance = map.iter().map(|&value| [value; 3]).collect();

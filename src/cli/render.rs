@@ -13,18 +13,23 @@ use super::render_args::{RenderArgs, with};
 
 /// Renders the scene that `args` name.
 pub fn run(args: RenderArgs) -> Result<ExitCode> {
-    let is_quiet = args.files.quiet;
+    let console = Console::new(&args.files);
     let start = Start::Anew(SceneInput::File { path: args.scene, defines: args.define });
     let options = args.device.add_to(args.length.add_to(args.choices.options()));
     let options = with(options, args.checkpoint, Options::checkpoint);
     let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
-    render(start, &options, is_quiet)
+    render(start, &options, &console)
 }
 
-/// Renders from the beginning or from a checkpoint, and shows the progress.
-pub fn render(start: Start<'_>, options: &Options, is_quiet: bool) -> Result<ExitCode> {
+/// Renders from the beginning or from a checkpoint, and shows the progress and the end.
+pub fn render(start: Start<'_>, options: &Options, console: &Console) -> Result<ExitCode> {
+    let rendered = render_watched(start, options, console);
+    let is_told = console.tell_end(&rendered);
+    if is_told && rendered.is_err() { Ok(ExitCode::FAILURE) } else { rendered }
+}
+
+fn render_watched(start: Start<'_>, options: &Options, console: &Console) -> Result<ExitCode> {
     let interrupt = Interrupt::catch()?;
-    let console = Console::new(is_quiet);
     let watch = Watch { stop: &|| interrupt.is_raised(), events: &|event| console.show(event) };
     let mut session = Session::start(start, options, &watch)?;
     let finished = session.run_watched(&watch, |_| ControlFlow::Continue(()));

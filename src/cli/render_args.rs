@@ -4,12 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::ValueEnum;
+use lodestar::files;
 use lodestar::gpu::ContextOptions;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter};
 use lodestar::session::{CHECKPOINT_EVERY, FilmSize, Options, OutputFiles};
 use lodestar::settings::{Execution, Settings};
 
+use super::duration::seconds;
 use super::setting_args::SettingArgs;
 
 /// Renders a Mitsuba scene.
@@ -47,6 +49,10 @@ pub struct OutputArgs {
     pub tone: Option<ToneCurve>,
     #[arg(long, value_parser = finite)]
     pub exposure: Option<f32>,
+    #[arg(long)]
+    pub half: bool,
+    #[arg(long)]
+    pub overwrite: bool,
     #[arg(long, value_parser = seconds)]
     pub write_every: Option<f64>,
     #[arg(long)]
@@ -55,8 +61,19 @@ pub struct OutputArgs {
     pub stats: Option<PathBuf>,
     #[arg(long)]
     pub profile: Option<PathBuf>,
+    #[arg(long, value_enum, default_value_t = LogFormat::Text)]
+    pub log: LogFormat,
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// Form of the messages on standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// Text for people.
+    Text,
+    /// One JSON object per line.
+    Json,
 }
 
 /// Length of the render.
@@ -71,9 +88,9 @@ pub struct LengthArgs {
 /// Options that decide the settings.
 #[derive(Debug, clap::Args)]
 pub struct ChoiceArgs {
-    #[arg(long, requires = "height", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub width: Option<u32>,
-    #[arg(long, requires = "width", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub height: Option<u32>,
     #[arg(long, conflicts_with_all = ["width", "height"], value_parser = positive)]
     pub scale: Option<f32>,
@@ -94,7 +111,7 @@ pub struct ChoiceArgs {
 pub struct DeviceArgs {
     #[arg(long, env = "LODESTAR_DEVICE")]
     pub device: Option<String>,
-    #[arg(long, value_parser = seconds)]
+    #[arg(long, value_parser = milliseconds)]
     pub slice_ms: Option<f64>,
     #[arg(long, value_enum, default_value_t = Execution::Auto)]
     pub execution: Execution,
@@ -126,8 +143,9 @@ pub enum Filter {
 
 impl From<OutputArgs> for OutputFiles {
     fn from(args: OutputArgs) -> Self {
-        let OutputArgs { output, tone, exposure, write_every, reference, stats, profile, quiet: _ } = args;
-        Self { pictures: output, tone, exposure, write_every, reference, statistics: stats, profile }
+        let OutputArgs { output, tone, exposure, half, overwrite, write_every, reference, stats, profile, .. } = args;
+        let statistics = stats;
+        Self { pictures: output, tone, exposure, half, overwrite, write_every, reference, statistics, profile }
     }
 }
 
@@ -164,10 +182,12 @@ pub fn with<T>(options: Options, value: Option<T>, set: impl FnOnce(Options, T) 
 impl ChoiceArgs {
     /// The options that these arguments stand for.
     pub fn options(self) -> Options {
-        let size = match (self.width.zip(self.height), self.scale) {
-            (Some((width, height)), _) => FilmSize::Pixels(width, height),
-            (None, Some(scale)) => FilmSize::Scaled(scale),
-            (None, None) => FilmSize::OfScene,
+        let size = match (self.width, self.height, self.scale) {
+            (Some(width), Some(height), _) => FilmSize::Pixels(width, height),
+            (Some(width), None, _) => FilmSize::Width(width),
+            (None, Some(height), _) => FilmSize::Height(height),
+            (None, None, Some(scale)) => FilmSize::Scaled(scale),
+            (None, None, None) => FilmSize::OfScene,
         };
         let options = Options::new().film_size(size);
         let options = with(options, self.crop, Options::crop);
@@ -193,17 +213,17 @@ impl Filter {
 
 pub fn output_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("exr" | "png") => Ok(path),
-        _ => Err("the name must end in .exr or .png".into()),
+    match () {
+        () if text == "-" => Err("no picture goes to standard output; name a file that ends in .exr or .png".into()),
+        () if ["exr", "png"].iter().any(|extension| files::has_extension(&path, extension)) => Ok(path),
+        () => Err("the name must end in .exr or .png".into()),
     }
 }
 
 /// A path that ends in .exr.
 pub fn exr_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    let is_exr = path.extension().is_some_and(|extension| extension == "exr");
-    is_exr.then_some(path).ok_or_else(|| "the name must end in .exr".into())
+    files::has_extension(&path, "exr").then_some(path).ok_or_else(|| "the name must end in .exr".into())
 }
 
 pub fn define(text: &str) -> Result<(String, String), String> {
@@ -229,9 +249,9 @@ pub fn positive(text: &str) -> Result<f32, String> {
     finite(text).ok().filter(|&number| number > 0.0).ok_or_else(|| "give a number above 0".into())
 }
 
-pub fn seconds(text: &str) -> Result<f64, String> {
+fn milliseconds(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "give a number of seconds above 0".into())
+    number.ok_or_else(|| "give a number of milliseconds above 0".into())
 }
 
 #[cfg(test)]
@@ -253,17 +273,18 @@ mod tests {
     #[test]
     fn every_option_of_the_contract_is_taken() {
         let args = parse(
-            "-o a.exr -o a.png --spp 32 --time 1.5 --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
+            "-o a.exr -o a.PNG --spp 32 --time 1m1.5s --half --overwrite --log json --write-every 10 --width 8 --height 4 --crop 1,2,3,4 -D a=b=c -D d= \
              --max-depth 5 --rr-depth 3 --sampler bsdf --learner sarsa --mix density --map equal-area --grid 8 --directions 16 \
              --spp-per-step 8 --rfilter tent --seed 7 --device llvmpipe --reference r.exr --stats s.json --quiet \
               --nee on --guide-set authors --tone paper --exposure -1.5 --validate --decay 0.5 --max-tries 9 --min-uniform 0.1 \
               --sample-offset 64 --pattern independent --checkpoint a.ckpt --checkpoint-every 5",
         )
         .unwrap();
-        assert_eq!(args.files.output, [PathBuf::from("a.exr"), PathBuf::from("a.png")]);
+        assert_eq!(args.files.output, [PathBuf::from("a.exr"), PathBuf::from("a.PNG")]);
         assert_eq!(args.choices.crop, Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
         assert_eq!(args.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
-        let RenderArgs { files, choices, .. } = args;
+        let RenderArgs { files, choices, length, .. } = args;
+        assert_eq!((files.half, files.overwrite, files.log, length.time), (true, true, LogFormat::Json, Some(61.5)));
         assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));
         assert_eq!((choices.settings.text("sampler"), choices.settings.text("nee")), (Some("bsdf"), Some("on")));
         assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
@@ -274,10 +295,12 @@ mod tests {
     fn wrong_values_are_refused() {
         for line in [
             "-o a.jpg",
+            "-o -",
+            "--time 1m30",
+            "--log xml",
             "--spp 0",
             "--time -1",
             "--time nan",
-            "--width 8",
             "--scale 0",
             "--scale 2 --width 4 --height 4",
             "--crop 1,2,3",

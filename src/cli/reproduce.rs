@@ -9,10 +9,11 @@ use lodestar::Result;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::reproduce::{Plan, Status, Target, Watch};
 
+use super::duration::seconds;
 use super::interrupt::Interrupt;
 use super::print::print_line;
 use super::progress::{Meter, duration};
-use super::render_args::{device_name, positive, seconds};
+use super::render_args::{device_name, positive};
 
 /// Measures the figures of the paper's tables on this device.
 ///

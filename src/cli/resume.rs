@@ -6,8 +6,9 @@ use std::process::ExitCode;
 use lodestar::Result;
 use lodestar::session::{CHECKPOINT_EVERY, Options, Start};
 
-use super::render;
-use super::render_args::{DeviceArgs, LengthArgs, OutputArgs, seconds};
+use super::console::Console;
+use super::duration::seconds;
+use super::render_args::{DeviceArgs, LengthArgs, OutputArgs};
 
 /// Continues a render from its checkpoint, to the same bits as without the interruption.
 ///
@@ -34,9 +35,9 @@ pub struct ResumeArgs {
 
 /// Goes on with the render.
 pub fn run(args: ResumeArgs) -> Result<ExitCode> {
-    let is_quiet = args.files.quiet;
+    let console = Console::new(&args.files);
     let start = Start::Resume { checkpoint: args.file, moved_scene: args.scene };
     let options = args.device.add_to(args.length.add_to(Options::new()));
     let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
-    render::render(start, &options, is_quiet)
+    super::render::render(start, &options, &console)
 }

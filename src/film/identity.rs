@@ -2,14 +2,25 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::film::picture_file::PRECISION;
 use crate::film::ranges::SampleRanges;
 use crate::settings::Settings;
 
 /// Settings that change how long dispatches take and no bit of the picture.
 const FREE_SETTINGS: [&str; 2] = ["slice_milliseconds", "execution"];
 /// Attributes of a picture that say which samples it holds and how they came about, not what they estimate.
-const FREE_ATTRIBUTES: [&str; 9] =
-    [FREE_SETTINGS[0], FREE_SETTINGS[1], "seed", "sample_offset", "sample_ranges", "spp", "seconds", "device", "scene"];
+const FREE_ATTRIBUTES: [&str; 10] = [
+    FREE_SETTINGS[0],
+    FREE_SETTINGS[1],
+    "seed",
+    "sample_offset",
+    "sample_ranges",
+    "spp",
+    "seconds",
+    "device",
+    "scene",
+    PRECISION,
+];
 
 /// Version, scene and settings of a render: name to value.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -58,7 +69,7 @@ pub fn attributes(scene_hash: &str, settings: &Settings) -> Vec<(String, String)
 }
 
 /// The attributes of a picture that was merged from pictures with these: what is the same stays, what differs is listed, and
-/// samples and seconds add up.
+/// samples and seconds add up. The precision of the parts' colors is left out.
 pub fn merged_attributes(pictures: &[&[(String, String)]], ranges: &SampleRanges) -> Vec<(String, String)> {
     let names: BTreeSet<_> = pictures.iter().flat_map(|attributes| attributes.iter().map(|(name, _)| name)).collect();
     let merged = |name: &String| {
@@ -72,7 +83,7 @@ pub fn merged_attributes(pictures: &[&[(String, String)]], ranges: &SampleRanges
         };
         (name.clone(), value)
     };
-    names.into_iter().map(merged).collect()
+    names.into_iter().filter(|&name| name != PRECISION).map(merged).collect()
 }
 
 /// Every value once, in order.

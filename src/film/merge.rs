@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::film::Picture;
 use crate::film::identity::{Identity, merged_attributes};
+use crate::film::picture_file::PRECISION;
 use crate::film::ranges::SampleRanges;
 use crate::{Error, Result};
 
@@ -23,9 +24,13 @@ impl PartialPicture {
         Error::image(&self.path, message)
     }
 
+    /// Value of an attribute.
+    fn value(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(found, _)| found == name).map(|(_, value)| &value[..])
+    }
+
     fn ranges(&self) -> Result<SampleRanges> {
-        let attribute = self.attributes.iter().find(|(name, _)| name == "sample_ranges");
-        let ranges = attribute.and_then(|(_, text)| text.parse().ok());
+        let ranges = self.value("sample_ranges").and_then(|text| text.parse().ok());
         ranges.ok_or_else(|| self.error("it does not say which samples it holds; render it again".into()))
     }
 }
@@ -40,10 +45,12 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
     let mut ranged: Vec<_> = parts.iter().map(|part| Ok((part.ranges()?, part))).collect::<Result<_>>()?;
     // Floating-point sums depend on the order of their terms, so the order is fixed.
     ranged.sort_by_key(|(ranges, _)| ranges.first());
+    let has_sums = parts.iter().all(|part| !part.picture.sums.is_empty());
     let mut all = SampleRanges::default();
     for (at, (ranges, part)) in ranged.iter().enumerate() {
         check_same(part, ranged[0].1)?;
         check_even(part)?;
+        check_precise(part, has_sums)?;
         if let Some(overlap) = all.overlap(ranges) {
             let other = ranged[..at].iter().find(|(other, _)| other.overlap(ranges).is_some());
             let other = other.map(|(_, other)| other.path.display().to_string()).unwrap_or_default();
@@ -61,11 +68,21 @@ pub fn merge(parts: &[PartialPicture]) -> Result<(Picture, Vec<(String, String)>
 /// Refuses parts whose sample counts depend on the samples themselves: their average would be biased however many parts
 /// it had.
 fn check_even(part: &PartialPicture) -> Result<()> {
-    let value = |of: &str| part.attributes.iter().find(|(name, _)| name == of).map(|(_, value)| &value[..]);
-    if let Some(target) = value("noise").filter(|&target| target != "null") {
+    if let Some(target) = part.value("noise").filter(|&target| target != "null") {
         return Err(part.error(format!(
             "--noise {target} ended its pixels after different numbers of samples; render every part with --spp"
         )));
+    }
+    Ok(())
+}
+
+/// Refuses parts whose radiance was rounded to half floats. Integer sums are not rounded; `has_sums` says whether all parts have
+/// them.
+fn check_precise(part: &PartialPicture, has_sums: bool) -> Result<()> {
+    if part.value(PRECISION).is_some() && !has_sums {
+        let message =
+            "its colors were rounded to half floats, and so would be their average; render every part without --half";
+        return Err(part.error(message.into()));
     }
     Ok(())
 }
@@ -90,10 +107,12 @@ fn check_same(part: &PartialPicture, first: &PartialPicture) -> Result<()> {
 
 /// Averages pictures of one size, exactly where all of them hold sums.
 fn average(pictures: &[&Picture]) -> Picture {
-    match pictures.iter().all(|picture| !picture.sums.is_empty()) {
+    let average = match pictures.iter().all(|picture| !picture.sums.is_empty()) {
         true => sum(pictures),
         false => average_of_means(pictures),
-    }
+    };
+    // The background of a part whose samples all hit a surface is not known from its file.
+    Picture { has_background: pictures.iter().any(|picture| picture.has_background), ..average }
 }
 
 /// Adds up the pictures' integer sums, so neither their number nor their order changes a bit.

@@ -7,7 +7,9 @@ mod picture;
 mod picture_file;
 pub mod ranges;
 pub mod sums;
+mod view;
 pub mod weights;
 
 pub use picture::Picture;
-pub use picture_file::{read_picture, write_picture};
+pub use picture_file::{Precision, read_picture, write_picture, write_picture_as};
+pub use view::View;

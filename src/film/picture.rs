@@ -1,6 +1,7 @@
 //! A finished picture with everything that is measured per pixel. CPU only.
 
 use crate::film::sums::{PixelMeans, PixelSums};
+use crate::film::view::View;
 use crate::image::Image;
 
 /// Results of a render for every pixel of its window, row by row from the top left.
@@ -32,6 +33,10 @@ pub struct Picture {
     pub depth: Vec<f32>,
     /// Exact integer sums of all layers, where the picture is one part of several; empty otherwise.
     pub sums: Vec<PixelSums>,
+    /// Whether a camera ray that hits no surface shows the environment. Such a picture is opaque everywhere.
+    pub has_background: bool,
+    /// Matrices of the camera, where there is one.
+    pub view: Option<View>,
 }
 
 impl Picture {
@@ -51,6 +56,8 @@ impl Picture {
             normal: vec![[0.0; 3]; pixels],
             depth: vec![f32::INFINITY; pixels],
             sums: Vec::new(),
+            has_background: false,
+            view: None,
         }
     }
 
@@ -65,6 +72,16 @@ impl Picture {
     /// The picture's pixels: mean radiance in linear sRGB, row by row from the top left.
     pub fn rgb(&self) -> &[[f32; 3]] {
         &self.radiance
+    }
+
+    /// Share of pixel `at` that is opaque, in [0, 1]: the share of its samples that hit a surface. If an environment is seen
+    /// behind the surfaces, every sample is opaque, as in Mitsuba.
+    pub fn alpha(&self, at: usize) -> f32 {
+        match self.sample_count[at] {
+            0 => 0.0,
+            _ if self.has_background => 1.0,
+            samples => (f64::from(self.hit_count[at]) / f64::from(samples)) as f32,
+        }
     }
 
     /// The mean radiance as an image.

@@ -5,20 +5,25 @@
 //! | channels                    | type  | what                                                                     |
 //! |-----------------------------|-------|--------------------------------------------------------------------------|
 //! | `R`, `G`, `B`               | float | mean radiance, linear sRGB                                               |
+//! | `A`                         | float | opaque share of the pixel ([`Picture::alpha`]); colors are multiplied by it |
 //! | `variance.R`, `.G`, `.B`    | float | variance of that mean                                                    |
 //! | `samples.N`                 | uint  | number of samples taken                                                  |
 //! | `hits.N`                    | uint  | number of samples whose camera ray hit a surface                         |
 //! | `albedo.R`, `.G`, `.B`      | float | mean albedo of the first hit                                             |
 //! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
 //! | `sums.00` to `sums.47`      | uint  | the words of [`PixelSums`], where the picture is one part of several     |
-//! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where none does |
+//! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where no sample hits |
+//!
+//! The matrices of the camera are `worldToCamera` and `worldToNDC`. With [`Precision::Half`], `R`, `G`, `B`, `A` and `albedo`
+//! are 16-bit floats. The other channels need the range and the precision of 32 bits.
 
 use std::path::Path;
 
 use crate::Result;
 use crate::film::picture::Picture;
 use crate::film::sums::PixelSums;
-use crate::image::exr::{self, Attributes, lacking};
+use crate::film::view::View;
+use crate::image::exr::{self, Attributes, FileHeader, lacking};
 use crate::image::layers::{Layers, Samples};
 
 /// Names of a color's channels.
@@ -26,34 +31,74 @@ const RGB: [&str; 3] = ["R", "G", "B"];
 /// Names of a vector's channels.
 const XYZ: [&str; 3] = ["X", "Y", "Z"];
 
-/// Writes every layer of `picture`, with `attributes` (name and value) as text attributes named `lodestar.<name>`.
+/// Attribute of a file whose colors are half floats.
+pub(super) const PRECISION: &str = "precision";
+
+/// Precision of the colors in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// 32-bit floats.
+    Float,
+    /// 16-bit floats. Values above 65504 become 65504, and values below 3e-8 become 0.
+    Half,
+}
+
+/// Writes every layer of `picture` in 32 bits, with `attributes` (name and value) as text attributes named `lodestar.<name>`.
 ///
 /// # Errors
 /// [`crate::Error::Write`] where the file cannot be written.
 pub fn write_picture(path: &Path, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
-    let Picture { width, height, offset, full_size, .. } = *picture;
-    exr::write_layers(path, Layers { width, height, offset, full_size, channels: channels(picture) }, attributes)
+    write_picture_as(path, picture, attributes, Precision::Float)
+}
+
+/// Writes like [`write_picture`], with colors of the given precision.
+///
+/// # Errors
+/// [`crate::Error::Write`] where the file cannot be written.
+pub fn write_picture_as(
+    path: &Path,
+    picture: &Picture,
+    attributes: &[(String, String)],
+    precision: Precision,
+) -> Result<()> {
+    let Picture { width, height, offset, full_size, view, .. } = *picture;
+    let layers = Layers { width, height, offset, full_size, channels: channels(picture, precision) };
+    let mut attributes = attributes.to_vec();
+    if precision == Precision::Half {
+        attributes.push((PRECISION.into(), "half".into()));
+    }
+    let header = FileHeader {
+        attributes,
+        camera_from_world: view.map(|view| view.camera_from_world),
+        film_from_world: view.map(|view| view.film_from_world),
+    };
+    exr::write_layers(path, layers, &header)
 }
 
 /// Reads a picture that [`write_picture`] has written, to the last bit: every layer, and the attributes as
-/// [`exr::read_attributes`] returns them.
+/// [`exr::read_attributes`] returns them. Whether the picture has a background is known only if a sample has missed all surfaces.
 ///
 /// # Errors
 /// [`crate::Error::Image`] where a layer is missing; all errors of [`exr::read_layers`].
 pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
-    let (layers, attributes) = exr::read_layers(path)?;
+    let (layers, header) = exr::read_layers(path)?;
+    let FileHeader { attributes, camera_from_world, film_from_world } = header;
+    let view = camera_from_world.zip(film_from_world);
     let three =
         |prefix: &str, names: [&str; 3], what: &str| three(&layers, prefix, names).ok_or_else(|| lacking(path, what));
     let counts = |name: &str| Ok(layers.words(name).ok_or_else(|| lacking(path, name))?.to_vec());
+    let (sample_count, hit_count) = (counts("samples.N")?, counts("hits.N")?);
     let picture = Picture {
+        has_background: has_background(&layers, &sample_count, &hit_count),
+        view: view.map(|(camera_from_world, film_from_world)| View { camera_from_world, film_from_world }),
         width: layers.width,
         height: layers.height,
         offset: layers.offset,
         full_size: layers.full_size,
         radiance: three("", RGB, "radiance")?,
         variance: three("variance.", RGB, "variance")?,
-        sample_count: counts("samples.N")?,
-        hit_count: counts("hits.N")?,
+        sample_count,
+        hit_count,
         albedo: three("albedo.", RGB, "albedo")?,
         normal: three("normal.", XYZ, "normal")?,
         depth: layers.floats("depth.Z").ok_or_else(|| lacking(path, "depth"))?.to_vec(),
@@ -62,18 +107,32 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     Ok((picture, attributes))
 }
 
-fn channels(picture: &Picture) -> Vec<(String, Samples)> {
+/// Whether a pixel is opaque although one of its samples hit no surface.
+fn has_background(layers: &Layers, sample_count: &[u32], hit_count: &[u32]) -> bool {
+    let Some(alpha) = layers.floats("A") else { return false };
+    let mut pixels = alpha.iter().zip(sample_count.iter().zip(hit_count));
+    pixels.any(|(&alpha, (samples, hits))| alpha == 1.0 && hits < samples)
+}
+
+fn channels(picture: &Picture, precision: Precision) -> Vec<(String, Samples)> {
+    let color = match precision {
+        Precision::Float => Samples::Floats,
+        Precision::Half => Samples::Halves,
+    };
+    let number: fn(Vec<f32>) -> Samples = Samples::Floats;
     let layers = [
-        ("", RGB, &picture.radiance),
-        ("variance.", RGB, &picture.variance),
-        ("albedo.", RGB, &picture.albedo),
-        ("normal.", XYZ, &picture.normal),
+        ("", RGB, &picture.radiance, color),
+        ("variance.", RGB, &picture.variance, number),
+        ("albedo.", RGB, &picture.albedo, color),
+        ("normal.", XYZ, &picture.normal, number),
     ];
     let mut channels = Vec::new();
-    for (prefix, names, pixels) in layers {
+    let alpha = (0..picture.radiance.len()).map(|at| picture.alpha(at)).collect();
+    channels.push(("A".into(), color(alpha)));
+    for (prefix, names, pixels, kind) in layers {
         for (component, name) in names.into_iter().enumerate() {
             let samples = pixels.iter().map(|pixel| pixel[component]).collect();
-            channels.push((format!("{prefix}{name}"), Samples::Floats(samples)));
+            channels.push((format!("{prefix}{name}"), kind(samples)));
         }
     }
     channels.push(("samples.N".into(), Samples::Words(picture.sample_count.clone())));
@@ -117,6 +176,8 @@ mod tests {
 
     use std::path::PathBuf;
 
+    use glam::Mat4;
+
     const WIDTH: u32 = 7;
     const HEIGHT: u32 = 5;
 
@@ -142,6 +203,8 @@ mod tests {
             normal: pixels(-4.0),
             depth,
             sums: vec![],
+            has_background: true,
+            view: Some(View { camera_from_world: Mat4::IDENTITY, film_from_world: Mat4::from_rotation_y(0.1) }),
         }
     }
 
@@ -167,6 +230,36 @@ mod tests {
     }
 
     #[test]
+    fn alpha_is_the_share_of_hits_unless_there_is_a_background() {
+        let (_folder, path) = folder();
+        let mut picture = Picture { has_background: false, ..picture() };
+        (picture.sample_count[0], picture.hit_count[0]) = (8, 6);
+        (picture.sample_count[1], picture.hit_count[1]) = (0, 0);
+        for (has_background, expected) in [(false, [0.75, 0.0]), (true, [1.0, 0.0])] {
+            picture.has_background = has_background;
+            write_picture(&path, &picture, &[]).unwrap();
+            let (layers, _) = exr::read_layers(&path).unwrap();
+            assert_eq!(layers.floats("A").unwrap()[..2], expected);
+            assert_eq!(read_picture(&path).unwrap().0, picture);
+        }
+    }
+
+    #[test]
+    fn halves_keep_the_numbers_that_need_more() {
+        let (_folder, path) = folder();
+        let mut picture = picture();
+        picture.radiance[0] = [0.1, 1.0e6, 1.0e-10];
+        write_picture_as(&path, &picture, &[], Precision::Half).unwrap();
+        let (half, attributes) = read_picture(&path).unwrap();
+        assert_eq!(attributes, [(PRECISION.to_owned(), "half".to_owned())]);
+        assert_eq!(half.radiance[0][1..], [exr::LARGEST_HALF, 0.0]);
+        assert!(half.radiance[0][0] != 0.1 && (half.radiance[0][0] / 0.1 - 1.0).abs() < 1.0 / 2048.0);
+        let Picture { variance, normal, depth, sample_count, hit_count, .. } = half;
+        assert_eq!((variance, normal, depth), (picture.variance, picture.normal, picture.depth));
+        assert_eq!((sample_count, hit_count), (picture.sample_count, picture.hit_count));
+    }
+
+    #[test]
     fn a_picture_comes_back_whole() {
         let (_folder, path) = folder();
         let attributes = [("seed".to_owned(), "7".to_owned())];
@@ -179,7 +272,7 @@ mod tests {
         assert_eq!(read_picture(&path).unwrap().0, part);
         let channels = RGB.map(|name| (name.to_owned(), Samples::Floats(vec![0.5, 2.0]))).to_vec();
         let color = Layers { width: 2, height: 1, offset: [0, 0], full_size: [2, 1], channels };
-        exr::write_layers(&path, color, &[]).unwrap();
+        exr::write_layers(&path, color, &FileHeader::default()).unwrap();
         let error = read_picture(&path).unwrap_err().to_string();
         assert!(error.contains("a.exr: it lacks variance"), "{error}");
     }

@@ -5,15 +5,13 @@ use std::ffi::{CStr, c_char};
 use ash::{ext, khr, vk};
 
 use super::debug::{Messenger, ValidationLog, c_name};
+use super::diagnosis::{NO_DRIVER, NO_LOADER};
 use super::fault::failed;
 use super::fault_injection::{May, before};
 use crate::{Error, Result};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-const NO_LOADER: &str = "no Vulkan loader found: install it (`apt-get install libvulkan1`, or run setup.sh)";
-const NO_DRIVER: &str = "no Vulkan driver found: install your GPU's, or `apt-get install mesa-vulkan-drivers` to render on \
-                         the CPU (setup.sh does), and check that VK_DRIVER_FILES and VK_ICD_FILENAMES are unset or correct";
 const NO_LAYER: &str = "the validation layer VK_LAYER_KHRONOS_validation is not installed: \
                         `apt-get install vulkan-validationlayers` (setup.sh does), or leave out --validate";
 
@@ -31,7 +29,7 @@ pub(super) struct Instance {
 impl Instance {
     pub(super) fn new(validate: bool) -> Result<Self> {
         // SAFETY: invariant 2 trusts the library that the system calls the Vulkan loader.
-        let entry = unsafe { ash::Entry::load() }.map_err(|_| Error::Device(NO_LOADER.into()))?;
+        let entry = unsafe { ash::Entry::load() }.map_err(|_| no_device(NO_LOADER))?;
         let offers = Offers::query(&entry, validate)?;
         let log = ValidationLog::default();
         let raw = create(&entry, &offers, validate.then_some(&log))?;
@@ -62,8 +60,19 @@ impl Instance {
         let devices = before(May::RunOutOfMemory)
             .and_then(|()| unsafe { self.raw.enumerate_physical_devices() })
             .map_err(no_driver_or("vkEnumeratePhysicalDevices"))?;
-        if devices.is_empty() { Err(Error::Device(NO_DRIVER.into())) } else { Ok(devices) }
+        if devices.is_empty() { Err(no_device(NO_DRIVER)) } else { Ok(devices) }
     }
+}
+
+/// Whether the Vulkan loader can be loaded.
+pub(super) fn has_loader() -> bool {
+    // SAFETY: invariant 2 trusts the library that the system calls the Vulkan loader. It is unloaded at once.
+    unsafe { ash::Entry::load() }.is_ok()
+}
+
+/// Error of a machine without any device.
+fn no_device(cause: &str) -> Error {
+    Error::Device(format!("{cause}; `lodestar devices` says more"))
 }
 
 impl Drop for Instance {
@@ -121,9 +130,7 @@ fn require_version(entry: &ash::Entry) -> Result<()> {
 /// ERROR_INITIALIZATION_FAILED.
 fn no_driver_or(call: &'static str) -> impl FnOnce(vk::Result) -> Error {
     move |code| match code {
-        vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
-            Error::Device(NO_DRIVER.into())
-        }
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => no_device(NO_DRIVER),
         other => failed(call)(other),
     }
 }

@@ -38,6 +38,7 @@ mod context;
 mod debug;
 mod device;
 mod device_info;
+mod diagnosis;
 mod executables;
 mod fault;
 mod fault_injection;
@@ -55,6 +56,7 @@ mod selection;
 mod sets;
 mod slot;
 mod submission;
+mod survey;
 mod timing;
 
 pub use buffer::{Buffer, BufferKind};
@@ -67,6 +69,7 @@ pub use kernel::Kernel;
 pub use limits::Limits;
 pub use sets::DescriptorSet;
 pub use submission::Submission;
+pub use survey::{Survey, survey};
 pub use timing::{Clock, DispatchTime, SubmissionTime};
 
 pub use crate::generated::interface::{BindingKind, BindingShape, KernelSource, SetShape};

@@ -41,9 +41,9 @@ fn usable(device: &DeviceInfo) -> Result<&DeviceInfo> {
 
 fn best(devices: &[DeviceInfo]) -> Result<&DeviceInfo> {
     let candidates = devices.iter().filter(|device| device.refused.is_none());
-    candidates
-        .min_by_key(|device| (rank(device.kind), device.index))
-        .ok_or_else(|| Error::Device(format!("no Vulkan device can be used; there {}", listing(devices))))
+    candidates.min_by_key(|device| (rank(device.kind), device.index)).ok_or_else(|| {
+        Error::Device(format!("no Vulkan device can be used; there {}; `lodestar devices` says more", listing(devices)))
+    })
 }
 
 fn rank(kind: DeviceKind) -> u32 {
@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(refusal(Some("3"), &machine), "the Vulkan device 3 (GeForce 3) cannot be used: it lacks Vulkan 1.2");
         assert_eq!(
             refusal(None, &machine[3..]),
-            "no Vulkan device can be used; there is 3: GeForce 3 (refused: it lacks Vulkan 1.2)"
+            "no Vulkan device can be used; there is 3: GeForce 3 (refused: it lacks Vulkan 1.2); `lodestar devices` says more"
         );
     }
 }

@@ -1,46 +1,69 @@
 //! OpenEXR files. The only file that names the `exr` crate.
 //!
-//! The data window is the rendered window; the display window is the whole film. Compression is lossless.
+//! The data window is the rendered window; the display window is the whole film. Compression is lossless. Colors are linear
+//! sRGB, and the header says so.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek};
 use std::path::Path;
 
 use ::exr::meta::MetaData;
+use ::exr::meta::attribute::{Chromaticities, Matrix4x4};
 use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, IntegerBounds, Layer, ReadChannels, ReadLayers,
-    Text, Vec2, WritableImage,
+    Text, Vec2, WritableImage, f16,
 };
+use glam::Mat4;
 
-use super::Image;
 use super::layers::{Layers, Samples};
+use super::{Image, date};
 use crate::files::write_whole;
 use crate::{Error, Result};
 
 /// Prefix of every attribute that Lodestar writes.
 const ATTRIBUTE_PREFIX: &str = "lodestar.";
+/// Largest half float.
+pub const LARGEST_HALF: f32 = 65_504.0;
 /// Limit on pixels, 16384 x 16384, because a damaged header may ask for any size.
 const MAX_PIXEL_COUNT: usize = 1 << 28;
+
+/// Primaries and white point of sRGB and of Rec. 709.
+const SRGB: Chromaticities =
+    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
+
+/// Facts in the header of a file, besides windows and channels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FileHeader {
+    /// Text attributes by their names without the prefix `lodestar.`.
+    pub attributes: Attributes,
+    /// Matrix from the world to camera space: x to the right, y up, z forward (`worldToCamera`). It multiplies column vectors.
+    pub camera_from_world: Option<Mat4>,
+    /// Matrix from the world to the picture, in widths and heights of the display window from its top left corner
+    /// (`worldToNDC`). It multiplies column vectors.
+    pub film_from_world: Option<Mat4>,
+}
 
 type Channel = AnyChannel<FlatSamples>;
 type Part = Layer<AnyChannels<FlatSamples>>;
 
-/// Writes `layers` as one part, with `attributes` (name and value) as text attributes named `lodestar.<name>`.
-pub fn write_layers(path: &Path, layers: Layers, attributes: &[(String, String)]) -> Result<()> {
+/// Writes `layers` as one part. The header has the present time besides `header`.
+pub fn write_layers(path: &Path, layers: Layers, header: &FileHeader) -> Result<()> {
     let Layers { width, height, offset, full_size, channels } = layers;
     let channels = channels.into_iter().map(|(name, samples)| match samples {
         Samples::Floats(floats) => channel(&name, FlatSamples::F32(floats)),
+        Samples::Halves(floats) => channel(&name, FlatSamples::F16(floats.into_iter().map(half).collect())),
         Samples::Words(words) => channel(&name, FlatSamples::U32(words)),
     });
     let layer = Layer::new(
         size(width, height),
-        layer_attributes(offset, attributes),
+        layer_attributes(offset, header),
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels.collect()),
     );
     let display_window = IntegerBounds::from_dimensions(size(full_size[0], full_size[1]));
-    let image = ::exr::image::Image::new(ImageAttributes::new(display_window), layer);
+    let attributes = ImageAttributes { chromaticities: Some(SRGB), ..ImageAttributes::new(display_window) };
+    let image = ::exr::image::Image::new(attributes, layer);
     write_whole(path, |writer| image.write().to_buffered(writer).map_err(io_error))
 }
 
@@ -48,12 +71,32 @@ fn channel(name: &str, samples: FlatSamples) -> Channel {
     AnyChannel::new(text(name), samples)
 }
 
-fn layer_attributes(offset: [u32; 2], attributes: &[(String, String)]) -> LayerAttributes {
+/// Half float nearest to `value`. A value above the largest one becomes the largest one.
+fn half(value: f32) -> f16 {
+    // A value that is not a number stays so.
+    let value = if value > LARGEST_HALF { LARGEST_HALF } else { value };
+    f16::from_f32(value)
+}
+
+/// Matrix as the file has it: row by row, for row vectors. That is column by column for column vectors.
+fn matrix(matrix: Mat4) -> Matrix4x4 {
+    matrix.to_cols_array()
+}
+
+fn layer_attributes(offset: [u32; 2], header: &FileHeader) -> LayerAttributes {
     let [x, y] = offset.map(|offset| offset as i32);
     let software = concat!("lodestar ", env!("CARGO_PKG_VERSION"));
-    let mut all = LayerAttributes { software_name: Some(text(software)), ..LayerAttributes::default() };
-    all.layer_position = Vec2(x, y);
-    for (name, value) in attributes {
+    let mut all = LayerAttributes {
+        layer_position: Vec2(x, y),
+        software_name: Some(text(software)),
+        capture_date: Some(text(&date::now())),
+        // The date is in UTC.
+        utc_offset: Some(0.0),
+        world_to_camera: header.camera_from_world.map(matrix),
+        world_to_normalized_device: header.film_from_world.map(matrix),
+        ..LayerAttributes::default()
+    };
+    for (name, value) in &header.attributes {
         all.other.insert(text(&format!("{ATTRIBUTE_PREFIX}{name}")), AttributeValue::Text(text(value)));
     }
     all
@@ -101,19 +144,22 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
 /// Attributes of a file as names and values.
 pub type Attributes = Vec<(String, String)>;
 
-/// Reads a file that [`write_layers`] has written, to the last bit: every channel, and the attributes as
-/// [`read_attributes`] returns them.
-pub fn read_layers(path: &Path) -> Result<(Layers, Attributes)> {
+/// Reads a file that [`write_layers`] has written, to the last bit: every channel and the header. Half floats become floats.
+pub fn read_layers(path: &Path) -> Result<(Layers, FileHeader)> {
     let parts = read_parts(path)?;
-    let attributes = attributes_of(&parts);
+    let mut header =
+        FileHeader { attributes: attributes_of(parts.iter().map(|part| &part.attributes)), ..FileHeader::default() };
     let [part] = <[Part; 1]>::try_from(parts).map_err(|_| lacking(path, "one part"))?;
     let position = |at: i32| u32::try_from(at).map_err(|_| lacking(path, "a window within the film"));
+    let matrix = |matrix: Option<Matrix4x4>| matrix.map(|matrix| Mat4::from_cols_array(&matrix));
+    header.camera_from_world = matrix(part.attributes.world_to_camera);
+    header.film_from_world = matrix(part.attributes.world_to_normalized_device);
     let Vec2(x, y) = part.attributes.layer_position;
     let [width, height] = pixel_size(path, &part)?;
     let (offset, full_size) = ([position(x)?, position(y)?], display_size(path)?);
     let channels = part.channel_data.list.into_iter();
     let channels = channels.map(|channel| Ok((name_of(&channel.name), samples_of(path, channel)?)));
-    Ok((Layers { width, height, offset, full_size, channels: channels.collect::<Result<_>>()? }, attributes))
+    Ok((Layers { width, height, offset, full_size, channels: channels.collect::<Result<_>>()? }, header))
 }
 
 fn samples_of(path: &Path, channel: Channel) -> Result<Samples> {
@@ -127,11 +173,16 @@ fn samples_of(path: &Path, channel: Channel) -> Result<Samples> {
 
 /// Size of the whole film, from the display window.
 fn display_size(path: &Path) -> Result<[u32; 2]> {
-    let file = BufReader::new(File::open(path).map_err(Error::read(path))?);
-    let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
+    let meta = read_meta(path)?;
     let window = meta.headers.first().map(|header| header.shared_attributes.display_window.size);
     let size = window.and_then(|size| Some([u32::try_from(size.0).ok()?, u32::try_from(size.1).ok()?]));
     size.ok_or_else(|| lacking(path, "a display window"))
+}
+
+/// Reads the headers without the pixels.
+fn read_meta(path: &Path) -> Result<MetaData> {
+    let file = BufReader::new(File::open(path).map_err(Error::read(path))?);
+    MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))
 }
 
 /// Error of a file from which `what` is missing.
@@ -141,13 +192,14 @@ pub fn lacking(path: &Path, what: &str) -> Error {
 
 /// Reads the attributes that [`write_layers`] has written, sorted by name, without the prefix `lodestar.`.
 pub fn read_attributes(path: &Path) -> Result<Attributes> {
-    Ok(attributes_of(&read_parts(path)?))
+    let meta = read_meta(path)?;
+    Ok(attributes_of(meta.headers.iter().map(|header| &header.own_attributes)))
 }
 
-fn attributes_of(parts: &[Part]) -> Attributes {
+fn attributes_of<'a>(parts: impl Iterator<Item = &'a LayerAttributes>) -> Attributes {
     let mut attributes = Vec::new();
     for part in parts {
-        for (name, value) in &part.attributes.other {
+        for (name, value) in &part.other {
             if let (Some(name), AttributeValue::Text(value)) = (name_of(name).strip_prefix(ATTRIBUTE_PREFIX), value) {
                 attributes.push((name.to_owned(), name_of(value)));
             }
@@ -262,7 +314,8 @@ mod tests {
 
     use std::path::PathBuf;
 
-    use ::exr::prelude::{Blocks, Compression, f16};
+    use ::exr::prelude::{Blocks, Compression};
+    use glam::Vec3;
 
     const WIDTH: u32 = 7;
     const HEIGHT: u32 = 5;
@@ -300,11 +353,15 @@ mod tests {
     #[test]
     fn layers_come_back_to_the_last_bit() {
         let (_folder, path) = folder();
-        let attributes = [("seed".to_owned(), "7".to_owned())];
-        write_layers(&path, layers(), &attributes).unwrap();
+        let header = FileHeader {
+            attributes: vec![("seed".to_owned(), "7".to_owned())],
+            camera_from_world: Some(Mat4::from_rotation_x(0.5)),
+            film_from_world: Some(Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0))),
+        };
+        write_layers(&path, layers(), &header).unwrap();
         let mut expected = layers();
         expected.channels.sort_by(|(a, _), (b, _)| a.cmp(b));
-        assert_eq!(read_layers(&path).unwrap(), (expected, attributes.to_vec()));
+        assert_eq!(read_layers(&path).unwrap(), (expected, header));
         let first = |prefix: &str| read_layer(&path, prefix).unwrap().pixels[0];
         assert_eq!((read_rgb(&path).unwrap().pixels[0], first("normal")), ([1.0, 2.0, 3.0], [-4.0, -5.0, -6.0]));
         assert_eq!(first("depth"), [7.0; 3]);
@@ -315,7 +372,7 @@ mod tests {
     #[test]
     fn windows_are_those_of_the_crop() {
         let (_folder, path) = folder();
-        write_layers(&path, layers(), &[]).unwrap();
+        write_layers(&path, layers(), &FileHeader::default()).unwrap();
         let meta = ::exr::meta::MetaData::read_from_file(&path, true).unwrap();
         let header = &meta.headers[0];
         assert_eq!(header.shared_attributes.display_window, IntegerBounds::new((0, 0), (20, 10)));
@@ -327,9 +384,38 @@ mod tests {
         let (_folder, path) = folder();
         let long = "a_name_that_needs_the_long_names_of_version_2";
         let pairs = [(long, ""), ("device", "llvmpipe (LLVM 15)"), ("scene", "küche-台所.xml"), ("spp", "64")];
-        let attributes = pairs.map(|(name, value)| (name.to_owned(), value.to_owned()));
-        write_layers(&path, layers(), &attributes).unwrap();
+        let attributes = pairs.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec();
+        write_layers(&path, layers(), &FileHeader { attributes: attributes.clone(), ..FileHeader::default() }).unwrap();
         assert_eq!(read_attributes(&path).unwrap(), attributes);
+    }
+
+    /// Viewers multiply row vectors by a matrix that is stored row by row, so a translation is its last row.
+    #[test]
+    fn the_header_has_what_viewers_read() {
+        let (_folder, path) = folder();
+        let shift = Some(Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0)));
+        let header = FileHeader { camera_from_world: shift, film_from_world: shift, ..FileHeader::default() };
+        write_layers(&path, layers(), &header).unwrap();
+        let meta = MetaData::read_from_file(&path, true).unwrap();
+        let (own, shared) = (&meta.headers[0].own_attributes, &meta.headers[0].shared_attributes);
+        let expected = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 3.0, 1.0];
+        assert_eq!((own.world_to_camera, own.world_to_normalized_device), (Some(expected), Some(expected)));
+        assert_eq!((shared.chromaticities, own.utc_offset), (Some(SRGB), Some(0.0)));
+        let date = name_of(own.capture_date.as_ref().unwrap());
+        assert!(date.len() == 19 && date.as_str() > "2020:01:01 00:00:00", "{date}");
+    }
+
+    #[test]
+    fn halves_are_rounded_and_end_at_the_largest() {
+        let (_folder, path) = folder();
+        let values = [1.0, 1.0e6, f32::INFINITY, 1.0e-9, 0.1, f32::NAN];
+        let channels = vec![("R".to_owned(), Samples::Halves(values.to_vec()))];
+        let layers = Layers { width: 6, height: 1, offset: [0, 0], full_size: [6, 1], channels };
+        write_layers(&path, layers, &FileHeader::default()).unwrap();
+        let (read, _) = read_layers(&path).unwrap();
+        let [one, large, infinite, tiny, tenth, nan] = read.floats("R").unwrap()[..] else { panic!("six values") };
+        assert_eq!([one, large, infinite, tiny], [1.0, LARGEST_HALF, LARGEST_HALF, 0.0]);
+        assert!(tenth != 0.1 && (tenth / 0.1 - 1.0).abs() < 1.0 / 2048.0 && nan.is_nan(), "{tenth} {nan}");
     }
 
     #[test]
@@ -367,7 +453,7 @@ mod tests {
         let (_folder, path) = folder();
         let missing = read_rgb(&path).unwrap_err();
         assert!(matches!(missing, Error::Read { .. }), "{missing}");
-        write_layers(&path, layers(), &[]).unwrap();
+        write_layers(&path, layers(), &FileHeader::default()).unwrap();
         let whole = std::fs::read(&path).unwrap();
         let cuts = (0..whole.len()).step_by(37).map(|length| whole[..length].to_vec());
         for bytes in cuts.chain([b"<scene version=\"3.0.0\"/>".to_vec()]) {
@@ -381,7 +467,7 @@ mod tests {
     #[test]
     fn damaged_files_never_panic() {
         let (_folder, path) = folder();
-        write_layers(&path, layers(), &[]).unwrap();
+        write_layers(&path, layers(), &FileHeader::default()).unwrap();
         let whole = std::fs::read(&path).unwrap();
         for position in 0..whole.len() {
             let mut bytes = whole.clone();
@@ -397,7 +483,7 @@ mod tests {
     #[test]
     fn a_header_that_asks_for_too_much_is_refused() {
         let (_folder, path) = folder();
-        write_layers(&path, layers(), &[]).unwrap();
+        write_layers(&path, layers(), &FileHeader::default()).unwrap();
         let mut bytes = std::fs::read(&path).unwrap();
         // The attribute's name is followed by its type, its length and the window's four corners.
         let window =
@@ -415,7 +501,7 @@ mod tests {
         let (_folder, path) = folder();
         let channels = ["R", "G", "B"].map(|name| (name.to_owned(), Samples::Floats(Vec::new()))).to_vec();
         let empty = Layers { width: 0, height: 0, offset: [0, 0], full_size: [4, 4], channels };
-        assert!(write_layers(&path, empty, &[]).is_err());
+        assert!(write_layers(&path, empty, &FileHeader::default()).is_err());
         assert!(!path.exists());
     }
 }

@@ -20,6 +20,8 @@ pub struct Layers {
 pub enum Samples {
     /// 32-bit floats.
     Floats(Vec<f32>),
+    /// Floats that the file has as 16-bit floats. A reader makes [`Samples::Floats`] of them.
+    Halves(Vec<f32>),
     /// Unsigned 32-bit integers.
     Words(Vec<u32>),
 }
@@ -28,7 +30,7 @@ impl Layers {
     /// Values of the channel `name`, where it has floats.
     pub fn floats(&self, name: &str) -> Option<&[f32]> {
         match self.samples(name)? {
-            Samples::Floats(floats) => Some(floats),
+            Samples::Floats(floats) | Samples::Halves(floats) => Some(floats),
             Samples::Words(_) => None,
         }
     }
@@ -37,7 +39,7 @@ impl Layers {
     pub fn words(&self, name: &str) -> Option<&[u32]> {
         match self.samples(name)? {
             Samples::Words(words) => Some(words),
-            Samples::Floats(_) => None,
+            Samples::Floats(_) | Samples::Halves(_) => None,
         }
     }
 

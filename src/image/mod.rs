@@ -1,5 +1,6 @@
 //! Pictures in memory and on disk: EXR, PNG and the error between two of them. CPU only.
 
+mod date;
 pub mod exr;
 pub mod false_color;
 pub mod layers;

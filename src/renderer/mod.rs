@@ -37,8 +37,8 @@ pub use variants::{variant_for, variant_of_settings};
 
 use crate::Result;
 use crate::encode::cells::Cells;
-use crate::film::Picture;
 use crate::film::noise::NoiseReport;
+use crate::film::{Picture, View};
 use crate::generated::kernels::BackEnd;
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
@@ -63,6 +63,9 @@ pub struct Renderer {
     sets: Sets,
     back_end: BackEnd,
     needs: MemoryNeeds,
+    /// Whether the environment is seen behind the surfaces.
+    has_background: bool,
+    view: View,
     samples_done: u32,
     stopped: bool,
     at_step_end: bool,
@@ -118,7 +121,8 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        self.film_store.picture(&self.sets.frame, &self.settings)
+        let picture = self.film_store.picture(&self.sets.frame, &self.settings)?;
+        Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
     }
 
     /// Learned radiance of the cells that hold surfaces, as the next step will sample it: `[cell][direction bin]`.

@@ -8,6 +8,7 @@ use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
 use crate::encode::surfaces::{Shading, Surfaces};
+use crate::film::View;
 use crate::generated::kernels::{BackEnd, Registry};
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
@@ -85,6 +86,8 @@ impl Renderer {
             sets: uploaded?,
             back_end,
             needs: plan.needs.clone(),
+            has_background: scene.environment.is_some() && !settings.hide_emitters,
+            view: View::new(&scene.camera, settings.width, settings.height),
             cells,
             samples_done: 0,
             stopped: false,

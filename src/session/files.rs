@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::film::{self, Picture};
+use crate::film::{self, Picture, Precision};
 use crate::image::{Image, ToneCurve, exr, metrics, png};
 use crate::settings::Settings;
 use crate::{Error, Result, files};
@@ -20,6 +20,10 @@ pub struct OutputFiles {
     pub tone: Option<ToneCurve>,
     /// Exposure of PNG files in stops.
     pub exposure: Option<f32>,
+    /// Whether the colors of EXR files are half floats.
+    pub half: bool,
+    /// Whether pictures of other scenes are replaced. Otherwise they are an error.
+    pub overwrite: bool,
     /// Seconds between two writings of the unfinished picture. `None` writes the picture at the end only.
     pub write_every: Option<f64>,
     /// Picture that errors are measured against.
@@ -35,6 +39,12 @@ impl OutputFiles {
     pub(super) fn write_interval(&self) -> Option<Duration> {
         self.write_every.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
     }
+
+    /// Fails where a file that is named here cannot be written.
+    pub(super) fn check_writable(&self) -> Result<()> {
+        let all = self.pictures.iter().chain(&self.statistics).chain(&self.profile);
+        all.into_iter().try_for_each(|path| files::check_writable(path))
+    }
 }
 
 /// Files into which the picture is written.
@@ -44,6 +54,8 @@ pub struct PictureFiles {
     pub(super) paths: Vec<PathBuf>,
     tone: ToneCurve,
     exposure: f32,
+    #[serde(default)]
+    pub(super) half: bool,
 }
 
 impl PictureFiles {
@@ -56,15 +68,15 @@ impl PictureFiles {
             paths: given(&wanted.pictures).or_else(|| given(&earlier?.paths)).unwrap_or_else(default),
             tone: wanted.tone.or_else(|| Some(earlier?.tone)).unwrap_or_default(),
             exposure: wanted.exposure.or_else(|| Some(earlier?.exposure)).unwrap_or_default(),
+            half: wanted.half || earlier.is_some_and(|earlier| earlier.half),
         };
-        let all = files.paths.iter().chain(&wanted.statistics).chain(&wanted.profile);
-        all.into_iter().try_for_each(|path| files::check_writable(path))?;
+        files.paths.iter().try_for_each(|path| files::check_writable(path))?;
         Ok(files)
     }
 
     /// No files, for a render whose picture stays in memory.
     pub fn none() -> Self {
-        Self { paths: Vec::new(), tone: ToneCurve::default(), exposure: 0.0 }
+        Self { paths: Vec::new(), tone: ToneCurve::default(), exposure: 0.0, half: false }
     }
 
     /// The files by absolute paths, for a program that is started in another folder.
@@ -76,13 +88,35 @@ impl PictureFiles {
         Ok(Self { paths, ..self.clone() })
     }
 
-    /// Writes all files. If one cannot be written, the others still are.
-    pub(super) fn write(&self, picture: &Picture, attributes: &[(String, String)]) -> Result<()> {
-        let write = |path: &PathBuf| match path.extension().is_some_and(|extension| extension == "png") {
-            true => png::write(path, &picture.image(), self.tone, self.exposure),
-            false => film::write_picture(path, picture, attributes),
+    /// Refuses files that hold the picture of another scene than the one with this hash at the path `scene`. A scene that was
+    /// edited has another hash, and a scene that was moved has another path, but another scene differs in both.
+    pub(super) fn check_scene(&self, scene: &Path, scene_hash: &str) -> Result<()> {
+        self.paths.iter().try_for_each(|path| check_scene(path, &scene.display().to_string(), scene_hash))
+    }
+
+    /// Writes all files, and calls `tell` after each. If one cannot be written, the others still are.
+    pub(super) fn write(&self, picture: &Picture, attributes: &[(String, String)], tell: &dyn Fn(&Path)) -> Result<()> {
+        let precision = if self.half { Precision::Half } else { Precision::Float };
+        let write = |path: &PathBuf| {
+            match files::has_extension(path, "png") {
+                true => png::write(path, &picture.image(), self.tone, self.exposure)?,
+                false => film::write_picture_as(path, picture, attributes, precision)?,
+            }
+            tell(path);
+            Ok(())
         };
         self.paths.iter().map(write).fold(Ok(()), Result::and)
+    }
+
+    /// Warning that colors are too bright for the files' half floats, if some are.
+    pub(super) fn half_warning(&self, picture: &Picture) -> Option<String> {
+        let is_half = self.half && self.paths.iter().any(|path| !files::has_extension(path, "png"));
+        let is_bright = |pixel: &&[f32; 3]| pixel.iter().any(|&value| value > exr::LARGEST_HALF);
+        let count = if is_half { picture.radiance.iter().filter(is_bright).count() } else { 0 };
+        (count > 0).then(|| {
+            let largest = exr::LARGEST_HALF;
+            format!("{count} pixels are brighter than {largest}, the largest half float, and are written as {largest}; leave out --half to keep them")
+        })
     }
 }
 
@@ -93,8 +127,30 @@ impl Picture {
     /// Where the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
         let files = PictureFiles { paths: vec![path.as_ref().to_path_buf()], ..PictureFiles::none() };
-        files.write(self, &[])
+        files.write(self, &[], &|_| {})
     }
+}
+
+/// Refuses the file at `path` if it holds the picture of another scene. Files that no render of Lodestar has written are not
+/// looked after.
+fn check_scene(path: &Path, scene: &str, scene_hash: &str) -> Result<()> {
+    let Ok(attributes) = exr::read_attributes(path) else { return Ok(()) };
+    let value = |name: &str| attributes.iter().find(|(found, _)| found == name).map(|(_, value)| &value[..]);
+    let (Some(their_scene), Some(their_hash)) = (value("scene"), value("scene_hash")) else { return Ok(()) };
+    // A merged picture names the scene's path on every machine.
+    let is_same_file = |other: &str| other == scene || is_same_file(Path::new(other), Path::new(scene));
+    if their_hash == scene_hash || their_scene.split(", ").any(is_same_file) {
+        return Ok(());
+    }
+    let message = format!(
+        "it is a picture of another scene, {their_scene}; give another name with -o, or replace it with --overwrite"
+    );
+    Err(Error::image(path, message))
+}
+
+/// Whether both paths lead to one existing file, by links or not.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
 
 /// The absolute path of `path`, as text.

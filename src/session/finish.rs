@@ -24,9 +24,9 @@ impl Session {
         let (copied, rendered) = self.last_picture(rendered);
         let mut errors = None;
         let written = copied.and_then(|copied| {
-            let Some(CopiedPicture { picture, samples }) = copied else { return Ok(()) };
+            let Some(CopiedPicture { picture, .. }) = copied else { return Ok(()) };
             let measured = self.measure(&picture).map(|measured| errors = measured);
-            let written = self.write_last(&picture, samples, rendered.is_ok(), watch);
+            let written = self.write_last(&picture, rendered.is_ok(), watch);
             self.rescued = matches!(rendered, Err(Error::DeviceLost { .. })).then_some(picture);
             written.and(measured)
         });
@@ -66,14 +66,15 @@ impl Session {
     }
 
     /// Writes the last picture, unless it has no samples at all.
-    fn write_last(&self, picture: &Picture, samples: u32, is_rendered: bool, watch: &Watch<'_>) -> Result<()> {
+    fn write_last(&self, picture: &Picture, is_rendered: bool, watch: &Watch<'_>) -> Result<()> {
         let empty = picture.sample_count.iter().filter(|&&count| count == 0).count();
         if empty < picture.sample_count.len() {
             if empty > 0 {
                 let all = self.pixels();
                 watch.warn(&format!("{empty} of {all} pixels are black: the render ended before their first sample"));
             }
-            return self.write_pictures(picture, samples);
+            self.output.pictures.half_warning(picture).iter().for_each(|warning| watch.warn(warning));
+            return self.write_pictures(picture, watch);
         }
         let message = "the render ended before the first sample, so no picture is written";
         match (watch.stop)() {

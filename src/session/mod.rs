@@ -42,6 +42,6 @@ pub use files::PictureFiles;
 pub use history::History;
 pub use length::Length;
 pub use options::{CHECKPOINT_EVERY, FilmSize, Options};
-pub use progress::{Event, Preparation, Progress, Watch};
+pub use progress::{Beginning, Ending, Event, Preparation, Progress, Watch};
 pub use run::Session;
 pub use setup::{SceneInput, Start};

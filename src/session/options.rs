@@ -25,6 +25,10 @@ pub enum FilmSize {
     Scaled(f32),
     /// Width and height in pixels.
     Pixels(u32, u32),
+    /// Width in pixels, and a height that keeps the scene's aspect ratio.
+    Width(u32),
+    /// Height in pixels, and a width that keeps the scene's aspect ratio.
+    Height(u32),
 }
 
 /// The device that renders.
@@ -263,9 +267,15 @@ impl Options {
 
     fn resize(&self, settings: &mut Settings) {
         let old = [settings.width, settings.height];
+        // Side whose ratio to `of` is that of `other` to `of_other`, at least one pixel.
+        let in_proportion = |of: u32, other: u32, of_other: u32| {
+            (f64::from(of) * f64::from(other) / f64::from(of_other)).round().max(1.0) as u32
+        };
         let new = match self.size {
             FilmSize::OfScene => return,
             FilmSize::Pixels(width, height) => [width, height],
+            FilmSize::Width(width) => [width, in_proportion(old[1], width, old[0])],
+            FilmSize::Height(height) => [in_proportion(old[0], height, old[1]), height],
             FilmSize::Scaled(factor) => old.map(|size| ((size as f32 * factor).round() as u32).max(1)),
         };
         settings.crop = rescaled_crop(settings.crop, old, new);

@@ -1,10 +1,12 @@
 //! Events and progress that a render reports while it runs.
 
 use std::fmt;
+use std::path::{Path, PathBuf};
 
 use crate::film::noise::NoiseReport;
 use crate::scene::LoadProgress;
 use crate::session::length::Length;
+use crate::settings::Settings;
 
 /// Progress of a render.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,17 +48,59 @@ impl fmt::Display for Preparation {
     }
 }
 
-/// Event of a render. The order is: preparations, `Ready`, steps, `Rendered`. Warnings and validation messages come at any time.
+/// Facts about a render that are known when it begins.
+#[derive(Debug, Clone, Copy)]
+pub struct Beginning<'a> {
+    /// Absolute path of the scene's file, or the name of a scene in memory.
+    pub scene: &'a Path,
+    /// Fingerprint of the scene.
+    pub scene_hash: &'a str,
+    /// Name of the device with its driver.
+    pub device: &'a str,
+    /// The settings.
+    pub settings: &'a Settings,
+    /// Limits of the render.
+    pub length: Length,
+    /// Samples per pixel that a checkpoint holds already.
+    pub samples: u32,
+    /// Files into which the picture is written.
+    pub files: &'a [PathBuf],
+}
+
+/// Reason why a render ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// All samples were taken.
+    Samples,
+    /// The time was up.
+    Time,
+    /// Noise was low enough everywhere.
+    Noise,
+    /// The caller stopped the render.
+    Stopped,
+    /// The render or the writing of its files failed.
+    Failed,
+}
+
+/// Event of a render. The order is: preparations, `Ready`, `Begun`, steps, `Rendered`, `Ended`. Other events come at any time.
 #[derive(Debug, Clone, Copy)]
 pub enum Event<'a> {
     /// Work that precedes the first step has begun.
     Preparing(Preparation),
     /// The first step can begin.
     Ready,
+    /// The render begins.
+    Begun(&'a Beginning<'a>),
     /// A step has ended.
     Step(&'a Progress),
     /// The last step has ended. The files follow.
     Rendered,
+    /// The picture so far was written into this file.
+    Written(&'a Path),
+    /// The render has ended, for this reason and with this progress.
+    Ended(Ending, &'a Progress),
+    /// A fact in one sentence that is no fault.
+    Note(&'a str),
     /// A warning in one sentence.
     Warning(&'a str),
     /// A message of Vulkan's validation layer.

@@ -18,7 +18,7 @@ use crate::session::identity;
 use crate::session::length::Length;
 use crate::session::profile::Summary;
 use crate::session::profiler::Profiler;
-use crate::session::progress::{Event, Progress, Watch};
+use crate::session::progress::{Ending, Event, Progress, Watch};
 use crate::session::safety_copy::SafetyCopy;
 use crate::session::statistics::{SetupTimes, StepStatistics};
 use crate::settings::Settings;
@@ -106,9 +106,19 @@ impl Session {
     /// # Errors
     /// Where [`Session::run`] fails.
     pub fn run_watched(&mut self, watch: &Watch<'_>, mut on_step: impl FnMut(&Self) -> ControlFlow<()>) -> Result<()> {
+        let mut is_broken = false;
+        let mut on_step = |session: &Self| {
+            let flow = on_step(session);
+            is_broken |= flow.is_break();
+            flow
+        };
         let rendered = self.render(watch, &mut on_step);
+        let ending = self.ending(is_broken || (watch.stop)());
         watch.tell(Event::Rendered);
-        self.finish(rendered, watch)
+        let finished = self.finish(rendered, watch);
+        let ending = if finished.is_ok() { ending } else { Ending::Failed };
+        watch.tell(Event::Ended(ending, &self.progress()));
+        finished
     }
 
     /// The picture so far. If the device was lost during [`Session::run`], this is the last safety copy of the picture.
@@ -227,6 +237,16 @@ impl Session {
         !self.renderer.is_stopped() && self.renderer.sampled_pixels() > 0
     }
 
+    /// Reason why no step follows.
+    fn ending(&self, is_stopped: bool) -> Ending {
+        match () {
+            () if self.samples_left() == 0 => Ending::Samples,
+            () if self.renderer.sampled_pixels() == 0 => Ending::Noise,
+            () if is_stopped || self.length.seconds.is_none() => Ending::Stopped,
+            () => Ending::Time,
+        }
+    }
+
     fn samples_left(&self) -> u32 {
         self.length.samples_left(&self.settings, self.renderer.samples_done())
     }
@@ -263,7 +283,7 @@ impl Session {
         if !is_due || self.is_done(watch) {
             return Ok(());
         }
-        let written = self.write_pictures(&self.renderer.picture()?, self.renderer.samples_done());
+        let written = self.write_pictures(&self.renderer.picture()?, watch);
         if let (Err(error), true) = (&written, self.output.is_writable) {
             // The render goes on, because the folder may be back or the disk may have room when it ends.
             watch.warn(&format!("{error}; the render goes on"));
@@ -273,12 +293,12 @@ impl Session {
     }
 
     /// Writes the picture's files. Their headers hold the settings, the sample numbers, the time, the device and the scene.
-    pub(super) fn write_pictures(&self, picture: &Picture, samples: u32) -> Result<()> {
+    pub(super) fn write_pictures(&self, picture: &Picture, watch: &Watch<'_>) -> Result<()> {
         let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
         let mut attributes = identity::attributes(scene_hash, &self.settings);
         attributes.extend([
             ("sample_ranges".into(), SampleRanges::of_picture(picture, &self.settings).to_string()),
-            ("spp".into(), samples.to_string()),
+            ("spp".into(), most_samples(picture).to_string()),
             ("seconds".into(), format!("{:.3}", self.history.seconds)),
             ("device".into(), self.device_name()),
             ("scene".into(), scene_path.display().to_string()),
@@ -286,6 +306,11 @@ impl Session {
         if !kernels.is_empty() {
             attributes.push(("replaced_kernels".into(), kernels.join(", ")));
         }
-        self.output.pictures.write(picture, &attributes)
+        self.output.pictures.write(picture, &attributes, &|path| watch.tell(Event::Written(path)))
     }
+}
+
+/// Largest number of samples of a pixel. Pixels have fewer where noise has ended them, or where the last step was cut short.
+fn most_samples(picture: &Picture) -> u32 {
+    picture.sample_count.iter().copied().max().unwrap_or(0)
 }

@@ -24,12 +24,12 @@ use crate::session::kernel_files::KernelFiles;
 use crate::session::length::Length;
 use crate::session::options::{DeviceChoice, Options};
 use crate::session::profiler::Profiler;
-use crate::session::progress::{Event, Preparation, Watch};
+use crate::session::progress::{Beginning, Event, Preparation, Watch};
 use crate::session::run::{Output, Session, Subject};
 use crate::session::safety_copy::SafetyCopy;
 use crate::session::statistics::SetupTimes;
 use crate::settings::{Execution, Settings};
-use crate::{Error, Result};
+use crate::{Error, Result, files};
 
 /// The beginning of a render.
 #[derive(Debug, Clone)]
@@ -121,13 +121,21 @@ impl Session {
     /// Where [`Session::open`] or [`Session::resume`] fails.
     pub fn start(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Self> {
         let (input, resumed) = start.read()?;
+        let input = input.in_folder(watch)?;
+        // Files that cannot be written are found before a large scene is read.
+        options.files.as_ref().map_or(Ok(()), OutputFiles::check_writable)?;
+        options.checkpoint.as_deref().map_or(Ok(()), files::check_writable)?;
         let begin = Instant::now();
         let (opened, loaded) = open_and_load(&input, options, watch);
         let (scene, load_seconds) = loaded?;
         warn_once(&scene.warnings, watch);
         let scene_hash = scene::fingerprint(&scene)?;
         let plan = Plan::new(&scene, &scene_hash, resumed, options, watch)?;
+        let scene_path = input.absolute_path().unwrap_or_else(|| PathBuf::from(&scene.name));
         let inputs = Inputs::new(&plan, &scene, &scene_hash, options, watch)?;
+        if !inputs.wanted.overwrite {
+            inputs.pictures.check_scene(&scene_path, &scene_hash)?;
+        }
         let context = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
@@ -136,7 +144,6 @@ impl Session {
         inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
         let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
-        let scene_path = input.path().unwrap_or(Path::new(&scene_name)).to_path_buf();
         let kernels = inputs.kernels.used(renderer.back_end());
         let subject = Subject { scene_name, scene_path, scene_hash, kernels, times };
 
@@ -160,7 +167,20 @@ impl Session {
         if let Some(file) = checkpoint {
             session.checkpoints = Some(Checkpoints::new(file, session.template(&input)?, samples_written));
         }
+        session.tell_beginning(watch);
         Ok(session)
+    }
+
+    fn tell_beginning(&self, watch: &Watch<'_>) {
+        watch.tell(Event::Begun(&Beginning {
+            scene: &self.subject.scene_path,
+            scene_hash: &self.subject.scene_hash,
+            device: &self.device_name(),
+            settings: &self.settings,
+            length: self.length,
+            samples: self.renderer.samples_done(),
+            files: &self.output.pictures.paths,
+        }));
     }
 
     /// Restores the state of a checkpoint and returns its number of samples per pixel.
@@ -241,9 +261,20 @@ impl<'a> SceneInput<'a> {
         }
     }
 
-    fn path(&self) -> Option<&Path> {
+    /// The scene's file, if the caller has named its folder.
+    fn in_folder(self, watch: &Watch<'_>) -> Result<Self> {
+        let Self::File { path, defines } = self else { return Ok(self) };
+        let file = scene::scene_file(&path)?;
+        if file != path {
+            watch.tell(Event::Note(&format!("{} is a folder; its {} is rendered", path.display(), file.display())));
+        }
+        Ok(Self::File { path: file, defines })
+    }
+
+    /// Absolute path of the file.
+    fn absolute_path(&self) -> Option<PathBuf> {
         match self {
-            Self::File { path, .. } => Some(path),
+            Self::File { path, .. } => std::path::absolute(path).ok(),
             Self::Memory(_) => None,
         }
     }

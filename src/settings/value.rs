@@ -80,8 +80,7 @@ macro_rules! words {
             }
 
             fn read(text: &str) -> Result<Self, String> {
-                let names = || Self::words().into_iter().map(|word| word.name).collect::<Vec<_>>();
-                Self::from_str(text, false).map_err(|_| format!("give one of {}", names().join(", ")))
+                Self::from_str(text, false).map_err(|_| one_of(&Self::words(), text))
             }
 
             fn value(&self) -> Value {
@@ -93,6 +92,20 @@ macro_rules! words {
 
 words!(BsdfShare, DirectionMap, Execution, GuideSet, Learner, Mix, Roulette, SamplePattern);
 words!(SampleWeights, Sampler, StepSchedule);
+
+/// Least similarity of a word to a text that may mean it.
+const SIMILAR: f64 = 0.7;
+
+/// Request for one of `words` in place of `text`, with the word that is most similar to `text`.
+fn one_of(words: &[Word], text: &str) -> String {
+    let names: Vec<_> = words.iter().map(|word| &word.name[..]).collect();
+    let similarity = |name: &str| strsim::jaro_winkler(&text.to_lowercase(), name);
+    let closest = names.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+    match closest.filter(|name| similarity(name) >= SIMILAR) {
+        Some(name) => format!("give one of {} (did you mean {name}?)", names.join(", ")),
+        None => format!("give one of {}", names.join(", ")),
+    }
+}
 
 fn words_of<T: ValueEnum>() -> Vec<Word> {
     let values = T::value_variants().iter().filter_map(T::to_possible_value);

@@ -33,6 +33,8 @@ pub fn write_row(path: &Path, width: u32, value: f32) {
         sample_count: vec![1; count],
         hit_count: vec![1; count],
         sums: vec![],
+        has_background: false,
+        view: None,
         albedo: vec![[0.0; 3]; count],
         normal: vec![[0.0; 3]; count],
         depth: vec![1.0; count],

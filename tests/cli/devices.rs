@@ -9,7 +9,8 @@ const TINY: [&str; 9] = ["render", "scene.xml", "--quiet", "--spp", "1", "--widt
 fn list(folder: &Folder) -> Vec<Value> {
     let output = folder.run(&["devices", "--json"]);
     assert!(output.status.success() && output.stderr.is_empty());
-    serde_json::from_slice(&output.stdout).unwrap()
+    let survey: Value = serde_json::from_slice(&output.stdout).unwrap();
+    survey["devices"].as_array().unwrap().clone()
 }
 
 /// Index and name of a usable device.
@@ -37,6 +38,34 @@ fn the_list_names_every_device() {
             assert!(text.contains(&format!("cannot be used: {lack}")), "{text}");
         }
     }
+}
+
+/// The device that renders without `--device` is marked, and the kinds are words.
+#[test]
+fn the_default_is_marked_and_advice_follows() {
+    let folder = Folder::new();
+    let output = folder.run(&["devices", "--json"]);
+    let survey: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let text = String::from_utf8(folder.run(&["devices"]).stdout).unwrap();
+    let default = survey["default"].to_string();
+    let marked: Vec<_> = text.lines().filter(|line| line.ends_with(" - the default")).collect();
+    assert!(marked.len() == 1 && marked[0].starts_with(&format!("{default}: ")), "{text}");
+    assert_eq!(folder.render(&["--spp", "1"])["device"]["index"].to_string(), default);
+    for device in survey["devices"].as_array().unwrap() {
+        let words = if device["kind"] == "cpu" { "(CPU, Vulkan " } else { ", Vulkan " };
+        assert!(text.contains(words), "{text}");
+        let is_old_mesa =
+            ["Mesa 22.", "Mesa 23.", "Mesa 24."].iter().any(|old| device["driver_info"].to_string().contains(old));
+        if is_old_mesa && device["driver_name"] == "llvmpipe" && device["index"].to_string() == default {
+            assert!(text.contains("\nnote: the CPU renders with Mesa 2"), "{text}");
+        }
+    }
+    for sentence in survey["advice"].as_array().unwrap() {
+        assert!(text.contains(&format!("note: {}\n", sentence.as_str().unwrap())), "{text}");
+    }
+    let output = folder.command(&["devices"]).env("LODESTAR_DEVICE", "voodoo").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("note: no Vulkan device is called `voodoo`") && !text.contains("the default"), "{text}");
 }
 
 #[test]

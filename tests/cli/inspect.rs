@@ -177,7 +177,8 @@ fn a_driver_that_tells_nothing_is_no_fault() {
     let folder = Folder::new();
     let devices = folder.run(&["devices", "--json"]);
     let devices: Value = serde_json::from_slice(&devices.stdout).unwrap();
-    let usable = devices.as_array().unwrap().iter().find(|device| device["refused"].is_null()).expect("a device");
+    let usable =
+        devices["devices"].as_array().unwrap().iter().find(|device| device["refused"].is_null()).expect("a device");
     let index = usable["index"].to_string();
     let pipeline = &trace(&folder, &["--device", &index])["pipeline"];
     assert!(pipeline["creation_seconds"].as_f64().unwrap() > 0.0);
@@ -204,7 +205,11 @@ fn a_driver_that_tells_much_is_quoted() {
     let folder = Folder::new();
     let run = |arguments: &[&str]| folder.command(arguments).env("RADV_FORCE_FAMILY", "navi21").output().unwrap();
     let devices: Value = serde_json::from_slice(&run(&["devices", "--json"]).stdout).unwrap();
-    let null = devices.as_array().unwrap().iter().find(|device| device["name"].to_string().contains("Null hardware"));
+    let null = devices["devices"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|device| device["name"].to_string().contains("Null hardware"));
     let Some(null) = null.filter(|device| device["refused"].is_null()) else {
         eprintln!("no driver here compiles for hardware that is absent: nothing is tested");
         return;

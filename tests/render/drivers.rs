@@ -46,7 +46,7 @@ fn root() -> PathBuf {
 fn subgroup_size(width: &str) -> u64 {
     let list = lodestar(&["devices", "--json"], &[("LP_NATIVE_VECTOR_WIDTH", width)]);
     let devices: serde_json::Value = serde_json::from_str(&list).expect("JSON");
-    let usable = devices.as_array().expect("a list").iter().find(|device| device["refused"].is_null());
+    let usable = devices["devices"].as_array().expect("a list").iter().find(|device| device["refused"].is_null());
     usable.expect("a device")["limits"]["subgroup_size"].as_u64().expect("a number")
 }
 

@@ -98,7 +98,7 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Width of the film in pixels",
-        long: "It needs --height.",
+        long: "Without --height, the height keeps the scene's aspect ratio.",
         default: "the scene's",
         range: Some((1.0, MAX_FILM_SIDE as f64)),
         setting: checked!(width),
@@ -106,7 +106,7 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Height of the film in pixels",
-        long: "It needs --width.",
+        long: "Without --width, the width keeps the scene's aspect ratio.",
         default: "the scene's",
         range: Some((1.0, MAX_FILM_SIDE as f64)),
         setting: checked!(height),
@@ -131,7 +131,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Picture file, .exr or .png",
-        long: "It may be given several times. An .exr file holds every layer. A .png file is written by --tone and --exposure.",
+        long: "It may be given several times. An .exr file holds every layer. A .png file is written by --tone and --exposure. The \
+               folder must exist.",
         default: "the scene's name with .exr",
         ..common(Output, "output", "FILE")
     },
@@ -147,8 +148,20 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Output, "exposure", "STOPS")
     },
     OptionEntry {
-        short: "Seconds between two writings of the unfinished picture",
-        ..common(Output, "write-every", "SECONDS")
+        short: "Write the colors of EXR files as 16-bit floats",
+        long: "R, G, B, A and albedo then end at 65504 and have 11 bits; the other layers keep 32 bits. `lodestar merge` refuses \
+               such a picture, unless it was rendered with --sample-offset.",
+        ..further(Output, "half", "")
+    },
+    OptionEntry {
+        short: "Replace a picture of another scene, too",
+        long: "Without it, an .exr file that names another scene is an error. A picture of the same scene is always replaced.",
+        ..further(Output, "overwrite", "")
+    },
+    OptionEntry {
+        short: "Time between two writings of the unfinished picture",
+        long: "It is in seconds, or has units, such as 1m30s.",
+        ..common(Output, "write-every", "TIME")
     },
     OptionEntry {
         short: "File to resume the render from after an interruption",
@@ -156,10 +169,16 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Output, "checkpoint", "FILE")
     },
     OptionEntry {
-        short: "Seconds between two writings of the checkpoint",
+        short: "Time between two writings of the checkpoint",
         long: "The checkpoint is also written when the render ends.",
-        default: "60",
-        ..common(Output, "checkpoint-every", "SECONDS")
+        default: "60s",
+        ..common(Output, "checkpoint-every", "TIME")
+    },
+    OptionEntry {
+        short: "Form of the messages on standard error",
+        long: "json is one object per line, for programs.",
+        default: "text",
+        ..further(Output, "log", "text|json")
     },
     OptionEntry { short: "Show no progress", ..common(Output, "quiet", "") },
     OptionEntry {
@@ -183,9 +202,9 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Length, "spp", "N")
     },
     OptionEntry {
-        short: "Stop after this number of seconds of rendering",
-        long: "Loading the scene does not count.",
-        ..common(Length, "time", "SECONDS")
+        short: "Stop after this time of rendering, such as 90, 1m30s or 2h",
+        long: "A number without a unit is in seconds. Loading the scene does not count.",
+        ..common(Length, "time", "TIME")
     },
     OptionEntry {
         short: "Stop each tile at this relative error, such as 0.05",
