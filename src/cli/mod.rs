@@ -4,11 +4,14 @@
 //! 130 for Ctrl-C.
 
 mod compare;
+mod completions;
 mod console;
 mod devices;
 mod inspect;
 mod inspect_text;
 mod interrupt;
+#[cfg(test)]
+mod manual;
 mod merge;
 mod print;
 mod progress;
@@ -49,6 +52,7 @@ enum Command {
     Merge(merge::MergeArgs),
     Radiance(Box<radiance::RadianceArgs>),
     Reproduce(reproduce::ReproduceArgs),
+    Completions(completions::CompletionsArgs),
 }
 
 /// The command line, with the help of the table of options.
@@ -73,6 +77,7 @@ pub fn run() -> ExitCode {
         Command::Merge(args) => merge::run(&args),
         Command::Radiance(args) => radiance::run(*args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Completions(args) => completions::run(&args, command()),
     };
     outcome.unwrap_or_else(|error| {
         report("error", &error.to_string());
