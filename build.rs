@@ -1,14 +1,15 @@
 //! Compiles every kernel under `glsl/` to SPIR-V, reflects the SPIR-V, and writes Rust code that describes it. The work
-//! is done in `build/mod.rs`.
+//! is done in `build/mod.rs`. The published crate contains the SPIR-V and compiles it only with the feature `shaderc`.
 
 #[path = "build/mod.rs"]
 mod generate;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::{env, process};
 
 fn main() {
-    for watched in ["glsl", "build.rs", "build"] {
+    // Cargo would run the script at every build if it watched a folder that is missing.
+    for watched in ["glsl", "build.rs", "build", "spirv"].into_iter().filter(|path| Path::new(path).exists()) {
         println!("cargo::rerun-if-changed={watched}");
     }
     let out = PathBuf::from(env::var("OUT_DIR").expect("cargo sets OUT_DIR"));

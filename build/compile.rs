@@ -1,12 +1,11 @@
-//! Compiler from GLSL to SPIR-V, for the build scripts of the crate and of `tests/tampered`. It uses all cores.
+//! Compiler from GLSL to SPIR-V, for the build scripts of the crate and of `tests/tampered`.
 
 use std::fmt::Write as _;
+use std::fs;
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
-use std::{env, fs, thread};
 
 /// Folder that includes are relative to.
-pub const INCLUDE_FOLDER: &str = "glsl/include";
+const INCLUDE_FOLDER: &str = "glsl/include";
 
 /// Compiles `file`, a path relative to the folder `root`, with everything that it includes. Returns the SPIR-V.
 pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, String> {
@@ -27,25 +26,6 @@ pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, Stri
         .compile_into_spirv(&source, shaderc::ShaderKind::Compute, file, "main", Some(&options))
         .map_err(|e| diagnostics(root, &e.to_string()))?;
     Ok(artifact.as_binary_u8().to_vec())
-}
-
-/// Runs all jobs on all cores. Returns their results in the order of the jobs.
-pub fn on_all_cores<T: Send>(job_count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let queue = Mutex::new(0..job_count);
-    let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).next();
-    let work = || std::iter::from_fn(next).map(|index| (index, job(index))).collect::<Vec<_>>();
-    let mut results = thread::scope(|scope| {
-        let workers: Vec<_> = (0..core_count().min(job_count)).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().flat_map(|worker| worker.join().expect("no compilation panics")).collect::<Vec<_>>()
-    });
-    results.sort_by_key(|(index, _)| *index);
-    results.into_iter().map(|(_, result)| result).collect()
-}
-
-/// Number of threads to use: the number that Cargo was told to use, or the number of cores.
-fn core_count() -> usize {
-    let told = env::var("NUM_JOBS").ok().and_then(|jobs| jobs.parse().ok());
-    told.unwrap_or_else(|| thread::available_parallelism().map_or(1, usize::from))
 }
 
 fn resolve_include(root: &Path, name: &str) -> Result<shaderc::ResolvedInclude, String> {

@@ -1,15 +1,18 @@
-//! Compilation and reflection of all kernels, on all cores.
+//! SPIR-V and reflection of all kernels, on all cores.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use super::compile::{INCLUDE_FOLDER, compile, on_all_cores};
+use super::cores::on_all_cores;
 use super::interface::Interface;
-use super::{unreadable, write_file};
+use super::{spirv, unreadable, write_file};
 
 /// File whose inclusion makes a kernel be built twice, once for each back end.
 const GEOMETRY_FILE: &str = "glsl/include/geometry/bvh.glsl";
+const INCLUDE_FOLDER: &str = "glsl/include";
+const KERNEL_FOLDER: &str = "glsl/kernels";
+/// Folder of the tests' kernels. The published crate does not have it.
 const TEST_FOLDER: &str = "glsl/test";
 /// Name of the kernel that only declares records. It is never dispatched.
 const PROBE: &str = "layout_probe";
@@ -62,9 +65,7 @@ impl Kernel {
 
     /// File name of the SPIR-V.
     pub fn spirv_file(&self, back_end: BackEnd) -> String {
-        let suffix = if self.available(back_end) == BackEnd::Texel { ".texel" } else { "" };
-        let folder = if self.is_test() { "test." } else { "" };
-        format!("{folder}{}{suffix}.spv", self.name)
+        spirv_file(&self.file, self.available(back_end))
     }
 
     /// Writes the kernel's SPIR-V into the folder `out`.
@@ -75,7 +76,7 @@ impl Kernel {
     }
 }
 
-/// Compilation to be done.
+/// Module to be made.
 struct Job {
     kernel: usize,
     back_end: BackEnd,
@@ -83,13 +84,15 @@ struct Job {
     source_bytes: u64,
 }
 
-/// Compiles all kernels. Returns them in the order of their names.
-pub fn compile_all() -> Result<Vec<Kernel>, String> {
-    let mut files = files_below("glsl/kernels", ".comp")?;
-    files.extend(files_below(TEST_FOLDER, ".comp")?);
+/// All kernels, in the order of their names.
+pub fn all() -> Result<Vec<Kernel>, String> {
+    let mut files = files_below(KERNEL_FOLDER, ".comp")?;
+    if Path::new(TEST_FOLDER).exists() {
+        files.extend(files_below(TEST_FOLDER, ".comp")?);
+    }
     files.sort_by_key(|file| kernel_name(file));
     let jobs = jobs(&files)?;
-    let results = on_all_cores(jobs.len(), |job| compile_job(&files[jobs[job].kernel], jobs[job].back_end));
+    let results = on_all_cores(jobs.len(), |job| module(&files[jobs[job].kernel], jobs[job].back_end));
     let mut modules: Vec<BTreeMap<BackEnd, Module>> = files.iter().map(|_| BTreeMap::new()).collect();
     let mut results: Vec<_> = jobs.iter().zip(results).collect();
     results.sort_by_key(|(job, _)| (job.kernel, job.back_end));
@@ -100,7 +103,7 @@ pub fn compile_all() -> Result<Vec<Kernel>, String> {
     Ok(files.into_iter().zip(modules).map(kernel).collect())
 }
 
-/// All compilations, the longest first, so that no long one runs alone at the end.
+/// All jobs, the longest first, so that no long one runs alone at the end.
 fn jobs(files: &[String]) -> Result<Vec<Job>, String> {
     let mut jobs = Vec::new();
     for (kernel, file) in files.iter().enumerate() {
@@ -128,11 +131,32 @@ fn collect_sources(file: &str, sources: &mut BTreeSet<String>) -> Result<u64, St
     Ok(bytes)
 }
 
-fn compile_job(file: &str, back_end: BackEnd) -> Result<Module, String> {
-    let macros: &[&str] = if back_end == BackEnd::Texel { &["TEXEL_READS"] } else { &[] };
-    let spirv = compile(Path::new(""), file, macros)?;
+fn module(file: &str, back_end: BackEnd) -> Result<Module, String> {
+    let spirv = spirv::of(file, back_end)?;
     let interface = Interface::reflect(&spirv).map_err(|e| format!("{file}: {e}"))?;
     Ok(Module { spirv, interface })
+}
+
+/// File name of the SPIR-V of the kernel `file`.
+pub fn spirv_file(file: &str, back_end: BackEnd) -> String {
+    let suffix = if back_end == BackEnd::Texel { ".texel" } else { "" };
+    let folder = if file.starts_with(TEST_FOLDER) { "test." } else { "" };
+    format!("{folder}{}{suffix}.spv", kernel_name(file))
+}
+
+/// Fingerprint of the GLSL of all kernels except the tests': 64-bit FNV-1a of the files' names and texts, in hexadecimal.
+pub fn fingerprint() -> Result<String, String> {
+    let mut files = files_below(KERNEL_FOLDER, "")?;
+    files.extend(files_below(INCLUDE_FOLDER, "")?);
+    files.sort();
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for file in files {
+        let text = fs::read(&file).map_err(|e| unreadable(&file, &e))?;
+        for byte in file.bytes().chain([0]).chain(text).chain([0]) {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+    Ok(format!("{hash:016x}\n"))
 }
 
 /// Files below a folder whose names end with `ending`.

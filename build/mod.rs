@@ -7,15 +7,20 @@
 //! | `variant.rs` | the specialization constants as one struct |
 //! | `registry.rs` | the kernels with their interfaces |
 //! | `layout_checks.rs` | assertions that structs have the same layout in GLSL |
+//!
+//! `packages/crate.sh` copies the SPIR-V of the product's kernels and the fingerprint of their GLSL to the published crate.
 
+#[cfg(feature = "shaderc")]
 mod compile;
 mod constants;
+mod cores;
 mod declarations;
 mod interface;
 mod kernels;
 mod layout;
 mod registry;
 mod sets;
+mod spirv;
 mod variant;
 
 use std::fs;
@@ -23,6 +28,8 @@ use std::path::Path;
 
 /// Folder of the declarations that GLSL and Rust share.
 const SHARED_FOLDER: &str = "glsl/include/shared";
+/// File with the fingerprint of the GLSL, beside the SPIR-V.
+const FINGERPRINT_FILE: &str = "fingerprint";
 
 /// Writes all files into the folder `out`.
 ///
@@ -30,15 +37,15 @@ const SHARED_FOLDER: &str = "glsl/include/shared";
 /// The message says which GLSL is wrong, and where.
 pub fn run(out: &Path) -> Result<(), String> {
     let shared = constants::Shared::read(&shared_files()?)?;
-    let kernels = kernels::compile_all()?;
+    let fingerprint = kernels::fingerprint()?;
+    spirv::check(&fingerprint)?;
+    let kernels = kernels::all()?;
     write(out, "constants.rs", &(shared.code() + &sets::binding_numbers(&shared.sets(), &kernels)?))?;
     write(out, "variant.rs", &variant::code(&shared.specialization))?;
     write(out, "registry.rs", &registry::code(&kernels)?)?;
     write(out, "layout_checks.rs", &layout::code(&kernels))?;
-    kernels
-        .iter()
-        .filter(|kernel| kernel.is_test() || kernel.is_product())
-        .try_for_each(|kernel| kernel.write_modules(out))
+    write_file(&out.join(FINGERPRINT_FILE), fingerprint.as_bytes())?;
+    kernels.iter().try_for_each(|kernel| kernel.write_modules(out))
 }
 
 /// Files that may declare shared constants, with their texts.

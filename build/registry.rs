@@ -62,6 +62,9 @@ fn source(kernel: &Kernel, back_end: BackEnd, sets: &str) -> String {
 }
 
 fn test_kernels(kernels: &[Kernel]) -> String {
+    if !kernels.iter().any(Kernel::is_test) {
+        return String::new();
+    }
     let mut code = String::from(
         "
 /// Kernels that run one pure function each, for tests.

@@ -19,7 +19,7 @@ suite() { cargo test --release --test "$@"; }
 # Tests the project's own code without optimization, with debug assertions and overflow checks. Dependencies stay
 # optimized. The pictures must have the bits of an optimized build.
 test_unoptimized() {
-  local own=profile.release.package.lodestar
+  local own=profile.release.package.lodestar-render
   suite render every_profile
   suite render --config "$own.opt-level=0" --config "$own.debug-assertions=true" \
     --config "$own.overflow-checks=true" every_profile

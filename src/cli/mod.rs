@@ -4,6 +4,7 @@
 //! 130 for Ctrl-C.
 
 mod compare;
+mod completions;
 mod console;
 mod devices;
 mod duration;
@@ -11,6 +12,8 @@ mod inspect;
 mod inspect_text;
 mod interrupt;
 mod log;
+#[cfg(test)]
+mod manual;
 mod merge;
 mod print;
 mod progress;
@@ -51,6 +54,7 @@ enum Command {
     Merge(merge::MergeArgs),
     Radiance(Box<radiance::RadianceArgs>),
     Reproduce(reproduce::ReproduceArgs),
+    Completions(completions::CompletionsArgs),
 }
 
 /// The command line, with the help of the table of options.
@@ -75,6 +79,7 @@ pub fn run() -> ExitCode {
         Command::Merge(args) => merge::run(&args),
         Command::Radiance(args) => radiance::run(*args),
         Command::Reproduce(args) => reproduce::run(&args),
+        Command::Completions(args) => completions::run(&args, command()),
     };
     outcome.unwrap_or_else(|error| {
         report("error", &error.to_string());

@@ -4,7 +4,8 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 8] = ["render", "resume", "inspect", "devices", "compare", "merge", "radiance", "reproduce"];
+const SUBCOMMANDS: [&str; 9] =
+    ["render", "resume", "inspect", "devices", "compare", "merge", "radiance", "reproduce", "completions"];
 
 fn help(arguments: &[&str]) -> String {
     let output = Folder::new().run(arguments);
@@ -55,4 +56,15 @@ fn the_page_of_options_is_that_of_the_table() {
     }
     let page = std::fs::read_to_string(path).unwrap_or_default();
     assert!(page == document(), "docs/options.md is out of date: run this test with LODESTAR_WRITE_DOCS=1");
+}
+
+#[test]
+fn completions_of_each_shell_name_every_subcommand() {
+    for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
+        let script = help(&["completions", shell]);
+        for subcommand in SUBCOMMANDS {
+            assert!(script.contains(subcommand), "{shell} does not complete {subcommand}");
+        }
+        assert!(script.contains("max-depth"), "{shell} does not complete options of render");
+    }
 }

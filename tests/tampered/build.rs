@@ -2,6 +2,8 @@
 
 #[path = "../../build/compile.rs"]
 mod compile;
+#[path = "../../build/cores.rs"]
+mod cores;
 #[path = "src/mutations.rs"]
 mod mutations;
 
@@ -59,7 +61,7 @@ fn run(out: &Path) -> Result<(), String> {
         }
     }
     let mut code = String::from("// Written by build.rs.\nconst KERNELS: &[(&str, &[u8])] = &[\n");
-    let compiled = compile::on_all_cores(KERNELS.len(), |kernel| compile::compile(&sources, KERNELS[kernel], &[]));
+    let compiled = cores::on_all_cores(KERNELS.len(), |kernel| compile::compile(&sources, KERNELS[kernel], &[]));
     for (file, spirv) in KERNELS.into_iter().zip(compiled) {
         let name = Path::new(file).file_stem().expect("a name").to_string_lossy();
         let path = out.join(format!("{name}.spv"));

@@ -1,0 +1,23 @@
+# Image with Lodestar and Mesa's Vulkan drivers, which render on a CPU or on a GPU of AMD or Intel.
+#
+#   docker build -t lodestar .
+#   docker run --rm -v "$PWD:/work" lodestar render scene.xml -o picture.png
+#
+# docs/packages.md says what a GPU needs.
+FROM rust:1-bookworm AS builder
+WORKDIR /lodestar
+COPY . .
+RUN ./setup.sh
+RUN CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_PROFILE_RELEASE_STRIP=symbols cargo build --release --locked --bin lodestar
+
+# Mesa of trixie renders faster than that of bookworm.
+FROM debian:trixie-slim
+RUN apt-get update \
+    && apt-get install -y --no-install-recommends libvulkan1 libxext6 mesa-vulkan-drivers \
+    && rm -rf /var/lib/apt/lists/*
+COPY --from=builder /lodestar/target/release/lodestar /usr/local/bin/lodestar
+# The NVIDIA container runtime mounts its Vulkan driver only if a container asks for graphics. The driver needs libxext6.
+ENV NVIDIA_DRIVER_CAPABILITIES=graphics,compute,utility
+WORKDIR /work
+ENTRYPOINT ["lodestar"]
+CMD ["--help"]

@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# Makes the crate that is published as lodestar-render. It contains the compiled kernels, so it builds without shaderc.
+#
+# usage: packages/crate.sh [OUT]    writes OUT/lodestar-render-VERSION.crate (OUT: target/packages)
+#
+# The crate is made from a copy of the checkout's tracked files, in OUT/stage. Two things differ there: the folder spirv
+# has the kernels, and the feature shaderc is not a default. To publish, run `cargo publish` in OUT/stage.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+mkdir -p "${1:-$root/target/packages}"
+out=$(cd "${1:-$root/target/packages}" && pwd)
+cd "$root"
+
+fail() { echo "crate.sh: error: $*" >&2; exit 1; }
+
+# Prints the folder into which the build script wrote the compiled kernels.
+kernel_folder() {
+  cargo check --release --quiet --lib --message-format=json-render-diagnostics |
+    sed -n '/"reason":"build-script-executed"/ { /lodestar-render/ s/.*"out_dir":"\([^"]*\)".*/\1/p }'
+}
+
+kernels=$(kernel_folder)
+[[ -d $kernels ]] || fail "cargo did not say where the compiled kernels are"
+
+rm -rf "$out/stage"
+mkdir -p "$out/stage/spirv"
+git ls-files -z --deduplicate | tar --create --null --files-from=- | tar --extract --directory "$out/stage"
+for file in "$kernels"/*.spv; do
+  case $(basename "$file") in
+    test.*) ;;
+    *) cp "$file" "$out/stage/spirv" ;;
+  esac
+done
+cp "$kernels/fingerprint" "$out/stage/spirv"
+
+manifest=$out/stage/Cargo.toml
+sed -i.old 's/^default = \["shaderc"\]$/default = []/' "$manifest"
+grep -q '^default = \[\]$' "$manifest" || fail "Cargo.toml has no line: default = [\"shaderc\"]"
+rm "$manifest.old"
+
+# packages/build.sh builds the unpacked crate, so cargo need not.
+cargo package --quiet --no-verify --allow-dirty --manifest-path "$manifest" --package lodestar-render --target-dir "$out/package"
+mv "$out"/package/package/lodestar-render-*.crate "$out"
+rm -rf "$out/package"
+bytes=$(wc -c <"$(echo "$out"/lodestar-render-*.crate)")
+[[ $bytes -le 10485760 ]] || fail "the crate has $bytes bytes, but crates.io accepts at most 10485760"
+echo "crate.sh: $(echo "$out"/lodestar-render-*.crate), $bytes bytes"
