@@ -87,9 +87,8 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     let three =
         |prefix: &str, names: [&str; 3], what: &str| three(&layers, prefix, names).ok_or_else(|| lacking(path, what));
     let counts = |name: &str| Ok(layers.words(name).ok_or_else(|| lacking(path, name))?.to_vec());
-    let (sample_count, hit_count) = (counts("samples.N")?, counts("hits.N")?);
-    let picture = Picture {
-        has_background: has_background(&layers, &sample_count, &hit_count),
+    let mut picture = Picture {
+        has_background: false,
         view: view.map(|(camera_from_world, film_from_world)| View { camera_from_world, film_from_world }),
         width: layers.width,
         height: layers.height,
@@ -97,20 +96,21 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
         full_size: layers.full_size,
         radiance: three("", RGB, "radiance")?,
         variance: three("variance.", RGB, "variance")?,
-        sample_count,
-        hit_count,
+        sample_count: counts("samples.N")?,
+        hit_count: counts("hits.N")?,
         albedo: three("albedo.", RGB, "albedo")?,
         normal: three("normal.", XYZ, "normal")?,
         depth: layers.floats("depth.Z").ok_or_else(|| lacking(path, "depth"))?.to_vec(),
         sums: sums_of(path, &layers)?,
     };
+    picture.has_background = has_background(&layers, &picture);
     Ok((picture, attributes))
 }
 
 /// Whether a pixel is opaque although one of its samples hit no surface.
-fn has_background(layers: &Layers, sample_count: &[u32], hit_count: &[u32]) -> bool {
+fn has_background(layers: &Layers, picture: &Picture) -> bool {
     let Some(alpha) = layers.floats("A") else { return false };
-    let mut pixels = alpha.iter().zip(sample_count.iter().zip(hit_count));
+    let mut pixels = alpha.iter().zip(picture.sample_count.iter().zip(&picture.hit_count));
     pixels.any(|(&alpha, (samples, hits))| alpha == 1.0 && hits < samples)
 }
 
