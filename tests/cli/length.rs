@@ -25,12 +25,13 @@ fn the_samples_are_the_command_lines_else_the_scenes_else_64() {
     assert_eq!(spp(&folder.render(&[])), 64);
 }
 
-/// A time limit ends a render, whatever number of samples the scene asks for.
+/// A time limit ends a render and not the number of samples that the scene asks for. The film is so small that its
+/// samples are taken long before.
 #[test]
 fn time_ends_a_render() {
     let folder = Folder::new();
-    let stats = folder.render(&["--time", "1", "-o", "a.exr"]);
-    assert!((1.0..3.0).contains(&seconds(&stats)), "{}", seconds(&stats));
+    let stats = folder.render(&["--time", "2", "--width", "4", "--height", "3", "--sampler", "bsdf", "-o", "a.exr"]);
+    assert!(seconds(&stats) >= 2.0, "{}", seconds(&stats));
     assert!(spp(&stats) > 12, "{}", spp(&stats));
     assert!(read_layer(&folder.path("a.exr"), "samples").unwrap().pixels.iter().all(|pixel| pixel[0] > 12.0));
 }

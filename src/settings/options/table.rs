@@ -324,7 +324,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "epsilon", "E")
     },
     OptionEntry {
-        short: "Share of product's samples that the surface's BSDF draws; the guide draws the rest",
+        short: "Share of product's samples that the BSDF draws",
         long: "This share is also known as the BSDF sampling fraction.",
         default: "fixed with --epsilon or the learner monte-carlo, else learned",
         setting: setting!(bsdf_share),
@@ -380,7 +380,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "grid", "N|auto")
     },
     OptionEntry {
-        short: "How much a cell borrows from the larger cells around it while it has learned little",
+        short: "How much a cell borrows from larger cells around it",
         long: "A bin mixes its own mean with the mean of its parent cell, as if that mean were of K targets. So the parent \
                counts for much in a bin with few targets, and for little in a bin with many. With 0 a cell uses its own \
                targets only.",
