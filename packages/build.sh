@@ -34,7 +34,8 @@ done
 rm -rf "$out"/source "$out"/lodestar[-_]*
 "$root/packages/crate.sh" "$out"
 mkdir "$out/source"
-tar --extract --gzip --file "$(echo "$out"/lodestar-render-*.crate)" --directory "$out/source" --strip-components=1
+# Cargo takes files for unchanged if their times are old, and all files in a crate have one old time.
+tar --extract --touch --gzip --file "$(echo "$out"/lodestar-render-*.crate)" --directory "$out/source" --strip-components=1
 version=$(sed -n 's/^version = "\(.*\)"$/\1/p' "$out/source/Cargo.toml" | head -1)
 
 export CARGO_TARGET_DIR=$out/build
