@@ -6,13 +6,14 @@ use std::ptr;
 
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec3};
 
-use super::document;
 use super::element::{Element, Location};
-use super::properties::{Ids, Properties};
+use super::numbers;
+use super::properties::Properties;
+use super::scope::Scope;
 use crate::Result;
 use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
 
-const SUPPORTED: [&str; 3] = ["bitmap", "checkerboard", "scale"];
+const SUPPORTED: [&str; 4] = ["bitmap", "checkerboard", "rawconstant", "scale"];
 
 /// Deepest nesting of textures. Deeper nesting comes from a texture that refers to itself.
 const MAX_DEPTH: usize = 16;
@@ -58,8 +59,7 @@ pub(super) struct ImageRequest {
 
 /// Textures of a scene while it is read. A texture that no surface uses is read, but not kept.
 pub(super) struct Textures<'a> {
-    ids: Ids<'a>,
-    top_folder: PathBuf,
+    scope: Scope<'a>,
     /// Textures read, by the element's address and by whether their numbers differ from their colors.
     known: HashMap<(*const Element, bool), TextureUse>,
     read: Vec<Texture>,
@@ -85,10 +85,9 @@ impl Kept {
 }
 
 impl<'a> Textures<'a> {
-    pub fn new(ids: Ids<'a>, top_folder: PathBuf) -> Self {
+    pub fn new(scope: Scope<'a>) -> Self {
         Self {
-            ids,
-            top_folder,
+            scope,
             known: HashMap::new(),
             read: Vec::new(),
             requests: Vec::new(),
@@ -130,10 +129,11 @@ impl<'a> Textures<'a> {
         depth: usize,
         warnings: &mut Vec<String>,
     ) -> Result<TextureUse> {
-        let mut properties = Properties::new(element, &self.ids)?;
+        let mut properties = Properties::new(element, &self.scope)?;
         let pattern = match properties.plugin() {
             "bitmap" => self.bitmap(&mut properties, role, warnings)?,
             "checkerboard" => checkerboard(&mut properties, role, warnings)?,
+            "rawconstant" => raw_constant(&mut properties)?,
             "scale" => return self.scale(properties, role, depth, warnings),
             _ => return Err(element.unsupported(&SUPPORTED)),
         };
@@ -184,7 +184,7 @@ impl<'a> Textures<'a> {
     /// Reads the parameter `filename` and returns the index of its image.
     fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
         let name = filename.required("value")?;
-        let path = document::resolve(name, &filename.location.file, &self.top_folder)
+        let path = self.scope.folders.find(name, &filename.location.file)
             .and_then(|path| path.canonicalize().ok())
             .ok_or_else(|| filename.error(format!("the image file `{name}` does not exist")))?;
         let is_reflectance = role == Role::Reflectance;
@@ -295,6 +295,23 @@ fn checkerboard(properties: &mut Properties, role: Role, warnings: &mut Vec<Stri
         Role::Scalar => Pattern::Checkerboard { color0: mean(color1), color1: mean(color0) },
         _ => Pattern::Checkerboard { color0, color1 },
     })
+}
+
+/// Reads a `rawconstant`: a checkerboard whose colors are equal.
+fn raw_constant(properties: &mut Properties) -> Result<Pattern> {
+    let element = properties.element();
+    let value = properties.take("value");
+    let value = value.ok_or_else(|| element.error("texture plugin `rawconstant` needs its parameter `value`"))?;
+    let color = match value.tag.as_str() {
+        "float" | "integer" => [numbers::one(value, value.required("value")?)?; 3],
+        "vector" | "point" | "rgb" => numbers::xyz(value, 0.0)?,
+        tag => return Err(value.error(format!("the parameter `value` should be a <float> or <vector>, not a <{tag}>"))),
+    };
+    let color = Vec3::from_array(color.map(|channel| channel as f32));
+    if color.min_element() < 0.0 {
+        return Err(value.error(format!("a color must not be negative, as {} is", color.min_element())));
+    }
+    Ok(Pattern::Checkerboard { color0: color, color1: color })
 }
 
 /// Reads `to_uv`, and the offsets and scales of old files, which Mitsuba 3 applies in this order.
