@@ -4,7 +4,8 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 8] = ["render", "resume", "inspect", "devices", "compare", "merge", "radiance", "reproduce"];
+const SUBCOMMANDS: [&str; 9] =
+    ["render", "resume", "inspect", "devices", "info", "compare", "merge", "radiance", "reproduce"];
 
 fn help(arguments: &[&str]) -> String {
     let output = Folder::new().run(arguments);

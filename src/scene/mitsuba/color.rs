@@ -59,7 +59,9 @@ fn parse_spectrum_plugin(element: &Element, plugin: &str) -> Result<[f64; 3]> {
             (Some(color), None) => parse_linear(color),
             (None, Some(scale)) => Ok([numbers::one(scale, scale.required("value")?)?; 3]),
             (None, None) => Ok([1.0; 3]),
-            (Some(_), Some(scale)) => Err(scale.error("spectrum plugin `d65`: give either `color` or `scale`, not both")),
+            (Some(_), Some(scale)) => {
+                Err(scale.error("spectrum plugin `d65`: give either `color` or `scale`, not both"))
+            }
         },
         _ => {
             let message = format!("spectrum plugin `{plugin}` is not supported; give the color as <rgb>");

@@ -192,7 +192,8 @@ impl Reader {
     fn read_path(&mut self, element: &Element) -> Result<()> {
         let name = element.required("value")?;
         if !self.folders.add(name, &element.location.file) {
-            self.warnings.push(format!("{}: the folder `{name}` of a <path> does not exist; ignored", element.location));
+            self.warnings
+                .push(format!("{}: the folder `{name}` of a <path> does not exist; ignored", element.location));
         }
         Ok(())
     }

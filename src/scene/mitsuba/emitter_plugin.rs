@@ -37,11 +37,7 @@ pub(super) struct EnvironmentMapFile {
 }
 
 /// Reads an emitter that stands directly in a `<scene>`.
-pub(super) fn parse<'a>(
-    element: &'a Element,
-    scope: &Scope<'a>,
-    warnings: &mut Vec<String>,
-) -> Result<SceneEmitter> {
+pub(super) fn parse<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<SceneEmitter> {
     let mut properties = Properties::new(element, scope)?;
     let sampling_weight = sampling_weight(&mut properties)?;
     let delta = |kind| SceneEmitter::Delta(DeltaEmitter { kind, sampling_weight });
@@ -105,7 +101,8 @@ fn parse_map(properties: &mut Properties, sampling_weight: f32) -> Result<Enviro
     let parameter = properties.take("filename");
     let parameter = parameter.ok_or_else(|| element.error("emitter plugin `envmap` needs its parameter `filename`"))?;
     let name = parameter.required("value")?;
-    let path = properties.find_file(parameter, name)
+    let path = properties
+        .find_file(parameter, name)
         .ok_or_else(|| parameter.error(format!("the image file `{name}` does not exist")))?;
     let scale = non_negative(properties, "scale", 1.0)?;
     let location = properties.location("to_world").clone();

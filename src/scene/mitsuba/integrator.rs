@@ -122,7 +122,9 @@ fn refuse_no_samples(properties: &mut Properties) -> Result<()> {
     for name in ["emitter_samples", "bsdf_samples"] {
         let location = properties.location(name);
         if properties.integer(name, 0..=i64::from(i32::MAX))? == Some(0) {
-            return Err(location.error(format!("`{name}` of 0 leaves light out, which is not supported; leave it away")));
+            return Err(
+                location.error(format!("`{name}` of 0 leaves light out, which is not supported; leave it away"))
+            );
         }
     }
     Ok(())

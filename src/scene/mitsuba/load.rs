@@ -18,12 +18,13 @@ use super::properties::Properties;
 use super::scope::{Scope, Whole};
 use super::shape::{self, Geometry, MeshFile, Shape};
 use super::textures::Textures;
-use super::{document, fit, integrator, sensor, texture_images};
+use super::{document, fit, integrator, sensor, texture_images, vertex_colors};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
+use crate::scene::texel_pages;
 use crate::scene::{
     AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene,
 };
-use crate::Result;
+use crate::{Error, Result};
 
 /// Options for reading a scene.
 #[derive(Debug, Clone, Default)]
@@ -132,7 +133,10 @@ impl<'a> Builder<'a> {
                 let message = format!("the parameter `{name}` of the scene is unknown; ignored");
                 self.warnings.push(format!("{}: {message}", element.location));
             }
-            tag => return Err(element.error(format!("<{tag}> is not supported in <scene>"))),
+            tag => {
+                let plugin = element.attribute("type").unwrap_or_default();
+                return Err(element.error(format!("<{tag}> plugin `{plugin}` is not supported in <scene>")));
+            }
         }
         Ok(())
     }
@@ -276,6 +280,22 @@ impl<'a> Builder<'a> {
         let meshes = meshes?;
         images.extend(decoded);
         self.warnings.extend(warnings);
+        let materials = self.materials.finish();
+        let image = images.len() as u32;
+        let emitters = self.emitters;
+        let context = vertex_colors::Context {
+            materials: &materials,
+            emitters: &emitters,
+            textures: &textures,
+            meshes: &meshes,
+            image,
+        };
+        if let Some(colors) = vertex_colors::make(&mut self.shapes, &context, &mut self.warnings)? {
+            images.push(colors);
+            if texel_pages::place(&images.iter().map(texel_pages::word_count).collect::<Vec<_>>()).is_none() {
+                return Err(Error::scene(path, None, "the images and vertex colors fit no device; use smaller images"));
+            }
+        }
         let primitives = flatten_all(&self.shapes, &meshes)?;
         let sensor = match sensor {
             Some(sensor) => sensor,
@@ -288,8 +308,8 @@ impl<'a> Builder<'a> {
             integrator,
             sample_count: sensor.sample_count,
             primitives,
-            materials: self.materials.finish(),
-            emitters: self.emitters,
+            materials,
+            emitters,
             environment: self.environment,
             delta_emitters: self.delta_emitters,
             textures,

@@ -1,6 +1,7 @@
 //! Mitsuba's scene format: XML of any version to a [`Scene`](super::Scene).
 
 mod color;
+mod color_blocks;
 mod color_matching;
 mod document;
 mod element;
@@ -20,3 +21,4 @@ mod spectrum;
 mod texture_images;
 mod textures;
 mod transform;
+mod vertex_colors;

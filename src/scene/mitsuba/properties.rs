@@ -239,7 +239,8 @@ impl<'a> Properties<'a> {
         let owner = format!("{} `{}`", self.element.tag, self.plugin);
         if let Some(Nested { object, at }) = self.objects.first() {
             let named = at.attribute("name").map_or_else(String::new, |name| format!(" named `{name}`"));
-            return Err(at.error(format!("<{}>{named} is not supported in {owner}", object.tag)));
+            let plugin = object.attribute("type").unwrap_or_default();
+            return Err(at.error(format!("<{}> plugin `{plugin}`{named} is not supported in {owner}", object.tag)));
         }
         let unknown = self.parameters.into_values().map(|parameter| (parameter, "is unknown"));
         let without_effect = self.without_effect.into_iter().map(|parameter| (parameter, "changes only the noise"));

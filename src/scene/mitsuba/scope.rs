@@ -25,7 +25,8 @@ impl<'a> Whole<'a> {
         collect_ids(elements, &mut objects)?;
         for alias in elements.iter().filter(|element| element.tag == "alias") {
             let (id, name) = (alias.required("id")?, alias.required("as")?);
-            let object = *objects.get(id).ok_or_else(|| alias.error(format!("nothing in the scene has the id `{id}`")))?;
+            let object =
+                *objects.get(id).ok_or_else(|| alias.error(format!("nothing in the scene has the id `{id}`")))?;
             if let Some(first) = objects.insert(name, object) {
                 return Err(alias.error(format!("the id `{name}` is already used at {}", first.location)));
             }

@@ -178,7 +178,8 @@ fn parse_film<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut Vec<St
     if let Some(format @ ("luminance" | "luminance_alpha" | "xyz" | "xyza")) =
         properties.string("pixel_format")?.map(str::to_ascii_lowercase).as_deref()
     {
-        warnings.push(format!("{location}: the `pixel_format` `{format}` is not supported; the picture is written as RGB"));
+        warnings
+            .push(format!("{location}: the `pixel_format` `{format}` is not supported; the picture is written as RGB"));
     }
     properties.finish(warnings)?;
     Ok(FilmDescription { width, height, crop, filter })
@@ -210,7 +211,11 @@ pub(super) const DEFAULT_FILM: FilmDescription =
 
 const DEFAULT_FILTER: ReconstructionFilter = ReconstructionFilter::Gaussian { stddev: 0.5 };
 
-fn parse_filter<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<ReconstructionFilter> {
+fn parse_filter<'a>(
+    element: &'a Element,
+    scope: &Scope<'a>,
+    warnings: &mut Vec<String>,
+) -> Result<ReconstructionFilter> {
     let mut properties = Properties::new(element, scope)?;
     let filter = match properties.plugin() {
         "box" => ReconstructionFilter::Box,

@@ -13,7 +13,10 @@ use super::scope::Scope;
 use crate::Result;
 use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
 
-const SUPPORTED: [&str; 4] = ["bitmap", "checkerboard", "rawconstant", "scale"];
+const SUPPORTED: [&str; 5] = ["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"];
+
+/// Index of the image of vertex colors among the images read: it is made when all meshes are read.
+const VERTEX_COLORS: u32 = u32::MAX;
 
 /// Deepest nesting of textures. Deeper nesting comes from a texture that refers to itself.
 const MAX_DEPTH: usize = 16;
@@ -134,6 +137,7 @@ impl<'a> Textures<'a> {
             "bitmap" => self.bitmap(&mut properties, role, warnings)?,
             "checkerboard" => checkerboard(&mut properties, role, warnings)?,
             "rawconstant" => raw_constant(&mut properties)?,
+            "mesh_attribute" => return self.mesh_attribute(properties, role, warnings),
             "scale" => return self.scale(properties, role, depth, warnings),
             _ => return Err(element.unsupported(&SUPPORTED)),
         };
@@ -168,6 +172,32 @@ impl<'a> Textures<'a> {
         Ok(TextureUse { factor: factor * found.factor, ..found })
     }
 
+    /// Reads a `mesh_attribute`, whose colors the shape's mesh gives.
+    fn mesh_attribute(
+        &mut self,
+        mut properties: Properties<'a>,
+        role: Role,
+        warnings: &mut Vec<String>,
+    ) -> Result<TextureUse> {
+        let element = properties.element();
+        let location = properties.location("name");
+        match properties.string("name")? {
+            Some("vertex_color") => {}
+            Some(name) => {
+                return Err(location.error(format!("the attribute `{name}` is not supported; use `vertex_color`")));
+            }
+            None => return Err(element.error("texture plugin `mesh_attribute` needs its parameter `name`")),
+        }
+        if !matches!(role, Role::Reflectance | Role::Radiance) {
+            return Err(element.error("the attribute `vertex_color` is a color, not a number"));
+        }
+        let factor = Vec3::splat(properties.float("scale")?.unwrap_or(1.0));
+        properties.finish(warnings)?;
+        let pattern = Pattern::Bitmap { image: VERTEX_COLORS, filter: TexelFilter::Bilinear, wrap: WrapMode::Clamp };
+        self.read.push(Texture { name: "vertex_color".to_string(), pattern, to_uv: Mat3::IDENTITY });
+        Ok(TextureUse { texture: self.read.len() as u32 - 1, factor })
+    }
+
     fn bitmap(&mut self, properties: &mut Properties<'a>, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
         let filter = filter(properties, warnings)?;
         let wrap = wrap_mode(properties)?;
@@ -184,7 +214,10 @@ impl<'a> Textures<'a> {
     /// Reads the parameter `filename` and returns the index of its image.
     fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
         let name = filename.required("value")?;
-        let path = self.scope.folders.find(name, &filename.location.file)
+        let path = self
+            .scope
+            .folders
+            .find(name, &filename.location.file)
             .and_then(|path| path.canonicalize().ok())
             .ok_or_else(|| filename.error(format!("the image file `{name}` does not exist")))?;
         let is_reflectance = role == Role::Reflectance;
@@ -200,7 +233,10 @@ impl<'a> Textures<'a> {
 
     /// Refuses uses that Mitsuba's checkerboard does not support.
     fn check_role(&self, element: &Element, role: Role, found: TextureUse) -> Result<()> {
-        let is_bitmap = matches!(self.read[found.texture as usize].pattern, Pattern::Bitmap { .. });
+        let is_bitmap = match self.read[found.texture as usize].pattern {
+            Pattern::Bitmap { image, .. } => image != VERTEX_COLORS,
+            Pattern::Checkerboard { .. } => false,
+        };
         match role {
             Role::Heights if !is_bitmap => Err(element.error("a bump map must be a `bitmap`")),
             Role::Normals if !is_bitmap => Err(element.error("a normal map must be a `bitmap`")),
@@ -211,14 +247,16 @@ impl<'a> Textures<'a> {
 
     /// Index in `Scene::textures` of a texture that was read.
     pub fn keep(&mut self, texture: u32) -> u32 {
-        if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern {
+        if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern
+            && image != VERTEX_COLORS
+        {
             self.kept_images.index(image);
         }
         self.kept_textures.index(texture)
     }
 
     /// Kept textures for `Scene::textures`, and kept images to decode for `Scene::images`, where they follow
-    /// `first_image` others.
+    /// `first_image` others. The image of vertex colors, if a texture uses it, comes after all of them.
     pub fn finish(mut self, first_image: u32) -> (Vec<Texture>, Vec<ImageRequest>) {
         let order = std::mem::take(&mut self.kept_textures.order);
         let textures = order.iter().map(|&read| self.kept_texture(read, first_image)).collect();
@@ -229,7 +267,11 @@ impl<'a> Textures<'a> {
     fn kept_texture(&mut self, read: u32, first_image: u32) -> Texture {
         let mut texture = self.read[read as usize].clone();
         if let Pattern::Bitmap { image, .. } = &mut texture.pattern {
-            *image = first_image + self.kept_images.index(*image);
+            *image = first_image
+                + match *image {
+                    VERTEX_COLORS => self.kept_images.order.len() as u32,
+                    read => self.kept_images.index(read),
+                };
         }
         texture
     }

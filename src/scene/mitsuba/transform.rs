@@ -63,7 +63,11 @@ pub(super) fn warning(operation: &Element) -> Result<Option<String>> {
         true => "is normalized, as in Mitsuba 0.6; Mitsuba 3 scales the shape",
         false => "scales the shape, as in Mitsuba 3; give the axis the length 1 to rotate only",
     };
-    Ok(Some(format!("{}: the axis of this <rotate> has the length {:.4}. It {what}", operation.location, axis.length())))
+    Ok(Some(format!(
+        "{}: the axis of this <rotate> has the length {:.4}. It {what}",
+        operation.location,
+        axis.length()
+    )))
 }
 
 /// Reads a transform from camera to world: `+z` looks from origin to target, `+x` points to the left of the picture.

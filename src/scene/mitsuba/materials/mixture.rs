@@ -23,7 +23,9 @@ pub(super) fn mixture(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<T
     let weights = numbers::list(element, text)?;
     if parts.is_empty() || weights.len() != parts.len() {
         let (weights, parts) = (weights.len(), parts.len());
-        return Err(location.error(format!("a `mixturebsdf` needs a weight for each nested <bsdf>: {weights} for {parts}")));
+        return Err(
+            location.error(format!("a `mixturebsdf` needs a weight for each nested <bsdf>: {weights} for {parts}"))
+        );
     }
     if let Some(negative) = weights.iter().find(|&&weight| weight < 0.0) {
         return Err(location.error(format!("a weight must not be negative, as {negative} is")));
