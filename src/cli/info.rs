@@ -43,7 +43,10 @@ fn describe(summary: &Summary) -> String {
     let Summary { triangles, parallelograms, disks, spheres, .. } = summary;
     let lights = &summary.lights;
     let mut text = format!("{name}: {width} x {height} pixels; samples per pixel: {samples}; max_depth: {depth}\n");
-    let _ = writeln!(text, "shapes: {triangles} triangles, {parallelograms} parallelograms, {disks} disks, {spheres} spheres");
+    let _ = writeln!(
+        text,
+        "shapes: {triangles} triangles, {parallelograms} parallelograms, {disks} disks, {spheres} spheres"
+    );
     let _ = writeln!(
         text,
         "lights: {} emitting primitives, {} point, {} spot, {} directional, environment: {}",

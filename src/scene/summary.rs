@@ -1,4 +1,4 @@
-//! What is in a scene, as `lodestar info` tells it.
+//! Summary of a scene, as `lodestar info` tells it.
 
 use super::bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 use super::emitter::EnvironmentKind;
@@ -6,7 +6,7 @@ use super::texel_pages::word_count;
 use super::texture::{Pattern, Textured};
 use super::{PrimitiveShape, Scene};
 
-/// What is in a scene.
+/// Contents of a scene in short.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Summary {
     /// Name of the scene.
@@ -121,19 +121,27 @@ pub fn summarize(scene: &Scene) -> Summary {
         spheres: count(PrimitiveShape::Sphere),
         materials: scene.materials.iter().map(material).collect(),
         lights: lights(scene),
-        textures: scene.textures.iter().map(|texture| TextureSummary {
-            name: texture.name.clone(),
-            image: match texture.pattern {
-                Pattern::Bitmap { image, .. } => Some(scene.images[image as usize].name.clone()),
-                Pattern::Checkerboard { .. } => None,
-            },
-        }).collect(),
-        images: scene.images.iter().map(|image| ImageSummary {
-            name: image.name.clone(),
-            width: image.width,
-            height: image.height,
-            bytes: bytes(image),
-        }).collect(),
+        textures: scene
+            .textures
+            .iter()
+            .map(|texture| TextureSummary {
+                name: texture.name.clone(),
+                image: match texture.pattern {
+                    Pattern::Bitmap { image, .. } => Some(scene.images[image as usize].name.clone()),
+                    Pattern::Checkerboard { .. } => None,
+                },
+            })
+            .collect(),
+        images: scene
+            .images
+            .iter()
+            .map(|image| ImageSummary {
+                name: image.name.clone(),
+                width: image.width,
+                height: image.height,
+                bytes: bytes(image),
+            })
+            .collect(),
         image_bytes: scene.images.iter().map(bytes).sum(),
         warnings: scene.warnings.clone(),
     }

@@ -60,9 +60,13 @@ fn the_text_says_the_same() {
     let output = info(&["s.xml"]);
     assert!(output.status.success() && output.stderr.is_empty());
     let text = String::from_utf8(output.stdout).unwrap();
-    for part in
-        ["s: 16 x 9 pixels", "6 parallelograms, 1 disks", "glass (dielectric): not guided", "checks: checkerboard", "`bdpt`"]
-    {
+    for part in [
+        "s: 16 x 9 pixels",
+        "6 parallelograms, 1 disks",
+        "glass (dielectric): not guided",
+        "checks: checkerboard",
+        "`bdpt`",
+    ] {
         assert!(text.contains(part), "`{part}` is missing in:\n{text}");
     }
 }
