@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use lodestar::Result;
 use lodestar::scene::summary::{Guided, Summary, summarize};
-use lodestar::scene::{LoadOptions, load};
+use lodestar::scene::{LoadOptions, load, scene_file};
 
 use super::print::{print_json, print_line};
 use super::render_args::define;
@@ -14,7 +14,7 @@ use super::render_args::define;
 /// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided.
 #[derive(Debug, clap::Args)]
 pub struct InfoArgs {
-    /// The Mitsuba scene.
+    /// The Mitsuba scene, or a folder with a scene.xml.
     #[arg(value_name = "SCENE.xml")]
     scene: PathBuf,
     /// Value that replaces the scene's <default> of that name.
@@ -27,7 +27,7 @@ pub struct InfoArgs {
 
 /// Reads the scene and prints its summary.
 pub fn run(args: &InfoArgs) -> Result<ExitCode> {
-    let scene = load(&args.scene, &LoadOptions { defines: args.define.clone() })?;
+    let scene = load(&scene_file(&args.scene)?, &LoadOptions { defines: args.define.clone() })?;
     let summary = summarize(&scene);
     match args.json {
         true => print_json(&summary)?,

@@ -84,10 +84,11 @@ def mitsuba_means(path, seeds):
     mi.set_log_level(mi.LogLevel.Error)
     scene = mi.load_file(str(path))
     sensor = scene.sensors()[0]
-    parameters = mi.traverse(sensor.film())
-    parameters["size"] = [SIZE, SIZE]
-    parameters["crop_size"] = [SIZE, SIZE]
-    parameters["crop_offset"] = [0, 0]
+    # Through the sensor, which must learn of the new aspect.
+    parameters = mi.traverse(sensor)
+    parameters["film.size"] = [SIZE, SIZE]
+    parameters["film.crop_size"] = [SIZE, SIZE]
+    parameters["film.crop_offset"] = [0, 0]
     parameters.update()
     return [block_means(mi.render(scene, spp=SAMPLES, seed=seed)) for seed in seeds]
 
