@@ -8,6 +8,7 @@ mod completions;
 mod console;
 mod devices;
 mod duration;
+mod info;
 mod inspect;
 mod inspect_text;
 mod interrupt;
@@ -50,6 +51,7 @@ enum Command {
     Resume(Box<resume::ResumeArgs>),
     Inspect(Box<inspect::InspectArgs>),
     Devices(devices::DevicesArgs),
+    Info(info::InfoArgs),
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
     Radiance(Box<radiance::RadianceArgs>),
@@ -75,6 +77,7 @@ pub fn run() -> ExitCode {
         Command::Resume(args) => resume::run(*args),
         Command::Inspect(args) => inspect::run(&args),
         Command::Devices(args) => devices::run(&args),
+        Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Radiance(args) => radiance::run(*args),

@@ -15,6 +15,9 @@ const MAX_SIDE: u32 = 1 << 16;
 /// Limit on the file's size in bytes: no image within [`MAX_DECODED_BYTES`] takes more on the disk.
 const MAX_FILE_BYTES: u64 = 2 << 30;
 
+/// Beginning of the text that stands for a file in a repository whose large files were not fetched.
+const GIT_LFS_POINTER: &[u8] = b"version https://git-lfs";
+
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 /// An image in memory, rows from the top.
@@ -46,6 +49,9 @@ pub enum FileTexels {
 /// [`Error::Read`] where it cannot be read.
 pub fn read(path: &Path) -> Result<TexelImage> {
     let bytes = read_bytes(path)?;
+    if bytes.starts_with(GIT_LFS_POINTER) {
+        return Err(Error::image(path, "the file is a git-lfs pointer, not the image; fetch it with `git lfs pull`"));
+    }
     if bytes.starts_with(&EXR_MAGIC) {
         return read_exr(path);
     }

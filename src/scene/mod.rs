@@ -16,6 +16,7 @@ mod mesh;
 pub mod mitsuba;
 mod place;
 mod shrink;
+pub mod summary;
 pub mod texel_pages;
 pub mod texture;
 pub mod texture_lookup;

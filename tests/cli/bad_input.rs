@@ -60,7 +60,7 @@ fn what_memory_cannot_hold_is_refused_before_anything_is_rendered() {
 fn a_scene_that_asks_for_what_there_is_not() {
     refuse_scene(r#"type="diffuse""#, r#"type="velvet""#, &["scene.xml:14: ", "bsdf plugin `velvet`"]);
     refuse_scene(r#"type="cube""#, r#"type="teapot""#, &["scene.xml:12: ", "shape plugin `teapot`"]);
-    refuse_scene(r#"type="path""#, r#"type="bdpt""#, &["scene.xml:3: ", "integrator plugin `bdpt`"]);
+    refuse_scene(r#"type="path""#, r#"type="depth""#, &["scene.xml:3: ", "integrator plugin `depth`"]);
     refuse_scene(r#"name="width" value="16""#, r#"name="width" value="0""#, &["scene.xml:", "`width`", "not 0"]);
     refuse_scene(r#"name="width" value="16""#, r#"name="width" value="99999999""#, &["width", "99999999"]);
     refuse_scene("$gray", "$grey", &["scene.xml:14: ", "$grey", "-D grey=VALUE"]);

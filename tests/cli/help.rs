@@ -4,8 +4,8 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 9] =
-    ["render", "resume", "inspect", "devices", "compare", "merge", "radiance", "reproduce", "completions"];
+const SUBCOMMANDS: [&str; 10] =
+    ["render", "resume", "inspect", "devices", "info", "compare", "merge", "radiance", "reproduce", "completions"];
 
 fn help(arguments: &[&str]) -> String {
     let output = Folder::new().run(arguments);

@@ -8,6 +8,7 @@ mod files;
 mod full_disk;
 mod headers;
 mod help;
+mod info;
 mod inspect;
 mod kernel_dir;
 mod kills;

@@ -151,7 +151,6 @@ fn what_cannot_be_is_refused() {
     refuse(&emitter("spot", r#"<float name="beam_width" value="-1"/>"#), &["`beam_width`"]);
     refuse(&emitter("spot", r#"<texture type="checkerboard"/>"#), &["<texture>", "`spot`"]);
     refuse(&emitter("point", r#"<float name="sampling_weight" value="-1"/>"#), &["`sampling_weight`", "negative"]);
-    refuse(&emitter("area", ""), &["`area`", "<shape>"]);
     refuse(&emitter("sunsky", ""), &["`sunsky`", "`directional`"]);
     refuse(&format!(r#"<shape type="disk">{}</shape>"#, emitter("point", "")), &["`point`", "`area`"]);
 }

@@ -40,6 +40,25 @@ value="1, 2, 3"/></bsdf></bsdf><bsdf type="roughdielectric" id="e"><string name=
 <shape type="disk"><ref id="e"/></shape><shape type="disk"><ref id="b"/></shape>
 </scene>"#;
 
+/// Scene of what is read as something else, without a sensor.
+const MAPPED: &str = r#"<scene version="2.1.0"><path value="more"/>
+<integrator type="aov"><string name="aovs" value="d:depth"/><integrator type="direct"/></integrator>
+<emitter type="area" id="l"><spectrum type="d65" name="radiance"><float name="scale" value="2"/></spectrum></emitter>
+<bsdf type="mixturebsdf" id="a"><string name="weights" value="0.2, 0.3, 0.4"/><bsdf type="null"/><bsdf type="diffuse">
+<texture type="mesh_attribute" name="diffuse_reflectance"><string name="name" value="vertex_color"/></texture></bsdf>
+<bsdf type="roughconductorGGX"><float name="ext_eta" value="1.5"/></bsdf></bsdf><alias id="a" as="b"/>
+<sampler type="independent"/><integer name="n" value="3"/>
+<shape type="ply"><string name="filename" value="mesh.ply"/><ref id="b"/><transform name="to_world">
+<rotate x="1" y="1" angle="30"/></transform></shape>
+<shape type="sphere"><ref id="l"/><bsdf type="diffuse"><texture type="rawconstant" name="reflectance">
+<vector name="value" value="0.5, 1, 0.3"/></texture></bsdf></shape>
+</scene>"#;
+
+const COLORED: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                       property float red\nproperty uchar green\nproperty double blue\nelement face 2\n\
+                       property list uchar int vertex_indices\nend_header\n0 0 0 1 255 0.5\n1 0 0 0 128 1\n\
+                       1 1 0 0.25 0 0\n0 1 0 1 1 1\n3 0 1 2\n3 0 2 3\n";
+
 const MESH: &str = "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1.5\nvt 0 0\nvt 1 0.5\nvn 0 0 1\n\
                     f 1/1/1 2/2/1 3/1/1\nf -3/1/1 -2//1 4/1/1 1/1/1\n";
 
@@ -117,6 +136,17 @@ fn scenes() {
 }
 
 #[test]
+fn what_is_mapped() {
+    let scene = prop_oneof![Just(MAPPED.as_bytes().to_vec()), mangled(MAPPED.into())];
+    fuzz((scene, mangled(COLORED.into())), |(scene, mesh)| {
+        let folder = Folder::new(&[]);
+        folder.write("scene.xml", &scene);
+        folder.write("mesh.ply", &mesh);
+        folder.load(&[]).map_or(Ok(()), |scene| check(&scene))
+    });
+}
+
+#[test]
 fn materials() {
     let png = image_files().remove(0);
     fuzz(mangled(MATERIALS.into()), |scene| {
@@ -185,4 +215,6 @@ fn the_unmangled_files_are_fine() {
     }
     let scene = Folder::new(&[("scene.xml", SCENE), ("mesh.obj", MESH)]).load(&[]).unwrap();
     assert_eq!(scene.primitives.len(), 3 + 1 + 6);
+    let scene = Folder::new(&[("scene.xml", MAPPED), ("mesh.ply", COLORED)]).load(&[]).unwrap();
+    assert_eq!((scene.primitives.len(), scene.images.len()), (2 + 1, 1));
 }

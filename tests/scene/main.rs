@@ -5,6 +5,7 @@ mod emitters;
 mod fuzz;
 mod fuzz_renders;
 mod geometry;
+mod mapped;
 mod materials;
 mod meshes;
 mod obj;

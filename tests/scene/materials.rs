@@ -301,7 +301,9 @@ fn coatings() {
     assert_eq!(coated.coating, Some(expected));
     let plain = surface(&format!(r#"<bsdf type="coating">{RED}</bsdf>"#)).coating.unwrap();
     assert_eq!((plain.eta, plain.optical_thickness), (BK7, Vec3::ZERO));
-    refuse(&format!(r#"<bsdf type="coating"><bsdf type="twosided">{RED}</bsdf></bsdf>"#), &["around the `coating`"]);
+    // A coating is alike on both sides, so it does not matter which is around which.
+    let outside = surface(&format!(r#"<bsdf type="coating">{given}<bsdf type="twosided">{RED}</bsdf></bsdf>"#));
+    assert_eq!(outside, coated);
     refuse(r#"<bsdf type="coating"><bsdf type="dielectric"/></bsdf>"#, &["transmits light"]);
 }
 
@@ -364,10 +366,12 @@ fn every_unknown_parameter_is_named_once() {
         ("mask", RED),
         ("twosided", RED),
         ("coating", RED),
+        ("null", ""),
+        ("mixturebsdf", r#"<string name="weights" value="0.5, 0.5"/><bsdf type="diffuse"/><bsdf type="diffuse"/>"#),
         ("blendbsdf", r#"<float name="weight" value="0.5"/><bsdf type="diffuse"/><bsdf type="diffuse"/>"#),
     ];
     for (plugin, inside) in plugins {
-        let unknown = "<float name=\"wobble\" value=\"1\"/>\n<texture name=\"extra\" type=\"checkerboard\"/>";
+        let unknown = "<float name=\"wobble\" value=\"1\"/>\n<string name=\"extra\" value=\"a\"/>";
         let bsdf = format!("<bsdf type=\"{plugin}\">{unknown}{inside}</bsdf>");
         let warnings = load_body(&format!("{bsdf}<shape type=\"disk\">{bsdf}</shape>")).unwrap().warnings;
         assert_eq!(warnings.len(), 4, "{warnings:?}");

@@ -43,5 +43,11 @@ fn bytes(path: &Path) -> Result<Vec<u8>> {
         let message = format!("a mesh file of {size} bytes is refused; the limit is {MAX_FILE_BYTES}");
         return Err(Error::scene(path, None, message));
     }
-    std::fs::read(path).map_err(Error::read(path))
+    let bytes = std::fs::read(path).map_err(Error::read(path))?;
+    match bytes.starts_with(b"version https://git-lfs") {
+        true => {
+            Err(Error::scene(path, None, "the file is a git-lfs pointer, not the mesh; fetch it with `git lfs pull`"))
+        }
+        false => Ok(bytes),
+    }
 }

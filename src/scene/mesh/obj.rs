@@ -119,6 +119,7 @@ impl<'a> Lines<'a> {
             normals: bytemuck::cast_slice(self.complete(2, &mesh.normals, &mesh)?).to_vec(),
             triangles: triangles(&mesh)?,
             positions: bytemuck::cast_slice(&mesh.positions).to_vec(),
+            ..Mesh::default()
         })
     }
 

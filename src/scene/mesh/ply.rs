@@ -179,6 +179,19 @@ impl Source<'_> {
 }
 
 impl Scalar {
+    /// Number that stands for a color of 1.
+    fn largest_color(self) -> f32 {
+        match self {
+            Self::I8 => f32::from(i8::MAX),
+            Self::U8 => f32::from(u8::MAX),
+            Self::I16 => f32::from(i16::MAX),
+            Self::U16 => f32::from(u16::MAX),
+            Self::I32 => i32::MAX as f32,
+            Self::U32 => u32::MAX as f32,
+            Self::F32 | Self::F64 => 1.0,
+        }
+    }
+
     fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -190,8 +203,22 @@ impl Scalar {
 }
 
 /// Property names of the numbers that are kept for a vertex; a number may have several names.
-const VERTEX_NUMBERS: [&[&str]; 8] =
-    [&["x"], &["y"], &["z"], &["nx"], &["ny"], &["nz"], &["u", "s", "texture_u"], &["v", "t", "texture_v"]];
+const VERTEX_NUMBERS: [&[&str]; 11] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["u", "s", "texture_u"],
+    &["v", "t", "texture_v"],
+    &["r", "red"],
+    &["g", "green"],
+    &["b", "blue"],
+];
+
+/// Place of the first color in [`VERTEX_NUMBERS`].
+const FIRST_COLOR: usize = 8;
 
 fn read_body(elements: &[Element], mut source: Source) -> Result<Mesh, Fault> {
     let mut mesh = Mesh::default();
@@ -252,22 +279,29 @@ fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Res
     if !has(0..3) {
         return Err("the element `vertex` lacks x, y or z".to_string());
     }
-    let (has_normals, has_uvs) = (has(3..6), has(6..8));
+    let (has_normals, has_uvs, has_colors) = (has(3..6), has(6..8), has(FIRST_COLOR..11));
+    let largest = |place: Option<usize>| place.map_or(1.0, |place| element.properties[place].scalar.largest_color());
+    let largest = [8, 9, 10].map(|own| largest(places[own]));
+    mesh.has_byte_colors |= has_colors && largest.iter().any(|&largest| largest != 1.0);
     for _ in 0..element.count {
         let mut vertex = [0.0_f32; VERTEX_NUMBERS.len()];
         element.read(source, |place, number| {
             if let Some(at) = places.iter().position(|&own| own == Some(place)) {
-                vertex[at] = finite(number)?;
+                // Colors that nobody uses may be anything.
+                vertex[at] = if at < FIRST_COLOR { finite(number)? } else { number as f32 };
             }
             Ok(())
         })?;
-        let [x, y, z, nx, ny, nz, u, v] = vertex;
+        let [x, y, z, nx, ny, nz, u, v, red, green, blue] = vertex;
         mesh.positions.push(Vec3::new(x, y, z));
         if has_normals {
             mesh.normals.push(Vec3::new(nx, ny, nz));
         }
         if has_uvs {
             mesh.uvs.push(Vec2::new(u, v));
+        }
+        if has_colors {
+            mesh.colors.push(Vec3::new(red, green, blue) / Vec3::from_array(largest));
         }
     }
     Ok(())

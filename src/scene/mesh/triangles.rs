@@ -17,6 +17,10 @@ pub(in crate::scene) struct Mesh {
     pub normals: Vec<Vec3>,
     /// One texture coordinate per vertex, as in the file; empty where it has none.
     pub uvs: Vec<Vec2>,
+    /// One color per vertex, as in the file; empty where it has none. They may be no numbers.
+    pub colors: Vec<Vec3>,
+    /// Whether the file gives the colors as whole numbers, of which the largest stands for 1.
+    pub has_byte_colors: bool,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }

@@ -1,12 +1,15 @@
-//! XML text to [`Element`]s. `<default>`, `$name`, `-D` and `<include>` are resolved here and seen nowhere else.
+//! XML text to [`Element`]s. `<default>`, `$name`, `-D`, `<include>` and `<path>` are resolved here and seen nowhere
+//! else.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::element::{Element, Location, OBJECT_TAGS, PARAMETER_TAGS};
+use super::folders::Folders;
+use super::transform;
 use crate::{Error, Result};
 
 /// Largest scene file in bytes. The bulk of a scene lies in meshes, so a larger file is a mistake.
@@ -17,10 +20,24 @@ const MAX_ELEMENT_DEPTH: usize = 64;
 
 const TRANSFORM_TAGS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
 
-/// Reads the file at `path` with all its includes. Returns the elements that stand directly in `<scene>`.
-pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Vec<Element>> {
+/// Invisible characters that count as space between elements: the zero-width space and the byte order mark.
+const INVISIBLE: [char; 2] = ['\u{200b}', '\u{feff}'];
+
+/// Scene file with all its includes.
+pub(super) struct Document {
+    /// Elements that stand directly in `<scene>`.
+    pub elements: Vec<Element>,
+    /// Folders in which files are searched.
+    pub folders: Folders,
+    pub warnings: Vec<String>,
+}
+
+/// Reads the file at `path` with all its includes.
+pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document> {
     let mut reader = Reader {
-        top_folder: folder(path),
+        folders: Folders::new(path),
+        warnings: Vec::new(),
+        is_old: false,
         parameters: defines.iter().cloned().collect(),
         known: HashSet::new(),
         open_files: Vec::new(),
@@ -32,25 +49,14 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Vec<Elem
             return Err(Error::scene(path, None, message));
         }
     }
-    Ok(elements)
-}
-
-/// Path of the file `name`: relative to the file that names it, or else to the top scene's folder. `None` where neither
-/// exists.
-pub(super) fn resolve(name: &str, named_in: &Path, top_folder: &Path) -> Option<PathBuf> {
-    [folder(named_in).join(name), top_folder.join(name)].into_iter().find(|path| path.is_file())
-}
-
-/// Folder of a file, never empty.
-pub(super) fn folder(path: &Path) -> PathBuf {
-    match path.parent() {
-        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
-        _ => PathBuf::from("."),
-    }
+    Ok(Document { elements, folders: reader.folders, warnings: reader.warnings })
 }
 
 struct Reader {
-    top_folder: PathBuf,
+    folders: Folders,
+    warnings: Vec<String>,
+    /// Whether the file being read is of a version before 2.
+    is_old: bool,
     /// Values of `$name`.
     parameters: HashMap<String, String>,
     /// Names that a `<default>` gave or a `$name` used.
@@ -78,12 +84,14 @@ impl Reader {
         let text = read_text(path)?;
         let canonical = path.canonicalize().map_err(Error::read(path))?;
         self.open_files.push(canonical);
-        let document = Document::parse(&text).map_err(|error| xml_error(path, &text, &error))?;
+        let document = roxmltree::Document::parse(&text).map_err(|error| xml_error(path, &text, &error))?;
         let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
         let file = File { path: Arc::from(path), line_starts };
         let root = document.root_element();
         let mut elements = Vec::new();
+        let outer_is_old = self.is_old;
         if root.tag_name().name() == "scene" {
+            self.is_old = root.attribute("version").map_or(outer_is_old, is_old);
             self.read_children(root, &file, 0, &mut elements)?;
         } else if self.open_files.len() > 1 {
             // An include may hold a single object.
@@ -92,6 +100,7 @@ impl Reader {
             let message = format!("not a Mitsuba scene: the root element is <{}>", root.tag_name().name());
             return Err(file.location(root).error(message));
         }
+        self.is_old = outer_is_old;
         self.open_files.pop();
         Ok(elements)
     }
@@ -100,11 +109,20 @@ impl Reader {
         for node in parent.children() {
             if node.is_element() {
                 self.read_node(node, file, depth + 1, into)?;
-            } else if node.is_text() && node.text().is_some_and(|text| !text.trim().is_empty()) {
-                return Err(file.location(node).error("text between elements is not allowed here"));
+            } else if node.is_text() {
+                self.skip_text(node.text().unwrap_or_default(), &file.location(node));
             }
         }
         Ok(())
+    }
+
+    /// Skips text between elements, as Mitsuba does. Visible text gets a warning.
+    fn skip_text(&mut self, text: &str, location: &Location) {
+        let word = text.split(|c: char| c.is_whitespace() || INVISIBLE.contains(&c)).find(|word| !word.is_empty());
+        if let Some(word) = word {
+            let word: String = word.chars().take(20).collect();
+            self.warnings.push(format!("{location}: the text `{word}` between elements is ignored"));
+        }
     }
 
     fn read_node(&mut self, node: Node, file: &File, depth: usize, into: &mut Vec<Element>) -> Result<()> {
@@ -117,6 +135,7 @@ impl Reader {
             attributes: self.read_attributes(node, &location)?,
             children: Vec::new(),
             location,
+            is_old: self.is_old,
         };
         match element.tag.as_str() {
             "default" => return self.read_default(&element),
@@ -124,11 +143,13 @@ impl Reader {
                 into.extend(self.read_include(&element)?);
                 return Ok(());
             }
+            "path" if depth == 1 => return self.read_path(&element),
             // Mitsuba 0.5 and 0.6 use these spellings.
             "lookAt" | "look_at" => element.tag = "lookat".to_string(),
             _ => {}
         }
-        check_tag(&element)?;
+        check_tag(&element, depth)?;
+        self.warnings.extend(transform::warning(&element)?);
         self.read_children(node, file, depth, &mut element.children)?;
         into.push(element);
         Ok(())
@@ -167,9 +188,19 @@ impl Reader {
         Ok(())
     }
 
+    /// Reads a `<path>`, which adds a folder in which files are searched.
+    fn read_path(&mut self, element: &Element) -> Result<()> {
+        let name = element.required("value")?;
+        if !self.folders.add(name, &element.location.file) {
+            self.warnings
+                .push(format!("{}: the folder `{name}` of a <path> does not exist; ignored", element.location));
+        }
+        Ok(())
+    }
+
     fn read_include(&mut self, element: &Element) -> Result<Vec<Element>> {
         let name = element.required("filename")?;
-        let path = resolve(name, &element.location.file, &self.top_folder)
+        let path = (self.folders.find(name, &element.location.file))
             .ok_or_else(|| element.error(format!("the included file `{name}` does not exist")))?;
         let canonical = path.canonicalize().map_err(Error::read(&path))?;
         if self.open_files.contains(&canonical) {
@@ -182,10 +213,16 @@ impl Reader {
     }
 }
 
-fn check_tag(element: &Element) -> Result<()> {
+/// Whether a version is before 2: such files are of Mitsuba 0.6.
+fn is_old(version: &str) -> bool {
+    version.split('.').next().and_then(|major| major.trim().parse::<u32>().ok()).is_some_and(|major| major < 2)
+}
+
+/// Refuses unknown elements. `depth` is 1 directly in `<scene>`.
+fn check_tag(element: &Element, depth: usize) -> Result<()> {
     let tag = element.tag.as_str();
     let known = [&OBJECT_TAGS[..], &PARAMETER_TAGS, &TRANSFORM_TAGS, &["ref"]];
-    if known.iter().any(|tags| tags.contains(&tag)) {
+    if known.iter().any(|tags| tags.contains(&tag)) || (tag == "alias" && depth == 1) {
         return Ok(());
     }
     Err(element.error(format!("the element <{tag}> is not supported")))

@@ -64,6 +64,8 @@ pub(super) struct Element {
     pub attributes: Vec<(String, String)>,
     pub children: Vec<Element>,
     pub location: Location,
+    /// Whether the file is of a version before 2, which is Mitsuba 0.6's format.
+    pub is_old: bool,
 }
 
 impl Element {

@@ -1,12 +1,12 @@
 //! Readers of `<emitter>` plugins, with Mitsuba's parameters and defaults.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::{DMat4, DVec3, Mat3, Vec3};
 
-use super::document;
 use super::element::Element;
-use super::properties::{Ids, Properties};
+use super::properties::Properties;
+use super::scope::Scope;
 use super::textures::{Role, Textures};
 use super::transform;
 use crate::Result;
@@ -16,6 +16,9 @@ use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, Textured};
 const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
 /// Mitsuba's default beam width of a spot, as a share of the cone's half angle.
 const DEFAULT_BEAM_SHARE: f32 = 0.75;
+
+/// Plugins of emitters.
+const SUPPORTED: [&str; 6] = ["area", "constant", "envmap", "point", "spot", "directional"];
 
 /// Emitter that stands directly in a `<scene>`.
 pub(super) enum SceneEmitter {
@@ -34,13 +37,8 @@ pub(super) struct EnvironmentMapFile {
 }
 
 /// Reads an emitter that stands directly in a `<scene>`.
-pub(super) fn parse<'a>(
-    element: &'a Element,
-    ids: &Ids<'a>,
-    top_folder: &Path,
-    warnings: &mut Vec<String>,
-) -> Result<SceneEmitter> {
-    let mut properties = Properties::new(element, ids)?;
+pub(super) fn parse<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<SceneEmitter> {
+    let mut properties = Properties::new(element, scope)?;
     let sampling_weight = sampling_weight(&mut properties)?;
     let delta = |kind| SceneEmitter::Delta(DeltaEmitter { kind, sampling_weight });
     let emitter = match properties.plugin() {
@@ -48,12 +46,11 @@ pub(super) fn parse<'a>(
             let constant = Environment::constant(color(&mut properties, "radiance")?);
             SceneEmitter::Environment(Environment { sampling_weight, ..constant })
         }
-        "envmap" => SceneEmitter::Map(parse_map(&mut properties, top_folder, sampling_weight)?),
+        "envmap" => SceneEmitter::Map(parse_map(&mut properties, sampling_weight)?),
         "point" => delta(parse_point(&mut properties)?),
         "spot" => delta(parse_spot(&mut properties)?),
         "directional" => delta(parse_directional(&mut properties)?),
-        "area" => return Err(element.error("emitter plugin `area` belongs inside a <shape>")),
-        _ => return Err(element.unsupported(&["area", "constant", "envmap", "point", "spot", "directional"])),
+        _ => return Err(element.unsupported(&SUPPORTED)),
     };
     properties.finish(warnings)?;
     Ok(emitter)
@@ -62,11 +59,11 @@ pub(super) fn parse<'a>(
 /// Reads an emitter that stands in a `<shape>`.
 pub(super) fn parse_area<'a>(
     element: &'a Element,
-    ids: &Ids<'a>,
+    scope: &Scope<'a>,
     textures: &mut Textures<'a>,
     warnings: &mut Vec<String>,
 ) -> Result<AreaEmitter> {
-    let mut properties = Properties::new(element, ids)?;
+    let mut properties = Properties::new(element, scope)?;
     if properties.plugin() != "area" {
         return Err(element.unsupported(&["area"]));
     }
@@ -99,12 +96,13 @@ fn color(properties: &mut Properties, name: &str) -> Result<Vec3> {
     Ok(properties.emission(name)?.unwrap_or(Vec3::ONE))
 }
 
-fn parse_map(properties: &mut Properties, top_folder: &Path, sampling_weight: f32) -> Result<EnvironmentMapFile> {
+fn parse_map(properties: &mut Properties, sampling_weight: f32) -> Result<EnvironmentMapFile> {
     let element = properties.element();
     let parameter = properties.take("filename");
     let parameter = parameter.ok_or_else(|| element.error("emitter plugin `envmap` needs its parameter `filename`"))?;
     let name = parameter.required("value")?;
-    let path = document::resolve(name, &parameter.location.file, top_folder)
+    let path = properties
+        .find_file(parameter, name)
         .ok_or_else(|| parameter.error(format!("the image file `{name}` does not exist")))?;
     let scale = non_negative(properties, "scale", 1.0)?;
     let location = properties.location("to_world").clone();

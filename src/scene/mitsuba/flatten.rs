@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DVec3, Vec2, Vec3};
 
+use super::color_blocks::ColorBlocks;
 use super::transform::{axes, is_mirrored, normal_matrix};
 use crate::scene::mesh::Mesh;
 use crate::scene::{Primitive, PrimitiveShape};
@@ -17,6 +18,8 @@ pub(super) struct Common {
     pub flip_normals: bool,
     pub material: u32,
     pub emitter: Option<u32>,
+    /// Blocks of the mesh in the image of vertex colors, whose coordinates then replace the mesh's own.
+    pub colors: Option<ColorBlocks>,
 }
 
 /// Options of a mesh shape.
@@ -149,6 +152,9 @@ impl<'a> PlacedMesh<'a> {
         }
         if !self.mesh.uvs.is_empty() {
             triangle.uvs = vertices.map(|vertex| self.uv(vertex));
+        }
+        if let Some(blocks) = self.common.colors {
+            triangle.uvs = blocks.uvs(index as u32);
         }
         triangle
     }

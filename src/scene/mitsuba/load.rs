@@ -3,21 +3,24 @@
 use std::cmp::Reverse;
 use std::collections::{HashMap, HashSet};
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::element::Element;
+use super::document::Document;
+use super::element::{Element, PARAMETER_TAGS};
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::materials::Materials;
-use super::properties::{Ids, Properties, collect_ids};
+use super::properties::Properties;
+use super::scope::{Scope, Whole};
 use super::shape::{self, Geometry, MeshFile, Shape};
 use super::textures::Textures;
-use super::{document, sensor, texture_images};
+use super::{document, fit, integrator, sensor, texture_images, vertex_colors};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
+use crate::scene::texel_pages;
 use crate::scene::{
     AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene,
 };
@@ -59,16 +62,14 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 /// change the picture (such as a film's `file_format`) are skipped in silence; other unknown ones end up in
 /// [`Scene::warnings`].
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    let elements = document::read(path, &options.defines)?;
-    let mut ids = HashMap::new();
-    collect_ids(&elements, &mut ids)?;
-    let (ids, top_folder) = (Rc::new(ids), document::folder(path));
+    let Document { elements, folders, warnings } = document::read(path, &options.defines)?;
+    let scope = Rc::new(Whole::new(&elements, folders)?);
     let mut builder = Builder {
-        materials: Materials::new(Rc::clone(&ids)),
-        textures: Textures::new(Rc::clone(&ids), top_folder.clone()),
-        ids,
-        top_folder,
+        materials: Materials::new(Rc::clone(&scope)),
+        textures: Textures::new(Rc::clone(&scope)),
+        scope,
         emitters: Vec::new(),
+        lit: HashSet::new(),
         environment: None,
         delta_emitters: Vec::new(),
         images: Vec::new(),
@@ -76,7 +77,8 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
         groups: HashMap::new(),
         sensors: Vec::new(),
         integrators: Vec::new(),
-        warnings: Vec::new(),
+        loose_emitters: Vec::new(),
+        warnings,
     };
     for element in &elements {
         builder.add(element)?;
@@ -89,11 +91,12 @@ const MAX_SHAPES: usize = 1 << 20;
 
 /// Scene as far as it has been read.
 struct Builder<'a> {
-    ids: Ids<'a>,
-    top_folder: PathBuf,
+    scope: Scope<'a>,
     materials: Materials<'a>,
     textures: Textures<'a>,
     emitters: Vec<AreaEmitter>,
+    /// Addresses of the `area` emitters that shapes have.
+    lit: HashSet<*const Element>,
     environment: Option<Environment>,
     delta_emitters: Vec<DeltaEmitter>,
     images: Vec<Image>,
@@ -102,6 +105,8 @@ struct Builder<'a> {
     groups: HashMap<*const Element, Rc<Vec<Shape>>>,
     sensors: Vec<&'a Element>,
     integrators: Vec<&'a Element>,
+    /// `area` emitters that stand in `<scene>`, for shapes to refer to.
+    loose_emitters: Vec<&'a Element>,
     warnings: Vec<String>,
 }
 
@@ -115,15 +120,33 @@ impl<'a> Builder<'a> {
             "shape" => self.add_shape(element)?,
             // A `<bsdf>` that no shape uses is checked too, so that unsupported plugins are reported.
             "bsdf" => self.materials.check(element, &mut self.textures, &mut self.warnings)?,
-            // A texture is checked where a material or emitter refers to it.
-            "texture" => {}
-            tag => return Err(element.error(format!("<{tag}> is not supported in <scene>"))),
+            // These are read where another element refers to them.
+            "texture" | "alias" => {}
+            "sampler" | "film" | "rfilter" => {
+                if element.attribute("id").is_none() {
+                    let message = format!("a <{}> in <scene> has no effect; put it into the <sensor>", element.tag);
+                    self.warnings.push(format!("{}: {message}", element.location));
+                }
+            }
+            tag if PARAMETER_TAGS.contains(&tag) => {
+                let name = element.attribute("name").unwrap_or_default();
+                let message = format!("the parameter `{name}` of the scene is unknown; ignored");
+                self.warnings.push(format!("{}: {message}", element.location));
+            }
+            tag => {
+                let plugin = element.attribute("type").unwrap_or_default();
+                return Err(element.error(format!("<{tag}> plugin `{plugin}` is not supported in <scene>")));
+            }
         }
         Ok(())
     }
 
     fn add_emitter(&mut self, element: &'a Element) -> Result<()> {
-        let environment = match emitter_plugin::parse(element, &self.ids, &self.top_folder, &mut self.warnings)? {
+        if element.attribute("type") == Some("area") {
+            self.loose_emitters.push(element);
+            return Ok(());
+        }
+        let environment = match emitter_plugin::parse(element, &self.scope, &mut self.warnings)? {
             SceneEmitter::Delta(emitter) => {
                 self.delta_emitters.push(emitter);
                 return Ok(());
@@ -165,9 +188,9 @@ impl<'a> Builder<'a> {
     }
 
     fn parse_shape(&mut self, element: &'a Element) -> Result<Shape> {
-        let mut properties = Properties::new(element, &self.ids)?;
+        let mut properties = Properties::new(element, &self.scope)?;
         let mut common = Common { material: 0, ..Common::default() };
-        let geometry = shape::parse_geometry(&mut properties, &mut common, &self.top_folder)?;
+        let geometry = shape::parse_geometry(&mut properties, &mut common)?;
         let emitter = properties.object("emitter")?;
         common.material = match properties.object("bsdf")? {
             Some(bsdf) => {
@@ -178,8 +201,9 @@ impl<'a> Builder<'a> {
         };
         if let Some(emitter) = emitter {
             common.emitter = Some(self.emitters.len() as u32);
-            let (ids, textures) = (&self.ids, &mut self.textures);
-            self.emitters.push(emitter_plugin::parse_area(emitter, ids, textures, &mut self.warnings)?);
+            self.lit.insert(std::ptr::from_ref(emitter));
+            let (scope, textures) = (&self.scope, &mut self.textures);
+            self.emitters.push(emitter_plugin::parse_area(emitter, scope, textures, &mut self.warnings)?);
         }
         properties.finish(&mut self.warnings)?;
         Ok(Shape { geometry, common, location: element.location.clone() })
@@ -190,7 +214,7 @@ impl<'a> Builder<'a> {
         if let Some(group) = self.groups.get(&std::ptr::from_ref(element)) {
             return Ok(group.clone());
         }
-        let mut properties = Properties::new(element, &self.ids)?;
+        let mut properties = Properties::new(element, &self.scope)?;
         let members = properties.objects("shape");
         properties.finish(&mut self.warnings)?;
         let group: Rc<Vec<_>> = Rc::new(members.into_iter().map(|member| self.member(member)).collect::<Result<_>>()?);
@@ -210,7 +234,7 @@ impl<'a> Builder<'a> {
     }
 
     fn add_instance(&mut self, element: &'a Element) -> Result<()> {
-        let mut properties = Properties::new(element, &self.ids)?;
+        let mut properties = Properties::new(element, &self.scope)?;
         let to_world = properties.take_to_world()?;
         let group = properties.object("shape")?.filter(|shape| shape.attribute("type") == Some("shapegroup"));
         let group = group.ok_or_else(|| element.error("shape plugin `instance` needs a <ref> to a `shapegroup`"))?;
@@ -228,18 +252,7 @@ impl<'a> Builder<'a> {
         let Some(element) = self.first("integrator", &self.integrators.clone()) else {
             return Ok(IntegratorDescription::default());
         };
-        let mut properties = Properties::new(element, &self.ids)?;
-        if properties.plugin() != "path" {
-            return Err(element.unsupported(&["path"]));
-        }
-        let depth = |depth: Option<i64>| depth.map(|depth| depth as i32);
-        let description = IntegratorDescription {
-            max_depth: depth(properties.integer("max_depth", -1..=i32::MAX as i64)?),
-            rr_depth: depth(properties.integer("rr_depth", 1..=i32::MAX as i64)?),
-            hide_emitters: properties.boolean("hide_emitters")?.unwrap_or(false),
-        };
-        properties.finish(&mut self.warnings)?;
-        Ok(description)
+        integrator::parse(element, &self.scope, &mut self.warnings)
     }
 
     /// First of several elements of which one is used; the others get a warning.
@@ -252,10 +265,13 @@ impl<'a> Builder<'a> {
 
     fn finish(mut self, path: &Path, progress: &Watch) -> Result<Scene> {
         let integrator = self.integrator()?;
-        let sensor = self
-            .first("sensor", &self.sensors.clone())
-            .ok_or_else(|| Error::scene(path, None, "the scene has no <sensor>; it needs a `perspective` one"))?;
-        let sensor = sensor::parse(sensor, &self.ids, &mut self.warnings)?;
+        let sensor = match self.first("sensor", &self.sensors.clone()) {
+            Some(sensor) => Some(sensor::parse(sensor, &self.scope, &mut self.warnings)?),
+            None => None,
+        };
+        for emitter in self.loose_emitters.iter().filter(|&&emitter| !self.lit.contains(&std::ptr::from_ref(emitter))) {
+            self.warnings.push(format!("{}: no shape refers to this `area` emitter; it is dark", emitter.location));
+        }
         let mut images = self.images;
         let (textures, requests) = self.textures.finish(images.len() as u32);
         let shapes = &self.shapes;
@@ -264,15 +280,36 @@ impl<'a> Builder<'a> {
         let meshes = meshes?;
         images.extend(decoded);
         self.warnings.extend(warnings);
+        let materials = self.materials.finish();
+        let image = images.len() as u32;
+        let emitters = self.emitters;
+        let context = vertex_colors::Context {
+            materials: &materials,
+            emitters: &emitters,
+            textures: &textures,
+            meshes: &meshes,
+            image,
+        };
+        if let Some(colors) = vertex_colors::make(&mut self.shapes, &context, &mut self.warnings)? {
+            images.push(colors);
+            if texel_pages::place(&images.iter().map(texel_pages::word_count).collect::<Vec<_>>()).is_none() {
+                return Err(Error::scene(path, None, "the images and vertex colors fit no device; use smaller images"));
+            }
+        }
+        let primitives = flatten_all(&self.shapes, &meshes)?;
+        let sensor = match sensor {
+            Some(sensor) => sensor,
+            None => fit::sensor(path, &primitives, &mut self.warnings)?,
+        };
         Ok(Scene {
             name: scene_name(path),
             camera: sensor.camera,
             film: sensor.film,
             integrator,
             sample_count: sensor.sample_count,
-            primitives: flatten_all(&self.shapes, &meshes)?,
-            materials: self.materials.finish(),
-            emitters: self.emitters,
+            primitives,
+            materials,
+            emitters,
             environment: self.environment,
             delta_emitters: self.delta_emitters,
             textures,

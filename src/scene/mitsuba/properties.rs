@@ -1,11 +1,13 @@
 //! Parameters of a plugin, by name and type. Parameters that were not read are reported at the end.
 
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use glam::{DMat4, DVec3, Vec3};
 
 use super::element::{Element, Location, PARAMETER_TAGS};
+use super::scope::Scope;
 use super::spectrum::SpectrumUse;
 use super::{color, numbers, transform};
 use crate::Result;
@@ -16,26 +18,11 @@ const NUMBER_TAGS: [&str; 2] = ["float", "integer"];
 /// Elements that give a color.
 const COLOR_TAGS: [&str; 6] = ["rgb", "srgb", "spectrum", "blackbody", "float", "integer"];
 
-/// Objects of the scene by their `id`.
-pub(super) type Ids<'a> = Rc<HashMap<&'a str, &'a Element>>;
-
-/// Collects ids at any depth, before references are followed: a `ref` may precede its object.
-pub(super) fn collect_ids<'a>(elements: &'a [Element], ids: &mut HashMap<&'a str, &'a Element>) -> Result<()> {
-    for element in elements {
-        if let Some(id) = element.attribute("id").filter(|_| element.is_object())
-            && let Some(first) = ids.insert(id, element)
-        {
-            return Err(element.error(format!("the id `{id}` is already used at {}", first.location)));
-        }
-        collect_ids(&element.children, ids)?;
-    }
-    Ok(())
-}
-
 /// Parameters and nested objects of one plugin.
 pub(super) struct Properties<'a> {
     element: &'a Element,
     plugin: &'a str,
+    scope: Scope<'a>,
     parameters: HashMap<String, &'a Element>,
     /// Parameters that are known but make no difference here.
     without_effect: Vec<&'a Element>,
@@ -50,10 +37,11 @@ struct Nested<'a> {
 }
 
 impl<'a> Properties<'a> {
-    pub fn new(element: &'a Element, ids: &Ids<'a>) -> Result<Self> {
+    pub fn new(element: &'a Element, scope: &Scope<'a>) -> Result<Self> {
         let mut result = Self {
             element,
             plugin: element.plugin()?,
+            scope: Rc::clone(scope),
             parameters: HashMap::new(),
             without_effect: Vec::new(),
             objects: Vec::new(),
@@ -62,7 +50,7 @@ impl<'a> Properties<'a> {
             if child.is_object() {
                 result.objects.push(Nested { object: child, at: child });
             } else if child.tag == "ref" {
-                result.objects.push(Nested { object: follow(child, ids)?, at: child });
+                result.objects.push(Nested { object: scope.follow(child)?, at: child });
             } else {
                 result.add_parameter(child)?;
             }
@@ -90,6 +78,11 @@ impl<'a> Properties<'a> {
     /// Name of the plugin.
     pub fn plugin(&self) -> &'a str {
         self.plugin
+    }
+
+    /// Path of the file `name` that a parameter names; `None` where there is none.
+    pub fn find_file(&self, parameter: &Element, name: &str) -> Option<PathBuf> {
+        self.scope.folders.find(name, &parameter.location.file)
     }
 
     /// Location of a parameter, or else of the plugin.
@@ -169,7 +162,7 @@ impl<'a> Properties<'a> {
     /// Reads a color of a material that may be negative.
     pub fn signed_color(&mut self, name: &str) -> Result<Option<Vec3>> {
         let element = self.take_tagged(name, &COLOR_TAGS)?;
-        element.map(|element| color::parse_signed(element, SpectrumUse::Material)).transpose()
+        element.map(|element| color::parse_signed(element, SpectrumUse::Material, &self.scope.folders)).transpose()
     }
 
     /// Reads a color of emitted light.
@@ -179,7 +172,7 @@ impl<'a> Properties<'a> {
 
     fn color_used_as(&mut self, name: &str, spectrum_use: SpectrumUse) -> Result<Option<Vec3>> {
         let element = self.take_tagged(name, &COLOR_TAGS)?;
-        element.map(|element| color::parse(element, spectrum_use)).transpose()
+        element.map(|element| color::parse(element, spectrum_use, &self.scope.folders)).transpose()
     }
 
     pub fn point(&mut self, name: &str) -> Result<Option<DVec3>> {
@@ -241,15 +234,15 @@ impl<'a> Properties<'a> {
         self.without_effect.extend(names.iter().filter_map(|name| self.parameters.remove(*name)));
     }
 
-    /// Reports what was not read: a warning for each parameter, an error for each nested object that is no parameter.
+    /// Reports what was not read: a warning for each parameter, an error for each nested object.
     pub fn finish(self, warnings: &mut Vec<String>) -> Result<()> {
         let owner = format!("{} `{}`", self.element.tag, self.plugin);
-        let (textures, others): (Vec<_>, Vec<_>) = self.objects.iter().partition(|nested| nested.is_named_texture());
-        if let Some(Nested { object, at }) = others.first() {
-            return Err(at.error(format!("<{}> is not supported in {owner}", object.tag)));
+        if let Some(Nested { object, at }) = self.objects.first() {
+            let named = at.attribute("name").map_or_else(String::new, |name| format!(" named `{name}`"));
+            let plugin = object.attribute("type").unwrap_or_default();
+            return Err(at.error(format!("<{}> plugin `{plugin}`{named} is not supported in {owner}", object.tag)));
         }
-        let textures = textures.iter().map(|nested| nested.at);
-        let unknown = self.parameters.into_values().chain(textures).map(|parameter| (parameter, "is unknown"));
+        let unknown = self.parameters.into_values().map(|parameter| (parameter, "is unknown"));
         let without_effect = self.without_effect.into_iter().map(|parameter| (parameter, "changes only the noise"));
         let mut ignored: Vec<_> = unknown.chain(without_effect).collect();
         ignored.sort_by_key(|(parameter, _)| parameter.location.line);
@@ -265,13 +258,4 @@ impl Nested<'_> {
     fn is_texture(&self, name: &str) -> bool {
         self.object.tag == "texture" && self.at.key().as_deref() == Some(name)
     }
-
-    fn is_named_texture(&self) -> bool {
-        self.object.tag == "texture" && self.at.attribute("name").is_some()
-    }
-}
-
-fn follow<'a>(reference: &Element, ids: &Ids<'a>) -> Result<&'a Element> {
-    let id = reference.required("id")?;
-    ids.get(id).copied().ok_or_else(|| reference.error(format!("nothing in the scene has the id `{id}`")))
 }

@@ -3,7 +3,8 @@
 use glam::{DMat4, Vec2};
 
 use super::element::Element;
-use super::properties::{Ids, Properties};
+use super::properties::Properties;
+use super::scope::Scope;
 use super::transform;
 use crate::Result;
 use crate::scene::{Camera, Crop, FilmDescription, FovAxis, Projection, ReconstructionFilter};
@@ -20,8 +21,8 @@ const FILM_DIAGONAL: f64 = 43.266_615_305_567_87;
 const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
 
 /// Reads a `<sensor>`.
-pub(super) fn parse<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<Sensor> {
-    let mut properties = Properties::new(element, ids)?;
+pub(super) fn parse<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<Sensor> {
+    let mut properties = Properties::new(element, scope)?;
     let camera = match properties.plugin() {
         "perspective" => parse_perspective(&mut properties)?,
         "thinlens" => parse_thin_lens(&mut properties, warnings)?,
@@ -29,11 +30,11 @@ pub(super) fn parse<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<
         _ => return Err(element.unsupported(&["perspective", "thinlens", "orthographic"])),
     };
     let film = match properties.object("film")? {
-        Some(film) => parse_film(film, ids, warnings)?,
-        None => FilmDescription { width: 768, height: 576, crop: None, filter: DEFAULT_FILTER },
+        Some(film) => parse_film(film, scope, warnings)?,
+        None => DEFAULT_FILM,
     };
     let sampler = properties.object("sampler")?;
-    let sample_count = sampler.map(|sampler| parse_sample_count(sampler, ids)).transpose()?.flatten();
+    let sample_count = sampler.map(|sampler| parse_sample_count(sampler, scope)).transpose()?.flatten();
     // A camera without a lens is in focus everywhere, and nothing moves.
     properties.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
     properties.finish(warnings)?;
@@ -151,8 +152,8 @@ fn fov_from_focal_length(element: &Element, length: Option<&str>) -> Result<f32>
     })
 }
 
-fn parse_film<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<FilmDescription> {
-    let mut properties = Properties::new(element, ids)?;
+fn parse_film<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<FilmDescription> {
+    let mut properties = Properties::new(element, scope)?;
     if !["hdrfilm", "ldrfilm"].contains(&properties.plugin()) {
         return Err(element.unsupported(&["hdrfilm", "ldrfilm"]));
     }
@@ -161,7 +162,7 @@ fn parse_film<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String
     let height = side(properties.integer("height", SIDE)?, 576);
     let crop = parse_crop(&mut properties, width, height)?;
     let filter = match properties.object("rfilter")? {
-        Some(filter) => parse_filter(filter, ids, warnings)?,
+        Some(filter) => parse_filter(filter, scope, warnings)?,
         None => DEFAULT_FILTER,
     };
     properties.ignore(&[
@@ -171,9 +172,15 @@ fn parse_film<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String
         "file_format",
         "high_quality_edges",
         "metadata",
-        "pixel_format",
         "sample_border",
     ]);
+    let location = properties.location("pixel_format");
+    if let Some(format @ ("luminance" | "luminance_alpha" | "xyz" | "xyza")) =
+        properties.string("pixel_format")?.map(str::to_ascii_lowercase).as_deref()
+    {
+        warnings
+            .push(format!("{location}: the `pixel_format` `{format}` is not supported; the picture is written as RGB"));
+    }
     properties.finish(warnings)?;
     Ok(FilmDescription { width, height, crop, filter })
 }
@@ -198,10 +205,18 @@ fn parse_crop(properties: &mut Properties, width: u32, height: u32) -> Result<Op
     }))
 }
 
+/// Mitsuba's film, where a scene gives none.
+pub(super) const DEFAULT_FILM: FilmDescription =
+    FilmDescription { width: 768, height: 576, crop: None, filter: DEFAULT_FILTER };
+
 const DEFAULT_FILTER: ReconstructionFilter = ReconstructionFilter::Gaussian { stddev: 0.5 };
 
-fn parse_filter<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<String>) -> Result<ReconstructionFilter> {
-    let mut properties = Properties::new(element, ids)?;
+fn parse_filter<'a>(
+    element: &'a Element,
+    scope: &Scope<'a>,
+    warnings: &mut Vec<String>,
+) -> Result<ReconstructionFilter> {
+    let mut properties = Properties::new(element, scope)?;
     let filter = match properties.plugin() {
         "box" => ReconstructionFilter::Box,
         "tent" => ReconstructionFilter::Tent { radius: properties.positive_float("radius", 1.0)? },
@@ -219,7 +234,7 @@ fn parse_filter<'a>(element: &'a Element, ids: &Ids<'a>, warnings: &mut Vec<Stri
 
 /// Reads `sample_count` of any sampler. The other parameters are ignored, because samplers differ in their patterns
 /// only.
-fn parse_sample_count<'a>(element: &'a Element, ids: &Ids<'a>) -> Result<Option<u32>> {
-    let count = Properties::new(element, ids)?.integer("sample_count", 1..=i32::MAX as i64)?;
+fn parse_sample_count<'a>(element: &'a Element, scope: &Scope<'a>) -> Result<Option<u32>> {
+    let count = Properties::new(element, scope)?.integer("sample_count", 1..=i32::MAX as i64)?;
     Ok(count.map(|count| count as u32))
 }

@@ -1,11 +1,10 @@
 //! Reader of `<shape>`. Parameters are read first; primitives are made when all mesh files are read.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::{DMat4, DVec3};
 
-use super::document;
 use super::element::{Element, Location};
 use super::flatten::{self, Common, MeshOptions, PlacedMesh};
 use super::properties::Properties;
@@ -46,7 +45,7 @@ pub(super) struct MeshFile {
 }
 
 /// Reads the parameters of a shape's plugin, and its transform into `common`.
-pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common, top_folder: &Path) -> Result<Geometry> {
+pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -> Result<Geometry> {
     let element = properties.element();
     common.to_world = properties.take_to_world()?;
     common.flip_normals = properties.boolean("flip_normals")?.unwrap_or(false);
@@ -57,7 +56,7 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common, t
         _ => None,
     };
     if let Some(format) = mesh_format {
-        return parse_mesh(properties, format, top_folder);
+        return parse_mesh(properties, format);
     }
     // The other shapes have flat faces, or none.
     properties.ignore(&["face_normals"]);
@@ -73,7 +72,7 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common, t
     }
 }
 
-fn parse_mesh(properties: &mut Properties, format: MeshFormat, top_folder: &Path) -> Result<Geometry> {
+fn parse_mesh(properties: &mut Properties, format: MeshFormat) -> Result<Geometry> {
     let element = properties.element();
     let flips_uvs = match format {
         MeshFormat::Serialized(_) => Some(false),
@@ -87,7 +86,7 @@ fn parse_mesh(properties: &mut Properties, format: MeshFormat, top_folder: &Path
     let parameter = parameter.ok_or_else(|| {
         element.error(format!("shape plugin `{}` needs its parameter `filename`", properties.plugin()))
     })?;
-    Ok(Geometry::Mesh(MeshFile { path: find_mesh(parameter, top_folder)?, format }, options))
+    Ok(Geometry::Mesh(MeshFile { path: find_mesh(properties, parameter)?, format }, options))
 }
 
 fn parse_shape_index(properties: &mut Properties) -> Result<MeshFormat> {
@@ -95,9 +94,10 @@ fn parse_shape_index(properties: &mut Properties) -> Result<MeshFormat> {
     Ok(MeshFormat::Serialized(index.unwrap_or(0) as usize))
 }
 
-fn find_mesh(parameter: &Element, top_folder: &Path) -> Result<PathBuf> {
+fn find_mesh(properties: &Properties, parameter: &Element) -> Result<PathBuf> {
     let name = parameter.required("value")?;
-    document::resolve(name, &parameter.location.file, top_folder)
+    properties
+        .find_file(parameter, name)
         .and_then(|path| path.canonicalize().ok())
         .ok_or_else(|| parameter.error(format!("the mesh file `{name}` does not exist")))
 }

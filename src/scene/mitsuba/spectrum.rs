@@ -1,9 +1,8 @@
 //! Spectra over wavelengths, reduced to linear sRGB as in Mitsuba's rgb variants.
 
-use std::path::Path;
-
 use super::element::Element;
-use super::{color_matching, document, numbers};
+use super::folders::Folders;
+use super::{color_matching, numbers};
 use crate::{Error, Result};
 
 /// Uses of a spectrum.
@@ -29,10 +28,10 @@ const SRGB_FROM_XYZ: [[f64; 3]; 3] =
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Color of a `<spectrum>` over wavelengths, from its `value` or its `filename`. Negative channels become 0.
-pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse) -> Result<[f64; 3]> {
+pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse, folders: &Folders) -> Result<[f64; 3]> {
     let points = match (element.attribute("value"), element.attribute("filename")) {
         (Some(value), None) => parse_pairs(element, value)?,
-        (None, Some(name)) => read_file(element, name)?,
+        (None, Some(name)) => read_file(element, name, folders)?,
         _ => return Err(element.error("a <spectrum> needs either its attribute `value` or `filename`")),
     };
     check_order(element, &points)?;
@@ -61,9 +60,9 @@ fn parse_pairs(element: &Element, text: &str) -> Result<Vec<[f64; 2]>> {
 }
 
 /// Reads lines of a wavelength and a value; `#` starts a comment.
-fn read_file(element: &Element, name: &str) -> Result<Vec<[f64; 2]>> {
-    let named_in: &Path = &element.location.file;
-    let path = document::resolve(name, named_in, &document::folder(named_in))
+fn read_file(element: &Element, name: &str, folders: &Folders) -> Result<Vec<[f64; 2]>> {
+    let path = folders
+        .find(name, &element.location.file)
         .ok_or_else(|| element.error(format!("the spectrum file `{name}` does not exist")))?;
     if path.metadata().map_err(Error::read(&path))?.len() > MAX_FILE_BYTES {
         return Err(element.error(format!("the spectrum file `{name}` is larger than {MAX_FILE_BYTES} bytes")));

@@ -6,13 +6,17 @@ use std::ptr;
 
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec3};
 
-use super::document;
 use super::element::{Element, Location};
-use super::properties::{Ids, Properties};
+use super::numbers;
+use super::properties::Properties;
+use super::scope::Scope;
 use crate::Result;
 use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
 
-const SUPPORTED: [&str; 3] = ["bitmap", "checkerboard", "scale"];
+const SUPPORTED: [&str; 5] = ["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"];
+
+/// Index of the image of vertex colors among the images read: it is made when all meshes are read.
+const VERTEX_COLORS: u32 = u32::MAX;
 
 /// Deepest nesting of textures. Deeper nesting comes from a texture that refers to itself.
 const MAX_DEPTH: usize = 16;
@@ -58,8 +62,7 @@ pub(super) struct ImageRequest {
 
 /// Textures of a scene while it is read. A texture that no surface uses is read, but not kept.
 pub(super) struct Textures<'a> {
-    ids: Ids<'a>,
-    top_folder: PathBuf,
+    scope: Scope<'a>,
     /// Textures read, by the element's address and by whether their numbers differ from their colors.
     known: HashMap<(*const Element, bool), TextureUse>,
     read: Vec<Texture>,
@@ -85,10 +88,9 @@ impl Kept {
 }
 
 impl<'a> Textures<'a> {
-    pub fn new(ids: Ids<'a>, top_folder: PathBuf) -> Self {
+    pub fn new(scope: Scope<'a>) -> Self {
         Self {
-            ids,
-            top_folder,
+            scope,
             known: HashMap::new(),
             read: Vec::new(),
             requests: Vec::new(),
@@ -130,10 +132,12 @@ impl<'a> Textures<'a> {
         depth: usize,
         warnings: &mut Vec<String>,
     ) -> Result<TextureUse> {
-        let mut properties = Properties::new(element, &self.ids)?;
+        let mut properties = Properties::new(element, &self.scope)?;
         let pattern = match properties.plugin() {
             "bitmap" => self.bitmap(&mut properties, role, warnings)?,
             "checkerboard" => checkerboard(&mut properties, role, warnings)?,
+            "rawconstant" => raw_constant(&mut properties)?,
+            "mesh_attribute" => return self.mesh_attribute(properties, role, warnings),
             "scale" => return self.scale(properties, role, depth, warnings),
             _ => return Err(element.unsupported(&SUPPORTED)),
         };
@@ -168,6 +172,32 @@ impl<'a> Textures<'a> {
         Ok(TextureUse { factor: factor * found.factor, ..found })
     }
 
+    /// Reads a `mesh_attribute`, whose colors the shape's mesh gives.
+    fn mesh_attribute(
+        &mut self,
+        mut properties: Properties<'a>,
+        role: Role,
+        warnings: &mut Vec<String>,
+    ) -> Result<TextureUse> {
+        let element = properties.element();
+        let location = properties.location("name");
+        match properties.string("name")? {
+            Some("vertex_color") => {}
+            Some(name) => {
+                return Err(location.error(format!("the attribute `{name}` is not supported; use `vertex_color`")));
+            }
+            None => return Err(element.error("texture plugin `mesh_attribute` needs its parameter `name`")),
+        }
+        if !matches!(role, Role::Reflectance | Role::Radiance) {
+            return Err(element.error("the attribute `vertex_color` is a color, not a number"));
+        }
+        let factor = Vec3::splat(properties.float("scale")?.unwrap_or(1.0));
+        properties.finish(warnings)?;
+        let pattern = Pattern::Bitmap { image: VERTEX_COLORS, filter: TexelFilter::Bilinear, wrap: WrapMode::Clamp };
+        self.read.push(Texture { name: "vertex_color".to_string(), pattern, to_uv: Mat3::IDENTITY });
+        Ok(TextureUse { texture: self.read.len() as u32 - 1, factor })
+    }
+
     fn bitmap(&mut self, properties: &mut Properties<'a>, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
         let filter = filter(properties, warnings)?;
         let wrap = wrap_mode(properties)?;
@@ -184,7 +214,10 @@ impl<'a> Textures<'a> {
     /// Reads the parameter `filename` and returns the index of its image.
     fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
         let name = filename.required("value")?;
-        let path = document::resolve(name, &filename.location.file, &self.top_folder)
+        let path = self
+            .scope
+            .folders
+            .find(name, &filename.location.file)
             .and_then(|path| path.canonicalize().ok())
             .ok_or_else(|| filename.error(format!("the image file `{name}` does not exist")))?;
         let is_reflectance = role == Role::Reflectance;
@@ -200,7 +233,10 @@ impl<'a> Textures<'a> {
 
     /// Refuses uses that Mitsuba's checkerboard does not support.
     fn check_role(&self, element: &Element, role: Role, found: TextureUse) -> Result<()> {
-        let is_bitmap = matches!(self.read[found.texture as usize].pattern, Pattern::Bitmap { .. });
+        let is_bitmap = match self.read[found.texture as usize].pattern {
+            Pattern::Bitmap { image, .. } => image != VERTEX_COLORS,
+            Pattern::Checkerboard { .. } => false,
+        };
         match role {
             Role::Heights if !is_bitmap => Err(element.error("a bump map must be a `bitmap`")),
             Role::Normals if !is_bitmap => Err(element.error("a normal map must be a `bitmap`")),
@@ -211,14 +247,16 @@ impl<'a> Textures<'a> {
 
     /// Index in `Scene::textures` of a texture that was read.
     pub fn keep(&mut self, texture: u32) -> u32 {
-        if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern {
+        if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern
+            && image != VERTEX_COLORS
+        {
             self.kept_images.index(image);
         }
         self.kept_textures.index(texture)
     }
 
     /// Kept textures for `Scene::textures`, and kept images to decode for `Scene::images`, where they follow
-    /// `first_image` others.
+    /// `first_image` others. The image of vertex colors, if a texture uses it, comes after all of them.
     pub fn finish(mut self, first_image: u32) -> (Vec<Texture>, Vec<ImageRequest>) {
         let order = std::mem::take(&mut self.kept_textures.order);
         let textures = order.iter().map(|&read| self.kept_texture(read, first_image)).collect();
@@ -229,7 +267,11 @@ impl<'a> Textures<'a> {
     fn kept_texture(&mut self, read: u32, first_image: u32) -> Texture {
         let mut texture = self.read[read as usize].clone();
         if let Pattern::Bitmap { image, .. } = &mut texture.pattern {
-            *image = first_image + self.kept_images.index(*image);
+            *image = first_image
+                + match *image {
+                    VERTEX_COLORS => self.kept_images.order.len() as u32,
+                    read => self.kept_images.index(read),
+                };
         }
         texture
     }
@@ -295,6 +337,23 @@ fn checkerboard(properties: &mut Properties, role: Role, warnings: &mut Vec<Stri
         Role::Scalar => Pattern::Checkerboard { color0: mean(color1), color1: mean(color0) },
         _ => Pattern::Checkerboard { color0, color1 },
     })
+}
+
+/// Reads a `rawconstant`: a checkerboard whose colors are equal.
+fn raw_constant(properties: &mut Properties) -> Result<Pattern> {
+    let element = properties.element();
+    let value = properties.take("value");
+    let value = value.ok_or_else(|| element.error("texture plugin `rawconstant` needs its parameter `value`"))?;
+    let color = match value.tag.as_str() {
+        "float" | "integer" => [numbers::one(value, value.required("value")?)?; 3],
+        "vector" | "point" | "rgb" => numbers::xyz(value, 0.0)?,
+        tag => return Err(value.error(format!("the parameter `value` should be a <float> or <vector>, not a <{tag}>"))),
+    };
+    let color = Vec3::from_array(color.map(|channel| channel as f32));
+    if color.min_element() < 0.0 {
+        return Err(value.error(format!("a color must not be negative, as {} is", color.min_element())));
+    }
+    Ok(Pattern::Checkerboard { color0: color, color1: color })
 }
 
 /// Reads `to_uv`, and the offsets and scales of old files, which Mitsuba 3 applies in this order.

@@ -30,12 +30,44 @@ fn parse_scale(element: &Element) -> Result<DMat4> {
     Ok(DMat4::from_scale(factors.into()))
 }
 
-/// Reads a rotation. The axis may have any length, as in Mitsuba 0.6; Mitsuba 3 distorts the shape unless it is 1.
+/// Reads a rotation. Mitsuba 0.6 normalizes the axis. Mitsuba 3 does not: an axis of another length makes a matrix that
+/// scales and shears, too. Each file gets the matrix of its own version.
 fn parse_rotate(element: &Element) -> Result<DMat4> {
-    let axis = DVec3::from(numbers::xyz(element, 0.0)?);
-    let angle = numbers::one(element, element.required("angle")?)?;
-    let axis = axis.try_normalize().ok_or_else(|| element.error("<rotate> needs an axis: x, y or z is not 0"))?;
-    Ok(DMat4::from_axis_angle(axis, angle.to_radians()))
+    let given = DVec3::from(numbers::xyz(element, 0.0)?);
+    let angle = numbers::one(element, element.required("angle")?)?.to_radians();
+    let axis = given.try_normalize().ok_or_else(|| element.error("<rotate> needs an axis: x, y or z is not 0"))?;
+    if element.is_old || is_unit(given) {
+        return Ok(DMat4::from_axis_angle(axis, angle));
+    }
+    let (sine, cosine) = angle.sin_cos();
+    let column = |unit: DVec3| given * given.dot(unit) * (1.0 - cosine) + unit * cosine + given.cross(unit) * sine;
+    Ok(DMat4::from_mat3(DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))))
+}
+
+/// Whether an axis has length 1 to the precision of printed scene files.
+fn is_unit(axis: DVec3) -> bool {
+    (axis.length() - 1.0).abs() < 1e-5
+}
+
+/// Warning about an operation that versions of Mitsuba understand differently: a rotation about an axis whose length is
+/// not 1.
+pub(super) fn warning(operation: &Element) -> Result<Option<String>> {
+    if operation.tag != "rotate" {
+        return Ok(None);
+    }
+    let axis = DVec3::from(numbers::xyz(operation, 0.0)?);
+    if is_unit(axis) || axis == DVec3::ZERO {
+        return Ok(None);
+    }
+    let what = match operation.is_old {
+        true => "is normalized, as in Mitsuba 0.6; Mitsuba 3 scales the shape",
+        false => "scales the shape, as in Mitsuba 3; give the axis the length 1 to rotate only",
+    };
+    Ok(Some(format!(
+        "{}: the axis of this <rotate> has the length {:.4}. It {what}",
+        operation.location,
+        axis.length()
+    )))
 }
 
 /// Reads a transform from camera to world: `+z` looks from origin to target, `+x` points to the left of the picture.

@@ -37,6 +37,11 @@ pub(super) fn relative(properties: &mut Properties, interior: &str) -> Result<f3
     Ok(interior / exterior)
 }
 
+/// Index of the exterior of a conductor: Mitsuba 0.6's `ext_eta`. Without it, vacuum as in Mitsuba 3.
+pub(super) fn exterior(properties: &mut Properties) -> Result<f32> {
+    index(properties, "ext_eta", "vacuum")
+}
+
 fn index(properties: &mut Properties, parameter: &str, default: &str) -> Result<f32> {
     let place = properties.location(parameter);
     if !properties.is_string(parameter) {

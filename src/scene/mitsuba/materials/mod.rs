@@ -1,6 +1,7 @@
 //! Conversion of `<bsdf>` to [`Material`]s.
 
 mod ior;
+mod mixture;
 mod named_conductors;
 mod parameters;
 mod surfaces;
@@ -12,7 +13,8 @@ use std::ptr;
 use glam::Vec3;
 
 use super::element::Element;
-use super::properties::{Ids, Properties};
+use super::properties::Properties;
+use super::scope::Scope;
 use super::textures::{Role, Textures};
 use crate::Result;
 use crate::generated::constants;
@@ -22,7 +24,7 @@ use parameters::Parameters;
 use tree::Tree;
 
 /// Plugins that contain other BSDFs.
-const MODIFIERS: [&str; 6] = ["twosided", "mask", "blendbsdf", "bumpmap", "normalmap", "coating"];
+const MODIFIERS: [&str; 7] = ["twosided", "mask", "blendbsdf", "mixturebsdf", "bumpmap", "normalmap", "coating"];
 
 /// Most textures of a material, which is the number of links in its record.
 const MAX_TEXTURES: usize = constants::TEXTURE_LINKS as usize;
@@ -35,7 +37,7 @@ const MAX_DEPTH: usize = 64;
 
 /// Materials of a scene while it is read. A material that no shape uses is read, but not kept.
 pub(super) struct Materials<'a> {
-    ids: Ids<'a>,
+    scope: Scope<'a>,
     /// Trees by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
     trees: HashMap<*const Element, Tree>,
     /// Elements being read, from the outermost.
@@ -47,9 +49,9 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    pub fn new(ids: Ids<'a>) -> Self {
+    pub fn new(scope: Scope<'a>) -> Self {
         Self {
-            ids,
+            scope,
             trees: HashMap::new(),
             open: Vec::new(),
             kept: HashMap::new(),
@@ -161,7 +163,7 @@ impl<'a> Materials<'a> {
         textures: &mut Textures<'a>,
         warnings: &mut Vec<String>,
     ) -> Result<Tree> {
-        let mut properties = Properties::new(element, &self.ids)?;
+        let mut properties = Properties::new(element, &self.scope)?;
         let mut parts = Vec::new();
         if MODIFIERS.contains(&properties.plugin()) {
             for nested in properties.objects("bsdf") {
@@ -179,7 +181,7 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// Applies a plugin of [`MODIFIERS`] to its BSDFs.
+/// Applies a plugin of [`MODIFIERS`] to its BSDFs, or reads a `null`.
 fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
     let element = parameters.element();
     let plugin = parameters.properties.plugin();
@@ -197,10 +199,12 @@ fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
             one(parts)?.masked(opacity)
         }
         "blendbsdf" => Ok(blend(parameters, parts)?),
+        "mixturebsdf" => Ok(mixture::mixture(parameters, parts)?),
+        "null" => Ok(Tree::null()),
         "bumpmap" => one(parts)?.with_relief(bump_map(parameters)?),
         "normalmap" => one(parts)?.with_relief(normal_map(parameters)?),
         "coating" => one(parts)?.coated(coating(parameters)?),
-        _ => return Err(element.unsupported(&[&surfaces::SUPPORTED[..], &MODIFIERS].concat())),
+        _ => return Err(element.unsupported(&[&surfaces::SUPPORTED[..], &["null"], &MODIFIERS].concat())),
     };
     result.map_err(|message| element.error(message))
 }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::super::element::Element;
 use super::super::properties::Properties;
 use super::super::textures::{Role, Textures};
-use super::named_conductors;
+use super::{ior, named_conductors};
 use crate::Result;
 use crate::generated::constants::MIN_ALPHA;
 use crate::scene::bsdf::{Distribution, Microfacets};
@@ -151,7 +151,9 @@ impl<'r, 'a> Parameters<'r, 'a> {
             ))
         })?;
         let mut given = |name: &str, default: Vec3| Ok(self.properties.signed_color(name)?.unwrap_or(default));
-        Ok((given("eta", eta)?, given("k", k)?))
+        let (eta, k) = (given("eta", eta)?, given("k", k)?);
+        let exterior = ior::exterior(&mut self.properties)?;
+        Ok((eta / exterior, k / exterior))
     }
 
     /// Reads the one texture of a bump or normal map, nested as `name` or, without one, under any name.

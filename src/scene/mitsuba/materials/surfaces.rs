@@ -1,12 +1,15 @@
 //! Readers of the plugins that scatter by themselves.
 
+use glam::Vec3;
+
 use super::ior;
 use super::parameters::Parameters;
 use crate::Result;
-use crate::scene::bsdf::{Bsdf, Principled};
+use crate::scene::bsdf::{Bsdf, Distribution, Principled};
+use crate::scene::texture::Textured;
 
 /// Plugins that [`parse`] reads.
-pub(super) const SUPPORTED: [&str; 10] = [
+pub(super) const SUPPORTED: [&str; 11] = [
     "diffuse",
     "roughdiffuse",
     "dielectric",
@@ -14,6 +17,7 @@ pub(super) const SUPPORTED: [&str; 10] = [
     "roughdielectric",
     "conductor",
     "roughconductor",
+    "roughconductorGGX",
     "plastic",
     "roughplastic",
     "principled",
@@ -29,13 +33,14 @@ const DEFAULT_PLASTIC: &str = "polypropylene";
 /// Reads the parameters of a plugin in [`SUPPORTED`]; `None` for any other.
 pub(super) fn parse(parameters: &mut Parameters) -> Result<Option<Bsdf>> {
     let bsdf = match parameters.properties.plugin() {
-        "diffuse" => Bsdf::Diffuse { reflectance: parameters.reflectance("reflectance", DEFAULT_REFLECTANCE)? },
+        "diffuse" => Bsdf::Diffuse { reflectance: albedo(parameters)? },
         "roughdiffuse" => rough_diffuse(parameters)?,
         "dielectric" => dielectric(parameters, false)?,
         "thindielectric" => dielectric(parameters, true)?,
         "roughdielectric" => rough_dielectric(parameters)?,
         "conductor" => conductor(parameters)?,
         "roughconductor" => rough_conductor(parameters)?,
+        "roughconductorGGX" => rough_conductor_ggx(parameters)?,
         "plastic" => plastic(parameters)?,
         "roughplastic" => rough_plastic(parameters)?,
         "principled" => Bsdf::Principled(principled(parameters)?),
@@ -44,10 +49,19 @@ pub(super) fn parse(parameters: &mut Parameters) -> Result<Option<Bsdf>> {
     Ok(Some(bsdf))
 }
 
+/// Reads the albedo of a diffuse surface. Mitsuba 0.6 knows it as `diffuseReflectance`, too.
+fn albedo(parameters: &mut Parameters) -> Result<Textured<Vec3>> {
+    let name = match parameters.properties.has("reflectance") {
+        true => "reflectance",
+        false => "diffuse_reflectance",
+    };
+    parameters.reflectance(name, DEFAULT_REFLECTANCE)
+}
+
 /// Reads a `roughdiffuse`, a plugin of Mitsuba 0.6 that Mitsuba 3 lacks.
 fn rough_diffuse(parameters: &mut Parameters) -> Result<Bsdf> {
     Ok(Bsdf::RoughDiffuse {
-        reflectance: parameters.reflectance("reflectance", DEFAULT_REFLECTANCE)?,
+        reflectance: albedo(parameters)?,
         alpha: parameters.scalar("alpha", 0.2)?,
         fast_approximation: parameters.properties.boolean("use_fast_approx")?.unwrap_or(false),
     })
@@ -89,6 +103,19 @@ fn rough_conductor(parameters: &mut Parameters) -> Result<Bsdf> {
         k,
         specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
     })
+}
+
+/// Reads a `roughconductorGGX`, an old name of a `roughconductor` whose distribution is `ggx`.
+fn rough_conductor_ggx(parameters: &mut Parameters) -> Result<Bsdf> {
+    let location = parameters.properties.location("distribution");
+    if parameters.properties.take("distribution").is_some() {
+        return Err(location.error("the distribution of a `roughconductorGGX` is `ggx`; leave `distribution` out"));
+    }
+    let mut bsdf = rough_conductor(parameters)?;
+    if let Bsdf::RoughConductor { microfacets, .. } = &mut bsdf {
+        microfacets.distribution = Distribution::Ggx;
+    }
+    Ok(bsdf)
 }
 
 fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {

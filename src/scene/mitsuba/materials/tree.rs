@@ -1,5 +1,7 @@
 //! Nested BSDFs in normal form: choices above surfaces, with all modifiers moved down into the surfaces.
 
+use glam::Vec3;
+
 use crate::scene::bsdf::{Bsdf, Coating, Relief, SurfaceMaterial};
 use crate::scene::texture::Textured;
 
@@ -19,6 +21,12 @@ pub(super) enum Tree {
 }
 
 impl Tree {
+    /// `null`: the surface lets all light pass, as a `mask` of opacity 0.
+    pub fn null() -> Self {
+        let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
+        Self::Surface(SurfaceMaterial { opacity: Textured::constant(0.0), ..SurfaceMaterial::plain(black) })
+    }
+
     /// Changes every surface. The error says why one cannot be changed.
     fn map(
         self,
@@ -55,9 +63,15 @@ impl Tree {
 
     /// Puts a `mask` around the material.
     pub fn masked(self, opacity: Textured<f32>) -> Result<Self, &'static str> {
-        self.map(&|surface| match surface.opacity == Textured::constant(1.0) {
-            true => Ok(SurfaceMaterial { opacity, ..surface }),
-            false => Err("a `mask` inside another is not supported"),
+        self.map(&|surface| {
+            if surface.opacity == Textured::constant(1.0) {
+                return Ok(SurfaceMaterial { opacity, ..surface });
+            }
+            // What is not there cannot be masked.
+            match surface.opacity == Textured::constant(0.0) {
+                true => Ok(surface),
+                false => Err("a `mask` inside another is not supported"),
+            }
         })
     }
 
@@ -98,12 +112,10 @@ impl Tree {
         })
     }
 
-    /// Puts a `coating` around the material.
+    /// Puts a `coating` around the material. A coating is alike on both sides, so around `twosided` it is the same as
+    /// inside.
     pub fn coated(self, coating: Coating) -> Result<Self, &'static str> {
         self.map(&|surface| {
-            if surface.two_sided {
-                return Err("a `coating` around `twosided` is not supported; put `twosided` around the `coating`");
-            }
             if surface.relief.is_some() {
                 return Err(
                     "a `coating` around a bump or normal map is not supported; put the map around the `coating`",

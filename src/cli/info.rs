@@ -1,0 +1,86 @@
+//! `lodestar info`.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use lodestar::Result;
+use lodestar::scene::summary::{Guided, Summary, summarize};
+use lodestar::scene::{LoadOptions, load, scene_file};
+
+use super::print::{print_json, print_line};
+use super::render_args::define;
+
+/// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided.
+#[derive(Debug, clap::Args)]
+pub struct InfoArgs {
+    /// The Mitsuba scene, or a folder with a scene.xml.
+    #[arg(value_name = "SCENE.xml")]
+    scene: PathBuf,
+    /// Value that replaces the scene's <default> of that name.
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
+    define: Vec<(String, String)>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads the scene and prints its summary.
+pub fn run(args: &InfoArgs) -> Result<ExitCode> {
+    let scene = load(&scene_file(&args.scene)?, &LoadOptions { defines: args.define.clone() })?;
+    let summary = summarize(&scene);
+    match args.json {
+        true => print_json(&summary)?,
+        false => print_line(describe(&summary).trim_end())?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn describe(summary: &Summary) -> String {
+    let Summary { name, width, height, sample_count, max_depth, .. } = summary;
+    let asked = |number: Option<String>| number.unwrap_or_else(|| "not given".to_string());
+    let (samples, depth) = (asked(sample_count.map(|n| n.to_string())), asked(max_depth.map(|n| n.to_string())));
+    let Summary { triangles, parallelograms, disks, spheres, .. } = summary;
+    let lights = &summary.lights;
+    let mut text = format!("{name}: {width} x {height} pixels; samples per pixel: {samples}; max_depth: {depth}\n");
+    let _ = writeln!(
+        text,
+        "shapes: {triangles} triangles, {parallelograms} parallelograms, {disks} disks, {spheres} spheres"
+    );
+    let _ = writeln!(
+        text,
+        "lights: {} emitting primitives, {} point, {} spot, {} directional, environment: {}",
+        lights.area,
+        lights.point,
+        lights.spot,
+        lights.directional,
+        lights.environment.unwrap_or("none")
+    );
+    let _ = writeln!(text, "materials: {}", summary.materials.len());
+    for material in &summary.materials {
+        let _ = writeln!(text, "  {} ({}): {}", material.name, material.kind, guided(material.guided));
+    }
+    let _ = writeln!(text, "textures: {}", summary.textures.len());
+    for texture in &summary.textures {
+        let _ = writeln!(text, "  {}: {}", texture.name, texture.image.as_deref().unwrap_or("checkerboard"));
+    }
+    let _ = writeln!(text, "images: {}, {} bytes", summary.images.len(), summary.image_bytes);
+    for image in &summary.images {
+        let _ = writeln!(text, "  {}: {} x {}, {} bytes", image.name, image.width, image.height, image.bytes);
+    }
+    let _ = writeln!(text, "warnings: {}", summary.warnings.len());
+    for warning in &summary.warnings {
+        let _ = writeln!(text, "  {warning}");
+    }
+    text
+}
+
+fn guided(guided: Guided) -> &'static str {
+    match guided {
+        Guided::DiffuseLobe => "the diffuse lobe is guided",
+        Guided::Whole => "a share of all directions is guided",
+        Guided::LobeAndWhole => "the diffuse lobe and a share of all directions are guided",
+        Guided::Parts => "its parts are listed beside it",
+        Guided::Nothing => "not guided",
+    }
+}

@@ -1,0 +1,201 @@
+//! Summary of a scene, as `lodestar info` tells it.
+
+use super::bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
+use super::emitter::EnvironmentKind;
+use super::texel_pages::word_count;
+use super::texture::{Pattern, Textured};
+use super::{PrimitiveShape, Scene};
+
+/// Contents of a scene in short.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Summary {
+    /// Name of the scene.
+    pub name: String,
+    /// Width of the film in pixels.
+    pub width: u32,
+    /// Height of the film in pixels.
+    pub height: u32,
+    /// Samples per pixel that the file asks for.
+    pub sample_count: Option<u32>,
+    /// Longest path in edges that the file asks for; -1 is unlimited.
+    pub max_depth: Option<i32>,
+    /// Number of triangles, copies of instances included.
+    pub triangles: usize,
+    /// Number of parallelograms; a cube has six.
+    pub parallelograms: usize,
+    /// Number of disks.
+    pub disks: usize,
+    /// Number of spheres.
+    pub spheres: usize,
+    /// Materials, parts of blends included.
+    pub materials: Vec<MaterialSummary>,
+    /// Lights.
+    pub lights: LightSummary,
+    /// Textures.
+    pub textures: Vec<TextureSummary>,
+    /// Images.
+    pub images: Vec<ImageSummary>,
+    /// Bytes of the images on a device.
+    pub image_bytes: u64,
+    /// Sentences about what was read but is not rendered exactly.
+    pub warnings: Vec<String>,
+}
+
+/// Material of a scene.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct MaterialSummary {
+    /// The material's `id`, or its plugin and line.
+    pub name: String,
+    /// Kind of scattering, or of choice between other materials.
+    pub kind: &'static str,
+    /// Which part a guide samples.
+    pub guided: Guided,
+}
+
+/// Parts of a scattering function that a guide samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Guided {
+    /// The diffuse lobe.
+    DiffuseLobe,
+    /// A share of all directions, with samplers that guide whole functions.
+    Whole,
+    /// The diffuse lobe, and a share of all directions.
+    LobeAndWhole,
+    /// The parts of a choice say it themselves.
+    Parts,
+    /// No part: all its directions are single ones, or lie below a coating, or nothing scatters.
+    Nothing,
+}
+
+/// Lights of a scene.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct LightSummary {
+    /// Number of primitives that emit.
+    pub area: usize,
+    /// Number of `point` emitters.
+    pub point: usize,
+    /// Number of `spot` emitters.
+    pub spot: usize,
+    /// Number of `directional` emitters.
+    pub directional: usize,
+    /// Plugin of the environment.
+    pub environment: Option<&'static str>,
+}
+
+/// Texture of a scene.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct TextureSummary {
+    /// The texture's `id`, or its plugin and line.
+    pub name: String,
+    /// Name of the image; none for a checkerboard.
+    pub image: Option<String>,
+}
+
+/// Image of a scene.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct ImageSummary {
+    /// Name as the scene writes it.
+    pub name: String,
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// Bytes on a device.
+    pub bytes: u64,
+}
+
+/// Summarizes a scene.
+pub fn summarize(scene: &Scene) -> Summary {
+    let count = |shape| scene.primitives.iter().filter(|primitive| primitive.shape == shape).count();
+    let bytes = |image| 4 * word_count(image);
+    Summary {
+        name: scene.name.clone(),
+        width: scene.film.width,
+        height: scene.film.height,
+        sample_count: scene.sample_count,
+        max_depth: scene.integrator.max_depth,
+        triangles: count(PrimitiveShape::Triangle),
+        parallelograms: count(PrimitiveShape::Parallelogram),
+        disks: count(PrimitiveShape::Disk),
+        spheres: count(PrimitiveShape::Sphere),
+        materials: scene.materials.iter().map(material).collect(),
+        lights: lights(scene),
+        textures: scene
+            .textures
+            .iter()
+            .map(|texture| TextureSummary {
+                name: texture.name.clone(),
+                image: match texture.pattern {
+                    Pattern::Bitmap { image, .. } => Some(scene.images[image as usize].name.clone()),
+                    Pattern::Checkerboard { .. } => None,
+                },
+            })
+            .collect(),
+        images: scene
+            .images
+            .iter()
+            .map(|image| ImageSummary {
+                name: image.name.clone(),
+                width: image.width,
+                height: image.height,
+                bytes: bytes(image),
+            })
+            .collect(),
+        image_bytes: scene.images.iter().map(bytes).sum(),
+        warnings: scene.warnings.clone(),
+    }
+}
+
+fn lights(scene: &Scene) -> LightSummary {
+    let count = |plugin| scene.delta_emitters.iter().filter(|emitter| emitter.kind.plugin() == plugin).count();
+    LightSummary {
+        area: scene.primitives.iter().filter(|primitive| primitive.emitter.is_some()).count(),
+        point: count("point"),
+        spot: count("spot"),
+        directional: count("directional"),
+        environment: scene.environment.map(|environment| match environment.kind {
+            EnvironmentKind::Constant { .. } => "constant",
+            EnvironmentKind::Map { .. } => "envmap",
+        }),
+    }
+}
+
+fn material(material: &Material) -> MaterialSummary {
+    let (kind, guided) = match &material.kind {
+        MaterialKind::Blend { .. } => ("blendbsdf", Guided::Parts),
+        MaterialKind::Sides { .. } => ("twosided", Guided::Parts),
+        MaterialKind::Surface(surface) => (kind(&surface.bsdf), guided(surface)),
+    };
+    MaterialSummary { name: material.name.clone(), kind, guided }
+}
+
+fn kind(bsdf: &Bsdf) -> &'static str {
+    match bsdf {
+        Bsdf::Diffuse { .. } => "diffuse",
+        Bsdf::RoughDiffuse { .. } => "roughdiffuse",
+        Bsdf::Dielectric { .. } => "dielectric",
+        Bsdf::ThinDielectric { .. } => "thindielectric",
+        Bsdf::RoughDielectric { .. } => "roughdielectric",
+        Bsdf::Conductor { .. } => "conductor",
+        Bsdf::RoughConductor { .. } => "roughconductor",
+        Bsdf::Plastic { .. } => "plastic",
+        Bsdf::RoughPlastic { .. } => "roughplastic",
+        Bsdf::Principled(_) => "principled",
+    }
+}
+
+/// Part of a surface that a guide samples, as `guided_part` of `glsl/include/path/guiding.glsl` has it.
+fn guided(surface: &SurfaceMaterial) -> Guided {
+    if surface.coating.is_some() || surface.opacity == Textured::constant(0.0) {
+        return Guided::Nothing;
+    }
+    match surface.bsdf {
+        Bsdf::Diffuse { .. } | Bsdf::RoughDiffuse { .. } | Bsdf::Plastic { .. } | Bsdf::RoughPlastic { .. } => {
+            Guided::DiffuseLobe
+        }
+        Bsdf::RoughConductor { .. } | Bsdf::RoughDielectric { .. } => Guided::Whole,
+        Bsdf::Principled(_) => Guided::LobeAndWhole,
+        Bsdf::Dielectric { .. } | Bsdf::ThinDielectric { .. } | Bsdf::Conductor { .. } => Guided::Nothing,
+    }
+}
