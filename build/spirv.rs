@@ -45,9 +45,11 @@ mod shipped {
         let path = format!("{FOLDER}/{FINGERPRINT_FILE}");
         match fs::read_to_string(&path).map_err(|e| unreadable(&path, &e))? == fingerprint {
             true => Ok(()),
-            false => Err("the compiled kernels in the folder spirv belong to other GLSL than that in the folder glsl. \
+            false => {
+                Err("the compiled kernels in the folder spirv belong to other GLSL than that in the folder glsl. \
                           Build with the feature shaderc, which compiles the kernels"
-                .into()),
+                    .into())
+            }
         }
     }
 
