@@ -66,7 +66,7 @@ fn a_scene_that_asks_for_what_there_is_not() {
     refuse_scene("$gray", "$grey", &["scene.xml:14: ", "$grey", "-D grey=VALUE"]);
     let folder = Folder::new();
     folder.write("scene.xml", "<scene version=\"3.0.0\"/>");
-    refuse(&folder, &[], 1, &["scene.xml", "no <sensor>"]);
+    refuse(&folder, &[], 1, &["scene.xml", "neither a <sensor> nor a shape"]);
 }
 
 #[test]

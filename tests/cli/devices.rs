@@ -56,7 +56,7 @@ fn the_default_is_marked_and_advice_follows() {
         assert!(text.contains(words), "{text}");
         let is_old_mesa =
             ["Mesa 22.", "Mesa 23.", "Mesa 24."].iter().any(|old| device["driver_info"].to_string().contains(old));
-        if is_old_mesa && device["driver_name"] == "llvmpipe" && device["index"].to_string() == default {
+        if is_old_mesa && device["driver_name"] == "llvmpipe" && device["index"] == survey["default"] {
             assert!(text.contains("\nnote: the CPU renders with Mesa 2"), "{text}");
         }
     }
