@@ -164,6 +164,6 @@ fn what_cannot_be_reproduced_is_said() {
     );
     refuse(&[&whole[..], &["--scale", "0.3"]].concat(), 1, &["--scale 0.3", "64 x 64", "0.5000, 0.2500"]);
     refuse(&arguments("table3", "1"), 2, &["table3"]);
-    refuse(&arguments("table1", "0"), 2, &["seconds above 0"]);
+    refuse(&arguments("table1", "0"), 2, &["time above 0"]);
     assert!(!folder.path("out/table1.md").exists());
 }
