@@ -76,7 +76,9 @@ END
 ## The same time
 
 Each picture of a row got $seconds_each s, with emitter sampling: plain path tracing (\`--sampler bsdf\`), Lodestar's default
-(\`product\`), and Mitsuba 3's \`path\` where Mitsuba took part. The sizes are those of the references.
+(\`product\`), and Mitsuba 3's \`path\` where Mitsuba took part. A step or a pass that has begun in time is finished. Mitsuba's
+passes are long, so it took more time than it got: the [figures](pictures/error-over-time.csv) have the seconds that each method took.
+The sizes are those of the references.
 
 | plain path tracing | the default |$mitsuba_title
 |---|---|$mitsuba_line
