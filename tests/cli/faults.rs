@@ -103,7 +103,7 @@ fn faults_lose_the_last_interval_at_most_and_no_file() {
             messages.push(message);
         }
         // The program survives many faults, such as those in naming objects for debuggers.
-        assert!(messages.len() as u32 >= per_kind / 5 && late > 0, "{kind}: {messages:?}");
+        assert!(messages.len() as u32 >= per_kind.div_ceil(5) && late > 0, "{kind}: {messages:?}");
     }
 }
 

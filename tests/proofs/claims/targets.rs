@@ -107,8 +107,8 @@ fn replicate(renderer: &mut Renderer, empty: &RenderState, number: u32, spp: u32
 fn mean_target(state: &RenderState) -> (f64, bool) {
     let part = state.parts.iter().find(|part| part.name == "learned radiance").expect("a part");
     let learned: Vec<LearnedRadiance> = bytemuck::pod_collect_to_vec(&part.bytes);
-    let weighed = |f: &dyn Fn(&LearnedRadiance) -> f32| -> f64 {
+    let weighted = |f: &dyn Fn(&LearnedRadiance) -> f32| -> f64 {
         learned.iter().map(|l| f64::from(l.weight) * f64::from(f(l))).sum()
     };
-    (weighed(&|l| l.mean) / weighed(&|_| 1.0), learned.iter().all(|l| l.weight > 0.0))
+    (weighted(&|l| l.mean) / weighted(&|_| 1.0), learned.iter().all(|l| l.weight > 0.0))
 }
