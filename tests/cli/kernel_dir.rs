@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::Output;
+use std::sync::OnceLock;
 
 use lodestar::image::{Image, exr};
 use rspirv::binary::Assemble;
@@ -17,10 +18,21 @@ const RENDER: [&str; 8] = ["render", "scene.xml", "--quiet", "--spp", "16", "--r
 /// Files of both back ends. Each device reads one of them.
 const FILES: [&str; 2] = ["kernels/trace.spv", "kernels/trace.texel.spv"];
 
+/// Folder with the files that `inspect --out` writes. The program writes them once for all tests.
 fn folder_with_kernels() -> Folder {
+    static WRITTEN: OnceLock<Vec<(String, Vec<u8>)>> = OnceLock::new();
+    let written = WRITTEN.get_or_init(|| {
+        let folder = Folder::new();
+        let output = folder.run(&["inspect", "--out", "kernels"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        folder.names().into_iter().map(|name| (name.clone(), fs::read(folder.path(&name)).unwrap())).collect()
+    });
     let folder = Folder::new();
-    let output = folder.run(&["inspect", "--out", "kernels"]);
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for (name, content) in written {
+        let path = folder.path(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
     folder
 }
 

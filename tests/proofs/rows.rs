@@ -33,8 +33,8 @@ pub const GUIDED: &[Row] = &[
     more("rejection-mix, cylindrical", |s| (s.sampler, s.map) = (Sampler::RejectionMix, DirectionMap::Cylindrical)),
     more("rejection-mix, share 0.3", |s| (s.sampler, s.epsilon) = (Sampler::RejectionMix, Some(0.3))),
     more("acceptance mix", |s| (s.sampler, s.mix) = (Sampler::RejectionMix, Mix::Acceptance)),
-    row("rejection", |s| s.sampler = Sampler::Rejection),
-    row("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
+    more("rejection", |s| s.sampler = Sampler::Rejection),
+    more("sphere-inversion", |s| s.sampler = Sampler::SphereInversion),
     row("hemisphere-inversion", |s| s.sampler = Sampler::HemisphereInversion),
     row("product", |s| s.sampler = Sampler::Product),
     // With a much smaller share, the few uniform samples have such large weights that their sums are far from normally

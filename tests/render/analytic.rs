@@ -153,7 +153,7 @@ fn is_learned((mean, rms): (f64, f64), expected: f64) -> bool {
 
 /// The table tends to the incident radiance, 1, at the predicted rate. The targets of each step are 0.5 + 0.5 L of the
 /// step before (Eq. 5, Eq. 6). With rates alpha_k = 1 / (1 + decay + ... + decay^(k-1)), the distance to 1 shrinks by
-/// the factor 1 - alpha_k / 2 in step k. The quick tier has each learner once.
+/// the factor 1 - alpha_k / 2 in step k. The quick tier has two learners.
 #[test]
 fn the_radiance_table_tends_to_the_incident_radiance() {
     let device = Device::new();
@@ -166,7 +166,7 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
         (Learner::ExpectedSarsa, 0.95),
         (Learner::IrradianceSarsa, 1.0),
     ];
-    for &(learner, decay) in tier::some_of(&cases, 3) {
+    for &(learner, decay) in tier::some_of(&cases, 2) {
         let (mut distance, mut weight) = (1.0, 0.0);
         for _ in 0..LEARNING_STEPS {
             weight = weight * f64::from(decay) + 1.0;
@@ -180,7 +180,7 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
     }
 }
 
-/// Parent cells change nothing in a furnace, because neighbors have the same radiance.
+/// Parent cells change nothing in a furnace, because neighbors have the same radiance. The long tier has the twin.
 #[test]
 fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
     let device = Device::new();
@@ -188,8 +188,10 @@ fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
     let expected = 1.0 - 0.5_f64.powi(LEARNING_STEPS as i32);
     let found = learned(&device, &[], expected, fall_back);
     assert!(is_learned(found, expected), "{found:?}");
-    let faulty = learned(&device.mutated(BRIGHTER), &[], expected, fall_back);
-    assert!(!is_learned(faulty, expected), "the twin, 5 % off: {faulty:?}");
+    if tier::is_full() {
+        let faulty = learned(&device.mutated(BRIGHTER), &[], expected, fall_back);
+        assert!(!is_learned(faulty, expected), "the twin, 5 % off: {faulty:?}");
+    }
 }
 
 /// Monte Carlo learns the mean return. A path of 16 edges returns 1 - 2^-(17 - e) from edge e on. Edges 2 to 15 are

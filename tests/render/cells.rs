@@ -2,15 +2,17 @@
 
 use lodestar::settings::{AUTO_GRID, Sampler, Settings};
 use support::scenes::{ours, settings};
+use support::tier;
 
 use crate::device::Device;
 
 const BUDGET: u64 = 8 << 20;
 
+/// A chosen grid is as fine as its memory allows. The quick tier has one scene.
 #[test]
 fn a_chosen_grid_is_as_fine_as_its_memory_allows() {
     let device = Device::new();
-    for scene in ["cornell-box/scene.xml", "door-ajar/scene.xml", "furnace/scene.xml"] {
+    for scene in tier::some_of(&["cornell-box/scene.xml", "door-ajar/scene.xml", "furnace/scene.xml"], 1) {
         let scene = ours(scene, &[]);
         let settings = Settings { fallback: 4.0, ..settings(&scene, [16, 16], Sampler::Product, 1) };
         let bytes = |grid| device.renderer(&scene, &Settings { grid, ..settings.clone() }).guide_bytes();

@@ -12,6 +12,7 @@ use lodestar::film::read_picture;
 use lodestar::gpu::{Context, ContextOptions};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::scenes::{SAMPLERS, ours, settings};
+use support::tier;
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 
 use crate::determinism::bits;
@@ -54,6 +55,9 @@ fn subgroup_size(width: &str) -> u64 {
 /// independent.
 #[test]
 fn subgroups_of_4_8_and_16_give_statistically_equal_pictures() {
+    if tier::is_skipped("memory_full_of_garbage_changes_no_bit, and the tests on other drivers") {
+        return;
+    }
     let widths = ["128", "256", "512"];
     let sizes = widths.map(subgroup_size);
     if sizes != [4, 8, 16] {

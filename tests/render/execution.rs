@@ -118,7 +118,7 @@ fn waves_change_no_bit_of_any_option() {
         ("larger cells", |s| s.fallback = 8.0),
         ("hidden emitters", |s| s.hide_emitters = true),
     ];
-    for (name, set) in tier::some_of(&changes, 3) {
+    for (name, set) in tier::some_of(&changes, 2) {
         compare(&device, name, &scene, |s| {
             s.nee = true;
             set(s);

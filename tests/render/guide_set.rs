@@ -98,8 +98,11 @@ fn metal_box(alpha: f32) -> Scene {
 /// displayed pictures.
 #[test]
 fn metal_gains_from_a_guide() {
+    if tier::is_skipped("the row `product, every part` of the proofs' claim pictures") {
+        return;
+    }
     let device = Device::new();
-    for &alpha in tier::some_of(&[0.3, 0.6], 1) {
+    for alpha in [0.3, 0.6] {
         let scene = metal_box(alpha);
         let render = |sampler, nee, guide_set, spp| {
             let settings = Settings { nee, guide_set, ..settings(&scene, SIZE, sampler, 5) };

@@ -17,7 +17,7 @@ use crate::tables::tables;
 /// Maximum deviation of the integral over the sphere from one.
 const MOST_OFF: f64 = 1.0e-4;
 /// Number of normals in the short form.
-const FEW_NORMALS: usize = 2;
+const FEW_NORMALS: usize = 1;
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     for row in scope.guided() {

@@ -168,7 +168,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             // not on centers of bins.
             for setting in [1, 3].iter().take(normals).map(|&index| &settings(kind.map)[index]) {
                 let wanted = ["peaked", "freshly learned", "hot bin at the horizon", "all zero"];
-                let wanted = &wanted[..if scope.full { 4 } else { 2 }];
+                let wanted = &wanted[..if scope.full { 4 } else { 1 }];
                 let all = tables(kind.map, setting.nb).into_iter();
                 for (name, table) in all.filter(|(name, _)| wanted.contains(name)) {
                     bench.cell.fill(&bench.device, &table);

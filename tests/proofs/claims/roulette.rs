@@ -14,16 +14,16 @@ use crate::subject::{SHIPPED, Subject};
 const SIDE: u32 = 24;
 const SPP: u32 = 1024;
 const SEED: u32 = 800;
-/// Rows of the short form: one without a guide, one with roulette by throughput, one with roulette by expected
-/// contribution.
-const SHORT: [&str; 3] = ["bsdf", "rejection-mix", "product"];
+/// Rows of the short form: one with roulette by throughput, one with roulette by expected contribution.
+const SHORT: [&str; 2] = ["rejection-mix", "product"];
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
     let without = render(&studio, &SHIPPED, &UNGUIDED, u32::MAX, SEED, SPP);
     let is_wanted = |row: &Row| scope.full || scope.is_narrow() || SHORT.contains(&row.name);
     for row in scope.all().iter().filter(|row| is_wanted(row)) {
-        for rr_depth in [1, 3] {
+        let rr_depths = if scope.full || scope.is_narrow() { &[1, 3][..] } else { &[1] };
+        for &rr_depth in rr_depths {
             let with = render(&studio, subject, row, rr_depth, SEED + rr_depth, SPP);
             let comparison = Comparison::new(&Estimate::of(&without), &Estimate::of(&with), &[6, WHOLE]);
             let case = format!(
