@@ -9,6 +9,7 @@ mod cells;
 mod choices;
 mod closed;
 mod determinism;
+mod differences;
 mod device;
 mod drivers;
 mod execution;
