@@ -44,10 +44,10 @@ fn collect<'a>(elements: &'a [Element], found: &mut Vec<(&'a Element, &'static s
     }
 }
 
+/// Whether an element is a `<spectrum>` with one value, which is not 0.
 fn is_uniform_spectrum(element: &Element) -> bool {
-    let value = element.attribute("value").unwrap_or_default();
-    element.tag == "spectrum" && !value.is_empty() && !value.contains(|c: char| c == ':' || c == ',')
-        && value.split_whitespace().count() == 1
+    let value = element.attribute("value").and_then(|value| value.trim().parse::<f32>().ok());
+    element.tag == "spectrum" && value.is_some_and(|value| value != 0.0)
 }
 
 fn is_true(element: &Element) -> bool {

@@ -8,7 +8,7 @@ import numpy as np
 
 mi.set_variant("llvm_ad_rgb")
 FOLDER = pathlib.Path(__file__).parent
-SAMPLES, SEEDS, BLOCK = 1024, 16, 8
+SAMPLES, SEEDS, BLOCK = 256, 24, 8
 
 SENSOR = """<sensor type="perspective"><float name="fov" value="40"/>
 <transform name="to_world"><lookat origin="0.3,1.7,5.2" target="0,1,0" up="0,1,0"/></transform>
