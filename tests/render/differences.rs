@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use lodestar::film::Picture;
+use lodestar::renderer::Renderer;
 use lodestar::scene::{LoadOptions, Scene, load};
 use lodestar::settings::{Learner, Sampler, Settings, UNLIMITED_DEPTH};
 use serde_json::Value;
@@ -74,32 +75,42 @@ fn unlimited_paths_lose_no_light_in_glass() {
     }
 }
 
-/// In a furnace of albedo 0.95 a path of 16 edges brings 56 % of the light. The rest comes from paths of any length. The learner
+/// Mean of the bins that have learned something.
+fn learned(renderer: &Renderer) -> f64 {
+    let known = renderer.radiance().expect("a table").into_iter().map(f64::from).filter(|&l| l > 0.2);
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), l| (sum + l, count + 1.0));
+    sum / count
+}
+
+/// In a furnace of albedo 0.9 a path of 16 edges brings 81 % of the light. The rest comes from paths of any length. The learner
 /// that keeps vertices learns the whole light, too, though it keeps fewer vertices than a path may have.
 #[test]
 fn unlimited_paths_bring_all_light_of_a_furnace() {
     let device = Device::new();
-    let scene = ours("furnace/scene.xml", &[("albedo", "0.95"), ("emission", "0.05")]);
+    let scene = ours("furnace/scene.xml", &[("albedo", "0.9"), ("emission", "0.1")]);
     let cases = [
         (Sampler::Bsdf, Learner::Sarsa),
         (Sampler::Product, Learner::Sarsa),
         (Sampler::RejectionMix, Learner::MonteCarlo),
     ];
     for (sampler, learner) in cases {
-        let plain = settings(&scene, [32, 32], sampler, 5);
-        let settings = Settings { learner, max_depth: UNLIMITED_DEPTH, samples_per_dispatch: 4, ..plain };
-        let mut renderer = device.renderer(&scene, &settings);
-        steps(&mut renderer, &settings, 64);
-        let (mean, error) = gray(&renderer.picture().expect("a picture"));
-        println!("{sampler:?}: {mean:.6} +- {error:.6}");
+        let render = |max_depth| {
+            let plain = settings(&scene, [32, 32], sampler, 5);
+            let settings = Settings { learner, max_depth, samples_per_dispatch: 4, ..plain };
+            let mut renderer = device.renderer(&scene, &settings);
+            steps(&mut renderer, &settings, 64);
+            let (mean, error) = gray(&renderer.picture().expect("a picture"));
+            println!("{sampler:?}, {max_depth} edges: {mean:.6} +- {error:.6}");
+            (mean, error, renderer)
+        };
+        let ((mean, error, whole), (cut, _, short)) = (render(UNLIMITED_DEPTH), render(16));
         let z = (mean - 1.0) / error.hypot(1.0e-6);
-        assert!(error < 0.01 && sidak(two_sided(z), cases.len()) > ALPHA, "{sampler:?}: z = {z}");
+        assert!(error < 0.03 && sidak(two_sided(z), cases.len()) > ALPHA, "{sampler:?}: z = {z}");
+        assert!((cut - 1.0) / error < -5.0, "{sampler:?}: 16 edges bring {cut}");
         if learner == Learner::MonteCarlo {
-            let learned: Vec<f64> = renderer.radiance().expect("a table").into_iter().map(f64::from).collect();
-            let known: Vec<f64> = learned.into_iter().filter(|&l| l > 0.2).collect();
-            let mean = known.iter().sum::<f64>() / known.len() as f64;
-            println!("learned: {mean:.4} in {} bins", known.len());
-            assert!((mean - 1.0).abs() < 0.02, "learned: {mean}");
+            let (whole, short) = (learned(&whole), learned(&short));
+            println!("learned: {whole:.4}, with 16 edges {short:.4}");
+            assert!((whole - 1.0).abs() < 0.05 && short < 0.9, "learned: {whole}, with 16 edges {short}");
         }
     }
 }
@@ -143,7 +154,7 @@ fn scenes_in_doubt_agree_with_mitsuba() {
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
         for &nee in tier::some_of(&[true, false], 1) {
             let settings = Settings { nee, ..settings(&scene, [48, 48], Sampler::Bsdf, 7) };
-            let picture = device.render(&scene, &settings, if tier::is_full() { 4096 } else { 128 });
+            let picture = device.render(&scene, &settings, if tier::is_full() { 4096 } else { 256 });
             let worst =
                 |factor| block_zs(&picture, &all[name], factor).iter().fold(0.0, |worst: f64, z| worst.max(z.abs()));
             let (right, twin) = (worst(1.0), worst(1.02));
