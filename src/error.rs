@@ -15,6 +15,9 @@ pub enum Error {
         /// The fault and its remedy.
         message: String,
     },
+    /// A scene cannot be rendered, for several reasons.
+    #[error("the scene has {} faults:{}", .0.len(), listed(.0))]
+    Several(Vec<Error>),
     /// A file could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
@@ -145,6 +148,18 @@ impl Error {
     pub fn checkpoint(path: impl AsRef<Path>, message: impl Into<String>) -> Self {
         Self::Checkpoint { path: path.as_ref().to_path_buf(), message: message.into() }
     }
+}
+
+/// Most faults that one message lists.
+const MOST_LISTED: usize = 50;
+
+/// Errors on a line each.
+fn listed(errors: &[Error]) -> String {
+    let mut text: String = errors.iter().take(MOST_LISTED).map(|error| format!("\n  {error}")).collect();
+    if errors.len() > MOST_LISTED {
+        text += &format!("\n  and {} more", errors.len() - MOST_LISTED);
+    }
+    text
 }
 
 fn line_suffix(line: Option<u32>) -> String {

@@ -39,7 +39,12 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
 fn describe(summary: &Summary) -> String {
     let Summary { name, width, height, sample_count, max_depth, .. } = summary;
     let asked = |number: Option<String>| number.unwrap_or_else(|| "not given".to_string());
-    let (samples, depth) = (asked(sample_count.map(|n| n.to_string())), asked(max_depth.map(|n| n.to_string())));
+    let samples = asked(sample_count.map(|n| n.to_string()));
+    let depth = match max_depth {
+        Some(depth) if *depth >= 0 => depth.to_string(),
+        Some(_) => "unlimited".to_string(),
+        None => "not given, so unlimited".to_string(),
+    };
     let Summary { triangles, parallelograms, disks, spheres, .. } = summary;
     let lights = &summary.lights;
     let mut text = format!("{name}: {width} x {height} pixels; samples per pixel: {samples}; max_depth: {depth}\n");

@@ -19,7 +19,7 @@ use serde::Serialize;
 use super::inspect_text;
 use super::inspect_text::Inspected;
 use super::print::{print_json, print_line, report};
-use super::render_args::{Filter, Switch, define};
+use super::render_args::{Filter, Switch, define, depth};
 use super::setting_args::SettingArgs;
 
 /// Shows the interface and the instructions of the kernels.
@@ -56,7 +56,7 @@ pub struct InspectArgs {
     define: Vec<(String, String)>,
     #[arg(long, value_enum, help_heading = "Variant")]
     rfilter: Option<Filter>,
-    #[arg(long, help_heading = "Variant")]
+    #[arg(long, value_parser = depth, help_heading = "Variant")]
     max_depth: Option<u32>,
     #[arg(long, help_heading = "Variant")]
     rr_depth: Option<u32>,

@@ -9,7 +9,7 @@ use lodestar::gpu::ContextOptions;
 use lodestar::image::ToneCurve;
 use lodestar::scene::{Crop, ReconstructionFilter};
 use lodestar::session::{CHECKPOINT_EVERY, FilmSize, Options, OutputFiles};
-use lodestar::settings::{Execution, Settings};
+use lodestar::settings::{Execution, Settings, UNLIMITED_DEPTH};
 
 use super::duration::seconds;
 use super::setting_args::SettingArgs;
@@ -98,7 +98,7 @@ pub struct ChoiceArgs {
     pub crop: Option<Crop>,
     #[arg(long, value_enum)]
     pub rfilter: Option<Filter>,
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_parser = depth)]
     pub max_depth: Option<u32>,
     #[arg(long)]
     pub rr_depth: Option<u32>,
@@ -241,6 +241,14 @@ fn crop(text: &str) -> Result<Crop, String> {
     }
 }
 
+/// Longest path in edges. Mitsuba writes `unlimited` as -1.
+pub fn depth(text: &str) -> Result<u32, String> {
+    match text {
+        "unlimited" | "-1" => Ok(UNLIMITED_DEPTH),
+        _ => text.parse().ok().filter(|&depth| depth > 0).ok_or_else(|| "give a number of edges or unlimited".into()),
+    }
+}
+
 fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
 }
@@ -288,6 +296,10 @@ mod tests {
         assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));
         assert_eq!((choices.settings.text("sampler"), choices.settings.text("nee")), (Some("bsdf"), Some("on")));
         assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
+        assert_eq!(choices.max_depth, Some(5));
+        for text in ["unlimited", "-1"] {
+            assert_eq!(parse(&format!("--max-depth {text}")).unwrap().choices.max_depth, Some(UNLIMITED_DEPTH));
+        }
         assert_eq!((choices.settings.text("sample-offset"), args.checkpoint_every), (Some("64"), 5.0));
     }
 
@@ -304,6 +316,9 @@ mod tests {
             "--scale 0",
             "--scale 2 --width 4 --height 4",
             "--crop 1,2,3",
+            "--max-depth 0",
+            "--max-depth -2",
+            "--max-depth endless",
             "--crop 1,2,0,4",
             "--crop 1,2,-3,4",
             "-D a",

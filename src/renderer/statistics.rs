@@ -27,9 +27,10 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Reads the numbers from a kernel's counters.
+    /// Reads the numbers from a kernel's counters: the low words of all, then their high words.
     pub(super) fn from_counters(counters: &[u32]) -> Self {
-        let at = |index: u32| u64::from(counters[index as usize]);
+        let word = |index: u32| u64::from(counters[index as usize]);
+        let at = |index: u32| word(index) | word(kernels::COUNTER_COUNT + index) << 32;
         Self {
             rays: at(kernels::COUNTER_RAYS),
             scattered_rays: at(kernels::COUNTER_SCATTERED_RAYS),

@@ -119,7 +119,8 @@ impl Method {
     pub fn settings(&self, defaults: Settings, size: [u32; 2]) -> Settings {
         let Self { sampler, learner, mix, epsilon, nee, .. } = *self;
         let base = protocol::settings(self.base, defaults, size);
-        let mut settings = Settings { sampler, learner, mix, epsilon, nee, ..base };
+        let min_uniform = sampler.default_min_uniform();
+        let mut settings = Settings { sampler, learner, mix, epsilon, nee, min_uniform, ..base };
         self.changes.apply(&mut settings);
         settings
     }

@@ -164,7 +164,10 @@ impl Options {
     /// Sets the sampler of scattered directions, and the sampler's default learner.
     #[must_use]
     pub fn sampler(self, sampler: Sampler) -> Self {
-        self.settings(move |settings| (settings.sampler, settings.learner) = (sampler, sampler.default_learner()))
+        self.settings(move |settings| {
+            (settings.sampler, settings.learner) = (sampler, sampler.default_learner());
+            settings.min_uniform = sampler.default_min_uniform();
+        })
     }
 
     /// Changes any other setting. Changes are made in the order in which they are given, after the film's size is known.

@@ -1,7 +1,7 @@
 //! Values that follow from several settings.
 
 use super::flat::Settings;
-use super::paths::Roulette;
+use super::paths::{MAX_DEPTH_LIMIT, MOST_KEPT_VERTICES, Roulette, SURE_ROULETTE_DEPTH, UNLIMITED_DEPTH};
 use super::run::SampleWeights;
 use super::sampler::{BsdfShare, Learner, Sampler};
 use crate::generated::layout::PathVertex;
@@ -16,9 +16,21 @@ impl Settings {
         self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })
     }
 
+    /// Most edges of a path that a kernel traces. Roulette ends paths of unlimited length long before: from
+    /// [`SURE_ROULETTE_DEPTH`](super::paths) on a path survives each edge with a probability of at most 0.95, so that fewer than
+    /// one path in 10^19 meets the bound.
+    pub(crate) fn depth_bound(&self) -> u32 {
+        if self.max_depth == UNLIMITED_DEPTH { MAX_DEPTH_LIMIT } else { self.max_depth }
+    }
+
+    /// Edge from which roulette may end any path. Only paths of unlimited length need it.
+    pub(crate) fn sure_roulette_depth(&self) -> u32 {
+        if self.max_depth == UNLIMITED_DEPTH { SURE_ROULETTE_DEPTH } else { u32::MAX }
+    }
+
     /// Number of vertices that a kernel keeps of a path.
     pub(crate) fn kept_vertices(&self) -> u32 {
-        if self.learner == Learner::MonteCarlo { self.max_depth } else { 1 }
+        if self.learner == Learner::MonteCarlo { self.max_depth.min(MOST_KEPT_VERTICES) } else { 1 }
     }
 
     /// Bytes of the vertices that the learner keeps of each path in progress; 0 where it keeps none.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::paths::{Roulette, SamplePattern, depth_from_scene};
+use super::paths::{Roulette, SamplePattern, UNLIMITED_DEPTH, max_depth_from_scene, rr_depth_from_scene};
 use super::run::{Execution, SampleWeights, StepSchedule};
 use super::sampler::{BsdfShare, GuideSet, Learner, Mix, Sampler};
 use crate::generated::constants::Variant;
@@ -28,7 +28,8 @@ pub struct Settings {
     pub crop: Option<Crop>,
     /// Reconstruction filter.
     pub filter: ReconstructionFilter,
-    /// Longest path in edges, in [1, 1024]. A path of 1 edge sees emission directly.
+    /// Longest path in edges, in [1, 1024], or [`UNLIMITED_DEPTH`]. A path of 1 edge sees emission directly.
+    #[serde(serialize_with = "depth_or_unlimited", deserialize_with = "from_depth_or_unlimited")]
     pub max_depth: u32,
     /// Number of edges after which Russian roulette by throughput begins, at least 1.
     pub rr_depth: u32,
@@ -112,7 +113,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Default settings for a scene: the scene's own choices where it makes any, else max depth 16, roulette after depth 8, and
+    /// Default settings for a scene: the scene's own choices where it makes any, else paths of unlimited length, roulette after depth 8, and
     /// grids of the paper's size.
     pub fn for_scene(scene: &Scene) -> Self {
         Self::for_film(&scene.film, &scene.integrator)
@@ -125,8 +126,8 @@ impl Settings {
             height: film.height,
             crop: film.crop,
             filter: film.filter,
-            max_depth: integrator.max_depth.map_or(DEFAULTS.max_depth, depth_from_scene),
-            rr_depth: integrator.rr_depth.map_or(DEFAULTS.rr_depth, depth_from_scene),
+            max_depth: max_depth_from_scene(integrator.max_depth),
+            rr_depth: integrator.rr_depth.map_or(DEFAULTS.rr_depth, rr_depth_from_scene),
             hide_emitters: integrator.hide_emitters,
             nee: true,
             seed: 0,
@@ -188,6 +189,23 @@ fn number_or_auto<S: Serializer>(&number: &u32, serializer: S) -> std::result::R
 }
 
 fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<u32, D::Error> {
+    number_or_word(deserializer, "auto", AUTO_GRID)
+}
+
+fn depth_or_unlimited<S: Serializer>(&depth: &u32, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    if depth == UNLIMITED_DEPTH { serializer.serialize_str("unlimited") } else { serializer.serialize_u32(depth) }
+}
+
+fn from_depth_or_unlimited<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<u32, D::Error> {
+    number_or_word(deserializer, "unlimited", UNLIMITED_DEPTH)
+}
+
+/// Reads a number, or a word that stands for the number `meaning`.
+fn number_or_word<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    wanted: &str,
+    meaning: u32,
+) -> std::result::Result<u32, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
     enum NumberOrWord {
@@ -196,7 +214,7 @@ fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::resul
     }
     match NumberOrWord::deserialize(deserializer)? {
         NumberOrWord::Number(number) => Ok(number),
-        NumberOrWord::Word(word) if word == "auto" => Ok(AUTO_GRID),
-        NumberOrWord::Word(word) => Err(serde::de::Error::custom(format!("`{word}` is neither a number nor auto"))),
+        NumberOrWord::Word(word) if word == wanted => Ok(meaning),
+        NumberOrWord::Word(word) => Err(serde::de::Error::custom(format!("`{word}` is neither a number nor {wanted}"))),
     }
 }

@@ -22,7 +22,7 @@ pub use flat::{AUTO_GRID, Settings};
 pub use guide::{
     Cells, Grid, GridLearner, GridSampler, Guide, Mixture, ProductDirections, ProductLearner, Quadtree, Share,
 };
-pub use paths::{MAX_DEPTH_LIMIT, Roulette, SamplePattern, depth_warning};
+pub use paths::{MAX_DEPTH_LIMIT, Roulette, SamplePattern, UNLIMITED_DEPTH, depth_warning};
 pub use run::{Execution, SampleWeights, StepSchedule};
 pub use sampler::{BsdfShare, GuideSet, Learner, Mix, Sampler};
 pub use value::{Value, Word};

@@ -3,12 +3,17 @@
 use serde::{Deserialize, Serialize};
 
 use crate::generated::constants;
-use crate::scene::Scene;
+use crate::scene::{IntegratorDescription, Scene};
 
-/// Longest path that can be asked for, in edges. A scene's "unlimited" becomes this length.
+/// Longest limit of paths that can be asked for, in edges.
 pub const MAX_DEPTH_LIMIT: u32 = 1024;
-/// Longest path whose vertices a learner can keep, in edges.
-pub(super) const MAX_KEPT_VERTICES: u32 = 128;
+/// Value of [`Settings::max_depth`](super::Settings::max_depth) that sets no limit: roulette ends every path.
+pub const UNLIMITED_DEPTH: u32 = u32::MAX;
+/// Edge from which roulette plays with every path of unlimited length. It is far beyond the light of most scenes, so that
+/// roulette by contribution keeps its freedom there.
+pub(super) const SURE_ROULETTE_DEPTH: u32 = 128;
+/// Most vertices of a path that the learner `monte-carlo` keeps. It learns nothing for later vertices.
+pub(super) const MOST_KEPT_VERTICES: u32 = 32;
 
 /// Distribution of a pixel's samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -39,14 +44,20 @@ pub enum Roulette {
 
 /// Warning for a scene whose depth is outside the range that can be rendered.
 pub fn depth_warning(scene: &Scene) -> Option<String> {
-    let named = [("max_depth", scene.integrator.max_depth), ("rr_depth", scene.integrator.rr_depth)];
-    let (name, depth) = named.into_iter().find_map(|(name, depth)| {
-        depth.filter(|&depth| depth != depth_from_scene(depth) as i32).map(|depth| (name, depth))
-    })?;
-    Some(format!("the scene's {name} of {depth} is rendered as {}", depth_from_scene(depth)))
+    let IntegratorDescription { max_depth, rr_depth, .. } = scene.integrator;
+    let too_long = |depth: &i32| u32::try_from(*depth).is_ok_and(|depth| depth > MAX_DEPTH_LIMIT);
+    let unlimited = |depth| format!("the scene's max_depth of {depth} is rendered as unlimited");
+    let bounded = |depth| format!("the scene's rr_depth of {depth} is rendered as {}", rr_depth_from_scene(depth));
+    max_depth.filter(too_long).map(unlimited).or_else(|| rr_depth.filter(too_long).map(bounded))
 }
 
-/// Depth in the range that can be rendered; a negative depth means "unlimited".
-pub(super) fn depth_from_scene(depth: i32) -> u32 {
+/// Longest path of a scene. Mitsuba writes "unlimited" as -1, and takes it where the scene gives no `max_depth`.
+pub(super) fn max_depth_from_scene(depth: Option<i32>) -> u32 {
+    let limit = depth.and_then(|depth| u32::try_from(depth).ok()).filter(|&depth| depth <= MAX_DEPTH_LIMIT);
+    limit.map_or(UNLIMITED_DEPTH, |depth| depth.max(1))
+}
+
+/// A scene's roulette depth in the range that can be rendered.
+pub(super) fn rr_depth_from_scene(depth: i32) -> u32 {
     u32::try_from(depth).map_or(MAX_DEPTH_LIMIT, |depth| depth.clamp(1, MAX_DEPTH_LIMIT))
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::generated::constants;
+use crate::generated::constants::{self, Variant};
 
 /// Source of scattered directions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -33,6 +33,15 @@ impl Sampler {
         match self {
             Self::Quadtree => Learner::MonteCarlo,
             _ => Learner::Sarsa,
+        }
+    }
+
+    /// Least share of uniform directions unless another is asked for. Inversion has no bound on the weight of a sample where the
+    /// guide knows no light, so half of its directions are uniform: a sample is then weighted by at most four at each edge.
+    pub const fn default_min_uniform(self) -> f32 {
+        match self {
+            Self::SphereInversion | Self::HemisphereInversion => 0.5,
+            _ => Variant::DEFAULT.min_uniform_share,
         }
     }
 }

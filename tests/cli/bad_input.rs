@@ -198,7 +198,6 @@ fn combinations_without_meaning() {
             ["--learner monte-carlo is used by the samplers", "the sampler here is bsdf"],
         ),
         (&["--expected-directions", "64"], ["--expected-directions", "expected-sarsa only; the learner here is sarsa"]),
-        (&["--learner", "monte-carlo", "--max-depth", "129"], ["--max-depth", "at most 128"]),
     ] {
         refuse(&folder, arguments, 1, &words);
     }

@@ -76,3 +76,22 @@ fn a_scene_that_cannot_be_read_is_one_sentence() {
     let output = info(&["gone.xml"]);
     assert_sentence(&output, 1, &["gone.xml"]);
 }
+
+#[test]
+fn depth_and_all_faults_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let info = |body: &str| {
+        std::fs::write(folder.path().join("s.xml"), format!("<scene version=\"3.0.0\">\n{body}\n</scene>")).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
+        command.current_dir(folder.path()).args(["info", "s.xml"]).output().unwrap()
+    };
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    let unlimited = info(r#"<sensor type="perspective"/><integrator type="path"/>"#);
+    assert!(text(&unlimited.stdout).contains("max_depth: not given, so unlimited"), "{}", text(&unlimited.stdout));
+    let faulty = info("<emitter type=\"sky\"/>\n<shape type=\"cylinder\"/>");
+    let message = text(&faulty.stderr);
+    assert_eq!(faulty.status.code(), Some(1));
+    for part in ["the scene has 2 faults:", "  s.xml:2: ", "`sky`", "  s.xml:3: ", "`cylinder`"] {
+        assert!(message.contains(part), "`{part}` is missing in:\n{message}");
+    }
+}

@@ -10,6 +10,7 @@ mod choices;
 mod closed;
 mod determinism;
 mod device;
+mod differences;
 mod drivers;
 mod execution;
 mod guide_set;

@@ -396,3 +396,26 @@ fn vertex_colors_that_cannot_be_are_refused() {
     let texel = sample(&bytes.textures[0], &bytes.images, bytes.primitives[0].uvs[0].as_dvec2());
     assert!(texel.as_vec4().abs_diff_eq(Vec4::new(1.0, 0.2, 0.0, 1.0), 1e-6), "{texel}");
 }
+
+/// One warning says in what an old file's picture differs from that of Mitsuba 0.6.
+#[test]
+fn old_files_whose_picture_differs_get_one_warning() {
+    let warnings = |version: &str, body: &str| {
+        let text = format!("<scene version=\"{version}\"><sensor type=\"perspective\"/>\n{body}\n</scene>");
+        Folder::new(&[("scene.xml", &text)]).load(&[]).unwrap().warnings
+    };
+    let lamp = r#"<emitter type="constant"><spectrum name="radiance" value="2"/></emitter>"#;
+    let mirror = r#"<shape type="sphere"><bsdf type="conductor"/></shape>"#;
+    let hidden = r#"<integrator type="path"><boolean name="hideEmitters" value="true"/></integrator>"#;
+    for (body, words) in [(lamp, "tinted"), (mirror, "copper"), (hidden, "black")] {
+        let found = warnings("0.6.0", body);
+        assert!(found.len() == 1 && found[0].contains("scene.xml:2: ") && found[0].contains(words), "{found:?}");
+        assert_eq!(warnings("3.0.0", body), [""; 0]);
+    }
+    let all = warnings("0.5.0", &format!("{lamp}{mirror}{mirror}{hidden}"));
+    assert!(all.len() == 1 && ["tinted", "copper", "black"].iter().all(|word| all[0].contains(word)), "{all:?}");
+    let same = r#"<emitter type="constant"><rgb name="radiance" value="2"/></emitter>
+        <shape type="sphere"><bsdf type="conductor"><string name="material" value="Cu"/></bsdf></shape>
+        <shape type="cube"><bsdf type="diffuse"><spectrum name="reflectance" value="0.5"/></bsdf></shape>"#;
+    assert_eq!(warnings("0.6.0", same), [""; 0]);
+}

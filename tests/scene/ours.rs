@@ -68,7 +68,7 @@ fn shared_cornell_boxes() {
     }
 }
 
-/// Shared scenes that are available load without a warning.
+/// Shared scenes that are available load without a warning, except that an old file's picture is that of Mitsuba 3.
 #[test]
 fn shared_scenes() {
     let Ok(folder) = std::env::var("LODESTAR_SCENES") else {
@@ -79,7 +79,8 @@ fn shared_scenes() {
         if path.is_file() {
             let scene = load(&path, &LoadOptions::default()).unwrap();
             println!("{}: {} textures, {} images", scene.name, scene.textures.len(), scene.images.len());
-            assert!(scene.warnings.is_empty(), "{}: {:?}", scene.name, scene.warnings);
+            let others: Vec<_> = scene.warnings.iter().filter(|warning| !warning.contains("of Mitsuba 0.6")).collect();
+            assert!(others.is_empty(), "{}: {others:?}", scene.name);
         }
     }
 }

@@ -167,3 +167,36 @@ fn meshes() {
     refuse_mesh("v 0 0 0\nv 1 0\n", &["mesh.obj:2: ", "3 numbers"]);
     refuse_mesh(vertices, &["mesh.obj: ", "no faces"]);
 }
+
+/// One message lists every fault once, in the order of the lines.
+#[test]
+fn all_faults_are_listed_at_once() {
+    let body = r#"<bsdf type="phong" id="a"/>
+<shape type="cylinder"><ref id="a"/></shape>
+<shape type="sphere"><bsdf type="twosided"><bsdf type="ward"/><bsdf type="irawan"/></bsdf><emitter type="collimated"/></shape>
+<emitter type="sky"/>
+<shape type="obj"><string name="filename" value="gone.obj"/></shape>
+<wheel/>
+<integrator type="depth"/>
+<shape type="ply"><string name="filename" value="bad.ply"/></shape>"#;
+    let folder = Folder::new(&[("scene.xml", &with_sensor(body)), ("bad.ply", "no mesh")]);
+    let message = folder.load(&[]).map(drop).expect_err("this should be refused").to_string();
+    let lines: Vec<_> = message.lines().collect();
+    assert_eq!(lines[0], "the scene has 10 faults:", "{message}");
+    let expected = [
+        ("bad.ply", "bad.ply"),
+        ("scene.xml:2: ", "`phong`"),
+        ("scene.xml:3: ", "`cylinder`"),
+        ("scene.xml:4: ", "`ward`"),
+        ("scene.xml:4: ", "`irawan`"),
+        ("scene.xml:4: ", "`collimated`"),
+        ("scene.xml:5: ", "`sky`"),
+        ("scene.xml:6: ", "`gone.obj`"),
+        ("scene.xml:7: ", "<wheel>"),
+        ("scene.xml:8: ", "`depth`"),
+    ];
+    assert_eq!(lines.len(), 1 + expected.len(), "{message}");
+    for (line, (place, word)) in lines[1..].iter().zip(expected) {
+        assert!(line.starts_with("  ") && line.contains(place) && line.contains(word), "{place} {word}: {line}");
+    }
+}

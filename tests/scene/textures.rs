@@ -244,6 +244,17 @@ fn floating_point_files() {
     let exr = floats_of("b.exr", "", |path| save_exr(path, 0.75));
     assert_eq!(float_texels(&exr)[6], [0.5, 0.75, 0.0, 1.0]);
     assert!(exr.warnings.is_empty(), "{:?}", exr.warnings);
+    // A negative reflectance is 0, with a warning. Heights keep their sign.
+    let negative = floats_of("b.exr", "", |path| save_exr(path, -0.75));
+    assert_eq!(float_texels(&negative)[6], [0.5, 0.0, 0.0, 1.0]);
+    assert!(negative.warnings.len() == 1 && negative.warnings[0].contains("negative"), "{:?}", negative.warnings);
+    let body = format!(
+        r#"<shape type="disk"><bsdf type="bumpmap">{}<bsdf type="diffuse"/></bsdf></shape>"#,
+        bitmap("b.exr", "").replace("reflectance", "heights")
+    );
+    let relief = Folder::new(&[("scene.xml", &with_sensor(&body))]);
+    save_exr(&relief.path("b.exr"), -0.75);
+    assert_eq!(float_texels(&relief.load(&[]).unwrap())[6][1], -0.75);
     // A reflectance above 1 gives a warning and is kept, as in Mitsuba.
     let bright = floats_of("b.exr", "", |path| save_exr(path, 7.0));
     assert_eq!(float_texels(&bright)[6][1], 7.0);

@@ -133,8 +133,11 @@ uint texel_word(uint address) {
     return paged_texel_word(page, address & ((1u << TEXEL_PAGE_SHIFT) - 1u));
 }
 
+// Adds to a statistic. It has two words, so that no dispatch overflows it: the low words of all statistics come first.
 void count(uint counter, uint amount) {
-    if (amount != 0u) atomicAdd(counters[counter], amount);
+    if (amount == 0u) return;
+    uint before = atomicAdd(counters[counter], amount);
+    if (before + amount < before) atomicAdd(counters[COUNTER_COUNT + counter], 1u);
 }
 
 // Adds to a counter that all invocations share. Returns the counter's value before the addition.

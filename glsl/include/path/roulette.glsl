@@ -4,7 +4,7 @@
 #define ROULETTE_GLSL
 #include "path/guiding.glsl"
 
-// Largest probability of survival by throughput.
+// Largest probability of survival by throughput, and of any survival from edge SURE_ROULETTE_DEPTH on.
 const float MOST_SURVIVAL = 0.95;
 
 // Roulette by expected contribution (Vorba and Krivanek 2016, "Adjoint-Driven Russian Roulette and Splitting in Light

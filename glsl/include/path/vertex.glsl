@@ -6,7 +6,8 @@
 #include "path/roulette.glsl"
 #include "film/tally.glsl"
 
-// Emission as the picture shows it: emitters can be hidden from the camera.
+// Emission as the picture shows it. Where emitters are hidden, the camera's rays go through surfaces that emit, and the
+// environment is black.
 vec3 visible_emission(Path path, vec3 emission) {
     return HIDE_EMITTERS && path.depth == 1u ? vec3(0.0) : emission;
 }
@@ -22,10 +23,13 @@ vec3 direct_light(Path path, Surface surface, Scatterer scatterer, Guide guide, 
 
 // Probability that the path goes on in the direction `next`. The path's throughput does not hold that direction's weight yet.
 float survival_of(Path path, Guide guide, DirectionSample next) {
-    if (!knows_contribution(guide, next)) {
-        return survival_by_throughput(path.throughput * next.weight, path.eta * next.eta, path.depth);
+    float survival;
+    if (knows_contribution(guide, next)) {
+        survival = survival_by_contribution(path.throughput, guide, next, path.pixel_estimate);
+    } else {
+        survival = survival_by_throughput(path.throughput * next.weight, path.eta * next.eta, path.depth);
     }
-    return survival_by_contribution(path.throughput, guide, next, path.pixel_estimate);
+    return path.depth < SURE_ROULETTE_DEPTH ? survival : min(survival, MOST_SURVIVAL);
 }
 
 // Plays Russian roulette. A survivor's weight grows by one over the probability of survival.

@@ -79,12 +79,12 @@ uint queue_at(uint queue) {
 
 // The counter of paths that travel an edge.
 uint path_counter(uint edge) {
-    return COUNTER_COUNT + edge;
+    return 2u * COUNTER_COUNT + edge;
 }
 
 // The counter of connections to lights that are made at an edge's end.
 uint connection_counter(uint edge) {
-    return COUNTER_COUNT + MAX_DEPTH + edge;
+    return 2u * COUNTER_COUNT + MAX_DEPTH + edge;
 }
 
 // Paths that travel this edge.

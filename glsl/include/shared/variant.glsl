@@ -16,6 +16,9 @@ layout(constant_id = 2) const uint LEARNER = LEARNER_SARSA;
 layout(constant_id = 54) const uint GUIDE_SET = GUIDE_SET_DIFFUSE;
 // Maximum path length, in edges; 1 is emission seen directly.
 layout(constant_id = 3) const uint MAX_DEPTH = 16u;
+// Edge from which no path survives with a probability above MOST_SURVIVAL, whatever roulette compares with. Paths without a
+// maximum length end by it, long before MAX_DEPTH.
+layout(constant_id = 63) const uint SURE_ROULETTE_DEPTH = NONE;
 // Number of edges from which Russian roulette by throughput is played.
 layout(constant_id = 4) const uint RR_DEPTH = 8u;
 // Whether emitters are invisible to the camera.

@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "film/slice.glsl"
-#include "geometry/traverse.glsl"
+#include "path/edge.glsl"
 #include "path/vertex.glsl"
 
 layout(push_constant, scalar) uniform Push { TracePush push; };
@@ -42,7 +42,7 @@ void main() {
         }
 
         // 2. Ray: what it hits, and the segment that it has travelled.
-        Hit hit = traverse(path.ray, false, tally.overrun);
+        Hit hit = end_of_edge(path.ray, path.depth == 1u, tally.overrun);
         Segment travelled = path.segment;
         ShareEvidence evidence = path.evidence;
         path.last_vertex.segment = travelled;

@@ -4,7 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
-#include "geometry/traverse.glsl"
+#include "path/edge.glsl"
 #include "path/wavefront.glsl"
 
 void main() {
@@ -12,7 +12,7 @@ void main() {
     uint place = gl_GlobalInvocationID.x;
     while (place < queue_length()) {
         uint slot = queued_slot(place);
-        if (slot != NONE) store_hit(slot, traverse(load_ray(slot), false, overrun));
+        if (slot != NONE) store_hit(slot, end_of_edge(load_ray(slot), push.edge == 0u, overrun));
         place += lane_count();
     }
     count(COUNTER_OVERRUNS, uint(overrun || place < queue_length()));

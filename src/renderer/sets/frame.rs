@@ -23,6 +23,9 @@ use crate::scene::texel_pages::MAX_PAGES;
 use crate::scene::{Projection, Scene};
 use crate::settings::{Learner, Settings};
 
+/// Words of the statistics: a low and a high one each.
+const STATISTICS_WORDS: u32 = 2 * kernels::COUNTER_COUNT;
+
 /// Targets of learners that bootstrap saturate at this multiple of the largest emitted radiance.
 const TARGET_LIMIT: f32 = 16.0;
 /// Collected returns saturate at this multiple instead: roulette makes the few paths that survive count for more.
@@ -56,8 +59,8 @@ impl Frame {
         let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape, numbers::MATERIALS))?;
         let emitters = lights.texels();
         let emitters = uploaded("emitters", bytemuck::cast_slice(&emitters), buffer_kind(shape, numbers::EMITTERS))?;
-        // After the counters, the lengths of a wave's queues: of paths and of connections, for every edge.
-        let counter_bytes = u64::from(kernels::COUNTER_COUNT + 2 * settings.max_depth) * 4;
+        // After the statistics, the lengths of a wave's queues: of paths and of connections, for every edge.
+        let counter_bytes = u64::from(STATISTICS_WORDS + 2 * settings.depth_bound()) * 4;
         let counters = Buffer::new(context, "counters", counter_bytes, BufferKind::Storage)?;
         let counters_read = Buffer::new(context, "counters for the host", counter_bytes, BufferKind::Readback)?;
         let records = bytemuck::cast_slice(&textures.records);
@@ -109,12 +112,12 @@ impl Frame {
 
     /// Reads what was counted up to the last submission that [handed it over](Self::hand_over_counts).
     pub fn read_counts(&self) -> Result<Counts> {
-        Ok(Counts::from_counters(&self.counters_read.read(0, kernels::COUNTER_COUNT as usize)?))
+        Ok(Counts::from_counters(&self.counters_read.read(0, STATISTICS_WORDS as usize)?))
     }
 
     /// Reads how many paths were queued for an edge up to that submission.
     pub fn read_queued(&self, edge: u32) -> Result<u32> {
-        let length: Vec<u32> = self.counters_read.read(u64::from(kernels::COUNTER_COUNT + edge) * 4, 1)?;
+        let length: Vec<u32> = self.counters_read.read(u64::from(STATISTICS_WORDS + edge) * 4, 1)?;
         Ok(length[0])
     }
 

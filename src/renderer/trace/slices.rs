@@ -51,7 +51,7 @@ impl Slicer {
         Self {
             target_seconds: settings.slice_milliseconds.map_or(default, |ms| ms / 1000.0),
             workgroup_size,
-            max_groups: max_groups(device, settings, workgroup_size).min(most_groups),
+            max_groups: max_groups(device).min(most_groups),
             spreads: is_cpu,
             groups: Cell::new(FIRST_GROUPS),
         }
@@ -98,11 +98,9 @@ impl Slicer {
     }
 }
 
-/// Most workgroups of a dispatch: no counter may pass 2^32, nor the product of a workgroup's index and the stride.
-fn max_groups(device: &DeviceInfo, settings: &Settings, workgroup_size: u32) -> u32 {
-    let vertices = u64::from(workgroup_size * settings.samples_per_dispatch) * u64::from(settings.max_depth);
-    let most_counted = u64::from(u32::MAX) / (vertices * u64::from(settings.max_tries + 1));
-    device.limits.max_workgroup_count[0].min(65_535).min(most_counted.max(1) as u32)
+/// Most workgroups of a dispatch: the product of a workgroup's index and the stride may not pass 2^32.
+fn max_groups(device: &DeviceInfo) -> u32 {
+    device.limits.max_workgroup_count[0].min(65_535)
 }
 
 fn coprime(a: u32, b: u32) -> bool {

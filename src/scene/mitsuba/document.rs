@@ -8,6 +8,7 @@ use std::sync::Arc;
 use roxmltree::Node;
 
 use super::element::{Element, Location, OBJECT_TAGS, PARAMETER_TAGS};
+use super::faults::Faults;
 use super::folders::Folders;
 use super::transform;
 use crate::{Error, Result};
@@ -30,6 +31,8 @@ pub(super) struct Document {
     /// Folders in which files are searched.
     pub folders: Folders,
     pub warnings: Vec<String>,
+    /// Elements that are not supported.
+    pub faults: Faults,
 }
 
 /// Reads the file at `path` with all its includes.
@@ -37,6 +40,7 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document
     let mut reader = Reader {
         folders: Folders::new(path),
         warnings: Vec::new(),
+        faults: Faults::default(),
         is_old: false,
         parameters: defines.iter().cloned().collect(),
         known: HashSet::new(),
@@ -49,12 +53,14 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document
             return Err(Error::scene(path, None, message));
         }
     }
-    Ok(Document { elements, folders: reader.folders, warnings: reader.warnings })
+    let Reader { folders, warnings, faults, .. } = reader;
+    Ok(Document { elements, folders, warnings, faults })
 }
 
 struct Reader {
     folders: Folders,
     warnings: Vec<String>,
+    faults: Faults,
     /// Whether the file being read is of a version before 2.
     is_old: bool,
     /// Values of `$name`.
@@ -148,7 +154,9 @@ impl Reader {
             "lookAt" | "look_at" => element.tag = "lookat".to_string(),
             _ => {}
         }
-        check_tag(&element, depth)?;
+        if self.faults.keep(check_tag(&element, depth)).is_none() {
+            return Ok(());
+        }
         self.warnings.extend(transform::warning(&element)?);
         self.read_children(node, file, depth, &mut element.children)?;
         into.push(element);

@@ -12,13 +12,15 @@ use rayon::prelude::*;
 use super::document::Document;
 use super::element::{Element, PARAMETER_TAGS};
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
+use super::faults::Faults;
 use super::flatten::Common;
 use super::materials::Materials;
 use super::properties::Properties;
 use super::scope::{Scope, Whole};
 use super::shape::{self, Geometry, MeshFile, Shape};
+use super::texture_images::Decoded;
 use super::textures::Textures;
-use super::{document, fit, integrator, sensor, texture_images, vertex_colors};
+use super::{document, fit, integrator, old_files, sensor, texture_images, vertex_colors};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 use crate::scene::texel_pages;
 use crate::scene::{
@@ -58,11 +60,14 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 
 /// Reads the scene at `path` with everything it includes. `progress` is called after every mesh, from several threads.
 ///
+/// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
+///
 /// Only `sample_count` of the sampler is read, because samplers differ in their patterns alone. Parameters that cannot
 /// change the picture (such as a film's `file_format`) are skipped in silence; other unknown ones end up in
 /// [`Scene::warnings`].
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    let Document { elements, folders, warnings } = document::read(path, &options.defines)?;
+    let Document { elements, folders, mut warnings, faults } = document::read(path, &options.defines)?;
+    warnings.extend(old_files::warning(&elements));
     let scope = Rc::new(Whole::new(&elements, folders)?);
     let mut builder = Builder {
         materials: Materials::new(Rc::clone(&scope)),
@@ -79,9 +84,11 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
         integrators: Vec::new(),
         loose_emitters: Vec::new(),
         warnings,
+        faults,
     };
     for element in &elements {
-        builder.add(element)?;
+        let added = builder.add(element);
+        builder.faults.keep(added);
     }
     builder.finish(path, progress)
 }
@@ -108,6 +115,7 @@ struct Builder<'a> {
     /// `area` emitters that stand in `<scene>`, for shapes to refer to.
     loose_emitters: Vec<&'a Element>,
     warnings: Vec<String>,
+    faults: Faults,
 }
 
 impl<'a> Builder<'a> {
@@ -166,7 +174,11 @@ impl<'a> Builder<'a> {
 
     fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
         let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
-        let image = texture_images::decode_environment(&path)?;
+        let (image, has_negatives) = texture_images::decode_environment(&path)?;
+        if has_negatives {
+            let message = "the environment's image has negative radiance, which counts as 0";
+            self.warnings.push(format!("{}: {message}", element.location));
+        }
         if image.width < 2 || image.height < 3 {
             return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
         }
@@ -181,32 +193,37 @@ impl<'a> Builder<'a> {
             "instance" => self.add_instance(element),
             _ => {
                 let shape = self.parse_shape(element)?;
-                self.shapes.push(shape);
+                self.shapes.extend(shape);
                 Ok(())
             }
         }
     }
 
-    fn parse_shape(&mut self, element: &'a Element) -> Result<Shape> {
+    /// Reads a shape; `None` where its geometry, its material or its emitter has a fault.
+    fn parse_shape(&mut self, element: &'a Element) -> Result<Option<Shape>> {
         let mut properties = Properties::new(element, &self.scope)?;
         let mut common = Common { material: 0, ..Common::default() };
-        let geometry = shape::parse_geometry(&mut properties, &mut common)?;
+        let geometry = self.faults.keep(shape::parse_geometry(&mut properties, &mut common));
         let emitter = properties.object("emitter")?;
-        common.material = match properties.object("bsdf")? {
+        let material = match properties.object("bsdf")? {
             Some(bsdf) => {
                 let shape_id = element.attribute("id");
-                self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings)?
+                let kept = self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings);
+                self.faults.keep(kept)
             }
-            None => self.materials.keep_default(emitter.is_some()),
+            None => Some(self.materials.keep_default(emitter.is_some())),
         };
         if let Some(emitter) = emitter {
             common.emitter = Some(self.emitters.len() as u32);
             self.lit.insert(std::ptr::from_ref(emitter));
             let (scope, textures) = (&self.scope, &mut self.textures);
-            self.emitters.push(emitter_plugin::parse_area(emitter, scope, textures, &mut self.warnings)?);
+            let area = emitter_plugin::parse_area(emitter, scope, textures, &mut self.warnings);
+            self.emitters.extend(self.faults.keep(area));
         }
+        let (Some(geometry), Some(material)) = (geometry, material) else { return Ok(None) };
         properties.finish(&mut self.warnings)?;
-        Ok(Shape { geometry, common, location: element.location.clone() })
+        common.material = material;
+        Ok(Some(Shape { geometry, common, location: element.location.clone() }))
     }
 
     /// Shapes of a `shapegroup`, which is not placed in the scene by itself.
@@ -217,17 +234,22 @@ impl<'a> Builder<'a> {
         let mut properties = Properties::new(element, &self.scope)?;
         let members = properties.objects("shape");
         properties.finish(&mut self.warnings)?;
-        let group: Rc<Vec<_>> = Rc::new(members.into_iter().map(|member| self.member(member)).collect::<Result<_>>()?);
+        let mut shapes = Vec::new();
+        for member in members {
+            let member = self.member(member);
+            shapes.extend(self.faults.keep(member).flatten());
+        }
+        let group = Rc::new(shapes);
         self.groups.insert(element, group.clone());
         Ok(group)
     }
 
-    fn member(&mut self, element: &'a Element) -> Result<Shape> {
+    fn member(&mut self, element: &'a Element) -> Result<Option<Shape>> {
         if let plugin @ ("shapegroup" | "instance") = element.plugin()? {
             return Err(element.error(format!("shape plugin `{plugin}` cannot stand inside a `shapegroup`")));
         }
         let shape = self.parse_shape(element)?;
-        match shape.common.emitter {
+        match shape.as_ref().and_then(|shape| shape.common.emitter) {
             Some(_) => Err(element.error("a shape in a `shapegroup` cannot emit; put it into the <scene> itself")),
             None => Ok(shape),
         }
@@ -264,11 +286,11 @@ impl<'a> Builder<'a> {
     }
 
     fn finish(mut self, path: &Path, progress: &Watch) -> Result<Scene> {
-        let integrator = self.integrator()?;
-        let sensor = match self.first("sensor", &self.sensors.clone()) {
-            Some(sensor) => Some(sensor::parse(sensor, &self.scope, &mut self.warnings)?),
-            None => None,
-        };
+        let integrator = self.integrator();
+        let integrator = self.faults.keep(integrator).unwrap_or_default();
+        let sensor = self.first("sensor", &self.sensors.clone());
+        let sensor = sensor.map(|sensor| sensor::parse(sensor, &self.scope, &mut self.warnings));
+        let sensor = sensor.and_then(|sensor| self.faults.keep(sensor));
         for emitter in self.loose_emitters.iter().filter(|&&emitter| !self.lit.contains(&std::ptr::from_ref(emitter))) {
             self.warnings.push(format!("{}: no shape refers to this `area` emitter; it is dark", emitter.location));
         }
@@ -276,8 +298,10 @@ impl<'a> Builder<'a> {
         let (textures, requests) = self.textures.finish(images.len() as u32);
         let shapes = &self.shapes;
         let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
-        let (decoded, warnings) = decoded?;
-        let meshes = meshes?;
+        let Decoded { images: decoded, warnings, faults } = decoded;
+        let (meshes, mesh_faults) = meshes;
+        faults.into_iter().chain(mesh_faults).for_each(|fault| self.faults.add(fault));
+        self.faults.into_result()?;
         images.extend(decoded);
         self.warnings.extend(warnings);
         let materials = self.materials.finish();
@@ -319,8 +343,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Reads every mesh once, in parallel. Of several faulty files, the first in the scene is reported.
-fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, Mesh>> {
+/// Reads every mesh once, in parallel. Returns the faults of files in the order of the scene.
+fn read_meshes(shapes: &[Shape], progress: &Watch) -> (HashMap<MeshFile, Mesh>, Vec<Error>) {
     let files = shapes.iter().filter_map(|shape| match &shape.geometry {
         Geometry::Mesh(file, _) => Some(file),
         _ => None,
@@ -338,7 +362,14 @@ fn read_meshes(shapes: &[Shape], progress: &Watch) -> Result<HashMap<MeshFile, M
     // `par_bridge` hands files out one by one, so this order holds.
     let mut results: Vec<_> = files.into_iter().par_bridge().map(read).collect();
     results.sort_by_key(|(place, _)| *place);
-    results.into_iter().map(|(_, result)| result).collect()
+    let (mut meshes, mut faults) = (HashMap::new(), Vec::new());
+    for (_, result) in results {
+        match result {
+            Ok((file, mesh)) => drop(meshes.insert(file, mesh)),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    (meshes, faults)
 }
 
 /// Makes all primitives, in the order of the shapes.

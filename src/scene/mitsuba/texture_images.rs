@@ -12,24 +12,39 @@ use crate::scene::shrink::shrink;
 use crate::scene::texture::{Image, Texels};
 use crate::{Error, Result};
 
-/// Decodes every file once. Of several faulty files, the first in the scene is reported. Returns images and warnings.
-pub(super) fn decode(requests: &[ImageRequest]) -> Result<(Vec<Image>, Vec<String>)> {
+/// Images of a scene's textures. Where a file has a fault, the images are fewer than the requests.
+pub(super) struct Decoded {
+    pub images: Vec<Image>,
+    pub warnings: Vec<String>,
+    pub faults: Vec<Error>,
+}
+
+/// Decodes every file once.
+pub(super) fn decode(requests: &[ImageRequest]) -> Decoded {
     let mut seen = HashSet::new();
     let paths: Vec<&Path> =
         requests.iter().map(|request| request.path.as_path()).filter(|path| seen.insert(*path)).collect();
     let files: Vec<_> = paths.par_iter().map(|path| (*path, texels::read(path))).collect();
     let mut files: HashMap<&Path, Result<TexelImage>> = files.into_iter().collect();
-    let (mut images, mut warnings) = (Vec::with_capacity(requests.len()), Vec::new());
+    let (mut images, mut warnings, mut faults) = (Vec::with_capacity(requests.len()), Vec::new(), Vec::new());
     for (i, request) in requests.iter().enumerate() {
-        let file = match files.remove(request.path.as_path()) {
-            Some(Ok(file)) => file,
-            Some(Err(error)) => return Err(at_line(request, &error)),
-            None => return Err(request.location.error(format!("the image `{}` was not read", request.name))),
+        let image = match files.remove(request.path.as_path()) {
+            Some(Ok(file)) => {
+                if requests[i + 1..].iter().any(|later| later.path == request.path) {
+                    files.insert(&request.path, Ok(file.clone()));
+                }
+                image(request, file, &mut warnings)
+            }
+            Some(Err(error)) => Err(at_line(request, &error)),
+            None => Err(request.location.error(format!("the image `{}` was not read", request.name))),
         };
-        if requests[i + 1..].iter().any(|later| later.path == request.path) {
-            files.insert(&request.path, Ok(file.clone()));
+        match image {
+            Ok(image) => images.push(image),
+            Err(fault) => faults.push(fault),
         }
-        images.push(image(request, file, &mut warnings)?);
+    }
+    if !faults.is_empty() {
+        return Decoded { images, warnings, faults };
     }
     let sizes: Vec<_> = images.iter().map(|image| [image.width, image.height]).collect();
     for i in shrink(&mut images) {
@@ -39,11 +54,12 @@ pub(super) fn decode(requests: &[ImageRequest]) -> Result<(Vec<Image>, Vec<Strin
             format!("{location}: the image `{name}` of {width}x{height} texels does not fit; reduced to {size}");
         warnings.push(message);
     }
-    Ok((images, warnings))
+    Decoded { images, warnings, faults }
 }
 
-/// Image of an environment, in linear radiance. Values that are no radiance become black.
-pub(super) fn decode_environment(path: &Path) -> Result<Image> {
+/// Image of an environment, in linear radiance, and whether the file has negative values. Values that are no radiance become
+/// black.
+pub(super) fn decode_environment(path: &Path) -> Result<(Image, bool)> {
     let TexelImage { width, height, texels } = texels::read(path)?;
     let linear = match texels {
         FileTexels::Bytes(data) => {
@@ -52,19 +68,21 @@ pub(super) fn decode_environment(path: &Path) -> Result<Image> {
         FileTexels::Encoded(data) => data.into_iter().map(decode_srgb).collect(),
         FileTexels::Linear(data) => data,
     };
+    let has_negatives = linear.iter().any(|texel| texel[..3].iter().any(|&channel| channel < 0.0));
     let light = |c: f32| if c.is_finite() { c.max(0.0) } else { 0.0 };
     let texels = linear.into_iter().map(|[red, green, blue, _]| [light(red), light(green), light(blue), 1.0]).collect();
-    Ok(Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) })
+    Ok((Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) }, has_negatives))
 }
 
 fn image(request: &ImageRequest, file: TexelImage, warnings: &mut Vec<String>) -> Result<Image> {
-    let texels = match file.texels {
+    let mut texels = match file.texels {
         FileTexels::Bytes(data) => Texels::Bytes { srgb: !request.raw, data },
         FileTexels::Encoded(data) if !request.raw => Texels::Floats(data.into_iter().map(decode_srgb).collect()),
         FileTexels::Encoded(data) | FileTexels::Linear(data) => Texels::Floats(data),
     };
-    if let Texels::Floats(data) = &texels {
+    if let Texels::Floats(data) = &mut texels {
         check_floats(request, file.width, data, warnings)?;
+        remove_negatives(request, data, warnings);
     }
     Ok(Image { name: request.name.clone(), width: file.width, height: file.height, texels })
 }
@@ -88,6 +106,17 @@ fn check_floats(request: &ImageRequest, width: u32, data: &[[f32; 4]], warnings:
             .push(format!("{location}: the image `{name}` has values above 1, which create light as a reflectance"));
     }
     Ok(())
+}
+
+/// Makes negative colors 0 where they stand for light or reflectance: neither can be negative. Heights and normals keep them.
+fn remove_negatives(request: &ImageRequest, data: &mut [[f32; 4]], warnings: &mut Vec<String>) {
+    let colors = || data.iter().flat_map(|texel| &texel[..3]);
+    if !request.is_color || !colors().any(|&channel| channel < 0.0) {
+        return;
+    }
+    data.iter_mut().flat_map(|texel| &mut texel[..3]).for_each(|channel| *channel = channel.max(0.0));
+    let (location, name) = (&request.location, &request.name);
+    warnings.push(format!("{location}: the image `{name}` has negative colors, which count as 0"));
 }
 
 /// Texel with its colors decoded by the inverse sRGB curve (IEC 61966-2-1); alpha stays.

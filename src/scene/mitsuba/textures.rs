@@ -56,6 +56,8 @@ pub(super) struct ImageRequest {
     pub raw: bool,
     /// Whether one of its colors is used as a reflectance.
     pub is_reflectance: bool,
+    /// Whether all its colors are used as reflectance or light.
+    pub is_color: bool,
     /// Location where the file is first named.
     pub location: Location,
 }
@@ -221,13 +223,15 @@ impl<'a> Textures<'a> {
             .and_then(|path| path.canonicalize().ok())
             .ok_or_else(|| filename.error(format!("the image file `{name}` does not exist")))?;
         let is_reflectance = role == Role::Reflectance;
+        let is_color = matches!(role, Role::Reflectance | Role::Radiance);
         let same = |request: &ImageRequest| request.raw == raw && request.path == path;
         if let Some(index) = self.requests.iter().position(same) {
             self.requests[index].is_reflectance |= is_reflectance;
+            self.requests[index].is_color &= is_color;
             return Ok(index as u32);
         }
         let location = filename.location.clone();
-        self.requests.push(ImageRequest { path, name: name.to_string(), raw, is_reflectance, location });
+        self.requests.push(ImageRequest { path, name: name.to_string(), raw, is_reflectance, is_color, location });
         Ok(self.requests.len() as u32 - 1)
     }
 

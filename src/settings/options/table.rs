@@ -1,9 +1,8 @@
 //! Every option of `lodestar render`, one entry each, in the order of the help.
 
 use super::entry::{Audience, Category, Needs, OptionEntry, Rule, Setting, When};
-use crate::settings::paths::MAX_KEPT_VERTICES;
 use crate::settings::value::{Choice, Value, Word};
-use crate::settings::{AUTO_GRID, Learner, MAX_DEPTH_LIMIT, MAX_FILM_SIDE, Mix, Sampler};
+use crate::settings::{AUTO_GRID, Learner, MAX_DEPTH_LIMIT, MAX_FILM_SIDE, Mix, Sampler, UNLIMITED_DEPTH};
 
 use Category::{Device, Guiding, Length, Output, Paths, Scene};
 
@@ -226,6 +225,7 @@ pub static OPTIONS: &[OptionEntry] = &[
             set: Some(|settings, text| {
                 settings.sampler = Choice::read(text)?;
                 settings.learner = settings.sampler.default_learner();
+                settings.min_uniform = settings.sampler.default_min_uniform();
                 Ok(())
             }),
             words: <Sampler as Choice>::words,
@@ -234,17 +234,19 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Longest path in edges; 1 shows emission only",
-        default: "the scene's, or 16",
+        long: "With unlimited, Russian roulette ends every path and no light is lost: a path has more than 1024 edges less than \
+               once in 10^19 times. A number cuts light off that travels further.",
+        default: "the scene's, or unlimited",
         range: Some((1.0, MAX_DEPTH_LIMIT as f64)),
-        setting: checked!(max_depth),
-        rules: &[always(
-            When::Any,
-            Needs::Value("at most 128 with --learner monte-carlo", |settings| {
-                settings.learner != Learner::MonteCarlo || settings.max_depth <= MAX_KEPT_VERTICES
-            }),
-            "this learner keeps every vertex of a path",
-        )],
-        ..common(Paths, "max-depth", "N")
+        setting: Some(Setting {
+            get: |settings| match settings.max_depth {
+                UNLIMITED_DEPTH => Value::Word("unlimited".into()),
+                number => number.value(),
+            },
+            set: None,
+            words: Vec::new,
+        }),
+        ..common(Paths, "max-depth", "N|unlimited")
     },
     OptionEntry {
         short: "Number of edges after which Russian roulette may end a path",
@@ -464,8 +466,9 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Least share of uniform directions in the guide",
-        long: "The inversion samplers have far fewer outliers with 0.25 to 0.5. They seldom sample light that the guide does not \
-               know yet, and such a sample is weighted by up to 2/E at every edge.",
+        long: "The inversion samplers seldom sample light that the guide does not know yet, and such a sample is weighted by up to \
+               2/E at every edge. With 0.0625 most of their picture is too dark, and a few pixels are far too bright.",
+        default: "0.5 with the inversion samplers, else 0.0625",
         range: Some((1.0e-4, 1.0)),
         setting: setting!(min_uniform),
         rules: &[

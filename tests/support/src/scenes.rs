@@ -96,14 +96,15 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler, seed
     })
 }
 
-/// Settings with less noise. For inversion, half of the samples are uniform. Where a table misses light, the few other
-/// samples that find it have weights that multiply along the path. Sums of a test's size are then far from normally
-/// distributed: with the default share, 64 samples per pixel of the furnace are five standard errors too dark, and 2048
+/// Settings with the sampler's own defaults. For inversion, half of the samples are uniform. Where a table misses light, the few
+/// other samples that find it have weights that multiply along the path. Sums of a test's size are then far from normally
+/// distributed: with a share of 1/16, 64 samples per pixel of the furnace are five standard errors too dark, and 2048
 /// are right. Quadtrees get the learner that they need.
 pub fn steady(settings: Settings) -> Settings {
     let inverts = matches!(settings.sampler, Sampler::SphereInversion | Sampler::HemisphereInversion);
     let learner = if settings.sampler == Sampler::Quadtree { Learner::MonteCarlo } else { settings.learner };
-    Settings { min_uniform: if inverts { 0.5 } else { settings.min_uniform }, learner, ..settings }
+    let min_uniform = if inverts { settings.sampler.default_min_uniform() } else { settings.min_uniform };
+    Settings { min_uniform, learner, ..settings }
 }
 
 /// The scene with every albedo multiplied.

@@ -1,4 +1,4 @@
-// Learner monte-carlo: the target of a segment is the radiance that the rest of its path has collected. All vertices of
+// Learner monte-carlo: the target of a segment is the radiance that the rest of its path has collected. The vertices of
 // a path are kept until the path ends.
 #ifndef MONTE_CARLO_GLSL
 #define MONTE_CARLO_GLSL
@@ -8,11 +8,16 @@
 // Vertices of the current path, in order. They are a global variable because a parameter would be copied.
 PathVertex kept_vertices[KEPT_VERTICES];
 
-// Keeps a vertex after the first `count`. Returns the new number of vertices.
+// Keeps a vertex after the first `count`. Returns the new number of vertices. Where no place is left, the last kept vertex
+// takes in the light of the next ones: all kept vertices then still have exact targets.
 uint keep_vertex(uint count, PathVertex vertex) {
-    uint at = min(count, KEPT_VERTICES - 1u);
-    kept_vertices[at] = vertex;
-    return at + 1u;
+    if (count == KEPT_VERTICES) {
+        PathVertex last = kept_vertices[KEPT_VERTICES - 1u];
+        kept_vertices[KEPT_VERTICES - 1u] = PathVertex(last.segment, last.light + last.factor * vertex.light, last.factor * vertex.factor);
+        return count;
+    }
+    kept_vertices[count] = vertex;
+    return count + 1u;
 }
 
 // Records the targets of a path that has ended, from its last vertex back. Returns how many targets were NaN or

@@ -13,6 +13,7 @@ use std::ptr;
 use glam::Vec3;
 
 use super::element::Element;
+use super::faults::Faults;
 use super::properties::Properties;
 use super::scope::Scope;
 use super::textures::{Role, Textures};
@@ -145,8 +146,9 @@ impl<'a> Materials<'a> {
             return Err(element.error(format!("BSDFs are nested more than {MAX_DEPTH} deep")));
         }
         self.open.push(key);
-        let tree = self.read_new(element, textures, warnings)?;
+        let tree = self.read_new(element, textures, warnings);
         self.open.pop();
+        let tree = tree?;
         if tree.surfaces().len() > MAX_SURFACES {
             return Err(element.error(format!("a material of more than {MAX_SURFACES} surfaces is not supported")));
         }
@@ -166,9 +168,11 @@ impl<'a> Materials<'a> {
         let mut properties = Properties::new(element, &self.scope)?;
         let mut parts = Vec::new();
         if MODIFIERS.contains(&properties.plugin()) {
+            let mut faults = Faults::default();
             for nested in properties.objects("bsdf") {
-                parts.push(self.read(nested, textures, warnings)?);
+                parts.extend(faults.keep(self.read(nested, textures, warnings)));
             }
+            faults.into_result()?;
         }
         let mut parameters = Parameters::new(properties, textures, warnings);
         let tree = match surfaces::parse(&mut parameters)? {
