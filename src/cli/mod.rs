@@ -25,6 +25,7 @@ mod reproduce;
 mod resume;
 mod setting_args;
 mod view;
+mod viewer_args;
 
 use std::process::ExitCode;
 use std::sync::Arc;

@@ -28,12 +28,7 @@ pub fn render(start: Start<'_>, options: &Options, console: &Console, viewers: &
     if is_told && rendered.is_err() { Ok(ExitCode::FAILURE) } else { rendered }
 }
 
-fn render_watched(
-    start: Start<'_>,
-    options: &Options,
-    console: &Console,
-    viewers: &ViewOptions,
-) -> Result<ExitCode> {
+fn render_watched(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
     let interrupt = Interrupt::catch()?;
     let viewers = Viewers::start(viewers)?;
     viewers.url().iter().for_each(|url| console.tell_address(url));

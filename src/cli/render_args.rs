@@ -13,7 +13,7 @@ use lodestar::settings::{Execution, Settings};
 
 use super::duration::seconds;
 use super::setting_args::SettingArgs;
-use super::view::ViewerArgs;
+use super::viewer_args::ViewerArgs;
 
 /// Renders a Mitsuba scene.
 ///

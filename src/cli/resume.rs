@@ -9,7 +9,7 @@ use lodestar::session::{CHECKPOINT_EVERY, Options, Start};
 use super::console::Console;
 use super::duration::seconds;
 use super::render_args::{DeviceArgs, LengthArgs, OutputArgs};
-use super::view::ViewerArgs;
+use super::viewer_args::ViewerArgs;
 
 /// Continues a render from its checkpoint, to the same bits as without the interruption.
 ///

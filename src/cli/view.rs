@@ -1,4 +1,4 @@
-//! `lodestar view`, and the arguments of `lodestar render` that open views of a render.
+//! `lodestar view`.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -6,32 +6,15 @@ use std::thread;
 use std::time::Duration;
 
 use lodestar::Result;
-use lodestar::view::{FileView, ViewOptions, check_address};
+use lodestar::view::{FileView, check_address};
 
 use super::interrupt::Interrupt;
 use super::print::print_message;
 use super::render_args::exr_path;
+use super::viewer_args::LOCAL;
 
 /// Interval at which the file is looked at.
 const INTERVAL: Duration = Duration::from_millis(200);
-/// Address that only the local machine can reach, with a free port.
-const LOCAL: &str = "127.0.0.1:0";
-
-/// Views of a render.
-#[derive(Debug, Clone, clap::Args)]
-pub struct ViewerArgs {
-    #[arg(long, num_args = 0..=1, default_missing_value = LOCAL, value_parser = check_address)]
-    pub view: Option<String>,
-    #[arg(long, value_parser = check_address)]
-    pub display_server: Option<String>,
-}
-
-impl From<ViewerArgs> for ViewOptions {
-    fn from(args: ViewerArgs) -> Self {
-        Self { page: args.view, display_server: args.display_server }
-    }
-}
-
 /// Shows an EXR picture in a browser.
 ///
 /// The page shows every layer of the picture, with exposure, tone curves and false colors, and the values of its pixels. When

@@ -78,7 +78,7 @@ pub(super) struct State {
     pub samples_lights: bool,
 }
 
-/// What is pinned on the board.
+/// State, picture and guide that viewers see.
 #[derive(Default)]
 pub(super) struct Pinned {
     pub state: State,

@@ -54,9 +54,9 @@ impl PixelFacts {
             Content::Rendered(picture) => surface(picture, at),
             Content::Read(_) => None,
         };
-        let learned = surface.zip(guide).map(|(surface, (cells, copy))| {
-            cells.learned(copy, surface.position.into(), surface.normal.into())
-        });
+        let learned = surface
+            .zip(guide)
+            .map(|(surface, (cells, copy))| cells.learned(copy, surface.position.into(), surface.normal.into()));
         Some(Self { x, y, layers, surface, learned })
     }
 }

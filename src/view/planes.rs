@@ -143,10 +143,17 @@ mod tests {
     #[test]
     fn layers_of_files_are_found_by_their_channels() {
         let channel = |name: &str, value: f32| (name.to_owned(), Samples::Floats(vec![value, -value]));
-        let mut channels: Vec<_> =
-            [("A", 9.0), ("B", 3.0), ("G", 2.0), ("R", 1.0), ("depth.Z", 7.0), ("denoised.B", 6.0), ("denoised.G", 5.0)]
-                .map(|(name, value)| channel(name, value))
-                .to_vec();
+        let mut channels: Vec<_> = [
+            ("A", 9.0),
+            ("B", 3.0),
+            ("G", 2.0),
+            ("R", 1.0),
+            ("depth.Z", 7.0),
+            ("denoised.B", 6.0),
+            ("denoised.G", 5.0),
+        ]
+        .map(|(name, value)| channel(name, value))
+        .to_vec();
         channels.push(channel("denoised.R", 4.0));
         channels.push(("samples.N".into(), Samples::Words(vec![8, 16])));
         channels.push(("sums.00".into(), Samples::Words(vec![1, 1])));

@@ -85,11 +85,16 @@ impl Desk {
     /// Answers a request. A page that leaves is no error.
     pub fn answer(&self, request: Request) {
         let header = |name: &str| {
-            let found = request.headers().iter().find(|header| header.field.as_str().as_str().eq_ignore_ascii_case(name));
+            let found =
+                request.headers().iter().find(|header| header.field.as_str().as_str().eq_ignore_ascii_case(name));
             found.map(|header| header.value.as_str())
         };
-        let asking =
-            Asking { host: header("Host"), origin: header("Origin"), site: header("Sec-Fetch-Site"), token: header(TOKEN) };
+        let asking = Asking {
+            host: header("Host"),
+            origin: header("Origin"),
+            site: header("Sec-Fetch-Site"),
+            token: header(TOKEN),
+        };
         let url = request.url().to_owned();
         let (path, query) = url.split_once('?').unwrap_or((&url, ""));
         let query: HashMap<&str, &str> = query.split('&').filter_map(|pair| pair.split_once('=')).collect();
@@ -179,7 +184,9 @@ impl Desk {
         let pinned = self.board.lock();
         let (cells, copy) = (pinned.cells.clone(), pinned.guide.clone());
         drop(pinned);
-        let (Some(cells), Some(copy), Content::Rendered(picture)) = (cells, copy, &shot.content) else { return empty() };
+        let (Some(cells), Some(copy), Content::Rendered(picture)) = (cells, copy, &shot.content) else {
+            return empty();
+        };
         let [width, height] = shot.size();
         let of_pixels = cells_of_pixels(picture, &cells);
         let means = (0..cells.cells.count() as usize).map(|cell| cells.mean(&copy, cell).to_bits());
@@ -258,7 +265,8 @@ fn framed(content: Vec<u8>, frame: &impl Serialize) -> Answer {
 /// JSON in ASCII, as headers need it.
 fn ascii(json: &str) -> String {
     let mut units = [0; 2];
-    let mut escaped = |c: char| c.encode_utf16(&mut units).iter().map(|unit| format!("\\u{unit:04x}")).collect::<String>();
+    let mut escaped =
+        |c: char| c.encode_utf16(&mut units).iter().map(|unit| format!("\\u{unit:04x}")).collect::<String>();
     json.chars().map(|c| if c.is_ascii() { c.to_string() } else { escaped(c) }).collect()
 }
 

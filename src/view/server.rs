@@ -152,7 +152,8 @@ impl FileView {
             state.scene = self.path.display().to_string();
             state.device = text("device").unwrap_or_default();
             state.sampler = text("sampler").unwrap_or_default();
-            state.no_guide = Some("A file has no guide. Watch the render with --view to see what the guide learns.".into());
+            state.no_guide =
+                Some("A file has no guide. Watch the render with --view to see what the guide learns.".into());
             pinned.shot = Some(Arc::new(shot));
         });
     }

@@ -1,15 +1,16 @@
 //! The render's side of its viewers: what happens between two steps.
 
 use std::ops::ControlFlow;
-use std::sync::{Arc, Mutex};
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::Result;
 use crate::film::Picture;
-use crate::settings::{Settings, options};
+use crate::session::statistics::StepStatistics;
 use crate::session::{Ending, Event, Progress, Session, Watch};
+use crate::settings::{Settings, options};
 use crate::view::board::{Board, CurvePoint, Phase, Pinned, State};
 use crate::view::display::Display;
 use crate::view::guide::{GuideCells, GuideCopy, MOST_BYTES};
@@ -223,11 +224,22 @@ fn note_step(pinned: &mut Pinned, session: &Session) {
     note_progress(state, &progress);
     if let Some(step) = history.steps.last() {
         state.rays_per_second = (step.rays + step.shadow_rays) as f64 / step.seconds.max(1.0e-9);
-        if let Some(errors) = &step.errors {
-            let point = CurvePoint { samples: state.samples, seconds: state.seconds, value: errors.mae };
-            state.errors.push(point);
+        // A resumed render has errors from before.
+        if step.errors.is_some() {
+            state.errors = errors_of(&history.steps);
         }
     }
+}
+
+/// Mean absolute errors after the steps at whose ends they were measured.
+fn errors_of(steps: &[StepStatistics]) -> Vec<CurvePoint> {
+    let (mut samples, mut seconds) = (0, 0.0);
+    let point = |step: &StepStatistics| {
+        samples += step.spp;
+        seconds += step.seconds;
+        Some(CurvePoint { samples, seconds, value: step.errors?.mae })
+    };
+    steps.iter().filter_map(point).collect()
 }
 
 fn note_progress(state: &mut State, progress: &Progress) {
@@ -264,7 +276,8 @@ fn copy_guide(session: &Session, board: &Board, number: u64) -> Result<()> {
         (None, Ok(cells)) => Arc::new(GuideCells::new(cells, session.settings())),
     };
     if cells.bytes() > MOST_BYTES {
-        let reason = format!("The guide is larger than {} MiB, so it is not copied while it renders.", MOST_BYTES >> 20);
+        let reason =
+            format!("The guide is larger than {} MiB, so it is not copied while it renders.", MOST_BYTES >> 20);
         board.change(|pinned| pinned.state.no_guide = Some(reason));
         return Ok(());
     }

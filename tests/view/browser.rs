@@ -86,13 +86,14 @@ impl Browser {
 
     /// Opens a page in a new tab.
     pub fn open(&mut self, url: &str, [width, height]: [u32; 2]) -> Tab {
-        let target = self.send(None, "Target.createTarget", json!({ "url": "about:blank" }));
+        let target = self.send(None, "Target.createTarget", json!({ "url": "about:blank", "newWindow": true }));
         let attached =
             self.send(None, "Target.attachToTarget", json!({ "targetId": target["targetId"], "flatten": true }));
         let tab = Tab(attached["sessionId"].as_str().unwrap().to_owned());
         self.resize(&tab, [width, height]);
         self.send(Some(&tab), "Page.enable", json!({}));
         self.send(Some(&tab), "Page.navigate", json!({ "url": url }));
+        self.wait(&tab, "location.href !== 'about:blank' && document.readyState === 'complete'");
         tab
     }
 
@@ -116,13 +117,14 @@ impl Browser {
         answer["result"]["value"].clone()
     }
 
-    /// Waits until an expression is true.
+    /// Waits until an expression is true. An expression that fails counts as false.
     #[track_caller]
     pub fn wait(&mut self, tab: &Tab, expression: &str) {
         let begin = Instant::now();
-        while self.value(tab, &format!("Boolean({expression})")) != json!(true) {
+        let tried = format!("(() => {{ try {{ return Boolean({expression}) }} catch {{ return false }} }})()");
+        while self.value(tab, &tried) != json!(true) {
             if begin.elapsed() > PATIENCE {
-                let text = self.value(tab, "document.body.innerText");
+                let text = self.value(tab, "document.body?.innerText");
                 panic!("not true within {PATIENCE:?}: {expression}; the page says {text}");
             }
             thread::sleep(Duration::from_millis(50));

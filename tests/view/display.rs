@@ -80,7 +80,8 @@ impl Shown {
                 for ((name, offset), stride) in names.iter().zip(offsets).zip(strides) {
                     let channel = self.channels.get_mut(name).unwrap_or_else(|| panic!("{name} was not announced"));
                     for at in 0..i64::from(width * height) {
-                        let (column, row) = (i64::from(x) + at % i64::from(width), i64::from(y) + at / i64::from(width));
+                        let (column, row) =
+                            (i64::from(x) + at % i64::from(width), i64::from(y) + at / i64::from(width));
                         channel[row as usize * self.width + column as usize] = values[(offset + at * stride) as usize];
                     }
                 }

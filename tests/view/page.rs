@@ -16,7 +16,9 @@ const MOST_DEGREES: f64 = 14.0;
 fn browser() -> Option<Browser> {
     let program = program();
     if program.is_none() {
-        println!("skipped: there is no Chromium; `setup.sh --chromium` installs it, and LODESTAR_CHROMIUM names another one");
+        println!(
+            "skipped: there is no Chromium; `setup.sh --chromium` installs it, and LODESTAR_CHROMIUM names another one"
+        );
     }
     program.as_ref().map(Browser::start)
 }
@@ -44,24 +46,26 @@ fn click(browser: &mut Browser, tab: &Tab, [x, y]: [u32; 2]) -> ([f64; 3], [f64;
     browser.click(tab, [point[0].as_f64().unwrap(), point[1].as_f64().unwrap()]);
     let is_shown = format!("document.getElementById('guide-part').dataset.pixel === '{x},{y}'");
     browser.wait(tab, &format!("{is_shown} && document.getElementById('guide').dataset.brightest"));
-    // The brightest color of the drawn disk, as a direction. The map is drawn again without the mark.
+    // The brightest color of the drawn disk, as a direction. The ring around the brightest bin is left out.
     let seen = browser.value(
         tab,
         &format!(
             "(async () => {{
-                const {{ diskDirection }} = await import('/guide.js');
+                const {{ diskDirection, diskPoint }} = await import('/guide.js');
                 const {{ surface }} = await (await fetch('/pixel?x={x}&y={y}')).json();
                 const canvas = document.getElementById('hemisphere'), {{ width }} = canvas;
                 const data = canvas.getContext('2d').getImageData(0, 0, width, width).data;
+                const named = document.getElementById('guide').dataset.brightest.split(',').map(Number);
+                const ring = diskPoint(surface, named);
                 let sum = [0, 0, 0], most = 0;
                 for (let i = 0; i < width * width; i++) {{
                     const [x, y] = [((i % width) + 0.5) / (width / 2) - 1, 1 - (Math.floor(i / width) + 0.5) / (width / 2)];
                     const light = data[4 * i] + data[4 * i + 1] + data[4 * i + 2];
-                    if (x * x + y * y > 0.97 || data[4 * i + 3] < 255) continue;
+                    const from = Math.hypot(x - ring[0], y - ring[1]) * width / 2;
+                    if (x * x + y * y > 0.97 || data[4 * i + 3] < 255 || (from > 5 && from < 12)) continue;
                     if (light > most + 2) [sum, most] = [[0, 0, 0], light];
                     if (light > most - 2) sum = diskDirection(surface, x, y).map((value, c) => sum[c] + value);
                 }}
-                const named = document.getElementById('guide').dataset.brightest.split(',').map(Number);
                 return {{ position: surface.position, drawn: sum, named }};
             }})()"
         ),
@@ -119,6 +123,17 @@ fn the_page_shows_steers_and_ends_a_render() {
         let other = degrees_from_light(*position, maps[(index + 1) % 3].1);
         assert!(other > MOST_DEGREES, "the maps of two pixels are the same");
     }
+    // Both sizes and both schemes. Nothing is wider than the window.
+    browser.value(&second, "document.getElementById('cells').click()");
+    click(&mut browser, &second, PIXELS[0]);
+    for (tab, name) in [(&tab, "1280"), (&second, "390")] {
+        for scheme in ["light", "dark"] {
+            browser.choose_colors(tab, scheme);
+            browser.photograph(tab, &format!("view-{name}-{scheme}"));
+            let fits = "document.documentElement.scrollWidth <= window.innerWidth";
+            assert_eq!(browser.value(tab, fits), json!(true), "{name} {scheme}");
+        }
+    }
     // Cells are drawn over the picture.
     browser.value(&tab, "document.getElementById('cells').click()");
     let plain = browser.value(&tab, colors);
@@ -145,7 +160,9 @@ fn the_page_shows_steers_and_ends_a_render() {
     // A foreign page can neither look nor steer.
     let foreign = browser.open("data:text/html,<title>foreign</title>", [400, 300]);
     let (address, token) = program.address();
-    let reach = |path: &str, options: Value| format!("fetch('http://{address}{path}', {options}).then((a) => a.type, () => 'refused')");
+    let reach = |path: &str, options: Value| {
+        format!("fetch('http://{address}{path}', {options}).then((a) => a.type, () => 'refused')")
+    };
     let headers = json!({ "method": "POST", "headers": { "X-Lodestar-Token": token } });
     assert_eq!(browser.value(&foreign, &reach("/pixel?x=1&y=1", json!({}))), "refused");
     assert_eq!(browser.value(&foreign, &reach("/stop", headers)), "refused");
@@ -166,7 +183,8 @@ fn the_page_shows_steers_and_ends_a_render() {
     let file = Program::start(&["view", &path]);
     let tab = browser.open(&file.url, [1280, 800]);
     browser.wait(&tab, "document.getElementById('picture').dataset.shot > 0");
-    let names = browser.value(&tab, "[...document.getElementById('layer').options].map((option) => option.value).join()");
+    let names =
+        browser.value(&tab, "[...document.getElementById('layer').options].map((option) => option.value).join()");
     for name in ["radiance", "variance", "samples", "albedo", "normal", "depth"] {
         assert!(names.as_str().unwrap().split(',').any(|found| found == name), "{names} lacks {name}");
     }

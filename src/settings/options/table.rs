@@ -165,14 +165,13 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Watch the render in a browser",
-        long: "The address of a page is printed: it shows the picture, its layers and what the guide learns, and can pause or end \
-               the render. Other machines can connect only if an address of theirs is given, such as 0.0.0.0:8000.",
-        default: "127.0.0.1:0, where 0 is a free port",
+        long: "The address of a page is printed. The page shows the picture, its layers and what the guide learns, and can pause or end \
+               the render. Without ADDRESS:PORT it has a free port that only this machine can reach.",
         ..common(Output, "view", "ADDRESS:PORT")
     },
     OptionEntry {
         short: "Send the picture to a display server such as tev",
-        long: "It has tev's protocol; tev listens at 127.0.0.1:14158. All layers are sent. The render goes on without the server.",
+        long: "The server has tev's protocol; tev listens at 127.0.0.1:14158. All layers are sent. The render goes on without the server.",
         ..further(Output, "display-server", "HOST:PORT")
     },
     OptionEntry {

@@ -23,7 +23,7 @@ export function diskDirection(surface, x, y) {
 }
 
 /** Point of the disk at which a direction lies. */
-function diskPoint(surface, direction) {
+export function diskPoint(surface, direction) {
   const stretch = Math.sqrt(1 + dot(surface.normal, direction));
   return [dot(surface.right, direction) / stretch, dot(surface.up, direction) / stretch];
 }
