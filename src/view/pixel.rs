@@ -104,3 +104,46 @@ pub(super) fn cells_of_pixels(picture: &Picture, cells: &GuideCells) -> Vec<u32>
     let cell = |at: usize| position(picture, &unprojection, at).map_or(NO_CELL, |at| cells.cells.cell_of(at) as u32);
     (0..picture.depth.len()).map(cell).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::View;
+    use crate::scene::Camera;
+
+    /// Picture of the plane z = 0 from a distance of 5. The film is a window of a larger one.
+    fn picture(normal: [f32; 3]) -> Picture {
+        let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 40.0);
+        let mut picture = Picture { view: Some(View::new(&camera, 9, 9)), ..Picture::empty(3, 3, [3, 3], [9, 9]) };
+        (picture.sample_count, picture.hit_count, picture.normal) = (vec![4; 9], vec![4; 9], vec![normal; 9]);
+        picture.depth = vec![5.0; 9];
+        picture
+    }
+
+    #[test]
+    fn the_surface_of_a_pixel_is_seen_as_in_the_picture() {
+        for normal in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+            let surface = surface(&picture(normal), 4).unwrap();
+            assert!(Vec3::from(surface.position).length() < 1.0e-4, "{surface:?}");
+            let axes = [surface.right, surface.up, surface.normal].map(Vec3::from);
+            for (axis, expected) in axes.into_iter().zip([Vec3::X, Vec3::Y, Vec3::Z]) {
+                assert!(axis.distance(expected) < 1.0e-4, "{surface:?}");
+            }
+            assert!(!surface.is_mixed);
+        }
+        let [left, above] = [3, 1].map(|at| Vec3::from(surface(&picture([0.0, 0.0, 1.0]), at).unwrap().position));
+        assert!(left.x < -0.1 && above.y > 0.1, "{left} {above}");
+    }
+
+    #[test]
+    fn pixels_of_several_surfaces_and_of_none_are_told() {
+        assert!(surface(&picture([0.0, 0.5, 0.5]), 4).unwrap().is_mixed);
+        let mut half = picture([0.0, 0.0, 0.5]);
+        half.hit_count = vec![2; 9];
+        assert!(surface(&half, 4).unwrap().is_mixed);
+        half.hit_count = vec![0; 9];
+        assert!(surface(&half, 4).is_none());
+        let empty = Picture { view: None, ..picture([0.0, 0.0, 1.0]) };
+        assert!(surface(&empty, 4).is_none());
+    }
+}

@@ -173,3 +173,27 @@ fn read(path: &Path) -> Result<Layers> {
 fn changed(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A write to a page that takes no data fails after the limit, because a connection has the limit of its listener.
+    #[test]
+    fn connections_inherit_the_limit_of_time() {
+        let (listener, address) = listen("127.0.0.1:0").unwrap();
+        let _page = std::net::TcpStream::connect(address).unwrap();
+        let (connection, _) = listener.accept().unwrap();
+        assert_eq!(connection.write_timeout().unwrap(), Some(PATIENCE));
+    }
+
+    #[test]
+    fn addresses_have_a_host_and_a_port() {
+        for good in ["127.0.0.1:0", "localhost:8000", "[::1]:8000", "rack7:65535"] {
+            assert_eq!(check_address(good).as_deref(), Ok(good));
+        }
+        for bad in ["", "8000", ":8000", "scene.xml", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1"] {
+            assert!(check_address(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -121,7 +121,7 @@ export function showGuide(pixel, state) {
     drawDisk(canvas, small, neighbor.radiance, middle);
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", `Map of the neighbor at ${side}, cell ${neighbor.number}`);
-    item.append(canvas, `${side.replace("-", "−")}: ${short(neighbor.irradiance)}`);
+    item.append(canvas, `${side.replace("-", "−")}: ${short(Number(neighbor.irradiance.toPrecision(2)))}`);
     item.title = `Cell ${neighbor.number}, irradiance ${short(neighbor.irradiance)}`;
     return item;
   }));

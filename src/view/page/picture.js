@@ -83,6 +83,25 @@ export class Layer {
   }
 }
 
+/** Borders between pixels of different cells, in pixels of the picture. */
+function borders(ofPixels, width, height) {
+  const path = new Path2D();
+  const runs = (count, length, differs, line) => {
+    for (let row = 1; row < count; row++) {
+      for (let at = 0, start = -1; at <= length; at++) {
+        const isBorder = at < length && differs(row, at);
+        if (isBorder && start < 0) start = at;
+        if (!isBorder && start >= 0) [start] = [-1, line(row, start, at)];
+      }
+    }
+  };
+  const segment = (x0, y0, x1, y1) => { path.moveTo(x0, y0); path.lineTo(x1, y1); };
+  const pixel = (x, y) => ofPixels[y * width + x];
+  runs(height, width, (y, x) => pixel(x, y) !== pixel(x, y - 1), (y, from, to) => segment(from, y, to, y));
+  runs(width, height, (x, y) => pixel(x, y) !== pixel(x - 1, y), (x, from, to) => segment(x, from, x, to));
+  return path;
+}
+
 /** Least size of a pixel on the screen at which its values are written into it. */
 const VALUES_FROM = 56;
 
@@ -125,14 +144,8 @@ export class Stage {
       const middle = means.reduce((sum, mean) => sum + mean, 0) / Math.max(1, means.length);
       const colors = Array.from(means, (mean) => falseColor(mean, middle));
       const data = new ImageData(width, height);
-      for (let y = 0; y < height; y++) {
-        for (let x = 0; x < width; x++) {
-          const at = y * width + x, cell = ofPixels[at];
-          if (cell >= means.length) continue;
-          const isBorder = (x + 1 < width && ofPixels[at + 1] !== cell) || (y + 1 < height && ofPixels[at + width] !== cell);
-          data.data.set(isBorder ? [255, 255, 255, 200] : [...colors[cell], 140], 4 * at);
-        }
-      }
+      ofPixels.forEach((cell, at) => cell < means.length && data.data.set([...colors[cell], 140], 4 * at));
+      this.borders = borders(ofPixels, width, height);
       this.overlay.getContext("2d").putImageData(data, 0, 0);
     }
     this.paint();
@@ -262,9 +275,17 @@ export class Stage {
     context.imageSmoothingQuality = "high";
     const box = [this.x, this.y, width * this.scale, height * this.scale];
     context.drawImage(this.pixels, ...box);
-    if (this.cells && this.overlay.width === width && this.overlay.height === height) context.drawImage(this.overlay, ...box);
+    if (this.cells && this.overlay.width === width && this.overlay.height === height) this.paintCells(context, box, ratio);
     if (this.scale >= VALUES_FROM) this.paintValues(context);
     if (this.mark) this.paintMark(context);
+  }
+
+  paintCells(context, box, ratio) {
+    context.drawImage(this.overlay, ...box);
+    context.setTransform(ratio * this.scale, 0, 0, ratio * this.scale, ratio * this.x, ratio * this.y);
+    [context.strokeStyle, context.lineWidth] = ["#ffffffd9", 1.25 / this.scale];
+    context.stroke(this.borders);
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
   }
 
   paintMark(context) {
