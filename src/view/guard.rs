@@ -65,16 +65,17 @@ impl Guard {
     }
 
     /// Whether `host` is a name of this server. A server of the local machine has the names of the local machine. Another one is
-    /// reached by an address or by a name without dots, because the owner of a page cannot choose such a name.
+    /// reached by an address or by a name without dots, because the owner of a page cannot choose such a name. The port is that of
+    /// the server or of a tunnel to it.
     fn is_own(&self, host: &str) -> bool {
-        let Some((name, port)) = host.rsplit_once(':') else { return false };
+        let (name, port) = host.rsplit_once(':').filter(|(_, port)| !port.ends_with(']')).unwrap_or((host, "80"));
         let address: Option<IpAddr> = name.trim_start_matches('[').trim_end_matches(']').parse().ok();
         let is_own_name = match address {
             Some(ip) => !self.address.ip().is_loopback() || ip.is_loopback(),
             None if self.address.ip().is_loopback() => name.eq_ignore_ascii_case("localhost"),
             None => !name.is_empty() && !name.contains('.'),
         };
-        is_own_name && port.parse() == Ok(self.address.port())
+        is_own_name && port.parse::<u16>().is_ok()
     }
 }
 
@@ -102,7 +103,9 @@ mod tests {
         assert!(may("127.0.0.1:8000", None, None));
         assert!(may("localhost:8000", Some("http://localhost:8000"), Some("same-origin")));
         assert!(may("[::1]:8000", None, Some("none")));
-        assert!(!may("127.0.0.1:8001", None, None), "another port");
+        assert!(may("127.0.0.1:9000", Some("http://127.0.0.1:9000"), None), "a tunnel");
+        assert!(may("localhost", None, None) && may("[::1]", None, None), "a tunnel from port 80");
+        assert!(!may("127.0.0.1:evil.example", None, None));
         assert!(!may("evil.example:8000", None, None), "a name that leads here");
         assert!(!may("127.0.0.1.evil.example:8000", None, None));
         assert!(!may("127.0.0.1:8000", Some("http://evil.example"), None));
@@ -120,7 +123,7 @@ mod tests {
         let guard = guard("0.0.0.0:8000");
         let may = |host| guard.may_look(&asking(host, None, None));
         assert!(may("10.1.2.3:8000") && may("rack7:8000") && may("127.0.0.1:8000"));
-        assert!(!may("rack7.evil.example:8000") && !may(":8000") && !may("rack7"));
+        assert!(!may("rack7.evil.example:8000") && !may(":8000") && !may(""));
     }
 
     #[test]
