@@ -4,9 +4,9 @@
 #   benches/view.sh BINARY [SCENE.xml]
 #
 # It renders SCENE (scenes/cornell-box) three ways that take turns: without --view, with --view but no page, and with --view and
-# a client that fetches a layer and a pixel with the guide's map again and again, as an open page does. It prints the median
-# seconds between the first and the last step and the median processor seconds, each with median, least and greatest of the
-# rounds' ratios to the render without --view. Processor seconds count the server's threads. On a device that is a processor they
+# a client that receives the events and fetches a layer and a pixel with the guide's map of every new shot, as an open page
+# does. It prints the median seconds between the first and the last step and the median processor seconds, each with median,
+# least and greatest of the rounds' ratios to the render without --view. Processor seconds count the server's threads. On a device that is a processor they
 # tell the cost also while other programs run.
 #
 # ROUNDS and SPP change the number of rounds (9) and of samples per pixel (96); WIDTH changes the width (512).
@@ -23,16 +23,20 @@ client=
 trap '[ -z "$client" ] || kill "$client" 2>/dev/null; rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 
-# Asks for what an open page asks for, five times a second, until the server has left.
+# Asks for what an open page asks for: the events, and a layer and a pixel of every new shot.
 look() { # LOG
   url=
   while [ -z "$url" ]; do
     url=$(sed -n 's|.*"address":"\(http://[^/]*\)/.*|\1|p' "$1" | head -n 1)
     sleep 0.05
   done
-  curl -sN "$url/events" >"$work/events" 2>/dev/null &
-  while curl -s -o "$work/layer" "$url/layer?name=radiance" && curl -s -o "$work/pixel" "$url/pixel?x=20&y=20"; do
-    sleep 0.2
+  last=0
+  curl -sN "$url/events" 2>/dev/null | sed -un 's/.*"shot":\([0-9]*\),.*/\1/p' | while read -r shot; do
+    if [ "$shot" != "$last" ]; then
+      last=$shot
+      curl -s -o "$work/layer" "$url/layer?name=radiance" && curl -s -o "$work/pixel" "$url/pixel?x=20&y=20" || break
+      echo "$shot" >"$work/shots"
+    fi
   done
 }
 
@@ -65,6 +69,7 @@ for round in $(seq "$rounds"); do
     measure "$way" >>"$work/$way"
   done
 done
+echo "shots that the client has fetched in the last round: $(cat "$work/shots")"
 for column in 1 2; do
   [ "$column" = 1 ] && echo "seconds between the first and the last step" || echo "processor seconds"
   for way in plain view page; do

@@ -30,8 +30,9 @@ impl Plane {
 
     /// Mean of the finite values.
     pub fn mean(&self) -> f64 {
-        let finite = || self.values.iter().filter(|value| value.is_finite());
-        finite().map(|&value| f64::from(value)).sum::<f64>() / (finite().count().max(1)) as f64
+        let finite = self.values.iter().filter(|value| value.is_finite());
+        let (sum, count) = finite.fold((0.0, 0_u64), |(sum, count), &value| (sum + f64::from(value), count + 1));
+        sum / count.max(1) as f64
     }
 
     /// Half floats, and the factor that makes them the values. The factor is a power of two.
@@ -48,7 +49,8 @@ impl Plane {
             1.0 => halves.convert_from_f32_slice(&self.values),
             _ => halves.convert_from_f32_slice(&self.values.iter().map(|value| value / factor).collect::<Vec<_>>()),
         }
-        (halves.iter().flat_map(|half| half.to_le_bytes()).collect(), factor)
+        let words: Vec<u16> = halves.reinterpret_cast().iter().map(|word: &u16| word.to_le()).collect();
+        (bytemuck::cast_slice(&words).to_vec(), factor)
     }
 }
 

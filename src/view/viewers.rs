@@ -18,7 +18,7 @@ use crate::view::server::Server;
 use crate::view::shot::{Content, Shot};
 
 /// Least ratio of the time between two copies to the time that one copy takes.
-const COPY_SHARE: u32 = 40;
+const COPY_SHARE: u32 = 60;
 /// Shortest time between two copies.
 const COPY_INTERVAL: Duration = Duration::from_millis(250);
 /// Interval at which a render that is paused looks for requests.
