@@ -17,6 +17,7 @@
 #                            unpack SwiftShader, a second Vulkan driver for the CPU, into DIR (target/swiftshader) for
 #                            tests, and print the path for VK_DRIVER_FILES. Nothing is installed. Works on Debian only,
 #                            because SwiftShader comes from Debian's Chromium package.
+#        setup.sh --chromium install Chromium, in which a test opens the page of `--view`
 #        setup.sh --book     install mdbook, which builds the book of docs/, into target/tools unless it is there, and print
 #                            its path. It is compiled from source: about 90 s of processor time.
 set -eu
@@ -298,6 +299,15 @@ provide_swiftshader() { # DIR
   (cd "$1" && echo "$(pwd)/vk_swiftshader_icd.json")
 }
 
+# --- A browser for tests ------------------------------------------------------------------------------------------------
+
+provide_chromium() {
+  for name in chromium chromium-browser google-chrome; do
+    if has_command "$name"; then return 0; fi
+  done
+  install_packages chromium
+}
+
 # --- The book -----------------------------------------------------------------------------------------------------------
 
 MDBOOK_VERSION=0.5.4
@@ -319,6 +329,10 @@ main() {
   system=$(detect_system)
   if [ "${1:-}" = --book ]; then
     provide_mdbook "$(dirname "$0")/target/tools"
+    exit 0
+  fi
+  if [ "${1:-}" = --chromium ]; then
+    provide_chromium
     exit 0
   fi
   if [ "${1:-}" = --swiftshader ]; then
@@ -351,7 +365,7 @@ main() {
       find_missing
       ;;
     "") ;;
-    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --book]" ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --chromium | --book]" ;;
   esac
   if [ -n "$missing" ]; then
     say "missing: $missing_names"

@@ -45,6 +45,8 @@ pub mod renderer;
 pub mod reproduce;
 #[doc(hidden)]
 pub mod spirv;
+#[doc(hidden)]
+pub mod view;
 
 pub use error::{Error, Result};
 pub use film::Picture;

@@ -52,6 +52,17 @@ impl Console {
         }
     }
 
+    /// Shows the address of the page, also if the console is quiet.
+    pub fn tell_address(&self, url: &str) {
+        match &self.0 {
+            Form::Json(log) => log.lock().unwrap_or_else(PoisonError::into_inner).tell_address(url),
+            Form::Text { stage, .. } => {
+                let stage = stage.lock().unwrap_or_else(PoisonError::into_inner);
+                stage.interleave(|| print_message(&format!("watch the render at {url}")));
+            }
+        }
+    }
+
     /// Writes the last line of a JSON log, which has the error of a failure. Returns whether there is such a log.
     pub fn tell_end(&self, rendered: &Result<ExitCode>) -> bool {
         let Form::Json(log) = &self.0 else { return false };

@@ -65,6 +65,11 @@ impl Log {
         }
     }
 
+    /// Logs the address of the page, also if the log is quiet.
+    pub fn tell_address(&self, url: &str) {
+        print("view", json!({ "address": url }));
+    }
+
     /// Logs the beginning of each kind of work once.
     fn prepare(&mut self, preparation: Preparation) {
         if self.preparation.is_none_or(|last| discriminant(&last) != discriminant(&preparation)) {

@@ -24,6 +24,8 @@ mod render_args;
 mod reproduce;
 mod resume;
 mod setting_args;
+mod view;
+mod viewer_args;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -55,6 +57,7 @@ enum Command {
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
     Radiance(Box<radiance::RadianceArgs>),
+    View(view::ViewArgs),
     Reproduce(reproduce::ReproduceArgs),
     Completions(completions::CompletionsArgs),
 }
@@ -81,6 +84,7 @@ pub fn run() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Radiance(args) => radiance::run(*args),
+        Command::View(args) => view::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Completions(args) => completions::run(&args, command()),
     };

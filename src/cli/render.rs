@@ -1,10 +1,10 @@
 //! `lodestar render`: renders a scene, shows progress and writes the files.
 
-use std::ops::ControlFlow;
 use std::process::ExitCode;
 
 use lodestar::Result;
-use lodestar::session::{Options, SceneInput, Session, Start, Watch};
+use lodestar::session::{Event, Options, SceneInput, Session, Start, Watch};
+use lodestar::view::{ViewOptions, Viewers};
 
 use super::console::Console;
 use super::interrupt::Interrupt;
@@ -18,21 +18,28 @@ pub fn run(args: RenderArgs) -> Result<ExitCode> {
     let options = args.device.add_to(args.length.add_to(args.choices.options()));
     let options = with(options, args.checkpoint, Options::checkpoint);
     let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
-    render(start, &options, &console)
+    render(start, &options, &console, &args.viewers.into())
 }
 
 /// Renders from the beginning or from a checkpoint, and shows the progress and the end.
-pub fn render(start: Start<'_>, options: &Options, console: &Console) -> Result<ExitCode> {
-    let rendered = render_watched(start, options, console);
+pub fn render(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
+    let rendered = render_watched(start, options, console, viewers);
     let is_told = console.tell_end(&rendered);
     if is_told && rendered.is_err() { Ok(ExitCode::FAILURE) } else { rendered }
 }
 
-fn render_watched(start: Start<'_>, options: &Options, console: &Console) -> Result<ExitCode> {
+fn render_watched(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
     let interrupt = Interrupt::catch()?;
-    let watch = Watch { stop: &|| interrupt.is_raised(), events: &|event| console.show(event) };
+    let viewers = Viewers::start(viewers)?;
+    viewers.url().iter().for_each(|url| console.tell_address(url));
+    let show = |event: Event<'_>| {
+        console.show(event);
+        viewers.show(event);
+    };
+    let watch = Watch { stop: &|| interrupt.is_raised() || viewers.is_stopped(), events: &show };
     let mut session = Session::start(start, options, &watch)?;
-    let finished = session.run_watched(&watch, |_| ControlFlow::Continue(()));
+    let finished = session.run_watched(&watch, |session| viewers.after_step(session, &watch));
+    viewers.finish(&session);
     let printed = session.profile().map_or(Ok(()), |profile| print_line(profile.table().trim_end()));
     finished.and(printed)?;
     Ok(interrupt.exit_code())

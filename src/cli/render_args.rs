@@ -13,6 +13,7 @@ use lodestar::settings::{Execution, Settings, UNLIMITED_DEPTH};
 
 use super::duration::seconds;
 use super::setting_args::SettingArgs;
+use super::viewer_args::ViewerArgs;
 
 /// Renders a Mitsuba scene.
 ///
@@ -28,6 +29,8 @@ pub struct RenderArgs {
     pub define: Vec<(String, String)>,
     #[command(flatten)]
     pub files: OutputArgs,
+    #[command(flatten)]
+    pub viewers: ViewerArgs,
     #[arg(long)]
     pub checkpoint: Option<PathBuf>,
     #[arg(long, requires = "checkpoint", default_value_t = CHECKPOINT_EVERY, value_parser = seconds)]

@@ -9,6 +9,7 @@ use lodestar::session::{CHECKPOINT_EVERY, Options, Start};
 use super::console::Console;
 use super::duration::seconds;
 use super::render_args::{DeviceArgs, LengthArgs, OutputArgs};
+use super::viewer_args::ViewerArgs;
 
 /// Continues a render from its checkpoint, to the same bits as without the interruption.
 ///
@@ -28,6 +29,8 @@ pub struct ResumeArgs {
     #[command(flatten)]
     files: OutputArgs,
     #[command(flatten)]
+    viewers: ViewerArgs,
+    #[command(flatten)]
     length: LengthArgs,
     #[command(flatten)]
     device: DeviceArgs,
@@ -39,5 +42,5 @@ pub fn run(args: ResumeArgs) -> Result<ExitCode> {
     let start = Start::Resume { checkpoint: args.file, moved_scene: args.scene };
     let options = args.device.add_to(args.length.add_to(Options::new()));
     let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
-    super::render::render(start, &options, &console)
+    super::render::render(start, &options, &console, &args.viewers.into())
 }

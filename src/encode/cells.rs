@@ -29,6 +29,8 @@ pub struct Cells {
     /// child of every parent, and one end marker.
     pub table: Vec<u32>,
     levels: Vec<Range<u32>>,
+    /// Morton keys of the places that hold surfaces, in the order of their cells.
+    keys: Vec<u64>,
 }
 
 impl Cells {
@@ -53,7 +55,7 @@ impl Cells {
 
     /// No cells, for renders that learn nothing.
     pub fn none(bvh: &Bvh) -> Self {
-        Self { grid: Grid::new(bvh, UVec3::ONE), table: Vec::new(), levels: Vec::new() }
+        Self { grid: Grid::new(bvh, UVec3::ONE), table: Vec::new(), levels: Vec::new(), keys: Vec::new() }
     }
 
     fn of_places(grid: Grid, is_occupied: &[bool]) -> Self {
@@ -67,10 +69,10 @@ impl Cells {
         keys.sort_unstable();
         let places = Grid::places(UVec3::ZERO, grid.size - 1).map(|place| cell_or_next(&keys, morton_key(place)));
         let mut table: Vec<u32> = places.collect();
-        let (parents, first_children, levels) = ancestry(keys);
+        let (parents, first_children, levels) = ancestry(keys.clone());
         table.extend(parents);
         table.extend(first_children);
-        Self { grid, table, levels }
+        Self { grid, table, levels, keys }
     }
 
     /// Number of cells that hold surfaces.
@@ -92,6 +94,17 @@ impl Cells {
     pub fn cell_of(&self, position: Vec3) -> usize {
         let place = self.grid.clamped(self.grid.coordinates(position));
         self.table.get(self.grid.index(place)).map_or(0, |&cell| cell as usize)
+    }
+
+    /// Place of a point; for a point outside the grid, the nearest place.
+    pub fn place_of(&self, position: Vec3) -> UVec3 {
+        self.grid.clamped(self.grid.coordinates(position))
+    }
+
+    /// Cell of a place that holds surfaces; `None` for a place without surfaces or outside the grid.
+    pub fn cell_in(&self, place: UVec3) -> Option<usize> {
+        let is_inside = place.cmplt(self.grid.size).all();
+        is_inside.then(|| self.keys.binary_search(&morton_key(place)).ok()).flatten()
     }
 }
 
@@ -155,6 +168,8 @@ mod tests {
         for place in Grid::places(UVec3::ZERO, grid.size - 1) {
             let cell = cells.table[grid.index(place)] as usize;
             assert_eq!(cells.cell_of(place.as_vec3() + 0.5), cell);
+            assert_eq!(cells.place_of(place.as_vec3() + 0.5), place);
+            assert_eq!(cells.cell_in(place), is_occupied[grid.index(place)].then_some(cell));
             assert!(!is_occupied[grid.index(place)] || !std::mem::replace(&mut seen[cell], true));
         }
         assert!(seen.iter().all(|&seen| seen));

@@ -12,4 +12,4 @@ pub mod weights;
 
 pub use picture::Picture;
 pub use picture_file::{Precision, read_picture, write_picture, write_picture_as};
-pub use view::View;
+pub use view::{Unprojection, View};

@@ -1,6 +1,6 @@
 //! Matrices of a picture's camera, as viewers and compositors use them.
 
-use glam::{Mat4, Vec4};
+use glam::{DMat4, DVec3, Mat4, Vec3, Vec4};
 
 use crate::scene::{Camera, Projection};
 
@@ -24,6 +24,48 @@ impl View {
             camera_from_world: mirror * own_from_world,
             film_from_world: film_from_own(camera, width, height) * own_from_world,
         }
+    }
+
+    /// The way back from the film to the world.
+    pub fn unprojection(&self) -> Unprojection {
+        let camera_from_world = self.camera_from_world.as_dmat4();
+        Unprojection {
+            world_from_film: self.film_from_world.as_dmat4().inverse(),
+            is_parallel: self.film_from_world.row(3) == Vec4::W,
+            camera_from_world,
+            world_from_camera: camera_from_world.inverse(),
+        }
+    }
+
+    /// Directions to the right and up in the picture, in world space.
+    pub fn axes(&self) -> [Vec3; 2] {
+        [Vec3::X, Vec3::Y].map(|axis| self.camera_from_world.inverse().transform_vector3(axis).normalize_or_zero())
+    }
+}
+
+/// The way back from places on the film to points of the world.
+#[derive(Debug, Clone, Copy)]
+pub struct Unprojection {
+    world_from_film: DMat4,
+    camera_from_world: DMat4,
+    world_from_camera: DMat4,
+    is_parallel: bool,
+}
+
+impl Unprojection {
+    /// Point of the world that lies `depth` scene units from the camera and is seen at the place `film`, in film widths and heights
+    /// from the top left corner.
+    pub fn point_at(&self, film: [f64; 2], depth: f32) -> Vec3 {
+        let on_near_plane = self.world_from_film.project_point3(DVec3::new(film[0], film[1], 0.0));
+        let (origin, direction) = if self.is_parallel {
+            let distance = self.camera_from_world.transform_point3(on_near_plane).z;
+            let forward = self.world_from_camera.transform_vector3(DVec3::Z).normalize();
+            (on_near_plane - distance * forward, forward)
+        } else {
+            let eye = self.world_from_camera.transform_point3(DVec3::ZERO);
+            (eye, (on_near_plane - eye).normalize())
+        };
+        (origin + f64::from(depth) * direction).as_vec3()
     }
 }
 
@@ -81,6 +123,21 @@ mod tests {
                 let film = view.film_from_world.project_point3(point).truncate();
                 let pixel = film * Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
                 assert!(pixel.distance(pixel_by_formula(&camera, point)) < 1.0e-3, "{projection:?}: {pixel}");
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_lead_back_to_their_points() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            let camera = camera(projection);
+            let view = View::new(&camera, SIZE[0], SIZE[1]);
+            for point in [Vec3::ZERO, Vec3::new(1.5, -0.5, 2.0), Vec3::new(-1.0, 1.0, -3.0)] {
+                let film = view.film_from_world.project_point3(point);
+                let own = camera.world_from_camera.inverse().transform_point3(point);
+                let depth = if projection == Projection::Orthographic { own.z } else { own.length() };
+                let back = view.unprojection().point_at([film.x.into(), film.y.into()], depth);
+                assert!(back.distance(point) < 1.0e-3, "{projection:?}: {back} is not {point}");
             }
         }
     }

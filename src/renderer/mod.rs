@@ -143,6 +143,11 @@ impl Renderer {
         Ok(self.radiance()?.into_iter().skip(begin).take(bins).collect())
     }
 
+    /// Cells of the guide.
+    pub fn cells(&self) -> &Cells {
+        &self.cells
+    }
+
     /// Shares of the samples that each cell leaves to BSDFs: to diffuse lobes, and to BSDFs that are guided as a whole. Empty
     /// where shares are fixed.
     ///

@@ -10,12 +10,14 @@
 //! | copies of the picture in case the device is lost | `safety_copy.rs` |
 //! | statistics and times | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
 //! | events for a caller | `progress.rs` |
+//! | what the guide has learned | `guide.rs` |
 
 #[doc(hidden)]
 pub mod checkpoint;
 mod checkpoints;
 mod files;
 mod finish;
+mod guide;
 mod history;
 #[doc(hidden)]
 pub mod kernel_files;

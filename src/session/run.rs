@@ -143,6 +143,21 @@ impl Session {
         }
     }
 
+    /// The steps so far.
+    #[doc(hidden)]
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Writes the unfinished picture into its files.
+    ///
+    /// # Errors
+    /// Where the device is lost or a file cannot be written.
+    #[doc(hidden)]
+    pub fn write_now(&self, watch: &Watch<'_>) -> Result<()> {
+        self.write_pictures(&self.picture()?, watch)
+    }
+
     /// The settings of the render.
     pub fn settings(&self) -> &Settings {
         &self.settings

@@ -4,8 +4,19 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 10] =
-    ["render", "resume", "inspect", "devices", "info", "compare", "merge", "radiance", "reproduce", "completions"];
+const SUBCOMMANDS: [&str; 11] = [
+    "render",
+    "resume",
+    "inspect",
+    "devices",
+    "info",
+    "compare",
+    "merge",
+    "radiance",
+    "view",
+    "reproduce",
+    "completions",
+];
 
 fn help(arguments: &[&str]) -> String {
     let output = Folder::new().run(arguments);

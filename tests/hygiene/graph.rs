@@ -13,6 +13,7 @@ const NEVER: &[(&[&str], &[&str], &str)] = &[
     (&["scene", "encode", "math", "image", "film"], &["gpu"], "what runs on the CPU knows nothing of the device"),
     (&["generated", "settings", "spirv"], &["gpu"], "plain data knows nothing of the device"),
     (&["gpu"], &["scene", "renderer"], "gpu knows nothing of rendering"),
+    (&["session", "renderer", "film", "reproduce"], &["view"], "a render knows nothing of who watches it"),
 ];
 
 /// Most rooms of a chain in which each uses the next.

@@ -23,6 +23,8 @@ const RULES: &[Rule] = &[
     Rule { word: Name::Crate("ash"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
     Rule { word: Name::Crate("gpu_allocator"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
     Rule { word: Name::Crate("exr"), only_in: &["image"], reason: "EXR files are read in one place" },
+    Rule { word: Name::Crate("tiny_http"), only_in: &["view"], reason: "the page is served in one place" },
+    Rule { word: Name::Crate("socket2"), only_in: &["view"], reason: "the page is served in one place" },
     Rule { word: Name::Crate("obvhs"), only_in: &["encode"], reason: "the hierarchy is built in one place" },
     Rule { word: Name::Crate("support"), only_in: &[], reason: "twins are for tests only" },
 ];
@@ -108,6 +110,7 @@ fn bad_snippets_are_found() {
         ("src/film/picture.rs", "fn f() { let a = exr::prelude::read(); }"),
         ("src/film/picture.rs", "use crate::image::exr; fn f() { let a = ::exr::prelude::read(); }"),
         ("src/scene/mod.rs", "obvhs::Bvh2::default()"),
+        ("src/session/run.rs", "use tiny_http::Server;"),
         ("src/math/mod.rs", "use support::twins::fresnel;"),
     ] {
         assert_eq!(found(path, text), 1, "{path}: {text}");

@@ -34,6 +34,12 @@ impl Grid {
         coordinates.clamp(Vec3::ZERO, self.size.as_vec3() - 0.5).as_uvec3()
     }
 
+    /// Lower and upper corner of a place, world space.
+    pub fn place_bounds(&self, place: UVec3) -> (Vec3, Vec3) {
+        let corner = |place: UVec3| self.origin + place.as_vec3() / self.per_unit;
+        (corner(place), corner(place + 1))
+    }
+
     /// Index of a place, with the x-axis running fastest.
     pub(super) fn index(&self, place: UVec3) -> usize {
         ((place.z * self.size.y + place.y) * self.size.x + place.x) as usize

@@ -146,9 +146,15 @@ impl FilmPage {
     /// Writes this page's pixels where they belong in the picture.
     pub fn read_into(&self, picture: &mut Picture, settings: &Settings) -> Result<()> {
         let (radiance, features) = self.read()?;
+        // Most neighbors have as many samples as each other. Nothing was sampled at first, which has no variance.
+        let (mut samples, mut variance_scale) = (0, 0.0);
         for (index, (radiance, features)) in (self.first_pixel..).zip(radiance.iter().zip(&features)) {
             if let Some(at) = picture_index(index, picture) {
-                store_pixel(picture, at, radiance, features, settings);
+                if radiance.sample_count != samples {
+                    samples = radiance.sample_count;
+                    variance_scale = settings.weight_sums(samples).variance_scale() as f32;
+                }
+                store_pixel(picture, at, radiance, features, variance_scale);
             }
         }
         Ok(())
@@ -180,13 +186,11 @@ fn store_pixel(
     at: usize,
     radiance: &FilmRadiance,
     features: &FilmFeatures,
-    settings: &Settings,
+    variance_scale: f32,
 ) {
-    let count = radiance.sample_count;
-    let scale = settings.weight_sums(count).variance_scale() as f32;
     picture.radiance[at] = radiance.mean;
-    picture.variance[at] = radiance.squared_deviation.map(|squared| squared * scale);
-    picture.sample_count[at] = count;
+    picture.variance[at] = radiance.squared_deviation.map(|squared| squared * variance_scale);
+    picture.sample_count[at] = radiance.sample_count;
     picture.hit_count[at] = radiance.hit_count;
     picture.albedo[at] = features.albedo;
     picture.normal[at] = features.normal;

@@ -163,6 +163,17 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Output, "write-every", "TIME")
     },
     OptionEntry {
+        short: "Watch the render in a browser",
+        long: "The address of a page is printed. The page shows the picture, its layers and what the guide learns, and can pause or end \
+               the render. Without ADDRESS:PORT it has a free port that only this machine can reach.",
+        ..common(Output, "view", "ADDRESS:PORT")
+    },
+    OptionEntry {
+        short: "Send the picture to a display server such as tev",
+        long: "The server has tev's protocol; tev listens at 127.0.0.1:14158. All layers are sent. The render goes on without the server.",
+        ..further(Output, "display-server", "HOST:PORT")
+    },
+    OptionEntry {
         short: "File to resume the render from after an interruption",
         long: "`lodestar resume FILE` continues the render after a signal, a fault or a power cut.",
         ..common(Output, "checkpoint", "FILE")

@@ -1,0 +1,42 @@
+//! `lodestar view`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::thread;
+use std::time::Duration;
+
+use lodestar::Result;
+use lodestar::view::{FileView, check_address};
+
+use super::interrupt::Interrupt;
+use super::print::print_message;
+use super::render_args::exr_path;
+use super::viewer_args::LOCAL;
+
+/// Interval at which the file is looked at.
+const INTERVAL: Duration = Duration::from_millis(200);
+/// Shows an EXR picture in a browser.
+///
+/// The page shows every layer of the picture, with exposure, tone curves and false colors, and the values of its pixels. When
+/// the file changes, the page shows it anew. Ctrl-C ends the program.
+#[derive(Debug, clap::Args)]
+pub struct ViewArgs {
+    /// The picture.
+    #[arg(value_name = "PICTURE.exr", value_parser = exr_path)]
+    picture: PathBuf,
+    /// Address of the page; port 0 is a free port.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = LOCAL, value_parser = check_address)]
+    address: String,
+}
+
+/// Serves the picture until a signal comes.
+pub fn run(args: &ViewArgs) -> Result<ExitCode> {
+    let interrupt = Interrupt::catch()?;
+    let mut view = FileView::start(&args.picture, &args.address)?;
+    print_message(&format!("look at the picture at {}", view.url()));
+    while !interrupt.is_raised() {
+        thread::sleep(INTERVAL);
+        view.refresh();
+    }
+    Ok(ExitCode::SUCCESS)
+}

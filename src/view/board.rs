@@ -1,0 +1,209 @@
+//! Board between a render and its viewers: the render pins its progress and copies of the picture on it, viewers pin requests.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use serde::Serialize;
+
+use crate::view::guide::{GuideCells, GuideCopy};
+use crate::view::shot::Shot;
+
+/// Phase of a render as the page shows it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Phase {
+    /// The scene is read and the kernels are built.
+    #[default]
+    Preparing,
+    /// Steps are taken.
+    Rendering,
+    /// A pause was asked for; the step under way goes on to its end.
+    Pausing,
+    /// No steps are taken until somebody asks for them.
+    Paused,
+    /// The end was asked for; the files follow.
+    Stopping,
+    /// The render has ended.
+    Ended,
+    /// The picture is one from a file.
+    File,
+}
+
+/// Noise or error after some samples.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(super) struct CurvePoint {
+    pub samples: u64,
+    pub seconds: f64,
+    pub value: f64,
+}
+
+/// Facts about a render that the page shows.
+#[derive(Debug, Clone, Default, Serialize)]
+pub(super) struct State {
+    pub phase: Phase,
+    /// One sentence about the phase, or the last warning.
+    pub message: String,
+    pub scene: String,
+    pub device: String,
+    pub sampler: String,
+    /// Files into which the picture is written.
+    pub files: Vec<String>,
+    /// Samples per pixel so far, and as many as are wanted.
+    pub samples: u64,
+    pub wanted_samples: Option<u32>,
+    /// Seconds of rendering so far, and as many as are wanted.
+    pub seconds: f64,
+    pub wanted_seconds: Option<f64>,
+    pub fraction: f64,
+    /// Rays per second of the last step, shadow rays included.
+    pub rays_per_second: f64,
+    pub light_hit_rate: f64,
+    /// Relative error at which tiles end, and that of the noisiest tile.
+    pub noise_target: Option<f32>,
+    pub noisiest_tile: Option<f64>,
+    /// Share of the pixels that are still sampled.
+    pub sampled_share: f64,
+    /// Estimates of the noise of the shots so far.
+    pub noise: Vec<CurvePoint>,
+    /// Mean absolute errors against the reference.
+    pub errors: Vec<CurvePoint>,
+    /// Number of the last shot; 0 before the first.
+    pub shot: u64,
+    /// Number of the last copy of the guide; 0 before the first.
+    pub guide: u64,
+    /// Reason why there is no guide to be seen.
+    pub no_guide: Option<String>,
+    /// Whether light that is sampled directly stays out of the guide.
+    pub samples_lights: bool,
+}
+
+/// State, picture and guide that viewers see.
+#[derive(Default)]
+pub(super) struct Pinned {
+    pub state: State,
+    pub shot: Option<Arc<Shot>>,
+    pub cells: Option<Arc<GuideCells>>,
+    pub guide: Option<Arc<GuideCopy>>,
+    /// Number of changes so far.
+    pub revision: u64,
+    pub is_paused: bool,
+}
+
+/// Things that a viewer may ask of a render.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Order {
+    Pause,
+    GoOn,
+    Stop,
+    Write,
+}
+
+/// The board.
+#[derive(Default)]
+pub(super) struct Board {
+    pinned: Mutex<Pinned>,
+    changed: Condvar,
+    /// Requests that the render looks at between two steps.
+    pub wants_shot: AtomicBool,
+    pub wants_guide: AtomicBool,
+    pub wants_file: AtomicBool,
+    /// Number of requests that are being answered, without those for events.
+    pub answering: AtomicUsize,
+    wants_stop: AtomicBool,
+    /// Whether viewers shall leave.
+    is_closed: AtomicBool,
+}
+
+impl Board {
+    pub fn lock(&self) -> MutexGuard<'_, Pinned> {
+        self.pinned.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes what is pinned, and wakes whoever waits for a change.
+    pub fn change(&self, change: impl FnOnce(&mut Pinned)) {
+        let mut pinned = self.lock();
+        change(&mut pinned);
+        pinned.revision += 1;
+        self.changed.notify_all();
+    }
+
+    /// Waits until there is a newer revision than `seen`, at most for `patience`.
+    pub fn wait(&self, seen: u64, patience: Duration) -> MutexGuard<'_, Pinned> {
+        let pinned = self.lock();
+        let is_old = |pinned: &mut Pinned| pinned.revision <= seen && !self.is_closed();
+        self.changed.wait_timeout_while(pinned, patience, is_old).unwrap_or_else(PoisonError::into_inner).0
+    }
+
+    /// Follows an order of a viewer.
+    pub fn give(&self, order: Order) {
+        self.change(|pinned| {
+            let phase = &mut pinned.state.phase;
+            match (order, *phase) {
+                (_, Phase::Ended | Phase::File | Phase::Stopping) => {}
+                (Order::Pause, Phase::Rendering) => (*phase, pinned.is_paused) = (Phase::Pausing, true),
+                (Order::GoOn, Phase::Pausing | Phase::Paused) => (*phase, pinned.is_paused) = (Phase::Rendering, false),
+                (Order::Stop, _) => {
+                    (*phase, pinned.is_paused) = (Phase::Stopping, false);
+                    self.wants_stop.store(true, Ordering::Relaxed);
+                }
+                (Order::Write, _) => self.wants_file.store(true, Ordering::Relaxed),
+                _ => {}
+            }
+        });
+    }
+
+    /// Whether a viewer has ended the render.
+    pub fn is_stopped(&self) -> bool {
+        self.wants_stop.load(Ordering::Relaxed)
+    }
+
+    /// Sends all viewers away.
+    pub fn close(&self) {
+        self.is_closed.store(true, Ordering::Relaxed);
+        self.change(|_| {});
+    }
+
+    pub fn is_closed(&self) -> bool {
+        self.is_closed.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn phase_after(first: Phase, orders: &[Order]) -> (Phase, bool, bool) {
+        let board = Board::default();
+        board.change(|pinned| pinned.state.phase = first);
+        orders.iter().for_each(|&order| board.give(order));
+        let pinned = board.lock();
+        (pinned.state.phase, pinned.is_paused, board.is_stopped())
+    }
+
+    #[test]
+    fn orders_are_followed_where_they_make_sense() {
+        use Order::{GoOn, Pause, Stop};
+        assert_eq!(phase_after(Phase::Rendering, &[Pause]), (Phase::Pausing, true, false));
+        assert_eq!(phase_after(Phase::Rendering, &[Pause, GoOn]), (Phase::Rendering, false, false));
+        assert_eq!(phase_after(Phase::Rendering, &[Pause, Stop, GoOn]), (Phase::Stopping, false, true));
+        assert_eq!(phase_after(Phase::Preparing, &[Pause]), (Phase::Preparing, false, false));
+        assert_eq!(phase_after(Phase::Preparing, &[Stop]), (Phase::Stopping, false, true));
+        assert_eq!(phase_after(Phase::Ended, &[Pause, Stop]), (Phase::Ended, false, false));
+        assert_eq!(phase_after(Phase::File, &[Stop]), (Phase::File, false, false));
+    }
+
+    #[test]
+    fn waiting_ends_with_a_change_and_with_the_board() {
+        let board = Board::default();
+        let long = Duration::from_secs(3600);
+        std::thread::scope(|scope| {
+            let waiting = scope.spawn(|| board.wait(0, long).revision);
+            board.change(|_| {});
+            assert_eq!(waiting.join().unwrap(), 1);
+            let waiting = scope.spawn(|| board.wait(1, long).revision);
+            board.close();
+            waiting.join().unwrap();
+        });
+    }
+}

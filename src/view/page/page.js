@@ -1,0 +1,231 @@
+// The page: listens to the render's events, fetches what has changed and sends orders.
+
+import { drawCurve } from "./curve.js";
+import { drawRamp, facts, showGuide } from "./guide.js";
+import { Layer, Stage, short } from "./picture.js";
+
+const find = (id) => document.getElementById(id);
+const token = location.hash.slice(1);
+const PHASES = {
+  preparing: "Preparing", rendering: "Rendering", pausing: "Pausing after this step", paused: "Paused",
+  stopping: "Stopping", ended: "Ended", file: "File", lost: "No connection",
+};
+/** Colors with which a layer is shown first. */
+const CURVES = { variance: "false", samples: "false", depth: "false", hits: "false", normal: "signed" };
+/** Time in which the second click on the button that stops must come. */
+const SURE = 4000;
+
+let state = { phase: "preparing", shot: 0, guide: 0 };
+let [layer, pixel, fetching, stopAsked] = [null, null, false, 0];
+const choices = {};
+const stage = new Stage(find("picture"), pick, hover);
+
+/** Says a sentence to screen readers. */
+function say(text) {
+  find("said").textContent = text;
+}
+
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+const plain = (name) => name.split("/").slice(-2).join("/").replace(/\/scene\.xml$/, "").replace(/\.(xml|exr)$/, "");
+
+function duration(seconds) {
+  const whole = Math.round(seconds), [hours, minutes] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60];
+  if (hours) return `${hours} h ${minutes} min`;
+  return minutes ? `${minutes} min ${whole % 60} s` : seconds < 10 ? `${seconds.toFixed(1)} s` : `${whole} s`;
+}
+
+const share = (value) => `${short(100 * value)} %`;
+const million = (value) => (value > 0 ? `${short(value / 1e6)} M` : "none yet");
+
+function showState() {
+  const { phase } = state, isOver = ["ended", "file", "lost", "stopping"].includes(phase);
+  const name = find("phase");
+  if (name.dataset.phase !== phase) [name.dataset.phase, name.textContent] = [phase, PHASES[phase] ?? phase];
+  const said = state.message ?? "";
+  if (find("message").textContent !== said) find("message").textContent = capital(said);
+  if (state.scene) {
+    find("scene").textContent = plain(state.scene);
+    find("scene").title = state.scene;
+    document.title = `${phase === "rendering" ? `${Math.floor(100 * state.fraction)} % ` : ""}${plain(state.scene)} · Lodestar`;
+  }
+  find("orders").hidden = phase === "file";
+  find("progress").value = state.fraction ?? 0;
+  find("pause").textContent = phase === "paused" || phase === "pausing" ? "Go on" : "Pause";
+  for (const id of ["pause", "write", "stop"]) find(id).disabled = isOver || !token || (phase === "preparing" && id !== "stop");
+  find("orders").title = token ? "" : "This address lacks its token, so this page can look but not give orders.";
+  find("cells").disabled = Boolean(state.no_guide);
+  find("guide-part").hidden = phase === "file";
+  const of = (value, wanted) => (wanted ? `${value} of ${wanted}` : value);
+  const noise = layer?.noise ?? state.noise?.at(-1)?.value;
+  const error = state.errors?.at(-1);
+  facts(find("facts"), [
+    ["Samples per pixel", of(state.samples ?? 0, state.wanted_samples)],
+    ["Time", of(duration(state.seconds ?? 0), state.wanted_seconds && duration(state.wanted_seconds))],
+    ...(phase === "file" ? [] : [["Rays per second", million(state.rays_per_second)], ["Light-hit rate", share(state.light_hit_rate ?? 0)]]),
+    ["Noise (estimate)", noise ? share(noise) : "not known yet"],
+    ...(state.noise_target ? [
+      ["Noisiest tile", `${state.noisiest_tile ? short(state.noisiest_tile) : "not known yet"} (${short(state.noise_target)} is wanted)`],
+      ["Pixels still sampled", share(state.sampled_share)],
+    ] : []),
+    ...(error ? [["Error", `${short(error.value)} after ${error.samples} samples`]] : []),
+    ...(state.sampler ? [["Sampler", state.sampler]] : []),
+    ...(state.device ? [["Device", state.device]] : []),
+    ...(state.files?.length ? [["Files", state.files.map((file) => file.split("/").pop()).join(", ")]] : []),
+  ]);
+  drawCurve(find("errors"), state.errors ?? []);
+  drawCurve(find("noise"), state.noise ?? []);
+  find("curves-part").hidden = find("errors").hidden && find("noise").hidden;
+}
+
+/** Fetches the chosen layer if there is a newer shot, one at a time. */
+async function refresh(isForced = false) {
+  const name = find("layer").value;
+  const isOld = !layer || layer.shot < state.shot || layer.layer !== name;
+  if (fetching || document.hidden || !state.shot || !(isOld || isForced)) return;
+  fetching = true;
+  try {
+    const answer = await fetch(`/layer?name=${encodeURIComponent(name)}`);
+    if (answer.status === 200) {
+      layer = new Layer(JSON.parse(answer.headers.get("X-Frame")), await answer.arrayBuffer());
+      showLayers(layer.layers);
+      showPicture();
+      await Promise.all([refreshPixel(), refreshCells()]);
+      find("picture").dataset.shot = layer.shot;
+      find("picture").dataset.samples = layer.samples;
+    }
+  } catch {
+    // The server has left; its events say so, too.
+  } finally {
+    fetching = false;
+  }
+  showState();
+  if (layer && (layer.shot < state.shot || find("layer").value !== layer.layer)) refresh();
+}
+
+function showLayers(names) {
+  const select = find("layer");
+  if ([...select.options].map((option) => option.value).join() === names.join()) return;
+  const chosen = select.value;
+  select.replaceChildren(...names.map((name) => new Option(capital(name), name)));
+  select.value = names.includes(chosen) ? chosen : names[0];
+}
+
+function choice() {
+  const name = layer?.layer ?? "radiance";
+  return (choices[name] ??= { curve: CURVES[name] ?? (layer?.count === 1 ? "false" : "srgb"), stops: 0 });
+}
+
+function showPicture() {
+  if (!layer) return;
+  const { curve, stops } = choice();
+  find("waiting").hidden = true;
+  [find("curve").value, find("exposure").value] = [curve, stops];
+  find("stops").value = `${stops > 0 ? "+" : ""}${stops} EV`;
+  find("exposure").setAttribute("aria-valuetext", `${stops} stops`);
+  stage.show(layer, curve, stops);
+}
+
+async function refreshPixel() {
+  if (!pixel) return;
+  const [x, y] = pixel;
+  const answer = await fetch(`/pixel?x=${x}&y=${y}`);
+  if (answer.status !== 200) return;
+  const seen = await answer.json();
+  if (pixel[0] !== x || pixel[1] !== y) return;
+  find("pixel-part").hidden = false;
+  find("of-pixel").textContent = `Pixel ${x}, ${y}`;
+  const rows = seen.layers.map(([name, channels, values]) => {
+    const row = document.createElement("tr"), head = document.createElement("th");
+    [head.scope, head.textContent] = ["row", `${capital(name)} ${channels.length > 1 ? channels.join(" ") : ""}`];
+    const cells = values.map((value) => Object.assign(document.createElement("td"), { textContent: value === null ? "∞" : short(value) }));
+    if (cells.length === 1) cells[0].colSpan = 3;
+    row.append(head, ...cells);
+    return row;
+  });
+  find("values").tBodies[0].replaceChildren(...rows);
+  showGuide(seen, state);
+  find("guide-part").dataset.pixel = pixel.join(",");
+}
+
+async function refreshCells() {
+  if (!find("cells").checked) return stage.showCells(null);
+  const answer = await fetch("/cells");
+  if (answer.status !== 200) return;
+  const { width, height, count } = JSON.parse(answer.headers.get("X-Frame")), buffer = await answer.arrayBuffer();
+  const ofPixels = new Uint32Array(buffer, 0, width * height), means = new Float32Array(buffer, 4 * width * height, count);
+  stage.showCells({ width, height, ofPixels, means });
+}
+
+function values([x, y]) {
+  const { channels } = layer;
+  return layer.values(x, y).map((value, i) => `${channels.length > 1 ? `${channels[i]} ` : ""}${short(value)}`).join("  ");
+}
+
+function hover(at) {
+  if (!at || !layer) return;
+  find("readout").textContent = `Pixel ${at[0] + layer.offset[0]}, ${at[1] + layer.offset[1]}:  ${values(at)}`;
+  if (document.activeElement === find("picture") && stage.mark === at) say(find("readout").textContent);
+}
+
+async function pick(at) {
+  pixel = at;
+  hover(at);
+  await refreshPixel().catch(() => {});
+  const brightest = find("learned").textContent && !find("guide").hidden ? find("hemisphere").getAttribute("aria-label") : "";
+  say(`${find("readout").textContent} ${brightest}`);
+}
+
+async function order(name) {
+  try {
+    const answer = await fetch(`/${name}`, { method: "POST", headers: { "X-Lodestar-Token": token } });
+    if (!answer.ok) say(await answer.text());
+  } catch {
+    say("The render cannot be reached.");
+  }
+}
+
+function listen() {
+  const events = new EventSource("/events");
+  events.onmessage = async (event) => {
+    const guide = state.guide;
+    state = JSON.parse(event.data);
+    showState();
+    if (state.guide !== guide && !fetching) {
+      refreshPixel().catch(() => {});
+      refreshCells().catch(() => {});
+    }
+    await refresh();
+  };
+  events.onerror = () => {
+    if (state.phase === "ended") return events.close();
+    state = { ...state, phase: "lost", message: "The program has ended or cannot be reached." };
+    showState();
+  };
+}
+
+find("layer").addEventListener("change", () => refresh());
+find("curve").addEventListener("change", () => { choice().curve = find("curve").value; showPicture(); });
+find("exposure").addEventListener("input", () => { choice().stops = Number(find("exposure").value); showPicture(); });
+find("cells").addEventListener("change", () => refreshCells().catch(() => {}));
+find("fit").addEventListener("click", () => stage.fit());
+find("actual").addEventListener("click", () => stage.zoom(1 / stage.scale));
+find("larger").addEventListener("click", () => stage.zoom(Math.SQRT2, stage.mark ? stage.pointOf(stage.mark) : undefined));
+find("smaller").addEventListener("click", () => stage.zoom(Math.SQRT1_2, stage.mark ? stage.pointOf(stage.mark) : undefined));
+find("pause").addEventListener("click", () => order(state.phase === "paused" || state.phase === "pausing" ? "go-on" : "pause"));
+find("write").addEventListener("click", () => order("write"));
+find("stop").addEventListener("click", () => {
+  const button = find("stop"), isSure = Date.now() - stopAsked < SURE;
+  stopAsked = isSure ? 0 : Date.now();
+  button.classList.toggle("asking", !isSure);
+  button.textContent = isSure ? "Stop and save" : "Stop now?";
+  if (isSure) return order("stop");
+  say("Press again to stop the render and save the picture.");
+  setTimeout(() => { button.textContent = "Stop and save"; button.classList.remove("asking"); }, SURE);
+});
+document.addEventListener("visibilitychange", () => refresh());
+drawRamp(find("ramp"));
+showState();
+listen();
+
+// For tests: where pixels lie on the screen.
+window.lodestar = { pointOf: (at) => { const box = find("picture").getBoundingClientRect(), [x, y] = stage.pointOf(at); return [box.x + x, box.y + y]; } };

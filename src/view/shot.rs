@@ -1,0 +1,79 @@
+//! Shots: copies of a picture for viewers.
+
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use crate::film::Picture;
+use crate::image::layers::Layers;
+use crate::view::planes::{self, Plane};
+
+/// A picture at one moment.
+pub(super) struct Shot {
+    /// Number of the shot, counted from 1.
+    pub number: u64,
+    /// Samples per pixel.
+    pub samples: u64,
+    /// Seconds of rendering.
+    pub seconds: f64,
+    pub content: Content,
+    noise: OnceLock<Option<f64>>,
+}
+
+/// Pixels of a shot.
+pub(super) enum Content {
+    /// The picture of a render.
+    Rendered(Box<Picture>),
+    /// The layers of a file.
+    Read(Layers),
+}
+
+impl Shot {
+    pub fn new(number: u64, samples: u64, seconds: f64, content: Content) -> Self {
+        Self { number, samples, seconds, content, noise: OnceLock::new() }
+    }
+
+    pub fn size(&self) -> [u32; 2] {
+        match &self.content {
+            Content::Rendered(picture) => [picture.width, picture.height],
+            Content::Read(layers) => [layers.width, layers.height],
+        }
+    }
+
+    /// Offset of the window within the whole film.
+    pub fn offset(&self) -> [u32; 2] {
+        match &self.content {
+            Content::Rendered(picture) => picture.offset,
+            Content::Read(layers) => layers.offset,
+        }
+    }
+
+    /// Names of the layers.
+    pub fn layers(&self) -> Vec<String> {
+        match &self.content {
+            Content::Rendered(_) => planes::NAMES.map(str::to_owned).to_vec(),
+            Content::Read(layers) => planes::names(layers),
+        }
+    }
+
+    /// The layer `name`.
+    pub fn plane(&self, name: &str) -> Option<Plane> {
+        let [width, height] = self.size();
+        self.part(name, 0..width as usize * height as usize)
+    }
+
+    /// The layer `name` of some pixels.
+    pub fn part(&self, name: &str, pixels: Range<usize>) -> Option<Plane> {
+        match &self.content {
+            Content::Rendered(picture) => planes::of_picture(picture, name, pixels),
+            Content::Read(layers) => planes::of_layers(layers, name, pixels),
+        }
+    }
+
+    /// Estimate of the picture's noise: the standard error of a pixel over the picture's mean. `None` where the variance is unknown.
+    pub fn noise(&self) -> Option<f64> {
+        *self.noise.get_or_init(|| {
+            let [radiance, variance] = ["radiance", "variance"].map(|name| self.plane(name));
+            planes::noise(&radiance?, &variance?)
+        })
+    }
+}

@@ -1,0 +1,167 @@
+//! The program with its page, and requests to it.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use lodestar::image::exr;
+use lodestar::image::layers::Layers;
+use serde_json::Value;
+
+use crate::browser::PATIENCE;
+
+/// Folder of caches that all tests of the program share.
+const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
+/// Scene whose light is known.
+const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box/scene.xml");
+
+/// A running program. It is killed when this is dropped.
+pub struct Program {
+    child: Child,
+    /// Address of the page, with the token.
+    pub url: String,
+    stderr: BufReader<ChildStderr>,
+    folder: tempfile::TempDir,
+}
+
+/// Answer to a request: the status, and what follows the headers.
+pub type Answer = (u16, Vec<u8>);
+
+/// Arguments of a render of a small Cornell box.
+pub fn render<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    let fixed = ["render", SCENE, "--quiet", "--nee", "off", "--width", "96", "--height", "96", "-o", "a.exr"];
+    [&fixed[..], more].concat()
+}
+
+/// Arguments of a render that goes on until it is ended.
+pub fn endless<'a>() -> Vec<&'a str> {
+    render(&["--time", "1h", "--view"])
+}
+
+impl Program {
+    /// Starts the program and waits for the address of its page.
+    pub fn start(arguments: &[&str]) -> Self {
+        let mut program = Self::start_silent(arguments);
+        let mut line = String::new();
+        program.stderr.read_line(&mut line).unwrap();
+        let url = line.split_whitespace().find(|word| word.starts_with("http://"));
+        program.url = url.unwrap_or_else(|| panic!("no address in {line}")).to_owned();
+        program
+    }
+
+    /// Starts the program.
+    pub fn start_silent(arguments: &[&str]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
+        command.args(arguments).current_dir(folder.path());
+        command.env("XDG_CACHE_HOME", CACHE).env_remove("LODESTAR_DEVICE");
+        let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+        let stderr = BufReader::new(child.stderr.take().unwrap());
+        Self { child, url: String::new(), stderr, folder }
+    }
+
+    /// Address and token.
+    pub fn address(&self) -> (&str, &str) {
+        self.url.strip_prefix("http://").unwrap().split_once("/#").unwrap()
+    }
+
+    pub fn is_running(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_none()
+    }
+
+    /// Waits for the end. Returns the exit code.
+    pub fn wait(&mut self) -> Option<i32> {
+        let begin = Instant::now();
+        while self.is_running() {
+            assert!(begin.elapsed() < PATIENCE, "the program does not end");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        self.child.wait().unwrap().code()
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Sends a request with these lines of headers.
+    pub fn ask(&self, request: &str, headers: &[&str]) -> Answer {
+        ask(self.address().0, request, headers)
+    }
+
+    /// Sends a request as the page does.
+    pub fn ask_as_page(&self, request: &str) -> Answer {
+        let (address, token) = self.address();
+        self.ask(request, &[&format!("Host: {address}"), &format!("X-Lodestar-Token: {token}")])
+    }
+
+    /// State that the first event holds.
+    pub fn state(&self) -> Value {
+        let mut stream = self.listen();
+        let mut lines = BufReader::new(&mut stream).lines().map_while(Result::ok);
+        let data = lines.find_map(|line| line.strip_prefix("data: ").map(str::to_owned)).unwrap();
+        serde_json::from_str(&data).unwrap()
+    }
+
+    /// Connection that receives events.
+    pub fn listen(&self) -> TcpStream {
+        let address = self.address().0;
+        let mut stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        write!(stream, "GET /events HTTP/1.1\r\nHost: {address}\r\n\r\n").unwrap();
+        stream
+    }
+
+    /// Waits until the state is as wanted.
+    #[track_caller]
+    pub fn wait_for(&self, wanted: impl Fn(&Value) -> bool) -> Value {
+        let begin = Instant::now();
+        loop {
+            let state = self.state();
+            if wanted(&state) {
+                return state;
+            }
+            assert!(begin.elapsed() < PATIENCE, "{state}");
+            std::thread::sleep(Duration::from_millis(30));
+        }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // Most programs have ended by themselves.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn ask(address: &str, request: &str, headers: &[&str]) -> Answer {
+    let mut stream = TcpStream::connect(address).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    let headers: String = headers.iter().map(|line| format!("{line}\r\n")).collect();
+    write!(stream, "{request} HTTP/1.1\r\n{headers}Connection: close\r\nContent-Length: 0\r\n\r\n").unwrap();
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    let end = answer.windows(4).position(|four| four == b"\r\n\r\n").expect("headers");
+    let status = std::str::from_utf8(&answer[9..12]).unwrap().parse().unwrap();
+    (status, answer[end + 4..].to_vec())
+}
+
+/// Layers of a picture file.
+pub fn layers(path: &Path) -> Layers {
+    exr::read_layers(path).unwrap().0
+}
+
+/// Server on a free port of this machine.
+pub fn listener() -> (TcpListener, String) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    (listener, address)
+}
+
+/// Size of a file in bytes.
+pub fn size(path: &Path) -> u64 {
+    fs::metadata(path).unwrap().len()
+}

@@ -1,0 +1,109 @@
+//! The server of the page, as programs and foreign pages see it.
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use crate::program::{Program, endless, layers, render, size};
+
+#[test]
+fn foreign_requests_are_refused() {
+    let mut program = Program::start(&endless());
+    program.wait_for(|state| state["phase"] == "rendering");
+    let (address, token) = program.address();
+    let (host, token) = (format!("Host: {address}"), format!("X-Lodestar-Token: {token}"));
+    let status = |request: &str, headers: &[&str]| program.ask(request, headers).0;
+    assert_eq!(status("GET /", &[&host]), 200);
+    assert_eq!(status("GET /", &["Host: evil.example"]), 403);
+    assert_eq!(status("GET /events", &[&host, "Origin: http://evil.example"]), 403);
+    assert_eq!(status("GET /layer?name=radiance", &[&host, "Sec-Fetch-Site: cross-site"]), 403);
+    assert_eq!(status("POST /stop", &[&host]), 403);
+    assert_eq!(status("POST /stop", &[&host, "X-Lodestar-Token: 0123456789abcdef0123456789abcdef"]), 403);
+    assert_eq!(status("POST /stop", &[&host, &token, "Origin: http://evil.example"]), 403);
+    assert_eq!(status("GET /stop", &[&host, &token]), 404);
+    assert_eq!(status("GET /../Cargo.toml", &[&host]), 404);
+    assert_eq!(status("DELETE /", &[&host]), 405);
+    assert_eq!(status("GET /pixel?x=96&y=0", &[&host]), if program.state()["shot"] == 0 { 204 } else { 404 });
+    assert_eq!(program.state()["phase"], "rendering");
+    assert_eq!(status("POST /stop", &[&host, &token]), 204, "the token of the printed address");
+    assert_eq!(program.wait(), Some(0));
+    assert!(size(&program.path("a.exr")) > 1000);
+}
+
+/// A render has the same bits without viewers, and with viewers that ask for everything all the time, hang or leave.
+#[test]
+fn bits_do_not_depend_on_viewers() {
+    let mut plain = Program::start_silent(&render(&["--spp", "48"]));
+    assert_eq!(plain.wait(), Some(0));
+    let mut watched = Program::start(&render(&["--spp", "48", "--view"]));
+    let is_over = AtomicBool::new(false);
+    let asked = std::thread::scope(|scope| {
+        let watched_by_page = &watched;
+        let hung = watched_by_page.listen();
+        drop(watched_by_page.listen());
+        let ask = scope.spawn(|| {
+            let mut layers = 0;
+            while !is_over.load(Ordering::Relaxed) {
+                for path in ["/layer?name=radiance", "/layer?name=normal", "/cells", "/pixel?x=40&y=80"] {
+                    layers += u32::from(try_to_ask(watched_by_page.address().0, path).unwrap_or(0) == 200);
+                }
+            }
+            layers
+        });
+        let begin = std::time::Instant::now();
+        while TcpStream::connect(watched_by_page.address().0).is_ok() && begin.elapsed() < crate::browser::PATIENCE {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        is_over.store(true, Ordering::Relaxed);
+        drop(hung);
+        ask.join().unwrap()
+    });
+    assert_eq!(watched.wait(), Some(0));
+    assert!(asked > 3, "only {asked} answers: the viewers have seen nothing");
+    assert_eq!(layers(&plain.path("a.exr")), layers(&watched.path("a.exr")));
+}
+
+/// Status of the answer to a request. The program may have ended.
+fn try_to_ask(address: &str, path: &str) -> std::io::Result<u16> {
+    let mut stream = TcpStream::connect(address)?;
+    stream.set_read_timeout(Some(crate::browser::PATIENCE))?;
+    write!(stream, "GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n")?;
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer)?;
+    Ok(answer.get(9..12).and_then(|digits| std::str::from_utf8(digits).ok()?.parse().ok()).unwrap_or(0))
+}
+
+#[test]
+fn a_pause_ends_no_render_and_files_are_written_on_the_way() {
+    let mut program = Program::start(&endless());
+    program.wait_for(|state| state["samples"].as_u64() > Some(0));
+    assert_eq!(program.ask_as_page("POST /pause").0, 204);
+    let paused = program.wait_for(|state| state["phase"] == "paused");
+    assert_eq!(program.ask_as_page("POST /write").0, 204);
+    let written = program.wait_for(|state| state["message"].as_str().is_some_and(|text| text.starts_with("Written")));
+    assert_eq!((&written["samples"], &written["phase"]), (&paused["samples"], &paused["phase"]));
+    let counts = layers(&program.path("a.exr")).words("samples.N").unwrap().to_vec();
+    assert!(counts.iter().all(|&count| Some(u64::from(count)) == paused["samples"].as_u64()));
+    assert_eq!(program.ask_as_page("POST /go-on").0, 204);
+    program.wait_for(|state| state["samples"].as_u64() > paused["samples"].as_u64());
+    assert_eq!(program.ask_as_page("POST /stop").0, 204);
+    assert_eq!(program.wait(), Some(0));
+    let more = layers(&program.path("a.exr")).words("samples.N").unwrap()[0];
+    assert!(u64::from(more) > paused["samples"].as_u64().unwrap());
+}
+
+#[test]
+fn wrong_addresses_are_one_sentence() {
+    for (arguments, word) in [
+        (render(&["--view", "scene.xml"]), "write it as ADDRESS:PORT"),
+        (render(&["--view", "127.0.0.1:65536"]), "write it as ADDRESS:PORT"),
+        (render(&["--view", "192.0.2.1:8000"]), "no page can be served at 192.0.2.1:8000"),
+        (vec!["view", "missing.exr"], "missing.exr"),
+        (vec!["view", "picture.png"], "the name must end in .exr"),
+    ] {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_lodestar")).args(&arguments).output().unwrap();
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(!output.status.success() && error.lines().count() == 1 && error.contains(word), "{error}");
+    }
+}
