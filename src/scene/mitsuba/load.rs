@@ -299,8 +299,8 @@ impl<'a> Builder<'a> {
         let shapes = &self.shapes;
         let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
         let Decoded { images: decoded, warnings, faults } = decoded;
-        let (meshes, mesh_faults) = meshes;
-        faults.into_iter().chain(mesh_faults).for_each(|fault| self.faults.add(fault));
+        let (meshes, of_meshes) = meshes;
+        faults.into_iter().chain(of_meshes).for_each(|fault| self.faults.add(fault));
         self.faults.into_result()?;
         images.extend(decoded);
         self.warnings.extend(warnings);
