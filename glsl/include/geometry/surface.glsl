@@ -29,12 +29,13 @@ bool has_texture_coordinates() {
 
 // Moves the coordinates of a hit inside its primitive's edges by the distance `epsilon` (scene units). A wall that
 // meets the primitive at an edge then stays on the right side of the hit, however its position is rounded.
-vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float epsilon) {
+// `inverse_area` is one over the length of the edges' cross product.
+vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float inverse_area, float epsilon) {
     if (shape == SHAPE_TRIANGLE) {
         // Margins are the barycentric coordinates at that distance from each edge. A slender triangle gets smaller
         // margins.
         vec3 edge_lengths = vec3(length(edge_v), length(edge_u), length(edge_u - edge_v));
-        vec3 margin = edge_lengths * (epsilon / max(length(cross(edge_u, edge_v)), 1.0e-37));
+        vec3 margin = edge_lengths * (epsilon * inverse_area);
         float room = 1.0 - (margin.x + margin.y + margin.z);
         if (room < 0.25) {
             margin = edge_lengths * (0.75 / max(edge_lengths.x + edge_lengths.y + edge_lengths.z, 1.0e-30));
@@ -111,47 +112,43 @@ mat3 shading_frame(Surface s) {
 }
 
 // Bound of the distance between a point of a flat shape's plane, as it is rounded, and the plane as the next ray will
-// meet it. `n` is the unit normal, `area` the length of the edges' cross product. The terms are the roundings of the
+// meet it. `n` is the unit normal, `inverse_area` one over the length of the edges' cross product. The terms are the roundings of the
 // point and of the ray's origin, those of the plane's equation at both, and those of the normal's components, which
 // matter by the shape's extent. Each is zero where its factors are: a floor at the height 0 needs no distance at all.
-float plane_error(vec3 point, vec3 n, float area, vec3 edge_u, vec3 edge_v, vec4 texel0) {
+float plane_error(vec3 point, vec3 n, float inverse_area, vec3 edge_u, vec3 edge_v, vec4 texel0) {
     vec3 from_origin = abs(point);
-    vec3 extent = abs(edge_u) + abs(edge_v);
+    vec3 u = abs(edge_u), v = abs(edge_v);
+    vec3 extent = u + v;
     bool large = (floatBitsToUint(texel0.w) & PRIMITIVE_LARGE) != 0u;
     vec3 reach = large ? min(vec3(4.0 * max_component(from_origin)), extent) : extent;
-    vec3 u = abs(edge_u), v = abs(edge_v);
-    vec3 normal_error = (u.yzx * v.zxy + u.zxy * v.yzx) / max(area, 1.0e-37);
-    float of_point = 4.0 * dot(abs(n), from_origin);
-    float of_equation = 20.0 * dot(abs(n), large ? from_origin : extent);
-    return ROUNDING * (of_point + of_equation + 4.0 * dot(normal_error, reach));
+    vec3 normal_error = u.yzx * v.zxy + u.zxy * v.yzx;
+    float of_equation = dot(abs(n), 4.0 * from_origin + 20.0 * (large ? from_origin : extent));
+    return ROUNDING * (of_equation + 4.0 * inverse_area * dot(normal_error, reach));
 }
 
 // Position of a hit on a flat shape, and the distance by which rays start off it. The position has two forms: along the
-// ray, and by the coordinates in the shape, which suit each component unless the shape is far larger than the
-// component. The second form is clamped inside the shape's edges. The result is then moved into the plane.
+// ray, and by the coordinates in the shape, clamped inside the shape's edges. The second suits each component unless the
+// shape is far larger than the component. The result is then moved into the plane.
 void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, vec4 texel0, vec3 edge_u, vec3 edge_v, float plane) {
     vec3 n = plane_normal(edge_u, edge_v);
     // Two steps, because squares of small or large edges leave a float's range.
     float scale = 1.0 / max(max_abs(n), 1.0e-37);
-    float inverse_length = inversesqrt(dot(n * scale, n * scale));
-    float area = 1.0 / (scale * inverse_length);
-    s.geometric_normal = n * scale * inverse_length;
+    n *= scale;
+    float inverse_length = inversesqrt(dot(n, n));
+    n *= inverse_length;
+    float inverse_area = scale * inverse_length;
+    s.geometric_normal = n;
 
     vec3 along_ray = ray.origin + hit.t * ray.direction;
-    float steepness = max(abs(dot(s.geometric_normal, ray.direction)), 1.0e-6);
-    float t_error = 8.0 * dot(abs(s.geometric_normal), abs(from_anchor(ray.origin, texel0))) / steepness;
-    vec3 error_along_ray = abs(ray.origin) + (hit.t + t_error) * abs(ray.direction);
+    float t_error = 8.0 * dot(abs(n), abs(from_anchor(ray.origin, texel0))) / max(abs(dot(n, ray.direction)), 1.0e-6);
+    vec3 error_along_ray = 16.0 * (abs(ray.origin) + (hit.t + t_error) * abs(ray.direction));
     vec3 error_in_shape = abs(texel0.xyz) + abs(hit.uv.x * edge_u) + abs(hit.uv.y * edge_v);
-    bvec3 take_ray = lessThan(16.0 * error_along_ray, error_in_shape);
-    float error = ROUNDING * max_component(mix(error_in_shape, 16.0 * error_along_ray, take_ray));
-
-    s.epsilon = plane_error(along_ray, s.geometric_normal, area, edge_u, edge_v, texel0);
-    vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, s.epsilon + 32.0 * error);
-    vec2 moved = uv - hit.uv;
+    s.epsilon = plane_error(along_ray, n, inverse_area, edge_u, edge_v, texel0);
+    float margin = s.epsilon + 32.0 * ROUNDING * max_component(min(error_in_shape, error_along_ray));
+    vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, inverse_area, margin);
     vec3 in_shape = texel0.xyz + uv.x * edge_u + uv.y * edge_v;
-    vec3 position = mix(in_shape, along_ray + moved.x * edge_u + moved.y * edge_v, take_ray);
-    float off = (dot(n, from_anchor(position, texel0)) - plane) * scale * inverse_length;
-    s.position = position - off * s.geometric_normal;
+    s.position = mix(in_shape, along_ray, lessThan(error_along_ray, error_in_shape));
+    s.position -= (dot(n, from_anchor(s.position, texel0)) - plane * inverse_area) * n;
 }
 
 // Position of a hit on a sphere, moved onto it, and the distance by which rays start off it: two roundings of the
