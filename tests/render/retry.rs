@@ -22,7 +22,7 @@ fn demanding() -> Scene {
 fn options(samples_per_dispatch: u32) -> Options {
     let change = move |settings: &mut Settings| {
         (settings.samples_per_dispatch, settings.rr_depth) = (samples_per_dispatch, u32::MAX);
-        settings.sampler = Sampler::Bsdf;
+        (settings.sampler, settings.nee) = (Sampler::Bsdf, false);
     };
     Options::new().size(16, 8).max_depth(256).samples(64).settings(change)
 }
