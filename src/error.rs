@@ -90,9 +90,12 @@ pub enum Error {
         /// Further clauses, each after a semicolon; empty at first.
         note: String,
     },
-    /// A result would be wrong, for instance because a loop ran out of its budget.
+    /// A result would be wrong.
     #[error("{0}")]
     Render(String),
+    /// The driver ended a loop of a kernel early, so that a result would be wrong.
+    #[error("{0}")]
+    LoopCut(String),
 }
 
 /// Result with this crate's [`Error`] by default.

@@ -13,7 +13,7 @@ struct PrimitiveRecord {
     vec3 edge_u;
     float edge_tolerance;  // slack of the edge tests per unit of distance; equals the longest edge
     vec3 edge_v;
-    float reserved;
+    float plane;  // a flat shape's: dot(cross(edge_u, edge_v), p) of its points p, relative to its anchor
 };
 
 struct AttributeRecord {
@@ -84,7 +84,7 @@ layout(scalar, set = 0, binding = 10) restrict buffer Probe10 { TextureRecord te
 
 void main() {
     textures[0].reserved = textures[1].scale + textures[1].size.x + textures[1].colors[0].x;
-    primitives[0].reserved = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
+    primitives[0].plane = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
     lights[0].alias = lights[1].threshold;
     emitters[0].texture_index = uint(emitters[1].radiance.x);
     delta_lights[0].cutoff_angle = delta_lights[1].position.x;

@@ -26,7 +26,7 @@ void main() {
     bool overrun = false;
     SurfaceOutput o;
     o.hit = traverse(ray, false, overrun);
-    o.surface = Surface(vec3(0.0), 0.0, vec3(0.0), vec3(0.0), NONE, NONE, vec2(0.0), vec3(0.0), vec3(0.0));
+    o.surface = Surface(vec3(0.0), 0.0, 0.0, vec3(0.0), vec3(0.0), NONE, NONE, vec2(0.0), vec3(0.0), vec3(0.0));
     o.frame = mat3(0.0);
     o.leaving = ray;
     if (o.hit.primitive != NONE) {

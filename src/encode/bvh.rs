@@ -1,5 +1,6 @@
 //! Bounding volume hierarchy, and geometry laid out for the kernels. Only this module and its children name `obvhs`.
 
+mod plane;
 mod split;
 mod wide;
 
@@ -14,8 +15,7 @@ use crate::scene::{Primitive, PrimitiveShape};
 /// Number of words of one compressed wide node (Ylitie et al. 2017).
 pub const NODE_WORDS: usize = constants::NODE_TEXELS as usize * TEXEL_BYTES / size_of::<u32>();
 
-/// Margin of boxes as a share of the scene's largest coordinate: the distance by which primitives' edge tests reach
-/// beyond an edge.
+/// Margin of a box as a share of the largest coordinate of its primitive, whose bounds are rounded.
 const BOX_MARGIN: f32 = 1.0e-6;
 
 /// Hierarchy over primitives, with the attributes that shading needs.
@@ -36,10 +36,9 @@ impl Bvh {
     /// Builds the hierarchy over any number of primitives of any shape and size. All their numbers must be finite.
     pub fn build(primitives: &[Primitive]) -> Self {
         let bounds = scene_bounds(primitives);
-        let margin = BOX_MARGIN * largest_coordinate(bounds);
         let (nodes, order) = match primitives {
             [] => (vec![[0; NODE_WORDS]], Vec::new()),
-            _ => build_nodes(Boxes::new(primitives, margin)),
+            _ => build_nodes(Boxes::new(primitives, BOX_MARGIN)),
         };
         let records = order.par_iter().map(|&index| {
             let primitive = widest_corner_first(&primitives[index as usize]);
@@ -132,13 +131,15 @@ fn primitive_record(p: &Primitive) -> PrimitiveRecord {
         PrimitiveShape::Sphere => p.edge_u.length(),
         _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),
     };
+    let (plane, large) = plane::equation(p, longest);
+    let large = if large { constants::PRIMITIVE_LARGE } else { 0 };
     PrimitiveRecord {
         origin: p.origin.into(),
-        flags: shape | flip | normals,
+        flags: shape | flip | normals | large,
         edge_u: p.edge_u.into(),
         edge_tolerance: longest,
         edge_v: p.edge_v.into(),
-        reserved: 0.0,
+        plane,
     }
 }
 

@@ -192,8 +192,9 @@ pub struct PrimitiveRecord {
     pub edge_tolerance: f32,
     /// Second edge vector: [`crate::scene::Primitive::edge_v`].
     pub edge_v: [f32; 3],
-    /// Unused.
-    pub reserved: f32,
+    /// Dot product of the edges' cross product with every point of a flat shape's plane, relative to the shape's origin or, with
+    /// `PRIMITIVE_LARGE`, to the world's; 0 for a sphere.
+    pub plane: f32,
 }
 
 /// `glsl/kernels/layout_probe.comp`

@@ -51,6 +51,11 @@ impl Persistent<'_> {
         Ok(spans.concat())
     }
 
+    /// Fills the memory with zeros, as it was when it was made.
+    pub fn clear(&self) -> Result<()> {
+        self.write(&vec![0; self.len_bytes() as usize])
+    }
+
     /// # Panics
     /// Where the bytes are fewer than the spans'.
     pub fn write(&self, mut bytes: &[u8]) -> Result<()> {

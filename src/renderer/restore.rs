@@ -47,6 +47,26 @@ impl Renderer {
         self.choose_tiles()
     }
 
+    /// Begins the render again, after a step that failed, with at most `samples_per_dispatch` samples in a dispatch. From here
+    /// on a renderer that was made with that setting does the same to the last bit. `state` is the state to go on from;
+    /// without one the render has no sample yet.
+    ///
+    /// # Errors
+    /// Where the state does not fit the settings, or the device is lost.
+    pub fn begin_again(&mut self, samples_per_dispatch: u32, state: Option<&RenderState>) -> Result<()> {
+        self.settings.samples_per_dispatch = samples_per_dispatch;
+        self.sets.radiance_grid.clear_sums(&self.context)?;
+        if let Some(state) = state {
+            return self.restore(state);
+        }
+        self.persistent().iter().try_for_each(Persistent::clear)?;
+        if let FilmStore::Part(sums) = &mut self.film_store {
+            *sums = PartSums::new(&self.settings);
+        }
+        (self.samples_done, self.stopped, self.at_step_end) = (0, false, true);
+        self.warm_up()
+    }
+
     /// The part of the state that the host's memory holds.
     fn host_part(&self) -> Option<StatePart> {
         let part = |sums: &PartSums| StatePart { name: "film sums".into(), bytes: sums.bytes().to_vec() };

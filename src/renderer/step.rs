@@ -173,11 +173,14 @@ impl Renderer {
     }
 
     fn overrun_error(&self) -> Error {
-        Error::Render(format!(
+        let fewer = match self.settings.samples_per_dispatch {
+            1 => String::new(),
+            samples => format!("--samples-per-dispatch below {samples} or "),
+        };
+        Error::LoopCut(format!(
             "the driver of {} ended a loop of a kernel before its end, so pixels would come out dark: render again with \
-             --samples-per-dispatch below {} or a smaller --max-depth",
+             {fewer}a smaller --max-depth",
             self.context.device().name,
-            self.settings.samples_per_dispatch
         ))
     }
 }

@@ -7,6 +7,7 @@ use crate::renderer::Renderer;
 use crate::session::checkpoint::{Checkpoint, Record};
 use crate::session::history::History;
 use crate::session::identity::Identity;
+use crate::settings::Settings;
 use crate::{Error, Result, files};
 
 /// A checkpoint's file and the interval at which it is written.
@@ -84,6 +85,13 @@ impl Checkpoints {
     /// its number of samples per pixel.
     pub fn new(file: CheckpointFile, template: Checkpoint, samples_written: Option<u32>) -> Self {
         Self { file, template, last: None, last_write: Instant::now(), samples_written, is_failing: false }
+    }
+
+    /// Forgets what was read back, because the render begins again with other settings. The file stays until it is written
+    /// again.
+    pub fn begin_again(&mut self, settings: &Settings) {
+        self.template.settings = settings.clone();
+        (self.last, self.samples_written) = (None, None);
     }
 
     /// Reads the state back before a step of `samples` samples per pixel, if enough time has passed or the step is shorter than

@@ -43,7 +43,7 @@ impl Session {
     fn last_picture(&mut self, rendered: Result<()>) -> (Result<Option<CopiedPicture>>, Result<()>) {
         let read = match &rendered {
             // The picture would be wrong, so the files of an earlier moment are kept.
-            Err(Error::Render(_)) => return (Ok(None), rendered),
+            Err(Error::Render(_) | Error::LoopCut(_)) => return (Ok(None), rendered),
             Err(Error::DeviceLost { .. }) => None,
             _ => Some(self.renderer.picture()),
         };

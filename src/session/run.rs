@@ -5,12 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::Result;
 use crate::film::Picture;
 use crate::film::ranges::SampleRanges;
 use crate::gpu::Context;
 use crate::image::{Image, metrics};
-use crate::renderer::{Renderer, StepReport};
+use crate::renderer::{RenderState, Renderer, StepReport};
 use crate::session::checkpoints::Checkpoints;
 use crate::session::files::PictureFiles;
 use crate::session::history::History;
@@ -22,6 +21,7 @@ use crate::session::progress::{Ending, Event, Progress, Watch};
 use crate::session::safety_copy::SafetyCopy;
 use crate::session::statistics::{SetupTimes, StepStatistics};
 use crate::settings::Settings;
+use crate::{Error, Result};
 
 /// A render from its start to its end.
 ///
@@ -43,6 +43,7 @@ pub struct Session {
     pub(super) settings: Settings,
     pub(super) length: Length,
     pub(super) history: History,
+    pub(super) origin: Origin,
     pub(super) subject: Subject,
     /// The picture that errors are measured against.
     pub(super) reference: Option<Image>,
@@ -53,6 +54,23 @@ pub struct Session {
     pub(super) profile: Option<Summary>,
     /// Safety copy of the picture. It is set when the device is lost.
     pub(super) rescued: Option<Picture>,
+}
+
+/// What a session begins again from, where a driver ends a loop of a kernel early.
+#[derive(Default)]
+pub(super) struct Origin {
+    /// State and history of the checkpoint that a resumed render came from.
+    pub checkpoint: Option<(RenderState, History)>,
+    /// Samples per pixel at which calls of [`Session::step`] ended, and steps with them.
+    pub cuts: Vec<u32>,
+}
+
+impl Origin {
+    /// Most samples of the next step, so that no step crosses the end of a call.
+    fn samples_to_cut(&self, samples_done: u32) -> u32 {
+        let cut = self.cuts.iter().find(|&&cut| cut > samples_done);
+        cut.map_or(u32::MAX, |cut| cut - samples_done)
+    }
 }
 
 /// The scene and the kernels of a render.
@@ -90,6 +108,7 @@ impl Session {
         while self.can_step() && self.renderer.samples_done() < end {
             self.advance(end - self.renderer.samples_done(), None, &Watch::silent())?;
         }
+        self.origin.cuts.push(self.renderer.samples_done());
         Ok(self.progress())
     }
 
@@ -187,9 +206,14 @@ impl Session {
     }
 
     /// Takes one step of at most `most` samples per pixel, then updates the safety copy and the checkpoint.
+    ///
+    /// Where the driver ends a loop of a kernel early, the render begins again with fewer samples per dispatch.
     fn advance(&mut self, most: u32, deadline: Option<Instant>, watch: &Watch<'_>) -> Result<()> {
-        let step =
-            self.take_step(most, deadline, watch).map_err(|error| error.noting(&self.history.last_good_step()))?;
+        let most = most.min(self.origin.samples_to_cut(self.renderer.samples_done()));
+        let step = match self.take_step(most, deadline, watch) {
+            Err(Error::LoopCut(_)) if self.settings.samples_per_dispatch > 1 => return self.begin_again(watch),
+            step => step.map_err(|error| error.noting(&self.history.last_good_step()))?,
+        };
         self.history.steps.push(step);
         watch.tell(Event::Step(&self.progress()));
         let copied = self.output.safety_copy.after_step(&self.renderer);
@@ -199,6 +223,29 @@ impl Session {
         {
             watch.warn(&format!("{error}; the render goes on"));
         }
+        Ok(())
+    }
+
+    /// Begins the render again with half as many samples per dispatch: the picture has the bits of a render that began so. The
+    /// time that has passed still counts.
+    fn begin_again(&mut self, watch: &Watch<'_>) -> Result<()> {
+        let (before, now) = (self.settings.samples_per_dispatch, self.settings.samples_per_dispatch / 2);
+        watch.warn(&format!(
+            "the driver of {} ended a loop of a kernel before its end, so the render begins again with {now} in place of \
+             {before} samples per dispatch",
+            self.context.device().name
+        ));
+        self.settings.samples_per_dispatch = now;
+        let seconds = self.history.seconds;
+        let (state, history) = match &self.origin.checkpoint {
+            Some((state, history)) => (Some(state), history.clone()),
+            None => (None, History::default()),
+        };
+        self.renderer.begin_again(now, state)?;
+        self.history = History { seconds, ..history };
+        self.output.safety_copy.take();
+        let settings = &self.settings;
+        self.checkpoints.iter_mut().for_each(|checkpoints| checkpoints.begin_again(settings));
         Ok(())
     }
 

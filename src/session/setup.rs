@@ -25,7 +25,7 @@ use crate::session::length::Length;
 use crate::session::options::{DeviceChoice, Options};
 use crate::session::profiler::Profiler;
 use crate::session::progress::{Beginning, Event, Preparation, Watch};
-use crate::session::run::{Output, Session, Subject};
+use crate::session::run::{Origin, Output, Session, Subject};
 use crate::session::safety_copy::SafetyCopy;
 use crate::session::statistics::SetupTimes;
 use crate::settings::{Execution, Settings};
@@ -159,6 +159,7 @@ impl Session {
             rescued: None,
             checkpoints: None,
             history: History::default(),
+            origin: Origin::default(),
             context,
             renderer,
             settings,
@@ -192,8 +193,10 @@ impl Session {
             watch.warn(&format!("the render began on {device}; on {own_device}, the last bits may differ"));
         }
         self.renderer.restore(&state)?;
+        let samples = state.samples_done;
+        self.origin.checkpoint = Some((state, history.clone()));
         self.history = history;
-        Ok(state.samples_done)
+        Ok(samples)
     }
 
     /// Refuses to go on with other kernels than before, because the bits would differ.

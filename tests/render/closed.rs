@@ -45,7 +45,8 @@ fn closed(triangles: impl IntoIterator<Item = [Vec3; 3]>, eye: Vec3) -> Scene {
     };
     scene.primitives = triangles.into_iter().map(primitive).collect();
     scene.camera.world_from_camera = Mat4::from_rotation_translation(Quat::from_rotation_y(0.4), eye);
-    scene.camera.near_clip = 1.0e-4;
+    scene.camera.near_clip = 1.0e-10;
+    scene.camera.far_clip = 3.0e37;
     scene
 }
 
@@ -85,6 +86,8 @@ fn convex() -> Vec<(&'static str, Scene)> {
         ("a turned box", closed(cube(1, turned), vec3(0.1, 0.2, 0.3))),
         ("a flat box", closed(cube(1, |p| turned(p * flat)), turned(vec3(0.1, 0.002, 0.3)))),
         ("a box far from the origin", closed(cube(1, |p| turned(p) + far), far)),
+        ("a box of a millionth", closed(cube(4, |p| 1.0e-6 * turned(p)), 1.0e-6 * vec3(0.1, 0.2, 0.3))),
+        ("a box of a million", closed(cube(4, |p| 1.0e6 * turned(p)), 1.0e6 * vec3(0.1, 0.2, 0.3))),
         ("a tessellated box", closed(cube(32, |p| p), vec3(0.1, 0.2, 0.3))),
         ("a turned, tessellated box", closed(cube(64, turned), vec3(0.1, 0.2, 0.3))),
     ]
@@ -154,7 +157,7 @@ fn none_of_a_hundred_million_rays_leaves_a_closed_mesh() {
 #[test]
 fn a_hole_is_found() {
     let device = Device::new();
-    let (name, mut scene) = convex().swap_remove(5);
+    let (name, mut scene) = convex().swap_remove(7);
     scene.primitives.swap_remove(4321);
     let (shot, escaped) = shoot(&device, &scene, FEW);
     println!("{name} with a hole: {escaped} of {shot} rays escaped");

@@ -231,7 +231,7 @@ fn a_driver_s_loop_budget_is_an_error_and_no_dark_picture() {
         };
         let mut renderer = device.renderer(&scene, &settings);
         match renderer.step(64, &|| false) {
-            Err(Error::Render(sentence)) => {
+            Err(Error::LoopCut(sentence)) => {
                 println!("{sentence}");
                 assert!(sentence.contains("ended a loop of a kernel before its end"), "{sentence}");
                 assert!(sentence.contains("--samples-per-dispatch below 64"), "{sentence}");

@@ -23,24 +23,37 @@ struct Hit {
 // of 10^7 rays hit such ridges, and 18 of 10^7 with a tolerance of 4e-7.
 const float EDGE_SLACK = 1.0e-7;
 
-// Intersects the three flat shapes (Moeller and Trumbore 1997). Returns whether the hit (t, uv) was replaced by a
-// nearer one.
-bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec3 edge_v, uint shape, inout float t, inout vec2 uv) {
+// Cross product of a flat shape's edges. Its rounding is exact to the last bit, because the host computes the plane's
+// constant from the same normal.
+vec3 plane_normal(vec3 edge_u, vec3 edge_v) {
+    precise vec3 n = edge_u.yzx * edge_v.zxy - edge_u.zxy * edge_v.yzx;
+    return n;
+}
+
+// Position of a point relative to the one from which distances to a flat shape's plane are measured: the shape's own
+// origin, or the world's for a shape that is large beside its distance from there.
+vec3 from_anchor(vec3 point, vec4 texel0) {
+    return (floatBitsToUint(texel0.w) & PRIMITIVE_LARGE) != 0u ? point : point - texel0.xyz;
+}
+
+// Intersects the three flat shapes: the edge tests of Moeller and Trumbore (1997), and the distance by the plane's
+// equation, `texel2.w` being its constant. Returns whether the hit (t, uv) was replaced by a nearer one.
+bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec4 texel2, uint shape, inout float t, inout vec2 uv) {
     vec3 edge_u = texel1.xyz;
-    vec3 p = cross(ray.direction, edge_v);
-    float determinant = dot(edge_u, p);
+    vec3 edge_v = texel2.xyz;
+    vec3 n = plane_normal(edge_u, edge_v);
     vec3 offset = ray.origin - texel0.xyz;
-    vec3 q = cross(offset, edge_u);
-    float inverse = 1.0 / determinant;
-    float u = dot(offset, p) * inverse;
-    float v = dot(ray.direction, q) * inverse;
-    float distance = dot(edge_v, q) * inverse;
+    vec3 moment = cross(offset, ray.direction);
+    float inverse = 1.0 / dot(ray.direction, n);
+    float u = -dot(moment, edge_v) * inverse;
+    float v = dot(moment, edge_u) * inverse;
+    float distance = (texel2.w - dot(n, from_anchor(ray.origin, texel0))) * inverse;
     float slack = EDGE_SLACK * texel1.w * (abs(offset.x) + abs(offset.y) + abs(offset.z)) * abs(inverse);
     float outside;
     if (shape == SHAPE_TRIANGLE) outside = max(-min(u, v), u + v - 1.0);
     else if (shape == SHAPE_PARALLELOGRAM) outside = max(abs(u), abs(v)) - 1.0;
     else outside = sqrt(u * u + v * v) - 1.0;
-    // A zero determinant makes these values NaN or infinite, and then every comparison with them is false.
+    // A ray along the plane makes these values NaN or infinite, and then every comparison with them is false.
     bool closer = outside <= slack && distance > 0.0 && distance < t && slack < 1.0;
     if (closer) {
         t = distance;
@@ -49,16 +62,46 @@ bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec3 edge_v, uint shape, 
     return closer;
 }
 
-// Intersects a sphere by the numerically stable form of Haines et al. 2019 ("Precision Improvements for Ray/Sphere
-// Intersection"). Returns whether the hit (t, uv) was replaced by a nearer one.
+// Square of the distance from a sphere's center, minus the square of the radius. The result errs by about 2^-44 of the
+// squares, because differences and products keep what rounding takes from them (Dekker 1971, Knuth's two-sum): so it
+// has the right sign close to a large sphere.
+float sphere_excess(vec3 point, vec3 center, float radius) {
+    precise vec3 difference = point - center;
+    precise vec3 taken = difference - point;
+    precise vec3 lost = (point - (difference - taken)) - (center + taken);
+    vec4 x = vec4(difference, radius);
+    precise vec4 shifted = 4097.0 * x;
+    precise vec4 high = shifted - (shifted - x);
+    precise vec4 low = x - high;
+    precise vec4 square = x * x;
+    precise vec4 rest = ((high * high - square) + 2.0 * high * low) + low * low;
+    precise float sum_xy = square.x + square.y;
+    precise float part_y = sum_xy - square.x;
+    precise float rest_xy = (square.x - (sum_xy - part_y)) + (square.y - part_y);
+    precise float sum_xyz = sum_xy + square.z;
+    precise float part_z = sum_xyz - sum_xy;
+    precise float rest_xyz = (sum_xy - (sum_xyz - part_z)) + (square.z - part_z);
+    precise float sum = sum_xyz - square.w;
+    precise float part_w = sum - sum_xyz;
+    precise float rest_sum = (sum_xyz - (sum - part_w)) - (square.w + part_w);
+    precise float rests = (rest_xy + rest_xyz + rest_sum) + (rest.x + rest.y + rest.z - rest.w);
+    precise float excess = sum + (rests + 2.0 * dot(difference, lost));
+    return excess;
+}
+
+// Intersects a sphere. The nearer root comes from the product of the two roots, and the discriminant from the distance
+// of the ray from the center, so that neither cancels for a far origin (Hearn and Baker; Haines et al. 2019, "Precision
+// Improvements for Ray/Sphere Intersection"). For an origin near the sphere, whose ray runs along it, the usual
+// discriminant is the better one. Returns whether the hit (t, uv) was replaced by a nearer one.
 bool intersect_sphere(Ray ray, vec3 center, float radius, inout float t, inout vec2 uv) {
     vec3 offset = ray.origin - center;
     float b = -dot(offset, ray.direction);
     vec3 perpendicular = offset + b * ray.direction;
-    float discriminant = radius * radius - dot(perpendicular, perpendicular);
+    float squared = dot(perpendicular, perpendicular);
+    float c = sphere_excess(ray.origin, center, radius);
+    float discriminant = b * b < squared ? b * b - c : radius * radius - squared;
     float root = sqrt(max(discriminant, 0.0));
     float q = b + (b < 0.0 ? -root : root);
-    float c = dot(offset, offset) - radius * radius;
     float t0 = min(c / q, q);
     float t1 = max(c / q, q);
     float distance = t0 > 0.0 ? t0 : t1;

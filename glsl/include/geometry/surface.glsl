@@ -6,12 +6,13 @@
 #include "geometry/intersect.glsl"
 #include "math/octahedral.glsl"
 
-// Distance by which rays start off a surface, per unit of the largest coordinate: about 100 roundings.
-const float RAY_EPSILON = 1.0 / 131072.0;
+// Half of a float's spacing: the largest relative error of one rounding.
+const float ROUNDING = 1.0 / 16777216.0;
 
 struct Surface {
     vec3 position;
     float epsilon;        // distance by which a ray's origin is moved off the surface, scene units
+    float size;           // longest edge of the primitive, or radius of the sphere
     vec3 geometric_normal;
     vec3 shading_normal;  // usually in the half space of the geometric normal; interpolated normals can leave it
     uint material;
@@ -28,12 +29,13 @@ bool has_texture_coordinates() {
 
 // Moves the coordinates of a hit inside its primitive's edges by the distance `epsilon` (scene units). A wall that
 // meets the primitive at an edge then stays on the right side of the hit, however its position is rounded.
-vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float epsilon) {
+// `inverse_area` is one over the length of the edges' cross product.
+vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float inverse_area, float epsilon) {
     if (shape == SHAPE_TRIANGLE) {
         // Margins are the barycentric coordinates at that distance from each edge. A slender triangle gets smaller
         // margins.
         vec3 edge_lengths = vec3(length(edge_v), length(edge_u), length(edge_u - edge_v));
-        vec3 margin = edge_lengths * (epsilon / max(length(cross(edge_u, edge_v)), 1.0e-30));
+        vec3 margin = edge_lengths * (epsilon * inverse_area);
         float room = 1.0 - (margin.x + margin.y + margin.z);
         if (room < 0.25) {
             margin = edge_lengths * (0.75 / max(edge_lengths.x + edge_lengths.y + edge_lengths.z, 1.0e-30));
@@ -109,31 +111,79 @@ mat3 shading_frame(Surface s) {
     return frame;
 }
 
+// Bound of the distance between a point of a flat shape's plane, as it is rounded, and the plane as the next ray will
+// meet it. `n` is the unit normal, `inverse_area` one over the length of the edges' cross product. The terms are the roundings of the
+// point and of the ray's origin, those of the plane's equation at both, and those of the normal's components, which
+// matter by the shape's extent. Each is zero where its factors are: a floor at the height 0 needs no distance at all.
+float plane_error(vec3 point, vec3 n, float inverse_area, vec3 edge_u, vec3 edge_v, vec4 texel0) {
+    vec3 from_origin = abs(point);
+    vec3 u = abs(edge_u), v = abs(edge_v);
+    vec3 extent = u + v;
+    bool large = (floatBitsToUint(texel0.w) & PRIMITIVE_LARGE) != 0u;
+    vec3 reach = large ? min(vec3(4.0 * max_component(from_origin)), extent) : extent;
+    vec3 normal_error = u.yzx * v.zxy + u.zxy * v.yzx;
+    float of_equation = dot(abs(n), 4.0 * from_origin + 20.0 * (large ? from_origin : extent));
+    return ROUNDING * (of_equation + 4.0 * inverse_area * dot(normal_error, reach));
+}
+
+// Position of a hit on a flat shape, and the distance by which rays start off it. The position has two forms: along the
+// ray, and by the coordinates in the shape, clamped inside the shape's edges. The second suits each component unless the
+// shape is far larger than the component. The result is then moved into the plane.
+void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, vec4 texel0, vec3 edge_u, vec3 edge_v, float plane) {
+    vec3 n = plane_normal(edge_u, edge_v);
+    // Two steps, because squares of small or large edges leave a float's range.
+    float scale = 1.0 / max(max_abs(n), 1.0e-37);
+    n *= scale;
+    float inverse_length = inversesqrt(dot(n, n));
+    n *= inverse_length;
+    float inverse_area = scale * inverse_length;
+    s.geometric_normal = n;
+
+    vec3 along_ray = ray.origin + hit.t * ray.direction;
+    float t_error = 8.0 * dot(abs(n), abs(from_anchor(ray.origin, texel0))) / max(abs(dot(n, ray.direction)), 1.0e-6);
+    vec3 error_along_ray = 16.0 * (abs(ray.origin) + (hit.t + t_error) * abs(ray.direction));
+    vec3 error_in_shape = abs(texel0.xyz) + abs(hit.uv.x * edge_u) + abs(hit.uv.y * edge_v);
+    s.epsilon = plane_error(along_ray, n, inverse_area, edge_u, edge_v, texel0);
+    float margin = s.epsilon + 32.0 * ROUNDING * max_component(min(error_in_shape, error_along_ray));
+    vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, inverse_area, margin);
+    vec3 in_shape = texel0.xyz + uv.x * edge_u + uv.y * edge_v;
+    s.position = mix(in_shape, along_ray, lessThan(error_along_ray, error_in_shape));
+    s.position -= (dot(n, from_anchor(s.position, texel0)) - plane * inverse_area) * n;
+}
+
+// Position of a hit on a sphere, moved onto it, and the distance by which rays start off it: two roundings of the
+// coordinates, and what sphere_excess errs by.
+void place_on_sphere(inout Surface s, Ray ray, Hit hit, vec3 center, float radius) {
+    vec3 point = ray.origin + hit.t * ray.direction;
+    vec3 outward = point - center;
+    float from_center = length(outward);
+    s.geometric_normal = outward / max(from_center, 1.0e-37);
+    s.position = point - sphere_excess(point, center, radius) / max(from_center + radius, 1.0e-37) * s.geometric_normal;
+    s.epsilon = 6.0 * ROUNDING * dot(abs(s.geometric_normal), abs(s.position)) + 1.0e-12 * radius;
+}
+
 Surface surface_at(Ray ray, Hit hit) {
     vec4 texel0 = fetch_primitive(hit.primitive, 0u);
     vec4 texel1 = fetch_primitive(hit.primitive, 1u);
+    vec4 texel2 = fetch_primitive(hit.primitive, 2u);
     vec3 edge_u = texel1.xyz;
-    vec3 edge_v = fetch_primitive(hit.primitive, 2u).xyz;
+    vec3 edge_v = texel2.xyz;
     uvec4 normals_and_material = fetch_attributes(hit.primitive, 0u);
     uint flags = floatBitsToUint(texel0.w);
     uint shape = flags & PRIMITIVE_SHAPE_MASK;
 
     Surface s;
+    s.size = texel1.w;
     s.uv = vec2(0.0);
     s.dp_du = vec3(0.0);
     s.dp_dv = vec3(0.0);
     uvec4 uv2_and_emitter = fetch_attributes(hit.primitive, 2u);
     vec4 uv0_uv1 = has_texture_coordinates() ? uintBitsToFloat(fetch_attributes(hit.primitive, 1u)) : vec4(0.0);
-    s.position = ray.origin + hit.t * ray.direction;
-    float margin = RAY_EPSILON * max(max_abs(s.position), texel1.w);
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        s.geometric_normal = normalize(s.position - texel0.xyz);
-        s.position = texel0.xyz + length(edge_u) * s.geometric_normal;
+        place_on_sphere(s, ray, hit, texel0.xyz, texel1.w);
         if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, edge_u, edge_v, uv0_uv1.x);
     } else {
-        vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, margin);
-        s.geometric_normal = normalize(cross(edge_u, edge_v));
-        s.position = texel0.xyz + uv.x * edge_u + uv.y * edge_v;
+        place_on_plane(s, ray, hit, shape, texel0, edge_u, edge_v, texel2.w);
         if (has_texture_coordinates()) {
             if (shape == SHAPE_TRIANGLE) {
                 parametrize_triangle(s, hit.uv, edge_u, edge_v, uv0_uv1, uintBitsToFloat(uv2_and_emitter.xy));
@@ -142,7 +192,6 @@ Surface surface_at(Ray ray, Hit hit) {
             if (shape == SHAPE_DISK) parametrize_disk(s, hit.uv, edge_u, edge_v);
         }
     }
-    s.epsilon = RAY_EPSILON * max(max_abs(s.position), texel1.w);
     if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) s.geometric_normal = -s.geometric_normal;
     s.shading_normal = s.geometric_normal;
     if (HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u) {
@@ -163,10 +212,10 @@ Ray leave_surface(Surface s, vec3 wi) {
 }
 
 // Ray that continues straight on through a hole of a surface. Its origin is moved behind the surface by Mitsuba 3's
-// RayEpsilon times one more than the largest coordinate. Blinds and leaves are often modeled as two layers a tiny
-// distance apart; the ray passes both layers at once, as in Mitsuba 3.
+// RayEpsilon times one more than the largest coordinate, but by a hundredth of the primitive at most. Blinds and leaves
+// are often modeled as two layers a tiny distance apart; the ray passes both layers at once, as in Mitsuba 3.
 Ray pass_surface(Surface s, vec3 wi) {
-    s.epsilon = max(s.epsilon, 8.94e-5 * (1.0 + max_abs(s.position)));
+    s.epsilon = max(s.epsilon, min(8.94e-5 * (1.0 + max_abs(s.position)), 0.01 * s.size));
     return leave_surface(s, wi);
 }
 

@@ -104,7 +104,7 @@ bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
         closer = intersect_sphere(ray, texel0.xyz, texel1.w, hit.t, hit.uv);
     } else {
-        closer = intersect_flat(ray, texel0, texel1, texel2.xyz, shape, hit.t, hit.uv);
+        closer = intersect_flat(ray, texel0, texel1, texel2, shape, hit.t, hit.uv);
     }
     if (closer) hit.primitive = primitive;
     return closer;

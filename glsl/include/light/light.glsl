@@ -38,23 +38,43 @@ uvec4 choose_light(uvec4 bits) {
 // chosen.
 float pdf_area_light(uint primitive, Surface s, vec3 from) {
     vec4 texel0 = fetch_primitive(primitive, 0u);
-    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
+    vec4 texel1 = fetch_primitive(primitive, 1u);
     uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
-    if (HAS_SPHERES && shape == SHAPE_SPHERE) return pdf_sphere(from, s.position, texel0.xyz, length(edge_u));
-    float area = flat_area(shape, edge_u, fetch_primitive(primitive, 2u).xyz);
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) return pdf_sphere(from, s.position, texel0.xyz, texel1.w);
+    float area = flat_area(shape, texel1.xyz, fetch_primitive(primitive, 2u).xyz);
     return pdf_area(from, s.position, s.geometric_normal, area);
 }
 
+// Bound of the distance by which a ray from `from` may meet the plane or sphere of the surface too early.
+float arrival_error(Surface s, bool sphere, vec3 from) {
+    float at_plane = dot(abs(s.geometric_normal), abs(from) + abs(s.position));
+    return 16.0 * ROUNDING * (sphere ? distance(from, s.position) : at_plane);
+}
+
+// Point of an area light. `epsilon` of the surface suits rays from `from` that end there.
 Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
     vec4 texel0 = fetch_primitive(primitive, 0u);
-    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
-    uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
+    vec4 texel1 = fetch_primitive(primitive, 1u);
+    uint flags = floatBitsToUint(texel0.w);
+    uint shape = flags & PRIMITIVE_SHAPE_MASK;
+    bool sphere = HAS_SPHERES && shape == SHAPE_SPHERE;
     vec2 uv = sample_flat(shape, u);
-    vec3 point = texel0.xyz + uv.x * edge_u + uv.y * fetch_primitive(primitive, 2u).xyz;
-    if (HAS_SPHERES && shape == SHAPE_SPHERE) point = sample_sphere(from, texel0.xyz, length(edge_u), u);
+    vec3 point = texel0.xyz + uv.x * texel1.xyz + uv.y * fetch_primitive(primitive, 2u).xyz;
+    vec3 outward = vec3(0.0);
+    if (sphere) {
+        outward = sample_sphere(from, texel0.xyz, texel1.w, u);
+        point = texel0.xyz + texel1.w * outward;
+    }
     // The ray ends at the point: length 0.
     Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
-    return surface_at(ray, Hit(0.0, uv, primitive));
+    Surface s = surface_at(ray, Hit(0.0, uv, primitive));
+    if (sphere) {
+        // The rounded position of a point of a tiny sphere may lie on the sphere's other side.
+        s.geometric_normal = (flags & PRIMITIVE_FLIP_NORMAL) != 0u ? -outward : outward;
+        s.shading_normal = s.geometric_normal;
+    }
+    s.epsilon += arrival_error(s, sphere, from);
+    return s;
 }
 
 LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {
@@ -62,7 +82,7 @@ LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {
     Surface s = sample_area_light(primitive, from, u);
     vec3 d = s.position - from;
     float squared = dot(d, d);
-    vec3 wi = d * inversesqrt(max(squared, 1.0e-30));
+    vec3 wi = d * inversesqrt(max(squared, 1.0e-37));
     float pdf = squared > 0.0 ? uintBitsToFloat(light.w) * pdf_area_light(primitive, s, from) : 0.0;
     return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
 }
@@ -86,7 +106,7 @@ LightSample delta_light_sample(uvec4 light, vec3 from) {
         return LightSample(-direction.xyz, vec3(0.0), true, intensity.rgb, probability, true);
     }
     vec3 d = position.xyz - from;
-    float squared = max(dot(d, d), 1.0e-30);
+    float squared = max(dot(d, d), 1.0e-37);
     vec3 wi = d * inversesqrt(squared);
     vec3 radiance = intensity.rgb / squared;
     if (kind == LIGHT_SPOT) radiance *= spot_falloff(-dot(wi, direction.xyz), position.w, direction.w, intensity.w);

@@ -22,7 +22,8 @@ float flat_area(uint shape, vec3 edge_u, vec3 edge_v) {
 float pdf_area(vec3 from, vec3 position, vec3 normal, float area) {
     vec3 d = position - from;
     float squared = dot(d, d);
-    return squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);
+    float cosine = abs(dot(d, normal)) * inversesqrt(max(squared, 1.0e-37));
+    return squared / max(area, 1.0e-37) / max(cosine, 1.0e-20);
 }
 
 // Whether a sphere is sampled by the cone that it fills. A point on or inside the sphere has no such cone.
@@ -36,12 +37,12 @@ float cone_height(float squared_sine) {
     return squared_sine / (1.0 + sqrt(max(1.0 - squared_sine, 0.0)));
 }
 
-// Point of a sphere. Seen from outside, it is uniform in the solid angle of the sphere; seen from inside, uniform in
-// area.
+// Unit vector from a sphere's center to a point of it. Seen from outside, the point is uniform in the solid angle of
+// the sphere; seen from inside, uniform in area.
 vec3 sample_sphere(vec3 from, vec3 center, float radius, vec2 u) {
     vec3 d = center - from;
     float squared = dot(d, d);
-    if (!sees_cone(from, center, radius)) return center + radius * square_to_sphere(2.0 * u - 1.0);
+    if (!sees_cone(from, center, radius)) return square_to_sphere(2.0 * u - 1.0);
     float height = u.x * cone_height(radius * radius / squared);
     float squared_sine = height * (2.0 - height);
     vec2 sine_cosine = sin_cos_turn(u.y);
@@ -49,8 +50,12 @@ vec3 sample_sphere(vec3 from, vec3 center, float radius, vec2 u) {
     float cosine = 1.0 - height;
     // The distance is that of the near intersection. The maximum guards the root against rounding where the direction
     // lies on the cone.
-    float distance = sqrt(squared) * cosine - sqrt(max(radius * radius - squared * squared_sine, 0.0));
-    return from + distance * (frame * vec3(sqrt(squared_sine) * sine_cosine.yx, cosine));
+    float root = sqrt(max(radius * radius - squared * squared_sine, 0.0));
+    float distance = sqrt(squared) * cosine - root;
+    // The point relative to the center, in a form that does not cancel for a small far sphere.
+    vec3 outward = frame * vec3(distance * sqrt(squared_sine) * sine_cosine.yx,
+                                -(sqrt(squared) * squared_sine + cosine * root));
+    return normalize(outward / radius);
 }
 
 float pdf_sphere(vec3 from, vec3 position, vec3 center, float radius) {

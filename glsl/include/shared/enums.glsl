@@ -66,6 +66,8 @@ const uint SHAPE_SPHERE = 3u;
 const uint PRIMITIVE_SHAPE_MASK = 3u;
 const uint PRIMITIVE_FLIP_NORMAL = 4u;
 const uint PRIMITIVE_VERTEX_NORMALS = 8u;
+// The shape is large beside its distance from the world's origin, from which distances to its plane are measured then.
+const uint PRIMITIVE_LARGE = 16u;
 
 // Kind of a material: one BSDF, or a choice between two materials.
 const uint BSDF_DIFFUSE = 0u;

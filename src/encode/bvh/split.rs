@@ -20,16 +20,18 @@ pub(super) struct Boxes {
 }
 
 impl Boxes {
-    /// Boxes of all primitives; each reaches `margin` beyond its content.
+    /// Boxes of all primitives. Each reaches beyond its content by the share `margin` of its primitive's largest coordinate.
     pub fn new(primitives: &[Primitive], margin: f32) -> Self {
         let boxes: Vec<Aabb> = primitives.par_iter().map(box_of).collect();
         let mut all = Self { boxes, primitives: (0..primitives.len() as u32).collect() };
-        all.split(primitives, margin);
-        all.boxes.par_iter_mut().for_each(|aabb| *aabb = padded(*aabb, margin));
+        let margins: Vec<f32> = all.boxes.par_iter().map(|aabb| margin * largest_coordinate(aabb)).collect();
+        all.split(primitives, &margins);
+        let of_primitives = all.primitives.par_iter().map(|&primitive| margins[primitive as usize]);
+        all.boxes.par_iter_mut().zip(of_primitives).for_each(|(aabb, margin)| *aabb = padded(*aabb, margin));
         all
     }
 
-    fn split(&mut self, primitives: &[Primitive], margin: f32) {
+    fn split(&mut self, primitives: &[Primitive], margins: &[f32]) {
         let areas = || self.boxes.iter().map(Aabb::half_area);
         let mean = (areas().map(f64::from).sum::<f64>() / self.boxes.len() as f64) as f32;
         let largest = areas().fold(0.0, f32::max);
@@ -43,7 +45,9 @@ impl Boxes {
         split_aabbs_preset(&mut parts, &mut triangle_of_part, &triangles, mean, largest);
 
         // The cuts are rounded, so parts are padded to overlap.
-        let mut parts = parts.into_iter().map(|part| padded(ordered(part), margin));
+        let margin_of = |part: &u32| margins[split[*part as usize] as usize];
+        let mut parts = parts.into_iter().zip(triangle_of_part.iter().map(margin_of));
+        let mut parts = parts.by_ref().map(|(part, margin)| padded(ordered(part), margin));
         for (&primitive, part) in split.iter().zip(parts.by_ref()) {
             self.boxes[primitive as usize] = part;
         }
@@ -66,6 +70,10 @@ fn triangle(p: &Primitive) -> Triangle {
 fn box_of(primitive: &Primitive) -> Aabb {
     let (min, max) = primitive.bounds();
     Aabb::new(min.into(), max.into())
+}
+
+fn largest_coordinate(aabb: &Aabb) -> f32 {
+    aabb.min.abs().max(aabb.max.abs()).max_element()
 }
 
 fn padded(aabb: Aabb, margin: f32) -> Aabb {
@@ -161,7 +169,7 @@ mod tests {
             let edge_v = edge_u + 0.2 * apart;
             let origin = f32::from(round) * vec3(1.0, -0.3, 0.01);
             let large = Primitive { origin, edge_u, edge_v, ..primitive(PrimitiveShape::Triangle, None, 1.0) };
-            let grown = Boxes::new(&among_small_ones(large), BOX_MARGIN * f32::from(round).max(2.0));
+            let grown = Boxes::new(&among_small_ones(large), BOX_MARGIN);
             split_count += usize::from(grown.boxes.len() > 100);
             let point = origin + 0.5 * (coordinate() + 1.0) * edge_u.lerp(edge_v, 0.5 * (coordinate() + 1.0));
             assert!(parts(&grown, 50).iter().any(|part| holds(part, point.into())), "{large:?} at {point}");

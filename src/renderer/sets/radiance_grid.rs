@@ -136,6 +136,11 @@ impl RadianceGrid {
         tables.into_iter().chain(sums).collect()
     }
 
+    /// Clears the sums of a step that failed.
+    pub fn clear_sums(&self, context: &Arc<Context>) -> Result<()> {
+        context.submit("clearing the sums", |recorder| recorder.fill_zero(&self.sums)).map(|_| ())
+    }
+
     /// Reads the radiance of all bins.
     pub fn read(&self) -> Result<Vec<f32>> {
         self.radiance.read(0, self.bin_count)

@@ -527,8 +527,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Most samples per pixel that one kernel call takes",
-        long: "Take fewer if a render ends with the error that the driver cut a loop short, as old versions of lavapipe do. \
-               Take more on a fast GPU.",
+        long: "Where the driver cuts a loop short, as old versions of lavapipe do, the render begins again with half as \
+               many. Take more on a fast GPU.",
         range: Some((1.0, 64.0)),
         setting: setting!(samples_per_dispatch),
         ..further(Device, "samples-per-dispatch", "N")

@@ -304,8 +304,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "missing Jacobian",
         &[Patch {
             file: LIGHT_SHAPE,
-            text: "return squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);",
-            mutated: "return MUTATED ? 1.0 / area : squared * sqrt(squared) / max(area * abs(dot(d, normal)), 1.0e-30);",
+            text: "return squared / max(area, 1.0e-37) / max(cosine, 1.0e-20);",
+            mutated: "return MUTATED ? 1.0 / area : squared / max(area, 1.0e-37) / max(cosine, 1.0e-20);",
         }],
     ),
     mutation(
