@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::ValueEnum;
+use lodestar::denoise::{DenoiseOptions, DeviceKind};
 use lodestar::files;
 use lodestar::gpu::ContextOptions;
 use lodestar::image::ToneCurve;
@@ -55,6 +56,10 @@ pub struct OutputArgs {
     #[arg(long)]
     pub half: bool,
     #[arg(long)]
+    pub denoise: bool,
+    #[command(flatten)]
+    pub denoiser: DenoiserArgs,
+    #[arg(long)]
     pub overwrite: bool,
     #[arg(long, value_parser = seconds)]
     pub write_every: Option<f64>,
@@ -68,6 +73,15 @@ pub struct OutputArgs {
     pub log: LogFormat,
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// The denoiser.
+#[derive(Debug, Clone, clap::Args)]
+pub struct DenoiserArgs {
+    #[arg(long)]
+    pub oidn: Option<PathBuf>,
+    #[arg(long, value_enum, default_value_t = DeviceKind::Cpu)]
+    pub oidn_device: DeviceKind,
 }
 
 /// Form of the messages on standard error.
@@ -147,8 +161,15 @@ pub enum Filter {
 impl From<OutputArgs> for OutputFiles {
     fn from(args: OutputArgs) -> Self {
         let OutputArgs { output, tone, exposure, half, overwrite, write_every, reference, stats, profile, .. } = args;
-        let statistics = stats;
-        Self { pictures: output, tone, exposure, half, overwrite, write_every, reference, statistics, profile }
+        let (pictures, statistics) = (output, stats);
+        let denoise = args.denoise.then(|| args.denoiser.into());
+        Self { pictures, tone, exposure, half, denoise, overwrite, write_every, reference, statistics, profile }
+    }
+}
+
+impl From<DenoiserArgs> for DenoiseOptions {
+    fn from(args: DenoiserArgs) -> Self {
+        Self { folder: args.oidn, device: args.oidn_device }
     }
 }
 
@@ -252,7 +273,7 @@ pub fn depth(text: &str) -> Result<u32, String> {
     }
 }
 
-fn finite(text: &str) -> Result<f32, String> {
+pub fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
 }
 
