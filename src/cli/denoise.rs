@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use lodestar::denoise::Denoiser;
+use lodestar::denoise::{DenoiseOptions, Denoiser, DeviceKind};
 use lodestar::denoise::pictures::DenoisedFile;
 use lodestar::image::ToneCurve;
 use lodestar::{Result, files};
 
 use super::print::{print_message, report};
-use super::render_args::{DenoiserArgs, finite, output_path};
+use super::render_args::{finite, output_path};
 
 /// Denoises an EXR picture by Intel's Open Image Denoise 2.x.
 ///
@@ -29,8 +29,10 @@ pub struct DenoiseArgs {
     tone: Option<ToneCurve>,
     #[arg(long, value_parser = finite)]
     exposure: Option<f32>,
-    #[command(flatten)]
-    denoiser: DenoiserArgs,
+    #[arg(long)]
+    oidn: Option<PathBuf>,
+    #[arg(long, value_enum, default_value_t = DeviceKind::Cpu)]
+    oidn_device: DeviceKind,
     /// Print nothing but warnings.
     #[arg(short, long)]
     quiet: bool,
@@ -39,7 +41,7 @@ pub struct DenoiseArgs {
 /// Denoises the picture.
 pub fn run(args: DenoiseArgs) -> Result<ExitCode> {
     args.output.iter().try_for_each(|path| files::check_writable(path))?;
-    let denoiser = Denoiser::open(&args.denoiser.into())?;
+    let denoiser = Denoiser::open(&DenoiseOptions { folder: args.oidn, device: args.oidn_device })?;
     let file = DenoisedFile::new(&denoiser, &args.picture)?;
     file.notes.iter().for_each(|note| report("warning", note));
     let (tone, exposure) = (args.tone.unwrap_or_default(), args.exposure.unwrap_or_default());

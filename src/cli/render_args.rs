@@ -57,8 +57,10 @@ pub struct OutputArgs {
     pub half: bool,
     #[arg(long)]
     pub denoise: bool,
-    #[command(flatten)]
-    pub denoiser: DenoiserArgs,
+    #[arg(long, requires = "denoise")]
+    pub oidn: Option<PathBuf>,
+    #[arg(long, requires = "denoise", value_enum, default_value_t = DeviceKind::Cpu)]
+    pub oidn_device: DeviceKind,
     #[arg(long)]
     pub overwrite: bool,
     #[arg(long, value_parser = seconds)]
@@ -73,15 +75,6 @@ pub struct OutputArgs {
     pub log: LogFormat,
     #[arg(short, long)]
     pub quiet: bool,
-}
-
-/// The denoiser.
-#[derive(Debug, Clone, clap::Args)]
-pub struct DenoiserArgs {
-    #[arg(long)]
-    pub oidn: Option<PathBuf>,
-    #[arg(long, value_enum, default_value_t = DeviceKind::Cpu)]
-    pub oidn_device: DeviceKind,
 }
 
 /// Form of the messages on standard error.
@@ -162,14 +155,8 @@ impl From<OutputArgs> for OutputFiles {
     fn from(args: OutputArgs) -> Self {
         let OutputArgs { output, tone, exposure, half, overwrite, write_every, reference, stats, profile, .. } = args;
         let (pictures, statistics) = (output, stats);
-        let denoise = args.denoise.then(|| args.denoiser.into());
+        let denoise = args.denoise.then_some(DenoiseOptions { folder: args.oidn, device: args.oidn_device });
         Self { pictures, tone, exposure, half, denoise, overwrite, write_every, reference, statistics, profile }
-    }
-}
-
-impl From<DenoiserArgs> for DenoiseOptions {
-    fn from(args: DenoiserArgs) -> Self {
-        Self { folder: args.oidn, device: args.oidn_device }
     }
 }
 

@@ -141,6 +141,12 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
     assemble(path, part, channels)
 }
 
+/// Names of all channels of a file.
+pub fn channel_names(path: &Path) -> Result<Vec<String>> {
+    let meta = read_meta(path)?;
+    Ok(meta.headers.iter().flat_map(|header| header.channels.list.iter().map(|channel| name_of(&channel.name))).collect())
+}
+
 /// Attributes of a file as names and values.
 pub type Attributes = Vec<(String, String)>;
 
