@@ -21,7 +21,7 @@
 #        setup.sh --oidn [DIR]
 #                            unpack Intel's Open Image Denoise, which `lodestar denoise` loads, into DIR (target/oidn, where the
 #                            program finds it), and print the folder. The official build of version 2.5.1 comes in the Python
-#                            package pyoidn: 90 MB to download, 85 MB to keep. Needs Python with pip.
+#                            package pyoidn: 90 MB to download, 100 MB to keep. Needs Python with pip.
 #        setup.sh --book     install mdbook, which builds the book of docs/, into target/tools unless it is there, and print
 #                            its path. It is compiled from source: about 90 s of processor time.
 set -eu
@@ -334,12 +334,13 @@ unpack_oidn() { # DIR
       if [ -f "$copy" ] && [ ! -L "$copy" ] && [ "$copy" != "$file" ] && cmp -s "$file" "$copy"; then ln -sf "$(basename "$copy")" "$file"; fi
     done
   done
-  mkdir -p "$1"
-  cp -P "$libraries"/lib* "$1"
+  # The libraries look for each other in a folder of this name.
+  mkdir -p "$1/lib"
+  cp -P "$libraries"/lib* "$1/lib"
 }
 
 provide_oidn() { # DIR
-  if [ -z "$(find -L "$1" -maxdepth 1 -name 'libOpenImageDenoise.*' 2>/dev/null)" ]; then unpack_oidn "$1"; fi
+  if [ -z "$(find -L "$1/lib" -maxdepth 1 -name 'libOpenImageDenoise.*' 2>/dev/null)" ]; then unpack_oidn "$1"; fi
   (cd "$1" && pwd)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench denoising [-- SCENE...]` needs the shared scenes and references (`LODESTAR_SCENES`,
 //! `LODESTAR_REFERENCES`), and Open Image Denoise (`LODESTAR_OIDN`, or what `setup.sh --oidn` unpacks). The size is that of the
-//! references. Both methods sample emitters as the default does. `LODESTAR_OUT=DIR` also writes files: `denoising.csv`, and for each
+//! references, or with `LODESTAR_DIVISOR=N` that over N: each pixel of the reference is then the mean of N x N. Both methods sample emitters as the default does. `LODESTAR_OUT=DIR` also writes files: `denoising.csv`, and for each
 //! scene a sheet `SCENE.jpg` with a row for each number of samples: plain, plain denoised, guided, guided denoised, reference.
 //!
 //! The error is the mean absolute error of the displayed image, as in the paper. The CSV has those of the linear values and FLIP, too.
@@ -44,12 +44,14 @@ fn main() {
         }
     };
     println!("denoiser: {} on {}", denoiser.version(), denoiser.device());
+    let divisor = std::env::var("LODESTAR_DIVISOR").ok().and_then(|text| text.parse().ok()).unwrap_or(1).max(1);
     let asked: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with('-')).collect();
     let context = context();
     let out = out_folder();
     let mut all = Vec::new();
     for name in SHARED_SCENES.iter().filter(|name| asked.is_empty() || asked.iter().any(|asked| asked == *name)) {
         let reference = exr::read_rgb(&references.join(format!("{name}.mean.exr"))).expect("a reference");
+        let reference = smaller(&reference, divisor);
         let (errors, sheet) = measure(&context, &denoiser, name, &reference);
         for (samples, row) in SAMPLES.iter().zip(&errors) {
             let cells: Vec<_> = COLUMNS.iter().zip(row).map(|(c, e)| format!("{c} {:.5}", e.metrics.mae_ldr)).collect();
@@ -65,6 +67,22 @@ fn main() {
         std::fs::write(folder.join("denoising.csv"), head + &csv(&all)).expect("the table's file");
     }
     println!("{}", table(&all));
+}
+
+/// The image with one pixel for `divisor` x `divisor` of its pixels. Pixels that are left over at the edges are cut off.
+fn smaller(image: &Image, divisor: u32) -> Image {
+    let (width, height) = (image.width / divisor, image.height / divisor);
+    let pixel = |at: u32| {
+        let mut sum = [0.0; 3];
+        for y in 0..divisor {
+            for x in 0..divisor {
+                let from = (at / width * divisor + y) * image.width + at % width * divisor + x;
+                (0..3).for_each(|c| sum[c] += f64::from(image.pixels[from as usize][c]));
+            }
+        }
+        sum.map(|sum| (sum / f64::from(divisor * divisor)) as f32)
+    };
+    Image { width, height, pixels: (0..width * height).map(pixel).collect() }
 }
 
 /// Errors of both methods on one scene, and a sheet of their pictures.
@@ -118,7 +136,8 @@ fn csv(all: &[(&str, Errors)]) -> String {
             for (column, errors) in COLUMNS.iter().zip(row) {
                 let Comparison { metrics, flip, .. } = errors;
                 // Writing to a string cannot fail.
-                let _ = writeln!(text, "{name},{samples},\"{column}\",{:.6},{:.6},{flip:.6}", metrics.mae_ldr, metrics.mae);
+                let _ =
+                    writeln!(text, "{name},{samples},\"{column}\",{:.6},{:.6},{flip:.6}", metrics.mae_ldr, metrics.mae);
             }
         }
     }

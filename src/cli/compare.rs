@@ -77,13 +77,7 @@ pub fn run(args: &CompareArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn compare(
-    path: &Path,
-    layer: &str,
-    image: Image,
-    reference: &Image,
-    reference_path: &Path,
-) -> Result<ReportPicture> {
+fn compare(path: &Path, layer: &str, image: Image, reference: &Image, reference_path: &Path) -> Result<ReportPicture> {
     let (errors, flip) = Comparison::new(&image, reference).map_err(|error| {
         Error::Settings(format!("{}{layer} against {}: {error}", path.display(), reference_path.display()))
     })?;

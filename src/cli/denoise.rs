@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use lodestar::denoise::{DenoiseOptions, Denoiser, DeviceKind};
 use lodestar::denoise::pictures::DenoisedFile;
+use lodestar::denoise::{DenoiseOptions, Denoiser, DeviceKind};
 use lodestar::image::ToneCurve;
 use lodestar::{Result, files};
 

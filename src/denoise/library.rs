@@ -275,7 +275,15 @@ impl Filter<'_> {
         // SAFETY: 1, 2, 3. The buffer has `width * height` pixels, which lie one after the other.
         unsafe {
             (self.device.functions.set_image)(
-                self.handle, name.as_ptr(), buffer.handle, FLOAT3, width, height, 0, PIXEL_BYTES, row_bytes,
+                self.handle,
+                name.as_ptr(),
+                buffer.handle,
+                FLOAT3,
+                width,
+                height,
+                0,
+                PIXEL_BYTES,
+                row_bytes,
             );
         }
         self.device.check()

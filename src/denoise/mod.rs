@@ -106,7 +106,8 @@ impl Denoiser {
         })?;
         let [major, minor, patch] = library.open(device.id).map_err(failure)?.version();
         if major != 2 {
-            let message = format!("the Open Image Denoise found is {major}.{minor}.{patch}; name a 2.x with --oidn DIR");
+            let message =
+                format!("the Open Image Denoise found is {major}.{minor}.{patch}; name a 2.x with --oidn DIR");
             return Err(Error::Settings(message));
         }
         Ok(Self { library, device, version: format!("Open Image Denoise {major}.{minor}.{patch}"), kind })

@@ -53,12 +53,12 @@ impl DenoisedFile {
     pub fn new(denoiser: &Denoiser, path: &Path) -> Result<Self> {
         let (layers, header) = exr::read_layers(path)?;
         let color = three(&layers, ["R", "G", "B"]);
-        let color = color.ok_or_else(|| Error::image(path, "it lacks the channels R, G and B; give a color picture"))?;
+        let color =
+            color.ok_or_else(|| Error::image(path, "it lacks the channels R, G and B; give a color picture"))?;
         let albedo = three(&layers, ["albedo.R", "albedo.G", "albedo.B"]);
         let normal = three(&layers, ["normal.X", "normal.Y", "normal.Z"]);
         let (width, height) = (layers.width, layers.height);
-        let features =
-            Features { width, height, color: &color, albedo: albedo.as_deref(), normal: normal.as_deref() };
+        let features = Features { width, height, color: &color, albedo: albedo.as_deref(), normal: normal.as_deref() };
         let denoised = denoiser.denoise_layer(&features)?;
         let missing = match (&albedo, &normal) {
             (Some(_), Some(_)) => None,
@@ -93,7 +93,8 @@ impl DenoisedFile {
             return png::write(path, &image, tone, exposure);
         }
         let (mut layers, mut header) = (self.layers.clone(), self.header.clone());
-        let is_half = layers.channels.iter().any(|(name, samples)| name == "R" && matches!(samples, Samples::Halves(_)));
+        let is_half =
+            layers.channels.iter().any(|(name, samples)| name == "R" && matches!(samples, Samples::Halves(_)));
         self.denoised.add_channels(&mut layers, if is_half { Samples::Halves } else { Samples::Floats });
         self.denoised.add_attributes(&mut header.attributes);
         exr::write_layers(path, layers, &header)

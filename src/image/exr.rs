@@ -144,7 +144,11 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
 /// Names of all channels of a file.
 pub fn channel_names(path: &Path) -> Result<Vec<String>> {
     let meta = read_meta(path)?;
-    Ok(meta.headers.iter().flat_map(|header| header.channels.list.iter().map(|channel| name_of(&channel.name))).collect())
+    Ok(meta
+        .headers
+        .iter()
+        .flat_map(|header| header.channels.list.iter().map(|channel| name_of(&channel.name)))
+        .collect())
 }
 
 /// Attributes of a file as names and values.

@@ -76,7 +76,8 @@ pub fn map_displayed(image: &Image, reference: &Image) -> Vec<f32> {
 
 /// Exposures in stops, from the one that shows the brightest pixel to the one that shows the median, about one stop apart.
 fn exposures(reference: &Image) -> Vec<f32> {
-    let luminance = |pixel: &[f32; 3]| 0.2126 * pixel[0].max(0.0) + 0.7152 * pixel[1].max(0.0) + 0.0722 * pixel[2].max(0.0);
+    let luminance =
+        |pixel: &[f32; 3]| 0.2126 * pixel[0].max(0.0) + 0.7152 * pixel[1].max(0.0) + 0.0722 * pixel[2].max(0.0);
     let mut all: Vec<f32> = reference.pixels.iter().map(luminance).collect();
     all.sort_unstable_by(f32::total_cmp);
     let brightest = all[all.len() - 1];
@@ -178,7 +179,8 @@ fn seen_colors(plane: &Plane) -> Vec<[f32; 3]> {
         sum[2] += cz1[tap] * row[2];
         sum[3] += cz2[tap] * row[3];
     });
-    let seen = |[y, cx, cz1, cz2]: [f32; 4]| adapted_lab(rgb_of_opponent([y, cx, cz1 + cz2]).map(|c| c.clamp(0.0, 1.0)));
+    let seen =
+        |[y, cx, cz1, cz2]: [f32; 4]| adapted_lab(rgb_of_opponent([y, cx, cz1 + cz2]).map(|c| c.clamp(0.0, 1.0)));
     blurred.into_par_iter().map(seen).collect()
 }
 
@@ -191,7 +193,10 @@ fn features(plane: &Plane) -> Vec<[f32; 2]> {
     let normalized = |filter: Vec<f32>| {
         let sum = |sign: f32| filter.iter().map(|weight| (sign * weight).max(0.0)).sum::<f32>();
         let (positive, negative) = (sum(1.0), sum(-1.0));
-        filter.iter().map(|&weight| weight / if weight > 0.0 { positive } else { negative.max(f32::MIN_POSITIVE) }).collect::<Vec<_>>()
+        filter
+            .iter()
+            .map(|&weight| weight / if weight > 0.0 { positive } else { negative.max(f32::MIN_POSITIVE) })
+            .collect::<Vec<_>>()
     };
     let smooth = normalized(weights(radius, gaussian));
     let edge = normalized(weights(radius, |x| -x * gaussian(x)));
@@ -350,6 +355,9 @@ mod tests {
             assert!(map.iter().all(|value| (0.0..=1.0).contains(value)), "{map:?}");
             assert_eq!(a == b, mean(&map) == 0.0);
         }
-        assert!(map(&Image { width: 0, height: 0, pixels: vec![] }, &Image { width: 0, height: 0, pixels: vec![] }).is_empty());
+        assert!(
+            map(&Image { width: 0, height: 0, pixels: vec![] }, &Image { width: 0, height: 0, pixels: vec![] })
+                .is_empty()
+        );
     }
 }

@@ -117,7 +117,8 @@ fn level(value: f32) -> u8 {
 /// Pixels as half floats: first the upper bytes of all values, then the lower bytes, because alike bytes compress better.
 fn packed_pixels(image: &Image) -> io::Result<String> {
     let values = image.pixels.as_flattened();
-    let halves: Vec<_> = values.iter().map(|&value| f16::from_f32(value.clamp(-LARGEST_HALF, LARGEST_HALF)).to_bits()).collect();
+    let halves: Vec<_> =
+        values.iter().map(|&value| f16::from_f32(value.clamp(-LARGEST_HALF, LARGEST_HALF)).to_bits()).collect();
     let upper = halves.iter().map(|half| (half >> 8) as u8);
     let lower = halves.iter().map(|half| (half & 0xff) as u8);
     packed(&upper.chain(lower).collect::<Vec<_>>())

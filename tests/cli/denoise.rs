@@ -101,7 +101,8 @@ fn noise_goes_and_the_picture_stays() {
     let albedo: Vec<_> = clean.iter().map(|pixel| pixel.map(|value| value / 8.0)).collect();
     let normal: Vec<_> = (0..WIDTH * HEIGHT).map(|at| [0.0, noise(at, 7) * 0.1, -1.0]).collect();
     let denoiser = denoiser(&library);
-    let features = Features { width: WIDTH, height: HEIGHT, color: &color, albedo: Some(&albedo), normal: Some(&normal) };
+    let features =
+        Features { width: WIDTH, height: HEIGHT, color: &color, albedo: Some(&albedo), normal: Some(&normal) };
     let error = |pixels: &[[f32; 3]]| {
         let terms = pixels.as_flattened().iter().zip(clean.as_flattened()).map(|(a, b)| f64::from((a - b).abs()));
         terms.sum::<f64>() / pixels.as_flattened().len() as f64
@@ -216,7 +217,13 @@ fn pictures_of_other_programs_are_denoised_as_far_as_they_go() {
     let normal = [("normal.X", 0.0), ("normal.Y", 0.0), ("normal.Z", 1.0)];
     let cases: [(&str, fn(Vec<f32>) -> Samples, Vec<(&str, f32)>, &[&str], &str); 4] = [
         ("color", Samples::Floats, vec![], &["no layers albedo and normal"], "color"),
-        ("half", Samples::Halves, [vec![("depth.Z", f32::INFINITY)], albedo.to_vec()].concat(), &["no layer normal"], "color, albedo"),
+        (
+            "half",
+            Samples::Halves,
+            [vec![("depth.Z", f32::INFINITY)], albedo.to_vec()].concat(),
+            &["no layer normal"],
+            "color, albedo",
+        ),
         ("normal", Samples::Floats, normal.to_vec(), &["no layer albedo", "by color only"], "color"),
         ("broken", Samples::Floats, [albedo, normal].concat(), &["1 of 851 pixels"], "color, albedo, normal"),
     ];
@@ -243,7 +250,9 @@ fn pictures_of_other_programs_are_denoised_as_far_as_they_go() {
         }
     }
     std::fs::write(folder.path("text.exr"), "no picture").unwrap();
-    for (input, word) in [("missing.exr", "missing.exr: cannot be read"), ("text.exr", "text.exr: it is not a whole EXR")] {
+    for (input, word) in
+        [("missing.exr", "missing.exr: cannot be read"), ("text.exr", "text.exr: it is not a whole EXR")]
+    {
         assert_sentence(&folder.run(&["denoise", input, "-o", "x.exr", "--oidn", &library]), 1, &[word]);
     }
 }
