@@ -155,8 +155,10 @@ fn a_render_and_its_file_are_denoised_to_the_same_bits() {
     render("a.exr", &denoise);
     render("b.exr", &denoise);
     for name in ["c.exr", "d.exr", "c.png"] {
-        let arguments = ["denoise", "plain.exr", "-o", name, "--oidn", &library, "--quiet"];
-        assert_quiet_success(&folder.run(&arguments));
+        let mut command = folder.command(&["denoise", "plain.exr", "-o", name, "--oidn", &library, "--quiet"]);
+        // The number of the library's threads changes no bit.
+        let threads = if name == "c.exr" { "1" } else { "3" };
+        assert_quiet_success(&command.env("OIDN_NUM_THREADS", threads).output().unwrap());
     }
     let [plain, a] = ["plain.exr", "a.exr"].map(|name| folder.path(name));
     assert_ne!(bits(&a, DENOISED), bits(&a, RGB));
