@@ -127,7 +127,32 @@ fn the_report_works_in_a_browser() {
         assert!(text.contains(part), "the page lacks {part}: {}", &text[text.len().saturating_sub(3000)..]);
     }
     assert!(opened(browser, &page, "").contains("a.exr on the left, r.exr on the right"));
+    let text = std::fs::read_to_string(&page).unwrap().replace("</body>", &format!("<script>{KEYS}</script></body>"));
+    std::fs::write(&page, text).unwrap();
+    let text = opened(browser, &page, "");
+    let (_, log) = text.split_once("data-log=\"").expect("the keys were pressed");
+    let log: Vec<_> = log.split('"').next().unwrap_or_default().split('|').collect();
+    let pixel = "pixel 1, 0   absolute error 0.2500";
+    assert_eq!(log, ["b.exr", "r.exr", "absolute error of b.exr", "52", "larger", pixel]);
 }
+
+/// Script that presses keys once the page is ready, and notes what the page shows.
+const KEYS: &str = r#"
+const timer = setInterval(() => {
+  if (!document.body.dataset.ready) return;
+  clearInterval(timer);
+  const log = [], press = (key, more = {}, on = document.body) =>
+    on.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more }));
+  press("2"); press("f"); log.push($("left").textContent);
+  press(" "); log.push($("left").textContent);
+  press("d"); log.push($("left").textContent);
+  press("s"); press("]"); log.push($("division").value);
+  const before = zoom(); press("+"); log.push(zoom() > before ? "larger" : "not larger");
+  press("Home"); press("ArrowRight", { shiftKey: true }, $("stage")); press("ArrowLeft", { shiftKey: true }, $("stage"));
+  log.push($("readout").textContent.split("\n")[0]);
+  document.body.dataset.log = log.join("|");
+}, 20);
+"#;
 
 #[test]
 fn compare_refuses_in_one_sentence() {
