@@ -37,6 +37,7 @@ pub mod statistics;
 
 #[doc(hidden)]
 pub use crate::film::identity;
+pub use crate::denoise::{DenoiseOptions, DeviceKind};
 pub use files::OutputFiles;
 #[doc(hidden)]
 pub use files::PictureFiles;
