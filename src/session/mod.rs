@@ -35,9 +35,9 @@ mod setup;
 #[doc(hidden)]
 pub mod statistics;
 
+pub use crate::denoise::{DenoiseOptions, DeviceKind};
 #[doc(hidden)]
 pub use crate::film::identity;
-pub use crate::denoise::{DenoiseOptions, DeviceKind};
 pub use files::OutputFiles;
 #[doc(hidden)]
 pub use files::PictureFiles;

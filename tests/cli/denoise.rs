@@ -208,6 +208,9 @@ fn a_resumed_render_is_denoised_if_it_is_asked_to_be() {
     assert!(names().contains(&"denoised.G".to_owned()));
 }
 
+/// Name of a file, kind of its colors, its other channels, words of the warning, and the layers that were used.
+type Case = (&'static str, fn(Vec<f32>) -> Samples, Vec<(&'static str, f32)>, &'static [&'static str], &'static str);
+
 /// Pictures without albedo and normal, of half floats, with infinite depth, and with broken pixels.
 #[test]
 fn pictures_of_other_programs_are_denoised_as_far_as_they_go() {
@@ -217,7 +220,7 @@ fn pictures_of_other_programs_are_denoised_as_far_as_they_go() {
     broken[5] = [f32::NAN, 1.0, 1.0];
     let albedo = [("albedo.R", 0.5), ("albedo.G", 0.5), ("albedo.B", 0.5)];
     let normal = [("normal.X", 0.0), ("normal.Y", 0.0), ("normal.Z", 1.0)];
-    let cases: [(&str, fn(Vec<f32>) -> Samples, Vec<(&str, f32)>, &[&str], &str); 4] = [
+    let cases: [Case; 4] = [
         ("color", Samples::Floats, vec![], &["no layers albedo and normal"], "color"),
         (
             "half",
