@@ -18,6 +18,10 @@
 #                            tests, and print the path for VK_DRIVER_FILES. Nothing is installed. Works on Debian only,
 #                            because SwiftShader comes from Debian's Chromium package.
 #        setup.sh --chromium install Chromium, in which a test opens the page of `--view`
+#        setup.sh --oidn [DIR]
+#                            unpack Intel's Open Image Denoise, which `lodestar denoise` loads, into DIR (target/oidn, where the
+#                            program finds it), and print the folder. The official build of version 2.5.1 comes in the Python
+#                            package pyoidn: 90 MB to download, 100 MB to keep. Needs Python with pip.
 #        setup.sh --book     install mdbook, which builds the book of docs/, into target/tools unless it is there, and print
 #                            its path. It is compiled from source: about 90 s of processor time.
 set -eu
@@ -308,6 +312,38 @@ provide_chromium() {
   install_packages chromium
 }
 
+# --- The denoiser --------------------------------------------------------------------------------------------------------
+
+OIDN_PACKAGE=pyoidn==2.5.1.0
+
+# Unpacks the libraries of the Python package. A wheel has copies where a library's folder has links, so each copy is replaced by
+# a link.
+unpack_oidn() { # DIR
+  has_command python3 && python3 -m pip --version >/dev/null 2>&1 ||
+    fail "Python with pip is missing; install it (Debian: python3-pip), or unpack a release of Open Image Denoise 2 and set LODESTAR_OIDN"
+  download=$(mktemp -d)
+  trap 'rm -rf "$download"' EXIT
+  python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: --dest "$download" "$OIDN_PACKAGE" >&2 ||
+    fail "cannot download $OIDN_PACKAGE, which contains Open Image Denoise; unpack a release of it and set LODESTAR_OIDN"
+  python3 -m zipfile -e "$download"/*.whl "$download/unpacked"
+  libraries="$download/unpacked/pyoidn/oidn/lib"
+  [ -n "$(find "$libraries" -name 'libOpenImageDenoise.*' 2>/dev/null)" ] || fail "$OIDN_PACKAGE does not contain Open Image Denoise"
+  rm -rf "$libraries/cmake"
+  for file in "$libraries"/lib*; do
+    for copy in "$file".* "${file%.*}".*.dylib; do
+      if [ -f "$copy" ] && [ ! -L "$copy" ] && [ "$copy" != "$file" ] && cmp -s "$file" "$copy"; then ln -sf "$(basename "$copy")" "$file"; fi
+    done
+  done
+  # The libraries look for each other in a folder of this name.
+  mkdir -p "$1/lib"
+  cp -P "$libraries"/lib* "$1/lib"
+}
+
+provide_oidn() { # DIR
+  if [ -z "$(find -L "$1/lib" -maxdepth 1 -name 'libOpenImageDenoise.*' 2>/dev/null)" ]; then unpack_oidn "$1"; fi
+  (cd "$1" && pwd)
+}
+
 # --- The book -----------------------------------------------------------------------------------------------------------
 
 MDBOOK_VERSION=0.5.4
@@ -339,6 +375,10 @@ main() {
     provide_swiftshader "${2:-$(dirname "$0")/target/swiftshader}"
     exit 0
   fi
+  if [ "${1:-}" = --oidn ]; then
+    provide_oidn "${2:-$(dirname "$0")/target/oidn}"
+    exit 0
+  fi
   find_missing
   case "${1:-}" in
     --check)
@@ -365,7 +405,7 @@ main() {
       find_missing
       ;;
     "") ;;
-    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --chromium | --book]" ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --oidn [DIR] | --chromium | --book]" ;;
   esac
   if [ -n "$missing" ]; then
     say "missing: $missing_names"

@@ -24,6 +24,8 @@ pub mod settings;
 
 // The hidden modules are for the command line, the tests and the benches. They are no public API and may change in any version.
 #[doc(hidden)]
+pub mod denoise;
+#[doc(hidden)]
 pub mod encode;
 #[doc(hidden)]
 pub mod error;

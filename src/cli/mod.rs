@@ -6,6 +6,7 @@
 mod compare;
 mod completions;
 mod console;
+mod denoise;
 mod devices;
 mod duration;
 mod info;
@@ -56,6 +57,7 @@ enum Command {
     Info(info::InfoArgs),
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
+    Denoise(denoise::DenoiseArgs),
     Radiance(Box<radiance::RadianceArgs>),
     View(view::ViewArgs),
     Reproduce(reproduce::ReproduceArgs),
@@ -83,6 +85,7 @@ pub fn run() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Denoise(args) => denoise::run(args),
         Command::Radiance(args) => radiance::run(*args),
         Command::View(args) => view::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),

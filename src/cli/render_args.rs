@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::ValueEnum;
+use lodestar::denoise::{DenoiseOptions, DeviceKind};
 use lodestar::files;
 use lodestar::gpu::ContextOptions;
 use lodestar::image::ToneCurve;
@@ -54,6 +55,12 @@ pub struct OutputArgs {
     pub exposure: Option<f32>,
     #[arg(long)]
     pub half: bool,
+    #[arg(long)]
+    pub denoise: bool,
+    #[arg(long, requires = "denoise")]
+    pub oidn: Option<PathBuf>,
+    #[arg(long, requires = "denoise", value_enum, default_value_t = DeviceKind::Cpu)]
+    pub oidn_device: DeviceKind,
     #[arg(long)]
     pub overwrite: bool,
     #[arg(long, value_parser = seconds)]
@@ -147,8 +154,9 @@ pub enum Filter {
 impl From<OutputArgs> for OutputFiles {
     fn from(args: OutputArgs) -> Self {
         let OutputArgs { output, tone, exposure, half, overwrite, write_every, reference, stats, profile, .. } = args;
-        let statistics = stats;
-        Self { pictures: output, tone, exposure, half, overwrite, write_every, reference, statistics, profile }
+        let (pictures, statistics) = (output, stats);
+        let denoise = args.denoise.then_some(DenoiseOptions { folder: args.oidn, device: args.oidn_device });
+        Self { pictures, tone, exposure, half, denoise, overwrite, write_every, reference, statistics, profile }
     }
 }
 
@@ -252,7 +260,7 @@ pub fn depth(text: &str) -> Result<u32, String> {
     }
 }
 
-fn finite(text: &str) -> Result<f32, String> {
+pub fn finite(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
 }
 

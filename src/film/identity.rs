@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::film::denoised;
 use crate::film::picture_file::PRECISION;
 use crate::film::ranges::SampleRanges;
 use crate::settings::Settings;
@@ -9,7 +10,7 @@ use crate::settings::Settings;
 /// Settings that change how long dispatches take and no bit of the picture.
 const FREE_SETTINGS: [&str; 2] = ["slice_milliseconds", "execution"];
 /// Attributes of a picture that say which samples it holds and how they came about, not what they estimate.
-const FREE_ATTRIBUTES: [&str; 10] = [
+const FREE_ATTRIBUTES: [&str; 13] = [
     FREE_SETTINGS[0],
     FREE_SETTINGS[1],
     "seed",
@@ -20,6 +21,9 @@ const FREE_ATTRIBUTES: [&str; 10] = [
     "device",
     "scene",
     PRECISION,
+    denoised::ATTRIBUTES[0],
+    denoised::ATTRIBUTES[1],
+    denoised::ATTRIBUTES[2],
 ];
 
 /// Version, scene and settings of a render: name to value.
@@ -69,7 +73,8 @@ pub fn attributes(scene_hash: &str, settings: &Settings) -> Vec<(String, String)
 }
 
 /// The attributes of a picture that was merged from pictures with these: what is the same stays, what differs is listed, and
-/// samples and seconds add up. The precision of the parts' colors is left out.
+/// samples and seconds add up. The precision of the parts' colors and
+/// their denoised layers are left out.
 pub fn merged_attributes(pictures: &[&[(String, String)]], ranges: &SampleRanges) -> Vec<(String, String)> {
     let names: BTreeSet<_> = pictures.iter().flat_map(|attributes| attributes.iter().map(|(name, _)| name)).collect();
     let merged = |name: &String| {
@@ -83,7 +88,8 @@ pub fn merged_attributes(pictures: &[&[(String, String)]], ranges: &SampleRanges
         };
         (name.clone(), value)
     };
-    names.into_iter().filter(|&name| name != PRECISION).map(merged).collect()
+    let is_kept = |name: &&String| *name != PRECISION && !denoised::ATTRIBUTES.contains(&&name[..]);
+    names.into_iter().filter(is_kept).map(merged).collect()
 }
 
 /// Every value once, in order.

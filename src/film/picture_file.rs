@@ -13,13 +13,15 @@
 //! | `normal.X`, `.Y`, `.Z`      | float | mean shading normal of the first hit, world space                        |
 //! | `sums.00` to `sums.47`      | uint  | the words of [`PixelSums`], where the picture is one part of several     |
 //! | `depth.Z`                   | float | mean distance from the camera to the first hit, infinite where no sample hits |
+//! | `denoised.R`, `.G`, `.B`    | float | denoised radiance, where [`write_picture_with`] was given one; no reader returns it |
 //!
-//! The matrices of the camera are `worldToCamera` and `worldToNDC`. With [`Precision::Half`], `R`, `G`, `B`, `A` and `albedo`
-//! are 16-bit floats. The other channels need the range and the precision of 32 bits.
+//! The matrices of the camera are `worldToCamera` and `worldToNDC`. With [`Precision::Half`], `R`, `G`, `B`, `A`, `albedo`
+//! and `denoised` are 16-bit floats. The other channels need the range and the precision of 32 bits.
 
 use std::path::Path;
 
 use crate::Result;
+use crate::film::denoised::Denoised;
 use crate::film::picture::Picture;
 use crate::film::sums::PixelSums;
 use crate::film::view::View;
@@ -43,6 +45,16 @@ pub enum Precision {
     Half,
 }
 
+impl Precision {
+    /// Samples of a color's channel.
+    fn samples(self) -> fn(Vec<f32>) -> Samples {
+        match self {
+            Self::Float => Samples::Floats,
+            Self::Half => Samples::Halves,
+        }
+    }
+}
+
 /// Writes every layer of `picture` in 32 bits, with `attributes` (name and value) as text attributes named `lodestar.<name>`.
 ///
 /// # Errors
@@ -61,9 +73,27 @@ pub fn write_picture_as(
     attributes: &[(String, String)],
     precision: Precision,
 ) -> Result<()> {
+    write_picture_with(path, picture, attributes, precision, None)
+}
+
+/// Writes like [`write_picture_as`], with a denoised layer and its attributes if one is given.
+///
+/// # Errors
+/// [`crate::Error::Write`] where the file cannot be written.
+pub fn write_picture_with(
+    path: &Path,
+    picture: &Picture,
+    attributes: &[(String, String)],
+    precision: Precision,
+    denoised: Option<&Denoised>,
+) -> Result<()> {
     let Picture { width, height, offset, full_size, view, .. } = *picture;
-    let layers = Layers { width, height, offset, full_size, channels: channels(picture, precision) };
+    let mut layers = Layers { width, height, offset, full_size, channels: channels(picture, precision) };
     let mut attributes = attributes.to_vec();
+    if let Some(denoised) = denoised {
+        denoised.add_channels(&mut layers, precision.samples());
+        denoised.add_attributes(&mut attributes);
+    }
     if precision == Precision::Half {
         attributes.push((PRECISION.into(), "half".into()));
     }
@@ -115,10 +145,7 @@ fn has_background(layers: &Layers, picture: &Picture) -> bool {
 }
 
 fn channels(picture: &Picture, precision: Precision) -> Vec<(String, Samples)> {
-    let color = match precision {
-        Precision::Float => Samples::Floats,
-        Precision::Half => Samples::Halves,
-    };
+    let color = precision.samples();
     let number: fn(Vec<f32>) -> Samples = Samples::Floats;
     let layers = [
         ("", RGB, &picture.radiance, color),

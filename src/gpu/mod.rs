@@ -1,6 +1,6 @@
 //! Vulkan compute: devices, buffers, descriptor sets, kernels, submissions. This module knows nothing of rendering.
 //!
-//! Only this module contains `unsafe` or names `ash`. Every public function here is safe to call. Three invariants make
+//! Only this module names `ash`, and only it and `denoise/library.rs` contain `unsafe`. Every public function here is safe to call. Three invariants make
 //! it so, and every `// SAFETY:` comment cites the ones that it rests on.
 //!
 //! 1. **One owner per handle.** Each Vulkan handle is created by, stored in and destroyed by exactly one value whose

@@ -141,10 +141,20 @@ pub fn read_layer(path: &Path, prefix: &str) -> Result<Image> {
     assemble(path, part, channels)
 }
 
+/// Names of all channels of a file.
+pub fn channel_names(path: &Path) -> Result<Vec<String>> {
+    let meta = read_meta(path)?;
+    Ok(meta
+        .headers
+        .iter()
+        .flat_map(|header| header.channels.list.iter().map(|channel| name_of(&channel.name)))
+        .collect())
+}
+
 /// Attributes of a file as names and values.
 pub type Attributes = Vec<(String, String)>;
 
-/// Reads a file that [`write_layers`] has written, to the last bit: every channel and the header. Half floats become floats.
+/// Reads a file that [`write_layers`] has written, to the last bit: every channel and the header.
 pub fn read_layers(path: &Path) -> Result<(Layers, FileHeader)> {
     let parts = read_parts(path)?;
     let mut header =
@@ -167,7 +177,12 @@ fn samples_of(path: &Path, channel: Channel) -> Result<Samples> {
     Ok(match channel.sample_data {
         FlatSamples::F32(floats) => Samples::Floats(floats),
         FlatSamples::U32(words) => Samples::Words(words),
-        halves @ FlatSamples::F16(_) => Samples::Floats(halves.values_as_f32().collect()),
+        FlatSamples::F16(halves) => {
+            let floats: Vec<_> = halves.iter().map(|half| half.to_f32()).collect();
+            // A writer of halves would alter an infinite one.
+            let is_infinite = floats.iter().any(|value| value.is_infinite());
+            if is_infinite { Samples::Floats(floats) } else { Samples::Halves(floats) }
+        }
     })
 }
 

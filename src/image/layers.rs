@@ -20,7 +20,7 @@ pub struct Layers {
 pub enum Samples {
     /// 32-bit floats.
     Floats(Vec<f32>),
-    /// Floats that the file has as 16-bit floats. A reader makes [`Samples::Floats`] of them.
+    /// Floats that the file has as 16-bit floats. A reader makes [`Samples::Floats`] of a channel with infinite ones.
     Halves(Vec<f32>),
     /// Unsigned 32-bit integers.
     Words(Vec<u32>),

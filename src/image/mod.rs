@@ -1,11 +1,14 @@
 //! Pictures in memory and on disk: EXR, PNG and the error between two of them. CPU only.
 
+pub mod comparison;
 mod date;
 pub mod exr;
 pub mod false_color;
+pub mod flip;
 pub mod layers;
 pub mod metrics;
 pub mod png;
+pub mod report;
 pub mod texels;
 pub mod tone;
 

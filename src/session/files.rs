@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use crate::film::{self, Picture, Precision};
+use crate::denoise::DenoiseOptions;
+use crate::film::{self, Denoised, Picture, Precision};
 use crate::image::{Image, ToneCurve, exr, metrics, png};
 use crate::settings::Settings;
 use crate::{Error, Result, files};
@@ -22,6 +23,8 @@ pub struct OutputFiles {
     pub exposure: Option<f32>,
     /// Whether the colors of EXR files are half floats.
     pub half: bool,
+    /// How the last picture is denoised, if it is. EXR files have a layer `denoised` then, and PNG files show it.
+    pub denoise: Option<DenoiseOptions>,
     /// Whether pictures of other scenes are replaced. Otherwise they are an error.
     pub overwrite: bool,
     /// Seconds between two writings of the unfinished picture. `None` writes the picture at the end only.
@@ -95,12 +98,18 @@ impl PictureFiles {
     }
 
     /// Writes all files, and calls `tell` after each. If one cannot be written, the others still are.
-    pub(super) fn write(&self, picture: &Picture, attributes: &[(String, String)], tell: &dyn Fn(&Path)) -> Result<()> {
+    pub(super) fn write(
+        &self,
+        picture: &Picture,
+        denoised: Option<&Denoised>,
+        attributes: &[(String, String)],
+        tell: &dyn Fn(&Path),
+    ) -> Result<()> {
         let precision = if self.half { Precision::Half } else { Precision::Float };
         let write = |path: &PathBuf| {
             match files::has_extension(path, "png") {
-                true => png::write(path, &picture.image(), self.tone, self.exposure)?,
-                false => film::write_picture_as(path, picture, attributes, precision)?,
+                true => png::write(path, &shown(picture, denoised), self.tone, self.exposure)?,
+                false => film::write_picture_with(path, picture, attributes, precision, denoised)?,
             }
             tell(path);
             Ok(())
@@ -127,7 +136,16 @@ impl Picture {
     /// Where the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
         let files = PictureFiles { paths: vec![path.as_ref().to_path_buf()], ..PictureFiles::none() };
-        files.write(self, &[], &|_| {})
+        files.write(self, None, &[], &|_| {})
+    }
+}
+
+/// Colors that a PNG file shows: the denoised ones where there are some.
+fn shown(picture: &Picture, denoised: Option<&Denoised>) -> Image {
+    let plain = picture.image();
+    match denoised {
+        Some(denoised) => Image { pixels: denoised.pixels.clone(), ..plain },
+        None => plain,
     }
 }
 

@@ -74,7 +74,11 @@ impl Session {
                 watch.warn(&format!("{empty} of {all} pixels are black: the render ended before their first sample"));
             }
             self.output.pictures.half_warning(picture).iter().for_each(|warning| watch.warn(warning));
-            return self.write_pictures(picture, watch);
+            let denoised = self.output.denoiser.as_ref().map(|denoiser| denoiser.denoise_picture(picture)).transpose();
+            // A picture that cannot be denoised is still written.
+            let layer = denoised.as_ref().ok().and_then(Option::as_ref);
+            let written = self.write_pictures(picture, layer, watch);
+            return written.and(denoised.map(drop));
         }
         let message = "the render ended before the first sample, so no picture is written";
         match (watch.stop)() {

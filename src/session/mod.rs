@@ -35,6 +35,7 @@ mod setup;
 #[doc(hidden)]
 pub mod statistics;
 
+pub use crate::denoise::{DenoiseOptions, DeviceKind};
 #[doc(hidden)]
 pub use crate::film::identity;
 pub use files::OutputFiles;

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::film::Picture;
+use crate::denoise::Denoiser;
 use crate::film::ranges::SampleRanges;
+use crate::film::{Denoised, Picture};
 use crate::gpu::Context;
 use crate::image::{Image, metrics};
 use crate::renderer::{RenderState, Renderer, StepReport};
@@ -89,6 +90,8 @@ pub(super) struct Output {
     /// Seconds between two writings of the unfinished picture.
     pub write_every: Option<f64>,
     pub statistics: Option<PathBuf>,
+    /// The denoiser of the last picture, if one is wanted.
+    pub denoiser: Option<Denoiser>,
     pub safety_copy: SafetyCopy,
     pub last_write: Instant,
     /// Whether the last writing succeeded.
@@ -345,7 +348,7 @@ impl Session {
         if !is_due || self.is_done(watch) {
             return Ok(());
         }
-        let written = self.write_pictures(&self.renderer.picture()?, watch);
+        let written = self.write_pictures(&self.renderer.picture()?, None, watch);
         if let (Err(error), true) = (&written, self.output.is_writable) {
             // The render goes on, because the folder may be back or the disk may have room when it ends.
             watch.warn(&format!("{error}; the render goes on"));
@@ -355,7 +358,12 @@ impl Session {
     }
 
     /// Writes the picture's files. Their headers hold the settings, the sample numbers, the time, the device and the scene.
-    pub(super) fn write_pictures(&self, picture: &Picture, watch: &Watch<'_>) -> Result<()> {
+    pub(super) fn write_pictures(
+        &self,
+        picture: &Picture,
+        denoised: Option<&Denoised>,
+        watch: &Watch<'_>,
+    ) -> Result<()> {
         let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
         let mut attributes = identity::attributes(scene_hash, &self.settings);
         attributes.extend([
@@ -368,7 +376,7 @@ impl Session {
         if !kernels.is_empty() {
             attributes.push(("replaced_kernels".into(), kernels.join(", ")));
         }
-        self.output.pictures.write(picture, &attributes, &|path| watch.tell(Event::Written(path)))
+        self.output.pictures.write(picture, denoised, &attributes, &|path| watch.tell(Event::Written(path)))
     }
 }
 

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::denoise::Denoiser;
 use crate::encode::bvh::Bvh;
 use crate::encode::surfaces::Surfaces;
 use crate::gpu::Context;
@@ -125,6 +126,8 @@ impl Session {
         // Files that cannot be written are found before a large scene is read.
         options.files.as_ref().map_or(Ok(()), OutputFiles::check_writable)?;
         options.checkpoint.as_deref().map_or(Ok(()), files::check_writable)?;
+        let denoise = options.files.as_ref().and_then(|files| files.denoise.as_ref());
+        let denoiser = denoise.map(Denoiser::open).transpose()?;
         let begin = Instant::now();
         let (opened, loaded) = open_and_load(&input, options, watch);
         let (scene, load_seconds) = loaded?;
@@ -153,7 +156,7 @@ impl Session {
             length,
             subject,
             reference,
-            output: output(&wanted, pictures, checkpoint.as_ref()),
+            output: output(&wanted, pictures, denoiser, checkpoint.as_ref()),
             profiler: wanted.profile.map(|path| Profiler::start(path, &context)),
             profile: None,
             rescued: None,
@@ -419,12 +422,18 @@ fn checkpoint_file(earlier: Option<&Earlier>, options: &Options) -> Option<Check
     Some(CheckpointFile::new(path, options.checkpoint_every))
 }
 
-fn output(wanted: &OutputFiles, pictures: PictureFiles, checkpoint: Option<&CheckpointFile>) -> Output {
+fn output(
+    wanted: &OutputFiles,
+    pictures: PictureFiles,
+    denoiser: Option<Denoiser>,
+    checkpoint: Option<&CheckpointFile>,
+) -> Output {
     let intervals = wanted.write_interval().into_iter().chain(checkpoint.map(|file| file.every));
     Output {
         pictures,
         write_every: wanted.write_every,
         statistics: wanted.statistics.clone(),
+        denoiser,
         safety_copy: SafetyCopy::new(intervals.collect::<Vec<Duration>>()),
         last_write: Instant::now(),
         is_writable: true,

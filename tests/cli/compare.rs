@@ -51,10 +51,108 @@ fn compare_prints_the_metrics() {
     let metrics: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&metrics["mae"], &metrics["mean_ratio"]), (&1.0.into(), &2.0.into()));
     let output = lodestar(&["compare", &a, &b]).output().unwrap();
-    let names = ["mae_ldr", "mae", "mse", "relmse", "relmse_trim", "mean_ratio"];
+    let names = ["mae_ldr", "mae", "mse", "relmse", "relmse_trim", "smape", "flip", "mean_ratio"];
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(text.lines().map(|line| line.split(' ').next().unwrap()).collect::<Vec<_>>(), names);
 }
+
+/// Several pictures come as a list, and `--layer` measures another layer.
+#[test]
+fn several_pictures_have_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, reference] =
+        [("a.exr", 2.0), ("b.exr", 4.0), ("r.exr", 1.0)].map(|(name, value)| write(folder.path(), name, 3, value));
+    let output = lodestar(&["compare", &a, &b, &reference, "--json"]).output().unwrap();
+    let list: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&list[0]["picture"], &list[0]["mae"]), (&a.clone().into(), &1.0.into()));
+    assert_eq!((&list[1]["picture"], &list[1]["mae"]), (&b.clone().into(), &3.0.into()));
+    let text = String::from_utf8(lodestar(&["compare", &a, &b, &reference]).output().unwrap().stdout).unwrap();
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!((lines[0], lines[9], lines[10], lines.len()), (&a[..], "", &b[..], 19), "{text}");
+    let output = lodestar(&["compare", &a, &reference, "--layer", "albedo", "--json"]).output().unwrap();
+    let errors: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(errors["mae"], 1.0, "a black albedo against 1");
+    assert_sentence(
+        &lodestar(&["compare", &a, &reference, "--layer", "glow"]).output().unwrap(),
+        1,
+        &["no layer glow"],
+    );
+    assert_sentence(&lodestar(&["compare", &a]).output().unwrap(), 2, &["2 values"]);
+}
+
+/// Chromium, if it is installed.
+fn browser() -> Option<&'static str> {
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    let found = names.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
+    if found.is_none() {
+        eprintln!("skipped: there is no Chromium to open the page with");
+    }
+    found
+}
+
+/// Text of the page at the address, after its script has run.
+fn opened(browser: &str, page: &Path, wanted: &str) -> String {
+    let profile = tempfile::tempdir().unwrap();
+    let mut command = Command::new(browser);
+    command.args(["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000", "--dump-dom"]);
+    command.arg(format!("--user-data-dir={}", profile.path().display()));
+    let output = command.arg(format!("file://{}{wanted}", page.display())).output().unwrap();
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn the_report_works_in_a_browser() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, reference] =
+        [("a.exr", 2.0), ("b.exr", 1.25), ("r.exr", 1.0)].map(|(name, value)| write(folder.path(), name, 3, value));
+    let page = folder.path().join("report.html");
+    let html = page.to_str().unwrap();
+    assert!(lodestar(&["compare", &a, &b, &reference, "--html", html]).output().unwrap().status.success());
+    let missing = folder.path().join("missing/report.html");
+    let output = lodestar(&["compare", &a, &b, "--html", missing.to_str().unwrap()]).output().unwrap();
+    assert_sentence(&output, 1, &["report.html: cannot be written", "mkdir -p"]);
+    let Some(browser) = browser() else { return };
+    let text = opened(browser, &page, "#view=difference&measure=squared&picture=2");
+    for part in [
+        "data-ready=\"true\"",
+        "3 × 1 pixels",
+        "squared error of b.exr",
+        "Error map of a.exr",
+        "Error map of b.exr",
+        // The second picture has the least error: (1.25 - 1)^2.
+        "<td class=\"best\" title=\"the least error\">0.06250</td>",
+        // The map's brightest color is the first picture's error: (2 - 1)^2.
+        "id=\"ramp-end\">1.000<",
+    ] {
+        assert!(text.contains(part), "the page lacks {part}: {}", &text[text.len().saturating_sub(3000)..]);
+    }
+    assert!(opened(browser, &page, "").contains("a.exr on the left, r.exr on the right"));
+    let text = std::fs::read_to_string(&page).unwrap().replace("</body>", &format!("<script>{KEYS}</script></body>"));
+    std::fs::write(&page, text).unwrap();
+    let text = opened(browser, &page, "");
+    let (_, log) = text.split_once("data-log=\"").expect("the keys were pressed");
+    let log: Vec<_> = log.split('"').next().unwrap_or_default().split('|').collect();
+    let pixel = "pixel 1, 0   absolute error 0.2500";
+    assert_eq!(log, ["b.exr", "r.exr", "absolute error of b.exr", "52", "larger", pixel]);
+}
+
+/// Script that presses keys once the page is ready, and notes what the page shows.
+const KEYS: &str = r#"
+const timer = setInterval(() => {
+  if (!document.body.dataset.ready) return;
+  clearInterval(timer);
+  const log = [], press = (key, more = {}, on = document.body) =>
+    on.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true, ...more }));
+  press("2"); press("f"); log.push($("left").textContent);
+  press(" "); log.push($("left").textContent);
+  press("d"); log.push($("left").textContent);
+  press("s"); press("]"); log.push($("division").value);
+  const before = zoom(); press("+"); log.push(zoom() > before ? "larger" : "not larger");
+  press("Home"); press("ArrowRight", { shiftKey: true }, $("stage")); press("ArrowLeft", { shiftKey: true }, $("stage"));
+  log.push($("readout").textContent.split("\n")[0]);
+  document.body.dataset.log = log.join("|");
+}, 20);
+"#;
 
 #[test]
 fn compare_refuses_in_one_sentence() {

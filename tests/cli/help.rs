@@ -4,7 +4,7 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 11] = [
+const SUBCOMMANDS: [&str; 12] = [
     "render",
     "resume",
     "inspect",
@@ -12,6 +12,7 @@ const SUBCOMMANDS: [&str; 11] = [
     "info",
     "compare",
     "merge",
+    "denoise",
     "radiance",
     "view",
     "reproduce",

@@ -12,7 +12,9 @@ use crate::source::Source;
 const NEVER: &[(&[&str], &[&str], &str)] = &[
     (&["scene", "encode", "math", "image", "film"], &["gpu"], "what runs on the CPU knows nothing of the device"),
     (&["generated", "settings", "spirv"], &["gpu"], "plain data knows nothing of the device"),
-    (&["gpu"], &["scene", "renderer"], "gpu knows nothing of rendering"),
+    (&["gpu"], &["scene", "renderer", "denoise"], "gpu knows nothing of rendering"),
+    (&["denoise"], &["gpu", "renderer", "session"], "the denoiser knows pictures only"),
+    (&["scene", "encode", "math", "image", "film"], &["denoise"], "nothing but a file has a denoised layer"),
     (&["session", "renderer", "film", "reproduce"], &["view"], "a render knows nothing of who watches it"),
 ];
 

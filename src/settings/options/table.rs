@@ -153,6 +153,24 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..further(Output, "half", "")
     },
     OptionEntry {
+        short: "Denoise the last picture by Open Image Denoise",
+        long: "An .exr file has it as a layer of its own, denoised, beside the unbiased radiance; a .png file shows it. A denoised \
+               picture is biased. The library is not part of Lodestar.",
+        ..common(Output, "denoise", "")
+    },
+    OptionEntry {
+        short: "Folder of Open Image Denoise 2.x",
+        long: "Without it, the folder that LODESTAR_OIDN names counts, then the program's own folder, oidn within and beside that, and \
+               lib beside it, and then the system's libraries.",
+        ..further(Output, "oidn", "DIR")
+    },
+    OptionEntry {
+        short: "Device that denoises",
+        long: "On the processor, the bits are the same in each run.",
+        default: "cpu",
+        ..further(Output, "oidn-device", "cpu|sycl|cuda|hip|metal")
+    },
+    OptionEntry {
         short: "Replace a picture of another scene, too",
         long: "Without it, an .exr file that names another scene is an error. A picture of the same scene is always replaced.",
         ..further(Output, "overwrite", "")
