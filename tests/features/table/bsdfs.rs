@@ -59,9 +59,9 @@ fn add_dielectrics(table: &mut Table) {
     glass(table, "thindielectric", &bsdf("thindielectric", &tints));
     glass(table, "thindielectric-textured", &bsdf("thindielectric", &images));
     for distribution in DISTRIBUTIONS {
-        for alpha in ["0.05", "0.2", "0.6"] {
+        for (alpha, percent) in [("0.05", 5), ("0.2", 20), ("0.6", 60)] {
             let inside = string("distribution", distribution) + &float("alpha", alpha);
-            glass(table, &format!("roughdielectric-{distribution}-{alpha}"), &bsdf("roughdielectric", &inside));
+            glass(table, &format!("roughdielectric-{distribution}-{percent}"), &bsdf("roughdielectric", &inside));
         }
     }
     let inside = numbers("alpha", "numbers.png") + &tints;
@@ -75,9 +75,9 @@ fn add_conductors(table: &mut Table) {
     let image = bitmap("specular_reflectance", "colors.png", "");
     solid(table, "conductor-textured", &bsdf("conductor", &(string("material", "none") + &image)));
     for distribution in DISTRIBUTIONS {
-        for alpha in ["0.05", "0.2", "0.6"] {
+        for (alpha, percent) in [("0.05", 5), ("0.2", 20), ("0.6", 60)] {
             let inside = string("material", "Au") + &string("distribution", distribution) + &float("alpha", alpha);
-            solid(table, &format!("roughconductor-{distribution}-{alpha}"), &bsdf("roughconductor", &inside));
+            solid(table, &format!("roughconductor-{distribution}-{percent}"), &bsdf("roughconductor", &inside));
         }
         let inside = string("distribution", distribution) + &float("alpha_u", "0.05") + &float("alpha_v", "0.4");
         let name = format!("roughconductor-{distribution}-anisotropic");
@@ -98,9 +98,9 @@ fn add_plastics(table: &mut Table) {
     solid(table, "plastic-textured", &bsdf("plastic", &textured));
     thin(table, "plastic-twosided", &two_sided(&bsdf("plastic", &tint)));
     for distribution in DISTRIBUTIONS {
-        for alpha in ["0.05", "0.3"] {
+        for (alpha, percent) in [("0.05", 5), ("0.3", 30)] {
             let inside = string("distribution", distribution) + &float("alpha", alpha) + &tint;
-            solid(table, &format!("roughplastic-{distribution}-{alpha}"), &bsdf("roughplastic", &inside));
+            solid(table, &format!("roughplastic-{distribution}-{percent}"), &bsdf("roughplastic", &inside));
         }
     }
     let inside = tint + &on("nonlinear") + &float("alpha", "0.2");

@@ -1,7 +1,7 @@
 //! Cameras, films and reconstruction filters.
 
-use super::xml::{EYE, ball, default, film, float, integer, perspective, printed, sensor, sheet, sized_film, string};
-use super::{Class::Cameras, Table};
+use super::xml::{EYE, ball, default, film, float, integer, on, perspective, printed, sensor, sheet, sized_film, string};
+use super::{Class::Cameras, Known, Table};
 
 const BOX: &str = "<rfilter type='box'/>";
 
@@ -47,6 +47,11 @@ pub fn add(table: &mut Table) {
     ];
     for (name, filter) in filters {
         seen(table, name, &perspective(&fov, &film(filter)));
+        if name.ends_with("wide") {
+            table.known(Known::Small("a pixel at the border sees beyond it; in Mitsuba, only with `sample_border`"));
+        }
+        let border = on("sample_border") + filter;
+        seen(table, &format!("{name}-border"), &perspective(&fov, &film(&border)));
     }
     seen(table, "gaussian-crop", &perspective(&fov, &sized_film(40, 30, &(crop + filters[2].1))));
 }

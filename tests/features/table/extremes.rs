@@ -1,7 +1,13 @@
 //! Scales from 10^-6 to 10^6, places far from the origin, and large beside small.
 
 use super::xml::{area, bsdf, default, diffuse, film, float, placed, rgb, sensor, shape, string, two_sided};
-use super::{Class::Extremes, Reference, Stage, Table};
+use super::{Class::Extremes, Known, Reference, Stage, Table};
+
+/// Known difference of a ground of so many units.
+fn offset_of(size: &str) -> Known {
+    let reason = "ray offsets grow with the coordinates of the ground";
+    if size >= "1e5" { Known::Large(reason) } else { Known::Small(reason) }
+}
 
 /// The stage, scaled by `scale` and moved by `offset` after that, with a ball, a block and a mesh. Radiance does not depend on
 /// either.
@@ -66,10 +72,14 @@ pub fn add(table: &mut Table) {
     for (name, size) in [("1e1", "10"), ("1e2", "100"), ("1e3", "1000"), ("1e4", "10000"), ("1e5", "100000"), ("1e6", "1000000")] {
         let steps = placed(&format!("<scale value='{size}'/><rotate x='1' angle='-90'/>"));
         table.add(Extremes, format!("ground-rectangle-{name}"), |stage| on_ground(stage, &shape("rectangle", &(steps.clone() + &gray))));
+        if name >= "1e4" {
+            table.known(offset_of(name));
+        }
         if name >= "1e3" {
             table.add(Extremes, format!("ground-mesh-{name}"), |stage| {
                 on_ground(stage, &shape("obj", &(steps + &string("filename", "square.obj") + &gray)));
             });
+            table.known(offset_of(name));
         }
         table.add(Extremes, format!("ground-sphere-{name}"), |stage| {
             let place = format!("<point name='center' x='0' y='-{size}' z='0'/>") + &float("radius", size);
@@ -79,6 +89,9 @@ pub fn add(table: &mut Table) {
                 stage.reference = Reference::Like("ground-rectangle-1e4");
             }
         });
+        if name >= "1e4" {
+            table.known(offset_of(name));
+        }
     }
     for (name, gap) in [("carpet", "0.005"), ("carpet-thin", "0.0001")] {
         table.add(Extremes, name, |stage| {

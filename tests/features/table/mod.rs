@@ -10,6 +10,8 @@ pub mod xml;
 
 use std::fmt;
 
+use support::tier;
+
 use xml::{diffuse, film, lamp, path, perspective, wall};
 
 /// Classes of features. Each has a twin that must fail.
@@ -50,6 +52,11 @@ pub enum Known {
 }
 
 impl Known {
+    /// Whether this run must show the difference, where emitters are sampled.
+    pub fn shows(self) -> bool {
+        matches!(self, Self::Large(_)) || tier::is_full()
+    }
+
     pub fn reason(self) -> &'static str {
         match self {
             Self::Large(reason) | Self::Small(reason) => reason,
@@ -60,6 +67,8 @@ impl Known {
 /// Row of the table.
 pub struct Case {
     pub class: Class,
+    /// Number of the scene, from 1. It is the seed, so that noise of different scenes is independent.
+    pub number: u32,
     pub name: String,
     pub xml: String,
     pub reference: Reference,
@@ -74,7 +83,6 @@ pub struct Stage {
     pub lamp: String,
     pub subject: String,
     pub reference: Reference,
-    pub known: Option<Known>,
 }
 
 impl Stage {
@@ -87,7 +95,6 @@ impl Stage {
             lamp: lamp("9,8,6"),
             subject: String::new(),
             reference: Reference::Mitsuba,
-            known: None,
         }
     }
 }
@@ -101,10 +108,18 @@ impl Table {
     fn add(&mut self, class: Class, name: impl Into<String>, change: impl FnOnce(&mut Stage)) {
         let mut stage = Stage::new();
         change(&mut stage);
-        let Stage { integrator, sensor, room, lamp, subject, reference, known } = stage;
+        let Stage { integrator, sensor, room, lamp, subject, reference } = stage;
         let parts = [integrator, sensor, room, lamp, subject].join("\n");
         let xml = format!("<scene version='3.0.0'>\n{parts}\n</scene>\n");
-        self.0.push(Case { class, name: name.into(), xml, reference, known });
+        let number = self.0.len() as u32 + 1;
+        self.0.push(Case { class, number, name: name.into(), xml, reference, known: None });
+    }
+
+    /// Notes a known difference of the scene that was added last.
+    fn known(&mut self, known: Known) {
+        if let Some(case) = self.0.last_mut() {
+            case.known = Some(known);
+        }
     }
 
     /// Adds a scene with this subject.

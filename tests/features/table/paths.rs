@@ -1,7 +1,7 @@
 //! Integrators: depths, Russian roulette, hidden emitters.
 
 use super::xml::{ball, block, bsdf, default, diffuse, element, integer, on, path, rgb, shape, float, area};
-use super::{Class::Paths, Table, plain_subject};
+use super::{Class::Paths, Known, Table, plain_subject};
 
 pub fn add(table: &mut Table) {
     for depth in [1, 2, 3, 17] {
@@ -34,6 +34,7 @@ pub fn add(table: &mut Table) {
                 stage.subject += &element("emitter", "constant", &rgb("radiance", sky));
             }
         });
+        table.known(Known::Large("hidden lamps are black; in Mitsuba, the camera sees through them"));
     }
     table.show(Paths, "furnace-inside", {
         let inside = "<point name='center' x='0' y='1.2' z='2'/>".to_owned() + &float("radius", "6") + &on("flip_normals");
