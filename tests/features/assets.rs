@@ -159,7 +159,8 @@ fn write_images(folder: &Path) {
     png("normals.png", 16, &|x, y| [0.5 + 0.3 * phase(x).sin(), 0.5 + 0.2 * phase(y).cos(), 0.9]);
     let exr = |name: &str, width: u32, height: u32, texel: &(dyn Fn(u32, u32) -> [f64; 3] + Sync)| {
         let texel = |x: usize, y: usize| <(f32, f32, f32)>::from(texel(x as u32, y as u32).map(|value| value as f32));
-        exr::prelude::write_rgb_file(folder.join(name), width as usize, height as usize, texel).expect("an image written");
+        exr::prelude::write_rgb_file(folder.join(name), width as usize, height as usize, texel)
+            .expect("an image written");
     };
     exr("lights.exr", 4, 4, &|x, y| [0, 1, 2].map(|channel| 8.0 * noise(x, y, channel).powi(2)));
     // A sky that is brighter above, with a bright patch.

@@ -88,7 +88,9 @@ fn with_constants(spirv: &[u8], values: &HashMap<u32, u32>) -> Vec<u8> {
                 let operation = if value == 0 { OP_CONSTANT_FALSE } else { OP_CONSTANT_TRUE };
                 result.extend([3 << 16 | operation, instruction[1], instruction[2]]);
             }
-            (OP_SPEC_CONSTANT, Some(value)) => result.extend([4 << 16 | OP_CONSTANT, instruction[1], instruction[2], value]),
+            (OP_SPEC_CONSTANT, Some(value)) => {
+                result.extend([4 << 16 | OP_CONSTANT, instruction[1], instruction[2], value])
+            }
             _ => result.extend(instruction),
         }
     }

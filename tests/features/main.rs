@@ -105,20 +105,20 @@ impl<'a> Job<'a> {
 
     fn render(&self, context: &Arc<Context>, registry: &Registry, spp: u32) -> Blocks {
         let surfaces = Surfaces::new(&self.scene);
-        let mut renderer =
-            Renderer::with_surfaces(context, &self.scene, surfaces, &self.bvh, &self.settings, registry)
-                .unwrap_or_else(|error| panic!("{}: {error}", self.case.name));
+        let mut renderer = Renderer::with_surfaces(context, &self.scene, surfaces, &self.bvh, &self.settings, registry)
+            .unwrap_or_else(|error| panic!("{}: {error}", self.case.name));
         while renderer.samples_done() < spp {
             let samples = renderer.samples_of_next_step().min(spp - renderer.samples_done());
-            let report = renderer.step(samples, &|| false).unwrap_or_else(|error| panic!("{}: {error}", self.case.name));
+            let report =
+                renderer.step(samples, &|| false).unwrap_or_else(|error| panic!("{}: {error}", self.case.name));
             assert_eq!((report.counts.nonfinite, report.counts.overruns), (0, 0), "{}", self.case.name);
         }
         Blocks::of(&renderer.picture().expect("a picture"))
     }
 
-    /// Whether light can be found at all: the lights that no ray hits need emitter sampling.
+    /// Whether all light can be found: lights that rays never hit, or hardly ever, need emitter sampling.
     fn can_find_light(&self) -> bool {
-        self.method.nee || !self.scene.emitters.is_empty() || self.scene.environment.is_some()
+        self.method.nee || self.scene.delta_emitters.is_empty() && !self.case.is_hard_to_hit
     }
 }
 
@@ -247,7 +247,9 @@ impl Run {
             }
             let of = || rows.iter().filter(|row| row.case.name == *name);
             let Some(mean) = of().max_by(|a, b| a.verdict.z.abs().total_cmp(&b.verdict.z.abs())) else { continue };
-            let Some(block) = of().max_by(|a, b| a.verdict.worst.0.abs().total_cmp(&b.verdict.worst.0.abs())) else { continue };
+            let Some(block) = of().max_by(|a, b| a.verdict.worst.0.abs().total_cmp(&b.verdict.worst.0.abs())) else {
+                continue;
+            };
             let (ratio, z) = (mean.verdict.ratio, mean.verdict.z);
             let (worst_z, worst) = block.verdict.worst;
             let mark = if mean.case.known.is_some() { " (known)" } else { "" };

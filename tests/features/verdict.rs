@@ -111,6 +111,10 @@ impl Verdict {
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { ratio, z, worst, known, p } = self;
-        write!(f, "ratio {ratio:.4}, z {z:.1}, worst of {known} block values {:.3} with z {:.1}, p {p:.1e}", worst.1, worst.0)
+        write!(
+            f,
+            "ratio {ratio:.4}, z {z:.1}, worst of {known} block values {:.3} with z {:.1}, p {p:.1e}",
+            worst.1, worst.0
+        )
     }
 }

@@ -1,6 +1,9 @@
 //! BSDFs: each plugin, its roughness, textures on its parameters, and both sides.
 
-use super::xml::{ball, bitmap, block, bsdf, checkerboard, default, diffuse, element, float, numbers, on, rgb, sheet, string, two_sided};
+use super::xml::{
+    ball, bitmap, block, bsdf, checkerboard, default, diffuse, element, float, numbers, on, rgb, sheet, string,
+    two_sided,
+};
 use super::{Class::Bsdfs, Table};
 
 /// Adds a scene whose ball and block have this BSDF.
@@ -53,7 +56,8 @@ fn add_dielectrics(table: &mut Table) {
     glass(table, "dielectric", &bsdf("dielectric", &string("int_ior", "diamond")));
     let tints = rgb("specular_reflectance", "0.9,0.5,0.4") + &rgb("specular_transmittance", "0.4,0.6,0.9");
     glass(table, "dielectric-tinted", &bsdf("dielectric", &tints));
-    let images = bitmap("specular_reflectance", "colors.png", "") + &checkerboard("specular_transmittance", "0.9", "0.3");
+    let images =
+        bitmap("specular_reflectance", "colors.png", "") + &checkerboard("specular_transmittance", "0.9", "0.3");
     glass(table, "dielectric-textured", &bsdf("dielectric", &images));
     glass(table, "dielectric-inverted", &bsdf("dielectric", &(float("int_ior", "1") + &float("ext_ior", "1.5"))));
     glass(table, "thindielectric", &bsdf("thindielectric", &tints));
@@ -105,7 +109,11 @@ fn add_plastics(table: &mut Table) {
     }
     let inside = tint + &on("nonlinear") + &float("alpha", "0.2");
     solid(table, "roughplastic-nonlinear", &bsdf("roughplastic", &inside));
-    thin(table, "roughplastic-textured-twosided", &two_sided(&bsdf("roughplastic", &(textured + &float("alpha", "0.1")))));
+    thin(
+        table,
+        "roughplastic-textured-twosided",
+        &two_sided(&bsdf("roughplastic", &(textured + &float("alpha", "0.1")))),
+    );
 }
 
 fn add_principled(table: &mut Table) {

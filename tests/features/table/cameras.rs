@@ -1,6 +1,8 @@
 //! Cameras, films and reconstruction filters.
 
-use super::xml::{EYE, ball, default, film, float, integer, on, perspective, printed, sensor, sheet, sized_film, string};
+use super::xml::{
+    EYE, ball, default, film, float, integer, on, perspective, printed, sensor, sheet, sized_film, string,
+};
 use super::{Class::Cameras, Known, Table};
 
 const BOX: &str = "<rfilter type='box'/>";
@@ -22,7 +24,8 @@ pub fn add(table: &mut Table) {
         seen(table, &format!("perspective-{axis}"), &sensor);
     }
     seen(table, "focal-length", &pinhole(&string("focal_length", "70mm")));
-    let offset = float("fov", "40") + &float("principal_point_offset_x", "0.15") + &float("principal_point_offset_y", "-0.1");
+    let offset =
+        float("fov", "40") + &float("principal_point_offset_x", "0.15") + &float("principal_point_offset_y", "-0.1");
     seen(table, "principal-point", &pinhole(&offset));
     seen(table, "clips", &pinhole(&(float("fov", "40") + &float("near_clip", "4.9") + &float("far_clip", "6.2"))));
     let mirrored = format!("<scale x='-1'/>{EYE}");
@@ -37,7 +40,10 @@ pub fn add(table: &mut Table) {
     let stretched = format!("<scale x='2.5' y='1.5'/>{EYE}");
     seen(table, "orthographic-stretched", &sensor("orthographic", &stretched, "", &film(BOX)));
     let fov = float("fov", "40");
-    let crop = integer("crop_offset_x", 7) + &integer("crop_offset_y", 5) + &integer("crop_width", 24) + &integer("crop_height", 18);
+    let crop = integer("crop_offset_x", 7)
+        + &integer("crop_offset_y", 5)
+        + &integer("crop_width", 24)
+        + &integer("crop_height", 18);
     seen(table, "crop", &perspective(&fov, &sized_film(40, 30, &(crop.clone() + BOX))));
     let filters = [
         ("tent", "<rfilter type='tent'/>"),

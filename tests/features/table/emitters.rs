@@ -1,6 +1,8 @@
 //! Emitters: each plugin; lamps of every shape, mirrored and flipped, textured, far, tiny, huge, behind glass.
 
-use super::xml::{area, bitmap, bsdf, checkerboard, default, diffuse, element, float, lamp, on, placed, rgb, shape, string};
+use super::xml::{
+    area, bitmap, bsdf, checkerboard, default, diffuse, element, float, lamp, on, placed, rgb, shape, string,
+};
 use super::{Class::Emitters, Reference, Stage, Table, plain_subject};
 
 /// Shapes of lamps, each with its file.
@@ -21,7 +23,8 @@ const PLACEMENTS: [(&str, &str, bool); 4] = [
     ("uneven", "<scale x='1.5' y='0.6'/>", false),
 ];
 
-const TURN: &str = "<scale value='0.5'/><rotate y='1' angle='25'/><rotate x='1' angle='40'/><translate x='-0.2' y='1.1' z='0.4'/>";
+const TURN: &str =
+    "<scale value='0.5'/><rotate y='1' angle='25'/><rotate x='1' angle='40'/><translate x='-0.2' y='1.1' z='0.4'/>";
 
 /// A subject that glows, in the light of a weaker lamp above.
 fn glowing(stage: &mut Stage, plugin: &str, inside: &str) {
@@ -94,6 +97,7 @@ fn add_sizes(table: &mut Table) {
         table.add(Emitters, name, |stage| {
             only_sphere(stage, FAR, radius, radiance);
             stage.reference = Reference::Like("far-point");
+            stage.is_hard_to_hit = true;
         });
     }
     table.add(Emitters, "far-point", |stage| {
@@ -106,6 +110,7 @@ fn add_sizes(table: &mut Table) {
     table.add(Emitters, "tiny-sphere", |stage| {
         only_sphere(stage, "x='0.5' y='3.4' z='0.6'", "0.001", "4e6,3.6e6,3e6");
         stage.reference = Reference::Like("tiny-point");
+        stage.is_hard_to_hit = true;
     });
     table.add(Emitters, "tiny-point", |stage| {
         let position = "<point name='position' x='0.5' y='3.4' z='0.6'/>".to_owned();
@@ -123,6 +128,7 @@ fn add_sizes(table: &mut Table) {
             let steps = "<scale value='20'/><lookat origin='300,900,600' target='0,0,0' up='1,0,0'/>";
             stage.lamp = shape(plugin, &(placed(steps) + &area("1500,1300,1000")));
             stage.subject = white();
+            stage.is_hard_to_hit = true;
         });
     }
 }
@@ -133,7 +139,11 @@ fn add_glass(table: &mut Table) {
         shape("rectangle", &(placed(steps) + bsdf))
     };
     table.show(Emitters, "lamp-behind-glass", white() + &pane(&bsdf("thindielectric", "")));
-    table.show(Emitters, "lamp-behind-mask", white() + &pane(&bsdf("mask", &(float("opacity", "0.4") + &diffuse("0.6")))));
+    table.show(
+        Emitters,
+        "lamp-behind-mask",
+        white() + &pane(&bsdf("mask", &(float("opacity", "0.4") + &diffuse("0.6")))),
+    );
     table.add(Emitters, "lamp-in-glass", |stage| {
         let place = |radius| "<point name='center' x='-0.2' y='1.4' z='0.4'/>".to_owned() + &float("radius", radius);
         stage.lamp = shape("sphere", &(place("0.4") + &area("6,5,4")));
@@ -142,7 +152,13 @@ fn add_glass(table: &mut Table) {
     table.show(
         Emitters,
         "lamp-with-bsdf",
-        shape("sphere", &("<point name='center' x='0' y='0.8' z='0'/>".to_owned() + &float("radius", "0.6") + &diffuse("0.8,0.2,0.2") + &area("0.5,1,2"))),
+        shape(
+            "sphere",
+            &("<point name='center' x='0' y='0.8' z='0'/>".to_owned()
+                + &float("radius", "0.6")
+                + &diffuse("0.8,0.2,0.2")
+                + &area("0.5,1,2")),
+        ),
     );
 }
 
@@ -170,7 +186,11 @@ fn add_delta(table: &mut Table) {
         + &lamp("3,3,2");
     only("several", several);
     let weighted = emitter("point", &(at.to_owned() + &rgb("intensity", "3,1,1") + &float("sampling_weight", "5")))
-        + &shape("rectangle", &(placed(super::xml::ABOVE) + &element("emitter", "area", &(rgb("radiance", "3,3,2") + &float("sampling_weight", "0.2")))));
+        + &shape(
+            "rectangle",
+            &(placed(super::xml::ABOVE)
+                + &element("emitter", "area", &(rgb("radiance", "3,3,2") + &float("sampling_weight", "0.2")))),
+        );
     only("sampling-weights", weighted);
 }
 

@@ -24,16 +24,30 @@ fn moved(stage: &mut Stage, scale: f64, offset: [f64; 3]) {
     );
     let clips = float("near_clip", &(0.1 * scale).to_string()) + &float("far_clip", &(100.0 * scale).to_string());
     stage.sensor = sensor("perspective", &eye, &(float("fov", "40") + &clips), &film("<rfilter type='box'/>"));
-    let wall = |steps: &str, albedo: &str| shape("rectangle", &(put(&format!("<scale value='3'/>{steps}")) + &diffuse(albedo)));
+    let wall = |steps: &str, albedo: &str| {
+        shape("rectangle", &(put(&format!("<scale value='3'/>{steps}")) + &diffuse(albedo)))
+    };
     stage.room = wall("<rotate x='1' angle='-90'/>", "0.5,0.5,0.55") + &wall("<translate z='-2'/>", "0.6,0.3,0.2");
     stage.lamp = shape("rectangle", &(put(super::xml::ABOVE) + &area("9,8,6")));
     let plastic = bsdf("roughplastic", &(rgb("diffuse_reflectance", "0.2,0.5,0.7") + &float("alpha", "0.2")));
     let red = diffuse("0.7,0.3,0.2");
     stage.subject = default("size", "0.7")
         + &shape("sphere", &(put("<scale value='$size'/><translate x='-0.9' y='0.75'/>") + &plastic))
-        + &shape("cube", &(put("<scale value='0.35'/><rotate y='1' angle='30'/><translate x='0.9' y='0.36' z='0.6'/>") + &red))
-        + &shape("obj", &(put("<scale value='0.4'/><translate x='0.6' y='1.4' z='-0.4'/>") + &string("filename", "smooth.obj") + &red))
-        + &shape("disk", &(put("<scale value='0.3'/><rotate y='1' angle='-30'/><translate x='0' y='0.4' z='1.2'/>") + &two_sided(&red)));
+        + &shape(
+            "cube",
+            &(put("<scale value='0.35'/><rotate y='1' angle='30'/><translate x='0.9' y='0.36' z='0.6'/>") + &red),
+        )
+        + &shape(
+            "obj",
+            &(put("<scale value='0.4'/><translate x='0.6' y='1.4' z='-0.4'/>")
+                + &string("filename", "smooth.obj")
+                + &red),
+        )
+        + &shape(
+            "disk",
+            &(put("<scale value='0.3'/><rotate y='1' angle='-30'/><translate x='0' y='0.4' z='1.2'/>")
+                + &two_sided(&red)),
+        );
 }
 
 /// Objects of size 0.1 on a ground, seen from 1.1.
@@ -44,8 +58,11 @@ fn on_ground(stage: &mut Stage, ground: &str) {
     let steps = "<scale value='0.5'/><rotate x='1' angle='90'/><translate y='2' x='0.5'/>";
     stage.lamp = shape("rectangle", &(placed(steps) + &area("9,8,6")));
     let blue = diffuse("0.2,0.5,0.7");
-    stage.subject = shape("sphere", &("<point name='center' x='-0.12' y='0.08' z='0'/>".to_owned() + &float("radius", "0.08") + &blue))
-        + &shape("cube", &(placed("<scale x='0.1' y='0.03' z='0.1'/><translate x='0.12' y='0.03'/>") + &blue));
+    stage.subject =
+        shape(
+            "sphere",
+            &("<point name='center' x='-0.12' y='0.08' z='0'/>".to_owned() + &float("radius", "0.08") + &blue),
+        ) + &shape("cube", &(placed("<scale x='0.1' y='0.03' z='0.1'/><translate x='0.12' y='0.03'/>") + &blue));
 }
 
 pub fn add(table: &mut Table) {
@@ -69,9 +86,13 @@ pub fn add(table: &mut Table) {
         });
     }
     let gray = two_sided(&diffuse("0.6,0.6,0.6"));
-    for (name, size) in [("1e1", "10"), ("1e2", "100"), ("1e3", "1000"), ("1e4", "10000"), ("1e5", "100000"), ("1e6", "1000000")] {
+    for (name, size) in
+        [("1e1", "10"), ("1e2", "100"), ("1e3", "1000"), ("1e4", "10000"), ("1e5", "100000"), ("1e6", "1000000")]
+    {
         let steps = placed(&format!("<scale value='{size}'/><rotate x='1' angle='-90'/>"));
-        table.add(Extremes, format!("ground-rectangle-{name}"), |stage| on_ground(stage, &shape("rectangle", &(steps.clone() + &gray))));
+        table.add(Extremes, format!("ground-rectangle-{name}"), |stage| {
+            on_ground(stage, &shape("rectangle", &(steps.clone() + &gray)))
+        });
         if name >= "1e4" {
             table.known(offset_of(name));
         }
@@ -97,7 +118,8 @@ pub fn add(table: &mut Table) {
         table.add(Extremes, name, |stage| {
             let steps = placed("<scale value='1000'/><rotate x='1' angle='-90'/>");
             let lift = placed(&format!("<scale x='1' y='0.6'/><rotate x='1' angle='-90'/><translate y='{gap}'/>"));
-            stage.room = shape("rectangle", &(steps + &diffuse("0.6"))) + &shape("rectangle", &(lift + &two_sided(&diffuse("0.7,0.1,0.1"))));
+            stage.room = shape("rectangle", &(steps + &diffuse("0.6")))
+                + &shape("rectangle", &(lift + &two_sided(&diffuse("0.7,0.1,0.1"))));
             stage.subject = super::plain_subject("0.2,0.5,0.7");
         });
     }

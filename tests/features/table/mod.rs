@@ -73,6 +73,8 @@ pub struct Case {
     pub xml: String,
     pub reference: Reference,
     pub known: Option<Known>,
+    /// Whether the lamp is so small that paths hardly ever find it by chance.
+    pub is_hard_to_hit: bool,
 }
 
 /// Parts of a scene.
@@ -83,6 +85,7 @@ pub struct Stage {
     pub lamp: String,
     pub subject: String,
     pub reference: Reference,
+    pub is_hard_to_hit: bool,
 }
 
 impl Stage {
@@ -95,6 +98,7 @@ impl Stage {
             lamp: lamp("9,8,6"),
             subject: String::new(),
             reference: Reference::Mitsuba,
+            is_hard_to_hit: false,
         }
     }
 }
@@ -108,11 +112,11 @@ impl Table {
     fn add(&mut self, class: Class, name: impl Into<String>, change: impl FnOnce(&mut Stage)) {
         let mut stage = Stage::new();
         change(&mut stage);
-        let Stage { integrator, sensor, room, lamp, subject, reference } = stage;
+        let Stage { integrator, sensor, room, lamp, subject, reference, is_hard_to_hit } = stage;
         let parts = [integrator, sensor, room, lamp, subject].join("\n");
         let xml = format!("<scene version='3.0.0'>\n{parts}\n</scene>\n");
         let number = self.0.len() as u32 + 1;
-        self.0.push(Case { class, number, name: name.into(), xml, reference, known: None });
+        self.0.push(Case { class, number, name: name.into(), xml, reference, known: None, is_hard_to_hit });
     }
 
     /// Notes a known difference of the scene that was added last.

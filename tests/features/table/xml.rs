@@ -113,12 +113,16 @@ pub fn lamp(radiance: &str) -> String {
 
 /// A ball on the left.
 pub fn ball(inside: &str) -> String {
-    shape("sphere", &("<point name='center' x='-0.8' y='0.75' z='0'/><float name='radius' value='0.7'/>".to_owned() + inside))
+    shape(
+        "sphere",
+        &("<point name='center' x='-0.8' y='0.75' z='0'/><float name='radius' value='0.7'/>".to_owned() + inside),
+    )
 }
 
 /// A turned cube on the right.
 pub fn block(inside: &str) -> String {
-    let steps = "<scale value='0.5'/><rotate y='1' angle='30'/><rotate x='1' angle='20'/><translate x='0.9' y='0.8' z='0.3'/>";
+    let steps =
+        "<scale value='0.5'/><rotate y='1' angle='30'/><rotate x='1' angle='20'/><translate x='0.9' y='0.8' z='0.3'/>";
     shape("cube", &(placed(steps) + inside))
 }
 
