@@ -171,13 +171,13 @@ impl Session {
         &self.history
     }
 
-    /// Writes the unfinished picture into its files.
+    /// Writes the unfinished picture into its files, without denoising it.
     ///
     /// # Errors
     /// Where the device is lost or a file cannot be written.
     #[doc(hidden)]
     pub fn write_now(&self, watch: &Watch<'_>) -> Result<()> {
-        self.write_pictures(&self.picture()?, watch)
+        self.write_pictures(&self.picture()?, None, watch)
     }
 
     /// The settings of the render.
