@@ -27,6 +27,7 @@ mod setting_args;
 mod view;
 mod viewer_args;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -67,9 +68,9 @@ fn command() -> clap::Command {
     setting_args::described(Cli::command())
 }
 
-/// Parses the arguments, runs the subcommand and reports its failure as one sentence.
-pub fn run() -> ExitCode {
-    let parsed = command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+/// Parses the arguments, of which the first is the program's name, runs the subcommand and reports its failure as one sentence.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let parsed = command().try_get_matches_from(arguments).and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => return answer(&error),
