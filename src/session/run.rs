@@ -87,10 +87,18 @@ impl Session {
     /// # Errors
     /// Where the device is lost or a result would be wrong.
     pub fn step(&mut self, samples: u32) -> Result<Progress> {
+        self.step_watched(samples, &Watch::silent())
+    }
+
+    /// Takes samples like [`Session::step`] and tells `watch` every event. A step that `watch` stops is the last one.
+    ///
+    /// # Errors
+    /// Where [`Session::step`] fails.
+    pub fn step_watched(&mut self, samples: u32, watch: &Watch<'_>) -> Result<Progress> {
         let most = u32::MAX - self.settings.sample_offset.unwrap_or(0);
         let end = self.renderer.samples_done().saturating_add(samples).min(most);
         while self.can_step() && self.renderer.samples_done() < end {
-            self.advance(end - self.renderer.samples_done(), None, &Watch::silent())?;
+            self.advance(end - self.renderer.samples_done(), None, watch)?;
         }
         Ok(self.progress())
     }
