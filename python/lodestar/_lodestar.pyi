@@ -17,6 +17,45 @@ _Counts: TypeAlias = npt.NDArray[np.uint32]
 _Tone: TypeAlias = Literal["srgb", "paper"]
 
 # --- keywords: written from the table of options by tests/test_stubs.py
+
+@final
+class _Keywords(TypedDict, total=False):
+    scale: float | None
+    crop: tuple[int, int, int, int] | None
+    rfilter: Literal["box", "tent", "gaussian"] | None
+    checkpoint: _Path | None
+    checkpoint_every: float | str | None
+    noise: float | None
+    sampler: Literal["bsdf", "rejection-mix", "rejection", "sphere-inversion", "hemisphere-inversion", "product", "quadtree"] | None
+    max_depth: int | None
+    rr_depth: int | None
+    nee: bool | Literal["on", "off"] | None
+    pattern: Literal["independent", "sobol", "blue-noise"] | None
+    sample_offset: int | None
+    guide_set: Literal["diffuse", "authors", "all"] | None
+    learner: Literal["sarsa", "expected-sarsa", "monte-carlo", "irradiance-sarsa"] | None
+    expected_directions: int | None
+    mix: Literal["density", "acceptance"] | None
+    epsilon: float | None
+    bsdf_share: Literal["fixed", "learned"] | None
+    roulette: Literal["throughput", "contribution"] | None
+    map: Literal["equal-area", "cylindrical"] | None
+    grid: int | Literal["auto"] | None
+    fallback: float | None
+    directions: int | None
+    normals: int | None
+    spp_per_step: int | None
+    steps: Literal["growing", "even"] | None
+    sample_weights: Literal["even", "growing"] | None
+    decay: float | None
+    max_tries: int | None
+    min_uniform: float | None
+    slice_ms: float | None
+    execution: Literal["auto", "megakernel", "wavefront"] | None
+    samples_per_dispatch: int | None
+    kernel_dir: _Path | None
+    validate: bool | None
+
 # --- end of keywords
 
 @final

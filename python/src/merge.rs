@@ -14,7 +14,7 @@ use crate::scene::path_of;
 /// Averages pictures of one scene with disjoint samples, every pixel by its sample counts.
 ///
 /// Parts may differ in `sample_offset`, `seed`, length and device. All else must be alike, and no two parts may have a sample in
-/// common. Parts rendered with `sample_offset` (0 for the first) give the same bits however the samples are divided.
+/// common. Parts rendered with `sample_offset` (0 for the first) give the same bits in any order.
 ///
 /// Parameters
 /// ----------

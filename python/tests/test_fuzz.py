@@ -120,7 +120,7 @@ def test_any_transforms(first, second, third):
     attempt(lambda: transform @ first)
 
 
-RENDERER = lodestar.Renderer(room(), width=8, height=6, directions=4, grid=2)
+RENDERER = lodestar.Renderer(room(), width=8, height=6, directions=16, grid=2)
 
 
 @bounded

@@ -252,7 +252,7 @@ def test_without_a_driver_the_message_is_that_of_devices(cornell, tmp_path):
     assert by_command.returncode == 1
     sentences = told.stdout.splitlines()
     assert len(sentences) == 2 and sentences[0] == sentences[1]
-    assert by_command.stderr.strip() == f"error: {sentences[0]}" and "VK_" in sentences[0]
+    assert by_command.stderr.strip() == f"lodestar: error: {sentences[0]}" and "VK_" in sentences[0]
 
 
 def test_devices_are_listed():
@@ -262,11 +262,11 @@ def test_devices_are_listed():
 
 
 def test_the_guide_knows_where_light_comes_from(room_scene):
-    renderer = lodestar.Renderer(room_scene, nee=False, directions=8, grid=4)
+    renderer = lodestar.Renderer(room_scene, nee=False, directions=16, grid=4)
     renderer.step(64)
     guide = renderer.guide
     cells, bins = guide.radiance.shape
-    assert guide.cells.shape == (cells, 2, 3) and guide.directions.shape == (bins, 3) and bins == guide.side**2 == 64
+    assert guide.cells.shape == (cells, 2, 3) and guide.directions.shape == (bins, 3) and bins == guide.side**2 == 256
     assert np.allclose(np.linalg.norm(guide.directions, axis=1), 1)
     assert (guide.cells[:, 0] < guide.cells[:, 1]).all()
     # A point of the floor, before the ball: the lamp is above it.
@@ -274,7 +274,7 @@ def test_the_guide_knows_where_light_comes_from(room_scene):
     position, normal = guide.surface_at(pixel)
     assert abs(position[1]) < 0.01 and normal[1] > 0.99
     learned = guide.radiance_at(pixel)
-    assert learned.shape == (8, 8) and (learned == guide.radiance_at_point(position)).all()
+    assert learned.shape == (16, 16) and (learned == guide.radiance_at_point(position)).all()
     brightest = guide.directions[learned.argmax()]
     to_lamp = np.array([0, 1.9, 0]) - position
     assert brightest @ to_lamp / np.linalg.norm(to_lamp) > 0.85
@@ -318,20 +318,20 @@ def test_a_guide_is_used_again(sampler):
 
 
 def test_guides_that_do_not_fit_are_refused(room_scene):
-    renderer = lodestar.Renderer(room_scene, seed=1, directions=8)
+    renderer = lodestar.Renderer(room_scene, seed=1, directions=16)
     renderer.step(2)
     guide = renderer.guide
     with pytest.raises(lodestar.Error, match="--seed 1 already"):
-        lodestar.Renderer(room_scene, seed=1, directions=8, guide=guide)
+        lodestar.Renderer(room_scene, seed=1, directions=16, guide=guide)
     with pytest.raises(lodestar.Error, match="another directions"):
-        lodestar.Renderer(room_scene, seed=2, directions=16, guide=guide)
+        lodestar.Renderer(room_scene, seed=2, directions=32, guide=guide)
     with pytest.raises(TypeError):
         lodestar.Renderer(room_scene, guide=3)
     # A guide remembers all its teachers.
-    second = lodestar.Renderer(room_scene, seed=2, directions=8, guide=guide)
+    second = lodestar.Renderer(room_scene, seed=2, directions=16, guide=guide)
     second.step(1)
     with pytest.raises(lodestar.Error, match="--seed 1 already"):
-        lodestar.Renderer(room_scene, seed=1, directions=8, guide=second.guide)
+        lodestar.Renderer(room_scene, seed=1, directions=16, guide=second.guide)
 
 
 def test_checkpoints_are_kept_by_keyword(cornell, tmp_path):

@@ -5,7 +5,6 @@ import pathlib
 import re
 import subprocess
 import sys
-import sysconfig
 
 import lodestar
 
@@ -32,7 +31,7 @@ def kind(option):
     if words == ["on", "off"]:
         return 'bool | Literal["on", "off"]'
     if words:
-        return f"Literal[{', '.join(map('\"{}\"'.format, words))}]"
+        return "Literal[" + ", ".join(f'"{word}"' for word in words) + "]"
     return "float" if name in NUMBERS else "int"
 
 
@@ -84,8 +83,7 @@ def test_mypy_accepts_right_programs_and_refuses_wrong_ones(tmp_path):
     told = subprocess.run([sys.executable, "-m", "mypy", "--strict", "bad.py"], capture_output=True, text=True, cwd=tmp_path)
     faulty = {int(line.split(":")[1]) for line in told.stdout.splitlines() if ": error:" in line}
     assert faulty == set(range(2, 2 + len(BAD))), told.stdout
-    package = pathlib.Path(sysconfig.get_path("purelib")) / "lodestar"
-    run("mypy", "--strict", str(package), folder=tmp_path)
+    run("mypy", "--strict", "-p", "lodestar", folder=tmp_path)
 
 
 def test_help_teaches():

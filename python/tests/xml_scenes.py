@@ -42,9 +42,9 @@ def transform(node):
 
 
 class Reader:
-    def __init__(self, path):
+    def __init__(self, path, parameters):
         self.folder = pathlib.Path(path).parent
-        self.parameters = {}
+        self.parameters = parameters
         self.unnamed = 0
 
     def scene(self, path):
@@ -56,10 +56,11 @@ class Reader:
         return tree.parse(path).getroot()
 
     def substituted(self, node):
-        for name, text in node.attrib.items():
-            for key, value in self.parameters.items():
-                text = text.replace(f"${key}", value)
-            node.set(name, text)
+        for inner in node.iter():
+            for name, text in inner.attrib.items():
+                for key, value in self.parameters.items():
+                    text = text.replace(f"${key}", value)
+                inner.set(name, text)
         return node
 
     def children(self, node, into):
@@ -116,6 +117,6 @@ class Reader:
                 raise NotImplementedError(other)
 
 
-def as_dictionary(path):
+def as_dictionary(path, **defines):
     """The scene of an XML file as a dictionary."""
-    return Reader(path).scene(path)
+    return Reader(path, defines).scene(path)

@@ -4,7 +4,9 @@ use glam::{DVec3, Vec3};
 
 use super::Renderer;
 use crate::encode::cells::Cells;
+use crate::encode::cosine_trees::{Node, nodes_per_tree};
 use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
+use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
 use crate::math::direction_map::bin_center;
 use crate::renderer::persistent::Persistent;
 use crate::renderer::state::StatePart;
@@ -105,33 +107,46 @@ impl Renderer {
         }
         let centers = self.cells.boxes().into_iter().map(|[low, high]| 0.5 * (low + high));
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
-        let bins = self.settings.directions.pow(2) as usize;
-        let share_words = (SHARE_WORDS * SHARES_PER_CELL) as usize;
-        let shares = if self.settings.learns_share() { share_words } else { 0 };
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
-            let old_count = guide.cells.count() as usize;
-            let bytes = match part.name {
-                _ if guide.cells == self.cells => saved.bytes.clone(),
-                "radiance" => {
-                    let (radiance, of_shares) = saved.bytes.split_at(old_count * bins * size_of::<f32>());
-                    let mut bytes = copied(radiance, bins * size_of::<f32>(), &sources);
-                    bytes.extend(copied(of_shares, shares * size_of::<f32>(), &sources));
-                    bytes
-                }
-                "marked normalizers" => {
-                    let bits = self.settings.normal_resolution().pow(2) as usize;
-                    copied_bits(&saved.bytes, bits, &sources, part.len_bytes() as usize)
-                }
-                _ => copied(&saved.bytes, saved.bytes.len() / old_count.max(1), &sources),
+            let length = part.len_bytes() as usize;
+            let mut bytes = match guide.cells == self.cells {
+                true => saved.bytes.clone(),
+                false => self.copied_part(part.name, &saved.bytes, guide.cells.count() as usize, &sources),
             };
-            if bytes.len() as u64 != part.len_bytes() {
-                let (name, theirs, ours) = (part.name, bytes.len(), part.len_bytes());
-                return Err(Error::Render(format!("the guide's {name} have {theirs} bytes, but {ours} are needed")));
+            if bytes.len() > length {
+                let (name, theirs) = (part.name, bytes.len());
+                return Err(Error::Render(format!("the guide's {name} have {theirs} bytes, but only {length} fit")));
             }
+            // Buffers are longer than their content by some bytes that are never read.
+            bytes.resize(length, 0);
             part.write(&bytes)?;
         }
         self.earlier_seeds = guide.seeds.clone();
         Ok(())
+    }
+
+    /// Content of one part of a guide with `old_count` cells, for cells that take what `sources` have.
+    fn copied_part(&self, name: &str, bytes: &[u8], old_count: usize, sources: &[usize]) -> Vec<u8> {
+        let Settings { sampler, directions, .. } = self.settings;
+        let bins = directions.pow(2) as usize;
+        let normals = self.settings.normal_resolution().pow(2) as usize;
+        match name {
+            "radiance" => {
+                let shares = if self.settings.learns_share() { (SHARE_WORDS * SHARES_PER_CELL) as usize } else { 0 };
+                let (radiance, of_shares) = bytes.split_at(old_count * bins * size_of::<f32>());
+                let mut copy = copied(radiance, bins * size_of::<f32>(), sources);
+                copy.extend(copied(of_shares, shares * size_of::<f32>(), sources));
+                copy
+            }
+            "learned radiance" => copied(bytes, bins * size_of::<LearnedRadiance>(), sources),
+            "bin ends" if sampler == Sampler::SphereInversion => copied(bytes, bins * size_of::<u32>(), sources),
+            "radiance nodes" if sampler == Sampler::Product => {
+                copied(bytes, nodes_per_tree(directions) as usize * size_of::<Node>(), sources)
+            }
+            "normalizers" => copied(bytes, normals * size_of::<NormalizationEntry>(), sources),
+            "marked normalizers" => copied_bits(bytes, normals, sources),
+            _ => Vec::new(),
+        }
     }
 
     /// Memory of the device that the guide has between two steps.
@@ -146,9 +161,9 @@ fn copied(bytes: &[u8], size: usize, sources: &[usize]) -> Vec<u8> {
     sources.iter().flat_map(|source| &bytes[source * size..(source + 1) * size]).copied().collect()
 }
 
-/// Blocks of `size` bits, one for each source, in `length` bytes. The lowest bit of a byte is the first.
-fn copied_bits(bytes: &[u8], size: usize, sources: &[usize], length: usize) -> Vec<u8> {
-    let mut copy = vec![0; length];
+/// Blocks of `size` bits, one for each source. The lowest bit of a byte is the first.
+fn copied_bits(bytes: &[u8], size: usize, sources: &[usize]) -> Vec<u8> {
+    let mut copy = vec![0; (size * sources.len()).div_ceil(8)];
     for (block, source) in sources.iter().enumerate() {
         for bit in 0..size {
             let (from, to) = (source * size + bit, block * size + bit);
