@@ -11,8 +11,6 @@ error of a picture, `merge` joins parts of one. `devices` lists the devices, `op
 goes wrong raises `lodestar.Error` with one sentence that says what to do.
 """
 
-from importlib.metadata import version as _version
-
 from ._lodestar import (
     Error,
     Guide,
@@ -20,6 +18,7 @@ from ._lodestar import (
     Renderer,
     ScalarTransform4f,
     Scene,
+    __version__,
     compare,
     devices,
     load,
@@ -29,8 +28,6 @@ from ._lodestar import (
     resume,
 )
 
-__version__ = _version("lodestar-render")
-
 __all__ = [
     "Error",
     "Guide",
@@ -38,6 +35,7 @@ __all__ = [
     "Renderer",
     "ScalarTransform4f",
     "Scene",
+    "__version__",
     "compare",
     "devices",
     "load",

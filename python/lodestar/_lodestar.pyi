@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from typing_extensions import TypeAlias, Unpack
 
+__version__: str
+
 _Path: TypeAlias = str | PathLike[str]
 _SceneLike: TypeAlias = Scene | _Path | Mapping[str, Any]
 _PictureLike: TypeAlias = Picture | _Path | npt.NDArray[Any]

@@ -22,6 +22,10 @@ mod transform;
 /// Compiled part of the package `lodestar`.
 #[pyo3::pymodule]
 mod _lodestar {
+    /// Version of the package and of the library.
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::command::run_command;
     #[pymodule_export]

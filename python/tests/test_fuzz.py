@@ -3,6 +3,7 @@
 import os
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -45,6 +46,15 @@ values = st.recursive(
 )
 
 
+@pytest.fixture(autouse=True, scope="module")
+def folder(tmp_path_factory):
+    """A folder of their own for files that a fuzzed name may make."""
+    before = os.getcwd()
+    os.chdir(tmp_path_factory.mktemp("fuzz"))
+    yield
+    os.chdir(before)
+
+
 def attempt(call, *arguments, **keywords):
     try:
         return call(*arguments, **keywords)
@@ -58,7 +68,7 @@ TINY = {"type": "scene", "a": {"type": "sphere"}}
 @bounded
 @given(st.dictionaries(st.sampled_from([name for name in NAMES if name != "kernel_dir"]), values, max_size=4))
 def test_any_settings(keywords):
-    # `-1` is no device, so no render begins, and what a render would refuse later is not reached either.
+    # There is no such device, so no render begins.
     attempt(lodestar.Renderer, TINY, **{**keywords, "device": "no such device"})
 
 

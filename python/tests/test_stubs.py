@@ -87,7 +87,7 @@ def test_mypy_accepts_right_programs_and_refuses_wrong_ones(tmp_path):
 
 
 def test_help_teaches():
-    for name in lodestar.__all__:
+    for name in (name for name in lodestar.__all__ if not name.startswith("_")):
         thing = getattr(lodestar, name)
         assert thing.__doc__ and len(thing.__doc__) > 40, name
         for member in (vars(thing) if isinstance(thing, type) and name != "Error" else []):

@@ -222,7 +222,6 @@ impl Session {
             list(kernels)
         )))
     }
-
 }
 
 impl<'a> Start<'a> {

@@ -11,9 +11,9 @@ use super::element::{Element, Location, MESH, MESH_INDEX};
 use super::faults::Faults;
 use super::folders::Folders;
 use super::{load, plugins, transform};
+use crate::Result;
 use crate::scene::Scene;
 use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
-use crate::Result;
 
 /// Name of the whole dictionary, with which the path of every entry begins.
 const ROOT: &str = "scene";
@@ -307,7 +307,8 @@ fn check_count(key: &str, count: usize, vertices: usize, location: &Location) ->
     if count == vertices {
         return Ok(());
     }
-    Err(location.error(format!("its `{key}` has {count} rows, but there are {vertices} vertices; give one row for each")))
+    Err(location
+        .error(format!("its `{key}` has {count} rows, but there are {vertices} vertices; give one row for each")))
 }
 
 /// Rows of an array of `N` columns, as finite single-precision numbers.
@@ -331,7 +332,8 @@ fn faces(value: &Value, vertices: usize, location: &Location) -> Result<Vec<[u32
     }
     let is_index = |value: &f64| value.fract() == 0.0 && (0.0..vertices as f64).contains(value);
     if let Some(wrong) = values.iter().position(|value| !is_index(value)) {
-        let message = format!("row {} of its `faces` has {}, but there are {vertices} vertices", wrong / 3, values[wrong]);
+        let message =
+            format!("row {} of its `faces` has {}, but there are {vertices} vertices", wrong / 3, values[wrong]);
         return Err(location.error(message));
     }
     Ok(values.chunks_exact(3).map(|row| [row[0] as u32, row[1] as u32, row[2] as u32]).collect())
