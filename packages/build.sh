@@ -63,7 +63,7 @@ share=$dist/share
 mkdir -p "$dist/bin" "$share/man/man1" "$share/bash-completion/completions" "$share/zsh/vendor-completions" \
   "$share/fish/vendor_completions.d" "$share/doc/lodestar" "$share/lodestar/scenes"
 cp "$program" "$dist/bin"
-(cd "$root" && LODESTAR_WRITE_MANUAL=$share/man/man1 cargo test --release --quiet --bin lodestar manual)
+(cd "$root" && LODESTAR_WRITE_MANUAL=$share/man/man1 cargo test --release --quiet --lib manual)
 "$program" completions bash >"$share/bash-completion/completions/lodestar"
 "$program" completions zsh >"$share/zsh/vendor-completions/_lodestar"
 "$program" completions fish >"$share/fish/vendor_completions.d/lodestar.fish"

@@ -16,6 +16,9 @@
 #![doc = include_str!("../docs/architecture.md")]
 #![deny(missing_docs)]
 
+// The command line reads as a program that uses the library.
+extern crate self as lodestar;
+
 use std::path::Path;
 
 pub mod scene;
@@ -23,6 +26,8 @@ pub mod session;
 pub mod settings;
 
 // The hidden modules are for the command line, the tests and the benches. They are no public API and may change in any version.
+#[doc(hidden)]
+pub mod cli;
 #[doc(hidden)]
 pub mod denoise;
 #[doc(hidden)]

@@ -1,8 +1,6 @@
 //! Entry point of the `lodestar` command line.
 #![deny(missing_docs)]
 
-mod cli;
-
 fn main() -> std::process::ExitCode {
-    cli::run()
+    lodestar::cli::run(std::env::args_os())
 }

@@ -12,8 +12,8 @@ cd "$(dirname "$0")/.."
 export LODESTAR_FULL=1
 
 # Parts, and the day of the week of each.
-PARTS=(references render samplers claims pictures interruptions builds features)
-DAYS=(Monday Tuesday Wednesday Thursday Friday Saturday Sunday Monday)
+PARTS=(references render samplers claims pictures interruptions builds features python)
+DAYS=(Monday Tuesday Wednesday Thursday Friday Saturday Sunday Monday Sunday)
 
 suite() { cargo test --release --test "$@"; }
 
@@ -59,6 +59,8 @@ run() { # PART
     interruptions) suite cli -- kills faults ;;
     # An unoptimized build, and a build with another shaderc.
     builds) test_unoptimized && test_shaderc_from_source ;;
+    # The wheel, installed away from the repository.
+    python) python/test.sh ;;
     *) echo "tests/long.sh: no part \`$1\`; the parts are: ${PARTS[*]}" >&2; exit 2 ;;
   esac
 }

@@ -28,12 +28,15 @@ mod setting_args;
 mod view;
 mod viewer_args;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::error::ErrorKind as UsageError;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use lodestar::session::Options;
+use lodestar::{Error, Result};
 
 use print::report;
 
@@ -69,9 +72,9 @@ fn command() -> clap::Command {
     setting_args::described(Cli::command())
 }
 
-/// Parses the arguments, runs the subcommand and reports its failure as one sentence.
-pub fn run() -> ExitCode {
-    let parsed = command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+/// Parses the arguments, of which the first is the program's name, runs the subcommand and reports its failure as one sentence.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let parsed = command().try_get_matches_from(arguments).and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => return answer(&error),
@@ -97,6 +100,23 @@ pub fn run() -> ExitCode {
     })
 }
 
+/// Options of a new or a resumed render that arguments of `lodestar render` or `lodestar resume` stand for, such as
+/// `--spp=64`. Files of the picture are left out.
+///
+/// # Errors
+/// [`Error::Settings`] for wrong usage, as the command line prints it.
+pub fn options(subcommand: &str, arguments: impl IntoIterator<Item = String>) -> Result<Options> {
+    // The file stands for the scene or the checkpoint, which the options do not hold.
+    let arguments = ["lodestar", subcommand, "file"].map(str::to_owned).into_iter().chain(arguments);
+    let parsed = command().try_get_matches_from(arguments).and_then(|matches| Cli::from_arg_matches(&matches));
+    match parsed.map(|cli| cli.command) {
+        Ok(Command::Render(args)) => Ok(render::options(*args)),
+        Ok(Command::Resume(args)) => Ok(resume::options(*args)),
+        Ok(_) => Err(Error::Settings(format!("`{subcommand}` does not render"))),
+        Err(error) => Err(Error::Settings(fault(&error.to_string()))),
+    }
+}
+
 /// Catches the signal that a write beyond the limit of `ulimit -f` sends. The write then fails, instead of ending the process
 /// before its other files are written.
 fn take_file_size_limits_as_errors() {
@@ -115,8 +135,13 @@ fn answer(error: &clap::Error) -> ExitCode {
     if error.use_stderr() { ExitCode::from(WRONG_USAGE) } else { ExitCode::SUCCESS }
 }
 
-/// First paragraph of clap's message and its tips on names that are similar, on one line.
+/// The fault in the arguments, and where to read about them.
 fn usage_sentence(message: &str) -> String {
+    format!("{}; --help lists the possible arguments", fault(message))
+}
+
+/// First paragraph of clap's message and its tips on names that are similar, on one line.
+fn fault(message: &str) -> String {
     let mut paragraphs = message.split("\n\n").map(|paragraph| {
         let lines: Vec<_> = paragraph.lines().map(str::trim).collect();
         lines.join(" ")
@@ -128,7 +153,7 @@ fn usage_sentence(message: &str) -> String {
             sentence += &format!("; {tip}");
         }
     }
-    format!("{sentence}; --help lists the possible arguments")
+    sentence
 }
 
 #[cfg(test)]

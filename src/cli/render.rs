@@ -1,5 +1,6 @@
 //! `lodestar render`: renders a scene, shows progress and writes the files.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use lodestar::Result;
@@ -16,9 +17,18 @@ pub fn run(args: RenderArgs) -> Result<ExitCode> {
     let console = Console::new(&args.files);
     let start = Start::Anew(SceneInput::File { path: args.scene, defines: args.define });
     let options = args.device.add_to(args.length.add_to(args.choices.options()));
-    let options = with(options, args.checkpoint, Options::checkpoint);
-    let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
+    let options = with_checkpoint(options, args.checkpoint, args.checkpoint_every).files(args.files.into());
     render(start, &options, &console, &args.viewers.into())
+}
+
+/// Options that `args` stand for, without the scene and the files of the picture.
+pub fn options(args: RenderArgs) -> Options {
+    let options = args.device.add_to(args.length.add_to(args.choices.options()));
+    with_checkpoint(options, args.checkpoint, args.checkpoint_every)
+}
+
+fn with_checkpoint(options: Options, checkpoint: Option<PathBuf>, every: f64) -> Options {
+    with(options, checkpoint, Options::checkpoint).checkpoint_every(every)
 }
 
 /// Renders from the beginning or from a checkpoint, and shows the progress and the end.

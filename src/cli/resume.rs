@@ -36,6 +36,11 @@ pub struct ResumeArgs {
     device: DeviceArgs,
 }
 
+/// Options that `args` stand for, without the files of the picture.
+pub fn options(args: ResumeArgs) -> Options {
+    args.device.add_to(args.length.add_to(Options::new())).checkpoint_every(args.checkpoint_every)
+}
+
 /// Goes on with the render.
 pub fn run(args: ResumeArgs) -> Result<ExitCode> {
     let console = Console::new(&args.files);

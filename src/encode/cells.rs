@@ -28,6 +28,8 @@ pub struct Cells {
     /// without surfaces has the next cell. Second, the parent of every cell, `NONE` for the last. Third, the first
     /// child of every parent, and one end marker.
     pub table: Vec<u32>,
+    /// Place of every cell that holds surfaces.
+    places: Vec<UVec3>,
     levels: Vec<Range<u32>>,
     /// Morton keys of the places that hold surfaces, in the order of their cells.
     keys: Vec<u64>,
@@ -55,24 +57,24 @@ impl Cells {
 
     /// No cells, for renders that learn nothing.
     pub fn none(bvh: &Bvh) -> Self {
-        Self { grid: Grid::new(bvh, UVec3::ONE), table: Vec::new(), levels: Vec::new(), keys: Vec::new() }
+        let (table, places, levels, keys) = Default::default();
+        Self { grid: Grid::new(bvh, UVec3::ONE), table, places, levels, keys }
     }
 
     fn of_places(grid: Grid, is_occupied: &[bool]) -> Self {
-        let mut keys: Vec<u64> = Grid::places(UVec3::ZERO, grid.size - 1)
-            .filter(|&place| is_occupied[grid.index(place)])
-            .map(morton_key)
-            .collect();
-        if keys.is_empty() {
-            keys.push(0);
+        let mut occupied: Vec<UVec3> =
+            Grid::places(UVec3::ZERO, grid.size - 1).filter(|&place| is_occupied[grid.index(place)]).collect();
+        if occupied.is_empty() {
+            occupied.push(UVec3::ZERO);
         }
-        keys.sort_unstable();
+        occupied.sort_unstable_by_key(|&place| morton_key(place));
+        let keys: Vec<u64> = occupied.iter().copied().map(morton_key).collect();
         let places = Grid::places(UVec3::ZERO, grid.size - 1).map(|place| cell_or_next(&keys, morton_key(place)));
         let mut table: Vec<u32> = places.collect();
         let (parents, first_children, levels) = ancestry(keys.clone());
         table.extend(parents);
         table.extend(first_children);
-        Self { grid, table, levels, keys }
+        Self { grid, table, places: occupied, levels, keys }
     }
 
     /// Number of cells that hold surfaces.
@@ -88,6 +90,12 @@ impl Cells {
     /// Ranges of the parent cells, level by level, from the smallest cells to the largest.
     pub fn parent_levels(&self) -> &[Range<u32>] {
         self.levels.get(1..).unwrap_or_default()
+    }
+
+    /// Lower and upper corner of every cell that holds surfaces, world space.
+    pub fn boxes(&self) -> Vec<[Vec3; 2]> {
+        let corner = |place: UVec3| self.grid.origin + place.as_vec3() / self.grid.per_unit;
+        self.places.iter().map(|&place| [corner(place), corner(place + UVec3::ONE)]).collect()
     }
 
     /// Cell of a point on a surface, as `grid_cell` of `glsl/include/guide/grid/cells.glsl` finds it.

@@ -12,12 +12,17 @@ use crate::files::write_whole;
 
 /// Writes `image`, scaled by `2^exposure_stops` and shown through `curve`, to a PNG file.
 pub fn write(path: &Path, image: &Image, curve: ToneCurve, exposure_stops: f32) -> Result<()> {
+    write_whole(path, |writer| encode(writer, image, curve, exposure_stops))
+}
+
+/// Writes like [`write`], but to any writer.
+///
+/// # Errors
+/// Where the writer fails, or the image has no pixels.
+pub fn encode(writer: impl io::Write, image: &Image, curve: ToneCurve, exposure_stops: f32) -> io::Result<()> {
     let bytes = display_bytes(image, curve, exposure_stops);
-    write_whole(path, |writer| {
-        PngEncoder::new(writer)
-            .write_image(&bytes, image.width, image.height, ExtendedColorType::Rgb8)
-            .map_err(io::Error::other)
-    })
+    let encoder = PngEncoder::new(writer);
+    encoder.write_image(&bytes, image.width, image.height, ExtendedColorType::Rgb8).map_err(io::Error::other)
 }
 
 fn display_bytes(image: &Image, curve: ToneCurve, exposure_stops: f32) -> Vec<u8> {

@@ -12,10 +12,12 @@
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
 //! | state that a later render goes on from | `state.rs`, `restore.rs` |
+//! | guides that later renders begin with | `learned_guide.rs` |
 
 mod film_store;
 mod guide_cells;
 mod learn;
+mod learned_guide;
 mod memory_needs;
 mod persistent;
 mod restore;
@@ -31,6 +33,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+pub use learned_guide::LearnedGuide;
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
@@ -66,6 +69,8 @@ pub struct Renderer {
     /// Whether the environment is seen behind the surfaces.
     has_background: bool,
     view: View,
+    /// Seeds of the renders that have taught the guide before this one.
+    earlier_seeds: Vec<u32>,
     samples_done: u32,
     stopped: bool,
     at_step_end: bool,

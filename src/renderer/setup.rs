@@ -89,6 +89,7 @@ impl Renderer {
             has_background: scene.environment.is_some() && !settings.hide_emitters,
             view: View::new(&scene.camera, settings.width, settings.height),
             cells,
+            earlier_seeds: Vec::new(),
             samples_done: 0,
             stopped: false,
             at_step_end: true,

@@ -35,7 +35,7 @@ impl Session {
             false => checkpoints.finish(renderer, history),
         });
         let statistics = self.output.statistics.as_ref();
-        let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &self.statistics(errors)));
+        let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &self.statistics_with(errors)));
         rendered.and(written).and(kept).and(statistics)
     }
 
@@ -105,8 +105,15 @@ impl Session {
         }
     }
 
+    /// All numbers about the render so far, as `--stats` writes them. The error of the picture is measured at the end of a
+    /// render only.
+    #[doc(hidden)]
+    pub fn statistics(&self) -> Statistics {
+        self.statistics_with(self.history.steps.last().and_then(|step| step.errors))
+    }
+
     /// All numbers about the render so far; `errors` is the error of the last picture.
-    fn statistics(&self, errors: Option<Metrics>) -> Statistics {
+    pub(super) fn statistics_with(&self, errors: Option<Metrics>) -> Statistics {
         let device = self.context.device().clone();
         let spp = self.renderer.samples_done().into();
         let sums =

@@ -9,12 +9,14 @@
 //! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when it is written), `film/identity.rs` (which render it belongs to) |
 //! | copies of the picture in case the device is lost | `safety_copy.rs` |
 //! | statistics and times | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
+//! | what later renders begin with, on demand | `continuation.rs` |
 //! | events for a caller | `progress.rs` |
 //! | what the guide has learned | `guide.rs` |
 
 #[doc(hidden)]
 pub mod checkpoint;
 mod checkpoints;
+mod continuation;
 mod files;
 mod finish;
 mod guide;

@@ -79,6 +79,8 @@ pub(super) struct Subject {
     pub scene_name: String,
     pub scene_path: PathBuf,
     pub scene_hash: String,
+    /// File of the scene, with the replacements of its `<default>` values; `None` for a scene made in memory.
+    pub source: Option<(PathBuf, Vec<(String, String)>)>,
     /// Files that stand in for built-in kernels, with their hashes.
     pub kernels: Vec<String>,
     pub times: SetupTimes,
@@ -106,13 +108,40 @@ impl Session {
     /// # Errors
     /// Where the device is lost or a result would be wrong.
     pub fn step(&mut self, samples: u32) -> Result<Progress> {
+        self.step_watched(samples, &Watch::silent())
+    }
+
+    /// Takes samples like [`Session::step`] and tells `watch` every event. A step that `watch` stops is the last one.
+    ///
+    /// # Errors
+    /// Where [`Session::step`] fails.
+    pub fn step_watched(&mut self, samples: u32, watch: &Watch<'_>) -> Result<Progress> {
         let most = u32::MAX - self.settings.sample_offset.unwrap_or(0);
         let end = self.renderer.samples_done().saturating_add(samples).min(most);
         while self.can_step() && self.renderer.samples_done() < end {
-            self.advance(end - self.renderer.samples_done(), None, &Watch::silent())?;
+            self.advance(end - self.renderer.samples_done(), None, watch)?;
         }
         self.origin.cuts.push(self.renderer.samples_done());
         Ok(self.progress())
+    }
+
+    /// Takes the next step of the render. Returns false, without a step, where a limit is reached or `watch` stops the render.
+    /// A caller that takes all steps by this function may use the session between them; [`Session::run_watched`] then writes the
+    /// files.
+    ///
+    /// # Errors
+    /// Where the device is lost or a result would be wrong.
+    pub fn next_step(&mut self, watch: &Watch<'_>) -> Result<bool> {
+        if self.is_done(watch) {
+            return Ok(false);
+        }
+        self.advance(self.samples_left(), self.deadline(), watch)?;
+        Ok(true)
+    }
+
+    /// Samples per pixel of the next step by the guide's schedule.
+    pub fn samples_of_next_step(&self) -> u32 {
+        self.renderer.samples_of_next_step()
     }
 
     /// Renders to the end and writes the files. `on_step` is called after every step; `Break` ends the render.
@@ -198,8 +227,7 @@ impl Session {
     /// Takes steps until a limit is reached or the caller stops the render. The time in which pictures are written or measured does
     /// not count.
     fn render(&mut self, watch: &Watch<'_>, on_step: &mut dyn FnMut(&Self) -> ControlFlow<()>) -> Result<()> {
-        while !self.is_done(watch) {
-            self.advance(self.samples_left(), self.deadline(), watch)?;
+        while self.next_step(watch)? {
             if on_step(self).is_break() {
                 break;
             }
@@ -357,13 +385,9 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the picture's files. Their headers hold the settings, the sample numbers, the time, the device and the scene.
-    pub(super) fn write_pictures(
-        &self,
-        picture: &Picture,
-        denoised: Option<&Denoised>,
-        watch: &Watch<'_>,
-    ) -> Result<()> {
+    /// Names and values that the header of a picture's EXR file holds: the settings, the sample numbers, the time, the device and
+    /// the scene. `lodestar merge` needs them.
+    pub fn attributes(&self, picture: &Picture) -> Vec<(String, String)> {
         let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
         let mut attributes = identity::attributes(scene_hash, &self.settings);
         attributes.extend([
@@ -376,6 +400,17 @@ impl Session {
         if !kernels.is_empty() {
             attributes.push(("replaced_kernels".into(), kernels.join(", ")));
         }
+        attributes
+    }
+
+    /// Writes the picture's files.
+    pub(super) fn write_pictures(
+        &self,
+        picture: &Picture,
+        denoised: Option<&Denoised>,
+        watch: &Watch<'_>,
+    ) -> Result<()> {
+        let attributes = self.attributes(picture);
         self.output.pictures.write(picture, denoised, &attributes, &|path| watch.tell(Event::Written(path)))
     }
 }

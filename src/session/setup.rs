@@ -16,9 +16,9 @@ use crate::gpu::Context;
 use crate::image::Image;
 use crate::renderer::{RenderState, Renderer};
 use crate::scene::{self, LoadOptions, Scene};
-use crate::session::checkpoint::{Checkpoint, Record, SceneSource};
+use crate::session::checkpoint::{Checkpoint, Record};
 use crate::session::checkpoints::{CheckpointFile, Checkpoints};
-use crate::session::files::{OutputFiles, PictureFiles, absolute_path, read_reference};
+use crate::session::files::{OutputFiles, PictureFiles, read_reference};
 use crate::session::history::History;
 use crate::session::identity::Identity;
 use crate::session::kernel_files::KernelFiles;
@@ -58,6 +58,15 @@ pub enum SceneInput<'a> {
     },
     /// A scene in memory. Its render cannot keep a checkpoint.
     Memory(&'a Scene),
+    /// A scene in memory that [`Scene::load`] has read from a file.
+    Read {
+        /// The scene.
+        scene: &'a Scene,
+        /// Path of its file.
+        path: PathBuf,
+        /// Replacements of the file's `<default>` values, by name.
+        defines: Vec<(String, String)>,
+    },
 }
 
 /// Settings and length of a render whose scene is known, and the part of it that a checkpoint holds.
@@ -148,7 +157,8 @@ impl Session {
         let setup_seconds = begin.elapsed().as_secs_f64();
         let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
         let kernels = inputs.kernels.used(renderer.back_end());
-        let subject = Subject { scene_name, scene_path, scene_hash, kernels, times };
+        let source = input.source();
+        let subject = Subject { scene_name, scene_path, scene_hash, source, kernels, times };
 
         let Plan { settings, length, earlier } = plan;
         let Inputs { wanted, pictures, checkpoint, reference, .. } = inputs;
@@ -169,7 +179,7 @@ impl Session {
         };
         let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
         if let Some(file) = checkpoint {
-            session.checkpoints = Some(Checkpoints::new(file, session.template(&input)?, samples_written));
+            session.checkpoints = Some(Checkpoints::new(file, session.template()?, samples_written));
         }
         session.tell_beginning(watch);
         Ok(session)
@@ -218,22 +228,6 @@ impl Session {
             list(kernels)
         )))
     }
-
-    /// A checkpoint of this render with nothing rendered yet.
-    fn template(&self, input: &SceneInput<'_>) -> Result<Checkpoint> {
-        let SceneInput::File { path, defines } = input else {
-            return Err(Error::Settings(
-                "a checkpoint needs a scene that is read from a file, but this scene was made in memory".into(),
-            ));
-        };
-        let hash = self.subject.scene_hash.clone();
-        let scene = SceneSource { path: absolute_path(path)?, defines: defines.clone(), hash };
-        let outputs = self.output.pictures.to_absolute_paths()?;
-        let (kernels, history) = (self.subject.kernels.clone(), History::default());
-        let record = Record { length: self.length, outputs, kernels, history };
-        let (settings, device) = (self.settings.clone(), self.device_name());
-        Ok(Checkpoint { scene, settings, device, record, state: RenderState::default() })
-    }
 }
 
 impl<'a> Start<'a> {
@@ -260,6 +254,7 @@ impl<'a> SceneInput<'a> {
                 scene.check()?;
                 Ok(Cow::Borrowed(scene))
             }
+            Self::Read { scene, .. } => Ok(Cow::Borrowed(scene)),
             Self::File { path, defines } => {
                 let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
                 scene::load_with_progress(path, &LoadOptions { defines: defines.clone() }, &show).map(Cow::Owned)
@@ -280,7 +275,15 @@ impl<'a> SceneInput<'a> {
     /// Absolute path of the file.
     fn absolute_path(&self) -> Option<PathBuf> {
         match self {
-            Self::File { path, .. } => std::path::absolute(path).ok(),
+            Self::File { path, .. } | Self::Read { path, .. } => std::path::absolute(path).ok(),
+            Self::Memory(_) => None,
+        }
+    }
+
+    /// File of the scene, with the replacements of its values.
+    fn source(&self) -> Option<(PathBuf, Vec<(String, String)>)> {
+        match self {
+            Self::File { path, defines } | Self::Read { path, defines, .. } => Some((path.clone(), defines.clone())),
             Self::Memory(_) => None,
         }
     }

@@ -22,6 +22,8 @@ pub(super) enum MeshFormat {
     Ply,
     /// Mitsuba's `serialized` format, with the index of the mesh within the file.
     Serialized(usize),
+    /// No file: a mesh in memory, with its index.
+    Memory(usize),
 }
 
 /// Reads the mesh file at `path`.
@@ -30,6 +32,7 @@ pub(super) fn read(path: &Path, format: MeshFormat) -> Result<Mesh> {
         MeshFormat::Obj => obj::parse(path, &bytes(path)?)?,
         MeshFormat::Ply => ply::parse(path, &bytes(path)?)?,
         MeshFormat::Serialized(index) => serialized::read(path, index)?,
+        MeshFormat::Memory(_) => Mesh::default(),
     };
     if mesh.triangles.is_empty() {
         return Err(Error::scene(path, None, "the mesh has no faces: is the file cut short?"));

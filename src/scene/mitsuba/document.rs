@@ -11,13 +11,14 @@ use super::element::{Element, Location, OBJECT_TAGS, PARAMETER_TAGS};
 use super::faults::Faults;
 use super::folders::Folders;
 use super::transform;
+use crate::scene::mesh::Mesh;
 use crate::{Error, Result};
 
 /// Largest scene file in bytes. The bulk of a scene lies in meshes, so a larger file is a mistake.
 const MAX_FILE_BYTES: u64 = 64 << 20;
 const MAX_INCLUDE_DEPTH: usize = 16;
 /// Deepest nesting of elements: far above any nesting of plugins, far below the limit of recursion.
-const MAX_ELEMENT_DEPTH: usize = 64;
+pub(super) const MAX_ELEMENT_DEPTH: usize = 64;
 
 const TRANSFORM_TAGS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
 
@@ -30,6 +31,8 @@ pub(super) struct Document {
     pub elements: Vec<Element>,
     /// Folders in which files are searched.
     pub folders: Folders,
+    /// Meshes in memory. Elements of the type `mesh` name them by their index.
+    pub meshes: Vec<Mesh>,
     pub warnings: Vec<String>,
     /// Elements that are not supported.
     pub faults: Faults,
@@ -54,7 +57,7 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document
         }
     }
     let Reader { folders, warnings, faults, .. } = reader;
-    Ok(Document { elements, folders, warnings, faults })
+    Ok(Document { elements, folders, meshes: Vec::new(), warnings, faults })
 }
 
 struct Reader {
@@ -81,7 +84,7 @@ struct File {
 impl File {
     fn location(&self, node: Node) -> Location {
         let line = self.line_starts.partition_point(|&start| start <= node.range().start);
-        Location { file: self.path.clone(), line: line as u32 }
+        Location { file: self.path.clone(), line: Some(line as u32) }
     }
 }
 

@@ -38,26 +38,42 @@ pub(super) const PARAMETER_TAGS: [&str; 12] = [
     "vector",
 ];
 
-/// Line of a scene file.
+/// Plugin of a shape whose mesh lies in memory. Only dictionaries have it.
+pub(super) const MESH: &str = "mesh";
+
+/// Parameter of such a shape: the index of its mesh.
+pub(super) const MESH_INDEX: &str = "mesh_index";
+
+/// Line of a scene file, or an entry of a dictionary.
 #[derive(Debug, Clone)]
 pub(super) struct Location {
+    /// Path of the file, or the entry's keys such as `scene.box.bsdf`.
     pub file: Arc<Path>,
-    pub line: u32,
+    /// Line of the file, counted from 1; `None` for an entry of a dictionary.
+    pub line: Option<u32>,
 }
 
 impl Location {
     pub fn error(&self, message: impl Into<String>) -> Error {
-        Error::scene(&self.file, Some(self.line), message)
+        Error::scene(&self.file, self.line, message)
+    }
+
+    /// The line alone, or the entry, for names of things that have none.
+    pub fn brief(&self) -> String {
+        self.line.map_or_else(|| self.file.display().to_string(), |line| format!("line {line}"))
     }
 }
 
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", self.file.display(), self.line)
+        match self.line {
+            Some(line) => write!(f, "{}:{line}", self.file.display()),
+            None => write!(f, "{}", self.file.display()),
+        }
     }
 }
 
-/// One XML element.
+/// One XML element, or one entry of a dictionary.
 #[derive(Debug)]
 pub(super) struct Element {
     pub tag: String,

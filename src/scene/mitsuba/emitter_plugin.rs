@@ -18,7 +18,7 @@ const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
 const DEFAULT_BEAM_SHARE: f32 = 0.75;
 
 /// Plugins of emitters.
-const SUPPORTED: [&str; 6] = ["area", "constant", "envmap", "point", "spot", "directional"];
+pub(super) const SUPPORTED: [&str; 6] = ["area", "constant", "envmap", "point", "spot", "directional"];
 
 /// Emitter that stands directly in a `<scene>`.
 pub(super) enum SceneEmitter {

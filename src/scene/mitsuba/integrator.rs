@@ -52,6 +52,11 @@ const DIFFERENTIABLE_DEPTH: i32 = 6;
 /// Deepest nesting of wrappers.
 const MAX_DEPTH: usize = 16;
 
+/// Whether a plugin is an integrator that this reader knows.
+pub(super) fn is_known(plugin: &str) -> bool {
+    plugin == "path" || [&WRAPPERS[..], &DIRECT, &LIKE_PATH].iter().any(|names| names.contains(&plugin))
+}
+
 /// Reads an `<integrator>`. One that is not `path` gets a single warning, or is an error where its picture is another.
 pub(super) fn parse<'a>(
     element: &'a Element,

@@ -66,7 +66,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 /// change the picture (such as a film's `file_format`) are skipped in silence; other unknown ones end up in
 /// [`Scene::warnings`].
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    let Document { elements, folders, mut warnings, faults } = document::read(path, &options.defines)?;
+    build(document::read(path, &options.defines)?, path, progress)
+}
+
+/// Builds the scene of a document that was read from `path`, or whose entries begin with that name.
+pub(super) fn build(document: Document, path: &Path, progress: &Watch) -> Result<Scene> {
+    let Document { elements, folders, meshes, mut warnings, faults } = document;
     warnings.extend(old_files::warning(&elements));
     let scope = Rc::new(Whole::new(&elements, folders)?);
     let mut builder = Builder {
@@ -90,7 +95,7 @@ pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) 
         let added = builder.add(element);
         builder.faults.keep(added);
     }
-    builder.finish(path, progress)
+    builder.finish(path, meshes, progress)
 }
 
 /// Most shapes of a scene. A few instances of a large group can ask for more than any memory holds.
@@ -285,7 +290,7 @@ impl<'a> Builder<'a> {
         elements.first().copied()
     }
 
-    fn finish(mut self, path: &Path, progress: &Watch) -> Result<Scene> {
+    fn finish(mut self, path: &Path, given: Vec<Mesh>, progress: &Watch) -> Result<Scene> {
         let integrator = self.integrator();
         let integrator = self.faults.keep(integrator).unwrap_or_default();
         let sensor = self.first("sensor", &self.sensors.clone());
@@ -299,7 +304,8 @@ impl<'a> Builder<'a> {
         let shapes = &self.shapes;
         let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
         let Decoded { images: decoded, warnings, faults } = decoded;
-        let (meshes, of_meshes) = meshes;
+        let (mut meshes, of_meshes) = meshes;
+        meshes.extend(given.into_iter().enumerate().map(|(index, mesh)| (MeshFile::in_memory(index), mesh)));
         faults.into_iter().chain(of_meshes).for_each(|fault| self.faults.add(fault));
         self.faults.into_result()?;
         images.extend(decoded);
@@ -346,7 +352,7 @@ impl<'a> Builder<'a> {
 /// Reads every mesh once, in parallel. Returns the faults of files in the order of the scene.
 fn read_meshes(shapes: &[Shape], progress: &Watch) -> (HashMap<MeshFile, Mesh>, Vec<Error>) {
     let files = shapes.iter().filter_map(|shape| match &shape.geometry {
-        Geometry::Mesh(file, _) => Some(file),
+        Geometry::Mesh(file, _) if !file.is_in_memory() => Some(file),
         _ => None,
     });
     let mut seen = HashSet::new();

@@ -3,6 +3,7 @@
 mod color;
 mod color_blocks;
 mod color_matching;
+pub mod dictionary;
 mod document;
 mod element;
 mod emitter_plugin;
@@ -15,6 +16,7 @@ pub mod load;
 mod materials;
 mod numbers;
 mod old_files;
+mod plugins;
 mod properties;
 mod scope;
 mod sensor;

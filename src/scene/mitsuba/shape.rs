@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::{DMat4, DVec3};
 
-use super::element::{Element, Location};
+use super::element::{Element, Location, MESH, MESH_INDEX};
 use super::flatten::{self, Common, MeshOptions, PlacedMesh};
 use super::properties::Properties;
 use super::transform;
@@ -13,7 +13,7 @@ use crate::Result;
 use crate::scene::mesh::{Mesh, MeshFormat};
 use crate::scene::{Primitive, PrimitiveShape};
 
-const SUPPORTED: [&str; 9] =
+pub(super) const SUPPORTED: [&str; 9] =
     ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "shapegroup", "instance"];
 
 /// Largest relative deviation of a transform from a similarity: scene files are printed with six digits.
@@ -37,11 +37,23 @@ pub(super) enum Geometry {
     Sphere,
 }
 
-/// Mesh to read: the canonical path of its file, and the file's format.
+/// Mesh: the canonical path of its file, and the file's format. A mesh in memory has no path.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(super) struct MeshFile {
     pub path: PathBuf,
     pub format: MeshFormat,
+}
+
+impl MeshFile {
+    /// The mesh in memory with this index.
+    pub fn in_memory(index: usize) -> Self {
+        Self { path: PathBuf::new(), format: MeshFormat::Memory(index) }
+    }
+
+    /// Whether the mesh is in memory already.
+    pub fn is_in_memory(&self) -> bool {
+        matches!(self.format, MeshFormat::Memory(_))
+    }
 }
 
 /// Reads the parameters of a shape's plugin, and its transform into `common`.
@@ -53,6 +65,7 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
         "obj" => Some(MeshFormat::Obj),
         "ply" => Some(MeshFormat::Ply),
         "serialized" => Some(parse_shape_index(properties)?),
+        MESH if element.location.line.is_none() => return parse_mesh_in_memory(properties),
         _ => None,
     };
     if let Some(format) = mesh_format {
@@ -70,6 +83,14 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
         }
         _ => Err(element.unsupported(&SUPPORTED)),
     }
+}
+
+/// Reads a shape of a dictionary whose mesh lies in memory already.
+fn parse_mesh_in_memory(properties: &mut Properties) -> Result<Geometry> {
+    let index = properties.integer(MESH_INDEX, 0..=i64::from(u32::MAX))?.unwrap_or(0) as usize;
+    let face_normals = properties.boolean("face_normals")?.unwrap_or(false);
+    let flip_uvs = properties.boolean("flip_tex_coords")?.unwrap_or(false);
+    Ok(Geometry::Mesh(MeshFile::in_memory(index), MeshOptions { face_normals, flip_uvs }))
 }
 
 fn parse_mesh(properties: &mut Properties, format: MeshFormat) -> Result<Geometry> {

@@ -13,7 +13,7 @@ use super::scope::Scope;
 use crate::Result;
 use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
 
-const SUPPORTED: [&str; 5] = ["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"];
+pub(super) const SUPPORTED: [&str; 5] = ["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"];
 
 /// Index of the image of vertex colors among the images read: it is made when all meshes are read.
 const VERTEX_COLORS: u32 = u32::MAX;
@@ -147,7 +147,7 @@ impl<'a> Textures<'a> {
         properties.finish(warnings)?;
         let name = match element.attribute("id") {
             Some(id) => id.to_string(),
-            None => format!("{} at line {}", element.plugin()?, element.location.line),
+            None => format!("{} at {}", element.plugin()?, element.location.brief()),
         };
         self.read.push(Texture { name, pattern, to_uv });
         Ok(TextureUse { texture: self.read.len() as u32 - 1, factor: Vec3::ONE })

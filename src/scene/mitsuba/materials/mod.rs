@@ -36,6 +36,11 @@ const MAX_CHOICES: usize = constants::MAX_CHOICES as usize;
 /// Deepest nesting of BSDFs, references included.
 const MAX_DEPTH: usize = 64;
 
+/// Whether a plugin is a BSDF that this reader knows.
+pub(super) fn is_known(plugin: &str) -> bool {
+    plugin == "null" || MODIFIERS.contains(&plugin) || surfaces::SUPPORTED.contains(&plugin)
+}
+
 /// Materials of a scene while it is read. A material that no shape uses is read, but not kept.
 pub(super) struct Materials<'a> {
     scope: Scope<'a>,
@@ -94,7 +99,7 @@ impl<'a> Materials<'a> {
         let tree = self.read(element, textures, warnings)?;
         let name = match element.attribute("id").or(shape_id) {
             Some(id) => id.to_string(),
-            None => format!("{} at line {}", element.plugin()?, element.location.line),
+            None => format!("{} at {}", element.plugin()?, element.location.brief()),
         };
         let index = self.push(&name, tree, textures);
         self.kept.insert(ptr::from_ref(element), index);

@@ -1,0 +1,117 @@
+//! Keyword arguments as options of the command line. A keyword is an option's name with underscores.
+
+use lodestar::session::Options;
+use lodestar::settings::options::{Category, OPTIONS, OptionEntry};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyList};
+
+use crate::errors::raised;
+
+/// Options of files and messages that Python has, too. Pictures are saved by their own method.
+const FILES: [&str; 2] = ["checkpoint", "checkpoint-every"];
+/// Options of a resumed render. Its checkpoint has the others.
+const OF_RESUMED: [&str; 7] = ["spp", "time", "device", "slice-ms", "execution", "kernel-dir", "checkpoint-every"];
+
+/// Options of a new render.
+pub fn of_render(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
+    parsed("render", keywords, |option| {
+        FILES.contains(&option.name) || (option.category != Category::Output && option.name != "D")
+    })
+}
+
+/// Options of a resumed render.
+pub fn of_resumed(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
+    parsed("resume", keywords, |option| OF_RESUMED.contains(&option.name))
+}
+
+fn parsed(
+    subcommand: &str,
+    keywords: Option<&Bound<'_, PyDict>>,
+    is_known: impl Fn(&OptionEntry) -> bool,
+) -> PyResult<Options> {
+    let mut arguments = Vec::new();
+    for (keyword, value) in keywords.into_iter().flat_map(|keywords| keywords.iter()) {
+        let keyword: String = keyword.extract()?;
+        let name = keyword.replace('_', "-");
+        let option = OPTIONS.iter().find(|option| option.name == name && !keyword.contains('-') && is_known(option));
+        let Some(option) = option else {
+            let known = OPTIONS.iter().filter(|option| is_known(option)).map(|option| option.name.replace('-', "_"));
+            return Err(unknown(value.py(), subcommand, &keyword, known.collect()));
+        };
+        arguments.extend(argument(option, &keyword, &value)?);
+    }
+    lodestar::cli::options(subcommand, arguments).map_err(raised)
+}
+
+fn unknown(py: Python<'_>, subcommand: &str, keyword: &str, known: Vec<String>) -> PyErr {
+    let similar = || -> PyResult<Vec<String>> {
+        py.import("difflib")?.call_method1("get_close_matches", (keyword, known, 1))?.extract()
+    };
+    let hint = similar().ok().and_then(|names| names.into_iter().next());
+    let hint = hint.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+    PyTypeError::new_err(format!("`{keyword}` is no keyword of a {subcommand}{hint}"))
+}
+
+/// The argument that the command line would take; `None` for an option that is not given.
+fn argument(option: &OptionEntry, keyword: &str, value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+    if value.is_none() {
+        return Ok(None);
+    }
+    let name = option.name;
+    let is_switch = option.value_name.is_empty();
+    if let (true, Ok(switch)) = (is_switch, value.cast::<PyBool>()) {
+        return Ok(switch.is_true().then(|| format!("--{name}")));
+    }
+    let text = match text(value)? {
+        Some(text) if !is_switch => text,
+        _ => {
+            let kind = value.get_type().name()?.to_string();
+            return Err(PyTypeError::new_err(format!("`{keyword}` cannot be a value of the type `{kind}`")));
+        }
+    };
+    Ok(Some(format!("--{name}={text}")))
+}
+
+/// Value as the command line spells it; `None` for a value of another kind.
+fn text(value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
+    if let Ok(switch) = value.extract::<bool>() {
+        return Ok(Some(if switch { "on" } else { "off" }.to_owned()));
+    }
+    if let Ok(text) = value.extract::<String>() {
+        return Ok(Some(text));
+    }
+    if let Ok(whole) = value.extract::<i128>() {
+        return Ok(Some(whole.to_string()));
+    }
+    if let Ok(number) = value.extract::<f64>() {
+        return Ok(Some(number.to_string()));
+    }
+    if value.hasattr("__fspath__")? {
+        return text(&value.call_method0("__fspath__")?);
+    }
+    let Ok(items) = value.extract::<Vec<Bound<'_, PyAny>>>() else { return Ok(None) };
+    let texts = items.iter().map(|item| Ok(item.extract::<i128>().ok().map(|number| number.to_string())));
+    let texts: PyResult<Option<Vec<String>>> = texts.collect();
+    Ok(texts?.map(|texts| texts.join(",")))
+}
+
+/// Every keyword of `render` and `Renderer`, one dictionary each: `name`, `help`, `words` (those that it takes, or an empty list),
+/// `default` (a text, empty where there is none) and `subject`.
+#[pyfunction]
+pub fn options(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
+    let list = PyList::empty(py);
+    let is_known = |option: &&OptionEntry| {
+        FILES.contains(&option.name) || (option.category != Category::Output && option.name != "D")
+    };
+    for option in OPTIONS.iter().filter(is_known) {
+        let entry = PyDict::new(py);
+        entry.set_item("name", option.name.replace('-', "_"))?;
+        entry.set_item("help", option.long_help())?;
+        entry.set_item("words", option.words().into_iter().map(|word| word.name).collect::<Vec<_>>())?;
+        entry.set_item("default", option.default_text())?;
+        entry.set_item("subject", option.category.heading())?;
+        list.append(entry)?;
+    }
+    Ok(list)
+}

@@ -1,0 +1,437 @@
+//! Renders, step by step or from their start to their end.
+
+use std::cell::{Cell, RefCell};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use lodestar::encode::bvh::Bvh;
+use lodestar::session::radiance_map::{MappedScene, SurfacePoint};
+use lodestar::session::{Event, Options, SceneInput, Session, Start, Watch};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::{raised, warn};
+use crate::guide::Guide;
+use crate::picture::Picture;
+use crate::scene::{SceneFile, Subject, path_of};
+use crate::shared::{from_json, settings_of};
+use crate::{options, scene};
+
+/// Time between two looks at Python's signals.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// A render that its `Renderer` and its guides share.
+pub struct Shared {
+    session: Mutex<Session>,
+    subject: Subject,
+    /// Surfaces that pixels show, as far as they were asked for.
+    points: Mutex<HashMap<(u32, u32), SurfacePoint>>,
+}
+
+impl Shared {
+    /// Calls `act` with the session. The interpreter is released first: the thread that has the session may wait for it.
+    fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Session) -> T + Send) -> T {
+        py.detach(|| act(&mut lock(&self.session)))
+    }
+
+    /// Surface that the center of a pixel shows.
+    pub fn point(&self, py: Python<'_>, pixel: (u32, u32)) -> PyResult<SurfacePoint> {
+        let find = || {
+            if let Some(&known) = lock(&self.points).get(&pixel) {
+                return Ok(known);
+            }
+            let session = lock(&self.session);
+            let scene = self.subject.scene()?;
+            let bvh = Bvh::build(&scene.primitives);
+            let place = MappedScene { context: session.context(), scene: &scene, bvh: &bvh };
+            let point = place.visible_point(session.settings(), [pixel.0, pixel.1])?;
+            lock(&self.points).insert(pixel, point);
+            Ok(point)
+        };
+        py.detach(find).map_err(raised)
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A render, step by step.
+///
+/// Parameters
+/// ----------
+/// scene : Scene, path or dict
+///     The scene, as `lodestar.load` takes it.
+/// spp : int
+///     Samples per pixel. Default: the scene's own, or 64.
+/// time : float
+///     Seconds of rendering. The first limit that is reached ends the render.
+/// seed : int
+///     Seed of all random numbers. The same seed gives the same bits.
+/// width, height : int
+///     Size of the film in pixels. One alone keeps the scene's aspect ratio.
+/// device : int or str
+///     Index of a device of `lodestar.devices()`, or a part of its name.
+/// guide : Guide
+///     A guide that another render has learned, to begin with. The seeds must differ.
+/// **settings
+///     Every other option of `lodestar render`, with underscores: `lodestar.options()` lists them.
+///
+/// Raises
+/// ------
+/// lodestar.Error
+///     Where the scene cannot be read, a setting does not suit it, or no device can be used.
+#[pyclass(frozen, module = "lodestar")]
+pub struct Renderer(Arc<Shared>);
+
+impl Renderer {
+    fn begin(
+        py: Python<'_>,
+        subject: Subject,
+        options: &Options,
+        resumed: Option<(PathBuf, Option<PathBuf>)>,
+    ) -> PyResult<Self> {
+        let warnings = Mutex::new(Vec::new());
+        let start = || {
+            let watch = Watch { stop: &|| false, events: &|event| keep_warning(event, &warnings) };
+            let start = match (resumed, &subject.scene, &subject.file) {
+                (Some((checkpoint, moved_scene)), ..) => Start::Resume { checkpoint, moved_scene },
+                (None, Some(scene), Some(SceneFile { path, defines })) => {
+                    Start::Anew(SceneInput::Read { scene, path: path.clone(), defines: defines.clone() })
+                }
+                (None, Some(scene), None) => Start::Anew(SceneInput::Memory(scene)),
+                (None, None, file) => {
+                    let SceneFile { path, defines } = file.clone().unwrap_or_default();
+                    Start::Anew(SceneInput::File { path, defines })
+                }
+            };
+            Session::start(start, options, &watch)
+        };
+        let session = py.detach(start).map_err(raised)?;
+        // A scene that was loaded before has shown its warnings already.
+        let mut warnings = std::mem::take(&mut *lock(&warnings));
+        let known = subject.scene.as_ref().map_or(&[][..], |scene| &scene.warnings);
+        warnings.retain(|warning| !known.contains(warning));
+        warn(py, &warnings)?;
+        Ok(Self(Arc::new(Shared { session: Mutex::new(session), subject, points: Mutex::default() })))
+    }
+
+    /// Calls `act` with the session and a watch that stops at an exception of a signal handler. Returns the exception, too.
+    fn watched<T: Send>(
+        &self,
+        py: Python<'_>,
+        act: impl FnOnce(&mut Session, &Watch<'_>) -> T + Send,
+    ) -> PyResult<(T, Option<PyErr>)> {
+        let warnings = Mutex::new(Vec::new());
+        let (outcome, exception) = py.detach(|| {
+            let (exception, looked) = (RefCell::new(None), Cell::new(Instant::now()));
+            let stop = || {
+                if exception.borrow().is_some() {
+                    return true;
+                }
+                if looked.get().elapsed() < LOOK {
+                    return false;
+                }
+                looked.set(Instant::now());
+                *exception.borrow_mut() = Python::attach(|py| py.check_signals()).err();
+                exception.borrow().is_some()
+            };
+            let watch = Watch { stop: &stop, events: &|event| keep_warning(event, &warnings) };
+            let outcome = act(&mut lock(&self.0.session), &watch);
+            (outcome, exception.into_inner())
+        });
+        warn(py, &lock(&warnings))?;
+        Ok((outcome, exception))
+    }
+
+    /// Takes all steps and calls `callback` after each. Returns whether the render was stopped before its end.
+    fn take_steps(this: &Bound<'_, Self>, callback: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
+        let py = this.py();
+        loop {
+            py.check_signals()?;
+            let (taken, exception) = this.get().watched(py, Session::next_step)?;
+            if let Some(exception) = exception {
+                return Err(exception);
+            }
+            if !taken.map_err(raised)? {
+                return Ok(false);
+            }
+            if let Some(callback) = callback {
+                let answer = callback.call1((this,))?;
+                if answer.is_instance_of::<pyo3::types::PyBool>() && !answer.is_truthy()? {
+                    return Ok(true);
+                }
+            }
+        }
+    }
+
+    /// Writes the checkpoint of a render that has ended, if one is kept.
+    fn finish(&self, py: Python<'_>) -> PyResult<()> {
+        let finish = |session: &mut Session, watch: &Watch<'_>| {
+            let stopped = Watch { stop: &|| true, events: watch.events };
+            session.run_watched(&stopped, |_| std::ops::ControlFlow::Break(()))
+        };
+        self.watched(py, finish)?.0.map_err(raised)
+    }
+
+    fn picture_with(&self, py: Python<'_>, ending: Option<&'static str>) -> PyResult<Picture> {
+        let read = |session: &mut Session| {
+            let picture = session.picture()?;
+            let attributes = session.attributes(&picture);
+            Ok((picture, attributes, session.statistics()))
+        };
+        let (picture, attributes, statistics) = self.0.with(py, read).map_err(raised)?;
+        Ok(Picture::new(picture, attributes, Some(from_json(py, &statistics)?), ending))
+    }
+
+    /// Reason why the render has ended.
+    fn ending(&self, py: Python<'_>, is_stopped: bool) -> &'static str {
+        let progress = self.0.with(py, |session| session.progress());
+        let has_all = progress.length.spp.is_some_and(|spp| progress.samples >= spp);
+        match () {
+            () if has_all => "samples",
+            () if is_stopped => "stopped",
+            () if progress.length.seconds.is_some_and(|limit| progress.seconds >= limit) => "time",
+            () if progress.noise.is_some() => "noise",
+            () => "stopped",
+        }
+    }
+}
+
+/// Keeps a warning for the moment when Python can show it.
+fn keep_warning(event: Event<'_>, warnings: &Mutex<Vec<String>>) {
+    match event {
+        Event::Warning(message) => lock(warnings).push(message.to_owned()),
+        Event::Validation(message) => lock(warnings).push(format!("validation: {message}")),
+        _ => {}
+    }
+}
+
+#[pymethods]
+impl Renderer {
+    #[new]
+    #[pyo3(
+        signature = (scene, *, guide = None, **settings),
+        text_signature = "(scene, *, spp=None, time=None, seed=0, width=None, height=None, device=None, guide=None, **settings)"
+    )]
+    fn new(
+        scene: &Bound<'_, PyAny>,
+        guide: Option<&Bound<'_, PyAny>>,
+        settings: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let py = scene.py();
+        let guide = guide.map(|guide| guide.cast::<Guide>()).transpose()?;
+        let options = options::of_render(settings)?;
+        let renderer = Self::begin(py, Subject::of(scene)?, &options, None)?;
+        if let Some(guide) = guide {
+            let learned = guide.get().learned();
+            renderer.0.with(py, |session| session.begin_with_guide(learned)).map_err(raised)?;
+        }
+        Ok(renderer)
+    }
+
+    /// Takes more samples for every pixel, then lets the guide learn. Returns the samples per pixel so far.
+    ///
+    /// Parameters
+    /// ----------
+    /// samples : int
+    ///     Samples per pixel, whatever the length of the render. Default: one step of the guide's schedule, after which checkpoints can
+    ///     be written. More samples are split into steps; a step that is cut short makes the steps after it differ from those of
+    ///     one longer render.
+    #[pyo3(signature = (samples = None))]
+    fn step(&self, py: Python<'_>, samples: Option<u32>) -> PyResult<u32> {
+        py.check_signals()?;
+        let (progress, exception) = self.watched(py, |session, watch| {
+            let samples = samples.unwrap_or_else(|| session.samples_of_next_step());
+            session.step_watched(samples, watch)
+        })?;
+        match exception {
+            Some(exception) => Err(exception),
+            None => Ok(progress.map_err(raised)?.samples),
+        }
+    }
+
+    /// Renders to the end and returns the picture.
+    ///
+    /// Ctrl-C ends the render with the picture so far, whose `ending` is then `stopped`.
+    ///
+    /// Parameters
+    /// ----------
+    /// callback : callable
+    ///     Function of the renderer, called after every step. The answer False ends the render.
+    #[pyo3(signature = (callback = None))]
+    fn run(slf: &Bound<'_, Self>, callback: Option<&Bound<'_, PyAny>>) -> PyResult<Picture> {
+        let (py, this) = (slf.py(), slf.get());
+        let stepped = Self::take_steps(slf, callback);
+        let is_stopped = match &stepped {
+            Ok(is_stopped) => *is_stopped,
+            Err(error) => error.is_instance_of::<PyKeyboardInterrupt>(py),
+        };
+        let finished = this.finish(py);
+        match stepped {
+            Ok(_) => finished?,
+            // Without any sample there is no picture to return.
+            Err(error) if !is_stopped || !this.has_samples(py)? => return Err(error),
+            Err(_) => finished?,
+        }
+        let ending = this.ending(py, is_stopped);
+        this.picture_with(py, Some(ending))
+    }
+
+    /// The picture so far.
+    fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
+        self.picture_with(py, None)
+    }
+
+    /// Writes a checkpoint of the render so far, from which `lodestar.resume` goes on to the same bits. The scene must have been
+    /// read from a file, and every step must have had the length of the guide's schedule (`step()`).
+    fn checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        self.0.with(py, |session| session.write_checkpoint(&path)).map_err(raised)
+    }
+
+    /// The guide as it has been learned so far. Later steps do not change it.
+    #[getter]
+    fn guide(&self, py: Python<'_>) -> PyResult<Guide> {
+        let learned = self.0.with(py, |session| session.learned_guide()).map_err(raised)?;
+        Ok(Guide::new(learned, Arc::clone(&self.0)))
+    }
+
+    /// Samples per pixel so far.
+    #[getter]
+    fn samples(&self, py: Python<'_>) -> u32 {
+        self.0.with(py, |session| session.progress().samples)
+    }
+
+    /// Seconds of rendering so far, without loading.
+    #[getter]
+    fn seconds(&self, py: Python<'_>) -> f64 {
+        self.0.with(py, |session| session.progress().seconds)
+    }
+
+    /// Share of the render that is done, in [0, 1]: the larger one of its shares of the samples and of the time.
+    #[getter]
+    fn fraction(&self, py: Python<'_>) -> f64 {
+        self.0.with(py, |session| session.progress().fraction)
+    }
+
+    /// Share of the last step's scattered rays that hit an emitter, in [0, 1]. It grows as the guide learns.
+    #[getter]
+    fn light_hit_rate(&self, py: Python<'_>) -> f64 {
+        self.0.with(py, |session| session.progress().light_hit_rate)
+    }
+
+    /// Settings of the render by name.
+    #[getter]
+    fn settings(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let settings = self.0.with(py, |session| session.settings().clone());
+        settings_of(py, &settings)
+    }
+
+    /// All numbers about the render so far, as `--stats` writes them.
+    #[getter]
+    fn stats(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let statistics = self.0.with(py, |session| session.statistics());
+        from_json(py, &statistics)
+    }
+
+    /// Name of the device that renders.
+    #[getter]
+    fn device(&self, py: Python<'_>) -> String {
+        self.0.with(py, |session| session.context().device().name.clone())
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let (samples, device) =
+            self.0.with(py, |session| (session.progress().samples, session.context().device().name.clone()));
+        format!("<lodestar.Renderer: {samples} samples per pixel on {device}>")
+    }
+}
+
+impl Renderer {
+    fn has_samples(&self, py: Python<'_>) -> PyResult<bool> {
+        let picture = self.0.with(py, |session| session.picture()).map_err(raised)?;
+        Ok(picture.sample_count.iter().any(|&count| count > 0))
+    }
+}
+
+/// Renders a scene and returns the picture.
+///
+/// Ctrl-C ends the render with the picture so far, whose `ending` is then `stopped`.
+///
+/// Parameters
+/// ----------
+/// scene : Scene, path or dict
+///     The scene, as `lodestar.load` takes it.
+/// spp : int
+///     Samples per pixel. Default: the scene's own, or 64.
+/// time : float
+///     Seconds of rendering. The first limit that is reached ends the render.
+/// seed : int
+///     Seed of all random numbers. The same seed gives the same bits, which are those of the command line.
+/// width, height : int
+///     Size of the film in pixels. One alone keeps the scene's aspect ratio.
+/// device : int or str
+///     Index of a device of `lodestar.devices()`, or a part of its name.
+/// guide : Guide
+///     A guide that another render has learned, to begin with. The seeds must differ.
+/// callback : callable
+///     Function of the `Renderer`, called after every step. The answer False ends the render.
+/// **settings
+///     Every other option of `lodestar render`, with underscores: `lodestar.options()` lists them.
+///
+/// Examples
+/// --------
+/// >>> picture = lodestar.render("scene.xml", spp=64)
+/// >>> picture.radiance.shape
+/// (256, 256, 3)
+/// >>> picture.save("picture.exr")
+#[pyfunction]
+#[pyo3(
+    signature = (scene, *, guide = None, callback = None, **settings),
+    text_signature = "(scene, *, spp=None, time=None, seed=0, width=None, height=None, device=None, guide=None, callback=None, **settings)"
+)]
+pub fn render(
+    scene: &Bound<'_, PyAny>,
+    guide: Option<&Bound<'_, PyAny>>,
+    callback: Option<&Bound<'_, PyAny>>,
+    settings: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Picture> {
+    let renderer = Bound::new(scene.py(), Renderer::new(scene, guide, settings)?)?;
+    Renderer::run(&renderer, callback)
+}
+
+/// Goes on with a render from its checkpoint, to the same bits as without the interruption.
+///
+/// Parameters
+/// ----------
+/// checkpoint : path
+///     File of the checkpoint, from `Renderer.checkpoint`, the keyword `checkpoint` or the command line. The render keeps it up to
+///     date.
+/// scene : path
+///     Path of the scene, if it was moved.
+/// spp, time : int, float
+///     A new length: all samples per pixel, and seconds from now.
+/// device : int or str
+///     The device that renders.
+#[pyfunction]
+#[pyo3(
+    signature = (checkpoint, *, scene = None, **settings),
+    text_signature = "(checkpoint, *, scene=None, spp=None, time=None, device=None, **settings)"
+)]
+pub fn resume(
+    checkpoint: &Bound<'_, PyAny>,
+    scene: Option<&Bound<'_, PyAny>>,
+    settings: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Renderer> {
+    let py = checkpoint.py();
+    let checkpoint = path_of(checkpoint)?;
+    let moved = scene.map(scene::path_of).transpose()?;
+    let options = options::of_resumed(settings)?;
+    let source = py.detach(|| lodestar::session::checkpoint::Checkpoint::read(&checkpoint)).map_err(raised)?.scene;
+    let path = moved.clone().unwrap_or_else(|| source.path.into());
+    let subject = Subject { scene: None, file: Some(SceneFile { path, defines: source.defines }) };
+    Renderer::begin(py, subject, &options, Some((checkpoint, moved)))
+}

@@ -1,0 +1,172 @@
+//! Scenes, read from files or from dictionaries.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use lodestar::scene::summary::summarize;
+use lodestar::scene::{LoadOptions, scene_file};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+
+use crate::dictionary::scene_dictionary;
+use crate::errors::{raised, refused, warn};
+use crate::shared::from_json;
+
+/// A scene in memory: read once, rendered as often as you like. `lodestar.load` makes it.
+#[pyclass(frozen, module = "lodestar")]
+pub struct Scene {
+    scene: Arc<lodestar::Scene>,
+    file: Option<SceneFile>,
+}
+
+/// File of a scene, with the replacements of its `<default>` values.
+#[derive(Debug, Clone, Default)]
+pub struct SceneFile {
+    /// Path of the file.
+    pub path: PathBuf,
+    /// Replacements by name.
+    pub defines: Vec<(String, String)>,
+}
+
+/// A scene to render: in memory, or still in its file.
+#[derive(Clone)]
+pub struct Subject {
+    /// The scene, if it is in memory.
+    pub scene: Option<Arc<lodestar::Scene>>,
+    /// The scene's file, if it has one.
+    pub file: Option<SceneFile>,
+}
+
+impl SceneFile {
+    /// Reads the scene.
+    pub fn read(&self) -> lodestar::Result<lodestar::Scene> {
+        lodestar::scene::load(&scene_file(&self.path)?, &LoadOptions { defines: self.defines.clone() })
+    }
+}
+
+impl Subject {
+    /// The scene that an argument stands for: a `Scene`, a path, or a dictionary.
+    pub fn of(scene: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if let Ok(scene) = scene.cast::<Scene>() {
+            let Scene { scene, file } = scene.get();
+            return Ok(Self { scene: Some(Arc::clone(scene)), file: file.clone() });
+        }
+        if scene.cast::<PyMapping>().is_ok() {
+            let scene = from_dictionary(scene)?;
+            return Ok(Self { scene: Some(scene.scene), file: None });
+        }
+        Ok(Self { scene: None, file: Some(SceneFile { path: path_of(scene)?, defines: Vec::new() }) })
+    }
+
+    /// The scene. It is read if it is not in memory.
+    pub fn scene(&self) -> lodestar::Result<Arc<lodestar::Scene>> {
+        match (&self.scene, &self.file) {
+            (Some(scene), _) => Ok(Arc::clone(scene)),
+            (None, Some(file)) => file.read().map(Arc::new),
+            (None, None) => Err(lodestar::Error::Settings("the scene is neither in memory nor in a file".into())),
+        }
+    }
+}
+
+/// The path that an argument names.
+pub fn path_of(value: &Bound<'_, PyAny>) -> PyResult<PathBuf> {
+    value.extract::<PathBuf>().map_err(|_| {
+        let name = value.get_type().name().map_or_else(|_| "object".to_owned(), |name| name.to_string());
+        PyTypeError::new_err(format!("expected a path or an object of lodestar, not `{name}`"))
+    })
+}
+
+fn from_dictionary(value: &Bound<'_, PyAny>) -> PyResult<Scene> {
+    let py = value.py();
+    let dictionary = scene_dictionary(value)?;
+    let scene = py.detach(|| lodestar::Scene::from_dictionary(&dictionary)).map_err(raised)?;
+    warn(py, &scene.warnings)?;
+    Ok(Scene { scene: Arc::new(scene), file: None })
+}
+
+/// Reads a scene.
+///
+/// Parameters
+/// ----------
+/// scene : path or dict
+///     Mitsuba's XML of any version, a folder with a `scene.xml`, or Mitsuba's scene dictionary. A dictionary may nest objects, and
+///     may hold numpy arrays and transforms (`lodestar.ScalarTransform4f`, Mitsuba's, or arrays of shape (4, 4)). A shape
+///     `{"type": "mesh", "vertices": (n, 3), "faces": (m, 3)}` is a mesh of arrays, with optional `normals` (n, 3), `uvs` (n, 2)
+///     and `colors` (n, 3). Files that a dictionary names are relative to the current folder.
+/// **defines
+///     Values that replace the file's `<default>` values, by name.
+///
+/// Raises
+/// ------
+/// lodestar.Error
+///     Where the scene cannot be read or asks for something unsupported. The message names the file and the line, or the entry of
+///     the dictionary, such as `scene.box.bsdf`.
+#[pyfunction]
+#[pyo3(signature = (scene, **defines))]
+pub fn load(scene: &Bound<'_, PyAny>, defines: Option<&Bound<'_, PyDict>>) -> PyResult<Scene> {
+    let py = scene.py();
+    if scene.cast::<PyMapping>().is_ok() {
+        if defines.is_some_and(|defines| !defines.is_empty()) {
+            return Err(refused("a dictionary has no <default> values to replace; write them into the dictionary"));
+        }
+        return from_dictionary(scene);
+    }
+    let path = path_of(scene)?;
+    let mut pairs = Vec::new();
+    for (name, value) in defines.into_iter().flat_map(|defines| defines.iter()) {
+        pairs.push((name.extract()?, value.str()?.extract()?));
+    }
+    let read = |path: &Path| {
+        let file = SceneFile { path: scene_file(path)?, defines: pairs };
+        Ok((file.read()?, file))
+    };
+    let (scene, file) = py.detach(|| read(&path)).map_err(raised)?;
+    warn(py, &scene.warnings)?;
+    Ok(Scene { scene: Arc::new(scene), file: Some(file) })
+}
+
+#[pymethods]
+impl Scene {
+    /// Name of the scene: its file's name, or its folder's; `scene` for a dictionary.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.scene.name
+    }
+
+    /// Width of the film in pixels.
+    #[getter]
+    fn width(&self) -> u32 {
+        self.scene.film.width
+    }
+
+    /// Height of the film in pixels.
+    #[getter]
+    fn height(&self) -> u32 {
+        self.scene.film.height
+    }
+
+    /// Sentences about things that were read but are not rendered exactly, each with its file and line.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.scene.warnings.clone()
+    }
+
+    /// Fingerprint of everything in the scene that a render reads, a text. Scenes with one fingerprint render to the same bits.
+    #[getter]
+    fn fingerprint(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| lodestar::scene::fingerprint(&self.scene)).map_err(raised)
+    }
+
+    /// Shapes, materials, lights, textures and images of the scene, as `lodestar info --json` prints them.
+    #[getter]
+    fn summary(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let summary = py.detach(|| summarize(&self.scene));
+        from_json(py, &summary)
+    }
+
+    fn __repr__(&self) -> String {
+        let lodestar::Scene { name, primitives, film, .. } = &*self.scene;
+        format!("<lodestar.Scene '{name}': {} primitives, {} x {} pixels>", primitives.len(), film.width, film.height)
+    }
+}

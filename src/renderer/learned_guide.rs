@@ -1,0 +1,187 @@
+//! Guides that outlive their renderer: what one render has learned, as the beginning of another.
+
+use glam::{DVec3, Vec3};
+
+use super::Renderer;
+use crate::encode::cells::Cells;
+use crate::encode::cosine_trees::{Node, nodes_per_tree};
+use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
+use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
+use crate::math::direction_map::bin_center;
+use crate::renderer::persistent::Persistent;
+use crate::renderer::state::StatePart;
+use crate::settings::{Sampler, Settings};
+use crate::{Error, Result};
+
+/// The radiance that a guide has learned, cell by cell and direction by direction.
+#[derive(Debug, Clone)]
+pub struct LearnedGuide {
+    settings: Settings,
+    cells: Cells,
+    radiance: Vec<f32>,
+    parts: Vec<StatePart>,
+    /// Seeds of the renders that it was learned in.
+    seeds: Vec<u32>,
+}
+
+impl LearnedGuide {
+    /// Lower and upper corner of every cell, world space.
+    pub fn cells(&self) -> Vec<[Vec3; 2]> {
+        self.cells.boxes()
+    }
+
+    /// Unit direction of the center of every bin, world space. Bins cover equal solid angles.
+    pub fn directions(&self) -> Vec<DVec3> {
+        let Settings { map, directions, .. } = self.settings;
+        (0..directions.pow(2)).map(|bin| bin_center(map, bin, directions)).collect()
+    }
+
+    /// Bins along each side of the map of directions.
+    pub fn side(&self) -> u32 {
+        self.settings.directions
+    }
+
+    /// Learned radiance, W/(m^2 sr), the mean over RGB: `[cell][bin]`. Unless emitters are not sampled (`--nee off`), light that
+    /// emitter sampling finds is left out.
+    pub fn radiance(&self) -> &[f32] {
+        &self.radiance
+    }
+
+    /// Learned radiance of the cell of a point, a bin after the other.
+    pub fn radiance_at(&self, position: Vec3) -> &[f32] {
+        let bins = self.settings.directions.pow(2) as usize;
+        let begin = self.cells.cell_of(position) * bins;
+        self.radiance.get(begin..begin + bins).unwrap_or_default()
+    }
+}
+
+impl Renderer {
+    /// Reads the guide back.
+    ///
+    /// # Errors
+    /// Where the sampler learns no radiance, or the device is lost.
+    pub fn learned_guide(&self) -> Result<LearnedGuide> {
+        let refuse = |message: &str| Err(Error::Settings(message.into()));
+        match self.settings.sampler {
+            Sampler::Bsdf => return refuse("--sampler bsdf learns nothing, so there is no guide"),
+            Sampler::Quadtree => return refuse("--sampler quadtree learns flux, not radiance; choose another sampler"),
+            _ => {}
+        }
+        let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
+        let parts = self.guide_parts().iter().map(read).collect::<Result<_>>()?;
+        let own = (self.samples_done > 0).then_some(self.settings.seed);
+        Ok(LearnedGuide {
+            settings: self.settings.clone(),
+            cells: self.cells.clone(),
+            radiance: self.radiance()?,
+            parts,
+            seeds: self.earlier_seeds.iter().copied().chain(own).collect(),
+        })
+    }
+
+    /// Begins with a guide of another render. Each cell takes what the nearest cell has learned.
+    ///
+    /// # Errors
+    /// Where steps were taken already, settings of the guides differ, or both renders have one seed.
+    pub fn begin_with_guide(&mut self, guide: &LearnedGuide) -> Result<()> {
+        let refuse = |message: String| Err(Error::Settings(message));
+        if self.samples_done > 0 {
+            return refuse("a render begins with a guide before its first step, but it has samples already".into());
+        }
+        if let Some((name, theirs, ours)) = difference(&guide.settings, &self.settings) {
+            return refuse(format!(
+                "the guide was learned with another {name} ({theirs} there, {ours} here); choose the same"
+            ));
+        }
+        let seed = self.settings.seed;
+        if guide.seeds.contains(&seed) {
+            return refuse(format!(
+                "the guide has learned from samples of --seed {seed} already, and a guide must not have learned from the samples \
+                 that it guides; choose another seed"
+            ));
+        }
+        if self.settings.fallback > 0.0 && guide.cells != self.cells {
+            return refuse(
+                "the guide has other cells than this scene, and --fallback needs the same; leave it out".into(),
+            );
+        }
+        let centers = self.cells.boxes().into_iter().map(|[low, high]| 0.5 * (low + high));
+        let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
+        for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
+            let length = part.len_bytes() as usize;
+            let mut bytes = match guide.cells == self.cells {
+                true => saved.bytes.clone(),
+                false => self.copied_part(part.name, &saved.bytes, guide.cells.count() as usize, &sources),
+            };
+            if bytes.len() > length {
+                let (name, theirs) = (part.name, bytes.len());
+                return Err(Error::Render(format!("the guide's {name} have {theirs} bytes, but only {length} fit")));
+            }
+            // Buffers are longer than their content by some bytes that are never read.
+            bytes.resize(length, 0);
+            part.write(&bytes)?;
+        }
+        self.earlier_seeds = guide.seeds.clone();
+        Ok(())
+    }
+
+    /// Content of one part of a guide with `old_count` cells, for cells that take what `sources` have.
+    fn copied_part(&self, name: &str, bytes: &[u8], old_count: usize, sources: &[usize]) -> Vec<u8> {
+        let Settings { sampler, directions, .. } = self.settings;
+        let bins = directions.pow(2) as usize;
+        let normals = self.settings.normal_resolution().pow(2) as usize;
+        match name {
+            "radiance" => {
+                let shares = if self.settings.learns_share() { (SHARE_WORDS * SHARES_PER_CELL) as usize } else { 0 };
+                let (radiance, of_shares) = bytes.split_at(old_count * bins * size_of::<f32>());
+                let mut copy = copied(radiance, bins * size_of::<f32>(), sources);
+                copy.extend(copied(of_shares, shares * size_of::<f32>(), sources));
+                copy
+            }
+            "learned radiance" => copied(bytes, bins * size_of::<LearnedRadiance>(), sources),
+            "bin ends" if sampler == Sampler::SphereInversion => copied(bytes, bins * size_of::<u32>(), sources),
+            "radiance nodes" if sampler == Sampler::Product => {
+                copied(bytes, nodes_per_tree(directions) as usize * size_of::<Node>(), sources)
+            }
+            "normalizers" => copied(bytes, normals * size_of::<NormalizationEntry>(), sources),
+            "marked normalizers" => copied_bits(bytes, normals, sources),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Memory of the device that the guide has between two steps.
+    fn guide_parts(&self) -> Vec<Persistent<'_>> {
+        let radiance = self.sets.radiance_grid.persistent().into_iter();
+        radiance.chain(self.sets.normalization_grid.persistent()).collect()
+    }
+}
+
+/// Blocks of `size` bytes, one for each source.
+fn copied(bytes: &[u8], size: usize, sources: &[usize]) -> Vec<u8> {
+    sources.iter().flat_map(|source| &bytes[source * size..(source + 1) * size]).copied().collect()
+}
+
+/// Blocks of `size` bits, one for each source. The lowest bit of a byte is the first.
+fn copied_bits(bytes: &[u8], size: usize, sources: &[usize]) -> Vec<u8> {
+    let mut copy = vec![0; (size * sources.len()).div_ceil(8)];
+    for (block, source) in sources.iter().enumerate() {
+        for bit in 0..size {
+            let (from, to) = (source * size + bit, block * size + bit);
+            copy[to / 8] |= (bytes[from / 8] >> (from % 8) & 1) << (to % 8);
+        }
+    }
+    copy
+}
+
+/// First setting of the guide that differs: its name and both values. Settings of the film, the length and the samples do not
+/// belong to the guide.
+fn difference(theirs: &Settings, ours: &Settings) -> Option<(String, String, String)> {
+    let Settings { width, height, crop, filter, max_depth, rr_depth, hide_emitters, .. } = *ours;
+    let Settings { seed, pattern, noise, sample_offset, spp_per_step, steps, sample_weights, .. } = *ours;
+    let Settings { samples_per_dispatch, slice_milliseconds, execution, .. } = *ours;
+    let theirs = Settings { width, height, crop, filter, max_depth, rr_depth, hide_emitters, ..theirs.clone() };
+    let theirs = Settings { seed, pattern, noise, sample_offset, spp_per_step, steps, sample_weights, ..theirs };
+    let theirs = Settings { samples_per_dispatch, slice_milliseconds, execution, ..theirs };
+    let mut pairs = theirs.named().into_iter().zip(ours.named());
+    pairs.find_map(|((name, theirs), (_, ours))| (theirs != ours).then_some((name, theirs, ours)))
+}
