@@ -3,12 +3,6 @@
 use super::xml::{area, bsdf, default, diffuse, film, float, placed, rgb, sensor, shape, string, two_sided};
 use super::{Class::Extremes, Known, Reference, Stage, Table};
 
-/// Known difference of a ground of so many units.
-fn offset_of(size: &str) -> Known {
-    let reason = "ray offsets grow with the coordinates of the ground";
-    if size >= "1e5" { Known::Large(reason) } else { Known::Small(reason) }
-}
-
 /// The stage, scaled by `scale` and moved by `offset` after that, with a ball, a block and a mesh. Radiance does not depend on
 /// either.
 fn moved(stage: &mut Stage, scale: f64, offset: [f64; 3]) {
@@ -96,14 +90,10 @@ pub fn add(table: &mut Table) {
         table.add(Extremes, format!("ground-rectangle-{name}"), |stage| {
             on_ground(stage, &shape("rectangle", &(steps.clone() + &gray)))
         });
-        if name >= "1e4" {
-            table.known(offset_of(name));
-        }
         if name >= "1e3" {
             table.add(Extremes, format!("ground-mesh-{name}"), |stage| {
                 on_ground(stage, &shape("obj", &(steps + &string("filename", "square.obj") + &gray)));
             });
-            table.known(offset_of(name));
         }
         table.add(Extremes, format!("ground-sphere-{name}"), |stage| {
             let place = format!("<point name='center' x='0' y='-{size}' z='0'/>") + &float("radius", size);
@@ -113,9 +103,6 @@ pub fn add(table: &mut Table) {
                 stage.reference = Reference::Like("ground-rectangle-1e4");
             }
         });
-        if name >= "1e4" {
-            table.known(offset_of(name));
-        }
     }
     for (name, gap) in [("carpet", "0.005"), ("carpet-thin", "0.0001")] {
         table.add(Extremes, name, |stage| {

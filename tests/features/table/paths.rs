@@ -1,7 +1,7 @@
 //! Integrators: depths, Russian roulette, hidden emitters.
 
 use super::xml::{area, ball, block, bsdf, default, diffuse, element, float, integer, on, path, rgb, shape};
-use super::{Class::Paths, Known, Table, plain_subject};
+use super::{Class::Paths, Table, plain_subject};
 
 pub fn add(table: &mut Table) {
     for depth in [1, 2, 3, 17] {
@@ -37,7 +37,6 @@ pub fn add(table: &mut Table) {
                 stage.subject += &element("emitter", "constant", &rgb("radiance", sky));
             }
         });
-        table.known(Known::Large("hidden lamps are black; in Mitsuba, the camera sees through them"));
     }
     table.show(Paths, "furnace-inside", {
         let inside =
