@@ -208,11 +208,11 @@ impl Run {
         match (self.rejects(verdict), job.case.known) {
             (true, None) => self.fail(figures.clone()),
             (false, Some(known)) if job.method.nee && known.shows() => {
-                self.fail(format!("{figures}: agrees, but is listed: {}", known.reason()));
+                self.fail(format!("{figures}: agrees, but is listed: {}", known.0));
             }
             _ => {}
         }
-        let reason = job.case.known.map_or_else(String::new, |known| format!(" (known: {})", known.reason()));
+        let reason = job.case.known.map_or_else(String::new, |known| format!(" (known: {})", known.0));
         println!("{figures}{reason}");
     }
 

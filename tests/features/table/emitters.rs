@@ -61,7 +61,7 @@ fn add_shapes(table: &mut Table) {
             let inside = [placed(&format!("{steps}{TURN}")), flip, file_part.clone(), area("$radiance,3,2")].concat();
             table.add(Emitters, format!("lamp-{word}-{placement}"), |stage| glowing(stage, plugin, &inside));
             if file.starts_with("bare") && flips {
-                table.known(Known::Small("Mitsuba takes the lit side by vertex normals that it computes"));
+                table.known(Known("Mitsuba takes the lit side by vertex normals that it computes"));
             }
         }
     }
@@ -82,7 +82,7 @@ fn add_textured(table: &mut Table) {
         let inside = placed(TURN) + &file + glow;
         table.add(Emitters, format!("lamp-textured-{name}"), |stage| glowing(stage, plugin, &inside));
         if name == "cube" {
-            table.known(Known::Small(
+            table.known(Known(
                 "Mitsuba's emitter sampling finds 9 % less light than its BSDF sampling; ours finds what the latter does",
             ));
         }

@@ -42,25 +42,15 @@ pub enum Reference {
     Uniform([f64; 3]),
 }
 
-/// A known difference from the reference, and its reason. The test fails where the difference is gone.
+/// Reason of a known difference from the reference, which only the full tier shows. The test fails there where the difference is
+/// gone.
 #[derive(Debug, Clone, Copy)]
-pub enum Known {
-    /// Difference that few samples show.
-    Large(&'static str),
-    /// Difference that only the full tier shows.
-    Small(&'static str),
-}
+pub struct Known(pub &'static str);
 
 impl Known {
     /// Whether this run must show the difference, where emitters are sampled.
     pub fn shows(self) -> bool {
-        matches!(self, Self::Large(_)) || tier::is_full()
-    }
-
-    pub fn reason(self) -> &'static str {
-        match self {
-            Self::Large(reason) | Self::Small(reason) => reason,
-        }
+        tier::is_full()
     }
 }
 
