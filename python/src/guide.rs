@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lodestar::renderer::LearnedGuide;
+use lodestar::renderer::learned_guide::LearnedGuide;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 

@@ -17,7 +17,7 @@
 mod film_store;
 mod guide_cells;
 mod learn;
-mod learned_guide;
+pub mod learned_guide;
 mod memory_needs;
 mod persistent;
 mod restore;
@@ -33,7 +33,6 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-pub use learned_guide::LearnedGuide;
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};

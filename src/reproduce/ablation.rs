@@ -124,7 +124,8 @@ mod tests {
 
     fn defaults() -> Settings {
         let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
-        Settings::for_film(&film, &IntegratorDescription::default())
+        // The paper's paths have at most 16 edges.
+        Settings::for_film(&film, &IntegratorDescription { max_depth: Some(16), ..Default::default() })
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::renderer::{LearnedGuide, RenderState};
+use crate::renderer::RenderState;
+use crate::renderer::learned_guide::LearnedGuide;
 use crate::session::checkpoint::{Checkpoint, Record, SceneSource};
 use crate::session::files::absolute_path;
 use crate::session::history::History;

@@ -149,7 +149,7 @@ fn what_does_not_belong_together_is_refused() {
         (&["--crop", "0,0,40,29"], "40 x 29 pixels at 0,0 of 40 x 30"),
         (&["--crop", "1,0,39,30"], "39 x 30 pixels at 1,0 of 40 x 30"),
         (&["-D", "gray=0.25"], "scene_hash ("),
-        (&["--max-depth", "5"], "max_depth (16 there, 5 here)"),
+        (&["--max-depth", "5"], "max_depth (unlimited there, 5 here)"),
         (&["--sampler", "rejection-mix"], "sampler (bsdf there, rejection-mix here)"),
     ] {
         // The last of two values would hold, so each option is given once.

@@ -186,7 +186,7 @@ fn a_checkpoint_is_not_written_over_by_a_new_render() {
     let before = fs::read(folder.path("a.ckpt")).unwrap();
     assert_sentence(&again(&[]), 1, &["a.ckpt: ", "8 samples", "lodestar resume a.ckpt"]);
     let other = again(&["--seed", "3", "--max-depth", "5", "-D", "gray=0.25"]);
-    assert_sentence(&other, 1, &["max_depth (16 there, 5 here)", "seed (0 there, 3 here)", "scene_hash ("]);
+    assert_sentence(&other, 1, &["max_depth (unlimited there, 5 here)", "seed (0 there, 3 here)", "scene_hash ("]);
     assert_eq!(fs::read(folder.path("a.ckpt")).unwrap(), before);
     folder.write("a.ckpt", "notes");
     assert_sentence(&again(&[]), 1, &["a.ckpt: ", "no checkpoint", "another name"]);

@@ -496,8 +496,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Least share of uniform directions in the guide",
         long: "The inversion samplers seldom sample light that the guide does not know yet, and such a sample is weighted by up to \
-               2/E at every edge. With 0.0625 most of their picture is too dark, and a few pixels are far too bright.",
-        default: "0.5 with the inversion samplers, else 0.0625",
+               2/E at every edge. So they have 0.5 unless another share is given: with 0.0625 most of their picture is too dark, \
+               and a few pixels are far too bright.",
         range: Some((1.0e-4, 1.0)),
         setting: setting!(min_uniform),
         rules: &[
