@@ -17,7 +17,7 @@ pub struct InfoArgs {
     /// The Mitsuba scene, or a folder with a scene.xml.
     #[arg(value_name = "SCENE.xml")]
     scene: PathBuf,
-    /// Value that replaces the scene's <default> of that name.
+    /// Value that replaces the scene's default of that name.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
     /// Print JSON.
