@@ -9,6 +9,13 @@ use crate::{Error, Result};
 pub(super) struct Faults {
     list: Vec<Error>,
     seen: HashSet<String>,
+    /// Whether any error was added, also one without a message of its own ([`told_before`]).
+    failed: bool,
+}
+
+/// Error of an object that is used again after its faults were returned to its first user. It adds no line to the list.
+pub(super) fn told_before() -> Error {
+    Error::Several(Vec::new())
 }
 
 impl Faults {
@@ -19,6 +26,7 @@ impl Faults {
 
     /// Adds an error.
     pub fn add(&mut self, error: Error) {
+        self.failed = true;
         match error {
             Error::Several(errors) => errors.into_iter().for_each(|error| self.add(error)),
             error if self.seen.insert(error.to_string()) => self.list.push(error),
@@ -33,7 +41,7 @@ impl Faults {
             _ => (Default::default(), u32::MAX),
         });
         match self.list.len() {
-            0 => Ok(()),
+            0 if !self.failed => Ok(()),
             1 => self.list.into_iter().try_for_each(Err),
             _ => Err(Error::Several(self.list)),
         }
@@ -57,5 +65,16 @@ mod tests {
         only.add(fault(3, "first"));
         assert_eq!(only.into_result().unwrap_err().to_string(), "a.xml:3: first");
         assert!(Faults::default().into_result().is_ok());
+    }
+
+    #[test]
+    fn an_error_that_was_told_before_is_an_error_without_a_line() {
+        let mut inner = Faults::default();
+        inner.add(told_before());
+        let again = inner.into_result().unwrap_err();
+        let mut outer = Faults::default();
+        outer.add(Error::scene("a.xml", Some(3), "first"));
+        outer.add(again);
+        assert_eq!(outer.into_result().unwrap_err().to_string(), "a.xml:3: first");
     }
 }

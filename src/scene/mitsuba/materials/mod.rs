@@ -7,13 +7,13 @@ mod parameters;
 mod surfaces;
 mod tree;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ptr;
 
 use glam::Vec3;
 
 use super::element::Element;
-use super::faults::Faults;
+use super::faults::{self, Faults};
 use super::properties::Properties;
 use super::scope::Scope;
 use super::textures::{Role, Textures};
@@ -46,6 +46,9 @@ pub(super) struct Materials<'a> {
     scope: Scope<'a>,
     /// Trees by the element's address: each `<bsdf>` is one material, however many shapes refer to it.
     trees: HashMap<*const Element, Tree>,
+    /// Elements whose faults were returned. They are not read again: a chain of materials, each of which uses the next
+    /// one twice, would be read 2^n times.
+    faulty: HashSet<*const Element>,
     /// Elements being read, from the outermost.
     open: Vec<*const Element>,
     kept: HashMap<*const Element, u32>,
@@ -59,6 +62,7 @@ impl<'a> Materials<'a> {
         Self {
             scope,
             trees: HashMap::new(),
+            faulty: HashSet::new(),
             open: Vec::new(),
             kept: HashMap::new(),
             defaults: [None; 2],
@@ -144,6 +148,9 @@ impl<'a> Materials<'a> {
         if let Some(tree) = self.trees.get(&key) {
             return Ok(tree.clone());
         }
+        if self.faulty.contains(&key) {
+            return Err(faults::told_before());
+        }
         if self.open.contains(&key) {
             return Err(element.error("this <bsdf> contains itself, directly or through others"));
         }
@@ -153,15 +160,11 @@ impl<'a> Materials<'a> {
         self.open.push(key);
         let tree = self.read_new(element, textures, warnings);
         self.open.pop();
-        let tree = tree?;
-        if tree.surfaces().len() > MAX_SURFACES {
-            return Err(element.error(format!("a material of more than {MAX_SURFACES} surfaces is not supported")));
+        match &tree {
+            Ok(tree) => drop(self.trees.insert(key, tree.clone())),
+            Err(_) => drop(self.faulty.insert(key)),
         }
-        if tree.choice_depth() > MAX_CHOICES {
-            return Err(element.error(format!("blends within blends, more than {MAX_CHOICES} deep, are not supported")));
-        }
-        self.trees.insert(key, tree.clone());
-        Ok(tree)
+        tree
     }
 
     fn read_new(
@@ -186,6 +189,12 @@ impl<'a> Materials<'a> {
         };
         parameters.finish()?;
         check_texture_count(element, &tree)?;
+        if tree.surfaces().len() > MAX_SURFACES {
+            return Err(element.error(format!("a material of more than {MAX_SURFACES} surfaces is not supported")));
+        }
+        if tree.choice_depth() > MAX_CHOICES {
+            return Err(element.error(format!("blends within blends, more than {MAX_CHOICES} deep, are not supported")));
+        }
         Ok(tree)
     }
 }
