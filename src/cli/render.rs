@@ -15,10 +15,11 @@ use super::render_args::{RenderArgs, with};
 /// Renders the scene that `args` name.
 pub fn run(args: RenderArgs) -> Result<ExitCode> {
     let console = Console::new(&args.files);
+    let viewers = args.viewers.options(args.files.denoiser());
     let start = Start::Anew(SceneInput::File { path: args.scene, defines: args.define });
     let options = args.device.add_to(args.length.add_to(args.choices.options()));
     let options = with_checkpoint(options, args.checkpoint, args.checkpoint_every).files(args.files.into());
-    render(start, &options, &console, &args.viewers.into())
+    render(start, &options, &console, &viewers)
 }
 
 /// Options that `args` stand for, without the scene and the files of the picture.

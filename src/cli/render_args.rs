@@ -151,11 +151,18 @@ pub enum Filter {
     Gaussian,
 }
 
+impl OutputArgs {
+    /// The denoiser that the arguments name.
+    pub fn denoiser(&self) -> DenoiseOptions {
+        DenoiseOptions { folder: self.oidn.clone(), device: self.oidn_device }
+    }
+}
+
 impl From<OutputArgs> for OutputFiles {
     fn from(args: OutputArgs) -> Self {
+        let denoise = args.denoise.then(|| args.denoiser());
         let OutputArgs { output, tone, exposure, half, overwrite, write_every, reference, stats, profile, .. } = args;
         let (pictures, statistics) = (output, stats);
-        let denoise = args.denoise.then_some(DenoiseOptions { folder: args.oidn, device: args.oidn_device });
         Self { pictures, tone, exposure, half, denoise, overwrite, write_every, reference, statistics, profile }
     }
 }

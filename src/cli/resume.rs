@@ -44,8 +44,9 @@ pub fn options(args: ResumeArgs) -> Options {
 /// Goes on with the render.
 pub fn run(args: ResumeArgs) -> Result<ExitCode> {
     let console = Console::new(&args.files);
+    let viewers = args.viewers.options(args.files.denoiser());
     let start = Start::Resume { checkpoint: args.file, moved_scene: args.scene };
     let options = args.device.add_to(args.length.add_to(Options::new()));
     let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
-    super::render::render(start, &options, &console, &args.viewers.into())
+    super::render::render(start, &options, &console, &viewers)
 }

@@ -1,5 +1,6 @@
 //! The arguments of `lodestar render` that open views of a render.
 
+use lodestar::denoise::DenoiseOptions;
 use lodestar::view::{ViewOptions, check_address};
 
 /// Address that only the local machine can reach, with a free port.
@@ -14,8 +15,9 @@ pub struct ViewerArgs {
     pub display_server: Option<String>,
 }
 
-impl From<ViewerArgs> for ViewOptions {
-    fn from(args: ViewerArgs) -> Self {
-        Self { page: args.view, display_server: args.display_server }
+impl ViewerArgs {
+    /// Views that the arguments ask for. `denoiser` makes the page's layer `denoised`.
+    pub fn options(self, denoiser: DenoiseOptions) -> ViewOptions {
+        ViewOptions { page: self.view, display_server: self.display_server, denoiser }
     }
 }

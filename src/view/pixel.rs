@@ -49,7 +49,7 @@ impl PixelFacts {
             let values = plane.values.iter().map(|&value| value.is_finite().then_some(value)).collect();
             Some((name, plane.channels, values))
         };
-        let layers = shot.layers().into_iter().filter_map(layer).collect();
+        let layers = shot.offered_layers().into_iter().filter_map(layer).collect();
         let surface = match &shot.content {
             Content::Rendered(picture) => surface(picture, at),
             Content::Read(_) => None,

@@ -28,6 +28,18 @@ impl Plane {
         Self { channels: channels.into_iter().map(str::to_owned).collect(), values }
     }
 
+    /// Plane of a color.
+    pub fn of_color(pixels: &[[f32; 3]]) -> Self {
+        Self::new(["R", "G", "B"], pixels.as_flattened().to_vec())
+    }
+
+    /// The pixels `range`. Pixels that do not exist are left out.
+    pub fn part(&self, range: Range<usize>) -> Self {
+        let count = self.channels.len();
+        let values = self.values.get(count * range.start..count * range.end).unwrap_or_default();
+        Self { channels: self.channels.clone(), values: values.to_vec() }
+    }
+
     /// Mean of the finite values.
     pub fn mean(&self) -> f64 {
         let finite = self.values.iter().filter(|value| value.is_finite());

@@ -157,7 +157,7 @@ impl Desk {
             width,
             height,
             offset: shot.offset(),
-            layers: shot.layers(),
+            layers: shot.offered_layers(),
             layer: name,
             channels: &plane.channels,
             factor,

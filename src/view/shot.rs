@@ -1,11 +1,15 @@
 //! Shots: copies of a picture for viewers.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
+use crate::denoise::Denoiser;
 use crate::film::Picture;
 use crate::image::layers::Layers;
 use crate::view::planes::{self, Plane};
+
+/// Name of the layer that a denoiser makes.
+const DENOISED: &str = "denoised";
 
 /// A picture at one moment.
 pub(super) struct Shot {
@@ -17,6 +21,9 @@ pub(super) struct Shot {
     pub seconds: f64,
     pub content: Content,
     noise: OnceLock<Option<f64>>,
+    denoiser: Option<Arc<Denoiser>>,
+    /// The denoised radiance. It is made when it is asked for first.
+    denoised: OnceLock<Option<Plane>>,
 }
 
 /// Pixels of a shot.
@@ -29,7 +36,13 @@ pub(super) enum Content {
 
 impl Shot {
     pub fn new(number: u64, samples: u64, seconds: f64, content: Content) -> Self {
-        Self { number, samples, seconds, content, noise: OnceLock::new() }
+        let (noise, denoised) = (OnceLock::new(), OnceLock::new());
+        Self { number, samples, seconds, content, noise, denoiser: None, denoised }
+    }
+
+    /// Lets the page ask for a layer `denoised` of a rendered picture.
+    pub fn with_denoiser(self, denoiser: Option<Arc<Denoiser>>) -> Self {
+        Self { denoiser, ..self }
     }
 
     pub fn size(&self) -> [u32; 2] {
@@ -55,15 +68,27 @@ impl Shot {
         }
     }
 
-    /// The layer `name`.
+    /// Names of the layers that the page offers: those of the shot, and the one that the denoiser makes.
+    pub fn offered_layers(&self) -> Vec<String> {
+        let mut names = self.layers();
+        names.extend(self.denoiser.as_ref().map(|_| DENOISED.to_owned()));
+        names
+    }
+
+    /// The layer `name`. The layer `denoised` is made when it is asked for first, which takes a moment.
     pub fn plane(&self, name: &str) -> Option<Plane> {
+        if let (Content::Rendered(picture), Some(denoiser), DENOISED) = (&self.content, &self.denoiser, name) {
+            let denoise = || Some(Plane::of_color(&denoiser.denoise_picture(picture).ok()?.pixels));
+            return self.denoised.get_or_init(denoise).clone();
+        }
         let [width, height] = self.size();
         self.part(name, 0..width as usize * height as usize)
     }
 
-    /// The layer `name` of some pixels.
+    /// The layer `name` of some pixels. The layer `denoised` is there only if it has been made.
     pub fn part(&self, name: &str, pixels: Range<usize>) -> Option<Plane> {
         match &self.content {
+            Content::Rendered(_) if name == DENOISED => Some(self.denoised.get()?.as_ref()?.part(pixels)),
             Content::Rendered(picture) => planes::of_picture(picture, name, pixels),
             Content::Read(layers) => planes::of_layers(layers, name, pixels),
         }

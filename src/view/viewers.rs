@@ -7,6 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::Result;
+use crate::denoise::{DenoiseOptions, Denoiser};
 use crate::film::Picture;
 use crate::session::statistics::StepStatistics;
 use crate::session::{Ending, Event, Progress, Session, Watch};
@@ -33,6 +34,8 @@ pub struct ViewOptions {
     pub page: Option<String>,
     /// Address of a display server that speaks tev's protocol.
     pub display_server: Option<String>,
+    /// The denoiser of the page's layer `denoised`. Where there is none, the page has no such layer.
+    pub denoiser: DenoiseOptions,
 }
 
 /// Viewers of one render. All of them may leave or hang without harm to the render.
@@ -40,6 +43,7 @@ pub struct Viewers {
     page: Option<(Arc<Board>, Server)>,
     display: Option<Display>,
     copies: Mutex<Copies>,
+    denoiser: Option<Arc<Denoiser>>,
 }
 
 /// Copies so far.
@@ -64,6 +68,7 @@ impl Viewers {
             page: options.page.as_ref().map(serve).transpose()?,
             display: options.display_server.as_deref().map(Display::start).transpose()?,
             copies: Mutex::new(Copies { next: Instant::now(), shots: 0, guides: 0 }),
+            denoiser: options.page.as_ref().and_then(|_| Denoiser::open(&options.denoiser).ok().map(Arc::new)),
         })
     }
 
@@ -174,7 +179,8 @@ impl Viewers {
 
     fn show_picture(&self, picture: Picture, progress: &Progress, number: u64, display: Option<&Display>) {
         let content = Content::Rendered(Box::new(picture));
-        let shot = Arc::new(Shot::new(number, progress.samples.into(), progress.seconds, content));
+        let shot = Shot::new(number, progress.samples.into(), progress.seconds, content);
+        let shot = Arc::new(shot.with_denoiser(self.denoiser.clone()));
         if let Some(display) = display {
             display.send(Arc::clone(&shot));
         }

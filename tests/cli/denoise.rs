@@ -17,13 +17,7 @@ const HEIGHT: u32 = 23;
 
 /// Folder of the library, if it is there.
 fn library() -> Option<String> {
-    let named = std::env::var_os("LODESTAR_OIDN").filter(|value| !value.is_empty()).map(PathBuf::from);
-    let unpacked = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/oidn");
-    let folder = named.or_else(|| unpacked.exists().then_some(unpacked));
-    if folder.is_none() {
-        eprintln!("skipped: there is no Open Image Denoise; ./setup.sh --oidn gets it");
-    }
-    folder.map(|folder| folder.into_os_string().into_string().unwrap())
+    support::denoiser_folder().map(|folder| folder.into_os_string().into_string().unwrap())
 }
 
 fn denoiser(folder: &str) -> Denoiser {

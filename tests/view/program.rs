@@ -44,20 +44,33 @@ pub fn endless<'a>() -> Vec<&'a str> {
 impl Program {
     /// Starts the program and waits for the address of its page.
     pub fn start(arguments: &[&str]) -> Self {
-        let mut program = Self::start_silent(arguments);
+        Self::start_silent(arguments).with_address()
+    }
+
+    fn with_address(mut self) -> Self {
         let mut line = String::new();
-        program.stderr.read_line(&mut line).unwrap();
+        self.stderr.read_line(&mut line).unwrap();
         let url = line.split_whitespace().find(|word| word.starts_with("http://"));
-        program.url = url.unwrap_or_else(|| panic!("no address in {line}")).to_owned();
-        program
+        self.url = url.unwrap_or_else(|| panic!("no address in {line}")).to_owned();
+        self
     }
 
     /// Starts the program.
     pub fn start_silent(arguments: &[&str]) -> Self {
+        Self::start_with(arguments, None)
+    }
+
+    /// Starts the program. `denoiser` is the folder of Open Image Denoise, or an empty folder for none.
+    pub fn start_with_denoiser(arguments: &[&str], denoiser: &Path) -> Self {
+        Self::start_with(arguments, Some(denoiser)).with_address()
+    }
+
+    fn start_with(arguments: &[&str], denoiser: Option<&Path>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
         command.args(arguments).current_dir(folder.path());
         command.env("XDG_CACHE_HOME", CACHE).env_remove("LODESTAR_DEVICE");
+        denoiser.iter().for_each(|folder| drop(command.env("LODESTAR_OIDN", folder)));
         let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
         let stderr = BufReader::new(child.stderr.take().unwrap());
         Self { child, url: String::new(), stderr, folder }

@@ -93,6 +93,39 @@ fn a_pause_ends_no_render_and_files_are_written_on_the_way() {
     assert!(u64::from(more) > paused["samples"].as_u64().unwrap());
 }
 
+/// The layer `denoised` is offered where there is a denoiser. It has less noise than the radiance, and the file does not contain it.
+#[test]
+fn the_page_offers_the_denoised_picture() {
+    let empty = tempfile::tempdir().unwrap();
+    let program = Program::start_with_denoiser(&endless(), empty.path());
+    program.wait_for(|state| state["shot"].as_u64() > Some(0));
+    assert_eq!(program.ask_as_page("GET /layer?name=denoised").0, 404);
+    drop(program);
+
+    let Some(folder) = support::denoiser_folder() else { return };
+    let mut program = Program::start_with_denoiser(&endless(), &folder);
+    program.wait_for(|state| state["samples"].as_u64() > Some(0));
+    assert_eq!(program.ask_as_page("POST /pause").0, 204);
+    program.wait_for(|state| state["phase"] == "paused" && state["shot"].as_u64() > Some(0));
+    let [noisy, smooth] = ["radiance", "denoised"].map(|name| {
+        let (status, bytes) = program.ask_as_page(&format!("GET /layer?name={name}"));
+        assert_eq!((status, bytes.len()), (200, 96 * 96 * 3 * 2), "{name}");
+        roughness(&bytes)
+    });
+    assert!(smooth < 0.5 * noisy, "pixels differ from their neighbors by {noisy}, denoised ones by {smooth}");
+    assert_eq!(program.ask_as_page("POST /stop").0, 204);
+    assert_eq!(program.wait(), Some(0));
+    assert!(layers(&program.path("a.exr")).channels.iter().all(|(name, _)| !name.starts_with("denoised")));
+}
+
+/// Mean difference between the half floats of neighbors in a row. A difference counts as 1 at most, so that outliers do not decide.
+fn roughness(bytes: &[u8]) -> f32 {
+    let value = |bytes: &[u8]| half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32();
+    let values: Vec<f32> = bytes.chunks_exact(2).map(value).collect();
+    let differences = values.windows(4).map(|four| (four[3] - four[0]).abs().min(1.0));
+    differences.sum::<f32>() / values.len() as f32
+}
+
 #[test]
 fn wrong_addresses_are_one_sentence() {
     for (arguments, word) in [

@@ -17,8 +17,23 @@ pub mod substances;
 pub mod tier;
 pub mod twins;
 
+/// Folder of the repository.
+fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).expect("the repository")
+}
+
 /// Folder of the project's own scenes.
 pub fn scenes_folder() -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).expect("the repository");
-    root.join("scenes")
+    repository().join("scenes")
+}
+
+/// Folder of Open Image Denoise, where `LODESTAR_OIDN` names it or `setup.sh --oidn` has unpacked it. `None` prints how to get it.
+pub fn denoiser_folder() -> Option<PathBuf> {
+    let named = std::env::var_os("LODESTAR_OIDN").filter(|value| !value.is_empty()).map(PathBuf::from);
+    let unpacked = repository().join("target/oidn");
+    let folder = named.or_else(|| unpacked.exists().then_some(unpacked));
+    if folder.is_none() {
+        println!("skipped: there is no Open Image Denoise; ./setup.sh --oidn gets it");
+    }
+    folder
 }
