@@ -12,8 +12,8 @@ cd "$(dirname "$0")/.."
 export LODESTAR_FULL=1
 
 # Parts, and the day of the week of each.
-PARTS=(references render samplers claims pictures interruptions builds features python)
-DAYS=(Monday Tuesday Wednesday Thursday Friday Saturday Sunday Monday Sunday)
+PARTS=(references render samplers claims pictures interruptions builds features python agreement)
+DAYS=(Monday Tuesday Wednesday Thursday Friday Saturday Sunday Monday Sunday Saturday)
 
 suite() { cargo test --release --test "$@"; }
 
@@ -46,7 +46,9 @@ run() { # PART
     references) suite references ;;
     # Small scenes in four ways each. The table of deviations is written to target/features.md.
     features) LODESTAR_FEATURES_TABLE="$PWD/target/features.md" suite features ;;
-    render) suite render ;;
+    render) suite render -- --skip ztest --skip closed ;;
+    # Guided pictures beside unguided ones, by z-tests, and 10^8 rays that no closed mesh lets out.
+    agreement) suite render -- ztest closed ;;
     samplers) suite samplers && suite gpu ;;
     # What the guides' functions compute and draw.
     claims) suite proofs -- claims --skip claims::pictures --skip claims::targets --skip claims::furnace ;;

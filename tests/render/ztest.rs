@@ -65,13 +65,22 @@ impl Case {
         let bsdf = self.render(&device, &[], |s| s.seed = 1);
         let mix = self.render(&device, &[], |s| (s.sampler, s.seed) = (Sampler::RejectionMix, 2));
         for ((name, set), seed) in GUIDED.into_iter().zip(10..) {
-            let guided = self.render(&device, &[], |s| {
-                set(s);
-                s.seed = seed;
-            });
-            let comparison = compare(name, &bsdf, &guided);
+            let guided = |case: &Self, seed| {
+                case.render(&device, &[], |s| {
+                    set(s);
+                    s.seed = seed;
+                })
+            };
+            let comparison = compare(name, &bsdf, &guided(self, seed));
             let known = comparison.largest.iter().all(|&(_, count)| count > 0);
-            assert!(comparison.agrees() && known, "{name}");
+            // Of these many comparisons, each of which errs once in a hundred times, one may err by chance. A second one with
+            // other seeds and four times the samples decides, which finds a fault all the more.
+            let agrees = comparison.agrees() || {
+                let sharper = Self { spp: self.spp.map(|spp| 4 * spp), ..*self };
+                let bsdf = sharper.render(&device, &[], |s| s.seed = 4);
+                compare("again, four times the samples", &bsdf, &guided(&sharper, 200 + seed)).agrees()
+            };
+            assert!(agrees && known, "{name}");
             let wrong_pdf = self.render(&faulty, &[], |s| {
                 set(s);
                 s.seed = 100 + seed;
