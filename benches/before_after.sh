@@ -42,7 +42,7 @@ outer() { # FILE NAME
 measure() { # BINARY SCENE WIDTH HEIGHT OPTION...
   binary=$1 scene=$2 width=$3 height=$4
   shift 4
-  rm -f "$work/stats.json"
+  rm -f "$work/stats.json" "$work/picture.exr"
   if ! "$binary" render "$scene" --width "$width" --height "$height" --spp "$spp" "$@" --quiet \
     --stats "$work/stats.json" -o "$work/picture.exr" >"$work/log" 2>&1 </dev/null; then
     echo "before_after.sh: $binary does not render $scene $*:" >&2

@@ -23,4 +23,4 @@ pip install --no-deps "$work"/dist/*.whl
 
 cp -r python/tests python/notebooks scenes "$work"
 cd "$work/tests"
-LODESTAR_TEST_SCENES=$work/scenes MPLBACKEND=agg ../venv/bin/python -m pytest -p no:cacheprovider "$@"
+LODESTAR_TEST_SCENES=$work/scenes ../venv/bin/python -m pytest -p no:cacheprovider "$@"

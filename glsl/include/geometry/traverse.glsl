@@ -125,7 +125,9 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     uint stack_count = 0u;
     uint group_base = 0u;
     uint group_mask = 0x80000000u;
-    // The condition stands at the loop's head because SwiftShader keeps per lane only what the heads of loops read.
+    // The condition stands at the loop's head because SwiftShader keeps per lane only what the heads of loops read. It also
+    // stands at the end, because lavapipe leaves a loop only there: without it, the body runs once more for no lane. Both
+    // hold for all loops whose lanes end at different times.
     while (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE)) {
         uint slot = uint(findMSB(group_mask));
         uint child = group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
@@ -147,6 +149,7 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
                 uint bit = uint(findLSB(primitives));
                 primitives &= primitives - 1u;
                 intersect_primitive(ray, primitive_base + bit, hit);
+                if (primitives == 0u) break;
             }
         }
         overrun = overrun || primitives != 0u;
@@ -155,6 +158,7 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             group_base = stack_base[stack_count];
             group_mask = stack_mask[stack_count];
         }
+        if (!has_nodes(group_mask) || (any_hit && hit.primitive != NONE)) break;
     }
     overrun = overrun || (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));
     return hit;

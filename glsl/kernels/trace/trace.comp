@@ -67,6 +67,7 @@ void main() {
         // 5. Film: a path that has ended is one sample of its pixel.
         if (path.depth == 0u) add_sample(samples, path.key.sample_index, path.radiance, tally);
         more = path.depth != 0u || next_sample < push.sample_count;
+        if (!more || edges_left == 0u) break;
     }
     tally.overrun = tally.overrun || more;
 

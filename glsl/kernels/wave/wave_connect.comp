@@ -26,6 +26,7 @@ void main() {
         uint slot = queued_slot(place);
         if (slot != NONE) connect_path(slot);
         place += lane_count();
+        if (place >= queue_length()) break;
     }
     count(COUNTER_OVERRUNS, uint(place < queue_length()));
 }

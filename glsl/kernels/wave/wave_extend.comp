@@ -14,6 +14,7 @@ void main() {
         uint slot = queued_slot(place);
         if (slot != NONE) store_hit(slot, end_of_edge(load_ray(slot), push.edge == 0u, overrun));
         place += lane_count();
+        if (place >= queue_length()) break;
     }
     count(COUNTER_OVERRUNS, uint(overrun || place < queue_length()));
 }

@@ -36,6 +36,7 @@ void main() {
         uint slot = queued_slot(place);
         if (slot != NONE) shade(slot, tally);
         place += lane_count();
+        if (place >= queue_length()) break;
     }
     tally.overrun = tally.overrun || place < queue_length();
     publish_tally(tally);

@@ -15,6 +15,7 @@ void main() {
         uint slot = queued_connection(place);
         if (traverse(load_connection_ray(slot), true, overrun).primitive != NONE) block_connection(slot);
         place += lane_count();
+        if (place >= connection_count()) break;
     }
     count(COUNTER_OVERRUNS, uint(overrun || place < connection_count()));
 }

@@ -73,6 +73,7 @@ GuidedSample sample_rejection_mix(RandomKey key, uint vertex, float choice, Guid
         Proposal second = propose(random, guide, uniform_share || tries + 1u == MAX_TRIES);
         take_first(taken, first, tries);
         take_first(taken, second, tries);
+        if (taken.accepted || tries > MAX_TRIES) break;
     }
     float pdf = guide_density(guide.entry, taken.radiance, dot(taken.wi, guide.nb)) + uniform_density(guide, taken.wi);
     return GuidedSample(taken.wi, pdf, taken.bin, taken.radiance, tries, !taken.accepted);
