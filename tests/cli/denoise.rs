@@ -3,7 +3,7 @@
 //! Open Image Denoise is no part of Lodestar. Where neither `LODESTAR_OIDN` names its folder nor `setup.sh --oidn` has put it into
 //! `target/oidn`, the tests that need it say so and pass.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use lodestar::denoise::{DenoiseOptions, Denoiser, Features};
 use lodestar::image::exr::{self, FileHeader};
