@@ -70,7 +70,9 @@ impl Program {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
         command.args(arguments).current_dir(folder.path());
         command.env("XDG_CACHE_HOME", CACHE).env_remove("LODESTAR_DEVICE");
-        denoiser.iter().for_each(|folder| drop(command.env("LODESTAR_OIDN", folder)));
+        if let Some(folder) = denoiser {
+            command.env("LODESTAR_OIDN", folder);
+        }
         let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
         let stderr = BufReader::new(child.stderr.take().unwrap());
         Self { child, url: String::new(), stderr, folder }
