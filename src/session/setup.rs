@@ -148,10 +148,13 @@ impl Session {
         if !inputs.wanted.overwrite {
             inputs.pictures.check_scene(&scene_path, &scene_hash)?;
         }
-        let context = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
+        let contexts = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
+        let context = Arc::clone(&contexts[0]);
+        warn_of_mix(&contexts, watch);
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
-        let (renderer, bvh_seconds, pipeline_seconds) = build(scene, &context, &plan.settings, &inputs.kernels, watch)?;
+        let (renderer, bvh_seconds, pipeline_seconds) =
+            build(scene, &contexts, &plan.settings, &inputs.kernels, watch)?;
         watch.tell(Event::Ready);
         inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
@@ -290,10 +293,11 @@ impl<'a> SceneInput<'a> {
 }
 
 impl DeviceChoice {
-    fn open(&self) -> Result<Arc<Context>> {
+    /// Opens the devices: at least one.
+    fn open(&self) -> Result<Vec<Arc<Context>>> {
         match self {
-            Self::Open(options) => Context::new(options),
-            Self::Opened(context) => Ok(Arc::clone(context)),
+            Self::Open(options) => Context::all(options),
+            Self::Opened(context) => Ok(vec![Arc::clone(context)]),
         }
     }
 }
@@ -382,15 +386,15 @@ impl Inputs {
     }
 }
 
-/// Result of the thread that opens the device. The outer error is the thread's panic.
-type OpenedDevice = thread::Result<Result<Arc<Context>>>;
+/// Result of the thread that opens the devices. The outer error is the thread's panic.
+type OpenedDevices = thread::Result<Result<Vec<Arc<Context>>>>;
 
-/// Opens the device while the scene is read, because drivers take a while to start.
+/// Opens the devices while the scene is read, because drivers take a while to start.
 fn open_and_load<'a>(
     input: &SceneInput<'a>,
     options: &Options,
     watch: &Watch<'_>,
-) -> (OpenedDevice, Result<(Cow<'a, Scene>, f64)>) {
+) -> (OpenedDevices, Result<(Cow<'a, Scene>, f64)>) {
     thread::scope(|scope| {
         let context = scope.spawn(|| options.device.open());
         let loaded = timed(|| input.load(watch));
@@ -401,7 +405,7 @@ fn open_and_load<'a>(
 /// The renderer of a scene, and the seconds that its hierarchy and its kernels took.
 fn build(
     mut scene: Cow<'_, Scene>,
-    context: &Arc<Context>,
+    contexts: &[Arc<Context>],
     settings: &Settings,
     kernels: &KernelFiles,
     watch: &Watch<'_>,
@@ -414,7 +418,17 @@ fn build(
         drop(std::mem::take(&mut scene.primitives));
     }
     watch.tell(Event::Preparing(Preparation::Kernels));
-    let build = || Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
+    let build = || {
+        let build =
+            |context, surfaces| Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
+        let others =
+            contexts[1..].iter().map(|context| build(context, surfaces.clone())).collect::<Result<Vec<_>>>()?;
+        let mut renderer = build(&contexts[0], surfaces)?;
+        if !others.is_empty() {
+            renderer.share_with(others)?;
+        }
+        Ok(renderer)
+    };
     let (renderer, pipeline_seconds) = timed(build)?;
     Ok((renderer, bvh_seconds, pipeline_seconds))
 }
@@ -446,6 +460,17 @@ fn output(
 fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
     let begin = Instant::now();
     Ok((work()?, begin.elapsed().as_secs_f64()))
+}
+
+/// Warns where devices of several kinds render one picture.
+fn warn_of_mix(contexts: &[Arc<Context>], watch: &Watch<'_>) {
+    let kind = |context: &Arc<Context>| (context.device().name.clone(), context.device().driver_info.clone());
+    if contexts.iter().any(|context| kind(context) != kind(&contexts[0])) {
+        watch.warn(
+            "devices of different kinds render this picture: it is unbiased, but its last bits depend on the devices and \
+             their order",
+        );
+    }
 }
 
 /// Tells `watch` every warning once.
