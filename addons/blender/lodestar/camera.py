@@ -93,8 +93,8 @@ def _perspective(
         xml.add(element, "focus_distance", _focus(dof, owner))
     elif shift != (0.0, 0.0):
         # Mitsuba's offset moves the picture, Blender's shift the view.
-        xml.add(element, "principal_point_offset_x", -shift[0])
-        xml.add(element, "principal_point_offset_y", shift[1])
+        xml.add(element, "principal_point_offset_x", shift[0])
+        xml.add(element, "principal_point_offset_y", -shift[1])
     return xml.add_matrix(element, _looking(matrix))
 
 

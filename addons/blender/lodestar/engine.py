@@ -142,13 +142,15 @@ class LodestarEngine(bpy.types.RenderEngine):
         """Fills the passes from the picture's file."""
         picture = exr.read(path)
         scene = depsgraph.scene
-        film, (left, top, width, height) = exported.film, exported.film.window
-        result = self.begin_result(0, 0, *_result_size(scene.render, film), layer=depsgraph.view_layer.name)
+        # Blender asks for the border's window only, and puts it into the whole picture itself.
+        width, height = exported.film.window[2:]
+        for each in self._passes(scene):
+            self.add_pass(each.name, len(each.ids), each.ids, layer=depsgraph.view_layer.name)
+        result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
         if result is None:
             return
         if picture.size != (width, height):
             raise ValueError(f"the picture has {picture.size} pixels, not {(width, height)}")
-        place = None if scene.render.use_crop_to_border or not film.is_cropped else (left, top)
         known = {each.name: each for each in result.layers[0].passes}
         wanted = [Pass("Combined", _combined(scene.lodestar, picture), "RGBA", "COLOR"), *self._passes(scene)]
         for each in wanted:
@@ -157,7 +159,7 @@ class LodestarEngine(bpy.types.RenderEngine):
                 continue
             if each.name == "Depth":
                 data = np.where(np.isfinite(data), data, FAR)
-            known[each.name].rect.foreach_set(_framed(data, place, film.width, film.height)[::-1].ravel())
+            known[each.name].rect.foreach_set(np.ascontiguousarray(data[::-1]).ravel())
         self.end_result(result)
 
 
@@ -165,21 +167,6 @@ def _combined(settings: Any, picture: exr.Picture) -> list[str]:
     if settings.denoise and settings.combined_denoised and "denoised.R" in picture.channels:
         return ["denoised.R", "denoised.G", "denoised.B", "A"]
     return ["R", "G", "B", "A"]
-
-
-def _result_size(render: Any, film: Any) -> tuple[int, int]:
-    if render.use_border and render.use_crop_to_border:
-        return film.window[2], film.window[3]
-    return film.width, film.height
-
-
-def _framed(data: np.ndarray, place: Optional[tuple[int, int]], width: int, height: int) -> np.ndarray:
-    """Window within the whole picture, with zeros around it."""
-    if place is None:
-        return data
-    whole = np.zeros((height, width, data.shape[2]), np.float32)
-    whole[place[1] : place[1] + data.shape[0], place[0] : place[0] + data.shape[1]] = data
-    return whole
 
 
 def register() -> None:

@@ -111,6 +111,8 @@ class _Exporter:
             hidden.insert(0, "camera")
         if hidden:
             self.report.warn(f'object "{owner.name}"', f"its invisibility to {', '.join(hidden)} rays is not supported; it is visible")
+        if owner.type == "LIGHT":
+            return
         for name, text in (("is_holdout", "a holdout"), ("is_shadow_catcher", "a shadow catcher")):
             if getattr(owner, name, False):
                 self.report.warn(f'object "{owner.name}"', f"{text} is not supported; it is an ordinary surface")
