@@ -79,7 +79,7 @@ def read(path: Path) -> Picture:
         raise ValueError(f"{path} has tiles, depth or several parts; only scanline files are read")
     try:
         return _read_lines(data)
-    except (IndexError, KeyError, struct.error, zlib.error) as fault:
+    except (IndexError, KeyError, ValueError, struct.error, zlib.error) as fault:
         raise ValueError(f"{path} is cut short, or is compressed otherwise than by ZIP ({fault!r})") from fault
 
 

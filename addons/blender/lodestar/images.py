@@ -28,7 +28,7 @@ class Texture:
     """Texture of an image, or of a mesh's colors where `image` is None."""
 
     image: Any = None
-    # "color" or "alpha", then functions: "r", "g", "b", "invert", "square", "sqrt", "normal STRENGTH".
+    # "color" or "alpha", then functions: "r", "g", "b", "invert", "square", "sqrt", "normal STRENGTH", "environment".
     operations: tuple[str, ...] = ("color",)
     to_uv: Matrix3 = IDENTITY
     wrap: str = "repeat"
@@ -149,10 +149,25 @@ def apply(data: np.ndarray, operations: tuple[str, ...]) -> np.ndarray:
             colors = colors * colors
         elif operation == "sqrt":
             colors = np.sqrt(np.maximum(colors, 0.0))
+        elif operation == "environment":
+            colors = _with_poles(colors)
         elif operation.startswith("normal "):
             strength = float(operation.split()[1])
             colors = _weakened(colors, strength)
     return colors.astype(np.float32)
+
+
+def _with_poles(colors: np.ndarray) -> np.ndarray:
+    """Image whose first and last rows are the poles, as Mitsuba's environments have it, with the same linear interpolation.
+
+    Blender's rows lie half a row away from the poles. Rows at half the distance hold all of them, and the means between them.
+    """
+    height, width = colors.shape[:2]
+    result = np.empty((2 * height + 1, width, 3), np.float32)
+    result[1::2] = colors
+    result[2:-1:2] = 0.5 * (colors[1:] + colors[:-1])
+    result[0], result[-1] = colors[0], colors[-1]
+    return result
 
 
 def _weakened(colors: np.ndarray, strength: float) -> np.ndarray:

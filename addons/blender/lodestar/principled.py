@@ -1,7 +1,8 @@
 """Principled BSDF as layers: metal over glass over a dielectric with a diffuse base, under a coat; and relief.
 
-A dielectric of constant roughness is a `roughplastic`: like Cycles' surface it reflects by GGX and Fresnel and sheds diffusely what
-was not reflected. Other dielectrics are Mitsuba's `principled`.
+A dielectric that is nearly smooth is a `plastic` or `roughplastic`: like Cycles' surface it sheds diffusely what was not reflected.
+Rougher ones would lose too much light (`roughplastic` loses what Cycles' single reflections lose twice over), so they are Mitsuba's
+`principled`, of which the base color is dimmed by the mean reflectance.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from .nodes import Color, Reader
 Groups = tuple[Any, ...]
 # Roughness below which a surface is smooth: its facets' alpha would be less than 10^-4.
 SMOOTH = 0.01
+# Roughness up to which `roughplastic` keeps the base's light.
+PLASTIC = 0.2
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
@@ -88,7 +91,8 @@ class _Principled:
         ior = units.specular_index(self.ior, level)
         if abs(ior - 1.0) < 1e-3 and self.sheen == 0.0:
             return materials.diffuse(self.images, self.base)
-        if isinstance(self.roughness, Texture) or self.anisotropic != 0.0 or self.sheen != 0.0:
+        is_even = not isinstance(self.roughness, Texture) and self.anisotropic == 0.0 and self.sheen == 0.0
+        if not is_even or self.roughness > PLASTIC:
             return self._disney(0.0, ior)
         smooth = self.roughness < SMOOTH
         element = xml.plugin("bsdf", "plastic" if smooth else "roughplastic")
@@ -107,7 +111,10 @@ class _Principled:
         element = xml.add(xml.plugin("bsdf", "principled"), "metallic", metallic)
         # An index of 1 would switch the metal off.
         xml.add(element, "eta", max(ior, 1.001))
-        materials.parameter(self.images, element, "base_color", self.base)
+        share = 1.0 if metallic == 1.0 else 1.0 - units.mean_reflectance(ior)
+        base = self.base
+        dimmed = base.scaled((share,) * 3) if isinstance(base, Texture) else tuple(share * c for c in base)
+        materials.parameter(self.images, element, "base_color", dimmed)
         materials.parameter(self.images, element, "roughness", self.roughness)
         if self.anisotropic != 0.0:
             xml.add(element, "anisotropic", min(self.anisotropic, 1.0))

@@ -94,3 +94,9 @@ def specular_index(ior: float, level: float) -> float:
     """Index of refraction of a Principled surface after its `Specular IOR Level`, which scales the reflectance by twice itself."""
     f0 = ((ior - 1.0) / (ior + 1.0)) ** 2
     return ior if level == 0.5 else index_from_reflectance(f0 * 2.0 * level)
+
+
+def mean_reflectance(ior: float) -> float:
+    """Mean of Schlick's reflectance over the hemisphere, weighted by the cosine: F0 + (1 - F0) / 21."""
+    f0 = ((ior - 1.0) / (ior + 1.0)) ** 2
+    return f0 + (1.0 - f0) / 21.0

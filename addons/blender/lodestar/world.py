@@ -67,8 +67,7 @@ def _environment(node: Any, groups: tuple[Any, ...], strength: float, reader: Re
     rotation = _rotation(node.inputs["Vector"], groups, reader)
     if rotation is None:
         return None
-    # A function of the colors is asked for, so that the file is always linear.
-    path, _ = reader.images.file(image, ("color", "light"))
+    path, _ = reader.images.file(image, ("color", "environment"))
     emitter = xml.add(xml.plugin("emitter", "envmap"), "filename", path)
     xml.add(emitter, "scale", strength)
     return xml.add_matrix(emitter, [[*row, 0.0] for row in to_world(rotation)] + [[0.0, 0.0, 0.0, 1.0]])
