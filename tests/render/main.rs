@@ -18,6 +18,7 @@ mod learning;
 mod nee;
 mod noise;
 mod pattern;
+mod profile;
 mod ranks;
 mod relief;
 mod resume;
