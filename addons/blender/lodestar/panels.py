@@ -10,6 +10,16 @@ ENGINE = "LODESTAR"
 # Panels of Blender that belong to other engines' settings, although they are offered to every engine.
 EXCLUDED = {"VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes", "RENDER_PT_freestyle", "RENDER_PT_simplify"}
 
+# Panels that Blender offers to its own engines only, with settings that are read here, too.
+BORROWED = {
+    "DATA_PT_camera_dof",
+    "DATA_PT_camera_dof_aperture",
+    "DATA_PT_EEVEE_light",
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+}
+
 
 class _Panel:
     bl_space_type = "PROPERTIES"
@@ -78,7 +88,7 @@ CLASSES = (LODESTAR_PT_length, LODESTAR_PT_paths, LODESTAR_PT_passes)
 def _shared_panels() -> list[Any]:
     """Panels of Blender for every engine, such as those of lamps, cameras and materials."""
     with_engines = (each for each in bpy.types.Panel.__subclasses__() if hasattr(each, "COMPAT_ENGINES"))
-    return [p for p in with_engines if "BLENDER_RENDER" in p.COMPAT_ENGINES and p.__name__ not in EXCLUDED]
+    return [p for p in with_engines if p.__name__ in BORROWED or ("BLENDER_RENDER" in p.COMPAT_ENGINES and p.__name__ not in EXCLUDED)]
 
 
 def register() -> None:

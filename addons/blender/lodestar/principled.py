@@ -19,7 +19,7 @@ Groups = tuple[Any, ...]
 # Roughness below which a surface is smooth: its facets' alpha would be less than 10^-4.
 SMOOTH = 0.01
 # Roughness up to which `roughplastic` keeps the base's light.
-PLASTIC = 0.2
+PLASTIC = 0.21
 WHITE: Color = (1.0, 1.0, 1.0)
 
 

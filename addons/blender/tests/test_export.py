@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import sys
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +10,7 @@ import lodestar
 import pytest
 import scenes
 import support
-from lodestar import camera, export, process
+from lodestar import camera, export, panels, process
 
 
 def exported(folder: Path) -> export.Export:
@@ -36,6 +32,8 @@ def test_registration_twice() -> None:
         assert not hasattr(bpy.types.Scene, "lodestar")
         lodestar.register()
         assert hasattr(bpy.types.Scene, "lodestar")
+    missing = panels.BORROWED - {panel.__name__ for panel in panels._shared_panels()}
+    assert not missing and all("LODESTAR" in panel.COMPAT_ENGINES for panel in panels._shared_panels())
     bpy.context.scene.render.engine = "LODESTAR"
     assert bpy.context.scene.render.engine == "LODESTAR"
 

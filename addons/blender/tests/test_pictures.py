@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import bpy
 import numpy as np
 import pytest
 import scenes
 import support
+from lodestar import exr
 
 # Scene, samples of both, largest deviation of a block mean, and of the whole mean. Most of a bound is noise; `glass` has a
 # Principled surface, whose diffuse base differs (docs/blender.md).
@@ -67,3 +69,39 @@ def test_border_without_crop() -> None:
     assert image.shape == (64, 64, 3)
     assert np.allclose(image[:16, 32:], 1.0, atol=1e-3)
     assert not image[16:].any() and not image[:, :32].any()
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.1, 0.2, 0.3, 0.5, 1.0])
+def test_principled_sphere(roughness: float) -> None:
+    """A Principled sphere in a white world has the brightness that it has in Cycles."""
+    pictures = {}
+    for engine in ("CYCLES", "LODESTAR"):
+        scene = scenes.empty()
+        scene.render.resolution_percentage = 25
+        scenes.camera(scene, (0, -5, 0), (0, 0, 0), type="ORTHO", ortho_scale=1.9)
+        scenes.world(scene, (1, 1, 1))
+        surface = scenes.simple("white", "ShaderNodeBsdfPrincipled", Base_Color=(0.7, 0.7, 0.7), Roughness=roughness)
+        scenes.ball(scene, "ball", 1.0, surface)
+        pictures[engine] = support.colors(support.render(scene, engine, 128, "sphere"))
+    ratio = support.mean_ratio(pictures["LODESTAR"], pictures["CYCLES"])
+    center = support.mean_ratio(pictures["LODESTAR"][6:10, 6:10], pictures["CYCLES"][6:10, 6:10])
+    print(f"roughness {roughness}: ratio of means {ratio:.4f}, in the center {center:.4f}")
+    assert abs(ratio - 1.0) < 0.025 and abs(center - 1.0) < 0.06
+
+
+def test_frames_of_an_animation() -> None:
+    """Each frame is rendered with its own scene."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 25
+    scenes.camera(scene, (0, 0, 3), (0, 0, 0))
+    scenes.world(scene, (1, 1, 1))
+    moving = scenes.plane(scene, "plane", 9, scenes.diffuse("black", (0.0, 0.0, 0.0)))
+    for frame, height in ((1, 0.0), (2, 9.0)):
+        moving.location.z = height
+        moving.keyframe_insert("location", frame=frame)
+    scene.frame_start, scene.frame_end = 1, 2
+    scene.render.engine, scene.render.filepath = "LODESTAR", str(support.FOLDER / "frame-")
+    scene.lodestar.samples = 4
+    bpy.ops.render.render(animation=True)
+    means = [support.colors(exr.read(path)).mean() for path in sorted(support.FOLDER.glob("frame-*.exr"))]
+    assert means == pytest.approx([0.0, 1.0], abs=1e-3)
