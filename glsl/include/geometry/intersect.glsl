@@ -39,37 +39,22 @@ vec3 from_anchor(vec3 point, vec4 texel0) {
 // Intersects the three flat shapes: the edge tests of Moeller and Trumbore (1997), and the distance by the plane's
 // equation, `texel2.w` being its constant. Returns whether the hit (t, uv) was replaced by a nearer one.
 bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec4 texel2, uint shape, inout float t, inout vec2 uv) {
-    // As if the texels held the three corners: c0, c1, c2.
-    vec3 c0 = texel0.xyz;
-    vec3 c1 = texel1.xyz;
-    vec3 c2 = texel2.xyz;
-    vec3 edge_u = c1;
-    vec3 edge_v = c2;
+    vec3 edge_u = texel1.xyz;
+    vec3 edge_v = texel2.xyz;
     vec3 n = plane_normal(edge_u, edge_v);
-    vec3 v0 = c0 - ray.origin;
-    vec3 v1 = v0 + c1;
-    vec3 v2 = v0 + c2;
+    vec3 offset = ray.origin - texel0.xyz;
+    vec3 moment = cross(offset, ray.direction);
     float inverse = 1.0 / dot(ray.direction, n);
+    float u = -dot(moment, edge_v) * inverse;
+    float v = dot(moment, edge_u) * inverse;
     float distance = (texel2.w - dot(n, from_anchor(ray.origin, texel0))) * inverse;
-    float u, v, outside;
-    // Each edge's function is that of its neighbor with the sign changed, to the last bit: sums commute, differences change sign.
-    precise vec3 e0 = v0 - v2;
-    precise vec3 e1 = v1 - v0;
-    precise vec3 s0 = v0 + v2;
-    precise vec3 s1 = v1 + v0;
-    precise float eu = dot(cross(e0, s0), ray.direction);
-    precise float ev = dot(cross(e1, s1), ray.direction);
-    u = -0.5 * eu * inverse;
-    v = -0.5 * ev * inverse;
-    if (shape == SHAPE_TRIANGLE) {
-        precise vec3 e2 = v2 - v1;
-        precise vec3 s2 = v2 + v1;
-        precise float ew = dot(cross(e2, s2), ray.direction);
-        outside = max(max(-u, -v), 0.5 * ew * inverse);
-    }
+    float slack = EDGE_SLACK * texel1.w * (abs(offset.x) + abs(offset.y) + abs(offset.z)) * abs(inverse);
+    float outside;
+    if (shape == SHAPE_TRIANGLE) outside = max(-min(u, v), u + v - 1.0);
     else if (shape == SHAPE_PARALLELOGRAM) outside = max(abs(u), abs(v)) - 1.0;
     else outside = sqrt(u * u + v * v) - 1.0;
-    bool closer = outside <= 0.0 && distance > 0.0 && distance < t;
+    // A ray along the plane makes these values NaN or infinite, and then every comparison with them is false.
+    bool closer = outside <= slack && distance > 0.0 && distance < t && slack < 1.0;
     if (closer) {
         t = distance;
         uv = vec2(u, v);
