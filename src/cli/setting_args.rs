@@ -78,7 +78,8 @@ pub fn described(command: Command) -> Command {
     let names: Vec<_> = command.get_subcommands().map(|subcommand| subcommand.get_name().to_owned()).collect();
     let describe = |command: Command, name: String| {
         let of = name.clone();
-        command.mut_subcommand(name, move |subcommand| subcommand.mut_args(|argument| described_argument(&of, argument)))
+        command
+            .mut_subcommand(name, move |subcommand| subcommand.mut_args(|argument| described_argument(&of, argument)))
     };
     names.into_iter().fold(command, describe)
 }
