@@ -88,7 +88,8 @@ impl<'a> Job<'a> {
     fn new(folder: &Path, case: &'a Case, method: Method, fault: Option<(&'static str, &'static str)>) -> Self {
         let defines = fault.iter().map(|&(name, value)| (name.into(), value.into())).collect();
         let path = folder.join(&case.name).with_extension("xml");
-        let scene = load(&path, &LoadOptions { defines }).unwrap_or_else(|error| panic!("{}: {error}", case.name));
+        let scene = load(&path, &LoadOptions { defines, ..LoadOptions::default() })
+            .unwrap_or_else(|error| panic!("{}: {error}", case.name));
         // The kernels contain the number of cells, so scenes share kernels only where each has one cell.
         let of_scene = Settings::for_scene(&scene);
         let settings = Settings {

@@ -1,0 +1,30 @@
+//! Reader of scenes of any format. The extension of the file tells the format.
+
+use std::path::Path;
+
+use super::load_options::LoadOptions;
+use super::mitsuba::load::{self as xml, Watch};
+use super::whole::Scene;
+use crate::{Error, Result};
+
+/// Reads the scene at `path` without reporting progress; see [`load_with_progress`].
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    load_with_progress(path, options, &|_| {})
+}
+
+/// Reads the scene at `path` with everything it includes. A file without a known extension is read as Mitsuba's XML.
+/// `progress` is called after every mesh file, from several threads.
+///
+/// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
+pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let describe = match extension.to_str() {
+        Some("gltf" | "glb") => super::gltf::read,
+        _ => return xml::read(path, options, progress),
+    };
+    if let Some((name, _)) = options.defines.first() {
+        let message = format!("-D {name}: only Mitsuba's XML has values that -D replaces; leave it out");
+        return Err(Error::scene(path, None, message));
+    }
+    describe(path)?.into_scene(options, progress)
+}
