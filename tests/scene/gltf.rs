@@ -6,6 +6,7 @@ use lodestar::scene::{CameraChoice, EnvironmentChoice, EnvironmentKind, LoadOpti
 use serde_json::{Value, json};
 
 use crate::Folder;
+use crate::fuzz::{fuzz, mangled};
 
 /// A square in the plane z = 0, seen from +z, with normals and texture coordinates.
 fn square() -> Value {
@@ -42,6 +43,22 @@ fn read_with(model: &Value, options: &LoadOptions) -> Result<Scene, String> {
 
 fn read(model: &Value) -> Result<Scene, String> {
     read_with(model, &LoadOptions::default())
+}
+
+/// Mangled models give a scene or an error.
+#[test]
+fn mangled_models_never_panic() {
+    let mut model = square();
+    model["nodes"][0]["skin"] = json!(0);
+    model["skins"] = json!([{"joints": [0]}]);
+    let text = model.to_string().into_bytes();
+    fuzz(mangled(text), |bytes| {
+        let folder = Folder::new(&[]);
+        folder.write("model.gltf", &bytes);
+        let finite = |scene: &Scene| scene.primitives.iter().all(|primitive| primitive.bounds().0.is_finite());
+        proptest::prop_assert!(load(&folder.path("model.gltf"), &LoadOptions::default()).map_or(true, |s| finite(&s)));
+        Ok(())
+    });
 }
 
 /// Body of a scene in XML with the square of [`square`].

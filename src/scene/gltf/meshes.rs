@@ -66,10 +66,11 @@ pub(super) fn mesh(
         return Err(model.error(what, format!("it has more than {MAX_TRIANGLES} triangles")));
     }
     let positions = to_single(&positions);
-    if positions.iter().any(|position| !position.is_finite()) {
-        return Err(model.error(what, "a position is not finite"));
-    }
     let normals = to_single(&normals);
+    let is_finite = positions.iter().chain(&normals).chain(&colors).all(|vector| vector.is_finite());
+    if !is_finite || uvs.iter().any(|uv| !uv.is_finite()) {
+        return Err(model.error(what, "a number of a vertex is not finite"));
+    }
     let mesh = Mesh { positions, normals, uvs, colors, has_byte_colors: false, triangles };
     Ok(Some(mesh).filter(|mesh| !mesh.triangles.is_empty()))
 }
