@@ -154,3 +154,21 @@ fn is_whole_jpeg(bytes: &[u8]) -> bool {
     }
     false
 }
+
+/// PNG file of texels with 8 bits a channel.
+///
+/// # Errors
+/// [`Error::Image`] where the encoder fails.
+pub fn encode_png(name: &Path, width: u32, height: u32, texels: &[[u8; 4]]) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    ::image::write_buffer_with_format(
+        &mut bytes,
+        texels.as_flattened(),
+        width,
+        height,
+        ::image::ExtendedColorType::Rgba8,
+        ImageFormat::Png,
+    )
+    .map_err(|error| Error::image(name, error.to_string()))?;
+    Ok(bytes.into_inner())
+}

@@ -5,6 +5,7 @@ mod emitters;
 mod fuzz;
 mod fuzz_renders;
 mod geometry;
+mod gltf;
 mod mapped;
 mod materials;
 mod meshes;
