@@ -30,6 +30,7 @@ pub use film::{Crop, FilmDescription, ReconstructionFilter};
 pub use fingerprint::fingerprint;
 pub use geometry::{Primitive, PrimitiveShape};
 pub use integrator::IntegratorDescription;
+pub use mitsuba::convert::{Converted, convert, convert_dictionary};
 pub use mitsuba::dictionary::{Array, Dictionary, Operation, Transform, Value};
 pub use mitsuba::load::{LoadOptions, LoadProgress, load, load_with_progress};
 pub use place::scene_file;

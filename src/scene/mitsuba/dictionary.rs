@@ -127,13 +127,16 @@ impl Scene {
     /// # Errors
     /// Where an entry asks for something unsupported, or a file cannot be read. Messages name entries such as `scene.box.bsdf`.
     pub fn from_dictionary(dictionary: &Dictionary) -> Result<Self> {
-        let root = Path::new(ROOT);
-        let mut reader = Reader { meshes: Vec::new(), warnings: Vec::new() };
-        let elements = reader.scene(dictionary)?;
-        let Reader { meshes, warnings } = reader;
-        let document = Document { elements, folders: Folders::new(root), meshes, warnings, faults: Faults::default() };
-        Ok(Self { name: ROOT.into(), ..load::build(document, root, &|_| {})? })
+        Ok(Self { name: ROOT.into(), ..load::build(document(dictionary)?, Path::new(ROOT), &|_| {})? })
     }
+}
+
+/// Document of a dictionary of the type `scene`.
+pub(super) fn document(dictionary: &Dictionary) -> Result<Document> {
+    let mut reader = Reader { meshes: Vec::new(), warnings: Vec::new() };
+    let elements = reader.scene(dictionary)?;
+    let Reader { meshes, warnings } = reader;
+    Ok(Document { elements, folders: Folders::new(Path::new(ROOT)), meshes, warnings, faults: Faults::default() })
 }
 
 /// Reader of dictionaries, with what it has gathered.

@@ -3,6 +3,7 @@
 mod color;
 mod color_blocks;
 mod color_matching;
+pub mod convert;
 pub mod dictionary;
 mod document;
 mod element;
