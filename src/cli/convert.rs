@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use lodestar::Result;
-use lodestar::scene::{Converted, LoadOptions, convert, scene_file};
+use lodestar::scene::{Converted, convert, scene_file};
 
 use super::print::report;
 use super::render_args::define;
@@ -31,8 +31,7 @@ pub struct ConvertArgs {
 
 /// Reads the scene, writes it, and reports its warnings.
 pub fn run(args: &ConvertArgs) -> Result<ExitCode> {
-    let options = LoadOptions { defines: args.define.clone() };
-    let Converted { warnings, .. } = convert(&scene_file(&args.input)?, &options, &args.output, args.overwrite)?;
+    let Converted { warnings, .. } = convert(&scene_file(&args.input)?, &args.define, &args.output, args.overwrite)?;
     warnings.iter().for_each(|warning| report("warning", warning));
     Ok(ExitCode::SUCCESS)
 }

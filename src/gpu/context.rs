@@ -106,6 +106,11 @@ impl Context {
         self.timings.take()
     }
 
+    /// Ends the record, so that submissions are no longer timed.
+    pub fn stop_timings(&self) {
+        self.timings.stop();
+    }
+
     /// Number of bytes that buffers hold now.
     pub fn allocated_bytes(&self) -> u64 {
         self.memory.allocated_bytes()

@@ -55,11 +55,19 @@ pub fn read(path: &Path) -> Result<TexelImage> {
     if bytes.starts_with(&EXR_MAGIC) {
         return read_exr(path);
     }
-    let format = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
+    decode(path, &bytes)
+}
+
+/// Reads an image in memory, in any format but EXR. `path` is its name, for messages.
+///
+/// # Errors
+/// [`Error::Image`] as in [`read`].
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
+    let format = ::image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));
     let format = format.ok().filter(ImageFormat::reading_enabled).ok_or_else(|| {
         Error::image(path, "its image format is not supported; save it as JPEG, PNG, TGA, BMP, HDR or EXR")
     })?;
-    if format == ImageFormat::Jpeg && !is_whole_jpeg(&bytes) {
+    if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
         return Err(Error::image(path, "the JPEG image is cut short; write it again"));
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);

@@ -53,8 +53,8 @@ pub enum SceneInput<'a> {
     File {
         /// Path of the file.
         path: PathBuf,
-        /// Replacements of the file's `<default>` values, by name.
-        defines: Vec<(String, String)>,
+        /// Choices with which it is read.
+        options: LoadOptions,
     },
     /// A scene in memory. Its render cannot keep a checkpoint.
     Memory(&'a Scene),
@@ -64,8 +64,8 @@ pub enum SceneInput<'a> {
         scene: &'a Scene,
         /// Path of its file.
         path: PathBuf,
-        /// Replacements of the file's `<default>` values, by name.
-        defines: Vec<(String, String)>,
+        /// Choices with which it is read.
+        options: LoadOptions,
     },
 }
 
@@ -111,7 +111,7 @@ impl Session {
     /// # Errors
     /// Where [`Session::new`] fails, and where the scene cannot be read.
     pub fn open(scene: impl AsRef<Path>, options: &Options) -> Result<Self> {
-        let input = SceneInput::File { path: scene.as_ref().to_path_buf(), defines: Vec::new() };
+        let input = SceneInput::File { path: scene.as_ref().to_path_buf(), options: LoadOptions::default() };
         Self::start(Start::Anew(input), options, &Watch::silent())
     }
 
@@ -238,7 +238,7 @@ impl<'a> Start<'a> {
             Self::Resume { checkpoint: file, moved_scene } => {
                 let checkpoint = Checkpoint::read(&file)?;
                 let path = moved_scene.unwrap_or_else(|| checkpoint.scene.path.clone().into());
-                let input = SceneInput::File { path, defines: checkpoint.scene.defines.clone() };
+                let input = SceneInput::File { path, options: checkpoint.scene.options.clone() };
                 Ok((input, Some((file, checkpoint))))
             }
         }
@@ -255,21 +255,21 @@ impl<'a> SceneInput<'a> {
                 Ok(Cow::Borrowed(scene))
             }
             Self::Read { scene, .. } => Ok(Cow::Borrowed(scene)),
-            Self::File { path, defines } => {
+            Self::File { path, options } => {
                 let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
-                scene::load_with_progress(path, &LoadOptions { defines: defines.clone() }, &show).map(Cow::Owned)
+                scene::load_with_progress(path, options, &show).map(Cow::Owned)
             }
         }
     }
 
     /// The scene's file, if the caller has named its folder.
     fn in_folder(self, watch: &Watch<'_>) -> Result<Self> {
-        let Self::File { path, defines } = self else { return Ok(self) };
+        let Self::File { path, options } = self else { return Ok(self) };
         let file = scene::scene_file(&path)?;
         if file != path {
             watch.tell(Event::Note(&format!("{} is a folder; its {} is rendered", path.display(), file.display())));
         }
-        Ok(Self::File { path: file, defines })
+        Ok(Self::File { path: file, options })
     }
 
     /// Absolute path of the file.
@@ -280,10 +280,10 @@ impl<'a> SceneInput<'a> {
         }
     }
 
-    /// File of the scene, with the replacements of its values.
-    fn source(&self) -> Option<(PathBuf, Vec<(String, String)>)> {
+    /// File of the scene, with the choices with which it is read.
+    fn source(&self) -> Option<(PathBuf, LoadOptions)> {
         match self {
-            Self::File { path, defines } | Self::Read { path, defines, .. } => Some((path.clone(), defines.clone())),
+            Self::File { path, options } | Self::Read { path, options, .. } => Some((path.clone(), options.clone())),
             Self::Memory(_) => None,
         }
     }

@@ -18,6 +18,7 @@ mod learning;
 mod nee;
 mod noise;
 mod pattern;
+mod profile;
 mod relief;
 mod resume;
 mod retry;

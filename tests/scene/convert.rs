@@ -34,8 +34,9 @@ fn an_old_scene_keeps_its_fingerprint() {
     let (input, output) = (folder.path("scene.xml"), folder.path("new/out.xml"));
     std::fs::create_dir(folder.path("new")).unwrap();
     for turn in ["30", "31"] {
-        let options = LoadOptions { defines: vec![("turn".to_string(), turn.to_string())] };
-        let converted = convert(&input, &options, &output, turn == "31").unwrap();
+        let defines = [("turn".to_string(), turn.to_string())];
+        let options = LoadOptions { defines: defines.to_vec(), ..LoadOptions::default() };
+        let converted = convert(&input, &defines, &output, turn == "31").unwrap();
         assert_eq!(converted.file_count, 1);
         let expected = fingerprint(&load(&input, &options).unwrap()).unwrap();
         assert_eq!(fingerprint(&read(&output)).unwrap(), expected, "{turn}");
@@ -55,7 +56,7 @@ fn our_scenes_keep_their_fingerprints() {
     for name in ["cornell-box", "door-ajar"] {
         let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).join("scene.xml");
         let output = folder.path(&format!("{name}.xml"));
-        convert(&input, &LoadOptions::default(), &output, false).unwrap();
+        convert(&input, &[], &output, false).unwrap();
         assert_eq!(fingerprint(&read(&output)).unwrap(), fingerprint(&read(&input)).unwrap(), "{name}");
     }
 }
@@ -114,14 +115,13 @@ fn a_mesh_in_memory_becomes_a_ply_file_with_all_attributes() {
 fn nothing_is_replaced_unless_asked() {
     let folder = old_scene();
     let (input, output) = (folder.path("scene.xml"), folder.path("out.xml"));
-    let refusal =
-        |output: &Path, overwrite| convert(&input, &LoadOptions::default(), output, overwrite).unwrap_err().to_string();
+    let refusal = |output: &Path, overwrite| convert(&input, &[], output, overwrite).unwrap_err().to_string();
     folder.write("out.xml", b"mine");
     assert!(refusal(&output, false).contains("--overwrite"));
     assert_eq!(std::fs::read(&output).unwrap(), b"mine");
     assert!(refusal(&input, true).contains("cannot replace itself"));
     assert!(refusal(&folder.path("out.obj"), true).contains("must end in .xml"));
-    convert(&input, &LoadOptions::default(), &output, true).unwrap();
+    convert(&input, &[], &output, true).unwrap();
     assert_ne!(std::fs::read(&output).unwrap(), b"mine");
 }
 
@@ -132,7 +132,7 @@ fn files_of_one_name_are_kept_apart() {
     let other = MESH.replace("v 1 0 0", "v 2 0 0");
     let folder = Folder::new(&[("scene.xml", &scene), ("a/m.obj", MESH), ("b/m.obj", &other)]);
     let output = folder.path("out.xml");
-    let converted = convert(&folder.path("scene.xml"), &LoadOptions::default(), &output, false).unwrap();
+    let converted = convert(&folder.path("scene.xml"), &[], &output, false).unwrap();
     assert_eq!(converted.file_count, 2);
     assert_eq!(fingerprint(&read(&output)).unwrap(), fingerprint(&read(&folder.path("scene.xml"))).unwrap());
 }

@@ -43,7 +43,7 @@ impl Folder {
 
     fn load(&self, defines: &[(&str, &str)]) -> Result<Scene> {
         let defines = defines.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-        load(&self.path("scene.xml"), &LoadOptions { defines })
+        load(&self.path("scene.xml"), &LoadOptions { defines, ..LoadOptions::default() })
     }
 }
 

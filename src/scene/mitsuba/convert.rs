@@ -6,10 +6,10 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::dictionary::{self, Dictionary};
+use super::description::Description;
 use super::document::{self, Document};
 use super::element::{Element, MESH, MESH_INDEX};
-use super::load::{self, LoadOptions};
+use super::folders::FoundFile;
 use super::transform;
 use crate::scene::mesh::{Mesh, ply_writer};
 use crate::{Error, Result, files};
@@ -17,39 +17,20 @@ use crate::{Error, Result, files};
 /// Version of the format that is written.
 const VERSION: &str = "3.0.0";
 
-/// Report of a conversion.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Converted {
-    /// Number of files beside the scene, in the folder that has its name.
-    pub file_count: usize,
-    /// Faults of the scene that do not keep it from being rendered.
-    pub warnings: Vec<String>,
+/// Writes the file at `input`, which is in XML. Returns the number of files beside `output`.
+pub(in crate::scene) fn write_xml(
+    input: &Path,
+    defines: &[(String, String)],
+    output: &Path,
+    overwrite: bool,
+) -> Result<usize> {
+    write(&document::read(input, defines)?, output, overwrite)
 }
 
-/// Writes the scene at `input` to `output`, a Mitsuba file of version 3.0.0 that renders the same picture. Includes are
-/// spliced in, names with a `$` are replaced by their values, and parameters are in snake_case. Every file that the scene
-/// names is copied to the folder beside `output` that has its name without `.xml`. Older files are replaced only if
-/// `overwrite` is set.
-///
-/// # Errors
-/// Where the scene cannot be rendered, a file exists, or a file cannot be written.
-pub fn convert(input: &Path, options: &LoadOptions, output: &Path, overwrite: bool) -> Result<Converted> {
-    let warnings = load::load(input, options)?.warnings;
-    let document = document::read(input, &options.defines)?;
-    let is_input = |path: PathBuf| input.canonicalize().is_ok_and(|input| input == path);
-    if output.canonicalize().is_ok_and(is_input) {
-        return Err(Error::Settings(format!("{}: a scene cannot replace itself; name another file", output.display())));
-    }
-    Ok(Converted { file_count: write(&document, output, overwrite)?, warnings })
-}
-
-/// Writes a scene that a dictionary describes, as [`convert`] writes a file. Its meshes become binary PLY files.
-///
-/// # Errors
-/// Where the scene cannot be rendered, a file exists, or a file cannot be written.
-pub fn convert_dictionary(scene: &Dictionary, output: &Path, overwrite: bool) -> Result<Converted> {
-    let warnings = crate::Scene::from_dictionary(scene)?.warnings;
-    Ok(Converted { file_count: write(&dictionary::document(scene)?, output, overwrite)?, warnings })
+/// Writes a description. Meshes in memory become binary PLY files, and images in memory become files. Returns the number of
+/// files beside `output`.
+pub(in crate::scene) fn write_description(description: Description, output: &Path, overwrite: bool) -> Result<usize> {
+    write(&description.into_document(": ")?, output, overwrite)
 }
 
 fn write(document: &Document, output: &Path, overwrite: bool) -> Result<usize> {
@@ -95,9 +76,11 @@ impl Writer<'_> {
             return Ok(());
         }
         self.text += &format!("{indent}<{}", element.tag);
-        let is_mesh = element.attribute("type") == Some(MESH) && element.location.line.is_none();
+        let is_mesh = element.attribute("type") == Some(MESH);
         for (name, value) in &element.attributes {
             let value = match name.as_str() {
+                // The id names an object of the scene.
+                "name" if depth == 1 && element.is_object() => continue,
                 "name" => element.key().unwrap_or_default(),
                 "type" if is_mesh => "ply".to_owned(),
                 "filename" => self.copy(element, value)?,
@@ -142,17 +125,24 @@ impl Writer<'_> {
     /// Copies the file that an element names, once, and returns its name relative to the scene.
     fn copy(&mut self, element: &Element, name: &str) -> Result<String> {
         // The scene has been read, so a file that is not there is one that nothing needs.
-        let Some(source) = self.document.folders.find(name, &element.location.file) else { return Ok(name.to_owned()) };
-        let source = source.canonicalize().map_err(Error::read(&source))?;
+        let found = self.document.folders.find_any(name, &element.location.file);
+        let Some(FoundFile { path: source, bytes }) = found else { return Ok(name.to_owned()) };
         if let Some(name) = self.copies.get(&source) {
             return Ok(self.relative(name));
         }
-        let name = self.new_name(source.file_name().unwrap_or_default());
+        let name = match &bytes {
+            Some(bytes) => self.new_name(OsStr::new(&image_name(name, bytes))),
+            None => self.new_name(source.file_name().unwrap_or_default()),
+        };
         let target = self.make_folder()?.join(&name);
-        // A scene beside its own files: nothing is to be copied.
-        if !target.canonicalize().is_ok_and(|target| target == source) {
-            let mut reader = fs::File::open(&source).map_err(Error::read(&source))?;
-            files::write_whole(&target, |file| io::copy(&mut reader, file).map(drop))?;
+        match bytes {
+            Some(bytes) => files::write_whole(&target, |file| file.write_all(&bytes))?,
+            // A scene beside its own files: nothing is to be copied.
+            None if target.canonicalize().is_ok_and(|target| target == source) => {}
+            None => {
+                let mut reader = fs::File::open(&source).map_err(Error::read(&source))?;
+                files::write_whole(&target, |file| io::copy(&mut reader, file).map(drop))?;
+            }
         }
         let relative = self.relative(&name);
         self.copies.insert(source, name);
@@ -184,6 +174,17 @@ impl Writer<'_> {
         }
         name
     }
+}
+
+/// Name for the file of an image in memory, with the extension of its format.
+fn image_name(name: &str, bytes: &[u8]) -> String {
+    let stem: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    let extension = match bytes {
+        [0x89, b'P', b'N', b'G', ..] => ".png",
+        [0xff, 0xd8, ..] => ".jpg",
+        _ => "",
+    };
+    if stem.to_lowercase().ends_with(extension) { stem } else { stem + extension }
 }
 
 /// Text as it stands between the quotes of an attribute.
