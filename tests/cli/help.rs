@@ -10,6 +10,7 @@ const SUBCOMMANDS: [&str; 12] = [
     "inspect",
     "devices",
     "info",
+    "convert",
     "compare",
     "merge",
     "denoise",
