@@ -119,7 +119,11 @@ def compare(binary, path):
             theirs = mitsuba_means(path, seeds)
         except Exception as error:  # Mitsuba raises many kinds.
             return None, "Mitsuba: " + " ".join(str(error).split())[-160:]
-        agrees, message = judge(our_means(binary, path, seeds), theirs)
+        try:
+            ours = our_means(binary, path, seeds)
+        except subprocess.TimeoutExpired:
+            return None, f"Lodestar: {SAMPLES} samples took more than {SECONDS} s, so nothing is compared"
+        agrees, message = judge(ours, theirs)
         if agrees:
             break
     return agrees, message
