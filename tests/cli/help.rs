@@ -4,7 +4,7 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 12] = [
+const SUBCOMMANDS: [&str; 13] = [
     "render",
     "resume",
     "inspect",
