@@ -7,6 +7,7 @@
 pub mod bsdf;
 mod build;
 mod camera;
+mod convert;
 pub mod emitter;
 mod film;
 pub mod fingerprint;
@@ -28,6 +29,7 @@ mod whole;
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use build::Surface;
 pub use camera::{Camera, FovAxis, Projection};
+pub use convert::{Converted, convert, convert_dictionary};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use film::{Crop, FilmDescription, ReconstructionFilter};
 pub use fingerprint::fingerprint;

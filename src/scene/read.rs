@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::load_options::LoadOptions;
+use super::mitsuba::description::Description;
 use super::mitsuba::load::{self as xml, Watch};
 use super::whole::Scene;
 use crate::{Error, Result};
@@ -17,14 +18,22 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 ///
 /// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let describe = match extension.to_str() {
-        Some("gltf" | "glb") => super::gltf::read,
-        _ => return xml::read(path, options, progress),
-    };
+    let Some(describe) = describer(path) else { return xml::read(path, options, progress) };
     if let Some((name, _)) = options.defines.first() {
         let message = format!("-D {name}: only Mitsuba's XML has values that -D replaces; leave it out");
         return Err(Error::scene(path, None, message));
     }
     describe(path)?.into_scene(options, progress)
+}
+
+/// Reader that describes a scene in Mitsuba's terms.
+pub(super) type Describe = fn(&Path) -> Result<Description>;
+
+/// Reader of the format that the extension of `path` tells; `None` for Mitsuba's XML.
+pub(super) fn describer(path: &Path) -> Option<Describe> {
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    match extension.to_str() {
+        Some("gltf" | "glb") => Some(super::gltf::read),
+        _ => None,
+    }
 }

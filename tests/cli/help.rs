@@ -4,12 +4,13 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 12] = [
+const SUBCOMMANDS: [&str; 13] = [
     "render",
     "resume",
     "inspect",
     "devices",
     "info",
+    "convert",
     "compare",
     "merge",
     "denoise",

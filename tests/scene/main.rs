@@ -1,6 +1,7 @@
 //! Scene loader from outside: the scenes that it accepts, and the words in which it refuses others.
 
 mod accepts;
+mod convert;
 mod emitters;
 mod fuzz;
 mod fuzz_renders;

@@ -19,7 +19,7 @@ use crate::scene::load_options::LoadOptions;
 use crate::scene::mesh::Mesh;
 
 /// Name of a scene that is a dictionary, with which the path of every entry begins.
-const ROOT: &str = "scene";
+pub(in crate::scene) const ROOT: &str = "scene";
 
 /// Scene of a file in Mitsuba's terms, with the data that no file of Mitsuba's holds.
 ///
@@ -58,7 +58,7 @@ impl Description {
     }
 
     /// Elements of all objects. `separator` stands between the path and the key of an object in messages.
-    fn into_document(self, separator: &'static str) -> Result<Document> {
+    pub(super) fn into_document(self, separator: &'static str) -> Result<Document> {
         let Self { path, scene, meshes, files, places, warnings } = self;
         let folders = Folders::new(&path).with_files(files);
         let mut reader = Reader { root: at(&path.to_string_lossy()), separator, places, meshes, warnings };
