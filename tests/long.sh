@@ -2,18 +2,27 @@
 # Runs parts of the long tier of the tests: what takes too long for every change.
 #
 # usage: tests/long.sh PART...   run these parts
-#        tests/long.sh today     run the parts of this day of the week (UTC), as CI does
-#        tests/long.sh all       run all parts
-#        tests/long.sh list      print the parts and their days
+#        tests/long.sh today     run the part of this day (UTC), as CI does
+#        tests/long.sh all       run all parts; `references` and `features` stand for all parts of their kind
+#        tests/long.sh list      print the parts and their next days
 #
-# The part `references` needs LODESTAR_SCENES and LODESTAR_REFERENCES (see tests/references/main.rs).
+# Days take the parts in turn, so all of them come round in as many days as there are parts.
+#
+# The parts `references-*` need LODESTAR_SCENES and LODESTAR_REFERENCES (see tests/references/main.rs).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export LODESTAR_FULL=1
 
-# Parts, and the day of the week of each.
-PARTS=(references render samplers claims pictures interruptions builds features python agreement)
-DAYS=(Monday Tuesday Wednesday Thursday Friday Saturday Sunday Monday Sunday Saturday)
+# Parts in the order of their days. Parts of one kind do not follow each other, so that a week has many kinds.
+PARTS=(references-1 features-1 render-1 samplers kills features-2 python
+  render-2 claims features-3 agreement unoptimized faults features-4
+  references-2 pictures features-5 render-3 closed shaderc features-6)
+
+# Modules of tests/render in two parts. The third part has all others.
+RENDER_1=(analytic:: blue_noise:: cells:: choices:: determinism:: differences::)
+RENDER_2=(drivers:: execution:: guide_set:: learning:: nee::)
+# Modules that are parts of their own.
+AGREEMENT=ztest:: CLOSED=closed::
 
 suite() { cargo test --release --test "$@"; }
 
@@ -41,14 +50,32 @@ test_shaderc_from_source() {
   tests/same_bits.sh target/release/lodestar "$clone/target/release/lodestar"
 }
 
+# Runs the tests of tests/render whose names contain none of the words.
+render_without() { # WORD...
+  local skips=()
+  for word in "$@"; do skips+=(--skip "$word"); done
+  suite render -- "${skips[@]}"
+}
+
+# Runs one of several shares of a suite's cases.
+share() { # K N SUITE
+  LODESTAR_PART=$1/$2 suite "$3"
+}
+
 run() { # PART
   case "$1" in
     references) suite references ;;
-    # Small scenes in four ways each. The table of deviations is written to target/features.md.
+    references-[12]) share "${1#*-}" 2 references ;;
+    # Small scenes in four ways each. The tables of deviations are written to target/.
     features) LODESTAR_FEATURES_TABLE="$PWD/target/features.md" suite features ;;
-    render) suite render -- --skip ztest --skip closed ;;
-    # Guided pictures beside unguided ones, by z-tests, and 10^8 rays that no closed mesh lets out.
-    agreement) suite render -- ztest closed ;;
+    features-[1-6]) LODESTAR_FEATURES_TABLE="$PWD/target/$1.md" share "${1#*-}" 6 features ;;
+    render-1) suite render -- "${RENDER_1[@]}" ;;
+    render-2) suite render -- "${RENDER_2[@]}" ;;
+    render-3) render_without "${RENDER_1[@]}" "${RENDER_2[@]}" "$AGREEMENT" "$CLOSED" ;;
+    # Guided pictures beside unguided ones, by z-tests.
+    agreement) suite render -- "$AGREEMENT" ;;
+    # 10^8 rays that no closed mesh lets out.
+    closed) suite render -- "$CLOSED" ;;
     samplers) suite samplers && suite gpu ;;
     # What the guides' functions compute and draw.
     claims) suite proofs -- claims --skip claims::pictures --skip claims::targets --skip claims::furnace ;;
@@ -57,29 +84,34 @@ run() { # PART
       suite proofs -- claims::pictures claims::targets claims::furnace tampering::no_harmless_change
       LODESTAR_SAMPLES=1e7 suite proofs -- --nocapture billion
       ;;
-    # 200 kills and 120 device faults.
-    interruptions) suite cli -- kills faults ;;
-    # An unoptimized build, and a build with another shaderc.
-    builds) test_unoptimized && test_shaderc_from_source ;;
+    # 200 kills.
+    kills) suite cli -- kills ;;
+    # 120 device faults.
+    faults) suite cli -- faults ;;
+    # A build without optimization.
+    unoptimized) test_unoptimized ;;
+    # A build with another shaderc.
+    shaderc) test_shaderc_from_source ;;
     # The wheel, installed away from the repository.
     python) python/test.sh ;;
     *) echo "tests/long.sh: no part \`$1\`; the parts are: ${PARTS[*]}" >&2; exit 2 ;;
   esac
 }
 
+# Number of the day since 1970 (UTC).
+day=$(($(date -u +%s) / 86400))
+
 case "${1:-}" in
-  "") sed -n 's/^# \{0,1\}//; 3,7p' "$0" >&2; exit 2 ;;
+  "") sed -n 's/^# \{0,1\}//; 3,9p' "$0" >&2; exit 2 ;;
   list)
-    for at in "${!PARTS[@]}"; do printf '%-15s%s\n' "${PARTS[at]}" "${DAYS[at]}"; done
+    for at in "${!PARTS[@]}"; do
+      part=${PARTS[$(((day + at) % ${#PARTS[@]}))]}
+      printf '%-15s%s\n' "$part" "$(date -u -d "@$(((day + at) * 86400))" +%F)"
+    done
     exit
     ;;
   all) set -- "${PARTS[@]}" ;;
-  today)
-    set --
-    for at in "${!PARTS[@]}"; do
-      [ "${DAYS[at]}" != "$(LC_ALL=C date -u +%A)" ] || set -- "$@" "${PARTS[at]}"
-    done
-    ;;
+  today) set -- "${PARTS[$((day % ${#PARTS[@]}))]}" ;;
 esac
 
 for part in "$@"; do

@@ -99,13 +99,13 @@ impl Renderer {
             let watch = Watch { stop: &|| false, events: &|event| keep_warning(event, &warnings) };
             let start = match (resumed, &subject.scene, &subject.file) {
                 (Some((checkpoint, moved_scene)), ..) => Start::Resume { checkpoint, moved_scene },
-                (None, Some(scene), Some(SceneFile { path, defines })) => {
-                    Start::Anew(SceneInput::Read { scene, path: path.clone(), defines: defines.clone() })
+                (None, Some(scene), Some(SceneFile { path, options })) => {
+                    Start::Anew(SceneInput::Read { scene, path: path.clone(), options: options.clone() })
                 }
                 (None, Some(scene), None) => Start::Anew(SceneInput::Memory(scene)),
                 (None, None, file) => {
-                    let SceneFile { path, defines } = file.clone().unwrap_or_default();
-                    Start::Anew(SceneInput::File { path, defines })
+                    let SceneFile { path, options } = file.clone().unwrap_or_default();
+                    Start::Anew(SceneInput::File { path, options })
                 }
             };
             Session::start(start, options, &watch)
@@ -432,6 +432,6 @@ pub fn resume(
     let options = options::of_resumed(settings)?;
     let source = py.detach(|| lodestar::session::checkpoint::Checkpoint::read(&checkpoint)).map_err(raised)?.scene;
     let path = moved.clone().unwrap_or_else(|| source.path.into());
-    let subject = Subject { scene: None, file: Some(SceneFile { path, defines: source.defines }) };
+    let subject = Subject { scene: None, file: Some(SceneFile { path, options: source.options }) };
     Renderer::begin(py, subject, &options, Some((checkpoint, moved)))
 }

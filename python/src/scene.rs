@@ -20,13 +20,13 @@ pub struct Scene {
     file: Option<SceneFile>,
 }
 
-/// File of a scene, with the replacements of its `<default>` values.
+/// File of a scene, with the choices with which it is read.
 #[derive(Debug, Clone, Default)]
 pub struct SceneFile {
     /// Path of the file.
     pub path: PathBuf,
-    /// Replacements by name.
-    pub defines: Vec<(String, String)>,
+    /// Choices with which it is read.
+    pub options: LoadOptions,
 }
 
 /// A scene to render: in memory, or still in its file.
@@ -41,7 +41,7 @@ pub struct Subject {
 impl SceneFile {
     /// Reads the scene.
     pub fn read(&self) -> lodestar::Result<lodestar::Scene> {
-        lodestar::scene::load(&scene_file(&self.path)?, &LoadOptions { defines: self.defines.clone() })
+        lodestar::scene::load(&scene_file(&self.path)?, &self.options)
     }
 }
 
@@ -56,7 +56,7 @@ impl Subject {
             let scene = from_dictionary(scene)?;
             return Ok(Self { scene: Some(scene.scene), file: None });
         }
-        Ok(Self { scene: None, file: Some(SceneFile { path: path_of(scene)?, defines: Vec::new() }) })
+        Ok(Self { scene: None, file: Some(SceneFile { path: path_of(scene)?, options: LoadOptions::default() }) })
     }
 
     /// The scene. It is read if it is not in memory.
@@ -117,8 +117,9 @@ pub fn load(scene: &Bound<'_, PyAny>, defines: Option<&Bound<'_, PyDict>>) -> Py
     for (name, value) in defines.into_iter().flat_map(|defines| defines.iter()) {
         pairs.push((name.extract()?, value.str()?.extract()?));
     }
+    let options = LoadOptions { defines: pairs, ..LoadOptions::default() };
     let read = |path: &Path| {
-        let file = SceneFile { path: scene_file(path)?, defines: pairs };
+        let file = SceneFile { path: scene_file(path)?, options };
         Ok((file.read()?, file))
     };
     let (scene, file) = py.detach(|| read(&path)).map_err(raised)?;

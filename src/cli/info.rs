@@ -6,13 +6,13 @@ use std::process::ExitCode;
 
 use lodestar::Result;
 use lodestar::scene::summary::{Guided, Summary, summarize};
-use lodestar::scene::{LoadOptions, load, scene_file};
+use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, load, scene_file};
 
 use super::print::{print_json, print_line};
 use super::render_args::define;
 
 /// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided.
-#[derive(Debug, clap::Args)]
+#[derive(Debug, Clone, clap::Args)]
 pub struct InfoArgs {
     /// The Mitsuba scene, or a folder with a scene.xml.
     #[arg(value_name = "SCENE.xml")]
@@ -20,6 +20,12 @@ pub struct InfoArgs {
     /// Value that replaces the scene's default of that name.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     define: Vec<(String, String)>,
+    /// Camera to use: `fit`, a name, or an index counted from 0.
+    #[arg(long, value_name = "fit|NAME|INDEX")]
+    camera: Option<CameraChoice>,
+    /// Environment that replaces the scene's: an image (.exr, .hdr and the like) or `constant`.
+    #[arg(long, value_name = "FILE|constant")]
+    environment: Option<EnvironmentChoice>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -27,7 +33,9 @@ pub struct InfoArgs {
 
 /// Reads the scene and prints its summary.
 pub fn run(args: &InfoArgs) -> Result<ExitCode> {
-    let scene = load(&scene_file(&args.scene)?, &LoadOptions { defines: args.define.clone() })?;
+    let InfoArgs { define, camera, environment, .. } = args.clone();
+    let options = LoadOptions { defines: define, camera, environment };
+    let scene = load(&scene_file(&args.scene)?, &options)?;
     let summary = summarize(&scene);
     match args.json {
         true => print_json(&summary)?,

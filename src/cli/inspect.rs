@@ -117,7 +117,7 @@ fn constants(args: &InspectArgs) -> Result<Vec<(u32, u32)>> {
         let settings = settings(args, Settings::for_film(&film, &IntegratorDescription::default()))?;
         return Ok(variant_of_settings(&settings).entries());
     };
-    let scene = scene::load(path, &LoadOptions { defines: args.define.clone() })?;
+    let scene = scene::load(path, &LoadOptions { defines: args.define.clone(), ..LoadOptions::default() })?;
     scene.warnings.iter().for_each(|warning| report("warning", warning));
     let settings = settings(args, Settings::for_scene(&scene))?;
     settings.check_lighting(&scene)?;

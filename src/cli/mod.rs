@@ -6,6 +6,7 @@
 mod compare;
 mod completions;
 mod console;
+mod convert;
 mod denoise;
 mod devices;
 mod duration;
@@ -58,6 +59,7 @@ enum Command {
     Inspect(Box<inspect::InspectArgs>),
     Devices(devices::DevicesArgs),
     Info(info::InfoArgs),
+    Convert(convert::ConvertArgs),
     Compare(compare::CompareArgs),
     Merge(merge::MergeArgs),
     Denoise(denoise::DenoiseArgs),
@@ -86,6 +88,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Inspect(args) => inspect::run(&args),
         Command::Devices(args) => devices::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Denoise(args) => denoise::run(args),

@@ -7,14 +7,14 @@ use lodestar::encode::bvh::Bvh;
 use lodestar::film::{self, Picture};
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{ToneCurve, png};
-use lodestar::scene::{self, LoadOptions, Scene};
+use lodestar::scene::{self, Scene};
 use lodestar::session::identity;
 use lodestar::session::radiance_map::{self, MappedScene, SurfacePoint, false_colors};
 use lodestar::settings::Settings;
 use lodestar::{Error, Result, files};
 
 use super::print::{print_line, report};
-use super::render_args::{ChoiceArgs, define, device_name, output_path};
+use super::render_args::{ChoiceArgs, LoadArgs, device_name, output_path};
 
 /// Writes the radiance that a guide has learned at one point, by direction (the paper's Fig. 6).
 ///
@@ -25,8 +25,8 @@ pub struct RadianceArgs {
     /// The scene, in Mitsuba's XML of any version
     #[arg(value_name = "SCENE.xml")]
     scene: PathBuf,
-    #[arg(short = 'D', value_parser = define)]
-    define: Vec<(String, String)>,
+    #[command(flatten)]
+    load: LoadArgs,
     /// Pixel whose center shows the point.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: [u32; 2],
@@ -48,7 +48,7 @@ pub struct RadianceArgs {
 /// Writes the map that `args` ask for.
 pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     args.output.iter().try_for_each(|path| files::check_writable(path))?;
-    let scene = scene::load(&scene::scene_file(&args.scene)?, &LoadOptions { defines: args.define })?;
+    let scene = scene::load(&scene::scene_file(&args.scene)?, &args.load.options())?;
     scene.warnings.iter().for_each(|warning| report("warning", warning));
     let settings = settings(args.choices, &scene)?;
     let context = Context::new(&ContextOptions { device: device_name(args.device), validate: false })?;

@@ -16,7 +16,7 @@ use super::render_args::{RenderArgs, with};
 pub fn run(args: RenderArgs) -> Result<ExitCode> {
     let console = Console::new(&args.files);
     let viewers = args.viewers.options(args.files.denoiser());
-    let start = Start::Anew(SceneInput::File { path: args.scene, defines: args.define });
+    let start = Start::Anew(SceneInput::File { path: args.scene, options: args.load.options() });
     let options = args.device.add_to(args.length.add_to(args.choices.options()));
     let options = with_checkpoint(options, args.checkpoint, args.checkpoint_every).files(args.files.into());
     render(start, &options, &console, &viewers)

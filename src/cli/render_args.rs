@@ -8,7 +8,7 @@ use lodestar::denoise::{DenoiseOptions, DeviceKind};
 use lodestar::files;
 use lodestar::gpu::ContextOptions;
 use lodestar::image::ToneCurve;
-use lodestar::scene::{Crop, ReconstructionFilter};
+use lodestar::scene::{CameraChoice, Crop, EnvironmentChoice, LoadOptions, ReconstructionFilter};
 use lodestar::session::{CHECKPOINT_EVERY, FilmSize, Options, OutputFiles};
 use lodestar::settings::{Execution, Settings, UNLIMITED_DEPTH};
 
@@ -26,8 +26,8 @@ pub struct RenderArgs {
     /// The scene, in Mitsuba's XML of any version
     #[arg(value_name = "SCENE.xml")]
     pub scene: PathBuf,
-    #[arg(short = 'D', value_parser = define)]
-    pub define: Vec<(String, String)>,
+    #[command(flatten)]
+    pub load: LoadArgs,
     #[command(flatten)]
     pub files: OutputArgs,
     #[command(flatten)]
@@ -42,6 +42,25 @@ pub struct RenderArgs {
     pub choices: ChoiceArgs,
     #[command(flatten)]
     pub device: DeviceArgs,
+}
+
+/// Choices about how a scene is read.
+#[derive(Debug, Clone, clap::Args)]
+pub struct LoadArgs {
+    #[arg(short = 'D', value_parser = define)]
+    pub define: Vec<(String, String)>,
+    #[arg(long)]
+    pub camera: Option<CameraChoice>,
+    #[arg(long)]
+    pub environment: Option<EnvironmentChoice>,
+}
+
+impl LoadArgs {
+    /// The library's options that the arguments stand for.
+    pub fn options(self) -> LoadOptions {
+        let Self { define, camera, environment } = self;
+        LoadOptions { defines: define, camera, environment }
+    }
 }
 
 /// Files of the picture, and messages.
@@ -308,7 +327,7 @@ mod tests {
         .unwrap();
         assert_eq!(args.files.output, [PathBuf::from("a.exr"), PathBuf::from("a.PNG")]);
         assert_eq!(args.choices.crop, Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
-        assert_eq!(args.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
+        assert_eq!(args.load.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
         let RenderArgs { files, choices, length, .. } = args;
         assert_eq!((files.half, files.overwrite, files.log, length.time), (true, true, LogFormat::Json, Some(61.5)));
         assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));

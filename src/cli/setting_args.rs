@@ -68,20 +68,30 @@ fn argument(option: &'static OptionEntry) -> Arg {
     Arg::new(option.name).long(option.name).value_parser(parser)
 }
 
+/// Options of `lodestar resume` whose default is what the checkpoint holds.
+const KEPT_BY_CHECKPOINT: [&str; 4] = ["output", "tone", "exposure", "spp"];
+/// Options of a picture's settings that `lodestar radiance` refuses, with values that have no meaning for a map.
+const NOT_FOR_MAPS: [&str; 3] = ["steps", "sample-weights", "nee"];
+
 /// `command` with the table's help for every argument that has none of its own.
 pub fn described(command: Command) -> Command {
     let names: Vec<_> = command.get_subcommands().map(|subcommand| subcommand.get_name().to_owned()).collect();
     let describe = |command: Command, name: String| {
-        command.mut_subcommand(name, |subcommand| subcommand.mut_args(described_argument))
+        let of = name.clone();
+        command
+            .mut_subcommand(name, move |subcommand| subcommand.mut_args(|argument| described_argument(&of, argument)))
     };
     names.into_iter().fold(command, describe)
 }
 
-fn described_argument(argument: Arg) -> Arg {
+fn described_argument(subcommand: &str, argument: Arg) -> Arg {
     let Some(option) = entry_of(&argument).filter(|_| argument.get_help().is_none()) else { return argument };
+    let is_kept = subcommand == "resume" && KEPT_BY_CHECKPOINT.contains(&option.name);
+    let default = is_kept.then_some("as in the checkpoint");
     let has_heading = argument.get_help_heading().is_some();
-    let argument = argument.help(option.short_help()).long_help(option.long_help());
+    let argument = argument.help(option.short_help(default)).long_help(option.long_help(default));
     let argument = if has_heading { argument } else { argument.help_heading(option.heading()) };
+    let argument = argument.hide(subcommand == "radiance" && NOT_FOR_MAPS.contains(&option.name));
     let argument = argument.hide_short_help(option.audience != Audience::Everyone);
     let argument = argument.hide_default_value(true).hide_possible_values(true).hide_env(true);
     if option.value_name.is_empty() { argument } else { argument.value_name(option.value_name) }
@@ -110,7 +120,7 @@ mod tests {
         for argument in &options {
             let entry = entry_of(argument).unwrap_or_else(|| panic!("{argument} has no entry"));
             let long_help = argument.get_long_help().map(ToString::to_string);
-            assert_eq!(long_help.as_deref(), Some(&entry.long_help()[..]), "{argument}");
+            assert_eq!(long_help.as_deref(), Some(&entry.long_help(None)[..]), "{argument}");
         }
         for option in OPTIONS {
             assert!(options.iter().any(|argument| entry_of(argument).is_some_and(|entry| entry.name == option.name)));

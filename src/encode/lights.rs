@@ -203,8 +203,8 @@ fn map_texels(map: &EnvironmentMap) -> Vec<[u32; 4]> {
 fn brightest(scene: &Scene, scene_radius: f64, environment: Option<&EnvironmentLight>) -> f32 {
     let near = (scene_radius / 16.0).max(1.0e-18);
     let emitters = scene.emitters.iter().map(|emitter| {
-        let texture = emitter.radiance.texture.map(|texture| scene.textures[texture as usize].maximum(&scene.images));
-        mean_rgb(emitter.radiance.value * texture.unwrap_or(Vec3::ONE))
+        let texture = brightest_texel(scene, emitter).unwrap_or(Vec3::ONE);
+        mean_rgb(emitter.radiance.value * texture)
     });
     let delta_emitters = scene.delta_emitters.iter().map(|emitter| match emitter.kind {
         DeltaKind::Directional { irradiance, .. } => mean_rgb(irradiance) / PI,
@@ -214,6 +214,11 @@ fn brightest(scene: &Scene, scene_radius: f64, environment: Option<&EnvironmentL
     });
     let environment = environment.map(EnvironmentLight::brightest);
     emitters.chain(delta_emitters).chain(environment).fold(0.0, f64::max) as f32
+}
+
+/// Brightest texel of the emitter's texture, where it has one.
+fn brightest_texel(scene: &Scene, emitter: &AreaEmitter) -> Option<Vec3> {
+    emitter.radiance.texture.map(|texture| scene.textures[texture as usize].maximum(&scene.images))
 }
 
 fn mean_rgb(color: Vec3) -> f64 {
@@ -226,11 +231,15 @@ fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
     let has_texture =
         |attributes: &AttributeRecord| scene.emitters[attributes.emitter as usize].radiance.texture.is_some();
     let points = points_for(emitting.iter().filter(|(_, attributes)| has_texture(attributes)).count());
+    // Each is the maximum over a whole image, so it is not found again for each triangle.
+    let brightest: Vec<_> = scene.emitters.iter().map(|emitter| brightest_texel(scene, emitter)).collect();
     let candidate = |&(index, attributes): &(u32, &AttributeRecord)| {
         let emitter = &scene.emitters[attributes.emitter as usize];
         let primitive = &bvh.primitives[index as usize];
-        let of_texture =
-            |texture: u32| brightness(&scene.textures[texture as usize], &scene.images, primitive, attributes, points);
+        let of_texture = |texture: u32| {
+            let maximum = brightest[attributes.emitter as usize].unwrap_or_default();
+            brightness(&scene.textures[texture as usize], &scene.images, maximum, primitive, attributes, points)
+        };
         let radiance = mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
         let power = area(primitive) * PI * radiance * f64::from(emitter.sampling_weight);
         Candidate { kind: constants::LIGHT_AREA, index, power }

@@ -7,6 +7,7 @@ use crate::generated::layout::{MaterialRecord, TEXEL_BYTES};
 use crate::scene::Scene;
 
 /// Materials and textures. They do not depend on the hierarchy, so both can be made ready at the same time.
+#[derive(Clone)]
 pub struct Surfaces {
     pub(crate) materials: Vec<MaterialRecord>,
     pub(crate) textures: PackedTextures,

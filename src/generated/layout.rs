@@ -307,6 +307,10 @@ pub struct TracePush {
     pub sample_count: u32,
     /// Index of a sample before which no set of samples starts.
     pub first_of_sets: u32,
+    /// First tile of the page that this device traces.
+    pub first_tile: u32,
+    /// Distance between two tiles that this device traces.
+    pub tile_stride: u32,
 }
 
 /// Push constants of the kernels of a wave (`glsl/include/path/wavefront.glsl`).

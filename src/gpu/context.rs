@@ -71,6 +71,29 @@ impl Context {
         Ok(Arc::new(Self { pipelines, pipeline_cache, memory, idle_slots, timings, device }))
     }
 
+    /// Opens all devices that `options` name: a list of indices such as `0,2`, the word `all`, or one device. A list may name a
+    /// device several times.
+    ///
+    /// # Errors
+    /// Where [`Context::new`] fails for one of them.
+    pub fn all(options: &ContextOptions) -> Result<Vec<Arc<Self>>> {
+        let text = options.device.as_deref().unwrap_or_default();
+        let open = |index: String| Self::new(&ContextOptions { device: Some(index), ..options.clone() });
+        if text.trim() == "all" {
+            let usable = list_devices()?.into_iter().filter(|device| device.refused.is_none());
+            let contexts = usable.map(|device| open(device.index.to_string())).collect::<Result<Vec<_>>>()?;
+            if !contexts.is_empty() {
+                return Ok(contexts);
+            }
+        }
+        // Names of devices have commas, too.
+        let indices: Vec<_> = text.split(',').map(str::trim).collect();
+        if indices.len() > 1 && indices.iter().all(|index| index.parse::<usize>().is_ok()) {
+            return indices.into_iter().map(|index| open(index.to_owned())).collect();
+        }
+        Ok(vec![Self::new(options)?])
+    }
+
     /// Name, kind, driver and limits of the device.
     pub fn device(&self) -> &DeviceInfo {
         self.device.info()
@@ -104,6 +127,11 @@ impl Context {
     /// Submissions recorded since the last call; empty where no record is kept.
     pub fn take_timings(&self) -> Vec<SubmissionTime> {
         self.timings.take()
+    }
+
+    /// Ends the record, so that submissions are no longer timed.
+    pub fn stop_timings(&self) {
+        self.timings.stop();
     }
 
     /// Number of bytes that buffers hold now.

@@ -56,6 +56,11 @@ impl TimingRecord {
         *self.lock() = Some(Running { epoch: Instant::now(), clock, submissions: Vec::new() });
     }
 
+    /// Discards the record and begins none.
+    pub(super) fn stop(&self) {
+        *self.lock() = None;
+    }
+
     /// Clock in use; `None` where no record is kept.
     pub(super) fn clock(&self) -> Option<Clock> {
         self.lock().as_ref().map(|running| running.clock)

@@ -55,11 +55,19 @@ pub fn read(path: &Path) -> Result<TexelImage> {
     if bytes.starts_with(&EXR_MAGIC) {
         return read_exr(path);
     }
-    let format = ::image::guess_format(&bytes).or_else(|_| ImageFormat::from_path(path));
+    decode(path, &bytes)
+}
+
+/// Reads an image in memory, in any format but EXR. `path` is its name, for messages.
+///
+/// # Errors
+/// [`Error::Image`] as in [`read`].
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
+    let format = ::image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));
     let format = format.ok().filter(ImageFormat::reading_enabled).ok_or_else(|| {
         Error::image(path, "its image format is not supported; save it as JPEG, PNG, TGA, BMP, HDR or EXR")
     })?;
-    if format == ImageFormat::Jpeg && !is_whole_jpeg(&bytes) {
+    if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
         return Err(Error::image(path, "the JPEG image is cut short; write it again"));
     }
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
@@ -145,4 +153,22 @@ fn is_whole_jpeg(bytes: &[u8]) -> bool {
         }
     }
     false
+}
+
+/// PNG file of texels with 8 bits a channel.
+///
+/// # Errors
+/// [`Error::Image`] where the encoder fails.
+pub fn encode_png(name: &Path, width: u32, height: u32, texels: &[[u8; 4]]) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    ::image::write_buffer_with_format(
+        &mut bytes,
+        texels.as_flattened(),
+        width,
+        height,
+        ::image::ExtendedColorType::Rgba8,
+        ImageFormat::Png,
+    )
+    .map_err(|error| Error::image(name, error.to_string()))?;
+    Ok(bytes.into_inner())
 }

@@ -93,6 +93,7 @@ impl Renderer {
                 "the guide was learned with another {name} ({theirs} there, {ours} here); choose the same"
             ));
         }
+        self.others.iter_mut().try_for_each(|other| other.begin_with_guide(guide))?;
         let seed = self.settings.seed;
         if guide.seeds.contains(&seed) {
             return refuse(format!(

@@ -8,6 +8,7 @@
 //! | uploads and pipelines | `setup.rs`, `variants.rs`, `memory_needs.rs`, `guide_cells.rs` |
 //! | one step | `step.rs` |
 //! | descriptor sets | `sets/` |
+//! | several devices that render one picture | `ranks/` |
 //! | tracing paths | `trace/` |
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
@@ -20,6 +21,7 @@ mod learn;
 pub mod learned_guide;
 mod memory_needs;
 mod persistent;
+mod ranks;
 mod restore;
 mod sets;
 mod setup;
@@ -73,6 +75,8 @@ pub struct Renderer {
     samples_done: u32,
     stopped: bool,
     at_step_end: bool,
+    /// Renderers of the same scene on other devices. Each traces its share of the film's tiles.
+    others: Vec<Renderer>,
 }
 
 impl Renderer {
@@ -125,6 +129,7 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
+        self.gather_film()?;
         let picture = self.film_store.picture(&self.sets.frame, &self.settings)?;
         Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
     }

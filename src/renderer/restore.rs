@@ -16,6 +16,10 @@ impl Renderer {
         if self.stopped {
             return Err(Error::Render("a step that was stopped cannot be gone on with later".into()));
         }
+        self.gather_film()?;
+        if self.sets.radiance_grid.keeps_sums() {
+            self.gather_sums()?;
+        }
         let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
         let parts: Result<Vec<_>> = self.persistent().iter().map(read).collect();
         let parts = parts?.into_iter().chain(self.host_part()).collect();
@@ -27,6 +31,11 @@ impl Renderer {
     /// # Errors
     /// Where the state does not fit the settings, or the device is lost.
     pub fn restore(&mut self, state: &RenderState) -> Result<()> {
+        for other in &mut self.others {
+            other.restore(state)?;
+            // The first device keeps the sums of all.
+            other.sets.radiance_grid.clear_sums(&other.context)?;
+        }
         let persistent = self.persistent();
         let shape = |parts: &[(&str, u64)]| {
             parts.iter().map(|(name, bytes)| format!("{name}: {bytes} bytes")).collect::<Vec<_>>().join(", ")
@@ -54,6 +63,7 @@ impl Renderer {
     /// # Errors
     /// Where the state does not fit the settings, or the device is lost.
     pub fn begin_again(&mut self, samples_per_dispatch: u32, state: Option<&RenderState>) -> Result<()> {
+        self.others.iter_mut().try_for_each(|other| other.begin_again(samples_per_dispatch, state))?;
         self.settings.samples_per_dispatch = samples_per_dispatch;
         self.sets.radiance_grid.clear_sums(&self.context)?;
         if let Some(state) = state {

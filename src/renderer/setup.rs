@@ -93,6 +93,7 @@ impl Renderer {
             samples_done: 0,
             stopped: false,
             at_step_end: true,
+            others: Vec::new(),
         };
         renderer.warm_up()?;
         Ok(renderer)

@@ -7,8 +7,9 @@ use crate::film::noise::LEAST_SAMPLES;
 use crate::generated::layout::{DispatchWeights, TracePush};
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::pages::FilmPage;
+use crate::renderer::film_store::part_sums::clear_film;
 use crate::renderer::learn::Learning;
-use crate::renderer::learn::quadtrees::first_of_iteration;
+use crate::renderer::learn::quadtrees::{ended_iteration, first_of_iteration};
 use crate::renderer::statistics::{Counts, StepReport};
 use crate::renderer::trace::slices::Slice;
 use crate::{Error, Result};
@@ -44,15 +45,38 @@ impl Renderer {
             return Ok(false);
         }
         // 2. Learn: the radiance grid moves towards the targets (Eq. 7), then the marked normalizers are computed anew.
-        if let Learning::Grids(updates) = &self.learning {
-            updates.run(&self.context, &self.slicer, &self.sets, &self.cells)?;
+        if matches!(self.learning, Learning::Grids(_)) {
+            self.add_up_sums()?;
+            self.on_every_device(&Self::update_grids)?;
         }
         // 3. Settle the film: a part of a picture keeps sums of its steps, and noise may end tiles.
+        if matches!(self.film_store, FilmStore::Part(_)) {
+            self.gather_film()?;
+            self.others.iter().try_for_each(|other| clear_film(&other.context, &other.sets.frame))?;
+        }
         if let FilmStore::Part(sums) = &mut self.film_store {
             sums.add_step(&self.context, &self.sets.frame)?;
         }
         self.choose_tiles()?;
         Ok(true)
+    }
+
+    /// Updates this device's grids from the sums of a step.
+    fn update_grids(&self) -> Result<()> {
+        match &self.learning {
+            Learning::Grids(updates) => updates.run(&self.context, &self.slicer, &self.sets, &self.cells),
+            Learning::Nothing | Learning::Quadtrees(_) => Ok(()),
+        }
+    }
+
+    /// Refines this device's quadtrees where an iteration has ended.
+    fn refine_quadtrees(&self) -> Result<()> {
+        match &self.learning {
+            Learning::Quadtrees(refinement) => {
+                refinement.end_batch(&self.context, &self.sets, &self.settings, self.samples_done)
+            }
+            Learning::Nothing | Learning::Grids(_) => Ok(()),
+        }
     }
 
     /// Adds `samples` samples to every pixel, in batches of one dispatch each for every slice of the film.
@@ -62,23 +86,38 @@ impl Renderer {
         while left > 0 {
             let batch = left.min(self.longest_batch());
             let first_of_sets = self.first_of_sets(first_of_step);
-            for page in self.sets.frame.pages() {
-                let mut next = 0;
-                while let Some(slice) = self.slicer.slice(page, next) {
-                    if stop() {
-                        return Ok(false);
-                    }
-                    let (elapsed, slice_counts) = self.trace_slice(page, slice, batch, first_of_sets)?;
-                    self.slicer.measured(slice, elapsed);
-                    counts.add(&slice_counts);
-                    next = slice.end();
-                }
+            if !self.trace_batch(batch, first_of_sets, counts, stop)? {
+                return Ok(false);
             }
             self.samples_done += batch;
             left -= batch;
             // Quadtrees learn at the end of their own iterations, which grow faster than steps.
-            if let Learning::Quadtrees(refinement) = &self.learning {
-                refinement.end_batch(&self.context, &self.sets, &self.settings, self.samples_done)?;
+            if matches!(self.learning, Learning::Quadtrees(_)) && ended_iteration(self.samples_done).is_some() {
+                self.add_up_sums()?;
+                self.on_every_device(&Self::refine_quadtrees)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Adds `batch` samples to every pixel of this device's share of the film. Returns whether `stop` let all of them run.
+    pub(super) fn trace_share(
+        &self,
+        batch: u32,
+        first_of_sets: u32,
+        counts: &mut Counts,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<bool> {
+        for page in self.sets.frame.pages() {
+            let mut next = 0;
+            while let Some(slice) = self.slicer.slice(page, next) {
+                if stop() {
+                    return Ok(false);
+                }
+                let (elapsed, slice_counts) = self.trace_slice(page, slice, batch, first_of_sets)?;
+                self.slicer.measured(slice, elapsed);
+                counts.add(&slice_counts);
+                next = slice.end();
             }
         }
         Ok(true)
@@ -100,6 +139,7 @@ impl Renderer {
         sample_count: u32,
         first_of_sets: u32,
     ) -> Result<(Duration, Counts)> {
+        let (first_tile, tile_stride) = page.tile_steps();
         let push = TracePush {
             first_workgroup: slice.first,
             workgroup_count: slice.count,
@@ -109,6 +149,8 @@ impl Renderer {
             first_sample: self.sample_index(self.samples_done),
             sample_count,
             first_of_sets,
+            first_tile,
+            tile_stride,
         };
         let (elapsed, counts) = self.tracer.trace(&self.context, &self.sets, page, push)?;
         match counts.overruns {
@@ -144,6 +186,17 @@ impl Renderer {
 
     /// Chooses the tiles that go on, where noise ends them. The first samples do not tell how noisy a tile is.
     pub(super) fn choose_tiles(&mut self) -> Result<()> {
+        if self.film_store.adaptive().is_none() {
+            return Ok(());
+        }
+        self.gather_film()?;
+        self.choose_own_tiles()?;
+        let adaptive = self.film_store.adaptive();
+        let mut pages = self.others.iter().map(|other| other.sets.frame.pages());
+        adaptive.map_or(Ok(()), |adaptive| pages.try_for_each(|pages| adaptive.sample_on(pages)))
+    }
+
+    fn choose_own_tiles(&mut self) -> Result<()> {
         match &mut self.film_store {
             FilmStore::Adaptive(adaptive) if self.samples_done < LEAST_SAMPLES => {
                 adaptive.restart(self.sets.frame.pages())

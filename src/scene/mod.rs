@@ -1,4 +1,4 @@
-//! Scenes as a path tracer needs them: read from Mitsuba's files and flattened. CPU only: no Vulkan, no `unsafe`.
+//! Scenes as a path tracer needs them: read from files of several formats and flattened. CPU only: no Vulkan, no `unsafe`.
 //!
 //! Conventions are Mitsuba's. The world is right-handed. The texture coordinate `v` is 0 at the image's *top* row. The
 //! camera looks along its `+z`, with `+x` to the *left* of the picture. Depth is counted in path edges (1 is emission
@@ -7,14 +7,18 @@
 pub mod bsdf;
 mod build;
 mod camera;
+mod convert;
 pub mod emitter;
 mod film;
 pub mod fingerprint;
 pub mod geometry;
+mod gltf;
 mod integrator;
+mod load_options;
 mod mesh;
 pub mod mitsuba;
 mod place;
+mod read;
 mod shrink;
 pub mod summary;
 pub mod texel_pages;
@@ -25,13 +29,16 @@ mod whole;
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use build::Surface;
 pub use camera::{Camera, FovAxis, Projection};
+pub use convert::{Converted, convert, convert_dictionary};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
 pub use film::{Crop, FilmDescription, ReconstructionFilter};
 pub use fingerprint::fingerprint;
 pub use geometry::{Primitive, PrimitiveShape};
 pub use integrator::IntegratorDescription;
+pub use load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
 pub use mitsuba::dictionary::{Array, Dictionary, Operation, Transform, Value};
-pub use mitsuba::load::{LoadOptions, LoadProgress, load, load_with_progress};
+pub use mitsuba::load::LoadProgress;
 pub use place::scene_file;
+pub use read::{load, load_with_progress};
 pub use texture::{Image, Texture, Textured};
 pub use whole::Scene;

@@ -22,6 +22,7 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use crate::files::write_whole;
 use crate::renderer::{RenderState, StatePart};
+use crate::scene::LoadOptions;
 use crate::session::files::PictureFiles;
 use crate::session::history::History;
 use crate::session::length::Length;
@@ -69,8 +70,8 @@ pub struct Record {
 pub struct SceneSource {
     /// Absolute path of the file.
     pub path: String,
-    /// Replacements of the file's `<default>` values, by name (`-D name=value`).
-    pub defines: Vec<(String, String)>,
+    /// Choices with which it is read. Paths in them are absolute.
+    pub options: LoadOptions,
     /// Fingerprint of the scene, from [`crate::scene::fingerprint()`].
     pub hash: String,
 }
@@ -227,17 +228,18 @@ mod tests {
     use super::*;
     use std::fs;
 
-    use crate::scene::{LoadOptions, load};
+    use crate::scene::load;
 
     fn example() -> Checkpoint {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.xml");
         let scene = load(&path, &LoadOptions::default()).expect("a scene");
         let defines = vec![("albedo".into(), "0.5".into())];
+        let options = LoadOptions { defines, ..LoadOptions::default() };
         let part = |name: &str, bytes: &[u8]| StatePart { name: name.into(), bytes: bytes.to_vec() };
         let length = Length { spp: None, seconds: Some(1.0 / 3.0) };
         let history = History { seconds: 5e-324, paths: u64::MAX, ..History::default() };
         Checkpoint {
-            scene: SceneSource { path: "/scenes/küche.xml".into(), defines, hash: "00ff".into() },
+            scene: SceneSource { path: "/scenes/küche.xml".into(), options, hash: "00ff".into() },
             settings: Settings::for_scene(&scene),
             device: "a device".into(),
             record: Record { length, outputs: PictureFiles::none(), kernels: vec!["a".into()], history },

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::renderer::RenderState;
 use crate::renderer::learned_guide::LearnedGuide;
+use crate::scene::EnvironmentChoice;
 use crate::session::checkpoint::{Checkpoint, Record, SceneSource};
 use crate::session::files::absolute_path;
 use crate::session::history::History;
@@ -46,13 +47,17 @@ impl Session {
 
     /// A checkpoint of this render with nothing rendered yet.
     pub(super) fn template(&self) -> Result<Checkpoint> {
-        let Some((path, defines)) = &self.subject.source else {
+        let Some((path, options)) = &self.subject.source else {
             return Err(Error::Settings(
                 "a checkpoint needs a scene that is read from a file, but this scene was made in memory".into(),
             ));
         };
         let hash = self.subject.scene_hash.clone();
-        let scene = SceneSource { path: absolute_path(path)?, defines: defines.clone(), hash };
+        let mut options = options.clone();
+        if let Some(EnvironmentChoice::File(path)) = &mut options.environment {
+            *path = absolute_path(path)?.into();
+        }
+        let scene = SceneSource { path: absolute_path(path)?, options, hash };
         let outputs = self.output.pictures.to_absolute_paths()?;
         let (kernels, history) = (self.subject.kernels.clone(), History::default());
         let record = Record { length: self.length, outputs, kernels, history };

@@ -8,7 +8,7 @@ use crate::renderer::StepReport;
 use crate::session::profile::{Profile, ProfiledStep, Summary};
 use crate::{Result, files};
 
-/// Collects the times of a render and writes them at its end.
+/// Collects the times of a render and writes them at its end. Its context is timed only while it lives.
 pub(super) struct Profiler {
     path: PathBuf,
     context: Arc<Context>,
@@ -37,5 +37,12 @@ impl Profiler {
         let trace = self.profile.trace();
         files::write_whole(&self.path, |writer| Ok(serde_json::to_writer(writer, &trace)?))?;
         Ok(self.profile.summary())
+    }
+}
+
+impl Drop for Profiler {
+    /// Other renders may go on in the context. They must not be timed: their record would grow without end.
+    fn drop(&mut self) {
+        self.context.stop_timings();
     }
 }

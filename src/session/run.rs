@@ -11,6 +11,7 @@ use crate::film::{Denoised, Picture};
 use crate::gpu::Context;
 use crate::image::{Image, metrics};
 use crate::renderer::{RenderState, Renderer, StepReport};
+use crate::scene::LoadOptions;
 use crate::session::checkpoints::Checkpoints;
 use crate::session::files::PictureFiles;
 use crate::session::history::History;
@@ -80,7 +81,7 @@ pub(super) struct Subject {
     pub scene_path: PathBuf,
     pub scene_hash: String,
     /// File of the scene, with the replacements of its `<default>` values; `None` for a scene made in memory.
-    pub source: Option<(PathBuf, Vec<(String, String)>)>,
+    pub source: Option<(PathBuf, LoadOptions)>,
     /// Files that stand in for built-in kernels, with their hashes.
     pub kernels: Vec<String>,
     pub times: SetupTimes,

@@ -53,8 +53,8 @@ pub enum SceneInput<'a> {
     File {
         /// Path of the file.
         path: PathBuf,
-        /// Replacements of the file's `<default>` values, by name.
-        defines: Vec<(String, String)>,
+        /// Choices with which it is read.
+        options: LoadOptions,
     },
     /// A scene in memory. Its render cannot keep a checkpoint.
     Memory(&'a Scene),
@@ -64,8 +64,8 @@ pub enum SceneInput<'a> {
         scene: &'a Scene,
         /// Path of its file.
         path: PathBuf,
-        /// Replacements of the file's `<default>` values, by name.
-        defines: Vec<(String, String)>,
+        /// Choices with which it is read.
+        options: LoadOptions,
     },
 }
 
@@ -111,7 +111,7 @@ impl Session {
     /// # Errors
     /// Where [`Session::new`] fails, and where the scene cannot be read.
     pub fn open(scene: impl AsRef<Path>, options: &Options) -> Result<Self> {
-        let input = SceneInput::File { path: scene.as_ref().to_path_buf(), defines: Vec::new() };
+        let input = SceneInput::File { path: scene.as_ref().to_path_buf(), options: LoadOptions::default() };
         Self::start(Start::Anew(input), options, &Watch::silent())
     }
 
@@ -148,10 +148,13 @@ impl Session {
         if !inputs.wanted.overwrite {
             inputs.pictures.check_scene(&scene_path, &scene_hash)?;
         }
-        let context = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
+        let contexts = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
+        let context = Arc::clone(&contexts[0]);
+        warn_of_mix(&contexts, watch);
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
-        let (renderer, bvh_seconds, pipeline_seconds) = build(scene, &context, &plan.settings, &inputs.kernels, watch)?;
+        let (renderer, bvh_seconds, pipeline_seconds) =
+            build(scene, &contexts, &plan.settings, &inputs.kernels, watch)?;
         watch.tell(Event::Ready);
         inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
@@ -238,7 +241,7 @@ impl<'a> Start<'a> {
             Self::Resume { checkpoint: file, moved_scene } => {
                 let checkpoint = Checkpoint::read(&file)?;
                 let path = moved_scene.unwrap_or_else(|| checkpoint.scene.path.clone().into());
-                let input = SceneInput::File { path, defines: checkpoint.scene.defines.clone() };
+                let input = SceneInput::File { path, options: checkpoint.scene.options.clone() };
                 Ok((input, Some((file, checkpoint))))
             }
         }
@@ -255,21 +258,21 @@ impl<'a> SceneInput<'a> {
                 Ok(Cow::Borrowed(scene))
             }
             Self::Read { scene, .. } => Ok(Cow::Borrowed(scene)),
-            Self::File { path, defines } => {
+            Self::File { path, options } => {
                 let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
-                scene::load_with_progress(path, &LoadOptions { defines: defines.clone() }, &show).map(Cow::Owned)
+                scene::load_with_progress(path, options, &show).map(Cow::Owned)
             }
         }
     }
 
     /// The scene's file, if the caller has named its folder.
     fn in_folder(self, watch: &Watch<'_>) -> Result<Self> {
-        let Self::File { path, defines } = self else { return Ok(self) };
+        let Self::File { path, options } = self else { return Ok(self) };
         let file = scene::scene_file(&path)?;
         if file != path {
             watch.tell(Event::Note(&format!("{} is a folder; its {} is rendered", path.display(), file.display())));
         }
-        Ok(Self::File { path: file, defines })
+        Ok(Self::File { path: file, options })
     }
 
     /// Absolute path of the file.
@@ -280,20 +283,21 @@ impl<'a> SceneInput<'a> {
         }
     }
 
-    /// File of the scene, with the replacements of its values.
-    fn source(&self) -> Option<(PathBuf, Vec<(String, String)>)> {
+    /// File of the scene, with the choices with which it is read.
+    fn source(&self) -> Option<(PathBuf, LoadOptions)> {
         match self {
-            Self::File { path, defines } | Self::Read { path, defines, .. } => Some((path.clone(), defines.clone())),
+            Self::File { path, options } | Self::Read { path, options, .. } => Some((path.clone(), options.clone())),
             Self::Memory(_) => None,
         }
     }
 }
 
 impl DeviceChoice {
-    fn open(&self) -> Result<Arc<Context>> {
+    /// Opens the devices: at least one.
+    fn open(&self) -> Result<Vec<Arc<Context>>> {
         match self {
-            Self::Open(options) => Context::new(options),
-            Self::Opened(context) => Ok(Arc::clone(context)),
+            Self::Open(options) => Context::all(options),
+            Self::Opened(context) => Ok(vec![Arc::clone(context)]),
         }
     }
 }
@@ -382,15 +386,15 @@ impl Inputs {
     }
 }
 
-/// Result of the thread that opens the device. The outer error is the thread's panic.
-type OpenedDevice = thread::Result<Result<Arc<Context>>>;
+/// Result of the thread that opens the devices. The outer error is the thread's panic.
+type OpenedDevices = thread::Result<Result<Vec<Arc<Context>>>>;
 
-/// Opens the device while the scene is read, because drivers take a while to start.
+/// Opens the devices while the scene is read, because drivers take a while to start.
 fn open_and_load<'a>(
     input: &SceneInput<'a>,
     options: &Options,
     watch: &Watch<'_>,
-) -> (OpenedDevice, Result<(Cow<'a, Scene>, f64)>) {
+) -> (OpenedDevices, Result<(Cow<'a, Scene>, f64)>) {
     thread::scope(|scope| {
         let context = scope.spawn(|| options.device.open());
         let loaded = timed(|| input.load(watch));
@@ -401,7 +405,7 @@ fn open_and_load<'a>(
 /// The renderer of a scene, and the seconds that its hierarchy and its kernels took.
 fn build(
     mut scene: Cow<'_, Scene>,
-    context: &Arc<Context>,
+    contexts: &[Arc<Context>],
     settings: &Settings,
     kernels: &KernelFiles,
     watch: &Watch<'_>,
@@ -414,7 +418,17 @@ fn build(
         drop(std::mem::take(&mut scene.primitives));
     }
     watch.tell(Event::Preparing(Preparation::Kernels));
-    let build = || Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
+    let build = || {
+        let build =
+            |context, surfaces| Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
+        let others =
+            contexts[1..].iter().map(|context| build(context, surfaces.clone())).collect::<Result<Vec<_>>>()?;
+        let mut renderer = build(&contexts[0], surfaces)?;
+        if !others.is_empty() {
+            renderer.share_with(others)?;
+        }
+        Ok(renderer)
+    };
     let (renderer, pipeline_seconds) = timed(build)?;
     Ok((renderer, bvh_seconds, pipeline_seconds))
 }
@@ -446,6 +460,17 @@ fn output(
 fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
     let begin = Instant::now();
     Ok((work()?, begin.elapsed().as_secs_f64()))
+}
+
+/// Warns where devices of several kinds render one picture.
+fn warn_of_mix(contexts: &[Arc<Context>], watch: &Watch<'_>) {
+    let kind = |context: &Arc<Context>| (context.device().name.clone(), context.device().driver_info.clone());
+    if contexts.iter().any(|context| kind(context) != kind(&contexts[0])) {
+        watch.warn(
+            "devices of different kinds render this picture: it is unbiased, but its last bits depend on the devices and \
+             their order",
+        );
+    }
 }
 
 /// Tells `watch` every warning once.

@@ -4,12 +4,13 @@ use lodestar::settings::options::document;
 
 use crate::support::Folder;
 
-const SUBCOMMANDS: [&str; 12] = [
+const SUBCOMMANDS: [&str; 13] = [
     "render",
     "resume",
     "inspect",
     "devices",
     "info",
+    "convert",
     "compare",
     "merge",
     "denoise",
@@ -46,6 +47,26 @@ fn the_long_help_of_render_has_research_under_one_heading() {
     for option in ["--learner", "--epsilon", "--max-tries", "--grid"] {
         assert!(research.contains(option) && !before.contains(&format!(" {option} <")), "{option}");
     }
+}
+
+/// A checkpoint keeps files and length, so the defaults of a new render are not those of `resume`.
+#[test]
+fn the_help_of_resume_has_its_own_defaults() {
+    let [render, resume] = ["render", "resume"].map(|subcommand| help(&[subcommand, "--help"]));
+    for default in ["[default: the scene's, or 64]", "[default: the scene's name with .exr]", "[default: srgb]"] {
+        assert!(render.contains(default) && !resume.contains(default), "{default}:\n{resume}");
+    }
+    assert_eq!(resume.matches("[default: as in the checkpoint]").count(), 4, "{resume}");
+}
+
+/// Options that a map refuses are not in its help.
+#[test]
+fn the_help_of_radiance_has_no_option_that_it_refuses() {
+    let text = help(&["radiance", "--help"]);
+    for option in ["--steps <", "--sample-weights <", "--nee <"] {
+        assert!(!text.contains(option), "{option}:\n{text}");
+    }
+    assert!(text.contains("--spp-per-step <") && text.contains("--sampler <"), "{text}");
 }
 
 /// Help texts have no links to the crate's documentation.

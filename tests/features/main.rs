@@ -14,7 +14,8 @@
 //! A picture agrees unless a deviation of its mean, of a block, or of all blocks together has a probability below [`ALPHA`]
 //! over all pictures of the run (Sidak 1967). So a right renderer fails once in 10,000 runs.
 //!
-//! `LODESTAR_FEATURES=WORD` renders only the scenes whose names contain the word. `LODESTAR_FEATURES_TABLE=FILE` writes the
+//! `LODESTAR_FEATURES=WORD` renders only the scenes whose names contain the word, `LODESTAR_PART=K/N` every N-th scene from the
+//! K-th on. `LODESTAR_FEATURES_TABLE=FILE` writes the
 //! table of all deviations. `LODESTAR_FEATURES_SAMPLES=N` sets the samples per pixel. `LODESTAR_FEATURES_SCENES=DIR` writes the
 //! scenes as files.
 
@@ -87,7 +88,8 @@ impl<'a> Job<'a> {
     fn new(folder: &Path, case: &'a Case, method: Method, fault: Option<(&'static str, &'static str)>) -> Self {
         let defines = fault.iter().map(|&(name, value)| (name.into(), value.into())).collect();
         let path = folder.join(&case.name).with_extension("xml");
-        let scene = load(&path, &LoadOptions { defines }).unwrap_or_else(|error| panic!("{}: {error}", case.name));
+        let scene = load(&path, &LoadOptions { defines, ..LoadOptions::default() })
+            .unwrap_or_else(|error| panic!("{}: {error}", case.name));
         // The kernels contain the number of cells, so scenes share kernels only where each has one cell.
         let of_scene = Settings::for_scene(&scene);
         let settings = Settings {
@@ -262,7 +264,8 @@ impl Run {
 /// All scenes of this run, for ever: jobs borrow them.
 fn cases() -> &'static [Case] {
     let word = env::var("LODESTAR_FEATURES").unwrap_or_default();
-    let cases: Vec<Case> = table::all().into_iter().filter(|case| case.name.contains(&word)).collect();
+    let is_wanted = |(at, case): &(usize, Case)| case.name.contains(&word) && tier::has_case(*at);
+    let cases: Vec<Case> = table::all().into_iter().enumerate().filter(is_wanted).map(|(_, case)| case).collect();
     Box::leak(cases.into_boxed_slice())
 }
 
@@ -306,6 +309,15 @@ fn every_scene_agrees_and_faults_are_found() {
     }
     let failures = run.failures.into_inner().expect("no panic");
     assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}
+
+/// The parts of the long tier have every scene once.
+#[test]
+fn every_scene_is_in_one_part() {
+    for index in 0..table::all().len() {
+        let parts = (1..=6).filter(|part| tier::is_in_part(&format!("{part}/6"), index));
+        assert_eq!(parts.count(), 1, "{index}");
+    }
 }
 
 #[test]

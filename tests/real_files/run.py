@@ -33,7 +33,7 @@ SIZE, BLOCKS, SEEDS, SAMPLES, LIMIT, SECONDS = 48, 4, 12, 32, 5.0, 120
 # Outcomes that the goal leaves out: what these words name is refused on purpose.
 OUT_OF_SCOPE = re.compile(r"<medium|<volume|polari|fourier|measured|transient|fluor|stokes|fmcw|tof|hair|sdfgrid|yan16|layered", re.I)
 ABSENT = re.compile(r"does not exist|git-lfs", re.I)
-WHERE = re.compile(r"error: .*?:\d+: ")
+WHERE = re.compile(r"error: .*?[^\s:]:\d+: ")
 
 
 def expected():
@@ -58,7 +58,9 @@ def outcome(binary, path):
         except subprocess.TimeoutExpired:
             return "crashed", f"no end within {SECONDS} s"
     lines = done.stderr.strip().splitlines()
-    message = next((line for line in reversed(lines) if "error:" in line), lines[-1] if lines else "")
+    # Where a scene has several faults, a line for each follows the one that counts them.
+    start = next((index for index in reversed(range(len(lines))) if "error:" in lines[index]), max(len(lines) - 1, 0))
+    message = " ".join(line.strip() for line in lines[start:])
     if done.returncode == 0:
         return "rendered", ""
     if done.returncode != 1 or "panicked" in done.stderr:
@@ -117,7 +119,11 @@ def compare(binary, path):
             theirs = mitsuba_means(path, seeds)
         except Exception as error:  # Mitsuba raises many kinds.
             return None, "Mitsuba: " + " ".join(str(error).split())[-160:]
-        agrees, message = judge(our_means(binary, path, seeds), theirs)
+        try:
+            ours = our_means(binary, path, seeds)
+        except subprocess.TimeoutExpired:
+            return None, f"Lodestar: {SAMPLES} samples took more than {SECONDS} s, so nothing is compared"
+        agrees, message = judge(ours, theirs)
         if agrees:
             break
     return agrees, message

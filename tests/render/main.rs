@@ -18,6 +18,8 @@ mod learning;
 mod nee;
 mod noise;
 mod pattern;
+mod profile;
+mod ranks;
 mod relief;
 mod resume;
 mod retry;

@@ -98,7 +98,8 @@ fn every_plugin_has_a_scene_that_loads() {
         "spot",
         "directional",
     ] {
-        let options = lodestar::scene::LoadOptions { defines: vec![("light".into(), light.into())] };
+        let options =
+            lodestar::scene::LoadOptions { defines: vec![("light".into(), light.into())], ..Default::default() };
         let scene = load(&path, &options).unwrap();
         assert!(scene.warnings.is_empty(), "{light}: {:?}", scene.warnings);
         let count = scene.emitters.len() + scene.delta_emitters.len() + usize::from(scene.environment.is_some());

@@ -7,6 +7,7 @@ use lodestar::film::merge::{PartialPicture, merge};
 use lodestar::film::{read_picture, write_picture};
 use lodestar::image::exr::{read_attributes, read_layer, read_rgb};
 use lodestar::renderer::{RenderState, StatePart};
+use lodestar::scene::LoadOptions;
 use lodestar::session::checkpoint::{Checkpoint, MAGIC, Record, SceneSource};
 use lodestar::session::{History, Length, PictureFiles};
 use lodestar::settings::Settings;
@@ -24,8 +25,9 @@ fn checkpoint_file() -> Vec<u8> {
     let part = |name: &str, bytes: &[u8]| StatePart { name: name.into(), bytes: bytes.to_vec() };
     let length = Length { spp: Some(8), seconds: None };
     let history = History { seconds: 0.5, paths: 8, ..History::default() };
+    let options = LoadOptions { defines: vec![("a".into(), "1".into())], ..LoadOptions::default() };
     let checkpoint = Checkpoint {
-        scene: SceneSource { path: "/a.xml".into(), defines: vec![("a".into(), "1".into())], hash: "00ff".into() },
+        scene: SceneSource { path: "/a.xml".into(), options, hash: "00ff".into() },
         settings: Settings::for_scene(&scene),
         device: "a device".into(),
         record: Record { length, outputs: PictureFiles::none(), kernels: Vec::new(), history },

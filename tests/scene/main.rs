@@ -1,10 +1,12 @@
 //! Scene loader from outside: the scenes that it accepts, and the words in which it refuses others.
 
 mod accepts;
+mod convert;
 mod emitters;
 mod fuzz;
 mod fuzz_renders;
 mod geometry;
+mod gltf;
 mod mapped;
 mod materials;
 mod meshes;
@@ -42,7 +44,7 @@ impl Folder {
 
     fn load(&self, defines: &[(&str, &str)]) -> Result<Scene> {
         let defines = defines.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
-        load(&self.path("scene.xml"), &LoadOptions { defines })
+        load(&self.path("scene.xml"), &LoadOptions { defines, ..LoadOptions::default() })
     }
 }
 

@@ -61,7 +61,8 @@ fn shared_cornell_boxes() {
     };
     for (name, count) in [("cornell-box", 18), ("cornell-box-hard", 19)] {
         let path = Path::new(&folder).join(name).join("scene.xml");
-        let scene = load(&path, &LoadOptions { defines: vec![("resx".into(), "256".into())] }).unwrap();
+        let scene =
+            load(&path, &LoadOptions { defines: vec![("resx".into(), "256".into())], ..Default::default() }).unwrap();
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
         assert_eq!((scene.name.as_str(), scene.primitives.len(), scene.emitters.len()), (name, count, 1));
         assert_eq!((scene.film.width, scene.film.height), (256, 1024));

@@ -22,6 +22,8 @@ struct TracePush {
     uint first_sample;
     uint sample_count;
     uint first_of_sets;      // index of a sample; no set of samples starts before it
+    uint first_tile;         // first tile of the page that this device traces
+    uint tile_stride;        // distance between two tiles that this device traces
 };
 
 // Pixel of the window for an index in tile order. Tiles follow each other row by row, and so do the pixels within a
@@ -36,7 +38,9 @@ uvec2 tile_order_pixel(uint index) {
 // Index within the film page, in tile order, of the pixel of a lane of the slice's workgroup.
 uint pixel_of_slice(TracePush slice, uint workgroup, uint lane) {
     uint spread = slice.first_workgroup + (workgroup * slice.workgroup_stride) % slice.workgroup_count;
-    return sampled_pixel(spread * WORKGROUP_SIZE + lane);
+    uint place = spread * WORKGROUP_SIZE + lane;
+    uint tile = slice.first_tile + (place / TILE_PIXELS) * slice.tile_stride;
+    return sampled_pixel(tile * TILE_PIXELS + place % TILE_PIXELS);
 }
 
 #endif

@@ -1,6 +1,6 @@
 //! Brightness of a textured emitter on a primitive.
 
-use glam::{DVec2, Vec2, dvec2};
+use glam::{DVec2, Vec2, Vec3, dvec2};
 
 use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
@@ -20,17 +20,19 @@ pub(super) fn points_for(primitive_count: usize) -> usize {
     (POINTS / primitive_count.max(1)).clamp(least, most)
 }
 
-/// Mean of the texture's red, green and blue over the primitive, plus [`BRIGHTEST_SHARE`] of the largest.
+/// Mean of the texture's red, green and blue over the primitive, plus [`BRIGHTEST_SHARE`] of the `brightest` texel of the whole
+/// texture.
 pub(super) fn brightness(
     texture: &Texture,
     images: &[Image],
+    brightest: Vec3,
     primitive: &PrimitiveRecord,
     attributes: &AttributeRecord,
     points: usize,
 ) -> f64 {
     let color = |i: usize| sample(texture, images, coordinates(primitive, attributes, even_point(i))).truncate();
     let mean = (0..points).map(|i| color(i).element_sum()).sum::<f64>() / points as f64;
-    (mean + BRIGHTEST_SHARE * f64::from(texture.maximum(images).element_sum())) / 3.0
+    (mean + BRIGHTEST_SHARE * f64::from(brightest.element_sum())) / 3.0
 }
 
 /// Points that fill the unit square evenly (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
@@ -55,7 +57,7 @@ fn coordinates(primitive: &PrimitiveRecord, attributes: &AttributeRecord, u: DVe
 
 #[cfg(test)]
 mod tests {
-    use glam::{Mat3, Vec3};
+    use glam::Mat3;
 
     use super::*;
     use crate::scene::texture::Pattern;
@@ -69,7 +71,7 @@ mod tests {
         let [uv0, uv1, uv2] = uvs;
         let attributes = AttributeRecord { uv0, uv1, uv2, ..bytemuck::Zeroable::zeroed() };
         let primitive = PrimitiveRecord { flags: constants::SHAPE_TRIANGLE, ..bytemuck::Zeroable::zeroed() };
-        brightness(&checkerboard(), &[], &primitive, &attributes, 4096)
+        brightness(&checkerboard(), &[], Vec3::ONE, &primitive, &attributes, 4096)
     }
 
     #[test]
@@ -84,13 +86,13 @@ mod tests {
     fn other_shapes_show_the_whole_texture() {
         for flags in [constants::SHAPE_PARALLELOGRAM, constants::SHAPE_SPHERE] {
             let primitive = PrimitiveRecord { flags, ..bytemuck::Zeroable::zeroed() };
-            let found = brightness(&checkerboard(), &[], &primitive, &bytemuck::Zeroable::zeroed(), 4096);
+            let found = brightness(&checkerboard(), &[], Vec3::ONE, &primitive, &bytemuck::Zeroable::zeroed(), 4096);
             assert!((found - 0.5).abs() < 0.01, "{found}");
         }
         // The inner half of the radius covers a quarter of a disk.
         let primitive = PrimitiveRecord { flags: constants::SHAPE_DISK, ..bytemuck::Zeroable::zeroed() };
         let texture = Texture { to_uv: Mat3::from_scale(glam::vec2(1.0, 0.0)), ..checkerboard() };
-        let found = brightness(&texture, &[], &primitive, &bytemuck::Zeroable::zeroed(), 4096);
+        let found = brightness(&texture, &[], Vec3::ONE, &primitive, &bytemuck::Zeroable::zeroed(), 4096);
         assert!((found - 0.75).abs() < 0.01, "{found}");
     }
 }

@@ -11,6 +11,7 @@ use crate::scene::texture::{Image, Texture};
 pub use words::TexelWords;
 
 /// All textures of a scene.
+#[derive(Clone)]
 pub struct PackedTextures {
     /// One record per texture.
     pub records: Vec<TextureRecord>,

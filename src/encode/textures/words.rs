@@ -8,6 +8,7 @@ use crate::scene::texel_pages::{PAGE_WORDS, place, word_count};
 use crate::scene::texture::{Image, Texels};
 
 /// Words by page, and the address of each image among them.
+#[derive(Clone)]
 pub struct TexelWords {
     pages: Vec<Vec<u32>>,
     addresses: Vec<Option<u32>>,

@@ -18,6 +18,8 @@ pub(crate) struct Adaptive {
     kernel: Kernel,
     tiles: Tiles,
     sampled_pixels: u64,
+    /// Whether each tile of the film is sampled.
+    going_on: Vec<bool>,
     report: NoiseReport,
 }
 
@@ -26,12 +28,15 @@ impl Adaptive {
     pub fn new(kernel: Kernel, settings: &Settings, target: f32) -> Self {
         let window = settings.window();
         let tiles = Tiles::new(window.width, window.height, TILE_SIDE);
-        Self { kernel, tiles, sampled_pixels: tiles.all_pixels(), report: NoiseReport::unknown(target) }
+        let count = (window.width.div_ceil(TILE_SIDE) * window.height.div_ceil(TILE_SIDE)) as usize;
+        let (going_on, sampled_pixels) = (vec![true; count], tiles.all_pixels());
+        Self { kernel, tiles, sampled_pixels, going_on, report: NoiseReport::unknown(target) }
     }
 
     /// Chooses all tiles again, as at the beginning.
     pub fn restart(&mut self, pages: &[FilmPage]) -> Result<()> {
         (self.sampled_pixels, self.report) = (self.tiles.all_pixels(), NoiseReport::unknown(self.report.target));
+        self.going_on.fill(true);
         pages.iter().try_for_each(FilmPage::sample_all)
     }
 
@@ -68,13 +73,15 @@ impl Adaptive {
         let noise: Vec<Vec<TileNoise>> = pages.iter().map(FilmPage::tile_noise).collect::<Result<_>>()?;
         let errors = self.tiles.relative_errors(&noise.concat());
         let going_on = self.tiles.going_on(&errors, self.report.target.into());
-        for page in pages {
-            let first = page.first_pixel() / TILE_PIXELS;
-            let tiles = (0..page.tile_count()).filter(|tile| going_on[(first + tile) as usize]);
-            page.sample(&tiles.collect::<Vec<_>>())?;
-        }
+        sample(pages, &going_on)?;
         self.note(&errors, &going_on);
+        self.going_on = going_on;
         Ok(())
+    }
+
+    /// Samples on `pages` of another device the tiles that were chosen last.
+    pub fn sample_on(&self, pages: &[FilmPage]) -> Result<()> {
+        sample(pages, &self.going_on)
     }
 
     fn note(&mut self, errors: &[f64], going_on: &[bool]) {
@@ -85,4 +92,14 @@ impl Adaptive {
         self.report.mean = Some(mean_square.sqrt());
         self.report.sampled_share = self.sampled_pixels as f64 / self.tiles.all_pixels() as f64;
     }
+}
+
+/// Chooses the tiles whose entry in `going_on` is true.
+fn sample(pages: &[FilmPage], going_on: &[bool]) -> Result<()> {
+    for page in pages {
+        let first = page.first_pixel() / TILE_PIXELS;
+        let tiles = (0..page.tile_count()).filter(|tile| going_on[(first + tile) as usize]);
+        page.sample(&tiles.collect::<Vec<_>>())?;
+    }
+    Ok(())
 }

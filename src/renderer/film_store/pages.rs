@@ -12,6 +12,7 @@ use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::persistent::Span;
+use crate::renderer::ranks::share::Share;
 use crate::scene::Crop;
 use crate::settings::Settings;
 
@@ -25,6 +26,8 @@ pub(crate) struct FilmPage {
     features: Arc<Buffer>,
     adaptive: Arc<Buffer>,
     sampled_tiles: Cell<u32>,
+    /// Tiles of the film that this device traces.
+    share: Cell<Share>,
     set: DescriptorSet,
 }
 
@@ -74,7 +77,8 @@ impl PageBuffers {
     pub fn with_set(self, set: DescriptorSet) -> Result<FilmPage> {
         let Self { first_pixel, pixel_count, radiance, features, adaptive } = self;
         let sampled_tiles = Cell::new(0);
-        let page = FilmPage { first_pixel, pixel_count, radiance, features, adaptive, sampled_tiles, set };
+        let share = Cell::new(Share::ALL);
+        let page = FilmPage { first_pixel, pixel_count, radiance, features, adaptive, sampled_tiles, share, set };
         page.sample_all()?;
         Ok(page)
     }
@@ -100,8 +104,28 @@ impl FilmPage {
         self.sample(&(0..self.tile_count()).collect::<Vec<_>>())
     }
 
-    /// Chooses the tiles that are sampled from now on.
+    /// Leaves the tiles outside `share` to other devices, and chooses all tiles within it.
+    pub fn deal(&self, share: Share) -> Result<()> {
+        self.share.set(share);
+        self.sample_all()
+    }
+
+    /// First tile of the page that this device traces, and the distance to the next one. Where noise ends tiles, a list names
+    /// the tiles, and these numbers count its entries.
+    pub fn tile_steps(&self) -> (u32, u32) {
+        let share = self.share.get();
+        if self.is_adaptive() { (0, 1) } else { (share.first_from(self.first_tile()), share.ranks) }
+    }
+
+    /// Tiles of the film before this page.
+    fn first_tile(&self) -> u32 {
+        self.first_pixel / TILE_PIXELS
+    }
+
+    /// Chooses the tiles that are sampled from now on. Tiles of other devices' shares are left out.
     pub fn sample(&self, tiles: &[u32]) -> Result<()> {
+        let (share, first) = (self.share.get(), self.first_tile());
+        let tiles: Vec<u32> = tiles.iter().copied().filter(|tile| share.holds(first + tile)).collect();
         self.sampled_tiles.set(tiles.len() as u32);
         if !self.is_adaptive() {
             return Ok(());

@@ -25,13 +25,7 @@ impl PartSums {
     /// Adds the film of a step, and clears it.
     pub fn add_step(&mut self, context: &Arc<Context>, frame: &Frame) -> Result<()> {
         add_film(&mut self.0, frame)?;
-        context.submit("clearing the film", |recorder| {
-            for page in frame.pages() {
-                recorder.fill_zero(page.radiance());
-                recorder.fill_zero(page.features());
-            }
-        })?;
-        Ok(())
+        clear_film(context, frame)
     }
 
     /// Reads the picture so far, with the samples of a step under way.
@@ -58,6 +52,17 @@ impl PartSums {
     pub fn restore(&mut self, bytes: &[u8]) {
         bytemuck::cast_slice_mut(&mut self.0).copy_from_slice(bytes);
     }
+}
+
+/// Begins the film of a device anew.
+pub(crate) fn clear_film(context: &Arc<Context>, frame: &Frame) -> Result<()> {
+    context.submit("clearing the film", |recorder| {
+        for page in frame.pages() {
+            recorder.fill_zero(page.radiance());
+            recorder.fill_zero(page.features());
+        }
+    })?;
+    Ok(())
 }
 
 fn add_film(mut sums: &mut [PixelSums], frame: &Frame) -> Result<()> {

@@ -77,6 +77,11 @@ impl NormalizationGrid {
         &self.set
     }
 
+    /// Marks of the normalizers that were asked for, a bit each.
+    pub fn marks(&self) -> &Buffer {
+        &self.marks
+    }
+
     pub fn persistent(&self) -> [Persistent<'_>; 2] {
         [Persistent::whole("normalizers", &self.table), Persistent::whole("marked normalizers", &self.marks)]
     }

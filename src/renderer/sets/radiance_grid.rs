@@ -136,6 +136,16 @@ impl RadianceGrid {
         tables.into_iter().chain(sums).collect()
     }
 
+    /// Sums of targets that have not been learned from yet.
+    pub fn target_sums(&self) -> &Buffer {
+        &self.sums
+    }
+
+    /// Whether sums outlive a step.
+    pub fn keeps_sums(&self) -> bool {
+        self.keeps_sums
+    }
+
     /// Clears the sums of a step that failed.
     pub fn clear_sums(&self, context: &Arc<Context>) -> Result<()> {
         context.submit("clearing the sums", |recorder| recorder.fill_zero(&self.sums)).map(|_| ())

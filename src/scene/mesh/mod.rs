@@ -2,6 +2,7 @@
 
 mod obj;
 mod ply;
+pub(super) mod ply_writer;
 mod serialized;
 mod triangles;
 mod words;

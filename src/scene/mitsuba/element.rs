@@ -38,11 +38,11 @@ pub(super) const PARAMETER_TAGS: [&str; 12] = [
     "vector",
 ];
 
-/// Plugin of a shape whose mesh lies in memory. Only dictionaries have it.
-pub(super) const MESH: &str = "mesh";
+/// Plugin of a shape whose mesh lies in memory. Only dictionaries and descriptions have it.
+pub(in crate::scene) const MESH: &str = "mesh";
 
 /// Parameter of such a shape: the index of its mesh.
-pub(super) const MESH_INDEX: &str = "mesh_index";
+pub(in crate::scene) const MESH_INDEX: &str = "mesh_index";
 
 /// Line of a scene file, or an entry of a dictionary.
 #[derive(Debug, Clone)]

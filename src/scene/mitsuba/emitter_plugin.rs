@@ -1,10 +1,9 @@
 //! Readers of `<emitter>` plugins, with Mitsuba's parameters and defaults.
 
-use std::path::PathBuf;
-
 use glam::{DMat4, DVec3, Mat3, Vec3};
 
 use super::element::Element;
+use super::folders::FoundFile;
 use super::properties::Properties;
 use super::scope::Scope;
 use super::textures::{Role, Textures};
@@ -30,7 +29,7 @@ pub(super) enum SceneEmitter {
 
 /// `envmap` with the path of its image.
 pub(super) struct EnvironmentMapFile {
-    pub path: PathBuf,
+    pub file: FoundFile,
     pub scale: f32,
     pub to_world: Mat3,
     pub sampling_weight: f32,
@@ -101,8 +100,8 @@ fn parse_map(properties: &mut Properties, sampling_weight: f32) -> Result<Enviro
     let parameter = properties.take("filename");
     let parameter = parameter.ok_or_else(|| element.error("emitter plugin `envmap` needs its parameter `filename`"))?;
     let name = parameter.required("value")?;
-    let path = properties
-        .find_file(parameter, name)
+    let file = properties
+        .find_any_file(parameter, name)
         .ok_or_else(|| parameter.error(format!("the image file `{name}` does not exist")))?;
     let scale = non_negative(properties, "scale", 1.0)?;
     let location = properties.location("to_world").clone();
@@ -110,7 +109,7 @@ fn parse_map(properties: &mut Properties, sampling_weight: f32) -> Result<Enviro
         .ok_or_else(|| location.error("the `to_world` of an envmap may turn and mirror it, but not scale or shear"))?;
     // The choice of sampled directions does not change the picture.
     properties.ignore_sampling(&["mis_compensation"]);
-    Ok(EnvironmentMapFile { path, scale, to_world, sampling_weight })
+    Ok(EnvironmentMapFile { file, scale, to_world, sampling_weight })
 }
 
 /// Linear part of a matrix, made exactly orthogonal; `None` where it is not orthogonal to the precision of printed

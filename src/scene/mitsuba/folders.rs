@@ -1,6 +1,8 @@
 //! Folders in which the files that a scene names are searched.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Folders in which the files that a scene names are searched.
 #[derive(Debug)]
@@ -9,12 +11,28 @@ pub(super) struct Folders {
     top: PathBuf,
     /// Folders that `<path>` elements add, the latest last.
     added: Vec<PathBuf>,
+    /// Files in memory, by name.
+    files: HashMap<String, Arc<[u8]>>,
+}
+
+/// File that a scene names.
+#[derive(Debug, Clone)]
+pub(super) struct FoundFile {
+    /// Canonical path, or the name of a file in memory.
+    pub path: PathBuf,
+    /// Content of a file in memory.
+    pub bytes: Option<Arc<[u8]>>,
 }
 
 impl Folders {
     /// Folders of the scene file at `scene`, without any that a `<path>` adds.
     pub fn new(scene: &Path) -> Self {
-        Self { top: folder(scene), added: Vec::new() }
+        Self { top: folder(scene), added: Vec::new(), files: HashMap::new() }
+    }
+
+    /// Folders with files in memory, which are found before any on the disk.
+    pub fn with_files(self, files: HashMap<String, Arc<[u8]>>) -> Self {
+        Self { files, ..self }
     }
 
     /// Adds the folder `name`, which is relative to the file that names it, or else to the top scene's folder. Returns
@@ -31,6 +49,15 @@ impl Folders {
         let own = folder(named_in);
         let folders = self.added.iter().rev().chain([&own, &self.top]);
         folders.map(|folder| folder.join(name)).find(|path| path.is_file())
+    }
+
+    /// File `name`, which may lie in memory.
+    pub fn find_any(&self, name: &str, named_in: &Path) -> Option<FoundFile> {
+        if let Some(bytes) = self.files.get(name) {
+            return Some(FoundFile { path: PathBuf::from(name), bytes: Some(Arc::clone(bytes)) });
+        }
+        let path = self.find(name, named_in)?.canonicalize().ok()?;
+        Some(FoundFile { path, bytes: None })
     }
 }
 

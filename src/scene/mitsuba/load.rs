@@ -7,6 +7,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 use super::document::Document;
@@ -14,6 +15,7 @@ use super::element::{Element, PARAMETER_TAGS};
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::faults::Faults;
 use super::flatten::Common;
+use super::folders::FoundFile;
 use super::materials::Materials;
 use super::properties::Properties;
 use super::scope::{Scope, Whole};
@@ -21,6 +23,7 @@ use super::shape::{self, Geometry, MeshFile, Shape};
 use super::texture_images::Decoded;
 use super::textures::Textures;
 use super::{document, fit, integrator, old_files, sensor, texture_images, vertex_colors};
+use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 use crate::scene::texel_pages;
 use crate::scene::{
@@ -28,15 +31,8 @@ use crate::scene::{
 };
 use crate::{Error, Result};
 
-/// Options for reading a scene.
-#[derive(Debug, Clone, Default)]
-pub struct LoadOptions {
-    /// `-D name=value`: replaces the scene's `<default>` of that name.
-    pub defines: Vec<(String, String)>,
-}
-
 /// Callback for the progress of reading a scene.
-type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
+pub(in crate::scene) type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
 
 /// Progress of reading a scene. Prints as `reading meshes 120/295`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,27 +49,20 @@ impl fmt::Display for LoadProgress {
     }
 }
 
-/// Reads the scene at `path` without reporting progress; see [`load_with_progress`].
-pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
-    load_with_progress(path, options, &|_| {})
-}
-
-/// Reads the scene at `path` with everything it includes. `progress` is called after every mesh, from several threads.
-///
-/// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
+/// Reads the scene at `path`, a file in XML, with everything it includes.
 ///
 /// Only `sample_count` of the sampler is read, because samplers differ in their patterns alone. Parameters that cannot
 /// change the picture (such as a film's `file_format`) are skipped in silence; other unknown ones end up in
 /// [`Scene::warnings`].
-pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    build(document::read(path, &options.defines)?, path, progress)
+pub(in crate::scene) fn read(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+    build(document::read(path, &options.defines)?, path, options, progress)
 }
 
 /// Builds the scene of a document that was read from `path`, or whose entries begin with that name.
-pub(super) fn build(document: Document, path: &Path, progress: &Watch) -> Result<Scene> {
+pub(super) fn build(document: Document, path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
     let Document { elements, folders, meshes, mut warnings, faults } = document;
     warnings.extend(old_files::warning(&elements));
-    let scope = Rc::new(Whole::new(&elements, folders)?);
+    let scope = Rc::new(Whole::new(&elements, folders, meshes.len())?);
     let mut builder = Builder {
         materials: Materials::new(Rc::clone(&scope)),
         textures: Textures::new(Rc::clone(&scope)),
@@ -95,7 +84,7 @@ pub(super) fn build(document: Document, path: &Path, progress: &Watch) -> Result
         let added = builder.add(element);
         builder.faults.keep(added);
     }
-    builder.finish(path, meshes, progress)
+    builder.finish(path, meshes, options, progress)
 }
 
 /// Most shapes of a scene. A few instances of a large group can ask for more than any memory holds.
@@ -178,18 +167,37 @@ impl<'a> Builder<'a> {
     }
 
     fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
-        let EnvironmentMapFile { path, scale, to_world, sampling_weight } = file;
-        let (image, has_negatives) = texture_images::decode_environment(&path)?;
+        let EnvironmentMapFile { file, scale, to_world, sampling_weight } = file;
+        let (image, has_negatives) = texture_images::decode_environment(&file)?;
         if has_negatives {
             let message = "the environment's image has negative radiance, which counts as 0";
             self.warnings.push(format!("{}: {message}", element.location));
         }
-        if image.width < 2 || image.height < 3 {
+        if !is_large_enough(&image) {
             return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
         }
         let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
         self.images.push(image);
         Ok(Environment { kind, sampling_weight })
+    }
+
+    /// Replaces the environment by the user's choice.
+    fn replace_environment(&mut self, choice: &EnvironmentChoice) -> Result<()> {
+        self.images.clear();
+        let environment = match choice {
+            EnvironmentChoice::Constant => Environment::constant(Vec3::ONE),
+            EnvironmentChoice::File(path) => {
+                let (image, _) = texture_images::decode_environment(&FoundFile { path: path.clone(), bytes: None })?;
+                if !is_large_enough(&image) {
+                    return Err(Error::image(path, "an environment must have at least 2 x 3 pixels"));
+                }
+                self.images.push(image);
+                let kind = EnvironmentKind::Map { image: 0, scale: 1.0, to_world: Mat3::IDENTITY };
+                Environment { kind, sampling_weight: 1.0 }
+            }
+        };
+        self.environment = Some(environment);
+        Ok(())
     }
 
     fn add_shape(&mut self, element: &'a Element) -> Result<()> {
@@ -290,10 +298,38 @@ impl<'a> Builder<'a> {
         elements.first().copied()
     }
 
-    fn finish(mut self, path: &Path, given: Vec<Mesh>, progress: &Watch) -> Result<Scene> {
+    /// Sensor that the user has chosen, or else the first; `None` for a fitted one.
+    fn chosen_sensor(&mut self, path: &Path, choice: Option<&CameraChoice>) -> Result<Option<&'a Element>> {
+        let sensors = self.sensors.clone();
+        let name = match choice {
+            None => return Ok(self.first("sensor", &sensors)),
+            Some(CameraChoice::Fit) => return Ok(None),
+            Some(CameraChoice::Named(name)) => name,
+        };
+        let named = sensors.iter().find(|sensor| sensor.attribute("id") == Some(name));
+        let found = named.or_else(|| sensors.get(name.parse::<usize>().ok()?));
+        found.copied().map(Some).ok_or_else(|| {
+            let of = |(index, sensor): (usize, &&Element)| match sensor.attribute("id") {
+                Some(id) => format!("{index} (`{id}`)"),
+                None => index.to_string(),
+            };
+            let known = sensors.iter().enumerate().map(of).collect::<Vec<_>>().join(", ");
+            let list = if known.is_empty() { "none".to_owned() } else { known };
+            Error::scene(
+                path,
+                None,
+                format!("there is no camera `{name}`; the scene's cameras are: {list}; or use `fit`"),
+            )
+        })
+    }
+
+    fn finish(mut self, path: &Path, given: Vec<Mesh>, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
         let integrator = self.integrator();
         let integrator = self.faults.keep(integrator).unwrap_or_default();
-        let sensor = self.first("sensor", &self.sensors.clone());
+        if let Some(choice) = &options.environment {
+            self.replace_environment(choice)?;
+        }
+        let sensor = self.chosen_sensor(path, options.camera.as_ref())?;
         let sensor = sensor.map(|sensor| sensor::parse(sensor, &self.scope, &mut self.warnings));
         let sensor = sensor.and_then(|sensor| self.faults.keep(sensor));
         for emitter in self.loose_emitters.iter().filter(|&&emitter| !self.lit.contains(&std::ptr::from_ref(emitter))) {
@@ -347,6 +383,11 @@ impl<'a> Builder<'a> {
             warnings: self.warnings,
         })
     }
+}
+
+/// Whether an image can be an environment.
+fn is_large_enough(image: &Image) -> bool {
+    image.width >= 2 && image.height >= 3
 }
 
 /// Reads every mesh once, in parallel. Returns the faults of files in the order of the scene.

@@ -7,6 +7,7 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3, Vec3};
 
 use super::element::{Element, Location, PARAMETER_TAGS};
+use super::folders::FoundFile;
 use super::scope::Scope;
 use super::spectrum::SpectrumUse;
 use super::{color, numbers, transform};
@@ -83,6 +84,16 @@ impl<'a> Properties<'a> {
     /// Path of the file `name` that a parameter names; `None` where there is none.
     pub fn find_file(&self, parameter: &Element, name: &str) -> Option<PathBuf> {
         self.scope.folders.find(name, &parameter.location.file)
+    }
+
+    /// File `name` that a parameter names, which may lie in memory; `None` where there is none.
+    pub fn find_any_file(&self, parameter: &Element, name: &str) -> Option<FoundFile> {
+        self.scope.folders.find_any(name, &parameter.location.file)
+    }
+
+    /// Number of meshes in memory.
+    pub fn mesh_count(&self) -> usize {
+        self.scope.mesh_count
     }
 
     /// Location of a parameter, or else of the plugin.

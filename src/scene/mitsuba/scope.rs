@@ -16,11 +16,13 @@ pub(super) struct Whole<'a> {
     objects: HashMap<&'a str, &'a Element>,
     /// Folders in which files are searched.
     pub folders: Folders,
+    /// Number of meshes in memory.
+    pub mesh_count: usize,
 }
 
 impl<'a> Whole<'a> {
     /// Collects ids at any depth, before references are followed: a `ref` may precede its object.
-    pub fn new(elements: &'a [Element], folders: Folders) -> Result<Self> {
+    pub fn new(elements: &'a [Element], folders: Folders, mesh_count: usize) -> Result<Self> {
         let mut objects = HashMap::new();
         collect_ids(elements, &mut objects)?;
         for alias in elements.iter().filter(|element| element.tag == "alias") {
@@ -31,7 +33,7 @@ impl<'a> Whole<'a> {
                 return Err(alias.error(format!("the id `{name}` is already used at {}", first.location)));
             }
         }
-        Ok(Self { objects, folders })
+        Ok(Self { objects, folders, mesh_count })
     }
 
     /// Object that a `<ref>` refers to.

@@ -65,7 +65,7 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
         "obj" => Some(MeshFormat::Obj),
         "ply" => Some(MeshFormat::Ply),
         "serialized" => Some(parse_shape_index(properties)?),
-        MESH if element.location.line.is_none() => return parse_mesh_in_memory(properties),
+        MESH if properties.mesh_count() > 0 => return parse_mesh_in_memory(properties),
         _ => None,
     };
     if let Some(format) = mesh_format {
@@ -87,7 +87,8 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
 
 /// Reads a shape of a dictionary whose mesh lies in memory already.
 fn parse_mesh_in_memory(properties: &mut Properties) -> Result<Geometry> {
-    let index = properties.integer(MESH_INDEX, 0..=i64::from(u32::MAX))?.unwrap_or(0) as usize;
+    let last = properties.mesh_count() as i64 - 1;
+    let index = properties.integer(MESH_INDEX, 0..=last)?.unwrap_or(0) as usize;
     let face_normals = properties.boolean("face_normals")?.unwrap_or(false);
     let flip_uvs = properties.boolean("flip_tex_coords")?.unwrap_or(false);
     Ok(Geometry::Mesh(MeshFile::in_memory(index), MeshOptions { face_normals, flip_uvs }))

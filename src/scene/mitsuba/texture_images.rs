@@ -5,6 +5,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
+use super::folders::FoundFile;
 use super::textures::ImageRequest;
 use crate::image::texels::{self, FileTexels, TexelImage};
 use crate::math::srgb::linear_from_srgb;
@@ -22,16 +23,16 @@ pub(super) struct Decoded {
 /// Decodes every file once.
 pub(super) fn decode(requests: &[ImageRequest]) -> Decoded {
     let mut seen = HashSet::new();
-    let paths: Vec<&Path> =
-        requests.iter().map(|request| request.path.as_path()).filter(|path| seen.insert(*path)).collect();
-    let files: Vec<_> = paths.par_iter().map(|path| (*path, texels::read(path))).collect();
+    let files: Vec<&FoundFile> =
+        requests.iter().map(|request| &request.file).filter(|file| seen.insert(file.path.as_path())).collect();
+    let files: Vec<_> = files.par_iter().map(|file| (file.path.as_path(), read(file))).collect();
     let mut files: HashMap<&Path, Result<TexelImage>> = files.into_iter().collect();
     let (mut images, mut warnings, mut faults) = (Vec::with_capacity(requests.len()), Vec::new(), Vec::new());
     for (i, request) in requests.iter().enumerate() {
-        let image = match files.remove(request.path.as_path()) {
+        let image = match files.remove(request.file.path.as_path()) {
             Some(Ok(file)) => {
-                if requests[i + 1..].iter().any(|later| later.path == request.path) {
-                    files.insert(&request.path, Ok(file.clone()));
+                if requests[i + 1..].iter().any(|later| later.file.path == request.file.path) {
+                    files.insert(&request.file.path, Ok(file.clone()));
                 }
                 image(request, file, &mut warnings)
             }
@@ -59,8 +60,8 @@ pub(super) fn decode(requests: &[ImageRequest]) -> Decoded {
 
 /// Image of an environment, in linear radiance, and whether the file has negative values. Values that are no radiance become
 /// black.
-pub(super) fn decode_environment(path: &Path) -> Result<(Image, bool)> {
-    let TexelImage { width, height, texels } = texels::read(path)?;
+pub(super) fn decode_environment(file: &FoundFile) -> Result<(Image, bool)> {
+    let TexelImage { width, height, texels } = read(file)?;
     let linear = match texels {
         FileTexels::Bytes(data) => {
             data.into_iter().map(|texel| decode_srgb(texel.map(|c| f32::from(c) / 255.0))).collect()
@@ -71,7 +72,14 @@ pub(super) fn decode_environment(path: &Path) -> Result<(Image, bool)> {
     let has_negatives = linear.iter().any(|texel| texel[..3].iter().any(|&channel| channel < 0.0));
     let light = |c: f32| if c.is_finite() { c.max(0.0) } else { 0.0 };
     let texels = linear.into_iter().map(|[red, green, blue, _]| [light(red), light(green), light(blue), 1.0]).collect();
-    Ok((Image { name: path.display().to_string(), width, height, texels: Texels::Floats(texels) }, has_negatives))
+    Ok((Image { name: file.path.display().to_string(), width, height, texels: Texels::Floats(texels) }, has_negatives))
+}
+
+fn read(file: &FoundFile) -> Result<TexelImage> {
+    match &file.bytes {
+        Some(bytes) => texels::decode(&file.path, bytes),
+        None => texels::read(&file.path),
+    }
 }
 
 fn image(request: &ImageRequest, file: TexelImage, warnings: &mut Vec<String>) -> Result<Image> {

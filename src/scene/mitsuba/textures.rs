@@ -1,12 +1,12 @@
 //! Reader of `<texture>`. Parameters are read first; image files are decoded when the whole scene is known.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
 use std::ptr;
 
 use glam::{DMat3, DMat4, DVec3, Mat3, Vec3};
 
 use super::element::{Element, Location};
+use super::folders::FoundFile;
 use super::numbers;
 use super::properties::Properties;
 use super::scope::Scope;
@@ -48,8 +48,7 @@ pub(super) struct TextureUse {
 /// Image file that a texture names.
 #[derive(Debug, Clone)]
 pub(super) struct ImageRequest {
-    /// Canonical path.
-    pub path: PathBuf,
+    pub file: FoundFile,
     /// Name as the scene writes it.
     pub name: String,
     /// Whether bytes are linear rather than encoded by the sRGB curve.
@@ -216,22 +215,21 @@ impl<'a> Textures<'a> {
     /// Reads the parameter `filename` and returns the index of its image.
     fn read_image(&mut self, filename: &Element, raw: bool, role: Role) -> Result<u32> {
         let name = filename.required("value")?;
-        let path = self
+        let file = self
             .scope
             .folders
-            .find(name, &filename.location.file)
-            .and_then(|path| path.canonicalize().ok())
+            .find_any(name, &filename.location.file)
             .ok_or_else(|| filename.error(format!("the image file `{name}` does not exist")))?;
         let is_reflectance = role == Role::Reflectance;
         let is_color = matches!(role, Role::Reflectance | Role::Radiance);
-        let same = |request: &ImageRequest| request.raw == raw && request.path == path;
+        let same = |request: &ImageRequest| request.raw == raw && request.file.path == file.path;
         if let Some(index) = self.requests.iter().position(same) {
             self.requests[index].is_reflectance |= is_reflectance;
             self.requests[index].is_color &= is_color;
             return Ok(index as u32);
         }
         let location = filename.location.clone();
-        self.requests.push(ImageRequest { path, name: name.to_string(), raw, is_reflectance, is_color, location });
+        self.requests.push(ImageRequest { file, name: name.to_string(), raw, is_reflectance, is_color, location });
         Ok(self.requests.len() as u32 - 1)
     }
 

@@ -32,7 +32,7 @@ fn parse_scale(element: &Element) -> Result<DMat4> {
 
 /// Reads a rotation. Mitsuba 0.6 normalizes the axis. Mitsuba 3 does not: an axis of another length makes a matrix that
 /// scales and shears, too. Each file gets the matrix of its own version.
-fn parse_rotate(element: &Element) -> Result<DMat4> {
+pub(super) fn parse_rotate(element: &Element) -> Result<DMat4> {
     let given = DVec3::from(numbers::xyz(element, 0.0)?);
     let angle = numbers::one(element, element.required("angle")?)?.to_radians();
     let axis = given.try_normalize().ok_or_else(|| element.error("<rotate> needs an axis: x, y or z is not 0"))?;

@@ -122,16 +122,16 @@ impl OptionEntry {
         }
     }
 
-    /// Short help with the default.
-    pub fn short_help(&self) -> String {
-        match self.default_text() {
+    /// Short help with the default: `default`, or without it that of a new render.
+    pub fn short_help(&self, default: Option<&str>) -> String {
+        match default.map_or_else(|| self.default_text(), str::to_owned) {
             default if default.is_empty() => self.short.to_owned(),
             default => format!("{} [default: {default}]", self.short),
         }
     }
 
-    /// Long help with the words that the option takes and the default.
-    pub fn long_help(&self) -> String {
+    /// Long help with the words that the option takes and the default: `default`, or without it that of a new render.
+    pub fn long_help(&self, default: Option<&str>) -> String {
         let mut text = format!("{}.", self.short);
         if !self.long.is_empty() {
             text += &format!(" {}", self.long);
@@ -143,7 +143,7 @@ impl OptionEntry {
                 text += &format!("\n- {name}: {}", help.trim_end_matches('.'));
             }
         }
-        match self.default_text() {
+        match default.map_or_else(|| self.default_text(), str::to_owned) {
             default if default.is_empty() => text,
             default => format!("{text}\n\n[default: {default}]"),
         }

@@ -96,6 +96,19 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Scene, "D", "NAME=VALUE")
     },
     OptionEntry {
+        short: "Camera of the scene",
+        long: "`fit` places a camera that shows the whole scene. Others are chosen by name, or by index, counted from 0.",
+        default: "the scene's first",
+        ..common(Scene, "camera", "fit|NAME|INDEX")
+    },
+    OptionEntry {
+        short: "Environment in place of the scene's",
+        long: "`constant` has the radiance 1 in all directions. An image (.exr, .hdr) covers the sphere as an `envmap` does, with \
+               +y up.",
+        default: "the scene's",
+        ..common(Scene, "environment", "FILE|constant")
+    },
+    OptionEntry {
         short: "Width of the film in pixels",
         long: "Without --height, the height keeps the scene's aspect ratio.",
         default: "the scene's",
@@ -512,9 +525,10 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "min-uniform", "E")
     },
     OptionEntry {
-        short: "Vulkan device, by index or by a part of its name",
-        long: "`lodestar devices` lists the devices. The environment variable LODESTAR_DEVICE sets the default.",
-        ..common(Device, "device", "INDEX|NAME")
+        short: "Vulkan device, by index or by a part of its name; `0,2` or `all` for several",
+        long: "`lodestar devices` lists the devices. The environment variable LODESTAR_DEVICE sets the default. Several \
+               devices of one kind render the picture together, with the bits of one device.",
+        ..common(Device, "device", "INDEX|NAME|LIST|all")
     },
     OptionEntry {
         short: "Wanted duration of a dispatch in milliseconds",

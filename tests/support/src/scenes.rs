@@ -80,7 +80,7 @@ pub fn guided() -> Vec<(&'static str, Change)> {
 pub fn ours(name: &str, defines: &[(&str, &str)]) -> Scene {
     let path = scenes_folder().join(name);
     let defines = defines.iter().map(|&(name, value)| (name.into(), value.into())).collect();
-    load(&path, &LoadOptions { defines }).expect("a scene")
+    load(&path, &LoadOptions { defines, ..LoadOptions::default() }).expect("a scene")
 }
 
 /// Settings of the scene, with the given size, sampler and seed, and without emitter sampling.

@@ -1,0 +1,123 @@
+"""Camera: perspective with shift and depth of field, and orthographic."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from . import units, xml
+from .report import Report
+
+
+class Unsupported(Exception):
+    """Something without which no picture can be right."""
+
+
+class Film(NamedTuple):
+    """Size of the whole picture in pixels, and the window that is rendered: x, y from the top left, width, height."""
+
+    width: int
+    height: int
+    window: tuple[int, int, int, int]
+
+    @property
+    def is_cropped(self) -> bool:
+        return self.window != (0, 0, self.width, self.height)
+
+
+def film(render: Any) -> Film:
+    """Film of Blender's resolution, percentage and border."""
+    share = render.resolution_percentage / 100.0
+    width, height = max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
+    if not render.use_border:
+        return Film(width, height, (0, 0, width, height))
+    # Blender rounds the border's sides towards 0, and has y upwards.
+    left, right = int(render.border_min_x * width), int(render.border_max_x * width)
+    bottom, top = int(render.border_min_y * height), int(render.border_max_y * height)
+    return Film(width, height, (left, height - top, max(right - left, 1), max(top - bottom, 1)))
+
+
+def horizontal_sensor(camera: Any, render: Any, size: Film) -> tuple[bool, float]:
+    """Whether the sensor's size is that of the picture's width, and that size in millimeters."""
+    wide = size.width * render.pixel_aspect_x >= size.height * render.pixel_aspect_y
+    fit = camera.sensor_fit
+    if fit == "AUTO":
+        return wide, camera.sensor_width
+    return fit == "HORIZONTAL", camera.sensor_width if fit == "HORIZONTAL" else camera.sensor_height
+
+
+def export(camera_object: Any, scene: Any, filter_name: str, report: Report) -> xml.Element:
+    """`<sensor>` of a scene's camera."""
+    camera, render, size = camera_object.data, scene.render, film(scene.render)
+    place = f'camera "{camera_object.name}"'
+    if camera.type not in ("PERSP", "ORTHO"):
+        raise Unsupported(f"{place}: only perspective and orthographic cameras are supported, not {camera.type}")
+    if render.pixel_aspect_x != render.pixel_aspect_y:
+        report.warn(place, "pixels that are not square are not supported; they are taken as square")
+    if render.use_motion_blur:
+        report.warn(place, "motion blur is not supported; the frame stands still")
+    is_horizontal, sensor = horizontal_sensor(camera, render, size)
+    # Blender measures the shift by the side that the sensor fits.
+    side = size.width if is_horizontal else size.height
+    shift = (camera.shift_x * side / size.width, camera.shift_y * side / size.height)
+    matrix = camera_object.matrix_world.normalized()
+    if camera.type == "ORTHO":
+        element = _orthographic(camera, matrix, size, is_horizontal)
+    else:
+        element = _perspective(camera, camera_object, matrix, is_horizontal, sensor, shift, place, report)
+    xml.add(xml.add(element, "near_clip", max(camera.clip_start, 1e-6)), "far_clip", float(camera.clip_end))
+    return xml.with_children(element, _film(size, filter_name))
+
+
+def _looking(matrix: Any) -> Any:
+    """Transform of Mitsuba's camera, which looks along +z with +x to the left."""
+    from mathutils import Matrix
+
+    return matrix @ Matrix.Diagonal((-1.0, 1.0, -1.0, 1.0))
+
+
+def _perspective(
+    camera: Any, owner: Any, matrix: Any, is_horizontal: bool, sensor: float, shift: tuple[float, float], place: str, report: Report
+) -> xml.Element:
+    dof = camera.dof
+    has_lens = dof.use_dof and dof.aperture_fstop > 0.0 and camera.lens > 0.0
+    element = xml.plugin("sensor", "thinlens" if has_lens else "perspective")
+    xml.add(element, "fov", units.field_of_view(sensor, camera.lens))
+    xml.add(element, "fov_axis", "x" if is_horizontal else "y")
+    if has_lens:
+        if shift != (0.0, 0.0):
+            report.warn(place, "shift together with depth of field is not supported; the shift is left out")
+        if dof.aperture_blades > 2 or dof.aperture_ratio != 1.0:
+            report.warn(place, "blades and ratio of the aperture are not supported; it is round")
+        xml.add(element, "aperture_radius", units.aperture_radius(camera.lens, dof.aperture_fstop))
+        xml.add(element, "focus_distance", _focus(dof, owner))
+    elif shift != (0.0, 0.0):
+        # Mitsuba's offset moves the picture, Blender's shift the view.
+        xml.add(element, "principal_point_offset_x", shift[0])
+        xml.add(element, "principal_point_offset_y", -shift[1])
+    return xml.add_matrix(element, _looking(matrix))
+
+
+def _focus(dof: Any, owner: Any) -> float:
+    """Distance of the plane in focus along the view."""
+    if dof.focus_object is None:
+        return max(float(dof.focus_distance), 1e-6)
+    view = owner.matrix_world.normalized().inverted() @ dof.focus_object.matrix_world.translation
+    return max(-view.z, 1e-6)
+
+
+def _orthographic(camera: Any, matrix: Any, size: Film, is_horizontal: bool) -> xml.Element:
+    from mathutils import Matrix
+
+    width = camera.ortho_scale if is_horizontal else camera.ortho_scale * size.width / size.height
+    moved = matrix @ Matrix.Translation((camera.shift_x * camera.ortho_scale, camera.shift_y * camera.ortho_scale, 0.0))
+    scaled = _looking(moved) @ Matrix.Diagonal((0.5 * width, 0.5 * width, 1.0, 1.0))
+    return xml.add_matrix(xml.plugin("sensor", "orthographic"), scaled)
+
+
+def _film(size: Film, filter_name: str) -> xml.Element:
+    element = xml.add(xml.add(xml.plugin("film", "hdrfilm"), "width", size.width), "height", size.height)
+    if size.is_cropped:
+        for name, value in zip(("crop_offset_x", "crop_offset_y", "crop_width", "crop_height"), size.window):
+            xml.add(element, name, value)
+    return xml.with_children(element, xml.plugin("rfilter", filter_name))

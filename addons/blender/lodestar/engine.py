@@ -1,0 +1,177 @@
+"""Engine: a frame's render from export to passes."""
+
+from __future__ import annotations
+
+import shlex
+import tempfile
+from pathlib import Path
+from typing import Any, NamedTuple, Optional
+
+import bpy
+import numpy as np
+
+from . import exr, export, process, properties
+from .camera import Unsupported
+
+
+class Pass(NamedTuple):
+    """Render pass, and the channels of Lodestar's picture that fill it."""
+
+    name: str
+    channels: list[str]
+    ids: str
+    kind: str
+
+
+PASSES = {
+    "pass_albedo": Pass("Albedo", ["albedo.R", "albedo.G", "albedo.B"], "RGB", "COLOR"),
+    "pass_normal": Pass("Normal", ["normal.X", "normal.Y", "normal.Z"], "XYZ", "VECTOR"),
+    "pass_depth": Pass("Depth", ["depth.Z"], "Z", "VALUE"),
+    "pass_variance": Pass("Variance", ["variance.R", "variance.G", "variance.B"], "RGB", "COLOR"),
+    "denoise": Pass("Denoised", ["denoised.R", "denoised.G", "denoised.B"], "RGB", "COLOR"),
+}
+# Depth of pixels that hit nothing, as Cycles has it.
+FAR = 1e10
+PICTURE = "picture.exr"
+# Exit codes of renders that a signal has ended: they have their picture.
+STOPPED = (130, 143)
+
+
+def arguments(settings: Any, scene_file: Path) -> list[str]:
+    """Command line of a render."""
+    line = ["render", str(scene_file), "-o", PICTURE, "--overwrite", "--log", "json"]
+    line += ["--write-every", f"{settings.update_every:g}", "--sampler", settings.sampler, "--seed", str(settings.seed)]
+    if settings.use_time:
+        line += ["--time", f"{settings.time:g}"]
+    if settings.use_noise:
+        line += ["--noise", f"{settings.noise:g}"]
+    if settings.use_samples or not (settings.use_time or settings.use_noise):
+        line += ["--spp", str(settings.samples)]
+    if settings.denoise:
+        line.append("--denoise")
+    return line + shlex.split(settings.arguments)
+
+
+def preferences() -> Optional[Any]:
+    """Preferences of the add-on; None where it is used as a module."""
+    addon = bpy.context.preferences.addons.get(__package__)
+    return addon.preferences if addon is not None else None
+
+
+class LodestarEngine(bpy.types.RenderEngine):
+    """Path-guided rendering by the program `lodestar`."""
+
+    bl_idname = "LODESTAR"
+    bl_label = "Lodestar"
+    bl_use_preview = False
+    bl_use_shading_nodes_custom = False
+    bl_use_eevee_viewport = True
+
+    def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
+        """Tells the compositor which passes there are."""
+        self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
+        for each in self._passes(scene):
+            self.register_pass(scene, renderlayer, each.name, len(each.ids), each.ids, each.kind)
+
+    @staticmethod
+    def _passes(scene: Any) -> list[Pass]:
+        return [each for name, each in PASSES.items() if getattr(scene.lodestar, name)]
+
+    def render(self, depsgraph: Any) -> None:
+        """Renders one frame of one view layer."""
+        try:
+            self._render(depsgraph)
+        except (Unsupported, OSError, ValueError) as fault:
+            self.report({"ERROR"}, f"Lodestar: {fault}")
+            self.error_set(f"Lodestar: {fault}")
+
+    def _render(self, depsgraph: Any) -> None:
+        settings, chosen = depsgraph.scene.lodestar, preferences()
+        program = process.find(chosen.program if chosen is not None else "")
+        folder = self._folder(chosen, depsgraph)
+        self.update_stats("", "Exporting")
+        exported = export.export(depsgraph, folder, properties.options(settings))
+        for warning in exported.report.warnings:
+            self.report({"WARNING"}, f"Lodestar: {warning}")
+        picture = folder / PICTURE
+        picture.unlink(missing_ok=True)
+        self._run(process.Process(program, arguments(settings, exported.scene_file), folder), picture, exported, depsgraph)
+
+    @staticmethod
+    def _folder(chosen: Optional[Any], depsgraph: Any) -> Path:
+        """Folder of the export. It stays, so that the next frame finds the meshes that have not changed."""
+        root = Path(bpy.path.abspath(chosen.folder)) if chosen is not None and chosen.folder else None
+        root = root or Path(bpy.app.tempdir or tempfile.gettempdir()) / "lodestar"
+        name = Path(bpy.data.filepath).stem or "untitled"
+        return root / f"{name}-{depsgraph.scene.name}-{depsgraph.view_layer.name}".replace("/", "_")
+
+    def _run(self, running: process.Process, picture: Path, exported: export.Export, depsgraph: Any) -> None:
+        messages, stopped = [], False
+        try:
+            for event in running.events():
+                if self.test_break() and not stopped:
+                    running.stop()
+                    stopped = True
+                if event is not None:
+                    self._follow(event, messages, picture, exported, depsgraph)
+        finally:
+            running.close()
+        if running.exit_code not in (0, *STOPPED):
+            raise ValueError(messages[-1] if messages else f"the program ended with the code {running.exit_code}")
+        if picture.exists():
+            self._show(picture, exported, depsgraph)
+
+    def _follow(self, event: process.Event, messages: list[str], picture: Path, exported: export.Export, depsgraph: Any) -> None:
+        """Shows what an event of the log says."""
+        kind, message = event.get("event"), event.get("message")
+        if kind == "step":
+            fraction = event.get("fraction")
+            if fraction is not None:
+                self.update_progress(min(max(float(fraction), 0.0), 1.0))
+            self.update_stats("", f"{event.get('samples')} samples, {float(event.get('seconds', 0.0)):.0f} s")
+        elif kind == "preparing" and message:
+            self.update_stats("", str(message))
+        elif kind == "warning" and message:
+            self.report({"WARNING"}, f"Lodestar: {message}")
+        elif kind == "written" and picture.exists():
+            self._show(picture, exported, depsgraph)
+        if message and kind in ("text", "end"):
+            messages.append(str(message))
+
+    def _show(self, path: Path, exported: export.Export, depsgraph: Any) -> None:
+        """Fills the passes from the picture's file."""
+        picture = exr.read(path)
+        scene = depsgraph.scene
+        # Blender asks for the border's window only, and puts it into the whole picture itself.
+        width, height = exported.film.window[2:]
+        for each in self._passes(scene):
+            self.add_pass(each.name, len(each.ids), each.ids, layer=depsgraph.view_layer.name)
+        result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer.name)
+        if result is None:
+            return
+        if picture.size != (width, height):
+            raise ValueError(f"the picture has {picture.size} pixels, not {(width, height)}")
+        known = {each.name: each for each in result.layers[0].passes}
+        wanted = [Pass("Combined", _combined(scene.lodestar, picture), "RGBA", "COLOR"), *self._passes(scene)]
+        for each in wanted:
+            data = picture.layer(each.channels)
+            if data is None or each.name not in known:
+                continue
+            if each.name == "Depth":
+                data = np.where(np.isfinite(data), data, FAR)
+            known[each.name].rect.foreach_set(np.ascontiguousarray(data[::-1]).ravel())
+        self.end_result(result)
+
+
+def _combined(settings: Any, picture: exr.Picture) -> list[str]:
+    if settings.denoise and settings.combined_denoised and "denoised.R" in picture.channels:
+        return ["denoised.R", "denoised.G", "denoised.B", "A"]
+    return ["R", "G", "B", "A"]
+
+
+def register() -> None:
+    bpy.utils.register_class(LodestarEngine)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(LodestarEngine)

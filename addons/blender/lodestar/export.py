@@ -1,0 +1,191 @@
+"""Export: an evaluated scene as a Mitsuba XML file with its meshes and images in one folder."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Optional
+
+from . import camera, lights, materials, world, xml
+from .images import Images
+from .meshes import Meshes, Part, Wanted
+from .report import Report
+
+SCENE_FILE = "scene.xml"
+# Objects that have surfaces once `to_mesh` has evaluated them.
+SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+INVISIBLE = {"EMPTY", "ARMATURE", "LATTICE", "CAMERA", "LIGHT", "SPEAKER"}
+VISIBILITIES = ("diffuse", "glossy", "transmission", "shadow")
+
+
+@dataclass
+class Options:
+    """Settings that the scene file holds."""
+
+    max_depth: int = -1
+    filter: str = "gaussian"
+
+
+@dataclass
+class Export:
+    """What an export has written."""
+
+    scene_file: Path
+    report: Report
+    film: camera.Film
+    meshes_written: int
+    files: set[str] = field(default_factory=set)
+
+
+def export(depsgraph: Any, folder: Path, options: Options) -> Export:
+    """Writes a scene to `folder`. A `camera.Unsupported` says why it cannot be rendered."""
+    return _Exporter(depsgraph, folder, options).run()
+
+
+class _Exporter:
+    def __init__(self, depsgraph: Any, folder: Path, options: Options) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        self.depsgraph, self.folder, self.options = depsgraph, folder, options
+        self.report = Report()
+        self.images = Images(folder, self.report)
+        self.meshes = Meshes(folder, self.report)
+        self.materials: dict[str, materials.Material] = {}
+        self.parts: dict[Any, list[Part]] = {}
+        self.shapes: list[xml.Element] = []
+        self.emitters: list[xml.Element] = []
+        self.visible_lamps: list[str] = []
+        self.surfaces_emit = self.light_passes = False
+
+    def run(self) -> Export:
+        scene = self.depsgraph.scene_eval
+        if scene.camera is None:
+            raise camera.Unsupported("the scene has no camera")
+        sensor = camera.export(scene.camera, scene, self.options.filter, self.report)
+        for instance in self.depsgraph.object_instances:
+            self._instance(instance)
+        environment = world.export(scene.world, self.images, self.report)
+        hides = self._hides_emitters(scene, environment)
+        integrator = xml.add(xml.plugin("integrator", "path"), "max_depth", self.options.max_depth)
+        if hides:
+            xml.add(integrator, "hide_emitters", True)
+        root = xml.ElementTree.Element("scene", {"version": "3.0.0"})
+        definitions = [self._definition(name) for name in self.materials]
+        xml.with_children(root, integrator, sensor, *definitions, *self.shapes, *self.emitters)
+        if environment is not None:
+            xml.with_children(root, environment)
+        self._report_light_through_surfaces()
+        path = self.folder / SCENE_FILE
+        path.write_text(xml.text_of(root), encoding="utf-8")
+        files = self.meshes.used | self.images.used
+        _remove_unused(self.folder, files)
+        return Export(path, self.report, camera.film(scene.render), self.meshes.written, files)
+
+    # ----------------------------------------------------------------------------------------------- instances
+
+    def _instance(self, instance: Any) -> None:
+        owner = instance.object
+        if not instance.show_self:
+            return
+        matrix = instance.matrix_world.copy()
+        if owner.type == "LIGHT":
+            self._light(owner, matrix)
+        elif owner.type in SURFACES:
+            self._surface(owner, matrix)
+        elif owner.type not in INVISIBLE:
+            self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
+        if any(system.settings.type == "HAIR" for system in getattr(owner, "particle_systems", [])):
+            self.report.warn(f'object "{owner.name}"', "hair is not supported; it is left out")
+
+    def _light(self, owner: Any, matrix: Any) -> None:
+        emitters = lights.export(owner.data, matrix, owner.name, self.report)
+        self._report_visibility(owner)
+        self.emitters.extend(emitters)
+        if any(emitter.tag == "shape" for emitter in emitters) and not owner.visible_camera:
+            self.visible_lamps.append(owner.name)
+        self.surfaces_emit |= owner.visible_camera and any(emitter.tag == "shape" for emitter in emitters)
+
+    def _report_visibility(self, owner: Any) -> None:
+        hidden = [name for name in VISIBILITIES if not getattr(owner, f"visible_{name}", True)]
+        if owner.type != "LIGHT" and not owner.visible_camera:
+            hidden.insert(0, "camera")
+        if hidden:
+            self.report.warn(f'object "{owner.name}"', f"its invisibility to {', '.join(hidden)} rays is not supported; it is visible")
+        if owner.type == "LIGHT":
+            return
+        for name, text in (("is_holdout", "a holdout"), ("is_shadow_catcher", "a shadow catcher")):
+            if getattr(owner, name, False):
+                self.report.warn(f'object "{owner.name}"', f"{text} is not supported; it is an ordinary surface")
+
+    def _surface(self, owner: Any, matrix: Any) -> None:
+        self._report_visibility(owner)
+        slots = [slot.material for slot in owner.material_slots] or [None]
+        keys = [self._material(material) for material in slots]
+        for part in self._mesh_parts(owner, keys):
+            material, key = self.materials[keys[part.slot]], keys[part.slot]
+            self.light_passes |= material.passes_light
+            self.surfaces_emit |= material.emission is not None
+            self._shape(part.file, matrix, key, material)
+            if part.back is not None:
+                self._shape(part.back, matrix, key, material)
+
+    def _mesh_parts(self, owner: Any, keys: list[str]) -> list[Part]:
+        """Files of an object's mesh. Instances of one object or mesh share them."""
+        used = [self.materials[key] for key in keys]
+        wanted = [Wanted(m.uv_map, m.color_attribute, m.emission is not None) for m in used]
+        data = owner.data.as_pointer() if owner.type == "MESH" and owner.data is not None else owner.original.as_pointer()
+        key = (data, tuple(wanted))
+        if key not in self.parts:
+            self.parts[key] = self.meshes.export(owner, wanted, self.depsgraph)
+        return self.parts[key]
+
+    def _shape(self, file: str, matrix: Any, key: str, material: materials.Material) -> None:
+        shape = xml.add(xml.plugin("shape", "ply"), "filename", file)
+        xml.add_matrix(shape, matrix)
+        xml.with_children(shape, xml.ElementTree.Element("ref", {"id": key}))
+        if material.emission is not None:
+            xml.with_children(shape, copy.deepcopy(material.emission))
+        self.shapes.append(shape)
+
+    # ----------------------------------------------------------------------------------------------- materials
+
+    def _material(self, material: Optional[Any]) -> str:
+        key = "no material" if material is None else f"material {material.name_full}"
+        if key not in self.materials:
+            self.materials[key] = materials.translate(material, self.images, self.report)
+        return key
+
+    def _definition(self, key: str) -> xml.Element:
+        bsdf = self.materials[key].bsdf
+        assert bsdf is not None
+        bsdf.set("id", key)
+        return bsdf
+
+    # ---------------------------------------------------------------------------------------------- whole scene
+
+    def _hides_emitters(self, scene: Any, environment: Optional[xml.Element]) -> bool:
+        """Whether the camera sees no emitter: where the film is transparent, or lamps are the only ones."""
+        if scene.render.film_transparent:
+            if self.surfaces_emit:
+                self.report.warn("scene", "with a transparent film, surfaces that emit are invisible to the camera")
+            return True
+        if environment is None and not self.surfaces_emit:
+            return True
+        for name in self.visible_lamps:
+            self.report.warn(f'light "{name}"', "the camera sees it, because it sees other emitters, too")
+        return False
+
+    def _report_light_through_surfaces(self) -> None:
+        points = [e for e in self.emitters if e.get("type") in ("point", "spot", "directional")]
+        if points and self.light_passes:
+            self.report.warn(
+                "scene", "light of suns, spots and lamps of radius 0 does not pass transparent or glass surfaces; give lamps a radius"
+            )
+
+
+def _remove_unused(folder: Path, used: set[str]) -> None:
+    """Removes meshes and images of earlier exports."""
+    for pattern in ("mesh-*.ply", "mesh-*.part", "image-*.exr"):
+        for path in folder.glob(pattern):
+            if path.name not in used:
+                path.unlink(missing_ok=True)

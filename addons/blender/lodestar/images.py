@@ -1,0 +1,191 @@
+"""Images: textures as Mitsuba's `bitmap`, and the files that they name.
+
+An image file that Lodestar reads as Blender does is named where it is. Any other image (packed, generated, painted, one channel of
+it, a function of it) is written to the export's folder, under a name made of its content.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+
+from . import exr, xml
+from .report import Report
+
+Matrix3 = tuple[tuple[float, ...], ...]
+IDENTITY: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+READ_FORMATS = {"PNG", "JPEG", "BMP", "TARGA", "HDR"}
+LINEAR_SPACES = {"Non-Color", "Linear Rec.709", "Linear", "Raw", "scene_linear"}
+
+
+@dataclass(frozen=True)
+class Texture:
+    """Texture of an image, or of a mesh's colors where `image` is None."""
+
+    image: Any = None
+    # "color" or "alpha", then functions: "r", "g", "b", "invert", "square", "sqrt", "normal STRENGTH", "environment".
+    operations: tuple[str, ...] = ("color",)
+    to_uv: Matrix3 = IDENTITY
+    wrap: str = "repeat"
+    interpolation: str = "bilinear"
+    attribute: Optional[str] = None
+    factor: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    @staticmethod
+    def of_vertices(name: str) -> "Texture":
+        """Colors of a mesh's attribute."""
+        return Texture(attribute=name)
+
+    def with_operation(self, operation: str) -> "Texture":
+        """Texture of which each texel is changed."""
+        return replace(self, operations=(*self.operations, operation))
+
+    def scaled(self, factor: tuple[float, float, float]) -> "Texture":
+        """Texture times a color."""
+        own = self.factor
+        return replace(self, factor=(own[0] * factor[0], own[1] * factor[1], own[2] * factor[2]))
+
+
+class Images:
+    """Image files of one export."""
+
+    def __init__(self, folder: Path, report: Report) -> None:
+        self.folder = folder
+        self.report = report
+        self.used: set[str] = set()
+        self._files: dict[tuple[str, tuple[str, ...]], str] = {}
+
+    def element(self, texture: Texture) -> xml.Element:
+        """`<texture>` of a texture."""
+        if texture.attribute is not None:
+            element = xml.add(xml.plugin("texture", "mesh_attribute"), "name", "vertex_color")
+        else:
+            element = self._bitmap(texture)
+        if texture.factor != (1.0, 1.0, 1.0):
+            scale = xml.add(xml.plugin("texture", "scale"), "scale", texture.factor)
+            element = xml.with_children(scale, element)
+        return element
+
+    def _bitmap(self, texture: Texture) -> xml.Element:
+        path, is_raw = self.file(texture.image, texture.operations)
+        element = xml.add(xml.plugin("texture", "bitmap"), "filename", path)
+        xml.add(element, "raw", is_raw)
+        if texture.wrap != "repeat":
+            xml.add(element, "wrap_mode", texture.wrap)
+        if texture.interpolation != "bilinear":
+            xml.add(element, "filter_type", texture.interpolation)
+        if texture.to_uv != IDENTITY:
+            xml.add_matrix(element, _flipped(texture.to_uv), "to_uv")
+        return element
+
+    def file(self, image: Any, operations: tuple[str, ...]) -> tuple[str, bool]:
+        """Path of a file with an image, and whether its numbers are linear."""
+        space = image.colorspace_settings.name
+        path = os.path.abspath(_path(image))
+        is_plain = image.source == "FILE" and image.packed_file is None and not image.is_dirty
+        is_known = space == "sRGB" or space in LINEAR_SPACES
+        has_alpha = image.channels == 4 and image.depth in (32, 64, 128)
+        if operations == ("color",) and is_plain and is_known and not has_alpha and image.file_format in READ_FORMATS:
+            if os.path.isfile(path) and not (image.is_float and space == "sRGB"):
+                return path, space in LINEAR_SPACES or image.is_float
+        key = (image.name_full, operations)
+        if key not in self._files:
+            self._files[key] = self._write(image, operations)
+        return self._files[key], True
+
+    def _write(self, image: Any, operations: tuple[str, ...]) -> str:
+        colors = apply(pixels(image, self.report), operations)
+        digest = hashlib.blake2b(np.ascontiguousarray(colors).tobytes(), digest_size=12).hexdigest()
+        name = f"image-{digest}-{colors.shape[1]}x{colors.shape[0]}.exr"
+        self.used.add(name)
+        if not (self.folder / name).exists():
+            exr.write(self.folder / name, colors)
+        return name
+
+
+def pixels(image: Any, report: Report) -> np.ndarray:
+    """Linear colors and alpha of an image, rows from the top."""
+    width, height = image.size
+    data = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(data)
+    data = data.reshape(height, width, image.channels)[::-1]
+    if image.channels < 3:
+        gray = data[:, :, :1]
+        alpha = data[:, :, 1:2] if image.channels == 2 else np.ones_like(gray)
+        data = np.concatenate([gray, gray, gray, alpha], axis=2)
+    elif image.channels == 3:
+        data = np.concatenate([data, np.ones_like(data[:, :, :1])], axis=2)
+    space = image.colorspace_settings.name
+    if space == "sRGB" and not image.is_float:
+        data = data.copy()
+        data[:, :, :3] = linear_from_srgb(data[:, :, :3])
+    elif space != "sRGB" and space not in LINEAR_SPACES:
+        report.warn(f'image "{image.name}"', f"the color space {space} is not supported; the colors are taken as linear")
+    return data
+
+
+def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
+    """Linear values of numbers that the sRGB curve encodes."""
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4)
+
+
+def apply(data: np.ndarray, operations: tuple[str, ...]) -> np.ndarray:
+    """Colors after a texture's operations."""
+    colors = data[:, :, :3]
+    for operation in operations:
+        if operation == "alpha":
+            colors = np.repeat(data[:, :, 3:4], 3, axis=2)
+        elif operation in ("r", "g", "b"):
+            at = "rgb".index(operation)
+            colors = np.repeat(colors[:, :, at : at + 1], 3, axis=2)
+        elif operation == "invert":
+            colors = 1.0 - colors
+        elif operation == "square":
+            colors = colors * colors
+        elif operation == "sqrt":
+            colors = np.sqrt(np.maximum(colors, 0.0))
+        elif operation == "environment":
+            colors = _with_poles(colors)
+        elif operation.startswith("normal "):
+            strength = float(operation.split()[1])
+            colors = _weakened(colors, strength)
+    return colors.astype(np.float32)
+
+
+def _with_poles(colors: np.ndarray) -> np.ndarray:
+    """Image whose first and last rows are the poles, as Mitsuba's environments have it, with the same linear interpolation.
+
+    Blender's rows lie half a row away from the poles. Rows at half the distance hold all of them, and the means between them.
+    """
+    height, width = colors.shape[:2]
+    result = np.empty((2 * height + 1, width, 3), np.float32)
+    result[1::2] = colors
+    result[2:-1:2] = 0.5 * (colors[1:] + colors[:-1])
+    result[0], result[-1] = colors[0], colors[-1]
+    return result
+
+
+def _weakened(colors: np.ndarray, strength: float) -> np.ndarray:
+    """Normal map of which each normal is mixed with the surface's."""
+    normals = colors * 2.0 - 1.0
+    normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-9)
+    mixed = normals * strength + np.array([0.0, 0.0, 1.0]) * (1.0 - strength)
+    mixed /= np.maximum(np.linalg.norm(mixed, axis=2, keepdims=True), 1e-9)
+    return mixed * 0.5 + 0.5
+
+
+def _path(image: Any) -> str:
+    import bpy
+
+    return bpy.path.abspath(image.filepath, library=image.library)
+
+
+def _flipped(rows: Matrix3) -> list[list[float]]:
+    """Transform of UVs whose v runs downwards, as Mitsuba's images have it: F M F with F: v -> 1 - v; as four rows."""
+    (a, b, e), (c, d, f), _ = rows
+    return [[a, -b, 0.0, e + b], [-c, d, 0.0, 1.0 - d - f], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]

@@ -1,0 +1,141 @@
+"""Lights: Blender's lamps as emitters."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from . import units, xml
+from .report import Report
+
+# Directional lights that stand for a sun with an angle.
+SUN_PARTS = 64
+
+
+def color_of(light: Any) -> tuple[float, float, float]:
+    """Color of a lamp, with its temperature's tint."""
+    color = tuple(light.color)
+    if getattr(light, "use_temperature", False):
+        color = tuple(a * b for a, b in zip(color, light.temperature_color))
+    return color  # type: ignore[return-value]
+
+
+def export(light: Any, matrix: Any, name: str, report: Report) -> list[xml.Element]:
+    """Emitters of a lamp that stands at `matrix`."""
+    place = f'light "{name}"'
+    _report_unsupported(light, place, report)
+    power = units.exposed(light.energy, getattr(light, "exposure", 0.0))
+    tinted = lambda value: tuple(channel * value for channel in color_of(light))  # noqa: E731
+    if power == 0.0 or max(color_of(light)) == 0.0:
+        return []
+    if power < 0.0 or min(color_of(light)) < 0.0:
+        report.warn(place, "negative light is not supported; the light is left out")
+        return []
+    if light.type == "POINT":
+        return [_point(light, matrix, power, tinted)]
+    if light.type == "SUN":
+        return _sun(light, matrix, power, tinted)
+    if light.type == "SPOT":
+        return [_spot(light, matrix, power, tinted, place, report)]
+    return _area(light, matrix, power, tinted, place, report)
+
+
+def _report_unsupported(light: Any, place: str, report: Report) -> None:
+    if light.use_nodes and light.node_tree is not None:
+        kinds = {node.type for node in light.node_tree.nodes}
+        if kinds - {"EMISSION", "OUTPUT_LIGHT"} or _emission_changed(light.node_tree):
+            report.warn(place, "nodes of lights are not supported; color and power of the light are used")
+    if not getattr(light, "normalize", True):
+        report.warn(place, "a power that is not normalized by the area is not supported; it is taken as normalized")
+    if getattr(light, "use_shadow", True) is False:
+        report.warn(place, "light without shadows is not supported")
+
+
+def _emission_changed(tree: Any) -> bool:
+    """Whether an Emission node of a lamp is anything but white with strength 1."""
+    emission = [node for node in tree.nodes if node.type == "EMISSION"]
+    return any(
+        tuple(node.inputs["Color"].default_value)[:3] != (1.0, 1.0, 1.0) or node.inputs["Strength"].default_value != 1.0
+        for node in emission
+    )
+
+
+def _point(light: Any, matrix: Any, power: float, tinted: Any) -> xml.Element:
+    position = matrix.translation
+    radius = light.shadow_soft_size
+    if radius == 0.0:
+        emitter = xml.plugin("emitter", "point")
+        _add_point(emitter, "position", position)
+        return xml.add(emitter, "intensity", tinted(units.point_intensity(power)))
+    shape = xml.plugin("shape", "sphere")
+    _add_point(shape, "center", position)
+    xml.add(shape, "radius", float(radius))
+    return _emitting(shape, tinted(units.sphere_radiance(power, radius)))
+
+
+def _sun(light: Any, matrix: Any, power: float, tinted: Any) -> list[xml.Element]:
+    """Directional lights that cover the sun's disk. One light where the disk is as good as a point."""
+    count = SUN_PARTS if light.angle > math.radians(0.05) else 1
+    parts = []
+    rotation = matrix.to_3x3().normalized()
+    for x, y in units.sun_directions(light.angle, count):
+        emitter = xml.plugin("emitter", "directional")
+        _add_point(emitter, "direction", rotation @ _vector((x, y, -1.0)), tag="vector")
+        xml.add(emitter, "irradiance", tinted(power / count))
+        parts.append(xml.add(emitter, "sampling_weight", 1.0 / count))
+    return parts
+
+
+def _spot(light: Any, matrix: Any, power: float, tinted: Any, place: str, report: Report) -> xml.Element:
+    if light.shadow_soft_size > 0.0:
+        report.warn(place, "the radius of a spot is not supported; its shadows are sharp")
+    half_angle = 0.5 * light.spot_size
+    beam = units.beam_width(half_angle, light.spot_blend)
+    scale = units.spot_flux(half_angle, light.spot_blend) / units.linear_spot_flux(half_angle, beam)
+    emitter = xml.plugin("emitter", "spot")
+    xml.add(emitter, "cutoff_angle", math.degrees(half_angle))
+    xml.add(emitter, "beam_width", math.degrees(beam))
+    xml.add(emitter, "intensity", tinted(units.point_intensity(power) * scale))
+    return xml.add_matrix(emitter, _facing(matrix, normalized=True))
+
+
+def _area(light: Any, matrix: Any, power: float, tinted: Any, place: str, report: Report) -> list[xml.Element]:
+    if light.spread < math.pi - 1e-3:
+        report.warn(place, "the spread of an area light is not supported; it shines to all sides")
+    is_round = light.shape in ("DISK", "ELLIPSE")
+    width = light.size
+    height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else width
+    x, y = matrix.col[0].xyz.length * width, matrix.col[1].xyz.length * height
+    area = x * y * (0.25 * math.pi if is_round else 1.0)
+    if area == 0.0:
+        report.warn(place, "an area light of size 0 is not supported; it is left out")
+        return []
+    shape = xml.plugin("shape", "disk" if is_round else "rectangle")
+    xml.add_matrix(shape, _facing(matrix, (0.5 * width, 0.5 * height)))
+    return [_emitting(shape, tinted(units.area_radiance(power, area)))]
+
+
+def _facing(matrix: Any, size: tuple[float, float] = (1.0, 1.0), normalized: bool = False) -> Any:
+    """Transform of a lamp that shines along its own -z, for a shape that shines along +z: half a turn about x."""
+    from mathutils import Matrix
+
+    if normalized:
+        matrix = Matrix.Translation(matrix.translation) @ matrix.to_3x3().normalized().to_4x4()
+    return matrix @ Matrix.Diagonal((size[0], -size[1], -1.0, 1.0))
+
+
+def _emitting(shape: xml.Element, radiance: Any) -> xml.Element:
+    """Shape that shines, and lets all other light pass, as Blender's lamps do."""
+    xml.with_children(shape, xml.plugin("bsdf", "null"))
+    return xml.with_children(shape, xml.add(xml.plugin("emitter", "area"), "radiance", radiance))
+
+
+def _add_point(parent: xml.Element, name: str, point: Any, tag: str = "point") -> None:
+    values = {axis: xml.number(value) for axis, value in zip("xyz", point)}
+    xml.with_children(parent, xml.ElementTree.Element(tag, {"name": name, **values}))
+
+
+def _vector(values: tuple[float, float, float]) -> Any:
+    from mathutils import Vector
+
+    return Vector(values)

@@ -1,0 +1,277 @@
+"""Materials: a tree of shader nodes as a BSDF and a radiance that the surface sheds."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Optional, Union
+
+from . import principled, xml
+from .images import Images, Texture
+from .nodes import Color, Reader
+from .report import Report
+
+Emission = Union[Color, Texture, None]
+Groups = tuple[Any, ...]
+BLACK: Color = (0.0, 0.0, 0.0)
+DEFAULT: Color = (0.8, 0.8, 0.8)
+
+
+@dataclass
+class Closure:
+    """Scattering and emission of a shader. A missing BSDF scatters nothing."""
+
+    bsdf: Optional[xml.Element] = None
+    emission: Emission = None
+
+
+@dataclass
+class Material:
+    """Material as shapes use it."""
+
+    bsdf: Optional[xml.Element]
+    emission: Optional[xml.Element]
+    uv_map: Optional[str]
+    color_attribute: Optional[str]
+    passes_light: bool
+
+
+def translate(material: Any, images: Images, report: Report) -> Material:
+    """Translates a material; None stands for Blender's default."""
+    if material is None:
+        return Material(diffuse(images, DEFAULT), None, None, None, False)
+    reader = Reader(f'material "{material.name}"', report, images)
+    tree = material.node_tree
+    if tree is None or not material.use_nodes:
+        return Material(diffuse(images, tuple(material.diffuse_color)[:3]), None, None, None, False)
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    closure = Closure()
+    if output is not None:
+        closure = _Translator(reader).shader(output.inputs["Surface"], ())
+        for name in ("Volume", "Displacement"):
+            if reader.source(output.inputs[name], ()) is not None:
+                reader.warn(f"{name.lower()} is not supported; it is left out")
+    for kind, names in (("UV map", reader.uv_maps), ("color attribute", reader.color_attributes)):
+        if len(names) > 1:
+            reader.warn(f"more than one {kind} in a material is not supported; {min(names)} is used")
+    element = closure.bsdf if closure.bsdf is not None else diffuse(images, BLACK)
+    textures = element.iter("texture")
+    kinds = {texture.get("type") for texture in textures} - {"scale"}
+    if "mesh_attribute" in kinds and len(kinds) > 1:
+        reader.warn("a color attribute beside image textures is not supported; the color is white")
+        _whiten(element)
+        reader.color_attributes.clear()
+    passes_light = any(b.get("type") in ("null", "mask", "dielectric", "roughdielectric", "thindielectric") for b in element.iter("bsdf"))
+    return Material(
+        element,
+        _radiance(closure.emission, images),
+        min(reader.uv_maps, default=None),
+        min(reader.color_attributes, default=None),
+        passes_light,
+    )
+
+
+def _whiten(element: xml.Element) -> None:
+    """Replaces the colors of vertices by white."""
+    for parent in element.iter():
+        for at, child in enumerate(list(parent)):
+            if any(texture.get("type") == "mesh_attribute" for texture in child.iter("texture")) and child.tag == "texture":
+                parent[at] = xml.ElementTree.Element("rgb", {"name": child.get("name", ""), "value": "1 1 1"})
+
+
+def _radiance(emission: Emission, images: Images) -> Optional[xml.Element]:
+    if emission is None or emission == BLACK:
+        return None
+    element = xml.plugin("emitter", "area")
+    return xml.add(element, "radiance", images.element(emission) if isinstance(emission, Texture) else emission)
+
+
+def diffuse(images: Images, color: Union[Color, Texture]) -> xml.Element:
+    """Lambertian surface, alike from both sides."""
+    return two_sided(parameter(images, xml.plugin("bsdf", "diffuse"), "reflectance", color))
+
+
+def parameter(images: Images, element: xml.Element, name: str, value: Union[float, Color, Texture]) -> xml.Element:
+    """Adds a constant or textured parameter."""
+    return xml.add(element, name, images.element(value) if isinstance(value, Texture) else value)
+
+
+def two_sided(bsdf: xml.Element) -> xml.Element:
+    """BSDF that scatters alike from both sides, as Blender's do."""
+    return xml.with_children(xml.plugin("bsdf", "twosided"), bsdf)
+
+
+def blend(images: Images, weight: Union[float, Texture], first: xml.Element, second: xml.Element) -> xml.Element:
+    """Mixture of two BSDFs, of which `weight` is the share of the second."""
+    if weight == 0.0:
+        return first
+    if weight == 1.0:
+        return second
+    element = parameter(images, xml.plugin("bsdf", "blendbsdf"), "weight", weight)
+    return xml.with_children(element, copy.deepcopy(first), copy.deepcopy(second))
+
+
+class _Translator:
+    """Translates the shaders of one material."""
+
+    def __init__(self, reader: Reader) -> None:
+        self.reader = reader
+        self.images = reader.images
+        self.handlers: dict[str, Callable[[Any, Groups], Closure]] = {
+            "BSDF_PRINCIPLED": self._principled,
+            "BSDF_DIFFUSE": self._diffuse,
+            "BSDF_GLOSSY": self._glossy,
+            "BSDF_METALLIC": self._metallic,
+            "BSDF_GLASS": self._glass,
+            "BSDF_REFRACTION": self._refraction,
+            "BSDF_TRANSPARENT": self._transparent,
+            "EMISSION": self._emission,
+            "MIX_SHADER": self._mix,
+            "ADD_SHADER": self._add,
+        }
+
+    def shader(self, socket: Any, groups: Groups) -> Closure:
+        """Closure of a shader socket."""
+        source = self.reader.source(socket, groups)
+        if source is None or source.node is None:
+            return Closure()
+        handler = self.handlers.get(source.node.type)
+        return handler(source.node, source.groups) if handler else self._unknown(source.node, source.groups)
+
+    def _unknown(self, node: Any, groups: Groups) -> Closure:
+        color = node.inputs.get("Color")
+        self.reader.warn(f'the node "{node.name}" ({node.bl_label}) is not supported; a diffuse surface of its color is rendered')
+        return Closure(diffuse(self.images, self.reader.color(color, groups) if color is not None else DEFAULT))
+
+    def _principled(self, node: Any, groups: Groups) -> Closure:
+        bsdf = principled.translate(self.reader, node, groups)
+        strength = self.reader.constant(node.inputs["Emission Strength"], groups)
+        emission = None
+        if strength > 0.0:
+            emission = _scaled(self.reader.color(node.inputs["Emission Color"], groups), strength)
+        return Closure(bsdf, emission)
+
+    def _diffuse(self, node: Any, groups: Groups) -> Closure:
+        color = self.reader.color(node.inputs["Color"], groups)
+        roughness = self.reader.constant(node.inputs["Roughness"], groups)
+        bsdf = diffuse(self.images, color)
+        if roughness > 0.0:
+            self.reader.warn("Oren and Nayar's model for rough diffuse surfaces differs from Cycles' version of it")
+            rough = parameter(self.images, xml.plugin("bsdf", "roughdiffuse"), "reflectance", color)
+            bsdf = two_sided(xml.add(rough, "alpha", roughness * math.sqrt(2.0)))
+        return Closure(self.relief(bsdf, node, groups))
+
+    def _facets(self, plugin: str, smooth: str, node: Any, groups: Groups) -> xml.Element:
+        """Plugin with GGX facets, or the smooth plugin where the roughness is 0."""
+        roughness = self.reader.scalar(node.inputs["Roughness"], groups)
+        if not isinstance(roughness, Texture) and roughness < principled.SMOOTH:
+            return xml.plugin("bsdf", smooth)
+        element = xml.add(xml.plugin("bsdf", plugin), "distribution", "ggx")
+        anisotropy = node.inputs.get("Anisotropy")
+        amount = self.reader.constant(anisotropy, groups) if anisotropy is not None else 0.0
+        if amount != 0.0 and not isinstance(roughness, Texture):
+            self.reader.warn("an anisotropic surface has its grain along the UV map")
+            aspect = math.sqrt(1.0 - 0.9 * min(abs(amount), 1.0))
+            u, v = roughness**2 / aspect, roughness**2 * aspect
+            u, v = (u, v) if amount > 0.0 else (v, u)
+            return xml.add(xml.add(element, "alpha_u", u), "alpha_v", v)
+        if amount != 0.0:
+            self.reader.warn("anisotropy with a texture of roughness is not supported")
+        alpha = roughness.with_operation("square") if isinstance(roughness, Texture) else roughness**2
+        return parameter(self.images, element, "alpha", alpha)
+
+    def _glossy(self, node: Any, groups: Groups) -> Closure:
+        element = self._facets("roughconductor", "conductor", node, groups)
+        parameter(self.images, element, "specular_reflectance", self.reader.color(node.inputs["Color"], groups))
+        return Closure(self.relief(two_sided(element), node, groups))
+
+    def _metallic(self, node: Any, groups: Groups) -> Closure:
+        if node.fresnel_type == "PHYSICAL_CONDUCTOR":
+            element = self._facets("roughconductor", "conductor", node, groups)
+            xml.add(element, "eta", self.reader.constant_color(node.inputs["IOR"], groups))
+            xml.add(element, "k", self.reader.constant_color(node.inputs["Extinction"], groups))
+        else:
+            element = xml.add(xml.plugin("bsdf", "principled"), "metallic", 1.0)
+            parameter(self.images, element, "base_color", self.reader.color(node.inputs["Base Color"], groups))
+            parameter(self.images, element, "roughness", self.reader.scalar(node.inputs["Roughness"], groups))
+            if self.reader.color(node.inputs["Edge Tint"], groups) != (1.0, 1.0, 1.0):
+                self.reader.warn("Edge Tint is not supported; white is used")
+        return Closure(self.relief(two_sided(element), node, groups))
+
+    def _glass(self, node: Any, groups: Groups) -> Closure:
+        color = self.reader.color(node.inputs["Color"], groups)
+        ior = self.reader.constant(node.inputs["IOR"], groups)
+        if abs(ior - 1.0) < 1e-4:
+            return Closure(self.clear(color))
+        element = self._facets("roughdielectric", "dielectric", node, groups)
+        xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
+        parameter(self.images, element, "specular_reflectance", color)
+        parameter(self.images, element, "specular_transmittance", color)
+        return Closure(self.relief(element, node, groups))
+
+    def _refraction(self, node: Any, groups: Groups) -> Closure:
+        self.reader.warn("Refraction BSDF is rendered as glass, which also reflects")
+        return self._glass(node, groups)
+
+    def _transparent(self, node: Any, groups: Groups) -> Closure:
+        return Closure(self.clear(self.reader.color(node.inputs["Color"], groups)))
+
+    def clear(self, color: Union[Color, Texture]) -> xml.Element:
+        """Surface that lets light pass straight and tints it."""
+        if color == (1.0, 1.0, 1.0):
+            return xml.plugin("bsdf", "null")
+        element = xml.add(xml.add(xml.plugin("bsdf", "thindielectric"), "int_ior", 1.0), "ext_ior", 1.0)
+        return parameter(self.images, element, "specular_transmittance", color)
+
+    def _emission(self, node: Any, groups: Groups) -> Closure:
+        color = self.reader.color(node.inputs["Color"], groups)
+        return Closure(None, _scaled(color, self.reader.constant(node.inputs["Strength"], groups)))
+
+    def _mix(self, node: Any, groups: Groups) -> Closure:
+        weight = self.reader.scalar(node.inputs[0], groups)
+        first, second = (self.shader(node.inputs[at], groups) for at in (1, 2))
+        if not isinstance(weight, Texture):
+            weight = min(max(weight, 0.0), 1.0)
+        bsdf = None
+        if first.bsdf is not None or second.bsdf is not None:
+            parts = [part.bsdf if part.bsdf is not None else diffuse(self.images, BLACK) for part in (first, second)]
+            bsdf = blend(self.images, weight, *parts)
+        share = weight
+        if isinstance(weight, Texture) and (first.emission or second.emission):
+            share = float(node.inputs[0].default_value)
+            self.reader.warn("emission mixed by a texture is not supported; it is mixed by the factor's default value")
+        if isinstance(share, Texture):
+            return Closure(bsdf)
+        emissions = _scaled(first.emission, 1.0 - share), _scaled(second.emission, share)
+        return Closure(bsdf, self._sum(*emissions))
+
+    def _add(self, node: Any, groups: Groups) -> Closure:
+        first, second = (self.shader(node.inputs[at], groups) for at in (0, 1))
+        if first.bsdf is not None and second.bsdf is not None:
+            self.reader.warn("Add Shader of two surfaces is not supported; the first is rendered")
+        bsdf = first.bsdf if first.bsdf is not None else second.bsdf
+        return Closure(bsdf, self._sum(first.emission, second.emission))
+
+    def _sum(self, first: Emission, second: Emission) -> Emission:
+        if first is None or first == BLACK:
+            return second
+        if second is None or second == BLACK:
+            return first
+        if isinstance(first, Texture) or isinstance(second, Texture):
+            self.reader.warn("the sum of a textured emission and another is not supported; the first is rendered")
+            return first
+        return (first[0] + second[0], first[1] + second[1], first[2] + second[2])
+
+    def relief(self, bsdf: xml.Element, node: Any, groups: Groups) -> xml.Element:
+        """BSDF with the bump or normal map of a node's Normal socket."""
+        return principled.relief(self.reader, bsdf, node.inputs["Normal"], groups)
+
+
+def _scaled(emission: Emission, factor: float) -> Emission:
+    if emission is None or factor == 0.0:
+        return None
+    if isinstance(emission, Texture):
+        return emission.scaled((factor, factor, factor))
+    return (emission[0] * factor, emission[1] * factor, emission[2] * factor)

@@ -1,0 +1,153 @@
+"""Meshes: evaluated objects as binary PLY files, one per material slot, named by a hash of their content.
+
+A mesh that has not changed has the same name as before, and its file is there already.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any, NamedTuple, Optional
+
+import numpy as np
+
+from .report import Report
+
+
+class Part(NamedTuple):
+    """Triangles of one material slot."""
+
+    slot: int
+    file: str
+    # The mesh's other side, where it emits and has one: emitters shine from their front only.
+    back: Optional[str]
+
+
+class Wanted(NamedTuple):
+    """Data that a slot's material looks up."""
+
+    uv_map: Optional[str]
+    color_attribute: Optional[str]
+    emits: bool
+
+
+class Meshes:
+    """Mesh files of one export."""
+
+    def __init__(self, folder: Path, report: Report) -> None:
+        self.folder, self.report = folder, report
+        self.used: set[str] = set()
+        self.written = 0
+
+    def export(self, instance: Any, wanted: list[Wanted], depsgraph: Any) -> list[Part]:
+        """Writes the parts of an evaluated object in its own space."""
+        mesh = instance.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+        try:
+            return [] if mesh is None else self._parts(mesh, wanted, f'object "{instance.name}"')
+        finally:
+            instance.to_mesh_clear()
+
+    def _parts(self, mesh: Any, wanted: list[Wanted], place: str) -> list[Part]:
+        mesh.calc_loop_triangles()
+        count = len(mesh.loop_triangles)
+        if count == 0:
+            return []
+        loops = _get(mesh.loop_triangles, "loops", 3 * count, np.int32).reshape(count, 3)
+        slots = np.clip(_get(mesh.loop_triangles, "material_index", count, np.int32), 0, len(wanted) - 1)
+        positions = _get(mesh.vertices, "co", 3 * len(mesh.vertices), np.float32).reshape(-1, 3)
+        vertex_of_loop = _get(mesh.loops, "vertex_index", len(mesh.loops), np.int32)
+        normals = _get(mesh.corner_normals, "vector", 3 * len(mesh.loops), np.float32).reshape(-1, 3)
+        parts = []
+        for slot in np.unique(slots):
+            corners = loops[slots == slot].ravel()
+            columns = [positions[vertex_of_loop[corners]], normals[corners]]
+            names = ["x", "y", "z", "nx", "ny", "nz"]
+            for values, of in (
+                (_uvs(mesh, wanted[slot].uv_map, place, self.report), ("u", "v")),
+                (_colors(mesh, wanted[slot].color_attribute, vertex_of_loop, place, self.report), ("r", "g", "b")),
+            ):
+                if values is not None:
+                    columns.append(values[corners])
+                    names.extend(of)
+            vertices = np.ascontiguousarray(np.concatenate(columns, axis=1), np.float32)
+            file = self._write(names, vertices)
+            is_open = wanted[slot].emits and not _is_closed(vertex_of_loop[corners].reshape(-1, 3))
+            parts.append(Part(int(slot), file, self._write(names, _turned(vertices)) if is_open else None))
+        return parts
+
+    def _write(self, names: list[str], corners: np.ndarray) -> str:
+        digest = hashlib.blake2b(repr(names).encode() + corners.tobytes(), digest_size=12).hexdigest()
+        name = f"mesh-{digest}.ply"
+        self.used.add(name)
+        path = self.folder / name
+        if not path.exists():
+            vertices, indices = _unique(corners)
+            whole = path.with_suffix(".part")
+            whole.write_bytes(ply(names, vertices, indices))
+            whole.replace(path)
+            self.written += 1
+        return name
+
+
+def _turned(corners: np.ndarray) -> np.ndarray:
+    """Triangles that face the other way, a little behind the given ones."""
+    turned = corners.reshape(-1, 3, corners.shape[1])[:, ::-1].reshape(corners.shape).copy()
+    size = np.linalg.norm(np.ptp(corners[:, :3], axis=0))
+    turned[:, :3] -= 1e-5 * size * turned[:, 3:6]
+    turned[:, 3:6] *= -1.0
+    return turned
+
+
+def _get(collection: Any, name: str, size: int, dtype: type) -> np.ndarray:
+    data = np.empty(size, dtype)
+    collection.foreach_get(name, data)
+    return data
+
+
+def _uvs(mesh: Any, name: Optional[str], place: str, report: Report) -> Optional[np.ndarray]:
+    layer = mesh.uv_layers.get(name) if name else next((l for l in mesh.uv_layers if l.active_render), None)
+    if layer is None:
+        if name:
+            report.warn(place, f'the UV map "{name}" is missing')
+        return None
+    uvs = _get(layer.uv, "vector", 2 * len(mesh.loops), np.float32).reshape(-1, 2)
+    # Rows of images run downwards in Mitsuba.
+    uvs[:, 1] = 1.0 - uvs[:, 1]
+    return uvs
+
+
+def _colors(
+    mesh: Any, name: Optional[str], vertex_of_loop: np.ndarray, place: str, report: Report
+) -> Optional[np.ndarray]:
+    if name is None:
+        return None
+    attribute = mesh.color_attributes.get(name) if name else mesh.color_attributes.active_color
+    if attribute is None or attribute.domain not in ("POINT", "CORNER"):
+        report.warn(place, f'the color attribute "{name}" is missing; the surface is white')
+        return np.ones((len(vertex_of_loop), 3), np.float32)
+    colors = _get(attribute.data, "color", 4 * len(attribute.data), np.float32).reshape(-1, 4)[:, :3]
+    return colors[vertex_of_loop] if attribute.domain == "POINT" else colors
+
+
+def _is_closed(triangles: np.ndarray) -> bool:
+    """Whether each edge has two triangles."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    _, counts = np.unique(edges, axis=0, return_counts=True)
+    return bool((counts == 2).all())
+
+
+def _unique(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Different corners, and the index of each corner among them."""
+    rows = corners.view([("", np.void, corners.shape[1] * 4)]).ravel()
+    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
+    return corners[first], inverse.reshape(-1, 3).astype("<i4")
+
+
+def ply(names: list[str], vertices: np.ndarray, triangles: np.ndarray) -> bytes:
+    """Binary PLY file."""
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    header += [f"property float {name}" for name in names]
+    header += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header", ""]
+    faces = np.empty(len(triangles), np.dtype([("count", "u1"), ("at", "<i4", 3)]))
+    faces["count"], faces["at"] = 3, triangles
+    return "\n".join(header).encode() + vertices.astype("<f4").tobytes() + faces.tobytes()

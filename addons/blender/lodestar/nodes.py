@@ -1,0 +1,232 @@
+"""Nodes: following links through reroutes, groups and muted nodes, and reading what a socket gives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Optional, Union
+
+from .images import Images, Texture
+from .report import Report
+
+Color = tuple[float, float, float]
+Value = Union[float, Color, Texture]
+
+
+class Source(NamedTuple):
+    """Output of a node, with the group nodes that lead to it, from the outermost."""
+
+    node: Any
+    socket: Any
+    groups: tuple[Any, ...]
+
+
+@dataclass
+class Reader:
+    """Reads the sockets of one material or world."""
+
+    place: str
+    report: Report
+    images: Images
+    groups: tuple[Any, ...] = ()
+    # Names of the UV map and of the color attribute that the material uses, where it names one.
+    uv_maps: set[str] = field(default_factory=set)
+    color_attributes: set[str] = field(default_factory=set)
+
+    def warn(self, message: str) -> None:
+        """Reports something about this material or world."""
+        self.report.warn(self.place, message)
+
+    # ---------------------------------------------------------------------------------------------------- links
+
+    def source(self, socket: Any, groups: tuple[Any, ...]) -> Optional[Source]:
+        """Output that a socket is linked to; None where it has a value of its own."""
+        while True:
+            link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+            if link is None:
+                return None
+            node, output = link.from_node, link.from_socket
+            if node.type == "REROUTE":
+                socket = node.inputs[0]
+            elif node.mute:
+                passed = next((l for l in node.internal_links if l.to_socket == output), None)
+                if passed is None:
+                    return None
+                socket = passed.from_socket
+            elif node.type == "GROUP" and node.node_tree is not None:
+                inner = next((n for n in node.node_tree.nodes if n.type == "GROUP_OUTPUT" and n.is_active_output), None)
+                found = inner and next((s for s in inner.inputs if s.identifier == output.identifier), None)
+                if found is None:
+                    return None
+                socket, groups = found, (*groups, node)
+                if not socket.is_linked:
+                    return Source(None, socket, groups)
+            elif node.type == "GROUP_INPUT" and groups:
+                outer = next((s for s in groups[-1].inputs if s.identifier == output.identifier), None)
+                if outer is None:
+                    return None
+                socket, groups = outer, groups[:-1]
+                if not socket.is_linked:
+                    return Source(None, socket, groups)
+            else:
+                return Source(node, output, groups)
+
+    def unsupported(self, node: Any, use: str) -> None:
+        """Reports a node that is not translated."""
+        self.warn(f'the node "{node.name}" ({node.bl_label}) is not supported; {use} takes its default value')
+
+    # --------------------------------------------------------------------------------------------------- values
+
+    def color(self, socket: Any, groups: tuple[Any, ...]) -> Union[Color, Texture]:
+        """Color of a socket: a constant or a texture."""
+        value = self._value(socket, groups)
+        return (value, value, value) if isinstance(value, float) else value
+
+    def scalar(self, socket: Any, groups: tuple[Any, ...]) -> Union[float, Texture]:
+        """Number of a socket: a constant or a texture, of which the luminance counts."""
+        value = self._value(socket, groups)
+        if isinstance(value, tuple):
+            return 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2]
+        return value
+
+    def constant(self, socket: Any, groups: tuple[Any, ...]) -> float:
+        """Number of a socket that must be a constant."""
+        value = self.scalar(socket, groups)
+        if isinstance(value, Texture):
+            self.warn(f"a texture of {socket.name} is not supported; its default value is used")
+            return float(socket.default_value)
+        return value
+
+    def constant_color(self, socket: Any, groups: tuple[Any, ...]) -> Color:
+        """Color of a socket that must be a constant."""
+        value = self.color(socket, groups)
+        if isinstance(value, Texture):
+            self.warn(f"a texture of {socket.name} is not supported; its default value is used")
+            return _default(socket)
+        return value
+
+    def _value(self, socket: Any, groups: tuple[Any, ...]) -> Value:
+        source = self.source(socket, groups)
+        if source is None:
+            return _default(socket)
+        if source.node is None:
+            return _default(source.socket)
+        found = self._translated(source)
+        if found is None:
+            self.unsupported(source.node, socket.name)
+            return _default(socket)
+        return found
+
+    def _translated(self, source: Source) -> Optional[Value]:
+        node, groups = source.node, source.groups
+        if node.type in ("RGB", "VALUE"):
+            return _default(source.socket)
+        if node.type == "TEX_IMAGE":
+            return self.image_texture(node, "alpha" if source.socket.name == "Alpha" else "color", groups)
+        if node.type in ("ATTRIBUTE", "VERTEX_COLOR"):
+            return self._attribute(node, source.socket.name)
+        if node.type == "INVERT":
+            inner = self._value(node.inputs["Color"], groups)
+            share = self.scalar(node.inputs["Fac"], groups)
+            return self._inverted(inner) if share == 1.0 else None
+        if node.type in ("SEPARATE_COLOR", "SEPRGB"):
+            if getattr(node, "mode", "RGB") != "RGB":
+                return None
+            inner = self._value(node.inputs[0], groups)
+            channel = [output.name for output in node.outputs].index(source.socket.name)
+            if isinstance(inner, tuple):
+                return inner[channel]
+            if isinstance(inner, Texture) and inner.image is not None:
+                return inner.with_operation("rgb"[channel])
+        return None
+
+    @staticmethod
+    def _inverted(value: Value) -> Optional[Value]:
+        if isinstance(value, tuple):
+            return tuple(1.0 - channel for channel in value)  # type: ignore[return-value]
+        if isinstance(value, float):
+            return 1.0 - value
+        return value.with_operation("invert") if value.image is not None else None
+
+    def _attribute(self, node: Any, output: str) -> Optional[Value]:
+        if output not in ("Color", "Fac"):
+            return None
+        if node.type == "ATTRIBUTE" and node.attribute_type != "GEOMETRY":
+            return None
+        name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
+        self.color_attributes.add(name)
+        return Texture.of_vertices(name)
+
+    # ------------------------------------------------------------------------------------------------- textures
+
+    def image_texture(self, node: Any, channel: str, groups: tuple[Any, ...]) -> Optional[Texture]:
+        """Texture of an Image Texture node; None where it cannot be translated."""
+        image = node.image
+        if image is None or image.source in ("SEQUENCE", "MOVIE", "TILED", "VIEWER"):
+            return None
+        if not image.has_data and not image.pixels:
+            self.warn(f'the image "{image.name}" cannot be loaded')
+            return None
+        if node.projection != "FLAT":
+            return None
+        to_uv = self.uv_transform(node.inputs["Vector"], groups)
+        if to_uv is None:
+            return None
+        if node.extension == "CLIP":
+            self.warn(f'the image "{image.name}" is extended instead of clipped')
+        wrap = {"REPEAT": "repeat", "MIRROR": "mirror"}.get(node.extension, "clamp")
+        interpolation = "nearest" if node.interpolation == "Closest" else "bilinear"
+        return Texture(image=image, operations=(channel,), to_uv=to_uv, wrap=wrap, interpolation=interpolation)
+
+    def uv_transform(self, socket: Any, groups: tuple[Any, ...]) -> Optional[tuple[tuple[float, ...], ...]]:
+        """Matrix of three rows from the mesh's UVs to those of a texture; None where they are not made of UVs."""
+        from mathutils import Matrix
+
+        matrix = Matrix.Identity(4)
+        source = self.source(socket, groups)
+        while source is not None and source.node is not None and source.node.type == "MAPPING":
+            step = self.mapping_matrix(source.node, source.groups)
+            if step is None:
+                return None
+            matrix = matrix @ step
+            source = self.source(source.node.inputs["Vector"], source.groups)
+        if source is not None:
+            node = source.node
+            if node is None or not (
+                node.type == "UVMAP" or (node.type == "TEX_COORD" and source.socket.name == "UV")
+            ):
+                self.warn("a texture has other coordinates than UVs, which are not supported")
+                return None
+            if node.type == "UVMAP" and node.uv_map:
+                self.uv_maps.add(node.uv_map)
+        a, b, c, d = matrix[0][0], matrix[0][1], matrix[1][0], matrix[1][1]
+        if abs(matrix[2][0]) + abs(matrix[2][1]) > 1e-6:
+            self.warn("a Mapping node turns texture coordinates out of their plane; the part in the plane is used")
+        return ((a, b, matrix[0][3]), (c, d, matrix[1][3]), (0.0, 0.0, 1.0))
+
+    def mapping_matrix(self, node: Any, groups: tuple[Any, ...]) -> Any:
+        """Matrix of a Mapping node; None where its values are linked."""
+        from mathutils import Euler, Matrix, Vector
+
+        if any(self.source(s, groups) for s in node.inputs if s.name != "Vector"):
+            return None
+        get = lambda name: node.inputs[name].default_value if name in node.inputs else (0.0, 0.0, 0.0)  # noqa: E731
+        location = Matrix.Translation(Vector(get("Location")))
+        rotation = Euler(get("Rotation"), "XYZ").to_matrix().to_4x4()
+        scale = Matrix.Diagonal((*get("Scale"), 1.0))
+        if node.vector_type == "POINT":
+            return location @ rotation @ scale
+        if node.vector_type == "VECTOR":
+            return rotation @ scale
+        if node.vector_type == "TEXTURE":
+            try:
+                return (location @ rotation @ scale).inverted()
+            except ValueError:
+                return None
+        return None
+
+
+def _default(socket: Any) -> Value:
+    value = getattr(socket, "default_value", 0.0)
+    if hasattr(value, "__len__"):
+        return (float(value[0]), float(value[1]), float(value[2]))
+    return float(value)

@@ -1,0 +1,204 @@
+"""Principled BSDF as layers: metal over glass over a dielectric with a diffuse base, under a coat; and relief.
+
+A dielectric that is nearly smooth is a `plastic` or `roughplastic`: like Cycles' surface it sheds diffusely what was not reflected.
+Rougher ones would lose too much light (`roughplastic` loses what Cycles' single reflections lose twice over), so they are Mitsuba's
+`principled`, of which the base color is dimmed by the mean reflectance.
+"""
+
+from __future__ import annotations
+
+import copy
+import math
+from typing import Any, Union
+
+from . import units, xml
+from .images import Texture
+from .nodes import Color, Reader
+
+Groups = tuple[Any, ...]
+# Roughness below which a surface is smooth: its facets' alpha would be less than 10^-4.
+SMOOTH = 0.01
+# Roughness up to which `roughplastic` keeps the base's light.
+PLASTIC = 0.21
+WHITE: Color = (1.0, 1.0, 1.0)
+
+
+def translate(reader: Reader, node: Any, groups: Groups) -> xml.Element:
+    """BSDF of a Principled node, without its emission."""
+    return _Principled(reader, node, groups).bsdf()
+
+
+class _Principled:
+    def __init__(self, reader: Reader, node: Any, groups: Groups) -> None:
+        self.reader, self.node, self.groups, self.images = reader, node, groups, reader.images
+        self.base = reader.color(node.inputs["Base Color"], groups)
+        self.roughness = self._scalar("Roughness")
+        self.metallic = self._scalar("Metallic")
+        self.transmission = self._scalar("Transmission Weight")
+        self.ior = self._constant("IOR")
+        self.anisotropic = self._constant("Anisotropic")
+        self.sheen = self._scalar("Sheen Weight")
+        self._report()
+
+    def _scalar(self, name: str) -> Union[float, Texture]:
+        value = self.reader.scalar(self.node.inputs[name], self.groups)
+        return value if isinstance(value, Texture) else max(value, 0.0)
+
+    def _constant(self, name: str) -> float:
+        return self.reader.constant(self.node.inputs[name], self.groups)
+
+    def _report(self) -> None:
+        if self._scalar("Subsurface Weight") != 0.0:
+            self.reader.warn("Subsurface is not supported; the surface is diffuse")
+        for name in ("Thin Film Thickness", "Diffuse Roughness"):
+            if name in self.node.inputs and self._scalar(name) != 0.0:
+                self.reader.warn(f"{name} is not supported; 0 is used")
+        if self.reader.color(self.node.inputs["Specular Tint"], self.groups) != WHITE:
+            self.reader.warn("Specular Tint is not supported; white is used")
+        if self.anisotropic != 0.0:
+            self.reader.warn("an anisotropic surface has its grain along the UV map")
+        if self.sheen != 0.0:
+            self.reader.warn("sheen is Disney's of 2012, which differs from Cycles'")
+
+    def bsdf(self) -> xml.Element:
+        from . import materials
+
+        images = self.images
+        surface = self._below_metal() if self.metallic != 1.0 else self._metal()
+        if self.metallic not in (0.0, 1.0):
+            surface = materials.blend(images, self.metallic, surface, self._metal())
+        surface = relief(self.reader, self._coated(surface), self.node.inputs["Normal"], self.groups)
+        alpha = self._scalar("Alpha")
+        if isinstance(alpha, Texture) or alpha < 1.0:
+            mask = materials.parameter(images, xml.plugin("bsdf", "mask"), "opacity", alpha)
+            surface = xml.with_children(mask, surface)
+        return surface
+
+    def _below_metal(self) -> xml.Element:
+        from . import materials
+
+        if self.transmission == 0.0:
+            return self._opaque()
+        if self.transmission == 1.0:
+            return self._glass()
+        return materials.blend(self.images, self.transmission, self._opaque(), self._glass())
+
+    def _opaque(self) -> xml.Element:
+        """Dielectric with a diffuse base."""
+        from . import materials
+
+        level = self._constant("Specular IOR Level")
+        ior = units.specular_index(self.ior, level)
+        if abs(ior - 1.0) < 1e-3 and self.sheen == 0.0:
+            return materials.diffuse(self.images, self.base)
+        is_even = not isinstance(self.roughness, Texture) and self.anisotropic == 0.0 and self.sheen == 0.0
+        if not is_even or self.roughness > PLASTIC:
+            return self._disney(0.0, ior)
+        smooth = self.roughness < SMOOTH
+        element = xml.plugin("bsdf", "plastic" if smooth else "roughplastic")
+        if not smooth:
+            xml.add(xml.add(element, "distribution", "ggx"), "alpha", self.roughness**2)
+        xml.add(xml.add(element, "int_ior", ior), "ext_ior", 1.0)
+        materials.parameter(self.images, element, "diffuse_reflectance", self.base)
+        return materials.two_sided(element)
+
+    def _metal(self) -> xml.Element:
+        return self._disney(1.0, self.ior)
+
+    def _disney(self, metallic: float, ior: float) -> xml.Element:
+        from . import materials
+
+        element = xml.add(xml.plugin("bsdf", "principled"), "metallic", metallic)
+        # An index of 1 would switch the metal off.
+        xml.add(element, "eta", max(ior, 1.001))
+        share = 1.0 if metallic == 1.0 else 1.0 - units.mean_reflectance(ior)
+        base = self.base
+        dimmed = base.scaled((share,) * 3) if isinstance(base, Texture) else tuple(share * c for c in base)
+        materials.parameter(self.images, element, "base_color", dimmed)
+        materials.parameter(self.images, element, "roughness", self.roughness)
+        if self.anisotropic != 0.0:
+            xml.add(element, "anisotropic", min(self.anisotropic, 1.0))
+        if self.sheen != 0.0 and metallic == 0.0:
+            materials.parameter(self.images, element, "sheen", self.sheen)
+        return materials.two_sided(element)
+
+    def _glass(self) -> xml.Element:
+        """Rough glass. Cycles tints what passes by the root of the base color."""
+        from . import materials
+
+        base = self.base
+        tint = base.with_operation("sqrt") if isinstance(base, Texture) else tuple(math.sqrt(max(c, 0.0)) for c in base)
+        if abs(self.ior - 1.0) < 1e-4:
+            element = xml.add(xml.add(xml.plugin("bsdf", "thindielectric"), "int_ior", 1.0), "ext_ior", 1.0)
+            return materials.parameter(self.images, element, "specular_transmittance", tint)
+        if not isinstance(self.roughness, Texture) and self.roughness < SMOOTH:
+            element = xml.plugin("bsdf", "dielectric")
+        else:
+            element = xml.add(xml.plugin("bsdf", "roughdielectric"), "distribution", "ggx")
+            rough = self.roughness
+            alpha = rough.with_operation("square") if isinstance(rough, Texture) else rough**2
+            materials.parameter(self.images, element, "alpha", alpha)
+        xml.add(xml.add(element, "int_ior", self.ior), "ext_ior", 1.0)
+        return materials.parameter(self.images, element, "specular_transmittance", tint)
+
+    def _coated(self, surface: xml.Element) -> xml.Element:
+        from . import materials
+
+        weight = self._scalar("Coat Weight")
+        if weight == 0.0:
+            return surface
+        if self.transmission != 0.0 and self.metallic != 1.0:
+            self.reader.warn("a coat over a surface that transmits light is not supported; it is left out")
+            return surface
+        if self._constant("Coat Roughness") > 0.1:
+            self.reader.warn("a rough coat is not supported; it is rendered smooth")
+        coating = xml.add(xml.plugin("bsdf", "coating"), "int_ior", self._constant("Coat IOR"))
+        xml.add(coating, "ext_ior", 1.0)
+        tint = self.reader.constant_color(self.node.inputs["Coat Tint"], self.groups)
+        if tint != WHITE:
+            # Light crosses the coat twice.
+            xml.add(coating, "sigma_a", tuple(-0.5 * math.log(max(c, 1e-6)) for c in tint))
+        coating = xml.with_children(coating, copy.deepcopy(surface))
+        return materials.blend(self.images, weight, surface, coating)
+
+
+def relief(reader: Reader, bsdf: xml.Element, socket: Any, groups: Groups) -> xml.Element:
+    """BSDF with the bump or normal map that a Normal socket is linked to."""
+    source = reader.source(socket, groups)
+    if source is None or source.node is None:
+        return bsdf
+    node, groups = source.node, source.groups
+    if node.type == "NORMAL_MAP":
+        return _normal_map(reader, bsdf, node, groups)
+    if node.type == "BUMP":
+        return _bump(reader, bsdf, node, groups)
+    reader.warn(f'the node "{node.name}" ({node.bl_label}) is not supported; the surface keeps its normals')
+    return bsdf
+
+
+def _normal_map(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) -> xml.Element:
+    texture = reader.color(node.inputs["Color"], groups)
+    if node.space != "TANGENT":
+        reader.warn(f"a normal map in {node.space.lower()} space is not supported; the surface keeps its normals")
+        return bsdf
+    if not isinstance(texture, Texture) or texture.image is None:
+        return bsdf
+    if node.uv_map:
+        reader.uv_maps.add(node.uv_map)
+    strength = reader.constant(node.inputs["Strength"], groups)
+    if strength != 1.0:
+        texture = texture.with_operation(f"normal {strength}")
+    element = xml.add(xml.plugin("bsdf", "normalmap"), "normalmap", reader.images.element(texture))
+    return xml.with_children(element, bsdf)
+
+
+def _bump(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) -> xml.Element:
+    if reader.source(node.inputs["Normal"], groups) is not None:
+        reader.warn("a bump map over another relief is not supported; the bump map alone is rendered")
+    height = reader.scalar(node.inputs["Height"], groups)
+    if not isinstance(height, Texture) or height.image is None:
+        return bsdf
+    scale = reader.constant(node.inputs["Distance"], groups) * reader.constant(node.inputs["Strength"], groups)
+    element = xml.with_children(xml.plugin("bsdf", "bumpmap"), reader.images.element(height))
+    xml.add(element, "scale", -scale if node.invert else scale)
+    return xml.with_children(element, bsdf)

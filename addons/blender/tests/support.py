@@ -1,0 +1,72 @@
+"""Rendering of a scene by Cycles and by Lodestar, and the comparison of block means."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+import lodestar
+from lodestar import exr
+
+BLOCK = 16
+BOUNCES = 12
+FOLDER = Path(tempfile.mkdtemp(prefix="lodestar-blender-"))
+PROGRAM = os.environ.get("LODESTAR", "lodestar")
+
+
+def render(scene: Any, engine: str, samples: int, name: str = "picture") -> exr.Picture:
+    """Picture of a scene, with all passes."""
+    scene.render.engine = engine
+    scene.render.filepath = str(FOLDER / f"{name}-{engine.lower()}.exr")
+    if engine == "CYCLES":
+        _prepare_cycles(scene, samples)
+    else:
+        settings = scene.lodestar
+        settings.samples, settings.filter = samples, "box"
+        settings.use_max_depth, settings.max_depth = True, BOUNCES + 2
+        for each in ("albedo", "normal", "depth", "variance"):
+            setattr(settings, f"pass_{each}", True)
+    bpy.ops.render.render(write_still=True)
+    return exr.read(Path(scene.render.filepath))
+
+
+def _prepare_cycles(scene: Any, samples: int) -> None:
+    cycles = scene.cycles
+    cycles.samples, cycles.device = samples, "CPU"
+    cycles.use_denoising = cycles.use_adaptive_sampling = False
+    for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
+        setattr(cycles, f"{kind}_bounces", BOUNCES)
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
+    cycles.light_sampling_threshold, cycles.use_light_tree = 0.0, False
+
+
+def colors(picture: exr.Picture) -> np.ndarray:
+    """Combined pass."""
+    prefix = next(name for name in picture.channels if name.endswith("Combined.R"))[:-1]
+    layer = picture.layer([prefix + channel for channel in "RGB"])
+    assert layer is not None
+    return layer
+
+
+def block_means(image: np.ndarray) -> np.ndarray:
+    """Means of blocks; what does not fill a block at the right and at the bottom is left out."""
+    rows, columns = image.shape[0] // BLOCK, image.shape[1] // BLOCK
+    cut = image[: rows * BLOCK, : columns * BLOCK]
+    return cut.reshape(rows, BLOCK, columns, BLOCK, 3).mean(axis=(1, 3))
+
+
+def deviation(ours: np.ndarray, theirs: np.ndarray) -> float:
+    """Largest difference of block means, relative to the block and, where it is dark, to a fifth of the picture."""
+    a, b = block_means(ours), block_means(theirs)
+    return float(np.max(np.abs(a - b) / np.maximum(b, 0.2 * b.mean())))
+
+
+def mean_ratio(ours: np.ndarray, theirs: np.ndarray) -> float:
+    """Mean of one picture over that of the other."""
+    return float(ours.mean() / theirs.mean())

@@ -1,0 +1,168 @@
+"""What the export writes, and what it reports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+import lodestar
+import pytest
+import scenes
+import support
+from lodestar import camera, export, panels, process
+
+
+def exported(folder: Path) -> export.Export:
+    return export.export(bpy.context.evaluated_depsgraph_get(), folder, export.Options())
+
+
+def minimal(surface: Any) -> Any:
+    scene = scenes.empty()
+    scenes.camera(scene)
+    scenes.plane(scene, "ground", 4, surface())
+    scenes.world(scene, (1, 1, 1))
+    return scene
+
+
+def test_registration_twice() -> None:
+    """The engine comes, goes and comes again, with its panels' engine names."""
+    for _ in range(2):
+        lodestar.unregister()
+        assert not hasattr(bpy.types.Scene, "lodestar")
+        lodestar.register()
+        assert hasattr(bpy.types.Scene, "lodestar")
+    missing = panels.BORROWED - {panel.__name__ for panel in panels._shared_panels()}
+    assert not missing and all("LODESTAR" in panel.COMPAT_ENGINES for panel in panels._shared_panels())
+    bpy.context.scene.render.engine = "LODESTAR"
+    assert bpy.context.scene.render.engine == "LODESTAR"
+
+
+def test_unchanged_meshes_are_not_written_again(tmp_path: Path) -> None:
+    scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    ball = scenes.ball(scene, "ball", 1, scenes.diffuse("red", (0.7, 0.1, 0.1)))
+    assert exported(tmp_path).meshes_written == 2
+    times = {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.ply")}
+    ball.location.x = 1.0
+    assert exported(tmp_path).meshes_written == 0
+    assert times == {path: path.stat().st_mtime_ns for path in tmp_path.glob("*.ply")}
+    ball.data.vertices[0].co.z += 0.5
+    ball.data.update()
+    assert exported(tmp_path).meshes_written == 1
+    assert len(list(tmp_path.glob("*.ply"))) == 2, "the mesh that was replaced is removed"
+
+
+def noise(tree: Any) -> Any:
+    texture = tree.nodes.new("ShaderNodeTexNoise")
+    return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=texture.outputs["Color"]).outputs[0]
+
+
+def toon(tree: Any) -> Any:
+    return scenes.shader(tree, "ShaderNodeBsdfToon").outputs[0]
+
+
+def grouped(tree: Any) -> Any:
+    """A Diffuse node in a group, with its color as the group's input."""
+    group = bpy.data.node_groups.new("group", "ShaderNodeTree")
+    group.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    inner, outer = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    diffuse = group.nodes.new("ShaderNodeBsdfDiffuse")
+    group.links.new(inner.outputs["Tint"], diffuse.inputs["Color"])
+    group.links.new(diffuse.outputs[0], outer.inputs[0])
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    node.inputs["Tint"].default_value = (0.25, 0.5, 0.75, 1)
+    return node.outputs[0]
+
+
+@pytest.mark.parametrize("build,text", [(noise, "Noise Texture"), (toon, "Toon BSDF")])
+def test_unsupported_nodes_are_named(tmp_path: Path, build: Any, text: str) -> None:
+    minimal(lambda: scenes.material("strange", build))
+    warnings = exported(tmp_path).report.warnings
+    assert any('material "strange"' in warning and text in warning for warning in warnings), warnings
+
+
+def test_supported_nodes_are_not_reported(tmp_path: Path) -> None:
+    minimal(lambda: scenes.material("grouped", grouped))
+    found = exported(tmp_path)
+    assert found.report.warnings == []
+    assert 'value="0.25 0.5 0.75"' in found.scene_file.read_text()
+
+
+def test_objects_without_surfaces_are_named(tmp_path: Path) -> None:
+    scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    scenes.add(scene, "smoke", bpy.data.volumes.new("smoke"))
+    report = exported(tmp_path).report
+    assert 'object "smoke"' in report
+
+
+def test_cameras_that_are_refused(tmp_path: Path) -> None:
+    scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    scene.camera.data.type = "PANO"
+    with pytest.raises(camera.Unsupported, match="perspective and orthographic"):
+        exported(tmp_path)
+    scene.camera = None
+    with pytest.raises(camera.Unsupported, match="no camera"):
+        exported(tmp_path)
+
+
+def test_every_shader_renders() -> None:
+    """The program accepts each material that the export writes, with few samples."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 25
+    scenes.camera(scene)
+    scenes.world(scene, (1, 1, 1))
+    texture = scenes.image("picture", scenes.np.full((4, 4, 3), 0.5))
+
+    def textured(kind: str, *names: str) -> Any:
+        def build(tree: Any) -> Any:
+            node = tree.nodes.new("ShaderNodeTexImage")
+            node.image = texture
+            return scenes.shader(tree, kind, **{name: node.outputs["Color"] for name in names}).outputs[0]
+
+        return scenes.material(" ".join((kind, *names)), build)
+
+    simple, p = scenes.simple, "ShaderNodeBsdfPrincipled"
+    surfaces = [
+        simple("coat", p, Coat_Weight=0.5, Coat_Tint=(0.9, 0.5, 0.5)),
+        simple("sheen", p, Sheen_Weight=0.5),
+        simple("half metal", p, Metallic=0.5, Anisotropic=0.5),
+        simple("half glass", p, Transmission_Weight=0.5, Alpha=0.5),
+        simple("clear", p, Transmission_Weight=1.0, Roughness=0.0),
+        simple("smooth", p, Roughness=0.0),
+        simple("dull", p, Specular_IOR_Level=0.0),
+        textured(p, "Base_Color", "Roughness", "Metallic", "Alpha"),
+        textured(p, "Transmission_Weight", "Roughness", "Base_Color"),
+        textured("ShaderNodeEmission", "Color"),
+        textured("ShaderNodeBsdfGlass", "Color", "Roughness"),
+        textured("ShaderNodeBsdfAnisotropic", "Color", "Roughness"),
+        simple("metallic", "ShaderNodeBsdfMetallic"),
+        simple("refraction", "ShaderNodeBsdfRefraction", Roughness=0.2),
+        simple("rough", "ShaderNodeBsdfDiffuse", Roughness=0.5),
+        simple("tinted", "ShaderNodeBsdfTransparent", Color=(0.5, 0.6, 0.7)),
+    ]
+    for at, surface in enumerate(surfaces):
+        scenes.ball(scene, surface.name, 0.3, surface, location=(at % 4 - 1.5, at // 4 - 1.5, 0.3))
+    image = support.colors(support.render(scene, "LODESTAR", 4, "shaders"))
+    assert image.mean() > 0.1
+
+
+def test_stopping_keeps_the_picture(tmp_path: Path) -> None:
+    """A stopped program ends with its picture."""
+    minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    scene = exported(tmp_path).scene_file
+    line = ["render", str(scene), "--width", "16", "--height", "16", "--spp", "1000000000", "-o", "a.exr", "--log", "json"]
+    running = process.Process(process.find(""), line, tmp_path)
+    stopped = False
+    for event in running.events():
+        if event is not None and event["event"] == "step" and not stopped:
+            running.stop()
+            stopped = True
+    assert stopped and running.exit_code == 130
+    assert (tmp_path / "a.exr").exists()
+
+
+def test_missing_program() -> None:
+    with pytest.raises(FileNotFoundError, match="preferences"):
+        process.find("/nowhere/lodestar")

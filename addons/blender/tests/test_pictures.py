@@ -1,0 +1,107 @@
+"""Six scenes made in code, rendered by Cycles and by Lodestar."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+import support
+from lodestar import exr
+
+# Scene, samples of both, largest deviation of a block mean, and of the whole mean. Most of a bound is noise; `glass` has a
+# Principled surface, whose diffuse base differs (docs/blender.md).
+ROWS = [
+    ("lamps", 512, 0.04, 0.01),
+    ("textures", 128, 0.02, 0.005),
+    ("environment", 128, 0.03, 0.01),
+    ("glass", 256, 0.02, 0.005),
+    ("instances", 128, 0.03, 0.005),
+    ("relief", 128, 0.01, 0.005),
+]
+
+
+@pytest.mark.parametrize("name,samples,block,whole", ROWS, ids=[row[0] for row in ROWS])
+def test_agrees_with_cycles(name: str, samples: int, block: float, whole: float) -> None:
+    scene = scenes.ALL[name]()
+    theirs = support.colors(support.render(scene, "CYCLES", samples, name))
+    ours = support.colors(support.render(scene, "LODESTAR", samples, name))
+    assert ours.shape == theirs.shape
+    found, ratio = support.deviation(ours, theirs), support.mean_ratio(ours, theirs)
+    print(f"{name}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
+    assert found < block and abs(ratio - 1.0) < whole
+
+
+def test_twin_a_stronger_lamp_is_found() -> None:
+    """The comparison finds a lamp with 5 % more power."""
+    scene = scenes.relief()
+    theirs = support.colors(support.render(scene, "CYCLES", 128, "twin"))
+    scene.objects["area"].data.energy *= 1.05
+    ours = support.colors(support.render(scene, "LODESTAR", 128, "twin"))
+    _, _, block, whole = next(row for row in ROWS if row[0] == "relief")
+    assert support.deviation(ours, theirs) > block
+    assert abs(support.mean_ratio(ours, theirs) - 1.0) > whole
+
+
+def test_passes() -> None:
+    """Albedo, normal, depth and variance arrive in passes of these names."""
+    scene = scenes.empty()
+    scenes.camera(scene, (0, 0, 3), (0, 0, 0))
+    scenes.plane(scene, "ground", 9, scenes.diffuse("red", (0.8, 0.2, 0.1)))
+    scenes.world(scene, (1, 1, 1))
+    picture = support.render(scene, "LODESTAR", 16, "passes")
+    layer = lambda name, ids: picture.layer([f"ViewLayer.{name}.{each}" for each in ids])  # noqa: E731
+    assert np.allclose(layer("Albedo", "RGB"), (0.8, 0.2, 0.1), atol=1e-3)
+    assert np.allclose(layer("Normal", "XYZ"), (0, 0, 1), atol=1e-3)
+    assert np.abs(layer("Depth", "Z")[31:33, 31:33] - 3.0).max() < 0.01
+    assert (layer("Variance", "RGB") >= 0.0).all()
+
+
+def test_border_without_crop() -> None:
+    """A border that does not crop fills its window of the whole picture."""
+    scene = scenes.empty()
+    scenes.camera(scene, (0, 0, 3), (0, 0, 0))
+    scenes.world(scene, (1, 1, 1))
+    scene.render.use_border, scene.render.use_crop_to_border = True, False
+    scene.render.border_min_x, scene.render.border_max_x = 0.5, 1.0
+    scene.render.border_min_y, scene.render.border_max_y = 0.75, 1.0
+    image = support.colors(support.render(scene, "LODESTAR", 4, "border"))
+    assert image.shape == (64, 64, 3)
+    assert np.allclose(image[:16, 32:], 1.0, atol=1e-3)
+    assert not image[16:].any() and not image[:, :32].any()
+
+
+@pytest.mark.parametrize("roughness", [0.0, 0.1, 0.2, 0.3, 0.5, 1.0])
+def test_principled_sphere(roughness: float) -> None:
+    """A Principled sphere in a white world has the brightness that it has in Cycles."""
+    pictures = {}
+    for engine in ("CYCLES", "LODESTAR"):
+        scene = scenes.empty()
+        scene.render.resolution_percentage = 25
+        scenes.camera(scene, (0, -5, 0), (0, 0, 0), type="ORTHO", ortho_scale=1.9)
+        scenes.world(scene, (1, 1, 1))
+        surface = scenes.simple("white", "ShaderNodeBsdfPrincipled", Base_Color=(0.7, 0.7, 0.7), Roughness=roughness)
+        scenes.ball(scene, "ball", 1.0, surface)
+        pictures[engine] = support.colors(support.render(scene, engine, 128, "sphere"))
+    ratio = support.mean_ratio(pictures["LODESTAR"], pictures["CYCLES"])
+    center = support.mean_ratio(pictures["LODESTAR"][6:10, 6:10], pictures["CYCLES"][6:10, 6:10])
+    print(f"roughness {roughness}: ratio of means {ratio:.4f}, in the center {center:.4f}")
+    assert abs(ratio - 1.0) < 0.025 and abs(center - 1.0) < 0.06
+
+
+def test_frames_of_an_animation() -> None:
+    """Each frame is rendered with its own scene."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 25
+    scenes.camera(scene, (0, 0, 3), (0, 0, 0))
+    scenes.world(scene, (1, 1, 1))
+    moving = scenes.plane(scene, "plane", 9, scenes.diffuse("black", (0.0, 0.0, 0.0)))
+    for frame, height in ((1, 0.0), (2, 9.0)):
+        moving.location.z = height
+        moving.keyframe_insert("location", frame=frame)
+    scene.frame_start, scene.frame_end = 1, 2
+    scene.render.engine, scene.render.filepath = "LODESTAR", str(support.FOLDER / "frame-")
+    scene.lodestar.samples = 4
+    bpy.ops.render.render(animation=True)
+    means = [support.colors(exr.read(path)).mean() for path in sorted(support.FOLDER.glob("frame-*.exr"))]
+    assert means == pytest.approx([0.0, 1.0], abs=1e-3)

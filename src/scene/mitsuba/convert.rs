@@ -1,0 +1,204 @@
+//! Writer of Mitsuba scenes: one XML file, and a folder of the files that it names.
+
+use std::collections::{HashMap, HashSet};
+use std::ffi::OsStr;
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::description::Description;
+use super::document::{self, Document};
+use super::element::{Element, MESH, MESH_INDEX};
+use super::folders::FoundFile;
+use super::transform;
+use crate::scene::mesh::{Mesh, ply_writer};
+use crate::{Error, Result, files};
+
+/// Version of the format that is written.
+const VERSION: &str = "3.0.0";
+
+/// Writes the file at `input`, which is in XML. Returns the number of files beside `output`.
+pub(in crate::scene) fn write_xml(
+    input: &Path,
+    defines: &[(String, String)],
+    output: &Path,
+    overwrite: bool,
+) -> Result<usize> {
+    write(&document::read(input, defines)?, output, overwrite)
+}
+
+/// Writes a description. Meshes in memory become binary PLY files, and images in memory become files. Returns the number of
+/// files beside `output`.
+pub(in crate::scene) fn write_description(description: Description, output: &Path, overwrite: bool) -> Result<usize> {
+    write(&description.into_document(": ")?, output, overwrite)
+}
+
+fn write(document: &Document, output: &Path, overwrite: bool) -> Result<usize> {
+    if !files::has_extension(output, "xml") {
+        return Err(Error::Settings(format!("{}: the name of a scene must end in .xml", output.display())));
+    }
+    let folder = output.with_extension("");
+    if let Some(taken) = [output, &folder].into_iter().find(|path| !overwrite && path.exists()) {
+        let message = "it exists already; name another file, or replace it with --overwrite";
+        return Err(Error::Settings(format!("{}: {message}", taken.display())));
+    }
+    let mut writer = Writer { document, folder, copies: HashMap::new(), names: HashSet::new(), text: String::new() };
+    writer.elements(&document.elements, 1)?;
+    let text = format!("<scene version=\"{VERSION}\">\n{}</scene>\n", writer.text);
+    files::write_whole(output, |file| file.write_all(text.as_bytes()))?;
+    Ok(writer.names.len())
+}
+
+/// Writer of one scene, with what it has written.
+struct Writer<'a> {
+    document: &'a Document,
+    /// Folder of the files that the scene names.
+    folder: PathBuf,
+    /// Names in the folder by the canonical path of the copied file.
+    copies: HashMap<PathBuf, String>,
+    /// Names in the folder, in lower case.
+    names: HashSet<String>,
+    text: String,
+}
+
+impl Writer<'_> {
+    fn elements(&mut self, elements: &[Element], depth: usize) -> Result<()> {
+        elements.iter().try_for_each(|element| self.element(element, depth))
+    }
+
+    fn element(&mut self, element: &Element, depth: usize) -> Result<()> {
+        let indent = "    ".repeat(depth);
+        // Mitsuba 3 does not normalize the axis of a rotation, as 0.6 does, so the rotation becomes a matrix.
+        if element.is_old && transform::warning(element)?.is_some() {
+            let rows = transform::parse_rotate(element)?.transpose().to_cols_array();
+            let rows = rows.map(|value| format!("{value:?}")).join(" ");
+            self.text += &format!("{indent}<matrix value=\"{rows}\"/>\n");
+            return Ok(());
+        }
+        self.text += &format!("{indent}<{}", element.tag);
+        let is_mesh = element.attribute("type") == Some(MESH);
+        for (name, value) in &element.attributes {
+            let value = match name.as_str() {
+                // The id names an object of the scene.
+                "name" if depth == 1 && element.is_object() => continue,
+                "name" => element.key().unwrap_or_default(),
+                "type" if is_mesh => "ply".to_owned(),
+                "filename" => self.copy(element, value)?,
+                "value" if element.attribute("name") == Some("filename") => self.copy(element, value)?,
+                _ => value.clone(),
+            };
+            self.attribute(name, &value);
+        }
+        if element.children.is_empty() {
+            self.text += "/>\n";
+            return Ok(());
+        }
+        self.text += ">\n";
+        for child in &element.children {
+            match is_mesh && child.attribute("name") == Some(MESH_INDEX) {
+                true => self.mesh(child, depth + 1)?,
+                false => self.element(child, depth + 1)?,
+            }
+        }
+        self.text += &format!("{indent}</{}>\n", element.tag);
+        Ok(())
+    }
+
+    fn attribute(&mut self, name: &str, value: &str) {
+        self.text += &format!(" {name}=\"{}\"", escaped(value));
+    }
+
+    /// Writes a mesh that lies in memory, and the parameter that names its file.
+    fn mesh(&mut self, index: &Element, depth: usize) -> Result<()> {
+        let number = index.required("value")?;
+        let mesh: Option<&Mesh> = number.parse().ok().and_then(|index: usize| self.document.meshes.get(index));
+        let mesh = mesh.ok_or_else(|| index.error(format!("there is no mesh {number}")))?;
+        let name = self.new_name(OsStr::new(&format!("mesh-{number}.ply")));
+        let path = self.make_folder()?.join(&name);
+        files::write_whole(&path, |file| ply_writer::write(mesh, file))?;
+        let value = self.relative(&name);
+        self.text += &"    ".repeat(depth);
+        self.text += &format!("<string name=\"filename\" value=\"{}\"/>\n", escaped(&value));
+        Ok(())
+    }
+
+    /// Copies the file that an element names, once, and returns its name relative to the scene.
+    fn copy(&mut self, element: &Element, name: &str) -> Result<String> {
+        // The scene has been read, so a file that is not there is one that nothing needs.
+        let found = self.document.folders.find_any(name, &element.location.file);
+        let Some(FoundFile { path: source, bytes }) = found else { return Ok(name.to_owned()) };
+        if let Some(name) = self.copies.get(&source) {
+            return Ok(self.relative(name));
+        }
+        let name = match &bytes {
+            Some(bytes) => self.new_name(OsStr::new(&image_name(name, bytes))),
+            None => self.new_name(source.file_name().unwrap_or_default()),
+        };
+        let target = self.make_folder()?.join(&name);
+        match bytes {
+            Some(bytes) => files::write_whole(&target, |file| file.write_all(&bytes))?,
+            // A scene beside its own files: nothing is to be copied.
+            None if target.canonicalize().is_ok_and(|target| target == source) => {}
+            None => {
+                let mut reader = fs::File::open(&source).map_err(Error::read(&source))?;
+                files::write_whole(&target, |file| io::copy(&mut reader, file).map(drop))?;
+            }
+        }
+        let relative = self.relative(&name);
+        self.copies.insert(source, name);
+        Ok(relative)
+    }
+
+    fn make_folder(&self) -> Result<&Path> {
+        fs::create_dir_all(&self.folder).map_err(Error::write(&self.folder))?;
+        Ok(&self.folder)
+    }
+
+    /// Path of a file in the folder, relative to the scene.
+    fn relative(&self, name: &str) -> String {
+        format!("{}/{name}", self.folder.file_name().unwrap_or_default().to_string_lossy())
+    }
+
+    /// Name that no other file of the folder has: `wood.png`, then `wood-2.png`.
+    fn new_name(&mut self, wanted: &OsStr) -> String {
+        let wanted = wanted.to_string_lossy();
+        let (stem, extension) = match wanted.rsplit_once('.') {
+            Some((stem, extension)) => (stem, format!(".{extension}")),
+            None => (&wanted[..], String::new()),
+        };
+        let mut name = wanted.to_string();
+        let mut count = 1;
+        while !self.names.insert(name.to_lowercase()) {
+            count += 1;
+            name = format!("{stem}-{count}{extension}");
+        }
+        name
+    }
+}
+
+/// Name for the file of an image in memory, with the extension of its format.
+fn image_name(name: &str, bytes: &[u8]) -> String {
+    let stem: String = name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    let extension = match bytes {
+        [0x89, b'P', b'N', b'G', ..] => ".png",
+        [0xff, 0xd8, ..] => ".jpg",
+        _ => "",
+    };
+    if stem.to_lowercase().ends_with(extension) { stem } else { stem + extension }
+}
+
+/// Text as it stands between the quotes of an attribute.
+fn escaped(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => result += "&amp;",
+            '<' => result += "&lt;",
+            '>' => result += "&gt;",
+            '"' => result += "&quot;",
+            '\n' | '\r' | '\t' => result.push(' '),
+            c => result.push(c),
+        }
+    }
+    result
+}

@@ -1,0 +1,103 @@
+//! Several devices render one picture with the bits of one device.
+
+use lodestar::renderer::{Counts, RenderState, Renderer};
+use lodestar::scene::Scene;
+use lodestar::settings::{Execution, Learner, Sampler, Settings};
+use support::scenes::{combinations, ours, settings};
+use support::tier;
+
+use crate::determinism::bits;
+use crate::device::{Device, steps};
+
+/// Size that is not a whole number of tiles, so that devices have unequal shares.
+const SIZE: [u32; 2] = [44, 29];
+/// Samples per pixel: several steps, and a part of one.
+const SPP: u32 = 28;
+
+fn scene() -> Scene {
+    ours("cornell-box/scene.xml", &[])
+}
+
+/// Renderers of one scene, each with a device of its own, that share a film.
+struct Ranks {
+    renderer: Renderer,
+    _devices: Vec<Device>,
+}
+
+impl Ranks {
+    fn new(scene: &Scene, settings: &Settings, ranks: usize) -> Self {
+        let devices: Vec<_> = (0..ranks).map(|_| Device::new()).collect();
+        let mut renderers = devices.iter().map(|device| device.renderer(scene, settings));
+        let mut renderer = renderers.next().expect("a device");
+        renderer.share_with(renderers.collect()).expect("renderers without samples");
+        assert_eq!(renderer.device_count(), ranks);
+        Self { renderer, _devices: devices }
+    }
+}
+
+/// Everything that a render leaves: its picture, its state (where its last step was whole) and the counts of its steps.
+type Left = (Vec<u32>, RenderState, Vec<Counts>);
+
+fn left(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Left {
+    let counts = steps(renderer, settings, spp);
+    (bits(&renderer.picture().expect("a picture")), renderer.state().expect("a state"), counts)
+}
+
+/// Settings with names: samplers and learners, emitter sampling, waves, ends by noise, parts, several film pages.
+fn configurations(scene: &Scene) -> Vec<(String, Settings)> {
+    let with = |sampler: Sampler, change: &dyn Fn(&mut Settings)| {
+        let mut settings = settings(scene, SIZE, sampler, 21);
+        change(&mut settings);
+        settings
+    };
+    let mut all = vec![
+        ("bsdf".into(), with(Sampler::Bsdf, &|_| {})),
+        ("waves".into(), with(Sampler::Product, &|s| s.execution = Execution::Wavefront)),
+        ("one kernel".into(), with(Sampler::Product, &|s| s.execution = Execution::Megakernel)),
+        ("no emitter sampling".into(), with(Sampler::RejectionMix, &|s| s.nee = false)),
+        ("noise".into(), with(Sampler::RejectionMix, &|s| s.noise = Some(0.2))),
+        ("a part".into(), with(Sampler::RejectionMix, &|s| s.sample_offset = Some(64))),
+        ("film pages".into(), with(Sampler::RejectionMix, &|s| s.film_page_pixels = Some(256))),
+    ];
+    for (sampler, learner) in combinations() {
+        all.push((format!("{sampler:?} and {learner:?}"), with(sampler, &|s| s.learner = learner)));
+    }
+    all
+}
+
+#[test]
+fn any_number_of_devices_gives_the_bits_of_one() {
+    let scene = scene();
+    let all = configurations(&scene);
+    let ranks: &[usize] = if tier::is_full() { &[2, 3, 4] } else { &[2, 3] };
+    for (name, settings) in &all {
+        let one = left(&mut Device::new().renderer(&scene, settings), settings, SPP);
+        for &ranks in ranks {
+            let several = left(&mut Ranks::new(&scene, settings, ranks).renderer, settings, SPP);
+            assert!(several.0 == one.0, "{name}, {ranks} devices: picture");
+            assert_eq!(several.2, one.2, "{name}, {ranks} devices: counts");
+            for (theirs, ours) in several.1.parts.iter().zip(&one.1.parts) {
+                assert!(theirs == ours, "{name}, {ranks} devices: {}", ours.name);
+            }
+        }
+    }
+    println!("{} configurations", all.len());
+}
+
+/// Checkpoints go on with any number of devices.
+#[test]
+fn a_resumed_render_may_have_another_number_of_devices() {
+    let scene = scene();
+    for (sampler, learner) in [(Sampler::RejectionMix, Learner::Sarsa), (Sampler::Quadtree, Learner::MonteCarlo)] {
+        let settings = Settings { learner, ..settings(&scene, SIZE, sampler, 21) };
+        let whole = left(&mut Device::new().renderer(&scene, &settings), &settings, SPP);
+        for (before, after) in [(1, 3), (3, 2), (2, 1)] {
+            let mut first = Ranks::new(&scene, &settings, before);
+            let (_, state, _) = left(&mut first.renderer, &settings, 16);
+            let mut second = Ranks::new(&scene, &settings, after);
+            second.renderer.restore(&state).expect("the same settings");
+            let rest = left(&mut second.renderer, &settings, SPP);
+            assert!(rest.0 == whole.0 && rest.1 == whole.1, "{sampler:?}: {before}, then {after} devices");
+        }
+    }
+}

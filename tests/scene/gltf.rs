@@ -1,0 +1,180 @@
+//! Reader of glTF 2.0: models made in code, with their buffers as data URIs.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use lodestar::scene::{CameraChoice, EnvironmentChoice, EnvironmentKind, LoadOptions, Scene, load};
+use serde_json::{Value, json};
+
+use crate::Folder;
+use crate::fuzz::{fuzz, mangled};
+
+/// A square in the plane z = 0, seen from +z, with normals and texture coordinates.
+fn square() -> Value {
+    let positions = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    let uvs = [[0.0f32, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+    let mut bytes: Vec<u8> = positions.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+    bytes.extend(uvs.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
+    bytes.extend([0u16, 1, 2, 0, 2, 3].iter().flat_map(|index| index.to_le_bytes()));
+    json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": "Wall", "translation": [0, 0, -2]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2, "material": 0}]}],
+        "materials": [{"name": "Paint", "pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.4, 0.6, 1.0], "metallicFactor": 0.0}}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+            {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+            {"buffer": 0, "byteOffset": 80, "byteLength": 12},
+        ],
+        "buffers": [{"byteLength": 92, "uri": format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes))}],
+    })
+}
+
+fn read_with(model: &Value, options: &LoadOptions) -> Result<Scene, String> {
+    let folder = Folder::new(&[("model.gltf", &model.to_string())]);
+    load(&folder.path("model.gltf"), options).map_err(|error| error.to_string())
+}
+
+fn read(model: &Value) -> Result<Scene, String> {
+    read_with(model, &LoadOptions::default())
+}
+
+/// Mangled models give a scene or an error.
+#[test]
+fn mangled_models_never_panic() {
+    let mut model = square();
+    model["nodes"][0]["skin"] = json!(0);
+    model["skins"] = json!([{"joints": [0]}]);
+    let text = model.to_string().into_bytes();
+    fuzz(mangled(text), |bytes| {
+        let folder = Folder::new(&[]);
+        folder.write("model.gltf", &bytes);
+        let finite = |scene: &Scene| scene.primitives.iter().all(|primitive| primitive.bounds().0.is_finite());
+        proptest::prop_assert!(load(&folder.path("model.gltf"), &LoadOptions::default()).map_or(true, |s| finite(&s)));
+        Ok(())
+    });
+}
+
+/// Body of a scene in XML with the square of [`square`].
+const SQUARE_IN_XML: &str = r#"
+    <shape type="ply"><string name="filename" value="square.ply"/>
+        <transform name="to_world"><translate z="-2"/></transform>
+        <bsdf type="twosided"><bsdf type="principled">
+            <rgb name="base_color" value="0.2 0.4 0.6"/><float name="roughness" value="1"/><float name="eta" value="1.5"/>
+        </bsdf></bsdf></shape>"#;
+
+#[test]
+fn a_model_is_the_scene_of_its_xml() {
+    let ours = read(&square()).unwrap();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float u\nproperty float v\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n0 0 0 0 1\n1 0 0 1 1\n1 1 0 1 0\n0 1 0 0 0\n3 0 1 2\n3 0 2 3\n";
+    let xml = format!(r#"<scene version="3.0.0">{SQUARE_IN_XML}</scene>"#);
+    let folder = Folder::new(&[("scene.xml", &xml), ("square.ply", ply)]);
+    let theirs = load(&folder.path("scene.xml"), &LoadOptions::default()).unwrap();
+    assert_eq!(ours.primitives, theirs.primitives);
+    assert_eq!(ours.materials, theirs.materials);
+    assert_eq!(ours.camera, theirs.camera);
+}
+
+#[test]
+fn a_model_without_camera_and_light_says_so() {
+    let warnings = read(&square()).unwrap().warnings.join("\n");
+    assert!(warnings.contains("the scene has no light; give it one with --environment constant"), "{warnings}");
+    assert!(warnings.contains("a camera at"), "{warnings}");
+}
+
+#[test]
+fn cameras_are_chosen_by_name_and_by_index() {
+    let mut model = square();
+    model["cameras"] = json!([
+        {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1, "aspectRatio": 2.0}},
+        {"type": "orthographic", "orthographic": {"xmag": 2.0, "ymag": 1.0, "znear": 0.1, "zfar": 10.0}},
+    ]);
+    let nodes = model["nodes"].as_array_mut().unwrap();
+    nodes.push(json!({"camera": 0, "name": "Front", "translation": [0.5, 0.5, 3.0]}));
+    nodes.push(json!({"camera": 1, "name": "Flat"}));
+    model["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let with = |name: &str| {
+        let camera = Some(name.parse::<CameraChoice>().unwrap());
+        read_with(&model, &LoadOptions { camera, ..LoadOptions::default() })
+    };
+    let front = with("Front").unwrap();
+    assert_eq!(front.camera.world_from_camera.w_axis.truncate(), glam::Vec3::new(0.5, 0.5, 3.0));
+    assert_eq!(front.camera.world_from_camera.z_axis.truncate(), glam::Vec3::NEG_Z, "it looks along -z");
+    assert_eq!((front.film.width, front.film.height), (1440, 720));
+    assert!((front.camera.fov - 0.5f32.to_degrees()).abs() < 1e-4);
+    assert_eq!(with("0").unwrap().camera, front.camera);
+    assert_ne!(with("Flat").unwrap().camera, front.camera);
+    assert_ne!(with("fit").unwrap().camera, front.camera);
+    let error = with("Side").unwrap_err();
+    assert!(error.contains("there is no camera `Side`") && error.contains("0 (`Front`), 1 (`Flat`)"), "{error}");
+}
+
+#[test]
+fn an_environment_replaces_the_scenes_own() {
+    let options = LoadOptions { environment: Some(EnvironmentChoice::Constant), ..LoadOptions::default() };
+    let environment = read_with(&square(), &options).unwrap().environment.unwrap();
+    assert!(matches!(environment.kind, EnvironmentKind::Constant { .. }));
+    let environment = Some(EnvironmentChoice::File("no-such-file.exr".into()));
+    let error = read_with(&square(), &LoadOptions { environment, ..LoadOptions::default() }).unwrap_err();
+    assert!(error.contains("no-such-file.exr"), "{error}");
+}
+
+#[test]
+fn lights_and_emissive_surfaces_shine() {
+    let mut model = square();
+    model["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_emissive_strength"]);
+    model["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "point", "color": [1, 0.5, 0.25], "intensity": 8},
+        {"type": "directional", "intensity": 2},
+        {"type": "spot", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.4}},
+    ]}});
+    for light in 0..3 {
+        let node = json!({"extensions": {"KHR_lights_punctual": {"light": light}}, "translation": [0, 5, 0]});
+        model["nodes"].as_array_mut().unwrap().push(node);
+    }
+    model["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
+    model["materials"][0]["emissiveFactor"] = json!([1, 1, 0.5]);
+    model["materials"][0]["extensions"] = json!({"KHR_materials_emissive_strength": {"emissiveStrength": 4}});
+    let scene = read(&model).unwrap();
+    assert_eq!((scene.delta_emitters.len(), scene.emitters.len()), (3, 1));
+    assert_eq!(scene.emitters[0].radiance.value, glam::Vec3::new(4.0, 4.0, 2.0));
+    assert!(!scene.warnings.join("\n").contains("has no light"));
+}
+
+#[test]
+fn instances_of_an_extension_are_placed() {
+    let mut model = square();
+    model["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);
+    // The positions of the square's corners serve as translations.
+    model["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0}}});
+    assert_eq!(read(&model).unwrap().primitives.len(), 8);
+}
+
+#[test]
+fn faults_name_the_thing() {
+    let refused = |change: &dyn Fn(&mut Value), expected: &str| {
+        let mut model = square();
+        change(&mut model);
+        let error = read(&model).expect_err(expected);
+        assert!(error.contains(expected) && error.contains("model.gltf"), "{error} lacks {expected}");
+    };
+    refused(&|m| m["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression");
+    refused(&|m| m["extensionsRequired"] = json!(["EXT_meshopt_compression"]), "EXT_meshopt_compression");
+    refused(&|m| m["extensionsRequired"] = json!(["KHR_texture_basisu"]), "PNG or JPEG");
+    refused(&|m| m["buffers"][0]["uri"] = json!("http://a.b/c.bin"), "is an address");
+    refused(&|m| m["buffers"][0]["uri"] = json!("gone.bin"), "gone.bin");
+    refused(&|m| m["bufferViews"][0]["byteLength"] = json!(12), "accessor 0");
+    refused(&|m| m["bufferViews"][0]["byteOffset"] = json!(4_000_000_000u32), "reaches beyond");
+    refused(&|m| m["accessors"][0]["count"] = json!(4_000_000_000u32), "too many values");
+    refused(&|m| m["nodes"][0]["children"] = json!([0]), "its own ancestor");
+    refused(&|m| m["nodes"][0]["mesh"] = json!(7), "malformed glTF");
+    refused(&|m| m["accessors"][0]["count"] = json!(3), "names the vertex 3");
+    let options = LoadOptions { defines: vec![("a".into(), "1".into())], ..LoadOptions::default() };
+    assert!(read_with(&square(), &options).unwrap_err().contains("-D a"));
+}
