@@ -9,7 +9,7 @@ use pyo3::types::{PyBool, PyDict, PyList};
 use crate::errors::raised;
 
 /// Options of files and messages that Python has, too. Pictures are saved by their own method.
-const FILES: [&str; 2] = ["checkpoint", "checkpoint-every"];
+const FILES: [&str; 3] = ["checkpoint", "checkpoint-every", "guide-from"];
 /// Options of a resumed render. Its checkpoint has the others.
 const OF_RESUMED: [&str; 7] = ["spp", "time", "device", "slice-ms", "execution", "kernel-dir", "checkpoint-every"];
 

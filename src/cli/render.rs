@@ -18,6 +18,7 @@ pub fn run(args: RenderArgs) -> Result<ExitCode> {
     let viewers = args.viewers.options(args.files.denoiser());
     let start = Start::Anew(SceneInput::File { path: args.scene, options: args.load.options() });
     let options = args.device.add_to(args.length.add_to(args.choices.options()));
+    let options = with(options, args.guide_from, Options::guide_from);
     let options = with_checkpoint(options, args.checkpoint, args.checkpoint_every).files(args.files.into());
     render(start, &options, &console, &viewers)
 }
@@ -25,6 +26,7 @@ pub fn run(args: RenderArgs) -> Result<ExitCode> {
 /// Options that `args` stand for, without the scene and the files of the picture.
 pub fn options(args: RenderArgs) -> Options {
     let options = args.device.add_to(args.length.add_to(args.choices.options()));
+    let options = with(options, args.guide_from, Options::guide_from);
     with_checkpoint(options, args.checkpoint, args.checkpoint_every)
 }
 

@@ -36,6 +36,8 @@ pub struct RenderArgs {
     pub checkpoint: Option<PathBuf>,
     #[arg(long, requires = "checkpoint", default_value_t = CHECKPOINT_EVERY, value_parser = seconds)]
     pub checkpoint_every: f64,
+    #[arg(long)]
+    pub guide_from: Option<PathBuf>,
     #[command(flatten)]
     pub length: LengthArgs,
     #[command(flatten)]

@@ -4,15 +4,17 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
+
 use crate::film::Picture;
 use crate::settings::Settings;
 
 /// Ranges of sample numbers by seed, written as `7:0..64, 7:128..192`. They are sorted and disjoint; touching ranges
 /// are joined.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SampleRanges(Vec<SeededRange>);
 
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct SeededRange {
     seed: u32,
     /// Sample numbers in 64 bits, because the end may be 2^32.
@@ -26,6 +28,18 @@ impl SampleRanges {
         let first = u64::from(settings.sample_offset.unwrap_or(0));
         let most = picture.sample_count.iter().copied().max().unwrap_or(0);
         Self(vec![SeededRange { seed: settings.seed, samples: first..first + u64::from(most) }])
+    }
+
+    /// Sample range of a render's first `samples` samples per pixel.
+    pub fn of_render(settings: &Settings, samples: u32) -> Self {
+        let first = u64::from(settings.sample_offset.unwrap_or(0));
+        let samples = first..first + u64::from(samples);
+        Self(if samples.is_empty() { Vec::new() } else { vec![SeededRange { seed: settings.seed, samples }] })
+    }
+
+    /// Number after the last sample of a seed; `None` where there is no sample of it.
+    pub fn end(&self, seed: u32) -> Option<u64> {
+        self.0.iter().filter(|range| range.seed == seed).map(|range| range.samples.end).max()
     }
 
     /// First range of samples that both hold, as text; `None` where they are disjoint.

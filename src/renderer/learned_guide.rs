@@ -5,40 +5,47 @@ use glam::{DVec3, Vec3};
 use super::Renderer;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_trees::{Node, nodes_per_tree};
+use crate::film::ranges::SampleRanges;
 use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
 use crate::math::direction_map::bin_center;
 use crate::renderer::persistent::Persistent;
-use crate::renderer::state::StatePart;
+use crate::renderer::state::{RenderState, StatePart};
 use crate::settings::{Sampler, Settings};
 use crate::{Error, Result};
 
 /// The radiance that a guide has learned, cell by cell and direction by direction.
 #[derive(Debug, Clone)]
 pub struct LearnedGuide {
+    state: GuideState,
+    radiance: Vec<f32>,
+}
+
+/// A guide as another render can begin with it.
+#[derive(Debug, Clone)]
+pub(crate) struct GuideState {
     settings: Settings,
     cells: Cells,
-    radiance: Vec<f32>,
     parts: Vec<StatePart>,
-    /// Seeds of the renders that it was learned in.
-    seeds: Vec<u32>,
+    /// Samples that it was learned from.
+    samples: SampleRanges,
 }
 
 impl LearnedGuide {
     /// Lower and upper corner of every cell, world space.
     pub fn cells(&self) -> Vec<[Vec3; 2]> {
-        self.cells.boxes()
+        self.state.cells.boxes()
     }
 
     /// Unit direction of the center of every bin, world space. Bins cover equal solid angles.
     pub fn directions(&self) -> Vec<DVec3> {
-        let Settings { map, directions, .. } = self.settings;
+        let Settings { map, directions, .. } = self.state.settings;
         (0..directions.pow(2)).map(|bin| bin_center(map, bin, directions)).collect()
     }
 
     /// Bins along each side of the map of directions.
     pub fn side(&self) -> u32 {
-        self.settings.directions
+        self.state.settings.directions
     }
 
     /// Learned radiance, W/(m^2 sr), the mean over RGB: `[cell][bin]`. Unless emitters are not sampled (`--nee off`), light that
@@ -49,9 +56,13 @@ impl LearnedGuide {
 
     /// Learned radiance of the cell of a point, a bin after the other.
     pub fn radiance_at(&self, position: Vec3) -> &[f32] {
-        let bins = self.settings.directions.pow(2) as usize;
-        let begin = self.cells.cell_of(position) * bins;
+        let bins = self.state.settings.directions.pow(2) as usize;
+        let begin = self.state.cells.cell_of(position) * bins;
         self.radiance.get(begin..begin + bins).unwrap_or_default()
+    }
+
+    pub(crate) fn state(&self) -> &GuideState {
+        &self.state
     }
 }
 
@@ -61,44 +72,71 @@ impl Renderer {
     /// # Errors
     /// Where the sampler learns no radiance, or the device is lost.
     pub fn learned_guide(&self) -> Result<LearnedGuide> {
-        let refuse = |message: &str| Err(Error::Settings(message.into()));
-        match self.settings.sampler {
-            Sampler::Bsdf => return refuse("--sampler bsdf learns nothing, so there is no guide"),
-            Sampler::Quadtree => return refuse("--sampler quadtree learns flux, not radiance; choose another sampler"),
-            _ => {}
-        }
+        check_learns_radiance(&self.settings)?;
         let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
         let parts = self.guide_parts().iter().map(read).collect::<Result<_>>()?;
-        let own = (self.samples_done > 0).then_some(self.settings.seed);
-        Ok(LearnedGuide {
-            settings: self.settings.clone(),
-            cells: self.cells.clone(),
-            radiance: self.radiance()?,
-            parts,
-            seeds: self.earlier_seeds.iter().copied().chain(own).collect(),
-        })
+        let samples = self.guide_samples.clone().union(SampleRanges::of_render(&self.settings, self.samples_done));
+        let state = GuideState { settings: self.settings.clone(), cells: self.cells.clone(), parts, samples };
+        Ok(LearnedGuide { state, radiance: self.radiance()? })
+    }
+
+    /// The guide in the state of another render of this scene. `guide_samples` are the samples of earlier renders that it has
+    /// learned from.
+    ///
+    /// # Errors
+    /// Where the sampler learns no radiance, or the state holds no such guide.
+    pub(crate) fn guide_of_state(
+        &self,
+        settings: Settings,
+        state: RenderState,
+        guide_samples: SampleRanges,
+    ) -> Result<GuideState> {
+        check_learns_radiance(&settings)?;
+        check_same_guide(&settings, &self.settings)?;
+        let samples = guide_samples.union(SampleRanges::of_render(&settings, state.samples_done));
+        let mut saved = state.parts;
+        let mut take = |part: &Persistent| {
+            let found = saved.iter().position(|saved| saved.name == part.name);
+            let found = found.map(|found| saved.swap_remove(found));
+            found.ok_or_else(|| Error::Render(format!("the saved state holds no {}", part.name)))
+        };
+        let parts = self.guide_parts().iter().map(&mut take).collect::<Result<_>>()?;
+        // Settings of the guide and the scene decide the cells.
+        Ok(GuideState { settings, cells: self.cells.clone(), parts, samples })
+    }
+
+    /// Samples of earlier renders that the guide has learned from.
+    pub(crate) fn guide_samples(&self) -> &SampleRanges {
+        &self.guide_samples
+    }
+
+    /// Notes the samples of earlier renders that a restored guide has learned from.
+    pub(crate) fn set_guide_samples(&mut self, samples: SampleRanges) {
+        self.guide_samples = samples;
     }
 
     /// Begins with a guide of another render. Each cell takes what the nearest cell has learned.
     ///
     /// # Errors
-    /// Where steps were taken already, settings of the guides differ, or both renders have one seed.
+    /// Where steps were taken already, settings of the guides differ, or the guide has learned from samples that this render may
+    /// take.
     pub fn begin_with_guide(&mut self, guide: &LearnedGuide) -> Result<()> {
+        self.begin_with_guide_state(&guide.state)
+    }
+
+    /// Begins with the state of a guide, as [`Renderer::begin_with_guide`] does.
+    pub(crate) fn begin_with_guide_state(&mut self, guide: &GuideState) -> Result<()> {
         let refuse = |message: String| Err(Error::Settings(message));
         if self.samples_done > 0 {
             return refuse("a render begins with a guide before its first step, but it has samples already".into());
         }
-        if let Some((name, theirs, ours)) = difference(&guide.settings, &self.settings) {
+        check_same_guide(&guide.settings, &self.settings)?;
+        self.others.iter_mut().try_for_each(|other| other.begin_with_guide_state(guide))?;
+        let Settings { seed, sample_offset, .. } = self.settings;
+        if let Some(end) = guide.samples.end(seed).filter(|&end| end > u64::from(sample_offset.unwrap_or(0))) {
             return refuse(format!(
-                "the guide was learned with another {name} ({theirs} there, {ours} here); choose the same"
-            ));
-        }
-        self.others.iter_mut().try_for_each(|other| other.begin_with_guide(guide))?;
-        let seed = self.settings.seed;
-        if guide.seeds.contains(&seed) {
-            return refuse(format!(
-                "the guide has learned from samples of --seed {seed} already, and a guide must not have learned from the samples \
-                 that it guides; choose another seed"
+                "the guide has learned from samples of --seed {seed} up to number {end} already, and a guide must not have learned \
+                 from the samples that it guides; choose another seed, or a --sample-offset of at least {end}"
             ));
         }
         if self.settings.fallback > 0.0 && guide.cells != self.cells {
@@ -122,7 +160,7 @@ impl Renderer {
             bytes.resize(length, 0);
             part.write(&bytes)?;
         }
-        self.earlier_seeds = guide.seeds.clone();
+        self.guide_samples = guide.samples.clone();
         Ok(())
     }
 
@@ -172,6 +210,24 @@ fn copied_bits(bytes: &[u8], size: usize, sources: &[usize]) -> Vec<u8> {
         }
     }
     copy
+}
+
+/// Refuses samplers whose guide cannot begin another render.
+fn check_learns_radiance(settings: &Settings) -> Result<()> {
+    let refuse = |message: &str| Err(Error::Settings(message.into()));
+    match settings.sampler {
+        Sampler::Bsdf => refuse("--sampler bsdf learns nothing, so there is no guide"),
+        Sampler::Quadtree => refuse("--sampler quadtree learns flux, not radiance; choose another sampler"),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a guide that was learned with other settings than ours.
+fn check_same_guide(theirs: &Settings, ours: &Settings) -> Result<()> {
+    let Some((name, theirs, ours)) = difference(theirs, ours) else { return Ok(()) };
+    Err(Error::Settings(format!(
+        "the guide was learned with another {name} ({theirs} there, {ours} here); choose the same"
+    )))
 }
 
 /// First setting of the guide that differs: its name and both values. Settings of the film, the length and the samples do not

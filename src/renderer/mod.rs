@@ -35,6 +35,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+#[doc(hidden)]
+pub use ranks::sums;
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
@@ -42,6 +44,7 @@ pub use variants::{variant_for, variant_of_settings};
 use crate::Result;
 use crate::encode::cells::Cells;
 use crate::film::noise::NoiseReport;
+use crate::film::ranges::SampleRanges;
 use crate::film::{Picture, View};
 use crate::generated::kernels::BackEnd;
 use crate::gpu::Context;
@@ -49,6 +52,7 @@ use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
+use crate::renderer::ranks::sums::AddSums;
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::renderer::trace::tracer::Tracer;
@@ -70,13 +74,15 @@ pub struct Renderer {
     /// Whether the environment is seen behind the surfaces.
     has_background: bool,
     view: View,
-    /// Seeds of the renders that have taught the guide before this one.
-    earlier_seeds: Vec<u32>,
+    /// Samples of earlier renders that the guide has learned from.
+    guide_samples: SampleRanges,
     samples_done: u32,
     stopped: bool,
     at_step_end: bool,
     /// Renderers of the same scene on other devices. Each traces its share of the film's tiles.
     others: Vec<Renderer>,
+    /// Adds up the sums of all devices.
+    add_sums: AddSums,
 }
 
 impl Renderer {

@@ -9,11 +9,13 @@ use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
 use crate::encode::surfaces::{Shading, Surfaces};
 use crate::film::View;
+use crate::film::ranges::SampleRanges;
 use crate::generated::kernels::{BackEnd, Registry};
 use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::Learning;
+use crate::renderer::ranks::sums;
 use crate::renderer::sets::Sets;
 use crate::renderer::sets::bvh::BvhSet;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
@@ -89,11 +91,12 @@ impl Renderer {
             has_background: scene.environment.is_some() && !settings.hide_emitters,
             view: View::new(&scene.camera, settings.width, settings.height),
             cells,
-            earlier_seeds: Vec::new(),
+            guide_samples: SampleRanges::default(),
             samples_done: 0,
             stopped: false,
             at_step_end: true,
             others: Vec::new(),
+            add_sums: sums::add,
         };
         renderer.warm_up()?;
         Ok(renderer)

@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_128;
 
 use crate::files::write_whole;
+use crate::film::ranges::SampleRanges;
 use crate::renderer::{RenderState, StatePart};
 use crate::scene::LoadOptions;
 use crate::session::files::PictureFiles;
@@ -62,6 +63,8 @@ pub struct Record {
     pub kernels: Vec<String>,
     /// The steps so far.
     pub history: History,
+    /// Samples of earlier renders that the guide has learned from.
+    pub guide_samples: SampleRanges,
 }
 
 /// The file of a scene and the scene's fingerprint.
@@ -242,7 +245,13 @@ mod tests {
             scene: SceneSource { path: "/scenes/küche.xml".into(), options, hash: "00ff".into() },
             settings: Settings::for_scene(&scene),
             device: "a device".into(),
-            record: Record { length, outputs: PictureFiles::none(), kernels: vec!["a".into()], history },
+            record: Record {
+                length,
+                outputs: PictureFiles::none(),
+                kernels: vec!["a".into()],
+                history,
+                guide_samples: "7:0..64".parse().unwrap(),
+            },
             state: RenderState {
                 samples_done: 7,
                 parts: vec![part("a", &[1, 2, 3, 4]), part("b", &[]), part("c", &[5])],

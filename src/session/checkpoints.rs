@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::film::ranges::SampleRanges;
 use crate::renderer::Renderer;
 use crate::session::checkpoint::{Checkpoint, Record};
 use crate::session::history::History;
@@ -92,6 +93,11 @@ impl Checkpoints {
     pub fn begin_again(&mut self, settings: &Settings) {
         self.template.settings = settings.clone();
         (self.last, self.samples_written) = (None, None);
+    }
+
+    /// Notes the samples of earlier renders that the guide has learned from.
+    pub fn begin_with_guide(&mut self, samples: &SampleRanges) {
+        self.template.record.guide_samples = samples.clone();
     }
 
     /// Reads the state back before a step of `samples` samples per pixel, if enough time has passed or the step is shorter than

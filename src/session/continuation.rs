@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::renderer::RenderState;
-use crate::renderer::learned_guide::LearnedGuide;
+use crate::renderer::learned_guide::{GuideState, LearnedGuide};
 use crate::scene::EnvironmentChoice;
 use crate::session::checkpoint::{Checkpoint, Record, SceneSource};
 use crate::session::files::absolute_path;
@@ -39,10 +39,19 @@ impl Session {
     /// nearest cell has learned. The picture stays unbiased.
     ///
     /// # Errors
-    /// Where steps were taken already, settings of the guides differ, or the guide was learned with this render's seed: a guide
-    /// must not have learned from the samples that it guides.
+    /// Where steps were taken already, settings of the guides differ, or the guide has learned from samples that this render may
+    /// take: a guide must not have learned from the samples that it guides.
     pub fn begin_with_guide(&mut self, guide: &LearnedGuide) -> Result<()> {
-        self.renderer.begin_with_guide(guide)
+        self.begin_with_guide_state(guide.state().clone())
+    }
+
+    /// Begins with a guide, and keeps it in case the render must begin again.
+    pub(super) fn begin_with_guide_state(&mut self, guide: GuideState) -> Result<()> {
+        self.renderer.begin_with_guide_state(&guide)?;
+        let samples = self.renderer.guide_samples();
+        self.checkpoints.iter_mut().for_each(|checkpoints| checkpoints.begin_with_guide(samples));
+        self.origin.guide = Some(guide);
+        Ok(())
     }
 
     /// A checkpoint of this render with nothing rendered yet.
@@ -60,7 +69,8 @@ impl Session {
         let scene = SceneSource { path: absolute_path(path)?, options, hash };
         let outputs = self.output.pictures.to_absolute_paths()?;
         let (kernels, history) = (self.subject.kernels.clone(), History::default());
-        let record = Record { length: self.length, outputs, kernels, history };
+        let guide_samples = self.renderer.guide_samples().clone();
+        let record = Record { length: self.length, outputs, kernels, history, guide_samples };
         let (settings, device) = (self.settings.clone(), self.device_name());
         Ok(Checkpoint { scene, settings, device, record, state: RenderState::default() })
     }

@@ -3,13 +3,13 @@
 //! | part | file |
 //! |---|---|
 //! | a caller's choices and their defaults | `options.rs`, `length.rs` |
-//! | the work before the first step of a new or a resumed render | `setup.rs` |
+//! | the work before the first step of a new or a resumed render | `start.rs`, `setup.rs` |
 //! | the steps, and when they end | `run.rs` |
 //! | the files at the end | `finish.rs`, `files.rs` |
 //! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when it is written), `film/identity.rs` (which render it belongs to) |
 //! | copies of the picture in case the device is lost | `safety_copy.rs` |
 //! | statistics and times | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
-//! | what later renders begin with, on demand | `continuation.rs` |
+//! | what later renders begin with, on demand | `continuation.rs`, `guide_file.rs` |
 //! | events for a caller | `progress.rs` |
 //! | what the guide has learned | `guide.rs` |
 
@@ -20,6 +20,7 @@ mod continuation;
 mod files;
 mod finish;
 mod guide;
+mod guide_file;
 mod history;
 #[doc(hidden)]
 pub mod kernel_files;
@@ -34,6 +35,7 @@ pub mod radiance_map;
 mod run;
 mod safety_copy;
 mod setup;
+mod start;
 #[doc(hidden)]
 pub mod statistics;
 
@@ -49,4 +51,4 @@ pub use length::Length;
 pub use options::{CHECKPOINT_EVERY, FilmSize, Options};
 pub use progress::{Beginning, Ending, Event, Preparation, Progress, Watch};
 pub use run::Session;
-pub use setup::{SceneInput, Start};
+pub use start::{SceneInput, Start};

@@ -68,6 +68,7 @@ pub struct Options {
     pub(super) files: Option<OutputFiles>,
     pub(super) checkpoint: Option<PathBuf>,
     pub(super) checkpoint_every: f64,
+    pub(super) guide_from: Option<PathBuf>,
 }
 
 impl Default for Options {
@@ -88,6 +89,7 @@ impl Default for Options {
             files: None,
             checkpoint: None,
             checkpoint_every: CHECKPOINT_EVERY,
+            guide_from: None,
         }
     }
 }
@@ -240,6 +242,13 @@ impl Options {
     #[must_use]
     pub fn checkpoint_every(self, seconds: f64) -> Self {
         Self { checkpoint_every: seconds, ..self }
+    }
+
+    /// Begins with the guide of another render of the same scene, from its checkpoint. The guide learns on. The picture stays unbiased,
+    /// because the guide must not have learned from samples that this render may take.
+    #[must_use]
+    pub fn guide_from(self, checkpoint: impl AsRef<Path>) -> Self {
+        Self { guide_from: Some(checkpoint.as_ref().to_path_buf()), ..self }
     }
 }
 

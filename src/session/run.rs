@@ -10,6 +10,7 @@ use crate::film::ranges::SampleRanges;
 use crate::film::{Denoised, Picture};
 use crate::gpu::Context;
 use crate::image::{Image, metrics};
+use crate::renderer::learned_guide::GuideState;
 use crate::renderer::{RenderState, Renderer, StepReport};
 use crate::scene::LoadOptions;
 use crate::session::checkpoints::Checkpoints;
@@ -63,6 +64,8 @@ pub struct Session {
 pub(super) struct Origin {
     /// State and history of the checkpoint that a resumed render came from.
     pub checkpoint: Option<(RenderState, History)>,
+    /// The guide that the render began with.
+    pub guide: Option<GuideState>,
     /// Samples per pixel at which calls of [`Session::step`] ended, and steps with them.
     pub cuts: Vec<u32>,
 }
@@ -274,6 +277,9 @@ impl Session {
             None => (None, History::default()),
         };
         self.renderer.begin_again(now, state)?;
+        if let Some(guide) = &self.origin.guide {
+            self.renderer.begin_with_guide_state(guide)?;
+        }
         self.history = History { seconds, ..history };
         self.output.safety_copy.take();
         let settings = &self.settings;

@@ -19,6 +19,7 @@ use crate::scene::{self, LoadOptions, Scene};
 use crate::session::checkpoint::{Checkpoint, Record};
 use crate::session::checkpoints::{CheckpointFile, Checkpoints};
 use crate::session::files::{OutputFiles, PictureFiles, read_reference};
+use crate::session::guide_file::GuideFile;
 use crate::session::history::History;
 use crate::session::identity::Identity;
 use crate::session::kernel_files::KernelFiles;
@@ -28,46 +29,10 @@ use crate::session::profiler::Profiler;
 use crate::session::progress::{Beginning, Event, Preparation, Watch};
 use crate::session::run::{Origin, Output, Session, Subject};
 use crate::session::safety_copy::SafetyCopy;
+use crate::session::start::{Resumed, SceneInput, Start};
 use crate::session::statistics::SetupTimes;
 use crate::settings::{Execution, Settings};
 use crate::{Error, Result, files};
-
-/// The beginning of a render.
-#[derive(Debug, Clone)]
-pub enum Start<'a> {
-    /// A new render.
-    Anew(SceneInput<'a>),
-    /// A render that goes on from its checkpoint, to the same bits as if it had never stopped.
-    Resume {
-        /// File of the checkpoint.
-        checkpoint: PathBuf,
-        /// New path of the scene's file, if the file was moved.
-        moved_scene: Option<PathBuf>,
-    },
-}
-
-/// A scene to render.
-#[derive(Debug, Clone)]
-pub enum SceneInput<'a> {
-    /// A file.
-    File {
-        /// Path of the file.
-        path: PathBuf,
-        /// Choices with which it is read.
-        options: LoadOptions,
-    },
-    /// A scene in memory. Its render cannot keep a checkpoint.
-    Memory(&'a Scene),
-    /// A scene in memory that [`Scene::load`] has read from a file.
-    Read {
-        /// The scene.
-        scene: &'a Scene,
-        /// Path of its file.
-        path: PathBuf,
-        /// Choices with which it is read.
-        options: LoadOptions,
-    },
-}
 
 /// Settings and length of a render whose scene is known, and the part of it that a checkpoint holds.
 struct Plan {
@@ -75,9 +40,6 @@ struct Plan {
     length: Length,
     earlier: Option<Earlier>,
 }
-
-/// A checkpoint to go on from, and its file.
-type Resumed = (PathBuf, Checkpoint);
 
 /// Files and kernels of a render. They are read and tried before the render begins.
 struct Inputs {
@@ -130,6 +92,7 @@ impl Session {
     /// # Errors
     /// Where [`Session::open`] or [`Session::resume`] fails.
     pub fn start(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Self> {
+        let guide = GuideFile::of(&start, options)?;
         let (input, resumed) = start.read()?;
         let input = input.in_folder(watch)?;
         // Files that cannot be written are found before a large scene is read.
@@ -142,6 +105,7 @@ impl Session {
         let (scene, load_seconds) = loaded?;
         warn_once(&scene.warnings, watch);
         let scene_hash = scene::fingerprint(&scene)?;
+        guide.iter().try_for_each(|guide| guide.check_scene(&scene_hash))?;
         let plan = Plan::new(&scene, &scene_hash, resumed, options, watch)?;
         let scene_path = input.absolute_path().unwrap_or_else(|| PathBuf::from(&scene.name));
         let inputs = Inputs::new(&plan, &scene, &scene_hash, options, watch)?;
@@ -181,6 +145,9 @@ impl Session {
             settings,
         };
         let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
+        if let Some(guide) = guide {
+            guide.begin(&mut session)?;
+        }
         if let Some(file) = checkpoint {
             session.checkpoints = Some(Checkpoints::new(file, session.template()?, samples_written));
         }
@@ -202,13 +169,14 @@ impl Session {
 
     /// Restores the state of a checkpoint and returns its number of samples per pixel.
     fn go_on_from(&mut self, earlier: Earlier, watch: &Watch<'_>) -> Result<u32> {
-        let Earlier { record: Record { kernels, history, .. }, device, state, .. } = earlier;
+        let Earlier { record: Record { kernels, history, guide_samples, .. }, device, state, .. } = earlier;
         self.check_kernels(&kernels)?;
         let own_device = self.device_name();
         if device != own_device {
             watch.warn(&format!("the render began on {device}; on {own_device}, the last bits may differ"));
         }
         self.renderer.restore(&state)?;
+        self.renderer.set_guide_samples(guide_samples);
         let samples = state.samples_done;
         self.origin.checkpoint = Some((state, history.clone()));
         self.history = history;
@@ -230,65 +198,6 @@ impl Session {
             list(before),
             list(kernels)
         )))
-    }
-}
-
-impl<'a> Start<'a> {
-    /// The scene to read, and for a resumed render its checkpoint.
-    fn read(self) -> Result<(SceneInput<'a>, Option<Resumed>)> {
-        match self {
-            Self::Anew(input) => Ok((input, None)),
-            Self::Resume { checkpoint: file, moved_scene } => {
-                let checkpoint = Checkpoint::read(&file)?;
-                let path = moved_scene.unwrap_or_else(|| checkpoint.scene.path.clone().into());
-                let input = SceneInput::File { path, options: checkpoint.scene.options.clone() };
-                Ok((input, Some((file, checkpoint))))
-            }
-        }
-    }
-}
-
-impl<'a> SceneInput<'a> {
-    fn load(&self, watch: &Watch<'_>) -> Result<Cow<'a, Scene>> {
-        // Only this part of the watch can be shared between threads.
-        let events = watch.events;
-        match self {
-            Self::Memory(scene) => {
-                scene.check()?;
-                Ok(Cow::Borrowed(scene))
-            }
-            Self::Read { scene, .. } => Ok(Cow::Borrowed(scene)),
-            Self::File { path, options } => {
-                let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
-                scene::load_with_progress(path, options, &show).map(Cow::Owned)
-            }
-        }
-    }
-
-    /// The scene's file, if the caller has named its folder.
-    fn in_folder(self, watch: &Watch<'_>) -> Result<Self> {
-        let Self::File { path, options } = self else { return Ok(self) };
-        let file = scene::scene_file(&path)?;
-        if file != path {
-            watch.tell(Event::Note(&format!("{} is a folder; its {} is rendered", path.display(), file.display())));
-        }
-        Ok(Self::File { path: file, options })
-    }
-
-    /// Absolute path of the file.
-    fn absolute_path(&self) -> Option<PathBuf> {
-        match self {
-            Self::File { path, .. } | Self::Read { path, .. } => std::path::absolute(path).ok(),
-            Self::Memory(_) => None,
-        }
-    }
-
-    /// File of the scene, with the choices with which it is read.
-    fn source(&self) -> Option<(PathBuf, LoadOptions)> {
-        match self {
-            Self::File { path, options } | Self::Read { path, options, .. } => Some((path.clone(), options.clone())),
-            Self::Memory(_) => None,
-        }
     }
 }
 

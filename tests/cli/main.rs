@@ -7,6 +7,7 @@ mod devices;
 mod faults;
 mod files;
 mod full_disk;
+mod guide_from;
 mod headers;
 mod help;
 mod info;

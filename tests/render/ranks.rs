@@ -1,5 +1,7 @@
 //! Several devices render one picture with the bits of one device.
 
+use lodestar::generated::layout::RadianceSum;
+use lodestar::renderer::sums::{self, AddSums};
 use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{Execution, Learner, Sampler, Settings};
@@ -26,10 +28,15 @@ struct Ranks {
 
 impl Ranks {
     fn new(scene: &Scene, settings: &Settings, ranks: usize) -> Self {
+        Self::with_sums(scene, settings, ranks, sums::add)
+    }
+
+    /// Renderers whose sums are added up by `add`.
+    fn with_sums(scene: &Scene, settings: &Settings, ranks: usize, add: AddSums) -> Self {
         let devices: Vec<_> = (0..ranks).map(|_| Device::new()).collect();
         let mut renderers = devices.iter().map(|device| device.renderer(scene, settings));
         let mut renderer = renderers.next().expect("a device");
-        renderer.share_with(renderers.collect()).expect("renderers without samples");
+        renderer.share_with_sums(renderers.collect(), add).expect("renderers without samples");
         assert_eq!(renderer.device_count(), ranks);
         Self { renderer, _devices: devices }
     }
@@ -43,6 +50,9 @@ fn left(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Left {
     (bits(&renderer.picture().expect("a picture")), renderer.state().expect("a state"), counts)
 }
 
+/// Number of configurations in the quick tier: the first ones.
+const IN_QUICK_TIER: usize = 4;
+
 /// Settings with names: samplers and learners, emitter sampling, waves, ends by noise, parts, several film pages.
 fn configurations(scene: &Scene) -> Vec<(String, Settings)> {
     let with = |sampler: Sampler, change: &dyn Fn(&mut Settings)| {
@@ -51,13 +61,14 @@ fn configurations(scene: &Scene) -> Vec<(String, Settings)> {
         settings
     };
     let mut all = vec![
-        ("bsdf".into(), with(Sampler::Bsdf, &|_| {})),
+        ("noise".into(), with(Sampler::RejectionMix, &|s| s.noise = Some(0.2))),
+        ("quadtrees".into(), with(Sampler::Quadtree, &|_| {})),
         ("waves".into(), with(Sampler::Product, &|s| s.execution = Execution::Wavefront)),
+        ("film pages".into(), with(Sampler::RejectionMix, &|s| s.film_page_pixels = Some(256))),
+        ("bsdf".into(), with(Sampler::Bsdf, &|_| {})),
         ("one kernel".into(), with(Sampler::Product, &|s| s.execution = Execution::Megakernel)),
         ("no emitter sampling".into(), with(Sampler::RejectionMix, &|s| s.nee = false)),
-        ("noise".into(), with(Sampler::RejectionMix, &|s| s.noise = Some(0.2))),
         ("a part".into(), with(Sampler::RejectionMix, &|s| s.sample_offset = Some(64))),
-        ("film pages".into(), with(Sampler::RejectionMix, &|s| s.film_page_pixels = Some(256))),
     ];
     for (sampler, learner) in combinations() {
         all.push((format!("{sampler:?} and {learner:?}"), with(sampler, &|s| s.learner = learner)));
@@ -69,8 +80,9 @@ fn configurations(scene: &Scene) -> Vec<(String, Settings)> {
 fn any_number_of_devices_gives_the_bits_of_one() {
     let scene = scene();
     let all = configurations(&scene);
+    let all = tier::some_of(&all, IN_QUICK_TIER);
     let ranks: &[usize] = if tier::is_full() { &[2, 3, 4] } else { &[2, 3] };
-    for (name, settings) in &all {
+    for (name, settings) in all {
         let one = left(&mut Device::new().renderer(&scene, settings), settings, SPP);
         for &ranks in ranks {
             let several = left(&mut Ranks::new(&scene, settings, ranks).renderer, settings, SPP);
@@ -82,6 +94,25 @@ fn any_number_of_devices_gives_the_bits_of_one() {
         }
     }
     println!("{} configurations", all.len());
+}
+
+/// The comparison finds sums that are lost on the way, and sums that are added twice.
+#[test]
+fn wrong_sums_are_found() {
+    let scene = scene();
+    let add_twice = |total: &mut [RadianceSum], sums: &[RadianceSum]| {
+        sums::add(total, sums);
+        sums::add(total, sums);
+    };
+    let faults: [(&str, AddSums); 2] = [("one device's sums are lost", |_, _| {}), ("sums are added twice", add_twice)];
+    for sampler in [Sampler::RejectionMix, Sampler::Quadtree] {
+        let settings = settings(&scene, SIZE, sampler, 21);
+        let one = left(&mut Device::new().renderer(&scene, &settings), &settings, SPP);
+        for (name, add) in faults {
+            let several = left(&mut Ranks::with_sums(&scene, &settings, 2, add).renderer, &settings, SPP);
+            assert!(several.0 != one.0 && several.1 != one.1, "{sampler:?}: {name}, but nothing differs");
+        }
+    }
 }
 
 /// Checkpoints go on with any number of devices.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use lodestar::film::Picture;
 use lodestar::film::merge::{PartialPicture, merge};
+use lodestar::film::ranges::SampleRanges;
 use lodestar::film::{read_picture, write_picture};
 use lodestar::image::exr::{read_attributes, read_layer, read_rgb};
 use lodestar::renderer::{RenderState, StatePart};
@@ -30,7 +31,13 @@ fn checkpoint_file() -> Vec<u8> {
         scene: SceneSource { path: "/a.xml".into(), options, hash: "00ff".into() },
         settings: Settings::for_scene(&scene),
         device: "a device".into(),
-        record: Record { length, outputs: PictureFiles::none(), kernels: Vec::new(), history },
+        record: Record {
+            length,
+            outputs: PictureFiles::none(),
+            kernels: Vec::new(),
+            history,
+            guide_samples: SampleRanges::default(),
+        },
         state: RenderState { samples_done: 8, parts: vec![part("a", &[1, 2, 3]), part("b", &[4; 40])] },
     };
     let folder = Folder::new(&[]);

@@ -16,11 +16,12 @@ use crate::generated::constants::TILE_PIXELS;
 use crate::generated::layout::RadianceSum;
 use crate::renderer::film_store::pages::padded_pixels;
 use crate::renderer::ranks::share::Share;
+use crate::renderer::ranks::sums::AddSums;
 use crate::renderer::statistics::Counts;
 use crate::{Error, Result};
 
 pub(super) mod share;
-mod sums;
+pub mod sums;
 
 impl Renderer {
     /// Shares the film with renderers of the same scene and settings on other devices.
@@ -28,11 +29,20 @@ impl Renderer {
     /// # Errors
     /// Where samples were taken already, or a device is lost.
     pub fn share_with(&mut self, others: Vec<Self>) -> Result<()> {
+        self.share_with_sums(others, sums::add)
+    }
+
+    /// Shares the film as [`Renderer::share_with`] does. `add_sums` adds another device's sums to the total. Tests give a wrong one.
+    ///
+    /// # Errors
+    /// Where samples were taken already, or a device is lost.
+    #[doc(hidden)]
+    pub fn share_with_sums(&mut self, others: Vec<Self>, add_sums: AddSums) -> Result<()> {
         if self.samples_done > 0 || others.iter().any(|other| other.samples_done > 0 || !other.others.is_empty()) {
             let message = "devices share a film before its first sample, but it has samples already";
             return Err(Error::Render(message.into()));
         }
-        self.others = others;
+        (self.others, self.add_sums) = (others, add_sums);
         let ranks = 1 + self.others.len() as u32;
         for (rank, renderer) in (0..).zip(self.all()) {
             renderer.sets.frame.pages().iter().try_for_each(|page| page.deal(Share { rank, ranks }))?;
@@ -143,7 +153,7 @@ impl Renderer {
         };
         let mut total = read(self)?;
         for other in &self.others {
-            sums::add(&mut total, &read(other).map_err(|error| other.named(error))?);
+            (self.add_sums)(&mut total, &read(other).map_err(|error| other.named(error))?);
         }
         Ok(total)
     }

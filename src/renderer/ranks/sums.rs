@@ -2,8 +2,11 @@
 
 use crate::generated::layout::RadianceSum;
 
+/// Function that adds another device's sums to a total.
+pub type AddSums = fn(&mut [RadianceSum], &[RadianceSum]);
+
 /// Adds another device's sums to `total`.
-pub(super) fn add(total: &mut [RadianceSum], sums: &[RadianceSum]) {
+pub fn add(total: &mut [RadianceSum], sums: &[RadianceSum]) {
     for (total, sum) in total.iter_mut().zip(sums) {
         let wide = |sum: &RadianceSum| u64::from(sum.high) << 32 | u64::from(sum.low);
         // Kernels wrap, too, but a step has far fewer than the 2^32 saturated targets that a sum can hold.

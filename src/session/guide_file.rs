@@ -1,0 +1,53 @@
+//! Checkpoints of other renders, whose guides begin a render.
+
+use std::path::PathBuf;
+
+use crate::session::checkpoint::Checkpoint;
+use crate::session::options::Options;
+use crate::session::run::Session;
+use crate::session::start::Start;
+use crate::{Error, Result};
+
+/// A checkpoint whose guide begins a render.
+pub(super) struct GuideFile {
+    path: PathBuf,
+    checkpoint: Checkpoint,
+}
+
+impl GuideFile {
+    /// Reads the checkpoint that the options name.
+    pub fn of(start: &Start<'_>, options: &Options) -> Result<Option<Self>> {
+        let Some(path) = options.guide_from.clone() else { return Ok(None) };
+        if matches!(start, Start::Resume { .. }) {
+            let message = "a render that goes on from its checkpoint has a guide already; leave --guide-from out";
+            return Err(Error::Settings(message.into()));
+        }
+        let checkpoint = Checkpoint::read(&path)?;
+        if checkpoint.state.samples_done == 0 {
+            return Err(Error::checkpoint(path, "its guide has learned nothing yet; give one with samples"));
+        }
+        Ok(Some(Self { path, checkpoint }))
+    }
+
+    /// Refuses the guide of another scene.
+    pub fn check_scene(&self, scene_hash: &str) -> Result<()> {
+        let theirs = &self.checkpoint.scene;
+        if theirs.hash == scene_hash {
+            return Ok(());
+        }
+        let message = format!(
+            "its guide was learned in another scene: scene_hash ({} there, {scene_hash} here), from {}; give a checkpoint of \
+             this scene",
+            theirs.hash, theirs.path
+        );
+        Err(Error::checkpoint(&self.path, message))
+    }
+
+    /// Begins the session with the guide.
+    pub fn begin(self, session: &mut Session) -> Result<()> {
+        let Self { path, checkpoint: Checkpoint { settings, state, record, .. } } = self;
+        let guide = session.renderer.guide_of_state(settings, state, record.guide_samples);
+        let begun = guide.and_then(|guide| session.begin_with_guide_state(guide));
+        begun.map_err(|error| Error::checkpoint(path, error.to_string()))
+    }
+}

@@ -1,0 +1,108 @@
+//! Starts of a session: a new render of a scene, or one that goes on from its checkpoint.
+
+use std::borrow::Cow;
+use std::path::PathBuf;
+
+use crate::Result;
+use crate::scene::{self, LoadOptions, Scene};
+use crate::session::checkpoint::Checkpoint;
+use crate::session::progress::{Event, Preparation, Watch};
+
+/// The beginning of a render.
+#[derive(Debug, Clone)]
+pub enum Start<'a> {
+    /// A new render.
+    Anew(SceneInput<'a>),
+    /// A render that goes on from its checkpoint, to the same bits as if it had never stopped.
+    Resume {
+        /// File of the checkpoint.
+        checkpoint: PathBuf,
+        /// New path of the scene's file, if the file was moved.
+        moved_scene: Option<PathBuf>,
+    },
+}
+
+/// A scene to render.
+#[derive(Debug, Clone)]
+pub enum SceneInput<'a> {
+    /// A file.
+    File {
+        /// Path of the file.
+        path: PathBuf,
+        /// Choices with which it is read.
+        options: LoadOptions,
+    },
+    /// A scene in memory. Its render cannot keep a checkpoint.
+    Memory(&'a Scene),
+    /// A scene in memory that [`Scene::load`] has read from a file.
+    Read {
+        /// The scene.
+        scene: &'a Scene,
+        /// Path of its file.
+        path: PathBuf,
+        /// Choices with which it is read.
+        options: LoadOptions,
+    },
+}
+
+/// A checkpoint to go on from, and its file.
+pub(super) type Resumed = (PathBuf, Checkpoint);
+
+impl<'a> Start<'a> {
+    /// The scene to read, and for a resumed render its checkpoint.
+    pub(super) fn read(self) -> Result<(SceneInput<'a>, Option<Resumed>)> {
+        match self {
+            Self::Anew(input) => Ok((input, None)),
+            Self::Resume { checkpoint: file, moved_scene } => {
+                let checkpoint = Checkpoint::read(&file)?;
+                let path = moved_scene.unwrap_or_else(|| checkpoint.scene.path.clone().into());
+                let input = SceneInput::File { path, options: checkpoint.scene.options.clone() };
+                Ok((input, Some((file, checkpoint))))
+            }
+        }
+    }
+}
+
+impl<'a> SceneInput<'a> {
+    pub(super) fn load(&self, watch: &Watch<'_>) -> Result<Cow<'a, Scene>> {
+        // Only this part of the watch can be shared between threads.
+        let events = watch.events;
+        match self {
+            Self::Memory(scene) => {
+                scene.check()?;
+                Ok(Cow::Borrowed(scene))
+            }
+            Self::Read { scene, .. } => Ok(Cow::Borrowed(scene)),
+            Self::File { path, options } => {
+                let show = |progress| events(Event::Preparing(Preparation::Scene(progress)));
+                scene::load_with_progress(path, options, &show).map(Cow::Owned)
+            }
+        }
+    }
+
+    /// The scene's file, if the caller has named its folder.
+    pub(super) fn in_folder(self, watch: &Watch<'_>) -> Result<Self> {
+        let Self::File { path, options } = self else { return Ok(self) };
+        let file = scene::scene_file(&path)?;
+        if file != path {
+            watch.tell(Event::Note(&format!("{} is a folder; its {} is rendered", path.display(), file.display())));
+        }
+        Ok(Self::File { path: file, options })
+    }
+
+    /// Absolute path of the file.
+    pub(super) fn absolute_path(&self) -> Option<PathBuf> {
+        match self {
+            Self::File { path, .. } | Self::Read { path, .. } => std::path::absolute(path).ok(),
+            Self::Memory(_) => None,
+        }
+    }
+
+    /// File of the scene, with the choices with which it is read.
+    pub(super) fn source(&self) -> Option<(PathBuf, LoadOptions)> {
+        match self {
+            Self::File { path, options } | Self::Read { path, options, .. } => Some((path.clone(), options.clone())),
+            Self::Memory(_) => None,
+        }
+    }
+}

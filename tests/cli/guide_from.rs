@@ -1,0 +1,67 @@
+//! `--guide-from`: a render begins with what another one has learned.
+
+use lodestar::film::read_picture;
+use lodestar::session::checkpoint::Checkpoint;
+
+use crate::support::{Folder, assert_quiet_success, assert_sentence};
+
+/// Folder with `guide.ckpt`: 16 samples of seed 1.
+fn taught() -> Folder {
+    let folder = Folder::new();
+    folder.render(&["--sampler", "rejection-mix", "--spp", "16", "--seed", "1", "--checkpoint", "guide.ckpt"]);
+    folder
+}
+
+const GUIDED: [&str; 6] = ["--sampler", "rejection-mix", "--spp", "8", "--guide-from", "guide.ckpt"];
+
+#[test]
+fn a_guide_of_other_samples_is_followed_from_the_first_sample() {
+    let folder = taught();
+    for others in [&["--seed", "2"][..], &["--seed", "1", "--sample-offset", "16"]] {
+        folder.render(&[&GUIDED[..4], others, &["-o", "alone.exr"]].concat());
+        folder.render(&[&GUIDED, others, &["-o", "guided.exr"]].concat());
+        folder.render(&[&GUIDED, others, &["-o", "again.exr"]].concat());
+        let picture = |name| format!("{:?}", read_picture(&folder.path(name)).unwrap().0);
+        assert!(picture("alone.exr") != picture("guided.exr"), "the first step follows no guide");
+        assert!(picture("again.exr") == picture("guided.exr"));
+    }
+}
+
+/// Fails unless the render is refused in one sentence that has all `words`.
+#[track_caller]
+fn refused(folder: &Folder, arguments: &[&str], words: &[&str]) {
+    let output = folder.run(&[&["render", "scene.xml", "--quiet"], arguments].concat());
+    assert_sentence(&output, 1, words);
+}
+
+#[test]
+fn guides_that_do_not_fit_are_refused() {
+    let folder = taught();
+    let guided = |more: &[&'static str]| [&GUIDED[..], more].concat();
+    refused(&folder, &guided(&["--seed", "1"]), &["guide.ckpt", "--sample-offset of at least 16"]);
+    let early = guided(&["--seed", "1", "--sample-offset", "8"]);
+    refused(&folder, &early, &["guide.ckpt", "--sample-offset of at least 16"]);
+    refused(&folder, &guided(&["--seed", "2", "-D", "gray=0.4"]), &["guide.ckpt", "another scene"]);
+    refused(&folder, &guided(&["--seed", "2", "--grid", "4"]), &["guide.ckpt", "another grid"]);
+    refused(&folder, &["--sampler", "bsdf", "--guide-from", "guide.ckpt"], &["guide.ckpt", "another sampler"]);
+    refused(&folder, &["--guide-from", "scene.xml"], &["scene.xml", "no checkpoint"]);
+    for sampler in ["bsdf", "quadtree"] {
+        let file = format!("{sampler}.ckpt");
+        folder.render(&["--sampler", sampler, "--spp", "8", "--checkpoint", &file]);
+        refused(&folder, &["--sampler", sampler, "--seed", "2", "--guide-from", &file], &[&file, "learns"]);
+    }
+}
+
+/// A guide that has begun with another one has learned from the samples of both, also after `resume`.
+#[test]
+fn samples_of_earlier_guides_are_not_forgotten() {
+    let folder = taught();
+    folder.render(&[&GUIDED[..], &["--seed", "2", "--checkpoint", "second.ckpt"]].concat());
+    assert_quiet_success(&folder.run(&["resume", "second.ckpt", "--spp", "16", "--quiet"]));
+    let checkpoint = Checkpoint::read(&folder.path("second.ckpt")).unwrap();
+    assert_eq!(checkpoint.record.guide_samples.to_string(), "1:0..16");
+    for seed in ["1", "2"] {
+        let third = ["--sampler", "rejection-mix", "--guide-from", "second.ckpt", "--seed", seed];
+        refused(&folder, &third, &["second.ckpt", "--sample-offset of at least 16"]);
+    }
+}

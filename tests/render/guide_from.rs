@@ -1,0 +1,35 @@
+//! Renders that begin with the guide of another render.
+
+use lodestar::settings::{Sampler, Settings};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::mutated::DENSITIES_FAR;
+use support::scenes::{ours, settings, steady};
+
+use crate::device::{Device, steps};
+
+/// A picture that begins with a guide agrees with an unguided one. Densities that are 25 % off are found.
+#[test]
+fn a_picture_that_begins_with_a_guide_is_unbiased() {
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let with = |sampler, seed| steady(settings(&scene, [16, 16], sampler, seed));
+    let device = Device::new();
+    let unguided = Estimate::of(&device.render(&scene, &with(Sampler::Bsdf, 1), 1024));
+    let mut teacher = device.renderer(&scene, &with(Sampler::RejectionMix, 2));
+    steps(&mut teacher, &with(Sampler::RejectionMix, 2), 64);
+    let guide = teacher.learned_guide().expect("a guide");
+
+    // Another seed, and later samples of the teacher's seed.
+    let later = Settings { sample_offset: Some(64), ..with(Sampler::RejectionMix, 2) };
+    let agrees = |device: &Device, settings: &Settings| {
+        let mut renderer = device.renderer(&scene, settings);
+        renderer.begin_with_guide(&guide).expect("a guide of other samples");
+        steps(&mut renderer, settings, 512);
+        let picture = Estimate::of(&renderer.picture().expect("a picture"));
+        let comparison = Comparison::new(&unguided, &picture, &[8, WHOLE]);
+        println!("{}: {comparison:?}", device.mutation());
+        comparison.agrees()
+    };
+    assert!(agrees(&device, &with(Sampler::RejectionMix, 3)));
+    assert!(agrees(&device, &later));
+    assert!(!agrees(&device.mutated(DENSITIES_FAR), &with(Sampler::RejectionMix, 3)));
+}
