@@ -531,7 +531,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "min-uniform", "E")
     },
     OptionEntry {
-        short: "Vulkan device, by index or by a part of its name; `0,2` or `all` for several",
+        short: "Vulkan device by index or part of its name, a list, or all",
         long: "`lodestar devices` lists the devices. The environment variable LODESTAR_DEVICE sets the default. Several \
                devices of one kind render the picture together, with the bits of one device.",
         ..common(Device, "device", "INDEX|NAME|LIST|all")
