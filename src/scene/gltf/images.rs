@@ -54,6 +54,12 @@ impl<'a> TextureUse<'a> {
     }
 }
 
+/// Base color of a material, with alpha.
+pub(super) struct BaseColor<'a> {
+    pub factor: [f32; 4],
+    pub texture: Option<TextureUse<'a>>,
+}
+
 /// Matrix of `KHR_texture_transform`: scale, then rotation, then offset. As in the extension's text, a positive angle turns the
 /// coordinates from `v` towards `u`.
 fn to_uv(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> DMat3 {

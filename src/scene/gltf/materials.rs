@@ -6,7 +6,7 @@ use gltf::Material;
 use gltf::material::AlphaMode;
 
 use super::asset::Asset;
-use super::images::{Coding, Images, TextureUse, scaled};
+use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
 use super::specular_glossiness;
 use super::values::{color, number, object, with};
 use crate::Result;
@@ -48,12 +48,6 @@ pub(super) struct Covering {
 pub(super) struct Materials {
     known: HashMap<(Option<usize>, Coloring), Covering>,
     objects: Vec<(String, Dictionary)>,
-}
-
-/// Base color with what becomes of its alpha.
-pub(super) struct BaseColor<'a> {
-    pub factor: [f32; 4],
-    pub texture: Option<TextureUse<'a>>,
 }
 
 impl Materials {
@@ -156,7 +150,7 @@ impl<'a> Reader<'_, 'a> {
             let metal = self.number(texture.as_ref(), "metallic", metallic.metallic_factor(), |texel| texel[2])?;
             bsdf = with(with(bsdf, "roughness", roughness), "metallic", metal);
             bsdf = self.extended(bsdf);
-            (bsdf, transmits) = self.transmission(bsdf, &base, coloring)?;
+            (bsdf, transmits) = self.transmission(bsdf)?;
         }
         bsdf = self.with_normals(bsdf)?;
         // A dielectric body transmits from both sides already.
@@ -292,7 +286,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// Adds the transmission of a body. Returns whether there is any.
-    fn transmission(&mut self, bsdf: Dictionary, _: &BaseColor<'a>, _: Coloring) -> Result<(Dictionary, bool)> {
+    fn transmission(&mut self, bsdf: Dictionary) -> Result<(Dictionary, bool)> {
         if !self.is_solid() {
             return Ok((bsdf, false));
         }

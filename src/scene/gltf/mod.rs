@@ -25,7 +25,6 @@ use lights::Cameras;
 use materials::Materials;
 use meshes::Meshes;
 use nodes::Placed;
-use values::object;
 
 /// Reads the file at `path`.
 ///
@@ -70,9 +69,4 @@ pub(super) fn read(path: &Path) -> Result<Description> {
         warnings: asset.into_warnings(),
         ..Description::default()
     })
-}
-
-/// Object that refers to the object with that id.
-fn reference(id: &str) -> Dictionary {
-    object("ref", [("id", Value::Text(id.to_owned()))])
 }

@@ -2,8 +2,7 @@
 
 use gltf::material::PbrSpecularGlossiness;
 
-use super::images::{Coding, Images, TextureUse, scaled, texel};
-use super::materials::BaseColor;
+use super::images::{BaseColor, Coding, Images, TextureUse, scaled, texel};
 use super::values::{color, number, object};
 use crate::Result;
 use crate::image::tone::srgb;

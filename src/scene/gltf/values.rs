@@ -11,6 +11,11 @@ pub(super) fn object<const N: usize>(kind: &str, entries: [(&str, Value); N]) ->
     Dictionary { entries: std::iter::once(kind).chain(entries).collect() }
 }
 
+/// Object that refers to the object with that id.
+pub(super) fn reference(id: &str) -> Dictionary {
+    object("ref", [("id", Value::Text(id.to_owned()))])
+}
+
 /// The dictionary with one more entry.
 pub(super) fn with(mut dictionary: Dictionary, key: &str, value: Value) -> Dictionary {
     dictionary.entries.push((key.to_owned(), value));
