@@ -51,11 +51,6 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// Whether any material emits.
-    pub fn emits(&self) -> bool {
-        self.known.values().any(|covering| covering.emitter.is_some())
-    }
-
     /// Materials with their ids.
     pub fn take_objects(self) -> Vec<(String, Dictionary)> {
         self.objects

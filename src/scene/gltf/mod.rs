@@ -49,7 +49,6 @@ pub(super) fn read(path: &Path) -> Result<Description> {
             cameras.add(&asset, placed, &camera);
         }
     }
-    let has_light = !lights.is_empty() || materials.emits();
     let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];
     let objects = cameras.into_objects().into_iter().chain(materials.take_objects());
     entries.extend(objects.map(|(name, object)| (name, Value::Object(object))));
@@ -58,9 +57,6 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let (shapes, meshes) = meshes.finish();
     entries.extend(shapes);
     let files = images.finish();
-    if !has_light {
-        asset.warn("the file has no light; --environment constant lights it evenly");
-    }
     Ok(Description {
         path: path.to_path_buf(),
         scene: Dictionary { entries },

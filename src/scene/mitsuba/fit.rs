@@ -8,7 +8,7 @@ use super::sensor::{DEFAULT_FILM, Sensor};
 use crate::scene::{Camera, FovAxis, Primitive, Projection};
 use crate::{Error, Result};
 
-/// Horizontal field of view of a fitted camera, in degrees.
+/// Field of view of a fitted camera, in degrees: horizontal as in Mitsuba 0.6, or along the shorter side of the film.
 const FOV: f32 = 45.0;
 
 /// Direction of a camera that is fitted to a scene.
@@ -55,7 +55,7 @@ pub(super) fn sensor(path: &Path, primitives: &[Primitive], view: View, warnings
         projection: Projection::Perspective,
         world_from_camera: Mat4::from_cols(left.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0)),
         fov: FOV,
-        fov_axis: FovAxis::X,
+        fov_axis: if view == View::Mitsuba { FovAxis::X } else { FovAxis::Smaller },
         principal_point: Vec2::ZERO,
         near_clip: distance / 100.0,
         far_clip: 5.0 * largest + distance,

@@ -371,6 +371,11 @@ impl<'a> Builder<'a> {
             }
         }
         let primitives = flatten_all(&self.shapes, &meshes)?;
+        let is_dark = emitters.is_empty() && self.environment.is_none() && self.delta_emitters.is_empty();
+        if is_dark && view == View::Front {
+            let message = "the scene has no light; --environment constant lights it evenly";
+            self.warnings.push(format!("{}: {message}", path.display()));
+        }
         let sensor = match sensor {
             Some(sensor) => sensor,
             None => fit::sensor(path, &primitives, view, &mut self.warnings)?,
