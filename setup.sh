@@ -17,6 +17,10 @@
 #                            unpack SwiftShader, a second Vulkan driver for the CPU, into DIR (target/swiftshader) for
 #                            tests, and print the path for VK_DRIVER_FILES. Nothing is installed. Works on Debian only,
 #                            because SwiftShader comes from Debian's Chromium package.
+#        setup.sh --mesa [DIR]
+#                            unpack the Mesa of Debian's backports into DIR (target/mesa), beside the system's, and print the
+#                            path for VK_DRIVER_FILES. Nothing is installed. Works where the system is a Debian release
+#                            that has backports, such as Debian 12.
 #        setup.sh --chromium install Chromium, in which a test opens the page of `--view`
 #        setup.sh --oidn [DIR]
 #                            unpack Intel's Open Image Denoise, which `lodestar denoise` loads, into DIR (target/oidn, where the
@@ -303,6 +307,49 @@ provide_swiftshader() { # DIR
   (cd "$1" && echo "$(pwd)/vk_swiftshader_icd.json")
 }
 
+# --- A newer Mesa --------------------------------------------------------------------------------------------------------
+
+# Runs apt on the list of backports alone. Lists and caches are in FOLDER, so the system's own are not touched.
+apt_of_backports() { # FOLDER COMMAND ARGUMENT...
+  folder=$1
+  shift
+  apt-get -q -o Dir::Etc::SourceList="$folder/sources.list" -o Dir::Etc::SourceParts=- -o Dir::State::Lists="$folder/lists" \
+    -o Dir::Cache="$folder/cache" -o APT::Sandbox::User=root "$@" >&2
+}
+
+# Unpacks lavapipe from the package mesa-vulkan-drivers of Debian's backports: 12 MB to download. The system must have the
+# libraries that this package names, above all the LLVM of the system's own package.
+unpack_mesa() { # DIR
+  package=mesa-vulkan-drivers
+  release=$( (. /etc/os-release && [ "$ID" = debian ] && echo "$VERSION_CODENAME") 2>/dev/null) ||
+    fail "a newer Mesa comes from Debian's backports, which this system does not have"
+  download=$(mktemp -d)
+  trap 'rm -rf "$download"' EXIT
+  mkdir -p "$download/lists/partial" "$download/cache/archives/partial"
+  echo "deb http://deb.debian.org/debian $release-backports main" >"$download/sources.list"
+  apt_of_backports "$download" update || fail "cannot read the list of $release-backports, which contains the newer Mesa"
+  (cd "$download" && apt_of_backports "$download" download "$package") ||
+    fail "$release-backports has no package $package, so there is no newer Mesa for this system"
+  dpkg-deb -x "$download/$package"_*.deb "$download/unpacked"
+  driver=$(find "$download/unpacked" -name libvulkan_lvp.so)
+  [ -n "$driver" ] || fail "$package of $release-backports does not contain lavapipe"
+  lacking=$(ldd "$driver" | sed -n 's/^[[:space:]]*\(.*\) => not found$/\1/p' | tr '\n' ' ')
+  [ -z "$lacking" ] || fail "the newer Mesa needs libraries that this system lacks: $lacking"
+  mkdir -p "$1"
+  cp "$driver" "$1"
+}
+
+# The manifest names the driver by its whole path, so it is written anew each time: the folder may have been moved.
+provide_mesa() { # DIR
+  if [ ! -e "$1/libvulkan_lvp.so" ]; then unpack_mesa "$1"; fi
+  (
+    cd "$1"
+    printf '{"file_format_version": "1.0.0", "ICD": {"library_path": "%s", "api_version": "1.4.0"}}\n' \
+      "$(pwd)/libvulkan_lvp.so" >lvp_icd.json
+    echo "$(pwd)/lvp_icd.json"
+  )
+}
+
 # --- A browser for tests ------------------------------------------------------------------------------------------------
 
 provide_chromium() {
@@ -375,6 +422,10 @@ main() {
     provide_swiftshader "${2:-$(dirname "$0")/target/swiftshader}"
     exit 0
   fi
+  if [ "${1:-}" = --mesa ]; then
+    provide_mesa "${2:-$(dirname "$0")/target/mesa}"
+    exit 0
+  fi
   if [ "${1:-}" = --oidn ]; then
     provide_oidn "${2:-$(dirname "$0")/target/oidn}"
     exit 0
@@ -405,7 +456,7 @@ main() {
       find_missing
       ;;
     "") ;;
-    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --oidn [DIR] | --chromium | --book]" ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --mesa [DIR] | --oidn [DIR] | --chromium | --book]" ;;
   esac
   if [ -n "$missing" ]; then
     say "missing: $missing_names"

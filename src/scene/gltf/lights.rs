@@ -1,32 +1,134 @@
-//! Punctual lights (KHR_lights_punctual) to emitters.
-//!
-//! glTF counts light in photometric units and emissive surfaces in cd/m². One unit of radiance stands for 1 cd/m², so a
-//! candela is one unit of intensity, and a lux is one unit of irradiance.
+//! Punctual lights and cameras.
 
+use std::collections::HashSet;
+
+use glam::{DMat3, DMat4, DVec3};
+use gltf::camera::Projection;
 use gltf::khr_lights_punctual::{Kind, Light};
-use glam::{DMat4, DVec3};
 
-use super::cameras::without_scale;
-use super::entries::{matrix, number, object, rgb};
-use crate::scene::mitsuba::dictionary::{Array, Dictionary, Value};
+use super::asset::Asset;
+use super::nodes::Placed;
+use super::values::{color, matrix, number, object, with};
+use crate::Result;
+use crate::scene::{Array, Dictionary, Value};
 
-/// Emitter of a light at `world`. It shines along `-z`.
-pub(super) fn emitter(light: &Light, world: DMat4) -> Dictionary {
-    let color = rgb(light.color().map(|channel| (channel * light.intensity()).max(0.0)));
-    let vector = |v: DVec3| Value::Array(Array { shape: vec![3], values: v.to_array().to_vec() });
-    let turned = without_scale(world) * DMat4::from_scale(DVec3::new(-1.0, 1.0, -1.0));
-    match light.kind() {
-        Kind::Directional => {
-            object("directional", [("direction", vector(turned.z_axis.truncate())), ("irradiance", color)])
-        }
-        Kind::Point => object("point", [("position", vector(world.w_axis.truncate())), ("intensity", color)]),
-        Kind::Spot { inner_cone_angle, outer_cone_angle } => {
-            object("spot", [
-                ("to_world", matrix(turned)),
-                ("intensity", color),
-                ("cutoff_angle", number(outer_cone_angle.to_degrees())),
-                ("beam_width", number(inner_cone_angle.to_degrees())),
-            ])
-        }
+/// Height of the film in pixels; its width follows from the camera's aspect ratio.
+const FILM_HEIGHT: f32 = 720.0;
+/// Width over height of the film of a camera that gives none.
+const ASPECT: f32 = 16.0 / 9.0;
+/// Distance of the far plane of a camera that gives none.
+const FAR: f32 = 1.0e10;
+
+/// Turns Mitsuba's lights and cameras, which look along `+z`, to glTF's, which look along `-z`. `+y` stays up.
+fn turned(matrix: &DMat4) -> DMat4 {
+    *matrix * DMat4::from_scale(DVec3::new(-1.0, 1.0, -1.0))
+}
+
+/// Emitter of a light.
+pub(super) fn light(asset: &Asset, placed: &Placed, light: &Light) -> Result<Dictionary> {
+    let brightness = color(light.color().map(|channel| channel * light.intensity()));
+    let world = placed.world_from_node;
+    let axis = world.z_axis.truncate().normalize_or_zero();
+    if axis == DVec3::ZERO {
+        return Err(asset.error(format!("the node of light {} shrinks it to nothing", light.index())));
     }
+    if light.range().is_some() {
+        asset.warn("the `range` of lights is ignored: light reaches as far as it does in nature");
+    }
+    let vector = |vector: DVec3| Value::Array(Array { shape: vec![3], values: vector.to_array().into() });
+    Ok(match light.kind() {
+        Kind::Point => object("point", [("position", vector(world.w_axis.truncate())), ("intensity", brightness)]),
+        Kind::Directional => object("directional", [("direction", vector(-axis)), ("irradiance", brightness)]),
+        Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+            let outer = outer_cone_angle.clamp(1.0e-4, std::f32::consts::FRAC_PI_2);
+            let pose = turned(&rigid(&world));
+            let entries = [
+                ("to_world", matrix(&pose)),
+                ("intensity", brightness),
+                ("cutoff_angle", number(outer.to_degrees())),
+                ("beam_width", number(inner_cone_angle.clamp(0.0, outer).to_degrees())),
+            ];
+            object("spot", entries)
+        }
+    })
+}
+
+/// Cameras of the scene, in the order of their nodes.
+#[derive(Default)]
+pub(super) struct Cameras {
+    objects: Vec<(String, Dictionary)>,
+    names: HashSet<String>,
+}
+
+impl Cameras {
+    /// Adds the camera of a node. Its name is the node's, or else the camera's.
+    pub fn add(&mut self, asset: &Asset, placed: &Placed, camera: &gltf::Camera) {
+        let name = placed.node.name().or(camera.name()).unwrap_or_default();
+        let mut id = name.to_owned();
+        if id.is_empty() || !self.names.insert(id.clone()) {
+            id = format!("camera{}", self.objects.len());
+            self.names.insert(id.clone());
+        }
+        let pose = turned(&rigid(&placed.world_from_node));
+        let (sensor, aspect) = match camera.projection() {
+            Projection::Perspective(perspective) => {
+                let fov = perspective.yfov().to_degrees().clamp(1.0e-3, 179.9);
+                let near = perspective.znear().max(1.0e-6);
+                let entries = [
+                    ("to_world", matrix(&pose)),
+                    ("fov", number(fov)),
+                    ("fov_axis", Value::Text("y".into())),
+                    ("near_clip", number(near)),
+                    ("far_clip", number(perspective.zfar().filter(|far| *far > near).unwrap_or(FAR.max(2.0 * near)))),
+                ];
+                (object("perspective", entries), perspective.aspect_ratio().unwrap_or(ASPECT))
+            }
+            Projection::Orthographic(orthographic) => {
+                let (half, height) = (orthographic.xmag().abs(), orthographic.ymag().abs());
+                let scale = DMat4::from_scale(DVec3::new(f64::from(half), f64::from(half), 1.0));
+                let near = orthographic.znear().max(1.0e-6);
+                let entries = [
+                    ("to_world", matrix(&(pose * scale))),
+                    ("near_clip", number(near)),
+                    ("far_clip", number(orthographic.zfar().max(2.0 * near))),
+                ];
+                (object("orthographic", entries), half / height)
+            }
+        };
+        let aspect = if aspect.is_finite() && aspect > 0.0 { aspect.clamp(0.01, 100.0) } else { ASPECT };
+        if aspect != camera_aspect(camera) {
+            asset.warn(format!("the camera `{id}` gives no aspect ratio; {aspect:.3} is used"));
+        }
+        let film = object(
+            "hdrfilm",
+            [
+                ("width", Value::Integer((FILM_HEIGHT * aspect).round().max(1.0) as i64)),
+                ("height", Value::Integer(FILM_HEIGHT as i64)),
+            ],
+        );
+        let sensor = with(sensor, "film", Value::Object(film));
+        self.objects.push((format!("sensor{}", self.objects.len()), with(sensor, "id", Value::Text(id))));
+    }
+
+    /// All cameras with the keys of their entries.
+    pub fn into_objects(self) -> Vec<(String, Dictionary)> {
+        self.objects
+    }
+}
+
+/// Aspect ratio that a camera gives.
+fn camera_aspect(camera: &gltf::Camera) -> f32 {
+    match camera.projection() {
+        Projection::Perspective(perspective) => perspective.aspect_ratio().unwrap_or_default(),
+        Projection::Orthographic(orthographic) => orthographic.xmag().abs() / orthographic.ymag().abs(),
+    }
+}
+
+/// The matrix without its scale and shear, which do not change a camera.
+fn rigid(matrix: &DMat4) -> DMat4 {
+    let linear = DMat3::from_mat4(*matrix);
+    let z = linear.z_axis.normalize_or(DVec3::Z);
+    let y = (linear.y_axis - linear.y_axis.dot(z) * z).normalize_or(z.any_orthonormal_vector());
+    let columns = [y.cross(z), y, z].map(|axis| axis.extend(0.0));
+    DMat4::from_cols(columns[0], columns[1], columns[2], matrix.w_axis)
 }

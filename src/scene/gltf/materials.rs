@@ -1,290 +1,390 @@
-//! Materials to BSDFs and to the light that their surfaces emit.
+//! Materials as `principled` surfaces with their modifiers.
+
+use std::collections::HashMap;
 
 use gltf::Material;
 use gltf::material::AlphaMode;
 
-use super::document::Model;
-use super::entries::{number, object, rgb, set, text};
-use super::textures::{Textures, Used};
+use super::asset::Asset;
+use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
+use super::specular_glossiness;
+use super::values::{color, number, object, with};
 use crate::Result;
-use crate::scene::mitsuba::dictionary::{Dictionary, Value};
+use crate::scene::{Dictionary, Value};
 
-/// BSDF and emission of a material.
-pub(super) struct Look {
-    pub bsdf: Dictionary,
-    /// Emission of the front, as an `area` emitter.
-    pub emitter: Option<Dictionary>,
-    /// Set of texture coordinates that the material's textures use.
-    pub uv_set: u32,
+/// Index of refraction of a material that gives none.
+const DEFAULT_IOR: f32 = 1.5;
+/// Least index of refraction of a `principled`.
+const LEAST_IOR: f32 = 1.001;
+
+/// Extensions of materials whose textures are not read.
+const UNTEXTURED: [&str; 4] =
+    ["KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_anisotropy"];
+
+/// Source of a primitive's color besides the material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Coloring {
+    /// No other.
+    None,
+    /// The colors of the vertices.
+    Vertices,
 }
 
-/// Name of a material in messages, which is its key in the scene, too.
-pub(super) fn key(material: &Material) -> String {
-    match (material.index(), material.name()) {
-        (Some(index), Some(name)) => format!("material {index} `{name}`"),
-        (Some(index), None) => format!("material {index}"),
-        (None, _) => "default material".to_owned(),
+/// What covers a shape.
+#[derive(Debug, Clone)]
+pub(super) struct Covering {
+    /// `id` of the material.
+    pub id: String,
+    /// `area` emitter, where the material emits.
+    pub emitter: Option<Dictionary>,
+    /// Set of texture coordinates that the textures use.
+    pub uv_set: u32,
+    /// Factor of the vertex colors, where the material shows them.
+    pub color_factor: Option<[f32; 3]>,
+}
+
+/// Materials in use.
+#[derive(Default)]
+pub(super) struct Materials {
+    known: HashMap<(Option<usize>, Coloring), Covering>,
+    objects: Vec<(String, Dictionary)>,
+}
+
+impl Materials {
+    /// Materials with their ids.
+    pub fn take_objects(self) -> Vec<(String, Dictionary)> {
+        self.objects
+    }
+
+    /// What a material makes of a shape.
+    pub fn covering<'a>(
+        &mut self,
+        asset: &'a Asset,
+        images: &mut Images<'a>,
+        material: &Material<'a>,
+        coloring: Coloring,
+    ) -> Result<Covering> {
+        let key = (material.index(), coloring);
+        if let Some(known) = self.known.get(&key) {
+            return Ok(known.clone());
+        }
+        let name = plain(material.name().unwrap_or_default());
+        let place = material.index().map_or("default".to_owned(), |index| index.to_string());
+        let suffix = if coloring == Coloring::Vertices { "_colored" } else { "" };
+        let id = format!("material{place}_{name}{suffix}");
+        let mut reader = Reader { asset, images, material, label: material_label(material), uv_sets: Vec::new() };
+        let (bsdf, emitter, color_factor) = reader.read(coloring)?;
+        let uv_set = reader.uv_set();
+        let covering = Covering { id: id.clone(), emitter, uv_set, color_factor };
+        self.objects.push((id, bsdf));
+        self.known.insert(key, covering.clone());
+        Ok(covering)
     }
 }
 
 /// Reader of one material.
-struct Reader<'r, 'm> {
-    model: &'m Model<'m>,
-    textures: &'r mut Textures<'m>,
-    what: String,
+struct Reader<'r, 'a> {
+    asset: &'a Asset,
+    images: &'r mut Images<'a>,
+    material: &'r Material<'a>,
+    /// Name of the material in messages.
+    label: String,
+    /// Sets of texture coordinates that its textures use.
     uv_sets: Vec<u32>,
 }
 
-/// Reads a material. `has_colors` says whether meshes with it have colors of vertices.
-pub(super) fn look<'m>(
-    model: &'m Model<'m>,
-    material: &Material,
-    has_colors: bool,
-    textures: &mut Textures<'m>,
-) -> Result<Look> {
-    let mut reader = Reader { model, textures, what: key(material), uv_sets: Vec::new() };
-    let (bsdf, emitter) = if material.unlit() { reader.unlit(material, has_colors)? } else { reader.lit(material, has_colors)? };
-    reader.uv_sets.sort_unstable();
-    reader.uv_sets.dedup();
-    if reader.uv_sets.len() > 1 {
-        reader.warn("its textures use several sets of texture coordinates; the first is used for all");
-    }
-    let uv_set = reader.uv_sets.first().copied().unwrap_or(0);
-    Ok(Look { bsdf, emitter, uv_set })
-}
-
-impl Reader<'_, '_> {
-    fn warn(&mut self, message: &str) {
-        self.textures.warnings.push(format!("{}: {}: {message}", self.model.path.display(), self.what));
+impl<'a> Reader<'_, 'a> {
+    fn warn(&self, message: &str) {
+        self.asset.warn(format!("{}: {message}", self.label));
     }
 
-    fn use_texture(&mut self, used: &Used) {
-        self.uv_sets.push(used.uv_set);
+    /// The set of texture coordinates that most textures use.
+    fn uv_set(&self) -> u32 {
+        let Some(&first) = self.uv_sets.first() else { return 0 };
+        if self.uv_sets.iter().any(|&set| set != first) {
+            self.warn(&format!("its textures use several sets of coordinates; set {first} is used for all"));
+        }
+        first
     }
 
-    /// Color: a texture times a factor, or colors of vertices times a factor.
-    fn color(&mut self, factor: [f32; 3], texture: Option<&Used>, has_colors: bool) -> Result<Value> {
-        let nested = match texture {
-            Some(used) => {
-                self.use_texture(used);
-                if has_colors {
-                    self.warn("the colors of vertices are ignored, because a texture gives the color");
-                }
-                self.textures.color(used, &self.what)?
+    fn keep(&mut self, texture: TextureUse<'a>) -> TextureUse<'a> {
+        self.uv_sets.push(texture.uv_set);
+        texture
+    }
+
+    fn info(&mut self, info: Option<gltf::texture::Info<'a>>) -> Option<TextureUse<'a>> {
+        info.map(|info| self.keep(TextureUse::of(&info)))
+    }
+
+    /// The BSDF, the emitter and the factor of vertex colors.
+    fn read(&mut self, coloring: Coloring) -> Result<(Dictionary, Option<Dictionary>, Option<[f32; 3]>)> {
+        self.warn_of_textures();
+        let metallic = self.material.pbr_metallic_roughness();
+        let base_texture = self.info(metallic.base_color_texture());
+        let mut base = BaseColor { factor: metallic.base_color_factor(), texture: base_texture };
+        let (mut bsdf, mut transmits) = (Dictionary::default(), false);
+        let mut color_factor = None;
+        if self.material.unlit() {
+            let emitted = self.color(&base, coloring, &mut color_factor)?;
+            let black = object("diffuse", [("reflectance", color([0.0; 3]))]);
+            self.warn("it is unlit (KHR_materials_unlit): it emits its color and reflects nothing");
+            let emitter = object("area", [("radiance", emitted)]);
+            return Ok((self.masked(two_sided(black), &base)?, Some(emitter), color_factor));
+        }
+        if let Some(specular) = self.material.pbr_specular_glossiness() {
+            let diffuse = self.info(specular.diffuse_texture());
+            let gloss = self.info(specular.specular_glossiness_texture());
+            base = BaseColor { factor: specular.diffuse_factor(), texture: diffuse };
+            bsdf = specular_glossiness::principled(self.images, &specular, &base, gloss.as_ref())?;
+        } else {
+            let shown = self.color(&base, coloring, &mut color_factor)?;
+            bsdf.entries = object("principled", [("base_color", shown)]).entries;
+            let texture = self.info(metallic.metallic_roughness_texture());
+            let roughness =
+                self.number(texture.as_ref(), "roughness", metallic.roughness_factor(), |texel| texel[1])?;
+            let metal = self.number(texture.as_ref(), "metallic", metallic.metallic_factor(), |texel| texel[2])?;
+            bsdf = with(with(bsdf, "roughness", roughness), "metallic", metal);
+            bsdf = self.extended(bsdf);
+            (bsdf, transmits) = self.transmission(bsdf)?;
+        }
+        bsdf = self.with_normals(bsdf)?;
+        // A dielectric body transmits from both sides already.
+        let surface = if transmits { bsdf } else { two_sided(bsdf) };
+        let surface = self.thin_transmission(surface, &base)?;
+        let emitter = self.emitter()?;
+        Ok((self.masked(surface, &base)?, emitter, color_factor))
+    }
+
+    fn warn_of_textures(&self) {
+        for extension in UNTEXTURED {
+            let value = self.material.extension_value(extension);
+            let has_texture = value.and_then(|value| value.as_object());
+            if has_texture.is_some_and(|value| value.keys().any(|key| key.ends_with("Texture"))) {
+                self.warn(&format!("the textures of {extension} are ignored"));
             }
-            None if has_colors => object("mesh_attribute", [("name", text("vertex_color"))]),
-            None => return Ok(rgb(factor)),
-        };
-        if factor == [1.0; 3] {
-            return Ok(Value::Object(nested));
         }
-        Ok(Value::Object(object("scale", [("scale", rgb(factor)), ("texture", Value::Object(nested))])))
-    }
-
-    /// Number: a factor times one channel of a texture.
-    fn channel(&mut self, factor: f32, texture: Option<&Used>, channel: usize, role: &str) -> Result<Value> {
-        let factor = factor.clamp(0.0, 1.0);
-        let Some(used) = texture else { return Ok(number(factor)) };
-        self.use_texture(used);
-        let scaled = |byte: u8| (factor * f32::from(byte)).round() as u8;
-        let gray = move |texel: [u8; 4]| [scaled(texel[channel]), scaled(texel[channel]), scaled(texel[channel]), 255];
-        let key = format!("-{channel}-{factor}");
-        self.textures.derived(used, role, &key, &self.what, gray).map(Value::Object)
-    }
-
-    fn unlit(&mut self, material: &Material, has_colors: bool) -> Result<(Dictionary, Option<Dictionary>)> {
-        self.warn("it is unlit: its surface is black and emits its color from its front");
-        let pbr = material.pbr_metallic_roughness();
-        let texture = pbr.base_color_texture().map(Used::from);
-        let [red, green, blue, alpha] = pbr.base_color_factor();
-        let radiance = self.color([red, green, blue], texture.as_ref(), has_colors)?;
-        let black = object("diffuse", [("reflectance", rgb([0.0; 3]))]);
-        let bsdf = self.masked(black, material, alpha, texture.as_ref())?;
-        Ok((bsdf, Some(object("area", [("radiance", radiance)]))))
-    }
-
-    fn lit(&mut self, material: &Material, has_colors: bool) -> Result<(Dictionary, Option<Dictionary>)> {
-        let mut principled = object("principled", []);
-        let (alpha, base) = match material.pbr_specular_glossiness() {
-            Some(_) => self.specular_glossiness(material, has_colors, &mut principled)?,
-            None => {
-                let pbr = material.pbr_metallic_roughness();
-                let base = pbr.base_color_texture().map(Used::from);
-                let [red, green, blue, alpha] = pbr.base_color_factor();
-                set(&mut principled, "base_color", self.color([red, green, blue], base.as_ref(), has_colors)?);
-                let packed = pbr.metallic_roughness_texture().map(Used::from);
-                let roughness = self.channel(pbr.roughness_factor(), packed.as_ref(), 1, "roughness")?;
-                set(&mut principled, "roughness", roughness);
-                let metallic = self.channel(pbr.metallic_factor(), packed.as_ref(), 2, "metallic")?;
-                set(&mut principled, "metallic", metallic);
-                (alpha, base)
-            }
-        };
-        if material.pbr_specular_glossiness().is_none() {
-            set(&mut principled, "eta", number(self.index(material)));
-        }
-        let transmits = self.transmission(material, &mut principled)?;
-        self.clearcoat(material, &mut principled);
-        self.sheen(material, &mut principled);
-        let mut bsdf = principled;
-        if let Some(map) = material.normal_texture() {
-            bsdf = self.normal_map(&map, bsdf)?;
-        }
-        // A path tracer shows backs, too. `twosided` takes no material that transmits.
-        if !transmits {
-            bsdf = object("twosided", [("bsdf", Value::Object(bsdf))]);
-        }
-        let bsdf = self.masked(bsdf, material, alpha, base.as_ref())?;
-        Ok((bsdf, self.emission(material)?))
-    }
-
-    /// Index of refraction, with the strength of KHR_materials_specular in it.
-    fn index(&mut self, material: &Material) -> f32 {
-        let eta = material.ior().unwrap_or(1.5).max(1.0);
-        let Some(specular) = material.specular() else { return eta };
-        if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
+        if let Some(specular) = self.material.specular()
+            && (specular.specular_texture().is_some() || specular.specular_color_texture().is_some())
+        {
             self.warn("the textures of KHR_materials_specular are ignored");
         }
-        let color = specular.specular_color_factor();
-        if color.iter().any(|&channel| channel != color[0]) {
-            self.warn("the color of KHR_materials_specular is reduced to its mean");
-        }
-        let reflectance = ((eta - 1.0) / (eta + 1.0)).powi(2) * specular.specular_factor() * color.iter().sum::<f32>() / 3.0;
-        index_of(reflectance)
     }
 
-    fn transmission(&mut self, material: &Material, principled: &mut Dictionary) -> Result<bool> {
-        if let Some(volume) = material.volume()
-            && volume.attenuation_distance().is_finite()
-            && volume.attenuation_color() != [1.0; 3]
-        {
-            self.warn("the color of KHR_materials_volume is ignored: nothing is absorbed inside");
-        }
-        let Some(transmission) = material.transmission() else { return Ok(false) };
-        let texture = transmission.transmission_texture().map(Used::from);
-        let share = self.channel(transmission.transmission_factor(), texture.as_ref(), 0, "transmission")?;
-        let transmits = texture.is_some() || transmission.transmission_factor() > 0.0;
-        set(principled, "spec_trans", share);
-        if transmits && material.volume().is_none_or(|volume| volume.thickness_factor() == 0.0) {
-            self.warn("its surface is thin by KHR_materials_transmission, but refracts as a solid body");
-        }
-        Ok(transmits)
-    }
-
-    fn clearcoat(&mut self, material: &Material, principled: &mut Dictionary) {
-        let Some(coat) = material.extension_value("KHR_materials_clearcoat") else { return };
-        let factor = |name: &str| coat.get(name).and_then(|value| value.as_f64()).unwrap_or(0.0).clamp(0.0, 1.0) as f32;
-        if ["clearcoatTexture", "clearcoatRoughnessTexture", "clearcoatNormalTexture"].iter().any(|name| coat.get(name).is_some()) {
-            self.warn("the textures of KHR_materials_clearcoat are ignored");
-        }
-        set(principled, "clearcoat", number(factor("clearcoatFactor")));
-        set(principled, "clearcoat_gloss", number(1.0 - factor("clearcoatRoughnessFactor")));
-    }
-
-    fn sheen(&mut self, material: &Material, principled: &mut Dictionary) {
-        let Some(sheen) = material.extension_value("KHR_materials_sheen") else { return };
-        let channel = |index: usize| sheen.get("sheenColorFactor")?.get(index)?.as_f64();
-        let largest = (0..3).filter_map(channel).fold(0.0, f64::max).clamp(0.0, 1.0) as f32;
-        if largest > 0.0 {
-            self.warn("KHR_materials_sheen is approximated by the sheen of `principled`: its roughness and color are ignored");
-            set(principled, "sheen", number(largest));
-        }
-    }
-
-    /// Reads KHR_materials_pbrSpecularGlossiness; returns the factor of alpha and the texture of colors.
-    fn specular_glossiness<'a>(
+    /// Base color: a color, a texture, or the colors of the vertices.
+    fn color(
         &mut self,
-        material: &Material<'a>,
-        has_colors: bool,
-        principled: &mut Dictionary,
-    ) -> Result<(f32, Option<Used<'a>>)> {
-        let Some(gloss) = material.pbr_specular_glossiness() else { return Ok((1.0, None)) };
-        let [red, green, blue, alpha] = gloss.diffuse_factor();
-        let base = gloss.diffuse_texture().map(Used::from);
-        let specular = gloss.specular_factor();
-        let largest = specular.iter().copied().fold(0.0, f32::max);
-        let is_metal = base.is_none() && largest > red.max(green).max(blue) && largest > 0.2;
-        if gloss.specular_glossiness_texture().is_some() {
-            self.warn("the specular and glossiness texture is ignored; its factors are used");
-        }
-        let color = if is_metal { specular } else { [red, green, blue] };
-        set(principled, "base_color", self.color(color, base.as_ref(), has_colors)?);
-        set(principled, "metallic", number(if is_metal { 1.0 } else { 0.0 }));
-        set(principled, "roughness", number((1.0 - gloss.glossiness_factor()).clamp(0.0, 1.0)));
-        // A dielectric with a specular factor of 1 would be a mirror: its textures usually darken it.
-        let reflectance = if gloss.specular_glossiness_texture().is_some() { 0.04 } else { largest.min(0.2) };
-        set(principled, "eta", number(index_of(reflectance)));
-        Ok((alpha, base))
-    }
-
-    fn normal_map(&mut self, map: &gltf::material::NormalTexture, bsdf: Dictionary) -> Result<Dictionary> {
-        if map.extension_value("KHR_texture_transform").is_some() {
-            self.warn("the KHR_texture_transform of its normal map is ignored");
-        }
-        let used = Used { texture: map.texture(), transform: None, uv_set: map.tex_coord() };
-        self.use_texture(&used);
-        let scale = map.scale();
-        // The green channel points up in the image; `v` points down.
-        let turned = move |[red, green, blue, alpha]: [u8; 4]| {
-            if scale == 1.0 {
-                return [red, 255 - green, blue, alpha];
+        base: &BaseColor<'a>,
+        coloring: Coloring,
+        color_factor: &mut Option<[f32; 3]>,
+    ) -> Result<Value> {
+        let [red, green, blue, _] = base.factor;
+        let factor = [red, green, blue];
+        let has_textures = base.texture.is_some() || self.material_has_textures();
+        match (&base.texture, coloring) {
+            (_, Coloring::Vertices) if has_textures => {
+                self.warn("vertex colors cannot stand beside textures; the vertex colors are ignored");
             }
-            let [x, y, z] = [red, 255 - green, blue].map(|byte| f32::from(byte) / 127.5 - 1.0);
-            let normal = glam::Vec3::new(scale * x, scale * y, z).normalize_or(glam::Vec3::Z);
-            let [x, y, z] = normal.to_array().map(|c| (127.5 * (c + 1.0)).round() as u8);
-            [x, y, z, alpha]
-        };
-        let bitmap = self.textures.derived(&used, "normal", &format!("-{scale}"), &self.what, turned)?;
-        Ok(object("normalmap", [("normalmap", Value::Object(bitmap)), ("bsdf", Value::Object(bsdf))]))
+            (None, Coloring::Vertices) => {
+                *color_factor = Some(factor);
+                let name = Value::Text("vertex_color".into());
+                return Ok(Value::Object(object("mesh_attribute", [("name", name)])));
+            }
+            _ => {}
+        }
+        match &base.texture {
+            Some(texture) => Ok(Value::Object(scaled(self.images.bitmap(texture, Coding::Srgb)?, factor))),
+            None => Ok(color(factor)),
+        }
     }
 
-    fn emission(&mut self, material: &Material) -> Result<Option<Dictionary>> {
-        let strength = material.emissive_strength().unwrap_or(1.0);
-        let factor = material.emissive_factor().map(|channel| (channel * strength).max(0.0));
+    fn material_has_textures(&self) -> bool {
+        let metallic = self.material.pbr_metallic_roughness();
+        metallic.metallic_roughness_texture().is_some()
+            || self.material.normal_texture().is_some()
+            || self.material.emissive_texture().is_some()
+    }
+
+    /// A number, or the product of a number and one channel of a texture.
+    fn number(
+        &mut self,
+        texture: Option<&TextureUse<'a>>,
+        tag: &str,
+        factor: f32,
+        channel: impl Fn([u8; 4]) -> u8,
+    ) -> Result<Value> {
+        let factor = factor.clamp(0.0, 1.0);
+        match texture.filter(|_| factor > 0.0) {
+            Some(texture) => Ok(Value::Object(scaled(self.images.numbers(texture, tag, channel)?, [factor; 3]))),
+            None => Ok(number(factor)),
+        }
+    }
+
+    fn ior(&self) -> f32 {
+        self.material.ior().unwrap_or(DEFAULT_IOR).max(LEAST_IOR)
+    }
+
+    /// Adds what extensions say of the reflection.
+    fn extended(&self, mut bsdf: Dictionary) -> Dictionary {
+        let mut eta = self.ior();
+        if let Some(specular) = self.material.specular()
+            && self.material.transmission().is_none()
+        {
+            let tint = specular.specular_color_factor();
+            if tint.iter().any(|&channel| channel != tint[0]) {
+                self.warn("the color of KHR_materials_specular is taken for its mean");
+            }
+            let mean = tint.iter().sum::<f32>() / 3.0;
+            let root = (eta - 1.0) / (eta + 1.0) * (specular.specular_factor() * mean).max(0.0).sqrt();
+            eta = ((1.0 + root.min(0.9)) / (1.0 - root.min(0.9))).max(LEAST_IOR);
+        }
+        bsdf = with(bsdf, "eta", number(eta));
+        let read = |extension: &str, key: &str| {
+            let value = self.material.extension_value(extension)?.get(key)?.as_f64()?;
+            Some((value as f32).clamp(0.0, 1.0))
+        };
+        if let Some(strength) = read("KHR_materials_clearcoat", "clearcoatFactor").filter(|&strength| strength > 0.0) {
+            let roughness = read("KHR_materials_clearcoat", "clearcoatRoughnessFactor").unwrap_or(0.0);
+            // The gloss that has the coat's roughness in Burley's model: alpha = 0.1 + gloss (0.001 - 0.1).
+            let gloss = ((0.1 - roughness * roughness) / 0.099).clamp(0.0, 1.0);
+            bsdf = with(with(bsdf, "clearcoat", number(strength)), "clearcoat_gloss", number(gloss));
+        }
+        let sheen = self.material.extension_value("KHR_materials_sheen");
+        if let Some(sheen) = sheen.and_then(|sheen| sheen.get("sheenColorFactor")?.as_array()) {
+            let channels: Vec<f32> = sheen.iter().filter_map(|channel| Some(channel.as_f64()? as f32)).collect();
+            let strength = channels.iter().copied().fold(0.0, f32::max).min(1.0);
+            if channels.iter().any(|&channel| channel != channels[0]) {
+                self.warn("the color of KHR_materials_sheen is taken for white");
+            }
+            bsdf = with(bsdf, "sheen", number(strength));
+        }
+        if let Some(strength) = read("KHR_materials_anisotropy", "anisotropyStrength").filter(|&value| value > 0.0) {
+            if read("KHR_materials_anisotropy", "anisotropyRotation").is_some_and(|rotation| rotation != 0.0) {
+                self.warn("the rotation of KHR_materials_anisotropy is ignored");
+            }
+            bsdf = with(bsdf, "anisotropic", number(strength));
+        }
+        bsdf
+    }
+
+    /// Share of the transmission, where it is above 0.
+    fn transmitted(&mut self) -> Result<Option<Value>> {
+        let Some(transmission) = self.material.transmission() else { return Ok(None) };
+        if transmission.transmission_factor() <= 0.0 {
+            return Ok(None);
+        }
+        let texture = self.info(transmission.transmission_texture());
+        self.number(texture.as_ref(), "transmission", transmission.transmission_factor(), |texel| texel[0]).map(Some)
+    }
+
+    fn is_solid(&self) -> bool {
+        self.material.volume().is_some_and(|volume| volume.thickness_factor() > 0.0)
+    }
+
+    /// Adds the transmission of a body. Returns whether there is any.
+    fn transmission(&mut self, bsdf: Dictionary) -> Result<(Dictionary, bool)> {
+        if !self.is_solid() {
+            return Ok((bsdf, false));
+        }
+        let Some(share) = self.transmitted()? else { return Ok((bsdf, false)) };
+        let volume = self.material.volume();
+        let absorbs = volume.is_some_and(|v| v.attenuation_color() != [1.0; 3] && v.attenuation_distance().is_finite());
+        if absorbs {
+            self.warn("the absorption within it (KHR_materials_volume) is not rendered");
+        }
+        Ok((with(bsdf, "spec_trans", share), true))
+    }
+
+    /// Mixes in the transmission of a sheet without thickness.
+    fn thin_transmission(&mut self, surface: Dictionary, base: &BaseColor<'a>) -> Result<Dictionary> {
+        if self.is_solid() {
+            return Ok(surface);
+        }
+        let Some(share) = self.transmitted()? else { return Ok(surface) };
+        if self.material.pbr_metallic_roughness().roughness_factor() > 0.1 {
+            self.warn("light goes straight through it: the roughness of a thin transmission is not rendered");
+        }
+        let tint = self.color(base, Coloring::None, &mut None)?;
+        let sheet = object("thindielectric", [("int_ior", number(self.ior())), ("specular_transmittance", tint)]);
+        if share == number(1.0) {
+            return Ok(sheet);
+        }
+        let parts = [("weight", share), ("opaque", Value::Object(surface)), ("sheet", Value::Object(sheet))];
+        Ok(object("blendbsdf", parts))
+    }
+
+    fn with_normals(&mut self, bsdf: Dictionary) -> Result<Dictionary> {
+        let Some(normals) = self.material.normal_texture() else { return Ok(bsdf) };
+        let texture = self.keep(TextureUse::of_normals(&normals));
+        let scale = normals.scale();
+        let bitmap = match scale == 1.0 {
+            true => self.images.bitmap(&texture, Coding::Linear)?,
+            false => {
+                let slope = |byte: u8| ((f32::from(byte) - 127.5) * scale + 127.5).round().clamp(0.0, 255.0) as u8;
+                let tag = format!("normals{scale}");
+                let scaled = |texel: [u8; 4], _: f32, _: f32| [slope(texel[0]), slope(texel[1]), texel[2]];
+                self.images.made(&texture, &tag, Coding::Linear, scaled)?
+            }
+        };
+        Ok(object("normalmap", [("normalmap", Value::Object(bitmap)), ("surface", Value::Object(bsdf))]))
+    }
+
+    fn emitter(&mut self) -> Result<Option<Dictionary>> {
+        let strength = self.material.emissive_strength().unwrap_or(1.0);
+        let factor = self.material.emissive_factor().map(|channel| (channel * strength).max(0.0));
+        let texture = self.info(self.material.emissive_texture());
         if factor == [0.0; 3] {
             return Ok(None);
         }
-        let texture = material.emissive_texture().map(Used::from);
-        if material.double_sided() {
-            self.warn("it is double-sided, but emits from its front only");
+        if self.material.double_sided() {
+            self.warn("it emits from its front only, though it is double-sided");
         }
-        let radiance = self.color(factor, texture.as_ref(), false)?;
+        let radiance = match texture {
+            Some(texture) => Value::Object(scaled(self.images.bitmap(&texture, Coding::Srgb)?, factor)),
+            None => color(factor),
+        };
         Ok(Some(object("area", [("radiance", radiance)])))
     }
 
-    /// Puts a mask around the BSDF where the material is not opaque.
-    fn masked(&mut self, bsdf: Dictionary, material: &Material, alpha: f32, base: Option<&Used>) -> Result<Dictionary> {
-        let base = match base {
-            Some(used) if self.textures.has_alpha(used, &self.what)? => Some(used),
-            _ => None,
-        };
-        let opacity = match (material.alpha_mode(), base) {
-            (AlphaMode::Opaque, _) => return Ok(bsdf),
-            (AlphaMode::Blend, None) if alpha >= 1.0 => return Ok(bsdf),
-            (AlphaMode::Blend, _) => self.channel(alpha, base, 3, "opacity")?,
-            (AlphaMode::Mask, None) => {
-                let is_there = alpha >= material.alpha_cutoff().unwrap_or(0.5);
-                if is_there {
-                    return Ok(bsdf);
+    /// Surface with holes, where the alpha mode makes any.
+    fn masked(&mut self, surface: Dictionary, base: &BaseColor<'a>) -> Result<Dictionary> {
+        let factor = base.factor[3].clamp(0.0, 1.0);
+        let opacity = match (self.material.alpha_mode(), &base.texture) {
+            (AlphaMode::Opaque, _) => return Ok(surface),
+            (AlphaMode::Blend, None) if factor == 1.0 => return Ok(surface),
+            (AlphaMode::Blend, None) => number(factor),
+            (AlphaMode::Blend, Some(texture)) => {
+                Value::Object(scaled(self.images.numbers(texture, "alpha", |texel| texel[3])?, [factor; 3]))
+            }
+            (AlphaMode::Mask, texture) => {
+                let cutoff = self.material.alpha_cutoff().unwrap_or(0.5);
+                let is_kept = move |alpha: f32| if alpha * factor >= cutoff { 255 } else { 0 };
+                match texture {
+                    None => number(f32::from(u8::from(factor >= cutoff))),
+                    Some(texture) => {
+                        let tag = format!("cutoff{}", cutoff / factor.max(1.0e-6));
+                        let kept = |texel: [u8; 4]| is_kept(f32::from(texel[3]) / 255.0);
+                        Value::Object(self.images.numbers(texture, &tag, kept)?)
+                    }
                 }
-                number(0.0)
-            }
-            (AlphaMode::Mask, Some(used)) => {
-                let cutoff = material.alpha_cutoff().unwrap_or(0.5);
-                let cut = move |texel: [u8; 4]| {
-                    let opacity = if alpha * f32::from(texel[3]) / 255.0 >= cutoff { 255 } else { 0 };
-                    [opacity, opacity, opacity, 255]
-                };
-                self.use_texture(used);
-                Value::Object(self.textures.derived(used, "mask", &format!("-{cutoff}-{alpha}"), &self.what, cut)?)
             }
         };
-        Ok(object("mask", [("opacity", opacity), ("bsdf", Value::Object(bsdf))]))
+        Ok(object("mask", [("opacity", opacity), ("surface", Value::Object(surface))]))
     }
 }
 
-/// Index of refraction that reflects this share at normal incidence.
-fn index_of(reflectance: f32) -> f32 {
-    let root = reflectance.clamp(0.0, 0.9).sqrt();
-    ((1.0 + root) / (1.0 - root)).max(1.0)
+fn two_sided(bsdf: Dictionary) -> Dictionary {
+    object("twosided", [("surface", Value::Object(bsdf))])
+}
+
+/// The name with every character that is neither a letter nor a digit replaced by `_`.
+pub(super) fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+}
+
+fn material_label(material: &Material) -> String {
+    match (material.name(), material.index()) {
+        (Some(name), _) => format!("material `{name}`"),
+        (None, Some(index)) => format!("material {index}"),
+        (None, None) => "the default material".to_owned(),
+    }
 }

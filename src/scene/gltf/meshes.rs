@@ -1,140 +1,191 @@
-//! Primitives of meshes to meshes, with morph targets at their default weights and skins at their default pose.
+//! Meshes and the shapes that they make.
 
-use glam::{DMat4, DVec3, Vec2, Vec3};
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec2, Vec3};
 use gltf::mesh::Mode;
-use gltf::{Accessor, Node, Primitive, Semantic};
+use gltf::{Mesh as GltfMesh, Primitive, Semantic};
 
-use super::accessors::rows;
-use super::document::Model;
+use super::asset::Asset;
+use super::images::Images;
+use super::materials::{Coloring, Covering, Materials};
+use super::nodes::{Placed, Transforms, transforms};
+use super::skins::{self, Vertices};
+use super::values::{matrix, object, reference, with};
 use crate::Result;
+use crate::scene::Value;
 use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
+use crate::scene::mitsuba::element::MESH_INDEX;
 
-/// Mesh of a primitive; `None` where it has no triangles. `uv_set` is the set of texture coordinates that its material
-/// uses. `joints` are the matrices of the node's skin.
-pub(super) fn mesh(
-    model: &Model,
-    node: &Node,
-    primitive: &Primitive,
-    uv_set: u32,
-    joints: Option<&[DMat4]>,
-    what: &str,
-) -> Result<Option<Mesh>> {
-    let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(None) };
-    let mut positions = vectors(model, &positions, what)?;
-    let count = positions.len();
-    let mut normals = match primitive.get(&Semantic::Normals) {
-        Some(accessor) => vectors(model, &accessor, what)?,
-        None => Vec::new(),
-    };
-    let weights = node.weights().or_else(|| node.mesh()?.weights()).unwrap_or_default();
-    for (target, &weight) in primitive.morph_targets().zip(weights) {
-        for (values, change) in [(&mut positions, target.positions()), (&mut normals, target.normals())] {
-            let Some(change) = change.filter(|_| weight != 0.0) else { continue };
-            let change = vectors(model, &change, what)?;
-            values.iter_mut().zip(change).for_each(|(value, change)| *value += f64::from(weight) * change);
-        }
-    }
-    if let Some(joints) = joints {
-        skin(model, primitive, joints, &mut positions, &mut normals, what)?;
-    }
-    let uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(uv_set)) {
-        Some(accessor) => {
-            let rows = rows(model, &accessor, what)?;
-            rows.values.chunks_exact(rows.columns.max(2)).map(|row| Vec2::new(row[0] as f32, row[1] as f32)).collect()
-        }
-        None => Vec::new(),
-    };
-    let colors = match primitive.get(&Semantic::Colors(0)) {
-        Some(accessor) => to_single(&vectors(model, &accessor, what)?),
-        None => Vec::new(),
-    };
-    let colors = if colors.iter().all(|&color| color == Vec3::ONE) { Vec::new() } else { colors };
-    for (name, length) in [("normals", normals.len()), ("texture coordinates", uvs.len()), ("colors", colors.len())] {
-        if length != 0 && length != count {
-            return Err(model.error(what, format!("it has {count} vertices, but {length} {name}")));
-        }
-    }
-    let indices: Vec<u32> = match primitive.indices() {
-        Some(accessor) => rows(model, &accessor, what)?.values.iter().map(|&index| index as u32).collect(),
-        None => (0..count as u32).collect(),
-    };
-    if let Some(index) = indices.iter().find(|&&index| index as usize >= count) {
-        return Err(model.error(what, format!("it names the vertex {index}, but has {count}")));
-    }
-    let triangles = triangles(primitive.mode(), &indices);
-    if triangles.len() > MAX_TRIANGLES {
-        return Err(model.error(what, format!("it has more than {MAX_TRIANGLES} triangles")));
-    }
-    let positions = to_single(&positions);
-    let normals = to_single(&normals);
-    let is_finite = positions.iter().chain(&normals).chain(&colors).all(|vector| vector.is_finite());
-    if !is_finite || uvs.iter().any(|uv| !uv.is_finite()) {
-        return Err(model.error(what, "a number of a vertex is not finite"));
-    }
-    let mesh = Mesh { positions, normals, uvs, colors, has_byte_colors: false, triangles };
-    Ok(Some(mesh).filter(|mesh| !mesh.triangles.is_empty()))
+/// Meshes in memory, and shapes.
+#[derive(Default)]
+pub(super) struct Meshes {
+    meshes: Vec<Mesh>,
+    /// Index of each mesh that several nodes may share.
+    known: HashMap<Key, usize>,
+    shapes: Vec<(String, Value)>,
+    triangles: usize,
+    /// Transforms of all nodes, once a skin has asked for them.
+    transforms: Option<Transforms>,
 }
 
-/// Whether a mode makes triangles.
-pub(super) fn has_triangles(mode: Mode) -> bool {
-    matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
-}
+/// Facts that decide a mesh: index of the mesh and of the primitive, mirrored or not, set of coordinates, factor of colors.
+type Key = (usize, usize, bool, u32, Option<[u32; 3]>);
 
-fn triangles(mode: Mode, indices: &[u32]) -> Vec<[u32; 3]> {
-    let is_flat = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
-    let all: Vec<[u32; 3]> = match mode {
-        Mode::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        Mode::TriangleStrip => {
-            let turned = |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] };
-            indices.windows(3).enumerate().map(turned).collect()
-        }
-        Mode::TriangleFan => indices.get(1..).unwrap_or_default().windows(2).map(|t| [indices[0], t[0], t[1]]).collect(),
-        _ => Vec::new(),
-    };
-    all.into_iter().filter(|triangle| !is_flat(triangle)).collect()
-}
+impl Meshes {
+    /// Shapes as entries of a scene, and meshes.
+    pub fn finish(self) -> (Vec<(String, Value)>, Vec<Mesh>) {
+        (self.shapes, self.meshes)
+    }
 
-/// Moves vertices with the joints of a skin.
-fn skin(
-    model: &Model,
-    primitive: &Primitive,
-    joints: &[DMat4],
-    positions: &mut [DVec3],
-    normals: &mut [DVec3],
-    what: &str,
-) -> Result<()> {
-    let (Some(of), Some(weights)) = (primitive.get(&Semantic::Joints(0)), primitive.get(&Semantic::Weights(0))) else {
-        return Ok(());
-    };
-    let (of, weights) = (rows(model, &of, what)?.values, rows(model, &weights, what)?.values);
-    for (vertex, position) in positions.iter_mut().enumerate() {
-        let mut matrix = DMat4::ZERO;
-        for place in 4 * vertex..4 * vertex + 4 {
-            let (Some(&joint), Some(&weight)) = (of.get(place), weights.get(place)) else { continue };
-            let joint = joints.get(joint as usize).filter(|_| weight != 0.0);
-            matrix += joint.map_or(DMat4::ZERO, |joint| *joint * weight);
-        }
-        let total = matrix.w_axis.w;
-        if total > 0.0 {
-            matrix *= 1.0 / total;
-            *position = matrix.transform_point3(*position);
-            if let Some(normal) = normals.get_mut(vertex) {
-                *normal = matrix.inverse().transpose().transform_vector3(*normal);
+    /// Makes a shape of each primitive of the node's mesh and each instance of the node.
+    pub fn place<'a>(
+        &mut self,
+        asset: &'a Asset,
+        placed: &Placed<'a>,
+        nodes: &[Placed<'a>],
+        mesh: &GltfMesh<'a>,
+        materials: &mut Materials,
+        images: &mut Images<'a>,
+    ) -> Result<()> {
+        let name = placed.node.name().or(mesh.name()).unwrap_or("mesh").to_owned();
+        for primitive in mesh.primitives() {
+            if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+                asset.warn(format!("mesh {} has points or lines, which are not rendered", mesh.index()));
+                continue;
+            }
+            let coloring = self.coloring(asset, &primitive)?;
+            let covering = materials.covering(asset, images, &primitive.material(), coloring)?;
+            let skin = placed.node.skin();
+            let transforms = skin.is_some().then(|| self.transforms.get_or_insert_with(|| transforms(nodes)).clone());
+            let is_posed = skin.is_some() || primitive.morph_targets().next().is_some();
+            for instance in &placed.instances {
+                let is_mirrored = skin.is_none() && instance.determinant() < 0.0;
+                let colors = covering.color_factor.map(|factor| factor.map(f32::to_bits));
+                let key = (mesh.index(), primitive.index(), is_mirrored, covering.uv_set, colors);
+                let index = match self.known.get(&key).filter(|_| !is_posed) {
+                    Some(&index) => index,
+                    None => {
+                        let pose = transforms.as_ref().zip(skin.as_ref());
+                        let made = self.mesh(asset, placed, mesh, &primitive, &covering, is_mirrored, pose)?;
+                        let Some(made) = made else { break };
+                        self.meshes.push(made);
+                        self.known.insert(key, self.meshes.len() - 1);
+                        self.meshes.len() - 1
+                    }
+                };
+                let has_normals = !self.meshes[index].normals.is_empty();
+                let mut shape = object(
+                    "mesh",
+                    [("face_normals", Value::Boolean(!has_normals)), ("bsdf", Value::Object(reference(&covering.id)))],
+                );
+                shape.entries.push((MESH_INDEX.to_owned(), Value::Integer(index as i64)));
+                if skin.is_none() {
+                    shape = with(shape, "to_world", matrix(instance));
+                }
+                if let Some(emitter) = &covering.emitter {
+                    shape = with(shape, "emitter", Value::Object(emitter.clone()));
+                }
+                let key = format!("shape{}_{}", self.shapes.len(), super::materials::plain(&name));
+                self.shapes.push((key, Value::Object(shape)));
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    /// Whether the primitive has vertex colors other than white.
+    fn coloring(&self, asset: &Asset, primitive: &Primitive) -> Result<Coloring> {
+        let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Coloring::None) };
+        let colors = asset.elements::<3>(&accessor)?;
+        let is_white = colors.iter().flatten().all(|&channel| channel > 0.9999);
+        Ok(if is_white { Coloring::None } else { Coloring::Vertices })
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "each fact decides the mesh")]
+    fn mesh(
+        &mut self,
+        asset: &Asset,
+        placed: &Placed,
+        mesh: &GltfMesh,
+        primitive: &Primitive,
+        covering: &Covering,
+        is_mirrored: bool,
+        pose: Option<(&Transforms, &gltf::Skin)>,
+    ) -> Result<Option<Mesh>> {
+        let fault = |what: &str| asset.error(format!("mesh {}: {what}", mesh.index()));
+        let positions = primitive.get(&Semantic::Positions);
+        let Some(positions) = positions else {
+            asset.warn(format!("mesh {} has no positions; it is not rendered", mesh.index()));
+            return Ok(None);
+        };
+        let vectors = |elements: Vec<[f64; 3]>| elements.into_iter().map(DVec3::from_array).collect::<Vec<_>>();
+        let normals = match primitive.get(&Semantic::Normals) {
+            Some(accessor) => vectors(asset.elements::<3>(&accessor)?),
+            None => Vec::new(),
+        };
+        let mut vertices = Vertices { positions: vectors(asset.elements::<3>(&positions)?), normals };
+        let count = vertices.positions.len();
+        if !vertices.normals.is_empty() && vertices.normals.len() != count {
+            return Err(fault("it has fewer normals than vertices"));
+        }
+        skins::morph(asset, &placed.node, mesh, primitive, &mut vertices)?;
+        if let Some((transforms, skin)) = pose
+            && !skins::skin(asset, skin, primitive, transforms, &mut vertices)?
+        {
+            return Err(fault("its node has a skin, but it has no joints"));
+        }
+        let uvs = match primitive.get(&Semantic::TexCoords(covering.uv_set)) {
+            Some(accessor) => {
+                asset.elements::<2>(&accessor)?.into_iter().map(|uv| Vec2::new(uv[0] as f32, uv[1] as f32)).collect()
+            }
+            None => Vec::new(),
+        };
+        let colors = match (covering.color_factor, primitive.get(&Semantic::Colors(0))) {
+            (Some(factor), Some(accessor)) => {
+                let elements = asset.elements::<3>(&accessor)?.into_iter();
+                elements.map(|color| Vec3::from_array(color.map(|c| c as f32)) * Vec3::from_array(factor)).collect()
+            }
+            _ => Vec::new(),
+        };
+        if [uvs.len(), colors.len()].iter().any(|&given| given != 0 && given != count) {
+            return Err(fault("it has fewer texture coordinates or colors than vertices"));
+        }
+        let positions: Vec<Vec3> = vertices.positions.iter().map(|position| position.as_vec3()).collect();
+        if !positions.iter().all(|position| position.is_finite()) {
+            return Err(fault("a position is not finite"));
+        }
+        let mut triangles = triangles(asset, primitive, count)?;
+        if triangles.iter().flatten().any(|&index| index as usize >= count) {
+            return Err(fault("an index is larger than the number of vertices"));
+        }
+        self.triangles += triangles.len();
+        if self.triangles > MAX_TRIANGLES {
+            return Err(fault(&format!("with it the scene has more than {MAX_TRIANGLES} triangles")));
+        }
+        if triangles.is_empty() {
+            return Ok(None);
+        }
+        if is_mirrored {
+            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        }
+        let normals = vertices.normals.iter().map(|normal| normal.as_vec3()).collect();
+        Ok(Some(Mesh { positions, normals, uvs, colors, has_byte_colors: false, triangles }))
+    }
 }
 
-/// Rows of three or more numbers.
-fn vectors(model: &Model, accessor: &Accessor, what: &str) -> Result<Vec<DVec3>> {
-    let rows = rows(model, accessor, what)?;
-    if rows.columns < 3 {
-        return Err(model.error(what, format!("accessor {} must have three columns", accessor.index())));
-    }
-    Ok(rows.values.chunks_exact(rows.columns).map(|row| DVec3::new(row[0], row[1], row[2])).collect())
-}
-
-fn to_single(vectors: &[DVec3]) -> Vec<Vec3> {
-    vectors.iter().map(|vector| vector.as_vec3()).collect()
+fn triangles(asset: &Asset, primitive: &Primitive, vertices: usize) -> Result<Vec<[u32; 3]>> {
+    let indices: Vec<u32> = match primitive.indices() {
+        Some(accessor) => asset.elements::<1>(&accessor)?.into_iter().map(|[index]| index as u32).collect(),
+        None => (0..vertices as u32).collect(),
+    };
+    Ok(match primitive.mode() {
+        Mode::TriangleStrip => {
+            let corners = indices.windows(3).enumerate();
+            corners.map(|(at, c)| if at % 2 == 0 { [c[0], c[1], c[2]] } else { [c[1], c[0], c[2]] }).collect()
+        }
+        Mode::TriangleFan => {
+            indices.get(1..).unwrap_or_default().windows(2).map(|c| [indices[0], c[0], c[1]]).collect()
+        }
+        _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+    })
 }

@@ -1,11 +1,68 @@
-//! glTF 2.0 to a description of a scene.
+//! glTF 2.0: `.gltf` and `.glb` files to a description in Mitsuba's terms.
+//!
+//! The conventions agree: right-handed, `+y` up, texture coordinates from the image's top left corner. Photometric units (candela,
+//! lux, nits) count as radiometric ones, one for one.
+
+mod accessors;
+mod asset;
+mod images;
+mod lights;
+mod materials;
+mod meshes;
+mod nodes;
+mod skins;
+mod specular_glossiness;
+mod values;
 
 use std::path::Path;
 
 use super::mitsuba::description::Description;
-use crate::{Error, Result};
+use super::{Dictionary, Value};
+use crate::Result;
+use asset::Asset;
+use images::Images;
+use lights::Cameras;
+use materials::Materials;
+use meshes::Meshes;
+use nodes::Placed;
 
-/// Reads a file in glTF 2.0, text or binary.
+/// Reads the file at `path`.
+///
+/// # Errors
+/// Where the file or one of its buffers cannot be read, is damaged, or requires an extension that is not supported.
 pub(super) fn read(path: &Path) -> Result<Description> {
-    Err(Error::scene(path, None, "glTF cannot be read yet"))
+    let asset = Asset::open(path)?;
+    let nodes = nodes::placed(&asset)?;
+    let mut images = Images::new(&asset);
+    let mut materials = Materials::default();
+    let mut meshes = Meshes::default();
+    let (mut lights, mut cameras) = (Vec::new(), Cameras::default());
+    for placed in &nodes {
+        let Placed { node, .. } = placed;
+        if let Some(mesh) = node.mesh() {
+            meshes.place(&asset, placed, &nodes, &mesh, &mut materials, &mut images)?;
+        }
+        if let Some(light) = node.light() {
+            lights.push(lights::light(&asset, placed, &light)?);
+        }
+        if let Some(camera) = node.camera() {
+            cameras.add(&asset, placed, &camera);
+        }
+    }
+    let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];
+    let objects = cameras.into_objects().into_iter().chain(materials.take_objects());
+    entries.extend(objects.map(|(name, object)| (name, Value::Object(object))));
+    let lights = lights.into_iter().enumerate();
+    entries.extend(lights.map(|(index, light)| (format!("light{index}"), Value::Object(light))));
+    let (shapes, meshes) = meshes.finish();
+    entries.extend(shapes);
+    let files = images.finish();
+    Ok(Description {
+        path: path.to_path_buf(),
+        scene: Dictionary { entries },
+        meshes,
+        files,
+        warnings: asset.into_warnings(),
+        ..Description::default()
+    })
 }

@@ -9,6 +9,7 @@ use super::dictionary::{Array, Dictionary, Value, at, joined, leaf, number};
 use super::document::{Document, MAX_ELEMENT_DEPTH};
 use super::element::{Element, Location, MESH, MESH_INDEX};
 use super::faults::Faults;
+use super::fit::View;
 use super::folders::Folders;
 use super::load::{self, Watch};
 use super::mesh_arrays::{mesh, split_mesh};
@@ -64,7 +65,8 @@ impl Description {
         let mut reader = Reader { root: at(&path.to_string_lossy()), separator, places, meshes, warnings };
         let elements = reader.scene(&scene)?;
         let Reader { meshes, warnings, .. } = reader;
-        Ok(Document { elements, folders, meshes, warnings, faults: Faults::default() })
+        let view = if separator == "." { View::Mitsuba } else { View::Front };
+        Ok(Document { elements, folders, meshes, warnings, faults: Faults::default(), view })
     }
 }
 

@@ -9,6 +9,7 @@ use roxmltree::Node;
 
 use super::element::{Element, Location, OBJECT_TAGS, PARAMETER_TAGS};
 use super::faults::Faults;
+use super::fit::View;
 use super::folders::Folders;
 use super::transform;
 use crate::scene::mesh::Mesh;
@@ -36,6 +37,8 @@ pub(super) struct Document {
     pub warnings: Vec<String>,
     /// Elements that are not supported.
     pub faults: Faults,
+    /// Direction of a camera that is fitted to the scene.
+    pub view: View,
 }
 
 /// Reads the file at `path` with all its includes.
@@ -57,7 +60,7 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document
         }
     }
     let Reader { folders, warnings, faults, .. } = reader;
-    Ok(Document { elements, folders, meshes: Vec::new(), warnings, faults })
+    Ok(Document { elements, folders, meshes: Vec::new(), warnings, faults, view: View::Mitsuba })
 }
 
 struct Reader {

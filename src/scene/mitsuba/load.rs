@@ -14,6 +14,7 @@ use super::document::Document;
 use super::element::{Element, PARAMETER_TAGS};
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::faults::Faults;
+use super::fit::View;
 use super::flatten::Common;
 use super::folders::FoundFile;
 use super::materials::Materials;
@@ -60,7 +61,7 @@ pub(in crate::scene) fn read(path: &Path, options: &LoadOptions, progress: &Watc
 
 /// Builds the scene of a document that was read from `path`, or whose entries begin with that name.
 pub(super) fn build(document: Document, path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    let Document { elements, folders, meshes, mut warnings, faults } = document;
+    let Document { elements, folders, meshes, mut warnings, faults, view } = document;
     warnings.extend(old_files::warning(&elements));
     let scope = Rc::new(Whole::new(&elements, folders, meshes.len())?);
     let mut builder = Builder {
@@ -84,7 +85,7 @@ pub(super) fn build(document: Document, path: &Path, options: &LoadOptions, prog
         let added = builder.add(element);
         builder.faults.keep(added);
     }
-    builder.finish(path, meshes, options, progress)
+    builder.finish(path, meshes, view, options, progress)
 }
 
 /// Most shapes of a scene. A few instances of a large group can ask for more than any memory holds.
@@ -323,7 +324,14 @@ impl<'a> Builder<'a> {
         })
     }
 
-    fn finish(mut self, path: &Path, given: Vec<Mesh>, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+    fn finish(
+        mut self,
+        path: &Path,
+        given: Vec<Mesh>,
+        view: View,
+        options: &LoadOptions,
+        progress: &Watch,
+    ) -> Result<Scene> {
         let integrator = self.integrator();
         let integrator = self.faults.keep(integrator).unwrap_or_default();
         if let Some(choice) = &options.environment {
@@ -363,9 +371,14 @@ impl<'a> Builder<'a> {
             }
         }
         let primitives = flatten_all(&self.shapes, &meshes)?;
+        let is_dark = emitters.is_empty() && self.environment.is_none() && self.delta_emitters.is_empty();
+        if is_dark && view == View::Front {
+            let message = "the scene has no light; --environment constant lights it evenly";
+            self.warnings.push(format!("{}: {message}", path.display()));
+        }
         let sensor = match sensor {
             Some(sensor) => sensor,
-            None => fit::sensor(path, &primitives, &mut self.warnings)?,
+            None => fit::sensor(path, &primitives, view, &mut self.warnings)?,
         };
         Ok(Scene {
             name: scene_name(path),
