@@ -37,6 +37,7 @@ use glam::Vec3;
 
 #[doc(hidden)]
 pub use ranks::sums;
+pub use ranks::times::SharingTimes;
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
@@ -53,6 +54,7 @@ use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
 use crate::renderer::ranks::sums::AddSums;
+use crate::renderer::ranks::times::Clock;
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::renderer::trace::tracer::Tracer;
@@ -83,6 +85,10 @@ pub struct Renderer {
     others: Vec<Renderer>,
     /// Adds up the sums of all devices.
     add_sums: AddSums,
+    /// Time of adding up sums over devices.
+    exchange_clock: Clock,
+    /// Time of gathering the film from devices.
+    gather_clock: Clock,
 }
 
 impl Renderer {

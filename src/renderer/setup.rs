@@ -16,6 +16,7 @@ use crate::renderer::film_store::FilmStore;
 use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::Learning;
 use crate::renderer::ranks::sums;
+use crate::renderer::ranks::times::Clock;
 use crate::renderer::sets::Sets;
 use crate::renderer::sets::bvh::BvhSet;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
@@ -97,6 +98,8 @@ impl Renderer {
             at_step_end: true,
             others: Vec::new(),
             add_sums: sums::add,
+            exchange_clock: Clock::default(),
+            gather_clock: Clock::default(),
         };
         renderer.warm_up()?;
         Ok(renderer)

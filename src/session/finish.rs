@@ -134,6 +134,7 @@ impl Session {
                 primitives: times.primitive_count,
                 nonfinite_samples: self.history.counts.nonfinite,
                 noise: self.renderer.noise(),
+                sharing: self.renderer.sharing_times(),
                 peak_bytes: self.context.peak_allocated_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),
             },

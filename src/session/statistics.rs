@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::film::noise::NoiseReport;
 use crate::gpu::DeviceInfo;
 use crate::image::metrics::Metrics;
-use crate::renderer::Counts;
+use crate::renderer::{Counts, SharingTimes};
 use crate::settings::Settings;
 
 /// All numbers about one render.
@@ -106,6 +106,9 @@ pub struct Totals {
     /// Noise of the picture, if noise can end the render.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseReport>,
+    /// Times of the work that several devices do only because they share the picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sharing: Option<SharingTimes>,
     /// Peak memory of the device's buffers in bytes.
     pub peak_bytes: u64,
     /// Peak memory of the process in bytes, on systems that report it.

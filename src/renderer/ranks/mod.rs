@@ -17,11 +17,13 @@ use crate::generated::layout::RadianceSum;
 use crate::renderer::film_store::pages::padded_pixels;
 use crate::renderer::ranks::share::Share;
 use crate::renderer::ranks::sums::AddSums;
+use crate::renderer::ranks::times::SharingTimes;
 use crate::renderer::statistics::Counts;
 use crate::{Error, Result};
 
 pub(super) mod share;
 pub mod sums;
+pub(super) mod times;
 
 impl Renderer {
     /// Shares the film with renderers of the same scene and settings on other devices.
@@ -53,6 +55,15 @@ impl Renderer {
     /// Number of devices that share the film.
     pub fn device_count(&self) -> usize {
         1 + self.others.len()
+    }
+
+    /// Times of the work that devices do only because they share a film. `None` where one device renders alone.
+    pub fn sharing_times(&self) -> Option<SharingTimes> {
+        (!self.others.is_empty()).then(|| SharingTimes {
+            devices: self.device_count(),
+            exchange_seconds: self.exchange_clock.seconds(),
+            gather_seconds: self.gather_clock.seconds(),
+        })
     }
 
     fn all(&self) -> impl Iterator<Item = &Self> {
@@ -128,11 +139,13 @@ impl Renderer {
         if self.others.is_empty() {
             return Ok(());
         }
-        let total = self.total_sums()?;
-        let marks = self.all_marks()?;
-        self.all().try_for_each(|renderer| {
-            renderer.sets.radiance_grid.target_sums().upload(0, &total)?;
-            renderer.sets.normalization_grid.marks().upload(0, &marks)
+        self.exchange_clock.time(|| {
+            let total = self.total_sums()?;
+            let marks = self.all_marks()?;
+            self.all().try_for_each(|renderer| {
+                renderer.sets.radiance_grid.target_sums().upload(0, &total)?;
+                renderer.sets.normalization_grid.marks().upload(0, &marks)
+            })
         })
     }
 
@@ -176,6 +189,10 @@ impl Renderer {
         if self.others.is_empty() {
             return Ok(());
         }
+        self.gather_clock.time(|| self.copy_tiles())
+    }
+
+    fn copy_tiles(&self) -> Result<()> {
         let tiles = (padded_pixels(&self.settings) / u64::from(TILE_PIXELS)) as usize;
         for (number, part) in self.sets.frame.persistent().iter().enumerate() {
             let mut film = part.read()?;

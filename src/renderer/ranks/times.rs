@@ -1,0 +1,36 @@
+//! Times of the work that devices do only because they share a film.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+
+/// Seconds that several devices have spent on sharing a film.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SharingTimes {
+    /// Number of devices.
+    pub devices: usize,
+    /// Adding up the sums of learning targets, and handing them to all devices.
+    pub exchange_seconds: f64,
+    /// Copying the film's tiles to the first device.
+    pub gather_seconds: f64,
+}
+
+/// Clock that adds up times of work in nanoseconds.
+#[derive(Debug, Default)]
+pub(in crate::renderer) struct Clock(AtomicU64);
+
+impl Clock {
+    /// Does some work and adds its time.
+    pub fn time<T>(&self, work: impl FnOnce() -> T) -> T {
+        let begin = Instant::now();
+        let done = work();
+        self.0.fetch_add(begin.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        done
+    }
+
+    /// Sum of the times.
+    pub fn seconds(&self) -> f64 {
+        self.0.load(Ordering::Relaxed) as f64 * 1.0e-9
+    }
+}
