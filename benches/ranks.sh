@@ -7,7 +7,7 @@
 # render the same picture, by turns, for ROUNDS (5) rounds after a first one that is not counted. The table has medians over the rounds:
 #   - seconds of rendering of both, and the efficiency: the median, least and greatest ratio of the rounds;
 #   - seconds that two devices spend on the exchange of sums and on gathering the film, and their shares of the render.
-# SPP (32), WIDTH (256), HEIGHT (144) change the renders. DEVICE (the first of `llvmpipe`) is the index or the name of the driver.
+# SPP (32), WIDTH (256), HEIGHT (144) change the renders. DEVICE (0) is the index of the driver in `lodestar devices`.
 # It needs two idle cores, bash and python3.
 set -euo pipefail
 export LC_ALL=C
@@ -15,7 +15,7 @@ export LC_ALL=C
 [ $# -ge 2 ] || { sed -n '4p' "$0" | sed 's/^# *//' >&2; exit 2; }
 binary=$1 scene=$2
 shift 2
-device=${DEVICE:-llvmpipe} rounds=${ROUNDS:-5}
+device=${DEVICE:-0} rounds=${ROUNDS:-5}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
