@@ -148,7 +148,8 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             while (primitives != 0u) {
                 uint bit = uint(findLSB(primitives));
                 primitives &= primitives - 1u;
-                intersect_primitive(ray, primitive_base + bit, hit);
+                // A ray that asks for any hit needs no second one.
+                if (intersect_primitive(ray, primitive_base + bit, hit) && any_hit) primitives = 0u;
                 if (primitives == 0u) break;
             }
         }
