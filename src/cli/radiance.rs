@@ -22,7 +22,7 @@ use super::render_args::{ChoiceArgs, LoadArgs, device_name, output_path};
 /// direction bin of the guide; --directions sets its side.
 #[derive(Debug, clap::Args)]
 pub struct RadianceArgs {
-    /// The scene, in Mitsuba's XML of any version
+    /// The scene: Mitsuba's XML of any version, or glTF 2.0 (.gltf, .glb)
     #[arg(value_name = "SCENE.xml")]
     scene: PathBuf,
     #[command(flatten)]

@@ -16,14 +16,14 @@ use super::duration::seconds;
 use super::setting_args::SettingArgs;
 use super::viewer_args::ViewerArgs;
 
-/// Renders a Mitsuba scene.
+/// Renders a scene.
 ///
 /// The render ends at the first of --spp, --time and --noise that is reached. Ctrl-C ends it too. Each way, the picture so far is
 /// written.
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
-    /// The scene, in Mitsuba's XML of any version
+    /// The scene: Mitsuba's XML of any version, or glTF 2.0 (.gltf, .glb)
     #[arg(value_name = "SCENE.xml")]
     pub scene: PathBuf,
     #[command(flatten)]

@@ -18,6 +18,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 ///
 /// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pbrt")) {
+        return Err(Error::scene(
+            path,
+            None,
+            "pbrt's files are not read; convert the scene to Mitsuba's XML or to glTF 2.0",
+        ));
+    }
     let Some(describe) = describer(path) else { return xml::read(path, options, progress) };
     if let Some((name, _)) = options.defines.first() {
         let message = format!("-D {name}: only Mitsuba's XML has values that -D replaces; leave it out");

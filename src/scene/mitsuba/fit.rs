@@ -41,7 +41,7 @@ impl View {
 pub(super) fn sensor(path: &Path, primitives: &[Primitive], view: View, warnings: &mut Vec<String>) -> Result<Sensor> {
     let boxes = primitives.iter().map(Primitive::bounds);
     let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or_else(|| {
-        Error::scene(path, None, "the scene has neither a camera nor a shape; give it a `perspective` sensor")
+        Error::scene(path, None, "the scene has neither a <sensor> nor a shape; give it a camera or a shape")
     })?;
     let largest = (high - low).max_element();
     let distance = largest / (2.0 * (0.5 * FOV).to_radians().tan());
