@@ -20,7 +20,7 @@ pub(crate) enum FilmStore {
     /// The film stays on the device and holds the whole picture.
     Plain,
     /// The film stays, too, and its tiles are sampled until noise ends them.
-    Adaptive(Adaptive),
+    Adaptive(Box<Adaptive>),
     /// The render is one part of several: the host sums up steps, and the film on the device begins anew.
     Part(PartSums),
 }
@@ -30,7 +30,7 @@ impl FilmStore {
     pub fn new(context: &Arc<Context>, kernels: &Kernels, variant: &Variant, settings: &Settings) -> Result<Self> {
         if let Some(target) = settings.noise {
             let judge = Kernel::new(context, &kernels.judge_noise, &variant.entries())?;
-            return Ok(Self::Adaptive(Adaptive::new(judge, settings, target)));
+            return Ok(Self::Adaptive(Box::new(Adaptive::new(judge, settings, target))));
         }
         Ok(if settings.sample_offset.is_some() { Self::Part(PartSums::new(settings)) } else { Self::Plain })
     }

@@ -216,7 +216,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..common(Output, "checkpoint-every", "TIME")
     },
     OptionEntry {
-        short: "Checkpoint of another render of the scene, whose guide this one begins with",
+        short: "Begin with the guide of this checkpoint of another render",
         long: "The guide learns on. The other render must have another --seed, or samples before --sample-offset only, and the same settings \
                of the guide. Size, length and camera paths may differ.",
         ..further(Output, "guide-from", "CHECKPOINT")
