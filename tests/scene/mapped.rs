@@ -266,7 +266,11 @@ fn a_scene_without_a_sensor_gets_a_camera() {
         r#"<shape type="cube"><transform name="to_world"><scale x="2" z="3"/><translate x="1"/></transform></shape>"#;
     let text = |sensor: &str| format!("<scene version=\"3.0.0\">{sensor}{shape}</scene>");
     let fitted = Folder::new(&[("scene.xml", &text(""))]).load(&[]).unwrap();
-    assert!(fitted.warnings.len() == 1 && fitted.warnings[0].contains("no <sensor>"), "{:?}", fitted.warnings);
+    assert!(
+        fitted.warnings.len() == 1 && fitted.warnings[0].contains("looks along +z was fitted to the scene"),
+        "{:?}",
+        fitted.warnings
+    );
     // The box spans 4, 2 and 6 units; the tangent of 22.5 degrees is 0.41421356.
     let distance = 6.0 / (2.0 * 0.414_213_56);
     let sensor = format!(
