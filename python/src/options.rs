@@ -8,6 +8,9 @@ use pyo3::types::{PyBool, PyDict, PyList};
 
 use crate::errors::raised;
 
+/// Options for reading a scene's file. They are no keywords of a render.
+const OF_FILES: [&str; 3] = ["D", "camera", "environment"];
+
 /// Options of files and messages that Python has, too. Pictures are saved by their own method.
 const FILES: [&str; 3] = ["checkpoint", "checkpoint-every", "guide-from"];
 /// Options of a resumed render. Its checkpoint has the others.
@@ -16,7 +19,7 @@ const OF_RESUMED: [&str; 7] = ["spp", "time", "device", "slice-ms", "execution",
 /// Options of a new render.
 pub fn of_render(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
     parsed("render", keywords, |option| {
-        FILES.contains(&option.name) || (option.category != Category::Output && option.name != "D")
+        FILES.contains(&option.name) || (option.category != Category::Output && !OF_FILES.contains(&option.name))
     })
 }
 
@@ -102,12 +105,12 @@ fn text(value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
 pub fn options(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     let list = PyList::empty(py);
     let is_known = |option: &&OptionEntry| {
-        FILES.contains(&option.name) || (option.category != Category::Output && option.name != "D")
+        FILES.contains(&option.name) || (option.category != Category::Output && !OF_FILES.contains(&option.name))
     };
     for option in OPTIONS.iter().filter(is_known) {
         let entry = PyDict::new(py);
         entry.set_item("name", option.name.replace('-', "_"))?;
-        entry.set_item("help", option.long_help())?;
+        entry.set_item("help", option.long_help(None))?;
         entry.set_item("words", option.words().into_iter().map(|word| word.name).collect::<Vec<_>>())?;
         entry.set_item("default", option.default_text())?;
         entry.set_item("subject", option.category.heading())?;
