@@ -321,7 +321,7 @@ def test_guides_that_do_not_fit_are_refused(room_scene):
     renderer = lodestar.Renderer(room_scene, seed=1, directions=16)
     renderer.step(2)
     guide = renderer.guide
-    with pytest.raises(lodestar.Error, match="--seed 1 already"):
+    with pytest.raises(lodestar.Error, match="--seed 1 up to number 2 already"):
         lodestar.Renderer(room_scene, seed=1, directions=16, guide=guide)
     with pytest.raises(lodestar.Error, match="another directions"):
         lodestar.Renderer(room_scene, seed=2, directions=32, guide=guide)
@@ -330,7 +330,7 @@ def test_guides_that_do_not_fit_are_refused(room_scene):
     # A guide remembers all its teachers.
     second = lodestar.Renderer(room_scene, seed=2, directions=16, guide=guide)
     second.step(1)
-    with pytest.raises(lodestar.Error, match="--seed 1 already"):
+    with pytest.raises(lodestar.Error, match="--seed 1 up to number 2 already"):
         lodestar.Renderer(room_scene, seed=1, directions=16, guide=second.guide)
 
 
