@@ -88,10 +88,10 @@ fn depth_and_all_faults_are_told() {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
     let unlimited = info(r#"<sensor type="perspective"/><integrator type="path"/>"#);
     assert!(text(&unlimited.stdout).contains("max_depth: not given, so unlimited"), "{}", text(&unlimited.stdout));
-    let faulty = info("<emitter type=\"sky\"/>\n<shape type=\"cylinder\"/>");
+    let faulty = info("<emitter type=\"sky\"/>\n<shape type=\"sdfgrid\"/>");
     let message = text(&faulty.stderr);
     assert_eq!(faulty.status.code(), Some(1));
-    for part in ["the scene has 2 faults:", "  s.xml:2: ", "`sky`", "  s.xml:3: ", "`cylinder`"] {
+    for part in ["the scene has 2 faults:", "  s.xml:2: ", "`sky`", "  s.xml:3: ", "`sdfgrid`"] {
         assert!(message.contains(part), "`{part}` is missing in:\n{message}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod accepts;
 mod convert;
+mod cylinder;
 mod emitters;
 mod fuzz;
 mod fuzz_renders;

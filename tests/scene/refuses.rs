@@ -172,7 +172,7 @@ fn meshes() {
 #[test]
 fn all_faults_are_listed_at_once() {
     let body = r#"<bsdf type="phong" id="a"/>
-<shape type="cylinder"><ref id="a"/></shape>
+<shape type="sdfgrid"><ref id="a"/></shape>
 <shape type="sphere"><bsdf type="twosided"><bsdf type="ward"/><bsdf type="irawan"/></bsdf><emitter type="collimated"/></shape>
 <emitter type="sky"/>
 <shape type="obj"><string name="filename" value="gone.obj"/></shape>
@@ -186,7 +186,7 @@ fn all_faults_are_listed_at_once() {
     let expected = [
         ("bad.ply", "bad.ply"),
         ("scene.xml:2: ", "`phong`"),
-        ("scene.xml:3: ", "`cylinder`"),
+        ("scene.xml:3: ", "`sdfgrid`"),
         ("scene.xml:4: ", "`ward`"),
         ("scene.xml:4: ", "`irawan`"),
         ("scene.xml:4: ", "`collimated`"),

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
+use super::cylinder;
 use super::document::Document;
 use super::element::{Element, PARAMETER_TAGS};
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
@@ -454,9 +455,11 @@ fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<Vec
 fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Mesh>) -> Result<()> {
     let mut triangles = 0;
     for shape in shapes {
-        if let Geometry::Mesh(file, _) = &shape.geometry {
-            triangles += meshes.get(file).map_or(0, |mesh| mesh.triangles.len());
-        }
+        triangles += match &shape.geometry {
+            Geometry::Mesh(file, _) => meshes.get(file).map_or(0, |mesh| mesh.triangles.len()),
+            Geometry::Cylinder => cylinder::UNIT.triangles.len(),
+            _ => 0,
+        };
         if triangles > MAX_TRIANGLES {
             let message =
                 format!("with this shape the scene has {triangles} triangles; no more than {MAX_TRIANGLES} fit");

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use glam::{DMat4, DVec3};
 
+use super::cylinder;
 use super::element::{Element, Location, MESH, MESH_INDEX};
 use super::flatten::{self, Common, MeshOptions, PlacedMesh};
 use super::properties::Properties;
@@ -13,8 +14,8 @@ use crate::Result;
 use crate::scene::mesh::{Mesh, MeshFormat};
 use crate::scene::{Primitive, PrimitiveShape};
 
-pub(super) const SUPPORTED: [&str; 9] =
-    ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "disk", "shapegroup", "instance"];
+pub(super) const SUPPORTED: [&str; 10] =
+    ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "cylinder", "disk", "shapegroup", "instance"];
 
 /// Largest relative deviation of a transform from a similarity: scene files are printed with six digits.
 const SIMILARITY: f64 = 1e-3;
@@ -35,6 +36,7 @@ pub(super) enum Geometry {
     Disk,
     Cube,
     Sphere,
+    Cylinder,
 }
 
 /// Mesh: the canonical path of its file, and the file's format. A mesh in memory has no path.
@@ -80,6 +82,10 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
         "sphere" => {
             common.to_world = parse_sphere(properties, common.to_world)?;
             Ok(Geometry::Sphere)
+        }
+        "cylinder" => {
+            common.to_world = cylinder::parse(properties, common.to_world)?;
+            Ok(Geometry::Cylinder)
         }
         _ => Err(element.unsupported(&SUPPORTED)),
     }
@@ -159,15 +165,17 @@ pub(super) enum Placed<'a> {
 /// Places a shape; `meshes` holds every mesh that a shape names.
 pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Mesh>) -> Result<Placed<'a>> {
     let common = &shape.common;
+    let mesh = |mesh, options: &_| PlacedMesh::new(mesh, options, common).map(|mesh| Placed::Mesh(Box::new(mesh)));
     let placed = match &shape.geometry {
         Geometry::Mesh(file, options) => match meshes.get(file) {
-            Some(mesh) => PlacedMesh::new(mesh, options, common).map(|mesh| Placed::Mesh(Box::new(mesh))),
+            Some(found) => mesh(found, options),
             None => Some(Placed::Few(Vec::new())),
         },
         Geometry::Rectangle => few(flatten::flat(PrimitiveShape::Parallelogram, common), common),
         Geometry::Disk => few(flatten::flat(PrimitiveShape::Disk, common), common),
         Geometry::Cube => few(flatten::cube(common), common),
         Geometry::Sphere => few(vec![flatten::sphere(common)], common),
+        Geometry::Cylinder => mesh(&cylinder::UNIT, &MeshOptions { face_normals: false, flip_uvs: false }),
     };
     placed.ok_or_else(|| {
         shape.location.error("the shape's `to_world` takes it out of the range of single-precision numbers")

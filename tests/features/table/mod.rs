@@ -2,6 +2,7 @@
 
 mod bsdfs;
 mod cameras;
+mod cylinders;
 mod emitters;
 mod extremes;
 mod paths;
@@ -131,6 +132,7 @@ pub fn all() -> Vec<Case> {
     cameras::add(&mut table);
     paths::add(&mut table);
     extremes::add(&mut table);
+    cylinders::add(&mut table);
     table.0
 }
 
