@@ -10,7 +10,7 @@ name are tried, too.
 Each file is rendered at one sample per pixel, 48 x 48 pixels. The outcomes:
   rendered   the picture was written
   refused    one sentence says why; where it is about a plugin, it names plugin, file and line
-  absent     a mesh or image that the scene names is not in the folder
+  absent     files that the scene names are not in the folder, and nothing else is at fault
   fragment   the file is no whole scene: it lacks <scene> or every <shape>
   wrong      with --mitsuba: the picture differs from Mitsuba's; or the listed outcome is another
   crashed    any other end, or none within two minutes
@@ -21,6 +21,7 @@ seeds. The means of 4 x 4 blocks must agree: |z| < 5 for each block and color ch
 import argparse
 import collections
 import concurrent.futures
+import doctest
 import os
 import pathlib
 import re
@@ -33,7 +34,7 @@ SIZE, BLOCKS, SEEDS, SAMPLES, LIMIT, SECONDS = 48, 4, 12, 32, 5.0, 120
 # Outcomes that the goal leaves out: what these words name is refused on purpose.
 OUT_OF_SCOPE = re.compile(r"<medium|<volume|polari|fourier|measured|transient|fluor|stokes|fmcw|tof|hair|sdfgrid|yan16|layered", re.I)
 ABSENT = re.compile(r"does not exist|git-lfs", re.I)
-WHERE = re.compile(r"error: .*?[^\s:]:\d+: ")
+WHERE = re.compile(r"^.*?[^\s:]:\d+: ")
 
 
 def expected():
@@ -57,18 +58,40 @@ def outcome(binary, path):
             done = render(binary, path, f"{folder}/a.exr", "--spp", "1")
         except subprocess.TimeoutExpired:
             return "crashed", f"no end within {SECONDS} s"
-    lines = done.stderr.strip().splitlines()
+    return end_of(done.returncode, done.stderr)
+
+
+def end_of(status, stderr):
+    """Outcome by the exit status and what the program said, and the message.
+
+    >>> end_of(1, "error: a.xml:3: the mesh file `a.obj` does not exist")[0]
+    'absent'
+    >>> missing = "  a.xml:3: the mesh file `a.obj` does not exist"
+    >>> end_of(1, f"error: the scene has 2 faults:\\n{missing}\\n{missing}")[0]
+    'absent'
+    >>> end_of(1, f"error: the scene has 2 faults:\\n{missing}\\n  a.xml:7: bsdf plugin `x` is not supported")[0]
+    'refused'
+    >>> end_of(1, f"error: the scene has 2 faults:\\n{missing}\\n  something is not supported")[0]
+    'crashed'
+    >>> end_of(101, "thread 'main' panicked")[0]
+    'crashed'
+    """
+    lines = stderr.strip().splitlines()
     # Where a scene has several faults, a line for each follows the one that counts them.
     start = next((index for index in reversed(range(len(lines))) if "error:" in lines[index]), max(len(lines) - 1, 0))
     message = " ".join(line.strip() for line in lines[start:])
-    if done.returncode == 0:
+    if status == 0:
         return "rendered", ""
-    if done.returncode != 1 or "panicked" in done.stderr:
-        return "crashed", f"exit status {done.returncode}: {message}"
-    if ABSENT.search(message):
+    if status != 1 or "panicked" in stderr:
+        return "crashed", f"exit status {status}: {message}"
+    faults = [line.strip() for line in lines[start + 1 :]] if len(lines) > start + 1 else [message.partition("error: ")[2]]
+    others = [fault for fault in faults if not ABSENT.search(fault)]
+    # A file that lacks a mesh, and is refused for another reason too, would be refused with the mesh as well.
+    if not others:
         return "absent", message
-    if not WHERE.search(message):
-        return "crashed", f"the message names no line: {message}"
+    unplaced = [fault for fault in others if not WHERE.search(fault)]
+    if unplaced:
+        return "crashed", f"the message names no line: {unplaced[0]}"
     return "refused", message
 
 
@@ -149,6 +172,8 @@ def main():
     parser.add_argument("--mitsuba", action="store_true", help="compares with Mitsuba's pictures")
     parser.add_argument("--jobs", type=int, default=1)
     arguments = parser.parse_args()
+    if doctest.testmod().failed:
+        return 1
     folder = os.environ.get("LODESTAR_REAL_FILES")
     if not folder:
         print("skipped: LODESTAR_REAL_FILES names no folder of files")
