@@ -34,6 +34,8 @@ SIZE, BLOCKS, SEEDS, SAMPLES, LIMIT, SECONDS = 48, 4, 12, 32, 5.0, 120
 # Outcomes that the goal leaves out: what these words name is refused on purpose.
 OUT_OF_SCOPE = re.compile(r"<medium|<volume|polari|fourier|measured|transient|fluor|stokes|fmcw|tof|hair|sdfgrid|yan16|layered", re.I)
 ABSENT = re.compile(r"does not exist|git-lfs", re.I)
+# Last line of a message that does not list all faults.
+MORE = re.compile(r"and \d+ more")
 WHERE = re.compile(r"^.*?[^\s:]:\d+: ")
 
 
@@ -73,6 +75,8 @@ def end_of(status, stderr):
     'refused'
     >>> end_of(1, f"error: the scene has 2 faults:\\n{missing}\\n  something is not supported")[0]
     'crashed'
+    >>> end_of(1, f"error: the scene has 73 faults:\\n{missing}\\n  and 72 more")[0]
+    'absent'
     >>> end_of(101, "thread 'main' panicked")[0]
     'crashed'
     """
@@ -85,7 +89,7 @@ def end_of(status, stderr):
     if status != 1 or "panicked" in stderr:
         return "crashed", f"exit status {status}: {message}"
     faults = [line.strip() for line in lines[start + 1 :]] if len(lines) > start + 1 else [message.partition("error: ")[2]]
-    others = [fault for fault in faults if not ABSENT.search(fault)]
+    others = [fault for fault in faults if not ABSENT.search(fault) and not MORE.fullmatch(fault)]
     # A file that lacks a mesh, and is refused for another reason too, would be refused with the mesh as well.
     if not others:
         return "absent", message
