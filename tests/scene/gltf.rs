@@ -2,7 +2,10 @@
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use lodestar::scene::{CameraChoice, EnvironmentChoice, EnvironmentKind, LoadOptions, Scene, load};
+use lodestar::scene::texture_lookup::sample;
+use lodestar::scene::{
+    Bsdf, CameraChoice, EnvironmentChoice, EnvironmentKind, LoadOptions, MaterialKind, Scene, Textured, load,
+};
 use serde_json::{Value, json};
 
 use crate::Folder;
@@ -144,6 +147,36 @@ fn lights_and_emissive_surfaces_shine() {
     assert_eq!((scene.delta_emitters.len(), scene.emitters.len()), (3, 1));
     assert_eq!(scene.emitters[0].radiance.value, glam::Vec3::new(4.0, 4.0, 2.0));
     assert!(!scene.warnings.join("\n").contains("has no light"));
+}
+
+/// The channels of a packed texture become textures of their own, and the transform of a texture turns from `v` to `u`.
+#[test]
+fn textures_are_unpacked_and_transformed() {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let texel = image::RgbaImage::from_pixel(1, 1, image::Rgba([10, 128, 51, 255]));
+    texel.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let mut model = square();
+    model["extensionsUsed"] = json!(["KHR_texture_transform"]);
+    model["images"] = json!([{"uri": format!("data:image/png;base64,{}", STANDARD.encode(png.into_inner()))}]);
+    model["textures"] = json!([{"source": 0}]);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let transform = json!({"offset": [0.25, 0.5], "rotation": quarter, "scale": [2.0, 3.0]});
+    let turned = json!({"index": 0, "extensions": {"KHR_texture_transform": transform}});
+    model["materials"][0]["pbrMetallicRoughness"] =
+        json!({"baseColorTexture": turned, "metallicRoughnessTexture": {"index": 0}, "roughnessFactor": 0.5});
+    let scene = read(&model).unwrap();
+    let MaterialKind::Surface(surface) = &scene.materials[0].kind else { panic!("a surface") };
+    let Bsdf::Principled(principled) = &surface.bsdf else { panic!("a principled") };
+    let to_uv = scene.textures[principled.base_color.texture.unwrap() as usize].to_uv;
+    let close = |found: glam::Vec3, x: f32, y: f32| (found - glam::Vec3::new(x, y, 1.0)).length() < 1e-6;
+    assert!(close(to_uv * glam::Vec3::new(0.0, 1.0, 1.0), 3.25, 0.5), "{to_uv}");
+    assert!(close(to_uv * glam::Vec3::new(1.0, 0.0, 1.0), 0.25, -1.5), "{to_uv}");
+    let number = |number: &Textured<f32>| {
+        let texture = &scene.textures[number.texture.unwrap() as usize];
+        number.value * sample(texture, &scene.images, glam::DVec2::splat(0.5)).x as f32
+    };
+    assert!((number(&principled.roughness) - 0.5 * 128.0 / 255.0).abs() < 1e-6);
+    assert!((number(&principled.metallic) - 51.0 / 255.0).abs() < 1e-6);
 }
 
 #[test]

@@ -60,8 +60,8 @@ pub(super) struct BaseColor<'a> {
     pub texture: Option<TextureUse<'a>>,
 }
 
-/// Matrix of `KHR_texture_transform`: scale, then rotation, then offset. As in the extension's text, a positive angle turns the
-/// coordinates from `v` towards `u`.
+/// Matrix of `KHR_texture_transform`: scale, then rotation, then offset. An angle of a quarter turn takes (0, 1) to (1, 0), as in
+/// Blender's reader.
 fn to_uv(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> DMat3 {
     let translation = DMat3::from_translation(dvec2(offset[0], offset[1]));
     translation * DMat3::from_angle(-rotation) * DMat3::from_scale(dvec2(scale[0], scale[1]))

@@ -36,19 +36,8 @@ pub(in crate::scene) struct Description {
     pub meshes: Vec<Mesh>,
     /// Files in memory by name, for the `filename` of a `bitmap` or `envmap`: PNG, JPEG and the like, but no EXR.
     pub files: HashMap<String, Arc<[u8]>>,
-    /// Places of objects that stand directly in the scene, by key. Messages name them in place of the path and the key.
-    pub places: HashMap<String, Place>,
     /// Sentences about things that were read but are not rendered exactly.
     pub warnings: Vec<String>,
-}
-
-/// Place in a text file.
-#[derive(Debug, Clone)]
-pub(in crate::scene) struct Place {
-    /// Path of the file.
-    pub file: Arc<Path>,
-    /// Line, counted from 1.
-    pub line: u32,
 }
 
 impl Description {
@@ -60,9 +49,9 @@ impl Description {
 
     /// Elements of all objects. `separator` stands between the path and the key of an object in messages.
     pub(super) fn into_document(self, separator: &'static str) -> Result<Document> {
-        let Self { path, scene, meshes, files, places, warnings } = self;
+        let Self { path, scene, meshes, files, warnings } = self;
         let folders = Folders::new(&path).with_files(files);
-        let mut reader = Reader { root: at(&path.to_string_lossy()), separator, places, meshes, warnings };
+        let mut reader = Reader { root: at(&path.to_string_lossy()), separator, meshes, warnings };
         let elements = reader.scene(&scene)?;
         let Reader { meshes, warnings, .. } = reader;
         let view = if separator == "." { View::Mitsuba } else { View::Front };
@@ -88,7 +77,6 @@ impl Scene {
 struct Reader {
     root: Location,
     separator: &'static str,
-    places: HashMap<String, Place>,
     meshes: Vec<Mesh>,
     warnings: Vec<String>,
 }
@@ -146,16 +134,10 @@ impl Reader {
         })
     }
 
-    /// Location of an entry. Entries of an object with a place in a text file have the object's place.
+    /// Location of an entry.
     fn location(&self, key: &str, parent: &Location, depth: usize) -> Location {
-        match self.places.get(key).filter(|_| depth == 1) {
-            Some(Place { file, line }) => Location { file: Arc::clone(file), line: Some(*line) },
-            None if parent.line.is_some() => parent.clone(),
-            None => {
-                let separator = if depth == 1 { self.separator } else { "." };
-                at(&format!("{}{separator}{key}", parent.file.display()))
-            }
-        }
+        let separator = if depth == 1 { self.separator } else { "." };
+        at(&format!("{}{separator}{key}", parent.file.display()))
     }
 
     fn object(&mut self, key: &str, dictionary: &Dictionary, location: &Location, depth: usize) -> Result<Element> {
