@@ -63,6 +63,5 @@ pub(super) fn read(path: &Path) -> Result<Description> {
         meshes,
         files,
         warnings: asset.into_warnings(),
-        ..Description::default()
     })
 }
