@@ -27,6 +27,7 @@ class _Keywords(TypedDict, total=False):
     rfilter: Literal["box", "tent", "gaussian"] | None
     checkpoint: _Path | None
     checkpoint_every: float | str | None
+    guide_from: _Path | None
     noise: float | None
     sampler: Literal["bsdf", "rejection-mix", "rejection", "sphere-inversion", "hemisphere-inversion", "product", "quadtree"] | None
     max_depth: int | None

@@ -19,6 +19,7 @@ OTHERS = {
     "grid": 'int | Literal["auto"]',
     "checkpoint": "_Path",
     "checkpoint_every": "float | str",
+    "guide_from": "_Path",
     "kernel_dir": "_Path",
     "validate": "bool",
 }
