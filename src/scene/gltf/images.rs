@@ -11,7 +11,7 @@ use gltf::texture::{MagFilter, WrappingMode};
 use serde_json::Value as Json;
 
 use super::asset::{Asset, data_uri};
-use super::values::{color, matrix, object, with};
+use crate::scene::values::{color, matrix, object, with};
 use crate::Result;
 use crate::image::texels::{self, FileTexels, TexelImage};
 use crate::scene::{Dictionary, Value};

@@ -8,7 +8,7 @@ use gltf::khr_lights_punctual::{Kind, Light};
 
 use super::asset::Asset;
 use super::nodes::Placed;
-use super::values::{color, matrix, number, object, with};
+use crate::scene::values::{color, matrix, number, object, with};
 use crate::Result;
 use crate::scene::{Array, Dictionary, Value};
 

@@ -8,7 +8,7 @@ use gltf::material::AlphaMode;
 use super::asset::Asset;
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
 use super::specular_glossiness;
-use super::values::{color, number, object, with};
+use crate::scene::values::{color, number, object, with};
 use crate::Result;
 use crate::scene::{Dictionary, Value};
 

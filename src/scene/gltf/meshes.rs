@@ -11,7 +11,7 @@ use super::images::Images;
 use super::materials::{Coloring, Covering, Materials};
 use super::nodes::{Placed, Transforms, transforms};
 use super::skins::{self, Vertices};
-use super::values::{matrix, object, reference, with};
+use crate::scene::values::{matrix, object, reference, with};
 use crate::Result;
 use crate::scene::Value;
 use crate::scene::mesh::{MAX_TRIANGLES, Mesh};

@@ -3,7 +3,7 @@
 use gltf::material::PbrSpecularGlossiness;
 
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled, texel};
-use super::values::{color, number, object};
+use crate::scene::values::{color, number, object};
 use crate::Result;
 use crate::image::tone::srgb;
 use crate::math::srgb::linear_from_srgb;

@@ -1,0 +1,75 @@
+//! Infinite lights.
+
+use std::f64::consts::PI;
+
+use glam::{DMat4, DVec4};
+
+use super::color_space::luminance;
+use super::equal_area::{square_from_direction, unrolled};
+use super::delta_lights::color;
+use super::rasters::{Encoding, Raster};
+use super::textures::{Textures, rgb};
+use super::transforms::rigid;
+use super::world::Entity;
+use crate::Result;
+use crate::image::exr;
+use crate::image::texels;
+use crate::scene::values::{matrix, object};
+use crate::scene::{Dictionary, Value};
+
+/// Emitter of an infinite light. `exposure` is a factor of all light, `index` the light's number.
+pub(super) fn light(entity: &Entity, exposure: f64, index: usize, textures: &mut Textures) -> Result<Dictionary> {
+    let parameters = &entity.parameters;
+    if let Some(portal) = parameters.get("portal") {
+        return Err(portal.error("of an infinite light is not supported; remove it where the room is closed anyway"));
+    }
+    let illuminance = parameters.number("illuminance", -1.0)?;
+    let factor = |of_one: f64| if illuminance > 0.0 { exposure * illuminance / of_one } else { exposure };
+    let Some(name) = parameters.text("filename")? else {
+        let radiance = color(entity, "L", factor(PI), textures.files)?;
+        return Ok(object("constant", [("radiance", rgb(radiance))]));
+    };
+    if let Some(radiance) = parameters.get("L") {
+        return Err(radiance.error("cannot stand beside `filename`; give one of them"));
+    }
+    let path = textures.files.existing(name, "image file", &parameters.place)?;
+    let image = texels::read(&path).map_err(|error| entity.error(format!("the image of the light: {error}")))?;
+    let (width, height) = (image.width, image.height);
+    if width != height {
+        return Err(entity.error(format!(
+            "the image `{name}` has {width}x{height} pixels, but pbrt-v4's are square; \
+             `imgtool makeequiarea` makes them of maps of longitude and latitude"
+        )));
+    }
+    let square = Raster::of(&image, Encoding::Srgb).map(|texel| if texel.is_finite() { texel } else { glam::Vec3::ZERO });
+    let scale = color(entity, "L", factor(if illuminance > 0.0 { illuminance_of(&square) } else { 1.0 }), textures.files)?;
+    let (turn, _) = rigid(&entity.to_world.matrix)
+        .ok_or_else(|| entity.error("the transform of an infinite light must neither shear nor scale unevenly"))?;
+    let name = format!("environment{index}.exr");
+    let content = exr::encode_rgb(std::path::Path::new(&name), &unrolled(&square).to_image())?;
+    textures.add_file(name.clone(), content);
+    // The map's +y is the light's +z.
+    let upright = DMat4::from_cols(DVec4::X, DVec4::Z, -DVec4::Y, DVec4::W);
+    let mut to_world = turn * upright;
+    to_world.w_axis = DVec4::W;
+    let entries =
+        [("filename", Value::Text(name)), ("scale", Value::Number(scale[0])), ("to_world", matrix(&to_world))];
+    Ok(object("envmap", entries))
+}
+
+/// Illuminance of a square map on a surface that faces its `+z`.
+fn illuminance_of(square: &Raster) -> f64 {
+    const STEPS: usize = 512;
+    // Midpoints in the squared sine of the angle and in the azimuth, which weighs each by its cosine.
+    let mut sum = 0.0;
+    for row in 0..STEPS {
+        let sine = ((row as f64 + 0.5) / STEPS as f64).sqrt();
+        for column in 0..STEPS {
+            let azimuth = glam::DVec2::from_angle((column as f64 + 0.5) / STEPS as f64 * 2.0 * PI);
+            let at = square_from_direction((sine * azimuth).extend((1.0 - sine * sine).sqrt())) * square.width as f64;
+            let index = |at: f64| (at as usize).min(square.width - 1);
+            sum += luminance(square.texels[index(at.y) * square.width + index(at.x)].as_dvec3().to_array());
+        }
+    }
+    PI * sum / (STEPS * STEPS) as f64
+}
