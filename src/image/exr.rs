@@ -133,10 +133,10 @@ pub fn decode_rgb(path: &Path, bytes: &[u8]) -> Result<Image> {
 
 /// EXR file of a picture, in memory and not compressed. `path` is its name, for messages.
 pub fn encode_rgb(path: &Path, image: &Image) -> Result<Vec<u8>> {
-    let channel = |name, index: usize| {
-        channel(name, FlatSamples::F32(image.pixels.iter().map(|pixel| pixel[index]).collect()))
-    };
-    let channels = AnyChannels::sort(["R", "G", "B"].into_iter().zip(0..).map(|(name, at)| channel(name, at)).collect());
+    let channel =
+        |name, index: usize| channel(name, FlatSamples::F32(image.pixels.iter().map(|pixel| pixel[index]).collect()));
+    let channels =
+        AnyChannels::sort(["R", "G", "B"].into_iter().zip(0..).map(|(name, at)| channel(name, at)).collect());
     let size = size(image.width, image.height);
     let layer = Layer::new(size, LayerAttributes::default(), Encoding::UNCOMPRESSED, channels);
     let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));

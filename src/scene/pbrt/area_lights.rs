@@ -22,7 +22,11 @@ pub(super) struct AreaLight {
 enum Radiance {
     Color([f64; 3]),
     /// Image, the factor of its colors, and its mean luminance.
-    Image { image: Node, factor: f64, luminance: f64 },
+    Image {
+        image: Node,
+        factor: f64,
+        luminance: f64,
+    },
 }
 
 impl AreaLight {

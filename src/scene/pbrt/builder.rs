@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use super::color_space::ColorSpace;
 use super::files::Files;
-use super::read_form;
 use super::parameters::{Parameter, Parameters};
+use super::read_form;
 use super::tokens::{Place, brief};
 use super::transforms::Current;
 use super::world::{Entity, Instance, MaterialUse, NamedTexture, Object, Shape, World};
@@ -54,6 +54,8 @@ pub(super) struct Builder {
     object_names: HashSet<String>,
     coordinate_systems: HashMap<String, Current>,
     is_world: bool,
+    /// Media that were refused.
+    pub known_media: HashSet<String>,
     /// Warnings that were given.
     known_warnings: HashSet<&'static str>,
     texture_count: usize,
@@ -85,6 +87,7 @@ impl Builder {
             object_names: HashSet::new(),
             coordinate_systems: HashMap::new(),
             is_world: false,
+            known_media: HashSet::new(),
             known_warnings: HashSet::new(),
             texture_count: 0,
             entity_count: 0,
@@ -201,14 +204,21 @@ impl Builder {
 
     pub fn use_coordinate_system(&mut self, name: &str, place: &Place) -> Result<()> {
         let Some(&transform) = self.coordinate_systems.get(name) else {
-            return Err(place.error(format!("there is no coordinate system `{}`; name it by CoordinateSystem before", brief(name))));
+            return Err(place.error(format!(
+                "there is no coordinate system `{}`; name it by CoordinateSystem before",
+                brief(name)
+            )));
         };
         self.set_transform(transform, place)
     }
 
     pub fn set_attributes(&mut self, target: &str, parameters: Parameters) -> Result<()> {
         let Some(index) = TARGETS.iter().position(|known| *known == target) else {
-            return Err(parameters.error(format!("`{}` has no attributes; use one of {}", brief(target), TARGETS.join(", "))));
+            return Err(parameters.error(format!(
+                "`{}` has no attributes; use one of {}",
+                brief(target),
+                TARGETS.join(", ")
+            )));
         };
         let old = mem::take(&mut self.state.attributes[index]);
         let mut list = parameters.into_list();
@@ -277,7 +287,8 @@ impl Builder {
             }
             _ => {
                 let type_of = parameters.text("type")?;
-                let type_of = type_of.ok_or_else(|| place.error("MakeNamedMaterial needs its parameter \"string type\""))?;
+                let type_of =
+                    type_of.ok_or_else(|| place.error("MakeNamedMaterial needs its parameter \"string type\""))?;
                 let type_of = type_of.to_owned();
                 let material = self.entity(type_of, parameters.with_defaults(&self.state.attributes[2]));
                 if self.world.materials.insert(kind.clone(), Rc::new(material)).is_some() {
@@ -291,7 +302,9 @@ impl Builder {
     fn add_shape(&mut self, kind: String, parameters: Parameters) -> Result<()> {
         self.check_world("Shape", &parameters.place)?;
         let mut entity = self.entity(kind, parameters.with_defaults(&self.state.attributes[0]));
-        let Some(form) = self.faults.keep(read_form::read(&entity, &mut self.files, &mut self.warnings)) else { return Ok(()) };
+        let Some(form) = self.faults.keep(read_form::read(&entity, &mut self.files, &mut self.warnings)) else {
+            return Ok(());
+        };
         self.warnings.extend(entity.parameters.unread());
         entity.parameters.keep_only(&["alpha"]);
         let State { is_reversed, ref material, ref light, .. } = self.state;

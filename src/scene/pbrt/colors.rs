@@ -23,7 +23,9 @@ pub(super) fn of_material(parameter: &Parameter, space: ColorSpace, files: &mut 
             Spectrum::Named(name) => named_spectra::of_material(&name).ok_or_else(|| not_known(parameter, &name))?,
         },
         "blackbody" => return Err(parameter.error("is a temperature, but a material has none; give it an `rgb`")),
-        other => return Err(parameter.error(format!("should be `rgb`, `spectrum` or `texture`, not `{}`", brief(other)))),
+        other => {
+            return Err(parameter.error(format!("should be `rgb`, `spectrum` or `texture`, not `{}`", brief(other))));
+        }
     };
     Ok(color.map(|channel| channel.max(0.0)))
 }
@@ -37,7 +39,9 @@ pub(super) fn of_light(parameter: &Parameter, space: ColorSpace, files: &mut Fil
             Spectrum::Points(points) => normalized(spectrum::of_light(&points)),
             Spectrum::Named(name) => named_spectra::of_light(&name).ok_or_else(|| not_known(parameter, &name))?,
         },
-        other => return Err(parameter.error(format!("should be `rgb`, `spectrum` or `blackbody`, not `{}`", brief(other)))),
+        other => {
+            return Err(parameter.error(format!("should be `rgb`, `spectrum` or `blackbody`, not `{}`", brief(other))));
+        }
     };
     Ok(color.map(|channel| channel.max(0.0)))
 }
@@ -94,10 +98,13 @@ fn points(parameter: &Parameter, files: &mut Files) -> Result<Spectrum> {
                 return Err(not_known(parameter, name));
             }
             let text = files.text(&path)?;
-            let words = text.lines().flat_map(|line| line.split('#').next().unwrap_or_default().split_ascii_whitespace());
+            let words =
+                text.lines().flat_map(|line| line.split('#').next().unwrap_or_default().split_ascii_whitespace());
             let number = |word: &str| word.parse().ok().filter(|number: &f64| number.is_finite());
             let numbers: Option<Vec<f64>> = words.map(number).collect();
-            numbers.ok_or_else(|| parameter.error(format!("names the file `{}`, which has something else than numbers", brief(name))))?
+            numbers.ok_or_else(|| {
+                parameter.error(format!("names the file `{}`, which has something else than numbers", brief(name)))
+            })?
         }
     };
     let (points, rest) = numbers.as_chunks::<2>();

@@ -13,7 +13,12 @@ use crate::scene::values::{matrix, object};
 use crate::scene::{Array, Dictionary, Value};
 
 /// Emitter of a light. `exposure` is a factor of all light.
-pub(super) fn light(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<String>) -> Result<Dictionary> {
+pub(super) fn light(
+    entity: &Entity,
+    exposure: f64,
+    files: &mut Files,
+    warnings: &mut Vec<String>,
+) -> Result<Dictionary> {
     match entity.kind.as_str() {
         "point" => {
             let position = world_point(entity, point(entity, "from", DVec3::ZERO)?);

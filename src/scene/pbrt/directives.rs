@@ -23,7 +23,9 @@ pub(super) fn read_file(builder: &mut Builder, path: &Path) -> Result<()> {
     while let Some(token) = tokens.take()? {
         match token {
             Token::Word(word) => directive(builder, word, &mut tokens)?,
-            other => return Err(tokens.place().error(format!("a directive such as `Shape` should stand here, not {other}"))),
+            other => {
+                return Err(tokens.place().error(format!("a directive such as `Shape` should stand here, not {other}")));
+            }
         }
     }
     builder.open_files.pop();
@@ -39,7 +41,8 @@ fn directive(builder: &mut Builder, word: &str, tokens: &mut Tokens) -> Result<(
         "AttributeBegin" => builder.push(&place)?,
         "AttributeEnd" => builder.pop(&place)?,
         "TransformBegin" | "TransformEnd" => {
-            let message = "TransformBegin and TransformEnd are deprecated; they are read as AttributeBegin and AttributeEnd";
+            let message =
+                "TransformBegin and TransformEnd are deprecated; they are read as AttributeBegin and AttributeEnd";
             builder.warn_once(&place, message);
             if word == "TransformBegin" { builder.push(&place)? } else { builder.pop(&place)? }
         }
@@ -123,11 +126,16 @@ fn transform(builder: &mut Builder, word: &str, tokens: &mut Tokens, place: &Pla
                 return Ok(());
             }
             Token::Word("EndTime") => {
-                builder.warn_once(place, "motion is not rendered: everything stands where it is at the shutter's opening");
+                builder
+                    .warn_once(place, "motion is not rendered: everything stands where it is at the shutter's opening");
                 builder.state.is_at_start = false;
                 return Ok(());
             }
-            other => return Err(tokens.place().error(format!("`All`, `StartTime` or `EndTime` should stand here, not {other}"))),
+            other => {
+                return Err(tokens
+                    .place()
+                    .error(format!("`All`, `StartTime` or `EndTime` should stand here, not {other}")));
+            }
         },
         _ => {
             return Err(place.error(format!("`{}` is not a directive of pbrt-v4; check its spelling", brief(word))));
@@ -140,7 +148,8 @@ fn include(builder: &mut Builder, word: &str, tokens: &mut Tokens, place: &Place
     let name = tokens.quoted("the name of a file")?;
     let path = builder.files.existing(&name, "included file", place)?;
     if builder.open_files.len() >= MAX_DEPTH {
-        return Err(place.error(format!("files are included more than {MAX_DEPTH} deep: does `{}` include itself?", brief(&name))));
+        return Err(place
+            .error(format!("files are included more than {MAX_DEPTH} deep: does `{}` include itself?", brief(&name))));
     }
     builder.include_count += 1;
     if builder.include_count > MAX_INCLUDES {
@@ -164,8 +173,11 @@ fn medium_interface(builder: &mut Builder, tokens: &mut Tokens) -> Result<()> {
         Some(Token::Quoted(_)) => tokens.quoted("the name of a medium")?.into_owned(),
         _ => inside.clone(),
     };
-    for name in [&inside, &outside].into_iter().filter(|name| !name.is_empty()) {
-        let message = format!("the medium `{}`: media are not rendered; remove the MediumInterface", brief(name));
+    for name in [inside, outside].into_iter().filter(|name| !name.is_empty()) {
+        if !builder.known_media.insert(name.clone()) {
+            continue;
+        }
+        let message = format!("the medium `{}`: media are not rendered; remove the MediumInterface", brief(&name));
         builder.faults.add(place.error(message));
     }
     Ok(())

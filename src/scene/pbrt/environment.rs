@@ -5,10 +5,11 @@ use std::f64::consts::PI;
 use glam::{DMat4, DVec4};
 
 use super::color_space::luminance;
-use super::equal_area::{square_from_direction, unrolled};
 use super::delta_lights::color;
+use super::equal_area::{square_from_direction, unrolled};
 use super::rasters::{Encoding, Raster};
 use super::textures::{Textures, rgb};
+use super::tokens::brief;
 use super::transforms::rigid;
 use super::world::Entity;
 use crate::Result;
@@ -17,8 +18,46 @@ use crate::image::texels;
 use crate::scene::values::{matrix, object};
 use crate::scene::{Dictionary, Value};
 
-/// Emitter of an infinite light. `exposure` is a factor of all light, `index` the light's number.
-pub(super) fn light(entity: &Entity, exposure: f64, index: usize, textures: &mut Textures) -> Result<Dictionary> {
+/// Emitter of the sum of a scene's infinite lights; `None` where there are none. `exposure` is a factor of all light.
+pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textures) -> Result<Option<Dictionary>> {
+    let (mut radiance, mut map) = ([0.0; 3], None);
+    for entity in lights {
+        match light(entity, exposure, textures)? {
+            Infinite::Constant(color) => (0..3).for_each(|channel| radiance[channel] += color[channel]),
+            Infinite::Map(_) if map.is_some() => {
+                return Err(entity.error("a second infinite light with an image; add the images in one"));
+            }
+            Infinite::Map(found) => map = Some(found),
+        }
+    }
+    let Some(Map { mut raster, scale, to_world }) = map else {
+        let constant = || object("constant", [("radiance", rgb(radiance))]);
+        return Ok((!lights.is_empty()).then(constant));
+    };
+    if radiance != [0.0; 3] && scale > 0.0 {
+        let more = (glam::DVec3::from(radiance) / scale).as_vec3();
+        raster.texels.iter_mut().for_each(|texel| *texel += more);
+    }
+    let name = "environment.exr".to_owned();
+    textures.add_file(name.clone(), exr::encode_rgb(std::path::Path::new(&name), &raster.to_image())?);
+    let entries = [("filename", Value::Text(name)), ("scale", Value::Number(scale)), ("to_world", matrix(&to_world))];
+    Ok(Some(object("envmap", entries)))
+}
+
+/// Infinite light.
+enum Infinite {
+    Constant([f64; 3]),
+    Map(Map),
+}
+
+/// Map of longitude and latitude, the factor of its colors, and its place.
+struct Map {
+    raster: Raster,
+    scale: f64,
+    to_world: DMat4,
+}
+
+fn light(entity: &Entity, exposure: f64, textures: &mut Textures) -> Result<Infinite> {
     let parameters = &entity.parameters;
     if let Some(portal) = parameters.get("portal") {
         return Err(portal.error("of an infinite light is not supported; remove it where the room is closed anyway"));
@@ -26,8 +65,7 @@ pub(super) fn light(entity: &Entity, exposure: f64, index: usize, textures: &mut
     let illuminance = parameters.number("illuminance", -1.0)?;
     let factor = |of_one: f64| if illuminance > 0.0 { exposure * illuminance / of_one } else { exposure };
     let Some(name) = parameters.text("filename")? else {
-        let radiance = color(entity, "L", factor(PI), textures.files)?;
-        return Ok(object("constant", [("radiance", rgb(radiance))]));
+        return Ok(Infinite::Constant(color(entity, "L", factor(PI), textures.files)?));
     };
     if let Some(radiance) = parameters.get("L") {
         return Err(radiance.error("cannot stand beside `filename`; give one of them"));
@@ -37,24 +75,22 @@ pub(super) fn light(entity: &Entity, exposure: f64, index: usize, textures: &mut
     let (width, height) = (image.width, image.height);
     if width != height {
         return Err(entity.error(format!(
-            "the image `{name}` has {width}x{height} pixels, but pbrt-v4's are square; \
-             `imgtool makeequiarea` makes them of maps of longitude and latitude"
+            "the image `{}` has {width}x{height} pixels, but pbrt-v4's are square; `imgtool makeequiarea` makes them of maps of \
+             longitude and latitude",
+            brief(name)
         )));
     }
-    let square = Raster::of(&image, Encoding::Srgb).map(|texel| if texel.is_finite() { texel } else { glam::Vec3::ZERO });
-    let scale = color(entity, "L", factor(if illuminance > 0.0 { illuminance_of(&square) } else { 1.0 }), textures.files)?;
+    let light = |texel: glam::Vec3| if texel.is_finite() { texel.max(glam::Vec3::ZERO) } else { glam::Vec3::ZERO };
+    let square = Raster::of(&image, Encoding::Srgb).map(light);
+    let of_one = if illuminance > 0.0 { illuminance_of(&square) } else { 1.0 };
+    let [scale, ..] = color(entity, "L", factor(if of_one > 0.0 { of_one } else { 1.0 }), textures.files)?;
     let (turn, _) = rigid(&entity.to_world.matrix)
         .ok_or_else(|| entity.error("the transform of an infinite light must neither shear nor scale unevenly"))?;
-    let name = format!("environment{index}.exr");
-    let content = exr::encode_rgb(std::path::Path::new(&name), &unrolled(&square).to_image())?;
-    textures.add_file(name.clone(), content);
     // The map's +y is the light's +z.
     let upright = DMat4::from_cols(DVec4::X, DVec4::Z, -DVec4::Y, DVec4::W);
     let mut to_world = turn * upright;
     to_world.w_axis = DVec4::W;
-    let entries =
-        [("filename", Value::Text(name)), ("scale", Value::Number(scale[0])), ("to_world", matrix(&to_world))];
-    Ok(object("envmap", entries))
+    Ok(Infinite::Map(Map { raster: unrolled(&square), scale, to_world }))
 }
 
 /// Illuminance of a square map on a surface that faces its `+z`.

@@ -13,7 +13,7 @@ const MAX_WIDTH: usize = 4096;
 /// Number of points along each side of a texel at which the square map is looked up.
 const POINTS: usize = 4;
 
-/// Place of a direction in the unit square.
+/// Place of a direction in the unit square: the inverse of [`square_to_sphere`](crate::math::equal_area::square_to_sphere).
 pub(super) fn square_from_direction(direction: DVec3) -> DVec2 {
     let DVec3 { x, y, z } = direction.abs();
     let radius = (1.0 - z).max(0.0).sqrt();
@@ -90,17 +90,10 @@ fn sphere_mean(map: &Raster) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::equal_area::square_to_sphere;
 
-    /// Direction of a place, by the other direction of Clarberg's map.
     fn direction_from_square(at: DVec2) -> DVec3 {
-        let at = 2.0 * at - 1.0;
-        let DVec2 { x, y } = at.abs();
-        let signed = 1.0 - (x + y);
-        let radius = 1.0 - signed.abs();
-        let angle = if radius == 0.0 { PI / 4.0 } else { ((y - x) / radius + 1.0) * PI / 4.0 };
-        let across = radius * (2.0 - radius * radius).sqrt();
-        let (sine, cosine) = angle.sin_cos();
-        DVec3::new((cosine * across).copysign(at.x), (sine * across).copysign(at.y), (1.0 - radius * radius).copysign(signed))
+        square_to_sphere(2.0 * at - 1.0)
     }
 
     fn points() -> impl Iterator<Item = DVec2> {

@@ -59,7 +59,11 @@ impl Files {
         let read = |file: &mut dyn Read, bytes: &mut Vec<u8>| -> Result<()> {
             file.take(limit + 1).read_to_end(bytes).map_err(Error::read(path))?;
             match bytes.len() as u64 > limit {
-                true => Err(Error::scene(path, None, format!("with it the scene's files have more bytes than the limit of {limit}"))),
+                true => Err(Error::scene(
+                    path,
+                    None,
+                    format!("with it the scene's files have more bytes than the limit of {limit}"),
+                )),
                 false => Ok(()),
             }
         };
@@ -70,7 +74,11 @@ impl Files {
             bytes = content;
         }
         if bytes.starts_with(b"version https://git-lfs") {
-            return Err(Error::scene(path, None, "it is a git-lfs pointer, not the file; fetch it with `git lfs pull`"));
+            return Err(Error::scene(
+                path,
+                None,
+                "it is a git-lfs pointer, not the file; fetch it with `git lfs pull`",
+            ));
         }
         self.bytes_left -= bytes.len() as u64;
         Ok(bytes)

@@ -25,7 +25,8 @@ pub(super) struct Film {
 impl Film {
     /// Reads the film of a scene and its filter.
     pub fn read(world: &World, warnings: &mut Vec<String>) -> Result<Self> {
-        let filter = world.filter.as_ref().map(|filter| rfilter(filter, warnings)).transpose()?.unwrap_or_else(|| gaussian(0.5));
+        let filter =
+            world.filter.as_ref().map(|filter| rfilter(filter, warnings)).transpose()?.unwrap_or_else(|| gaussian(0.5));
         let mut film = match &world.film {
             Some(entity) => film(entity, warnings)?,
             None => {
@@ -37,7 +38,9 @@ impl Film {
         if let Some(camera) = &world.camera {
             let time = camera.parameters.number("shutterclose", 1.0)? - camera.parameters.number("shutteropen", 0.0)?;
             if time <= 0.0 {
-                return Err(camera.error(format!("the shutter is open for {time}; `shutterclose` must be after `shutteropen`")));
+                return Err(
+                    camera.error(format!("the shutter is open for {time}; `shutterclose` must be after `shutteropen`"))
+                );
             }
             film.exposure *= time;
         }
@@ -170,13 +173,25 @@ pub(super) fn integrator(world: &World, warnings: &mut Vec<String>) -> Result<Di
     let mut depth = DEPTH;
     if let Some(entity) = &world.integrator {
         let parameters = &entity.parameters;
-        parameters.ignore(&["lightsampler", "rrthreshold", "samplelights", "samplebsdf", "visualizestrategies", "visualizeweights"]);
+        parameters.ignore(&[
+            "lightsampler",
+            "rrthreshold",
+            "samplelights",
+            "samplebsdf",
+            "visualizestrategies",
+            "visualizeweights",
+        ]);
         let mut warn = |message: String| warnings.push(format!("{}: {message}", parameters.place));
         match entity.kind.as_str() {
             "path" | "volpath" | "simplepath" | "simplevolpath" => {}
             other @ ("randomwalk" | "bdpt" | "mlt" | "sppm" | "lightpath") => {
                 let own = [
-                    "mutationsperpixel", "chains", "bootstrapsamples", "sigma", "largestepprobability", "photonsperiteration",
+                    "mutationsperpixel",
+                    "chains",
+                    "bootstrapsamples",
+                    "sigma",
+                    "largestepprobability",
+                    "photonsperiteration",
                     "radius",
                 ];
                 parameters.ignore(&own);

@@ -11,11 +11,19 @@ use crate::scene::mesh::Mesh;
 pub(super) enum Form {
     Mesh(Mesh),
     /// PLY file by its name, which is read with the whole scene.
-    Ply { name: String, has_normals: bool },
+    Ply {
+        name: String,
+        has_normals: bool,
+    },
     /// Whole sphere around the origin.
-    Sphere { radius: f64 },
+    Sphere {
+        radius: f64,
+    },
     /// Whole disk at a height over the plane of x and y.
-    Disk { radius: f64, height: f64 },
+    Disk {
+        radius: f64,
+        height: f64,
+    },
 }
 
 impl Form {

@@ -3,7 +3,7 @@
 use super::names::Names;
 use super::textures::Textures;
 use super::tokens::brief;
-use super::world::World;
+use super::world::{Entity, World};
 use super::{delta_lights, environment};
 use crate::scene::Value;
 use crate::scene::mitsuba::faults::Faults;
@@ -16,15 +16,18 @@ pub(super) fn of_scene(
     textures: &mut Textures,
     faults: &mut Faults,
 ) -> Vec<(String, Value)> {
+    let (infinite, others): (Vec<&Entity>, Vec<&Entity>) =
+        world.lights.iter().partition(|light| light.kind == "infinite");
+    let label = |light: &Entity| names.label(&light.parameters.place, &format!("light `{}`", brief(&light.kind)));
     let mut lights = Vec::new();
-    for (index, light) in world.lights.iter().enumerate() {
-        let made = match light.kind.as_str() {
-            "infinite" => environment::light(light, exposure, index, textures),
-            _ => delta_lights::light(light, exposure, textures.files, textures.warnings),
-        };
-        let label = names.label(&light.parameters.place, &format!("light `{}`", brief(&light.kind)));
-        lights.extend(faults.keep(made).map(|object| names.entry(label, "light", object)));
-        textures.warnings.extend(light.parameters.unread());
+    for light in &others {
+        let made = delta_lights::light(light, exposure, textures.files, textures.warnings);
+        lights.extend(faults.keep(made).map(|object| names.entry(label(light), "light", object)));
     }
+    let environment = faults.keep(environment::of_lights(&infinite, exposure, textures)).flatten();
+    if let (Some(object), Some(first)) = (environment, infinite.first()) {
+        lights.push(names.entry(label(first), "environment", object));
+    }
+    textures.warnings.extend(world.lights.iter().flat_map(|light| light.parameters.unread()));
     lights
 }

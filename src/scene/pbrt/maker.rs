@@ -15,10 +15,10 @@ pub(super) struct Maker<'m, 't, 'w> {
 }
 
 impl Maker<'_, '_, '_> {
-    /// Warns about the material.
+    /// Warns about a kind of material, once.
     pub fn warn(&mut self, message: &str) {
         let Entity { kind, parameters, .. } = self.entity;
-        self.textures.warnings.push(format!("{}: material `{kind}`: {message}", parameters.place));
+        self.textures.warn(&parameters.place, &format!("material `{kind}`: {message}"));
     }
 
     /// Color that a parameter gives.

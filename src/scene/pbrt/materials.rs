@@ -22,8 +22,19 @@ use crate::scene::{Dictionary, Value};
 const MAX_DEPTH: usize = 16;
 
 /// Materials of pbrt-v3, which v4 does not know.
-const OLD: [&str; 11] =
-    ["matte", "plastic", "metal", "glass", "mirror", "uber", "substrate", "translucent", "disney", "fourier", "kdsubsurface"];
+const OLD: [&str; 11] = [
+    "matte",
+    "plastic",
+    "metal",
+    "glass",
+    "mirror",
+    "uber",
+    "substrate",
+    "translucent",
+    "disney",
+    "fourier",
+    "kdsubsurface",
+];
 
 /// BSDF of a shape.
 #[derive(Debug, Clone)]
@@ -56,7 +67,12 @@ impl<'l> Materials<'l> {
     }
 
     /// Cover of a shape whose alpha may be given.
-    pub fn cover(&mut self, material: &MaterialUse, alpha: Option<&Parameter>, textures: &mut Textures) -> Result<Cover> {
+    pub fn cover(
+        &mut self,
+        material: &MaterialUse,
+        alpha: Option<&Parameter>,
+        textures: &mut Textures,
+    ) -> Result<Cover> {
         let cover = match material {
             MaterialUse::Default => self.default_cover(),
             MaterialUse::Unnamed(entity) => self.keep(entity, None, textures, 0)?,
@@ -85,7 +101,13 @@ impl<'l> Materials<'l> {
         self.keep(entity, Some(name), textures, depth)
     }
 
-    fn keep(&mut self, entity: &Rc<Entity>, name: Option<&str>, textures: &mut Textures, depth: usize) -> Result<Cover> {
+    fn keep(
+        &mut self,
+        entity: &Rc<Entity>,
+        name: Option<&str>,
+        textures: &mut Textures,
+        depth: usize,
+    ) -> Result<Cover> {
         if depth > MAX_DEPTH {
             return Err(entity.error(format!("materials are mixed more than {MAX_DEPTH} deep: does one mix itself?")));
         }

@@ -25,12 +25,10 @@ pub(super) fn metal(maker: &mut Maker, names: [&str; 2], outside: f64) -> Result
         return reflecting(maker, reflectance, outside);
     }
     let mut spectrum = |name: &str, default: &str| match parameters.get(name) {
-        Some(parameter) if parameter.kind == "texture" => {
-            match maker.textures.color(parameters, entity, name, 1.0)? {
-                Node::Constant(color) => Ok(color),
-                _ => Err(parameter.error("of a conductor must be one color, not a texture")),
-            }
-        }
+        Some(parameter) if parameter.kind == "texture" => match maker.textures.color(parameters, entity, name, 1.0)? {
+            Node::Constant(color) => Ok(color),
+            _ => Err(parameter.error("of a conductor must be one color, not a texture")),
+        },
         Some(parameter) => colors::of_material(parameter, entity.color_space, maker.textures.files),
         None => Ok(named_spectra::of_material(default).unwrap_or([1.0; 3])),
     };
@@ -52,7 +50,7 @@ fn reflecting(maker: &mut Maker, reflectance: &Parameter, outside: f64) -> Resul
         node => {
             let place = &reflectance.place;
             let message = "a conductor whose reflectance is a texture reflects the same color at all angles";
-            maker.textures.warnings.push(format!("{place}: {message}"));
+            maker.textures.warn(place, message);
             Ok(vec![("specular_reflectance", maker.value(&node)?)])
         }
     }

@@ -203,7 +203,12 @@ impl Parameters {
     pub fn unread(&self) -> impl Iterator<Item = String> + '_ {
         let unread = self.own.iter().filter(|(_, is_read)| !is_read.replace(true));
         unread.map(|(parameter, _)| {
-            format!("{}: the parameter `{}` of {} is not known; ignored", parameter.place, brief(&parameter.name), self.owner)
+            format!(
+                "{}: the parameter `{}` of {} is not known; ignored",
+                parameter.place,
+                brief(&parameter.name),
+                self.owner
+            )
         })
     }
 
@@ -223,9 +228,12 @@ fn read_parameter(tokens: &mut Tokens) -> Result<Parameter> {
     let place = tokens.place();
     let mut words = declaration.split_ascii_whitespace();
     let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-        return Err(place.error(format!("\"{}\" should be a type and a name, such as \"float fov\"", brief(&declaration))));
+        return Err(
+            place.error(format!("\"{}\" should be a type and a name, such as \"float fov\"", brief(&declaration)))
+        );
     };
-    let mut parameter = Parameter { kind: kind.to_owned(), name: name.to_owned(), values: Values::Numbers(Vec::new()), place };
+    let mut parameter =
+        Parameter { kind: kind.to_owned(), name: name.to_owned(), values: Values::Numbers(Vec::new()), place };
     match tokens.require("the value of a parameter")? {
         Token::Open => {
             let mut count = 0;

@@ -59,7 +59,11 @@ impl Raster {
 
     /// Raster of the results of a function of each color.
     pub fn map(&self, change: impl Fn(Vec3) -> Vec3) -> Self {
-        Self { width: self.width, height: self.height, texels: self.texels.iter().map(|&texel| change(texel)).collect() }
+        Self {
+            width: self.width,
+            height: self.height,
+            texels: self.texels.iter().map(|&texel| change(texel)).collect(),
+        }
     }
 
     /// Raster of another size. A larger one repeats texels or interpolates them, as `filter` says.
@@ -70,7 +74,11 @@ impl Raster {
         let texels = (0..width * height).map(|at| {
             let place = |at: usize, count: usize, own: usize| (at as f64 + 0.5) / count as f64 * own as f64;
             let (x, y) = (place(at % width, width, self.width), place(at / width, height, self.height));
-            if sampling.filter == "nearest" { self.texel(x.floor(), y.floor(), sampling) } else { self.bilinear(x, y, sampling) }
+            if sampling.filter == "nearest" {
+                self.texel(x.floor(), y.floor(), sampling)
+            } else {
+                self.bilinear(x, y, sampling)
+            }
         });
         Rc::new(Self { width, height, texels: texels.collect() })
     }

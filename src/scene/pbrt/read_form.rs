@@ -123,7 +123,10 @@ fn bilinear_mesh(parameters: &Parameters, warnings: &mut Vec<String>) -> Result<
             uvs: square.into_iter().cycle().take(corners.len()).collect(),
             ..Mesh::default()
         };
-        triangles = (0..patches.len() as u32).map(|patch| 4 * patch).flat_map(|a| [[a, a + 1, a + 3], [a, a + 3, a + 2]]).collect();
+        triangles = (0..patches.len() as u32)
+            .map(|patch| 4 * patch)
+            .flat_map(|a| [[a, a + 1, a + 3], [a, a + 3, a + 2]])
+            .collect();
     }
     with_triangles(parameters, mesh, triangles)
 }
@@ -170,6 +173,10 @@ fn ply_mesh(parameters: &Parameters, files: &mut Files, warnings: &mut Vec<Strin
     }
     let header = String::from_utf8_lossy(&beginning);
     let header = header.split("end_header").next().unwrap_or_default();
-    let has = |name: &str| header.lines().any(|line| line.starts_with("property") && line.split_ascii_whitespace().next_back() == Some(name));
+    let has = |name: &str| {
+        header
+            .lines()
+            .any(|line| line.starts_with("property") && line.split_ascii_whitespace().next_back() == Some(name))
+    };
     Ok(Form::Ply { name: name.to_owned(), has_normals: has("nx") && has("ny") && has("nz") })
 }

@@ -57,14 +57,7 @@ pub(super) fn uniform(maker: &mut Maker, facets: Facets) -> Result<f64> {
     };
     let mut product = 1.0;
     for node in &nodes {
-        product *= match node {
-            Node::Constant([alpha, ..]) => *alpha,
-            Node::Checkerboard { colors: [[first, ..], [second, ..]], .. } => 0.5 * (first + second),
-            node => match maker.textures.raster(node, entity)? {
-                Some((raster, _)) => f64::from(raster.mean().x),
-                None => 0.0,
-            },
-        };
+        product *= maker.textures.mean(node, entity)?;
     }
     if nodes.iter().any(|node| !matches!(node, Node::Constant(_))) {
         maker.warn("the coat is equally rough everywhere: the texture's mean is used");

@@ -69,7 +69,10 @@ impl<'l> Shapes<'l> {
             None => vec![(placed, None)],
             Some(light) => lit(placed, light, textures)?,
         };
-        parts.into_iter().map(|(part, emitter)| Ok(self.names.entry(label.clone(), &entity.kind, self.object(part, emitter)?))).collect()
+        parts
+            .into_iter()
+            .map(|(part, emitter)| Ok(self.names.entry(label.clone(), &entity.kind, self.object(part, emitter)?)))
+            .collect()
     }
 
     fn object(&mut self, placed: Placed, emitter: Option<Dictionary>) -> Result<Dictionary> {
@@ -99,7 +102,8 @@ impl<'l> Shapes<'l> {
             }
             Form::Disk { radius, height } => {
                 flips = is_reversed;
-                to_world *= DMat4::from_translation(DVec3::Z * height) * DMat4::from_scale(DVec3::new(radius, radius, 1.0));
+                to_world *=
+                    DMat4::from_translation(DVec3::Z * height) * DMat4::from_scale(DVec3::new(radius, radius, 1.0));
                 object("disk", [])
             }
         };
@@ -202,7 +206,10 @@ fn by_area<'s>(placed: Placed<'s>, light: &AreaLight) -> Result<Vec<(Placed<'s>,
         }
     }
     if groups.len() > MAX_AREAS {
-        let message = format!("the `power` of a light holds for each triangle, and these have {} different areas; give `L`", groups.len());
+        let message = format!(
+            "the `power` of a light holds for each triangle, and these have {} different areas; give `L`",
+            groups.len()
+        );
         return Err(placed.entity.error(message));
     }
     let part = |(area, triangles): (f64, Vec<[u32; 3]>)| {
@@ -233,7 +240,9 @@ fn back<'s>(front: &Placed<'s>) -> Placed<'s> {
             let side = if front.is_reversed { 1.0 } else { -1.0 };
             (Form::Disk { radius: *radius, height: height + side * GAP * radius }, DMat4::IDENTITY)
         }
-        Form::Ply { name, has_normals } => (Form::Ply { name: name.clone(), has_normals: *has_normals }, DMat4::IDENTITY),
+        Form::Ply { name, has_normals } => {
+            (Form::Ply { name: name.clone(), has_normals: *has_normals }, DMat4::IDENTITY)
+        }
     };
     Placed {
         entity: front.entity,

@@ -27,11 +27,20 @@ const MAX_TEXELS: usize = 1 << 27;
 pub(super) enum Node {
     Constant([f64; 3]),
     /// Two colors in turn: the first where the whole parts of both coordinates have an even sum.
-    Checkerboard { colors: [[f64; 3]; 2], to_uv: DMat3 },
+    Checkerboard {
+        colors: [[f64; 3]; 2],
+        to_uv: DMat3,
+    },
     /// Image of a file, times a factor.
-    Image { image: ImageFile, factor: f64 },
+    Image {
+        image: ImageFile,
+        factor: f64,
+    },
     /// Image that was computed.
-    Raster { raster: Rc<Raster>, sampling: Sampling },
+    Raster {
+        raster: Rc<Raster>,
+        sampling: Sampling,
+    },
 }
 
 /// Image file as a texture uses it.
@@ -62,7 +71,7 @@ pub(super) struct Textures<'a> {
     /// Names of the files of computed images, by address. The images are kept, so that no address comes twice.
     names: HashMap<*const Raster, (String, Rc<Raster>)>,
     texel_count: usize,
-    /// Warnings that come once.
+    /// Messages that were told.
     told: HashSet<String>,
 }
 
@@ -72,11 +81,10 @@ impl<'a> Textures<'a> {
         Self { world, files, warnings, known, made, names, texel_count: 0, told: HashSet::new() }
     }
 
-    /// Warns of a thing at a place, once.
+    /// Warns of a kind of thing, once, at the place where it is met first.
     pub fn warn(&mut self, place: &Place, message: &str) {
-        let warning = format!("{place}: {message}");
-        if self.told.insert(warning.clone()) {
-            self.warnings.push(warning);
+        if self.told.insert(message.to_owned()) {
+            self.warnings.push(format!("{place}: {message}"));
         }
     }
 
@@ -127,7 +135,10 @@ impl<'a> Textures<'a> {
         let list = if is_number { &world.numbers } else { &world.colors };
         let Some((name, texture)) = list.get_key_value(name).filter(|(_, texture)| texture.number < below) else {
             let value = if is_number { "float" } else { "spectrum" };
-            let message = format!("names the texture `{}`, but no texture of that name that gives a `{value}` stands before", brief(name));
+            let message = format!(
+                "names the texture `{}`, but no texture of that name that gives a `{value}` stands before",
+                brief(name)
+            );
             return Err(parameter.error(message));
         };
         if let Some(node) = self.known.get(&(is_number, name.as_str())) {
@@ -151,13 +162,17 @@ impl<'a> Textures<'a> {
             "constant" => part("value", 1.0),
             "scale" => {
                 let inner = part("tex", 1.0)?;
-                let factor = self.number(parameters, "scale", 1.0)?;
-                self.combined(&[inner, factor], entity, |values| values[0] * values[1])
+                match self.number(parameters, "scale", 1.0)? {
+                    Node::Constant([factor, ..]) => self.scaled(inner, factor, entity),
+                    factor => self.combined(&[inner, factor], entity, |values| values[0] * values[1]),
+                }
             }
             "mix" => {
                 let (first, second) = (part("tex1", 0.0)?, part("tex2", 1.0)?);
                 let amount = self.number(parameters, "amount", 0.5)?;
-                self.combined(&[first, second, amount], entity, |values| values[0] + (values[1] - values[0]) * values[2])
+                self.combined(&[first, second, amount], entity, |values| {
+                    values[0] + (values[1] - values[0]) * values[2]
+                })
             }
             "checkerboard" => {
                 let (first, second) = (part("tex1", 1.0)?, part("tex2", 0.0)?);
@@ -188,16 +203,22 @@ impl<'a> Textures<'a> {
             "point" => "nearest",
             "bilinear" => "bilinear",
             other @ ("trilinear" | "EWA" | "ewa") => {
-                self.warnings.push(format!("{}: the filter `{other}` is not supported; `bilinear` is used", parameters.place));
+                self.warn(&parameters.place, &format!("the filter `{other}` is not supported; `bilinear` is used"));
                 "bilinear"
             }
-            other => return Err(entity.error(format!("the filter `{}` is not known; use `bilinear` or `point`", brief(other)))),
+            other => {
+                return Err(
+                    entity.error(format!("the filter `{}` is not known; use `bilinear` or `point`", brief(other)))
+                );
+            }
         };
         let wrap = match parameters.text("wrap")?.unwrap_or("repeat") {
             "repeat" => "repeat",
             "clamp" => "clamp",
             other => {
-                return Err(entity.error(format!("the wrap mode `{}` is not supported; use `repeat` or `clamp`", brief(other))));
+                return Err(
+                    entity.error(format!("the wrap mode `{}` is not supported; use `repeat` or `clamp`", brief(other)))
+                );
             }
         };
         let (factor, is_inverted) = (parameters.number("scale", 1.0)?, parameters.boolean("invert", false)?);
@@ -207,7 +228,8 @@ impl<'a> Textures<'a> {
         let mut image = ImageFile { name: name.to_owned(), source: Source::File(path.clone()), encoding, sampling };
         let mut averages = false;
         if is_number {
-            let texels = texels::read(&path).map_err(|error| entity.error(format!("the image `{}`: {error}", brief(name))))?;
+            let texels =
+                texels::read(&path).map_err(|error| entity.error(format!("the image `{}`: {error}", brief(name))))?;
             match has_alpha(&path)?.then(|| rasters::alpha(&texels)).flatten() {
                 Some(alpha) => image = self.in_memory(image, alpha)?,
                 None => averages = !rasters::is_gray(&texels),
@@ -233,12 +255,15 @@ impl<'a> Textures<'a> {
             return Ok(Encoding::Srgb);
         }
         let given = given.unwrap_or("sRGB");
-        let gamma = || given.strip_prefix("gamma ")?.trim().parse().ok().filter(|gamma: &f64| gamma.is_finite() && *gamma > 0.0);
+        let gamma = || {
+            given.strip_prefix("gamma ")?.trim().parse().ok().filter(|gamma: &f64| gamma.is_finite() && *gamma > 0.0)
+        };
         match given {
             "sRGB" => Ok(Encoding::Srgb),
             "linear" => Ok(Encoding::Linear),
             _ => gamma().map(Encoding::Gamma).ok_or_else(|| {
-                let message = format!("the encoding `{}` is not known; use `sRGB`, `linear` or `gamma 2.2`", brief(given));
+                let message =
+                    format!("the encoding `{}` is not known; use `sRGB`, `linear` or `gamma 2.2`", brief(given));
                 parameters.error(message)
             }),
         }
@@ -263,6 +288,23 @@ impl<'a> Textures<'a> {
         })
     }
 
+    /// The texture times a factor.
+    pub fn scaled(&mut self, node: Node, by: f64, entity: &Entity) -> Result<Node> {
+        match node {
+            Node::Image { image, factor } if by >= 0.0 => Ok(Node::Image { image, factor: factor * by }),
+            node => self.combined(&[node], entity, |values| values[0] * by),
+        }
+    }
+
+    /// Mean of a texture that gives a number.
+    pub fn mean(&mut self, node: &Node, entity: &Entity) -> Result<f64> {
+        Ok(match node {
+            Node::Constant([number, ..]) => *number,
+            Node::Checkerboard { colors: [[first, ..], [second, ..]], .. } => 0.5 * (first + second),
+            node => self.raster(node, entity)?.map_or(0.0, |(raster, _)| f64::from(raster.mean().x)),
+        })
+    }
+
     /// The texture with a function applied to its values.
     pub fn mapped(&mut self, node: Node, entity: &Entity, change: impl Fn(Vec3) -> Vec3) -> Result<Node> {
         self.combined(&[node], entity, |values| change(values[0].as_vec3()).as_dvec3())
@@ -277,11 +319,15 @@ impl<'a> Textures<'a> {
         let varying: Vec<usize> = (0..nodes.len()).filter(|&index| constant(&nodes[index]).is_none()).collect();
         let with_varying = |values: &[DVec3]| {
             let mut values = values.iter();
-            let all: Vec<DVec3> =
-                nodes.iter().map(|node| constant(node).or_else(|| values.next().copied()).unwrap_or_default()).collect();
+            let all: Vec<DVec3> = nodes
+                .iter()
+                .map(|node| constant(node).or_else(|| values.next().copied()).unwrap_or_default())
+                .collect();
             function(&all)
         };
-        let clash = || entity.error("textures that lie differently on the surface cannot be combined; combine them in one image");
+        let clash = || {
+            entity.error("textures that lie differently on the surface cannot be combined; combine them in one image")
+        };
         match (&varying[..], varying.first().map(|&first| &nodes[first])) {
             ([], _) => Ok(Node::Constant(with_varying(&[]).to_array())),
             ([_], Some(Node::Checkerboard { colors, to_uv })) => {
@@ -328,7 +374,9 @@ impl<'a> Textures<'a> {
     fn count(&mut self, raster: &Raster, place: &Place) -> Result<()> {
         self.texel_count += raster.texels.len();
         match self.texel_count > MAX_TEXELS {
-            true => Err(place.error("with this texture the computed images have more than 2^27 texels; use smaller images")),
+            true => {
+                Err(place.error("with this texture the computed images have more than 2^27 texels; use smaller images"))
+            }
             false => Ok(()),
         }
     }
@@ -362,7 +410,9 @@ impl<'a> Textures<'a> {
                 let entries = [("color0", rgb(*first)), ("color1", rgb(*second)), ("to_uv", planar(to_uv))];
                 return Ok(object("checkerboard", entries));
             }
-            Node::Image { image, factor } => (image.name.clone(), image.sampling, image.encoding == Encoding::Linear, *factor),
+            Node::Image { image, factor } => {
+                (image.name.clone(), image.sampling, image.encoding == Encoding::Linear, *factor)
+            }
             Node::Raster { raster, sampling } => (self.name(raster)?, *sampling, true, 1.0),
         };
         let entries = [
@@ -397,7 +447,10 @@ impl<'a> Textures<'a> {
     pub fn bitmap(&mut self, name: &str, encoding: Encoding, place: &Place) -> Result<Node> {
         let path = self.files.existing(name, "image file", place)?;
         let sampling = Sampling { to_uv: flipped(DMat3::IDENTITY), wrap: "repeat", filter: "bilinear" };
-        Ok(Node::Image { image: ImageFile { name: name.to_owned(), source: Source::File(path), encoding, sampling }, factor: 1.0 })
+        Ok(Node::Image {
+            image: ImageFile { name: name.to_owned(), source: Source::File(path), encoding, sampling },
+            factor: 1.0,
+        })
     }
 
     /// The texture of Mitsuba's of an image.

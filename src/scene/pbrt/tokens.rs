@@ -105,7 +105,8 @@ impl<'a> Tokens<'a> {
 
     /// Takes the next token, which must be there. `what` says what it should be.
     pub fn require(&mut self, what: &str) -> Result<Token<'a>> {
-        self.take()?.ok_or_else(|| self.place().error(format!("the file ends where {what} should be: is it cut short?")))
+        self.take()?
+            .ok_or_else(|| self.place().error(format!("the file ends where {what} should be: is it cut short?")))
     }
 
     /// Takes a text between quotes.
@@ -131,7 +132,11 @@ impl<'a> Tokens<'a> {
         if has_brackets {
             match self.require("`]`")? {
                 Token::Close => {}
-                other => return Err(self.place().error(format!("{directive} has {N} numbers; `]` should follow, not {other}"))),
+                other => {
+                    return Err(self
+                        .place()
+                        .error(format!("{directive} has {N} numbers; `]` should follow, not {other}")));
+                }
             }
         }
         Ok(numbers)
@@ -239,7 +244,8 @@ mod tests {
         while let Some(token) = tokens.take().unwrap() {
             found.push((token.to_string(), tokens.place().line));
         }
-        let expected = [("`Shape`", 1), ("\"a\"b\"", 1), ("`[`", 2), ("`1.5e0`", 2), ("`-2`", 2), ("`]`", 2), ("`true`", 2)];
+        let expected =
+            [("`Shape`", 1), ("\"a\"b\"", 1), ("`[`", 2), ("`1.5e0`", 2), ("`-2`", 2), ("`]`", 2), ("`true`", 2)];
         assert_eq!(found, expected.map(|(token, line)| (token.to_owned(), line)));
     }
 

@@ -71,9 +71,13 @@ impl Current {
             return Err(place.error("every fourth number of a matrix must be 0, and the last one 1"));
         }
         let matrix = if last == DVec4::W { matrix } else { matrix * (1.0 / last.w) };
-        let inverse = matrix.inverse();
+        let mut inverse = matrix.inverse();
         match inverse.is_finite() && matrix.determinant() != 0.0 {
-            true => Ok(Self { matrix, inverse }),
+            true => {
+                // Rounding must not make it projective.
+                (inverse.x_axis.w, inverse.y_axis.w, inverse.z_axis.w, inverse.w_axis.w) = (0.0, 0.0, 0.0, 1.0);
+                Ok(Self { matrix, inverse })
+            }
             false => Err(place.error("the matrix has no inverse: it flattens everything")),
         }
     }
