@@ -4,8 +4,9 @@ use std::rc::Rc;
 
 use super::color_space::luminance;
 use super::delta_lights::color;
+use super::nodes::{Node, rgb};
 use super::rasters::Encoding;
-use super::textures::{Node, Textures, rgb};
+use super::textures::Textures;
 use super::world::Entity;
 use crate::Result;
 use crate::scene::values::object;
@@ -41,7 +42,7 @@ impl AreaLight {
         let power = parameters.number("power", -1.0)?;
         let power = (power > 0.0).then_some(power);
         let radiance = match parameters.text("filename")? {
-            None => Radiance::Color(color(entity, "L", exposure, textures.files)?),
+            None => Radiance::Color(color(entity, "L", exposure, textures.images.files)?),
             Some(name) => {
                 if let Some(radiance) = parameters.get("L") {
                     return Err(radiance.error("cannot stand beside `filename`; give one of them"));
@@ -51,13 +52,15 @@ impl AreaLight {
                     Some((raster, _)) => luminance(raster.mean().as_dvec3().to_array()),
                     None => 1.0,
                 };
-                let factor = color(entity, "L", exposure, textures.files)?[0];
+                let factor = color(entity, "L", exposure, textures.images.files)?[0];
                 Radiance::Image { image, factor, luminance: mean }
             }
         };
-        textures.warnings.extend(parameters.unread());
+        textures.images.warnings.extend(parameters.unread());
         if is_two_sided {
-            textures.warn(&parameters.place, "a light that emits from both sides becomes two shapes, back to back");
+            textures
+                .images
+                .warn(&parameters.place, "a light that emits from both sides becomes two shapes, back to back");
         }
         Ok(Self { radiance, power, is_two_sided })
     }

@@ -2,8 +2,8 @@
 
 use super::maker::{Maker, two_sided};
 use super::metals;
+use super::nodes::{Node, rgb};
 use super::roughness::{self, Facets};
-use super::textures::{Node, rgb};
 use crate::Result;
 use crate::math::fresnel::fresnel_dielectric;
 use crate::scene::values::{object, with};

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::colors;
 use super::files::Files;
-use super::textures::rgb;
+use super::nodes::rgb;
 use super::tokens::brief;
 use super::world::Entity;
 use crate::Result;

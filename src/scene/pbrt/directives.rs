@@ -24,7 +24,9 @@ pub(super) fn read_file(builder: &mut Builder, path: &Path) -> Result<()> {
         match token {
             Token::Word(word) => directive(builder, word, &mut tokens)?,
             other => {
-                return Err(tokens.place().error(format!("a directive such as `Shape` should stand here, not {other}")));
+                return Err(tokens
+                    .place()
+                    .error(format!("a directive such as `Shape` should stand here, not {other}")));
             }
         }
     }

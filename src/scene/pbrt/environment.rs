@@ -7,8 +7,9 @@ use glam::{DMat4, DVec4};
 use super::color_space::luminance;
 use super::delta_lights::color;
 use super::equal_area::{square_from_direction, unrolled};
+use super::nodes::rgb;
 use super::rasters::{Encoding, Raster};
-use super::textures::{Textures, rgb};
+use super::textures::Textures;
 use super::tokens::brief;
 use super::transforms::rigid;
 use super::world::Entity;
@@ -39,7 +40,7 @@ pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textur
         raster.texels.iter_mut().for_each(|texel| *texel += more);
     }
     let name = "environment.exr".to_owned();
-    textures.add_file(name.clone(), exr::encode_rgb(std::path::Path::new(&name), &raster.to_image())?);
+    textures.images.add_file(name.clone(), exr::encode_rgb(std::path::Path::new(&name), &raster.to_image())?);
     let entries = [("filename", Value::Text(name)), ("scale", Value::Number(scale)), ("to_world", matrix(&to_world))];
     Ok(Some(object("envmap", entries)))
 }
@@ -65,12 +66,12 @@ fn light(entity: &Entity, exposure: f64, textures: &mut Textures) -> Result<Infi
     let illuminance = parameters.number("illuminance", -1.0)?;
     let factor = |of_one: f64| if illuminance > 0.0 { exposure * illuminance / of_one } else { exposure };
     let Some(name) = parameters.text("filename")? else {
-        return Ok(Infinite::Constant(color(entity, "L", factor(PI), textures.files)?));
+        return Ok(Infinite::Constant(color(entity, "L", factor(PI), textures.images.files)?));
     };
     if let Some(radiance) = parameters.get("L") {
         return Err(radiance.error("cannot stand beside `filename`; give one of them"));
     }
-    let path = textures.files.existing(name, "image file", &parameters.place)?;
+    let path = textures.images.files.existing(name, "image file", &parameters.place)?;
     let image = texels::read(&path).map_err(|error| entity.error(format!("the image of the light: {error}")))?;
     let (width, height) = (image.width, image.height);
     if width != height {
@@ -83,7 +84,7 @@ fn light(entity: &Entity, exposure: f64, textures: &mut Textures) -> Result<Infi
     let light = |texel: glam::Vec3| if texel.is_finite() { texel.max(glam::Vec3::ZERO) } else { glam::Vec3::ZERO };
     let square = Raster::of(&image, Encoding::Srgb).map(light);
     let of_one = if illuminance > 0.0 { illuminance_of(&square) } else { 1.0 };
-    let [scale, ..] = color(entity, "L", factor(if of_one > 0.0 { of_one } else { 1.0 }), textures.files)?;
+    let [scale, ..] = color(entity, "L", factor(if of_one > 0.0 { of_one } else { 1.0 }), textures.images.files)?;
     let (turn, _) = rigid(&entity.to_world.matrix)
         .ok_or_else(|| entity.error("the transform of an infinite light must neither shear nor scale unevenly"))?;
     // The map's +y is the light's +z.

@@ -21,13 +21,13 @@ pub(super) fn of_scene(
     let label = |light: &Entity| names.label(&light.parameters.place, &format!("light `{}`", brief(&light.kind)));
     let mut lights = Vec::new();
     for light in &others {
-        let made = delta_lights::light(light, exposure, textures.files, textures.warnings);
+        let made = delta_lights::light(light, exposure, textures.images.files, textures.images.warnings);
         lights.extend(faults.keep(made).map(|object| names.entry(label(light), "light", object)));
     }
     let environment = faults.keep(environment::of_lights(&infinite, exposure, textures)).flatten();
     if let (Some(object), Some(first)) = (environment, infinite.first()) {
         lights.push(names.entry(label(first), "environment", object));
     }
-    textures.warnings.extend(world.lights.iter().flat_map(|light| light.parameters.unread()));
+    textures.images.warnings.extend(world.lights.iter().flat_map(|light| light.parameters.unread()));
     lights
 }

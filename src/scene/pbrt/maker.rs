@@ -1,7 +1,8 @@
 //! Tools for making the BSDF of one material.
 
 use super::colors;
-use super::textures::{Node, Textures};
+use super::nodes::Node;
+use super::textures::Textures;
 use super::world::Entity;
 use crate::Result;
 use crate::scene::values::object;
@@ -18,7 +19,7 @@ impl Maker<'_, '_, '_> {
     /// Warns about a kind of material, once.
     pub fn warn(&mut self, message: &str) {
         let Entity { kind, parameters, .. } = self.entity;
-        self.textures.warn(&parameters.place, &format!("material `{kind}`: {message}"));
+        self.textures.images.warn(&parameters.place, &format!("material `{kind}`: {message}"));
     }
 
     /// Color that a parameter gives.
@@ -42,7 +43,7 @@ impl Maker<'_, '_, '_> {
     /// Index of refraction of a dielectric.
     pub fn index(&mut self, name: &str, default: f64) -> Result<f64> {
         let Some(parameter) = self.entity.parameters.get(name) else { return Ok(default) };
-        let (index, disperses) = colors::index(parameter, self.textures.files)?;
+        let (index, disperses) = colors::index(parameter, self.textures.images.files)?;
         if disperses {
             self.warn(&format!("dispersion is not rendered; the index of refraction is {index} for all colors"));
         }

@@ -7,10 +7,11 @@ use super::coats;
 use super::maker::{Maker, two_sided};
 use super::metals;
 use super::names::Names;
+use super::nodes::{Node, rgb};
 use super::parameters::{Parameter, Values};
 use super::rasters::Encoding;
 use super::roughness;
-use super::textures::{Node, Textures, rgb};
+use super::textures::Textures;
 use super::tokens::{Place, brief};
 use super::world::{Entity, MaterialUse};
 use crate::Result;
@@ -116,7 +117,7 @@ impl<'l> Materials<'l> {
         }
         let made = self.make(entity, name, textures, depth);
         if !self.known.contains_key(&Rc::as_ptr(entity)) {
-            textures.warnings.extend(entity.parameters.unread());
+            textures.images.warnings.extend(entity.parameters.unread());
         }
         self.known.insert(Rc::as_ptr(entity), made.as_ref().ok().cloned());
         made

@@ -3,9 +3,9 @@
 use super::colors;
 use super::maker::Maker;
 use super::named_spectra;
+use super::nodes::{Node, rgb};
 use super::parameters::Parameter;
 use super::roughness::Facets;
-use super::textures::{Node, rgb};
 use crate::Result;
 use crate::scene::values::{object, with};
 use crate::scene::{Dictionary, Value};
@@ -29,7 +29,7 @@ pub(super) fn metal(maker: &mut Maker, names: [&str; 2], outside: f64) -> Result
             Node::Constant(color) => Ok(color),
             _ => Err(parameter.error("of a conductor must be one color, not a texture")),
         },
-        Some(parameter) => colors::of_material(parameter, entity.color_space, maker.textures.files),
+        Some(parameter) => colors::of_material(parameter, entity.color_space, maker.textures.images.files),
         None => Ok(named_spectra::of_material(default).unwrap_or([1.0; 3])),
     };
     let (eta, k) = (spectrum(names[0], "metal-Cu-eta")?, spectrum(names[1], "metal-Cu-k")?);
@@ -50,7 +50,7 @@ fn reflecting(maker: &mut Maker, reflectance: &Parameter, outside: f64) -> Resul
         node => {
             let place = &reflectance.place;
             let message = "a conductor whose reflectance is a texture reflects the same color at all angles";
-            maker.textures.warn(place, message);
+            maker.textures.images.warn(place, message);
             Ok(vec![("specular_reflectance", maker.value(&node)?)])
         }
     }

@@ -1,7 +1,7 @@
 //! Roughness of pbrt's materials.
 
 use super::maker::Maker;
-use super::textures::Node;
+use super::nodes::Node;
 use crate::Result;
 
 /// Roughness below which pbrt takes a surface for smooth.

@@ -131,7 +131,7 @@ impl<'l> Shapes<'l> {
 
 /// The form as Mitsuba's shapes can have it: what they lack becomes a mesh.
 fn prepared(form: Form, entity: &Entity, is_textured: bool, needs_mesh: bool, textures: &mut Textures) -> Result<Form> {
-    let mut warn = |message: &str| textures.warn(&entity.parameters.place, message);
+    let mut warn = |message: &str| textures.images.warn(&entity.parameters.place, message);
     Ok(match form {
         Form::Sphere { radius } if rigid(&entity.to_world.matrix).is_none() => {
             warn("a sphere that is scaled unevenly is cut into triangles");
@@ -143,8 +143,8 @@ fn prepared(form: Form, entity: &Entity, is_textured: bool, needs_mesh: bool, te
             Form::Mesh(quadrics::disk(&disk))
         }
         Form::Ply { name, has_normals } if is_textured || needs_mesh => {
-            let path = textures.files.existing(&name, "mesh file", &entity.parameters.place)?;
-            let mesh = mesh::parse_ply(&path, &textures.files.bytes(&path)?)?;
+            let path = textures.images.files.existing(&name, "mesh file", &entity.parameters.place)?;
+            let mesh = mesh::parse_ply(&path, &textures.images.files.bytes(&path)?)?;
             match is_textured && mesh.uvs.is_empty() {
                 true => Form::Mesh(with_uvs(mesh)),
                 false if needs_mesh => Form::Mesh(mesh),
