@@ -188,7 +188,9 @@ fn medium_interface(builder: &mut Builder, tokens: &mut Tokens) -> Result<()> {
 /// Reads an option. Options say how pbrt renders, not what.
 fn option(builder: &mut Builder, tokens: &mut Tokens, place: &Place) -> Result<()> {
     let name = tokens.quoted("the name of an option")?.into_owned();
-    tokens.require("the value of an option")?;
+    if tokens.require("the value of an option")? == Token::Open {
+        while tokens.require("`]`")? != Token::Close {}
+    }
     let name = name.split_ascii_whitespace().next_back().unwrap_or_default();
     if name == "displacementedgescale" {
         builder.warn_once(place, "the option `displacementedgescale` is ignored");

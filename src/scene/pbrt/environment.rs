@@ -39,7 +39,7 @@ pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textur
         let more = (glam::DVec3::from(radiance) / scale).as_vec3();
         raster.texels.iter_mut().for_each(|texel| *texel += more);
     }
-    let name = "environment.exr".to_owned();
+    let name = textures.images.new_name("environment", "exr");
     textures.images.add_file(name.clone(), exr::encode_rgb(std::path::Path::new(&name), &raster.to_image())?);
     let entries = [("filename", Value::Text(name)), ("scale", Value::Number(scale)), ("to_world", matrix(&to_world))];
     Ok(Some(object("envmap", entries)))

@@ -13,7 +13,7 @@ use super::rasters::{self, Encoding, Sampling};
 use super::tokens::brief;
 use super::world::Entity;
 use crate::Result;
-use crate::image::texels;
+use crate::image::texels::{self, FileTexels};
 
 /// Reads an `imagemap`.
 pub(super) fn read(images: &mut Images, entity: &Entity, is_number: bool) -> Result<Node> {
@@ -51,7 +51,11 @@ pub(super) fn read(images: &mut Images, entity: &Entity, is_number: bool) -> Res
         let texels =
             texels::read(&path).map_err(|error| entity.error(format!("the image `{}`: {error}", brief(name))))?;
         match has_alpha(&path)?.then(|| rasters::alpha(&texels)).flatten() {
-            Some(alpha) => image = images.in_memory(image, alpha)?,
+            Some(alpha) if matches!(alpha.texels, FileTexels::Bytes(_)) => image = images.in_memory(image, alpha)?,
+            Some(alpha) => {
+                image.source = Source::Memory(Rc::new(alpha));
+                averages = true;
+            }
             None => averages = !rasters::is_gray(&texels),
         }
     }
@@ -64,7 +68,7 @@ pub(super) fn read(images: &mut Images, entity: &Entity, is_number: bool) -> Res
         if is_inverted { (1.0 - scaled).max(Vec3::ZERO) } else { scaled }
     };
     let raster = images.raster_of(&image, entity)?.map(change);
-    images.count(&raster, &parameters.place)?;
+    images.count(raster.width, raster.height, &parameters.place)?;
     Ok(Node::Raster { raster: Rc::new(raster), sampling })
 }
 

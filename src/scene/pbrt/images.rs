@@ -26,6 +26,8 @@ pub(super) struct Images<'a> {
     /// Names of the files of computed images, by address. The images are kept, so that no address comes twice.
     names: HashMap<*const Raster, (String, Rc<Raster>)>,
     texel_count: usize,
+    /// Number of names of files in memory that were tried.
+    name_count: usize,
     /// Messages that were told.
     told: HashSet<String>,
 }
@@ -33,7 +35,7 @@ pub(super) struct Images<'a> {
 impl<'a> Images<'a> {
     pub fn new(files: &'a mut Files, warnings: &'a mut Vec<String>) -> Self {
         let (made, names, told) = (HashMap::new(), HashMap::new(), HashSet::new());
-        Self { files, warnings, made, names, texel_count: 0, told }
+        Self { files, warnings, made, names, texel_count: 0, name_count: 0, told }
     }
 
     /// Files in memory.
@@ -53,15 +55,24 @@ impl<'a> Images<'a> {
         self.made.insert(name, content.into());
     }
 
-    /// The image with other texels, as a file in memory where they are bytes.
+    /// The image with other texels, which are bytes, as a file in memory.
     pub fn in_memory(&mut self, image: ImageFile, texels: TexelImage) -> Result<ImageFile> {
-        let mut name = image.name.clone();
-        if let FileTexels::Bytes(data) = &texels.texels {
-            name = format!("alpha{}.png", self.made.len());
-            let png = texels::encode_png(Path::new(&name), texels.width, texels.height, data)?;
-            self.add_file(name.clone(), png);
-        }
+        let FileTexels::Bytes(data) = &texels.texels else { return Ok(image) };
+        let name = self.new_name("alpha", "png");
+        let png = texels::encode_png(Path::new(&name), texels.width, texels.height, data)?;
+        self.add_file(name.clone(), png);
         Ok(ImageFile { name, source: Source::Memory(Rc::new(texels)), ..image })
+    }
+
+    /// Name for a file in memory, which no file beside the scene has.
+    pub fn new_name(&mut self, stem: &str, extension: &str) -> String {
+        loop {
+            let name = format!("{stem}{}.{extension}", self.name_count);
+            self.name_count += 1;
+            if !self.files.path(&name).exists() {
+                return name;
+            }
+        }
     }
 
     /// Texels of an image file.
@@ -73,9 +84,9 @@ impl<'a> Images<'a> {
         })
     }
 
-    /// Counts the texels of a computed image.
-    pub fn count(&mut self, raster: &Raster, place: &Place) -> Result<()> {
-        self.texel_count += raster.texels.len();
+    /// Counts the texels of an image that is to be computed.
+    pub fn count(&mut self, width: usize, height: usize, place: &Place) -> Result<()> {
+        self.texel_count = self.texel_count.saturating_add(width.saturating_mul(height));
         match self.texel_count > MAX_TEXELS {
             true => {
                 Err(place.error("with this texture the computed images have more than 2^27 texels; use smaller images"))
@@ -89,7 +100,7 @@ impl<'a> Images<'a> {
         if let Some((name, _)) = self.names.get(&Rc::as_ptr(raster)) {
             return Ok(name.clone());
         }
-        let name = format!("texture{}.exr", self.names.len());
+        let name = self.new_name("texture", "exr");
         let content = exr::encode_rgb(Path::new(&name), &raster.to_image())?;
         self.add_file(name.clone(), content);
         self.names.insert(Rc::as_ptr(raster), (name.clone(), Rc::clone(raster)));

@@ -60,7 +60,9 @@ pub(super) fn sphere(sphere: &Sphere) -> Mesh {
     let (first, last) = (polar(sphere.low), polar(sphere.high));
     let rings = (RINGS as f64 * (first - last).abs() / PI).ceil().max(1.0) as usize;
     grid(sphere.angle, rings, |around, v| {
-        let (sine, cosine) = (first + v * (last - first)).sin_cos();
+        let cosine = (first + v * (last - first)).cos();
+        // It is 0 at both poles, where triangles have no area.
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let normal = DVec3::new(around.x * sine, around.y * sine, cosine);
         (sphere.radius * normal, normal)
     })

@@ -191,13 +191,13 @@ impl<'a> Textures<'a> {
                 let sampling = common.ok_or_else(clash)?;
                 let width = rasters.iter().map(|raster| raster.width).max().unwrap_or(1);
                 let height = rasters.iter().map(|raster| raster.height).max().unwrap_or(1);
+                self.images.count(width, height, &entity.parameters.place)?;
                 let rasters: Vec<_> = rasters.iter().map(|raster| raster.resized(width, height, &sampling)).collect();
                 let texel = |at: usize| {
                     let values: Vec<DVec3> = rasters.iter().map(|raster| raster.texels[at].as_dvec3()).collect();
                     with_varying(&values).as_vec3()
                 };
                 let raster = Raster { width, height, texels: (0..width * height).map(texel).collect() };
-                self.images.count(&raster, &entity.parameters.place)?;
                 Ok(Node::Raster { raster: Rc::new(raster), sampling })
             }
         }

@@ -53,7 +53,7 @@ fn windows_move_the_principal_point() {
     // Mitsuba's x points to the left.
     let corner = (Vec2::ONE - 2.0 * camera.principal_point) * half;
     assert_close(&corner.to_array(), &[0.5, 0.5]);
-    assert_eq!(camera.fov_axis, FovAxis::Y);
+    assert_eq!(camera.fov_axis, FovAxis::X);
     refused("Camera \"perspective\" \"float screenwindow\" [ -1 1 -1 1 ]", "pixels must be square");
 }
 

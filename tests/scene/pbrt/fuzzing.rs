@@ -23,16 +23,16 @@ Attribute "shape" "texture alpha" "b"
 MakeNamedMaterial "m" "string type" "coateddiffuse" "texture reflectance" "a" "texture roughness" "b" "spectrum eta" "glass-BK7"
 MakeNamedMaterial "n" "string type" "conductor" "spectrum eta" "metal-Au-eta" "spectrum k" [ 400 1 700 2 ] "float uroughness" .1
 Material "mix" "string materials" [ "m" "n" ] "texture amount" "f"
-Shape "sphere" "float zmin" 0 "float phimax" 100
+Shape "sphere" "float zmin" 0.95 "float phimax" 20
 Material "coatedconductor" "rgb reflectance" [ .1 .2 .3 ] "float interface.roughness" .1
-Shape "disk" "float innerradius" 0.2
+Shape "disk" "float innerradius" 0.2 "float phimax" 20
 Material "dielectric" "float roughness" .3 "string normalmap" "a.png"
 Shape "plymesh" "string filename" "mesh.ply"
 NamedMaterial "n"
 AreaLightSource "diffuse" "string filename" "a.png" "float power" 3 "bool twosided" true
 Shape "bilinearmesh" "point3 P" [ 0 0 0 1 0 0 0 1 0 1 1 1 ]
 Material "diffuse" "texture reflectance" "c" "texture displacement" "b"
-Shape "cylinder" "float zmax" 2
+Shape "cylinder" "float zmax" 2 "float phimax" 30
 "#;
 
 /// Lights, objects and included files.
@@ -93,16 +93,23 @@ fn scenes() {
 
 #[test]
 fn files_that_scenes_name() {
+    const INCLUDES: &str = "Camera \"perspective\" WorldBegin Include \"part.pbrt\" Import \"part.pbrt\"";
+    const SHINES: &str = "Camera \"perspective\" WorldBegin LightSource \"point\" \"spectrum I\" \"light.spd\"";
+    const SKY: &str = "Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"float illuminance\" 3";
+    const MESH: &str =
+        "WorldBegin AreaLightSource \"diffuse\" \"float power\" 3 Shape \"plymesh\" \"string filename\" \"mesh.ply\"";
+    const IMAGE: &str = "Camera \"perspective\" WorldBegin Texture \"b\" \"float\" \"imagemap\" \"string filename\" \"a.png\" \
+                         Material \"conductor\" \"texture roughness\" \"b\" Shape \"sphere\" \"texture alpha\" \"b\"";
     let files = prop_oneof![
-        mangled(PART.into()).prop_map(|bytes| ("part.pbrt", LIGHTS, bytes)),
-        mangled(SPECTRUM.into()).prop_map(|bytes| ("light.spd", LIGHTS, bytes)),
-        mangled(sky()).prop_map(|bytes| ("sky.pfm", LIGHTS, bytes)),
-        mangled(png()).prop_map(|bytes| ("a.png", MATERIALS, bytes)),
-        mangled(ascii_ply()).prop_map(|bytes| ("mesh.ply", MATERIALS, bytes)),
-        mangled(binary_ply(false)).prop_map(|bytes| ("mesh.ply", MATERIALS, bytes)),
+        mangled(PART.into()).prop_map(|bytes| ("part.pbrt", INCLUDES, bytes)),
+        mangled(SPECTRUM.into()).prop_map(|bytes| ("light.spd", SHINES, bytes)),
+        mangled(sky()).prop_map(|bytes| ("sky.pfm", SKY, bytes)),
+        mangled(png()).prop_map(|bytes| ("a.png", IMAGE, bytes)),
+        mangled(ascii_ply()).prop_map(|bytes| ("mesh.ply", MESH, bytes)),
+        mangled(binary_ply(false)).prop_map(|bytes| ("mesh.ply", MESH, bytes)),
     ];
     fuzz(files, |(name, scene, bytes)| {
-        let folder = folder(scene.as_bytes());
+        let folder = Folder::new(&[("scene.pbrt", scene)]);
         folder.write(name, &bytes);
         outcome(&folder)
     });

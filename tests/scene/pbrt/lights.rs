@@ -131,7 +131,7 @@ fn lights_of_two_sides_are_back_to_back() {
         for (facing, primitive) in facing(&scene).into_iter().zip(&scene.primitives) {
             assert!(facing.z.abs() > 0.999, "{facing}");
             // The back lies behind the front.
-            assert!(primitive.origin.z * facing.z <= 0.0 && primitive.origin.z.abs() < 1e-3, "{primitive:?}");
+            assert!(primitive.origin.z * facing.z >= 0.0 && primitive.origin.z.abs() < 1e-3, "{primitive:?}");
         }
         let up = facing(&scene).iter().filter(|normal| normal.z > 0.0).count();
         assert_eq!(2 * up, scene.primitives.len());
@@ -184,7 +184,7 @@ fn environments_are_unrolled() {
     pixels[32 * 64 + 48] = [100.0; 3];
     let folder = Folder::new(&[(
         "scene.pbrt",
-        "WorldBegin Scale 2 2 2 Rotate 90 0 0 1 LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float scale\" 3",
+        "Camera \"perspective\" WorldBegin Scale 2 2 2 Rotate 90 0 0 1 LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float scale\" 3",
     )]);
     let image = Image { width: 64, height: 64, pixels };
     folder.write("sky.exr", &encode_rgb(std::path::Path::new("sky.exr"), &image).unwrap());
@@ -215,7 +215,7 @@ fn illuminance_of_environments() {
     assert_close(&radiance.to_array(), &[10.0 / PI; 3]);
     let folder = Folder::new(&[(
         "scene.pbrt",
-        "WorldBegin LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float illuminance\" 10",
+        "Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float illuminance\" 10",
     )]);
     let image = Image { width: 16, height: 16, pixels: vec![[2.0; 3]; 256] };
     folder.write("sky.exr", &encode_rgb(std::path::Path::new("sky.exr"), &image).unwrap());
@@ -223,6 +223,25 @@ fn illuminance_of_environments() {
         panic!("a map")
     };
     assert_close(&[2.0 * scale], &[10.0 / PI]);
+}
+
+/// Infinite lights add up, also a constant one and a map.
+#[test]
+fn infinite_lights_add_up() {
+    let two =
+        world("LightSource \"infinite\" \"rgb L\" [ 1 2 3 ] LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]").unwrap();
+    let EnvironmentKind::Constant { radiance } = two.environment.unwrap().kind else { panic!("a constant") };
+    assert_eq!(radiance, Vec3::new(2.0, 3.0, 4.0));
+    let map = "LightSource \"infinite\" \"string filename\" \"sky.exr\" \"float scale\" 2";
+    let text = format!("Camera \"perspective\" WorldBegin {map} LightSource \"infinite\" \"rgb L\" [ 1 0 0 ]");
+    let folder = Folder::new(&[("scene.pbrt", &text)]);
+    let image = Image { width: 8, height: 8, pixels: vec![[3.0; 3]; 64] };
+    folder.write("sky.exr", &encode_rgb(std::path::Path::new("sky.exr"), &image).unwrap());
+    let scene = load_in(&folder).unwrap();
+    let lodestar::scene::texture::Texels::Floats(texels) = &scene.images[0].texels else { panic!("floats") };
+    assert_close(&texels[0][..3], &[3.5, 3.0, 3.0]);
+    folder.write("scene.pbrt", format!("WorldBegin {map} {map}").as_bytes());
+    assert!(load_in(&folder).unwrap_err().contains("a second infinite light with an image"));
 }
 
 #[test]

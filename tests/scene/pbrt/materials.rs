@@ -82,10 +82,15 @@ fn conductors() {
 
 #[test]
 fn coats() {
-    let scene = with("Material \"coateddiffuse\" \"rgb reflectance\" [ 0.2 0.3 0.4 ] \"float eta\" 1.4");
+    let scene =
+        with("Material \"coateddiffuse\" \"rgb reflectance\" [ 0.2 0.3 0.4 ] \"float eta\" 1.4 \"float thickness\" 0");
     let Bsdf::Plastic { eta, diffuse_reflectance, nonlinear, .. } = bsdf(&scene) else { panic!("smooth") };
     assert_close(&[*eta, diffuse_reflectance.value.z], &[1.4, 0.4]);
     assert!(*nonlinear && surface(&scene).two_sided);
+    // A coat of pbrt's default thickness absorbs some hundredths of the light.
+    let scene = with("Material \"coateddiffuse\" \"rgb reflectance\" [ 0.2 0.3 0.4 ]");
+    let Bsdf::Plastic { diffuse_reflectance, .. } = bsdf(&scene) else { panic!("smooth") };
+    assert!((0.96..0.98).contains(&(diffuse_reflectance.value.z / 0.4)), "{diffuse_reflectance:?}");
     let scene = with("Material \"coateddiffuse\" \"float roughness\" 0.04");
     assert!(matches!(bsdf(&scene), Bsdf::RoughPlastic { alpha, nonlinear: true, .. } if (alpha - 0.2).abs() < 1e-6));
     assert!(scene.warnings.join("\n").contains("scene.pbrt:3: material `coateddiffuse`: it is read as `roughplastic`"));
