@@ -97,6 +97,7 @@ impl Renderer {
             stopped: false,
             at_step_end: true,
             others: Vec::new(),
+            team: None,
             add_sums: sums::add,
             exchange_clock: Clock::default(),
             gather_clock: Clock::default(),

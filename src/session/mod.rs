@@ -4,6 +4,7 @@
 //! |---|---|
 //! | a caller's choices and their defaults | `options.rs`, `length.rs` |
 //! | the work before the first step of a new or a resumed render | `start.rs`, `setup.rs` |
+//! | other ranks of the render | `ranks.rs` |
 //! | the steps, and when they end | `run.rs` |
 //! | the files at the end | `finish.rs`, `files.rs` |
 //! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when it is written), `film/identity.rs` (which render it belongs to) |
@@ -32,6 +33,7 @@ mod profiler;
 mod progress;
 #[doc(hidden)]
 pub mod radiance_map;
+mod ranks;
 mod run;
 mod safety_copy;
 mod setup;

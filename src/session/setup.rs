@@ -27,7 +27,8 @@ use crate::session::length::Length;
 use crate::session::options::{DeviceChoice, Options};
 use crate::session::profiler::Profiler;
 use crate::session::progress::{Beginning, Event, Preparation, Watch};
-use crate::session::run::{Origin, Output, Session, Subject};
+use crate::session::ranks;
+use crate::session::run::{Origin, Output, Session, Subject, device_name};
 use crate::session::safety_copy::SafetyCopy;
 use crate::session::start::{Resumed, SceneInput, Start};
 use crate::session::statistics::SetupTimes;
@@ -57,6 +58,36 @@ struct Earlier {
     record: Record,
     device: String,
     state: RenderState,
+}
+
+/// A session that the other ranks do not know yet.
+pub(super) struct Prepared {
+    pub session: Session,
+    /// Names of the devices with their drivers, of all ranks once these are known.
+    pub devices: Vec<String>,
+    earlier: Option<Earlier>,
+    guide: Option<GuideFile>,
+    checkpoint: Option<CheckpointFile>,
+}
+
+impl Prepared {
+    /// The session with the state and the guide that it begins with.
+    fn begin(self, watch: &Watch<'_>) -> Result<Session> {
+        let Self { mut session, devices, earlier, guide, checkpoint } = self;
+        if !session.renderer.leads() {
+            return Ok(session);
+        }
+        warn_of_mix(&devices, watch);
+        let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
+        if let Some(guide) = guide {
+            guide.begin(&mut session)?;
+        }
+        if let Some(file) = checkpoint {
+            session.checkpoints = Some(Checkpoints::new(file, session.template()?, samples_written));
+        }
+        session.tell_beginning(watch);
+        Ok(session)
+    }
 }
 
 impl Session {
@@ -92,6 +123,16 @@ impl Session {
     /// # Errors
     /// Where [`Session::open`] or [`Session::resume`] fails.
     pub fn start(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Self> {
+        let prepared = Self::prepare(start, options, watch);
+        let prepared = match &options.exchange {
+            Some(exchange) => ranks::join(exchange, prepared)?,
+            None => prepared?,
+        };
+        prepared.begin(watch)
+    }
+
+    /// Does what needs no other rank.
+    fn prepare(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Prepared> {
         let guide = GuideFile::of(&start, options)?;
         let (input, resumed) = start.read()?;
         let input = input.in_folder(watch)?;
@@ -114,7 +155,6 @@ impl Session {
         }
         let contexts = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
         let context = Arc::clone(&contexts[0]);
-        warn_of_mix(&contexts, watch);
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
         let (renderer, bvh_seconds, pipeline_seconds) =
@@ -129,7 +169,7 @@ impl Session {
 
         let Plan { settings, length, earlier } = plan;
         let Inputs { wanted, pictures, checkpoint, reference, .. } = inputs;
-        let mut session = Self {
+        let session = Self {
             length,
             subject,
             reference,
@@ -144,15 +184,8 @@ impl Session {
             renderer,
             settings,
         };
-        let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
-        if let Some(guide) = guide {
-            guide.begin(&mut session)?;
-        }
-        if let Some(file) = checkpoint {
-            session.checkpoints = Some(Checkpoints::new(file, session.template()?, samples_written));
-        }
-        session.tell_beginning(watch);
-        Ok(session)
+        let devices = contexts.iter().map(|context| device_name(context)).collect();
+        Ok(Prepared { session, devices, earlier, guide, checkpoint })
     }
 
     fn tell_beginning(&self, watch: &Watch<'_>) {
@@ -202,10 +235,13 @@ impl Session {
 }
 
 impl DeviceChoice {
-    /// Opens the devices: at least one.
-    fn open(&self) -> Result<Vec<Arc<Context>>> {
+    /// Opens the devices: at least one. Ranks on one machine take its devices in turn.
+    fn open(&self, local_rank: Option<usize>) -> Result<Vec<Arc<Context>>> {
         match self {
-            Self::Open(options) => Context::all(options),
+            Self::Open(options) => match local_rank {
+                Some(local_rank) if options.device.is_none() => Ok(vec![Context::of_local_rank(options, local_rank)?]),
+                _ => Context::all(options),
+            },
             Self::Opened(context) => Ok(vec![Arc::clone(context)]),
         }
     }
@@ -280,7 +316,7 @@ impl Inputs {
             Some(wanted) => PictureFiles::new(wanted, earlier, &scene.name)?,
             None => earlier.cloned().unwrap_or_else(PictureFiles::none),
         };
-        let checkpoint = checkpoint_file(plan.earlier.as_ref(), options);
+        let checkpoint = if options.leads() { checkpoint_file(plan.earlier.as_ref(), options) } else { None };
         if let Some(file) = &checkpoint {
             file.check_writable()?;
             if plan.earlier.is_none() {
@@ -305,7 +341,8 @@ fn open_and_load<'a>(
     watch: &Watch<'_>,
 ) -> (OpenedDevices, Result<(Cow<'a, Scene>, f64)>) {
     thread::scope(|scope| {
-        let context = scope.spawn(|| options.device.open());
+        let local_rank = options.exchange.as_ref().map(|exchange| exchange.local_rank());
+        let context = scope.spawn(move || options.device.open(local_rank));
         let loaded = timed(|| input.load(watch));
         (context.join(), loaded)
     })
@@ -372,9 +409,8 @@ fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
 }
 
 /// Warns where devices of several kinds render one picture.
-fn warn_of_mix(contexts: &[Arc<Context>], watch: &Watch<'_>) {
-    let kind = |context: &Arc<Context>| (context.device().name.clone(), context.device().driver_info.clone());
-    if contexts.iter().any(|context| kind(context) != kind(&contexts[0])) {
+fn warn_of_mix(devices: &[String], watch: &Watch<'_>) {
+    if devices.iter().any(|device| *device != devices[0]) {
         watch.warn(
             "devices of different kinds render this picture: it is unbiased, but its last bits depend on the devices and \
              their order",

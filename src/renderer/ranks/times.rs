@@ -8,12 +8,16 @@ use serde::{Deserialize, Serialize};
 /// Seconds that several devices have spent on sharing a film.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SharingTimes {
-    /// Number of devices.
+    /// Number of ranks.
+    pub ranks: usize,
+    /// Number of devices of all ranks.
     pub devices: usize,
     /// Adding up the sums of learning targets, and handing them to all devices.
     pub exchange_seconds: f64,
-    /// Copying the film's tiles to the first device.
+    /// Copying the film's tiles to the first device of the first rank.
     pub gather_seconds: f64,
+    /// Waiting of the first rank, after its own work, for the other ranks.
+    pub waiting_seconds: f64,
 }
 
 /// Clock that adds up times of work in nanoseconds.
