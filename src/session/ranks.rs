@@ -5,9 +5,9 @@ use std::sync::Arc;
 use crate::renderer::exchange::Exchange;
 use crate::renderer::team::{Member, Team};
 use crate::session::options::Options;
+use crate::session::prepared::Prepared;
 use crate::session::progress::Watch;
 use crate::session::run::Session;
-use crate::session::setup::Prepared;
 use crate::session::start::Start;
 use crate::{Error, Result};
 

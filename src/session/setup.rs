@@ -14,10 +14,10 @@ use crate::encode::bvh::Bvh;
 use crate::encode::surfaces::Surfaces;
 use crate::gpu::Context;
 use crate::image::Image;
-use crate::renderer::{RenderState, Renderer};
+use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
-use crate::session::checkpoint::{Checkpoint, Record};
-use crate::session::checkpoints::{CheckpointFile, Checkpoints};
+use crate::session::checkpoint::Checkpoint;
+use crate::session::checkpoints::CheckpointFile;
 use crate::session::files::{OutputFiles, PictureFiles, read_reference};
 use crate::session::guide_file::GuideFile;
 use crate::session::history::History;
@@ -25,8 +25,9 @@ use crate::session::identity::Identity;
 use crate::session::kernel_files::KernelFiles;
 use crate::session::length::Length;
 use crate::session::options::{DeviceChoice, Options};
+use crate::session::prepared::{Earlier, Prepared};
 use crate::session::profiler::Profiler;
-use crate::session::progress::{Beginning, Event, Preparation, Watch};
+use crate::session::progress::{Event, Preparation, Watch};
 use crate::session::ranks;
 use crate::session::run::{Origin, Output, Session, Subject, device_name};
 use crate::session::safety_copy::SafetyCopy;
@@ -50,44 +51,6 @@ struct Inputs {
     kernels: KernelFiles,
     /// The picture that errors are measured against.
     reference: Option<Image>,
-}
-
-/// The part of a render that a checkpoint holds.
-struct Earlier {
-    file: PathBuf,
-    record: Record,
-    device: String,
-    state: RenderState,
-}
-
-/// A session that the other ranks do not know yet.
-pub(super) struct Prepared {
-    pub session: Session,
-    /// Names of the devices with their drivers, of all ranks once these are known.
-    pub devices: Vec<String>,
-    earlier: Option<Earlier>,
-    guide: Option<GuideFile>,
-    checkpoint: Option<CheckpointFile>,
-}
-
-impl Prepared {
-    /// The session with the state and the guide that it begins with.
-    fn begin(self, watch: &Watch<'_>) -> Result<Session> {
-        let Self { mut session, devices, earlier, guide, checkpoint } = self;
-        if !session.renderer.leads() {
-            return Ok(session);
-        }
-        warn_of_mix(&devices, watch);
-        let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
-        if let Some(guide) = guide {
-            guide.begin(&mut session)?;
-        }
-        if let Some(file) = checkpoint {
-            session.checkpoints = Some(Checkpoints::new(file, session.template()?, samples_written));
-        }
-        session.tell_beginning(watch);
-        Ok(session)
-    }
 }
 
 impl Session {
@@ -186,51 +149,6 @@ impl Session {
         };
         let devices = contexts.iter().map(|context| device_name(context)).collect();
         Ok(Prepared { session, devices, earlier, guide, checkpoint })
-    }
-
-    fn tell_beginning(&self, watch: &Watch<'_>) {
-        watch.tell(Event::Begun(&Beginning {
-            scene: &self.subject.scene_path,
-            scene_hash: &self.subject.scene_hash,
-            device: &self.device_name(),
-            settings: &self.settings,
-            length: self.length,
-            samples: self.renderer.samples_done(),
-            files: &self.output.pictures.paths,
-        }));
-    }
-
-    /// Restores the state of a checkpoint and returns its number of samples per pixel.
-    fn go_on_from(&mut self, earlier: Earlier, watch: &Watch<'_>) -> Result<u32> {
-        let Earlier { record: Record { kernels, history, guide_samples, .. }, device, state, .. } = earlier;
-        self.check_kernels(&kernels)?;
-        let own_device = self.device_name();
-        if device != own_device {
-            watch.warn(&format!("the render began on {device}; on {own_device}, the last bits may differ"));
-        }
-        self.renderer.restore(&state)?;
-        self.renderer.set_guide_samples(guide_samples);
-        let samples = state.samples_done;
-        self.origin.checkpoint = Some((state, history.clone()));
-        self.history = history;
-        Ok(samples)
-    }
-
-    /// Refuses to go on with other kernels than before, because the bits would differ.
-    fn check_kernels(&self, before: &[String]) -> Result<()> {
-        let kernels = &self.subject.kernels;
-        if before == kernels {
-            return Ok(());
-        }
-        let list = |kernels: &[String]| match kernels {
-            [] => "the built-in kernels".to_owned(),
-            kernels => kernels.join(", "),
-        };
-        Err(Error::Settings(format!(
-            "the render began with {}, but would go on with {}: give the same --kernel-dir",
-            list(before),
-            list(kernels)
-        )))
     }
 }
 
@@ -406,16 +324,6 @@ fn output(
 fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
     let begin = Instant::now();
     Ok((work()?, begin.elapsed().as_secs_f64()))
-}
-
-/// Warns where devices of several kinds render one picture.
-fn warn_of_mix(devices: &[String], watch: &Watch<'_>) {
-    if devices.iter().any(|device| *device != devices[0]) {
-        watch.warn(
-            "devices of different kinds render this picture: it is unbiased, but its last bits depend on the devices and \
-             their order",
-        );
-    }
 }
 
 /// Tells `watch` every warning once.

@@ -19,7 +19,7 @@ pub struct Sums {
     pub counts: Vec<u32>,
     /// Bits that are set where one device has set them: the normalizers that a device has asked for.
     pub marks: Vec<u32>,
-    /// What sums hold besides: flux of quadtrees' nodes. All devices have the same, so it is not added.
+    /// Flux of quadtrees' nodes. All devices have the same, so it is not added.
     pub flux: Vec<f32>,
 }
 
