@@ -11,6 +11,7 @@
 #   - of renders in which a rank is killed at a random moment, and that another number of ranks resumes: 20 times with
 #     LODESTAR_FULL=1, else 4 times. SEED (1) chooses the moments;
 #   - of renders that a signal or --time has ended, and that another number of ranks resumes.
+# Where Slurm's daemons are installed, `srun` starts two ranks, too.
 # It also plants faults. A rank's sums are lost, or added twice: the hashes must differ. A rank has another scene, or loses its device:
 # one sentence must name the rank.
 set -euo pipefail
@@ -110,6 +111,23 @@ mpirun -n 1 "$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 20 
 [ "$(left "$work/whole.ckpt")" = "$expected" ] || fail "one rank under mpirun differs"
 [ "$(render 2 --spp 20 --device 0,0)" = "$expected" ] || fail "two ranks of two devices differ"
 echo "one rank under mpirun, and two ranks of two devices: the same"
+
+# srun hands the ranks what they need to know of each other in the form that Open MPI reads.
+srun_ranks() {
+  srun --mpi=pmix --ntasks=2 --overcommit "$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 20 --checkpoint "$work/srun.ckpt" \
+    -o "$work/srun.exr" </dev/null
+}
+export -f srun_ranks
+export lodestar scene work
+if "$root/tests/farm/slurm.sh" bash -euo pipefail -c srun_ranks >"$work/log" 2>&1; then
+  [ "$(left "$work/srun.ckpt")" = "$expected" ] || fail "two ranks that srun has started differ"
+  echo "srun with two ranks: the same"
+elif [ $? = 77 ]; then
+  echo "srun: skipped, because $(cat "$work/log")"
+else
+  cat "$work/log" >&2
+  fail "srun with two ranks failed"
+fi
 
 for fault in lose@1 double@1 lose@0; do
   found=$(LODESTAR_EXCHANGE=$fault render 2 --spp 20)
