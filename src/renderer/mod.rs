@@ -59,7 +59,7 @@ use crate::renderer::memory_needs::MemoryNeeds;
 use crate::renderer::ranks::command::{Command, lead};
 use crate::renderer::ranks::sums::AddSums;
 use crate::renderer::ranks::team::Team;
-use crate::renderer::ranks::times::Clock;
+use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::renderer::trace::tracer::Tracer;
@@ -96,6 +96,8 @@ pub struct Renderer {
     exchange_clock: Clock,
     /// Time of gathering the film from devices.
     gather_clock: Clock,
+    /// Exchanges of sums.
+    traffic: Traffic,
 }
 
 impl Renderer {

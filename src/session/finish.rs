@@ -136,7 +136,7 @@ impl Session {
                 nonfinite_samples: self.history.counts.nonfinite,
                 noise: self.renderer.noise(),
                 sharing: self.renderer.sharing_times(),
-                peak_bytes: self.context.peak_allocated_bytes(),
+                peak_bytes: self.renderer.peak_device_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),
             },
             steps,

@@ -106,7 +106,14 @@ impl Renderer {
             exchange_seconds: self.exchange_clock.seconds(),
             gather_seconds: self.gather_clock.seconds(),
             waiting_seconds: team.map_or(0.0, Team::waiting_seconds),
+            exchanges: self.traffic.exchanges(),
+            exchange_bytes: self.traffic.bytes(),
         })
+    }
+
+    /// Largest number of bytes that the buffers of this process's devices have held, the sum over the devices.
+    pub fn peak_device_bytes(&self) -> u64 {
+        self.all().map(|renderer| renderer.context.peak_allocated_bytes()).sum()
     }
 
     /// Adds `batch` samples to every pixel, on all devices of all ranks at the same time. Where `stop` answers true on the first rank

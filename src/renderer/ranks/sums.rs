@@ -43,6 +43,11 @@ impl Sums {
         numbers.map(sum).collect()
     }
 
+    /// Bytes that are handed to others.
+    pub fn len_bytes(&self) -> usize {
+        size_of_val(&self.targets[..]) + size_of_val(&self.counts[..]) + size_of_val(&self.marks[..])
+    }
+
     /// Adds another's sums.
     pub fn add(&mut self, other: &Self) {
         self.targets.iter_mut().zip(&other.targets).for_each(|(sum, other)| *sum = sum.wrapping_add(*other));
