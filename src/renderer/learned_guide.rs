@@ -157,6 +157,10 @@ impl Renderer {
             part.write(&bytes)?;
         }
         self.guide_samples = guide.samples.clone();
+        if self.team.is_some() {
+            // The other ranks take over this guide.
+            self.restore(&self.gathered_state()?)?;
+        }
         Ok(())
     }
 
