@@ -13,6 +13,7 @@ mod materials;
 mod meshes;
 mod obj;
 mod ours;
+mod pbrt;
 mod refuses;
 mod textures;
 
