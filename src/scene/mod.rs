@@ -18,6 +18,7 @@ mod load_options;
 mod mesh;
 pub mod mitsuba;
 mod place;
+mod principled;
 mod read;
 mod shrink;
 pub mod summary;

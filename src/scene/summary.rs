@@ -181,6 +181,10 @@ fn kind(bsdf: &Bsdf) -> &'static str {
         Bsdf::RoughConductor { .. } => "roughconductor",
         Bsdf::Plastic { .. } => "plastic",
         Bsdf::RoughPlastic { .. } => "roughplastic",
+        Bsdf::PolarizedPlastic { .. } => "pplastic",
+        Bsdf::PrincipledThin(_) => "principledthin",
+        Bsdf::Phong { .. } => "phong",
+        Bsdf::Ward { .. } => "ward",
         Bsdf::Principled(_) => "principled",
     }
 }
@@ -191,11 +195,15 @@ fn guided(surface: &SurfaceMaterial) -> Guided {
         return Guided::Nothing;
     }
     match surface.bsdf {
-        Bsdf::Diffuse { .. } | Bsdf::RoughDiffuse { .. } | Bsdf::Plastic { .. } | Bsdf::RoughPlastic { .. } => {
-            Guided::DiffuseLobe
-        }
+        Bsdf::Diffuse { .. }
+        | Bsdf::RoughDiffuse { .. }
+        | Bsdf::Plastic { .. }
+        | Bsdf::RoughPlastic { .. }
+        | Bsdf::PolarizedPlastic { .. }
+        | Bsdf::Phong { .. }
+        | Bsdf::Ward { .. } => Guided::DiffuseLobe,
         Bsdf::RoughConductor { .. } | Bsdf::RoughDielectric { .. } => Guided::Whole,
-        Bsdf::Principled(_) => Guided::LobeAndWhole,
+        Bsdf::Principled(_) | Bsdf::PrincipledThin(_) => Guided::LobeAndWhole,
         Bsdf::Dielectric { .. } | Bsdf::ThinDielectric { .. } | Bsdf::Conductor { .. } => Guided::Nothing,
     }
 }

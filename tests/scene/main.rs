@@ -8,6 +8,7 @@ mod fuzz;
 mod fuzz_renders;
 mod geometry;
 mod gltf;
+mod lobes;
 mod mapped;
 mod materials;
 mod meshes;

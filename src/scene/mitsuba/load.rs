@@ -18,7 +18,7 @@ use super::faults::Faults;
 use super::fit::View;
 use super::flatten::Common;
 use super::folders::FoundFile;
-use super::materials::Materials;
+use super::materials::{Materials, conserve_energy};
 use super::properties::Properties;
 use super::scope::{Scope, Whole};
 use super::shape::{self, Geometry, MeshFile, Shape};
@@ -355,7 +355,7 @@ impl<'a> Builder<'a> {
         self.faults.into_result()?;
         images.extend(decoded);
         self.warnings.extend(warnings);
-        let materials = self.materials.finish();
+        let mut materials = self.materials.finish();
         let image = images.len() as u32;
         let emitters = self.emitters;
         let context = vertex_colors::Context {
@@ -371,6 +371,7 @@ impl<'a> Builder<'a> {
                 return Err(Error::scene(path, None, "the images and vertex colors fit no device; use smaller images"));
             }
         }
+        conserve_energy(&mut materials, &textures, &images, &mut self.warnings);
         let primitives = flatten_all(&self.shapes, &meshes)?;
         let is_dark = emitters.is_empty() && self.environment.is_none() && self.delta_emitters.is_empty();
         if is_dark && view == View::Front {

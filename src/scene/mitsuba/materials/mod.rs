@@ -1,9 +1,11 @@
 //! Conversion of `<bsdf>` to [`Material`]s.
 
 mod ior;
+mod lobes;
 mod mixture;
 mod named_conductors;
 mod parameters;
+mod principled;
 mod surfaces;
 mod tree;
 
@@ -21,6 +23,7 @@ use crate::Result;
 use crate::generated::constants;
 use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};
 use crate::scene::texture::Textured;
+pub(super) use lobes::conserve_energy;
 use parameters::Parameters;
 use tree::Tree;
 

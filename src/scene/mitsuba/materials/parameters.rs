@@ -108,7 +108,8 @@ impl<'r, 'a> Parameters<'r, 'a> {
         }
     }
 
-    fn alpha(&mut self, name: &str) -> Result<Textured<f32>> {
+    /// Reads a roughness.
+    pub fn alpha(&mut self, name: &str) -> Result<Textured<f32>> {
         let location = self.properties.location(name);
         let alpha = self.scalar(name, DEFAULT_ALPHA)?;
         match alpha.texture {
