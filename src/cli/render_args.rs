@@ -24,7 +24,7 @@ use super::viewer_args::ViewerArgs;
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
     /// The scene: Mitsuba's XML of any version, or glTF 2.0 (.gltf, .glb)
-    #[arg(value_name = "SCENE.xml")]
+    #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     #[command(flatten)]
     pub load: LoadArgs,

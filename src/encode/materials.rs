@@ -40,7 +40,8 @@ pub(crate) fn features(scene: &Scene) -> u32 {
     if scene.materials.iter().any(|material| record(material).links[0][0] != constants::NONE) {
         features |= constants::FEATURE_TEXTURES;
     }
-    if scene.emitters.iter().any(|emitter| emitter.radiance.texture.is_some()) {
+    let pictures = scene.delta_emitters.iter().map(|emitter| emitter.kind.texture());
+    if scene.emitters.iter().map(|emitter| emitter.radiance.texture).chain(pictures).any(|texture| texture.is_some()) {
         features |= constants::FEATURE_TEXTURED_EMITTERS;
     }
     features

@@ -31,7 +31,7 @@ pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
 pub use build::Surface;
 pub use camera::{Camera, FovAxis, Projection};
 pub use convert::{Converted, convert, convert_dictionary};
-pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind};
+pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes};
 pub use film::{Crop, FilmDescription, ReconstructionFilter};
 pub use fingerprint::fingerprint;
 pub use geometry::{Primitive, PrimitiveShape};

@@ -77,6 +77,8 @@ pub struct LightSummary {
     pub point: usize,
     /// Number of `spot` emitters.
     pub spot: usize,
+    /// Number of `projector` emitters.
+    pub projector: usize,
     /// Number of `directional` emitters.
     pub directional: usize,
     /// Plugin of the environment.
@@ -153,6 +155,7 @@ fn lights(scene: &Scene) -> LightSummary {
         area: scene.primitives.iter().filter(|primitive| primitive.emitter.is_some()).count(),
         point: count("point"),
         spot: count("spot"),
+        projector: count("projector"),
         directional: count("directional"),
         environment: scene.environment.map(|environment| match environment.kind {
             EnvironmentKind::Constant { .. } => "constant",

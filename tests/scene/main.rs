@@ -8,6 +8,7 @@ mod fuzz;
 mod fuzz_renders;
 mod geometry;
 mod gltf;
+mod gltf_cornell;
 mod lobes;
 mod mapped;
 mod materials;
@@ -15,6 +16,7 @@ mod meshes;
 mod obj;
 mod ours;
 mod refuses;
+mod sunsky;
 mod textures;
 
 use std::path::PathBuf;

@@ -173,7 +173,7 @@ fn meshes() {
 fn all_faults_are_listed_at_once() {
     let body = r#"<bsdf type="difftrans" id="a"/>
 <shape type="sdfgrid"><ref id="a"/></shape>
-<shape type="sphere"><bsdf type="twosided"><bsdf type="measured"/><bsdf type="irawan"/></bsdf><emitter type="collimated"/></shape>
+<shape type="sphere"><bsdf type="twosided"><bsdf type="measured"/><bsdf type="irawan"/></bsdf><emitter type="laser"/></shape>
 <emitter type="sky"/>
 <shape type="obj"><string name="filename" value="gone.obj"/></shape>
 <wheel/>
@@ -189,7 +189,7 @@ fn all_faults_are_listed_at_once() {
         ("scene.xml:3: ", "`sdfgrid`"),
         ("scene.xml:4: ", "`measured`"),
         ("scene.xml:4: ", "`irawan`"),
-        ("scene.xml:4: ", "`collimated`"),
+        ("scene.xml:4: ", "`laser`"),
         ("scene.xml:5: ", "`sky`"),
         ("scene.xml:6: ", "`gone.obj`"),
         ("scene.xml:7: ", "<wheel>"),

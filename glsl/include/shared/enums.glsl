@@ -147,6 +147,8 @@ const uint LIGHT_ENVIRONMENT = 1u;
 const uint LIGHT_POINT = 2u;
 const uint LIGHT_SPOT = 3u;
 const uint LIGHT_DIRECTIONAL = 4u;
+const uint LIGHT_PICTURED_SPOT = 5u;
+const uint LIGHT_PROJECTOR = 6u;
 const uint LIGHT_KIND_SHIFT = 29u;
 
 // Index that stands for "none".

@@ -122,3 +122,16 @@ pub(super) fn is_similarity(matrix: &DMat4, tolerance: f64) -> bool {
     let even = |axis: DVec3| (axis.length_squared() - x.length_squared()).abs() <= 2.0 * limit;
     even(y) && even(z) && [x.dot(y), y.dot(z), z.dot(x)].iter().all(|cosine| cosine.abs() <= limit)
 }
+
+/// Linear part of a matrix, made exactly orthogonal; `None` where it is not orthogonal to the precision of printed
+/// scene files.
+pub(super) fn orthogonal(matrix: &DMat4) -> Option<Mat3> {
+    let [x, y, z] = axes(matrix);
+    if !is_similarity(matrix, 1.0e-3) || (x.length() - 1.0).abs() > 1.0e-3 {
+        return None;
+    }
+    let x = x.normalize();
+    let y = (y - y.dot(x) * x).normalize();
+    let z = x.cross(y) * x.cross(y).dot(z).signum();
+    Some(Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()))
+}
