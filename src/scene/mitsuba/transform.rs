@@ -1,6 +1,6 @@
 //! Reader of `<transform>`. Each operation is applied after the operations above it.
 
-use glam::{DMat3, DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat3};
 
 use super::element::Element;
 use super::numbers;
