@@ -79,6 +79,7 @@ fn a_fitted_camera_is_written() {
         assert_eq!((ours.camera, ours.film), (theirs.camera, theirs.film), "{name}");
         assert_eq!(fingerprint(&ours).unwrap(), fingerprint(&theirs).unwrap(), "{name}");
         assert!(!ours.warnings.iter().any(|warning| warning.contains("fitted")), "{:?}", ours.warnings);
+        assert!(std::fs::read_to_string(&output).unwrap().contains(r#"<integrator type="path"/>"#), "{name}");
     }
 }
 

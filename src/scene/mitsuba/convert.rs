@@ -50,7 +50,12 @@ fn write(document: &Document, target: &Target) -> Result<usize> {
         return Err(Error::Settings(format!("{}: {message}", taken.display())));
     }
     let mut writer = Writer { document, folder, copies: HashMap::new(), names: HashSet::new(), text: String::new() };
-    if !document.elements.iter().any(|element| element.tag == "sensor") {
+    let has = |tag: &str| document.elements.iter().any(|element| element.tag == tag);
+    // Mitsuba renders no scene without these.
+    if !has("integrator") {
+        writer.text += "    <integrator type=\"path\"/>\n";
+    }
+    if !has("sensor") {
         writer.text += &fitted_sensor(fitted);
     }
     writer.elements(&document.elements, 1)?;
