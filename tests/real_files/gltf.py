@@ -56,6 +56,8 @@ def converted(lodestar, model, folder):
     subprocess.run([lodestar, "convert", model, out], capture_output=True, check=True)
     text = lit(out.read_text(encoding="utf8"))
     assert PLAIN in text, "the converted file names its integrator"
+    # Mitsuba keeps the horizontal field of view when a film's size changes later.
+    text = re.sub(r'(name="(?:width|height)" value=")\d+', rf"\g<1>{run.SIZE}", text)
     out.write_text(text.replace(PLAIN, BOUNDED), encoding="utf8")
     return out
 

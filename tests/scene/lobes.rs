@@ -72,7 +72,7 @@ fn ward() {
     refuse("ward", r#"<string name="variant" value="cook"/>"#, "`cook`");
 }
 
-/// As in Mitsuba 0.6, both reflectances are scaled by 0.99 over the largest channel of their sum.
+/// Both reflectances are scaled by 0.99 over the largest channel of their sum, as in Mitsuba 0.6.
 #[test]
 fn energy_is_conserved() {
     let bright = r#"<rgb name="diffuseReflectance" value="0.9, 0.1, 0.1"/>

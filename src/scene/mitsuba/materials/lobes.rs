@@ -2,8 +2,7 @@
 
 use glam::Vec3;
 
-use super::parameters::Parameters;
-use super::surfaces::DEFAULT_REFLECTANCE;
+use super::parameters::{DEFAULT_REFLECTANCE, Parameters};
 use crate::Result;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind, WardVariant};
 use crate::scene::texture::{Image, Texture, Textured};

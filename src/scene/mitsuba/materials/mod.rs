@@ -24,7 +24,7 @@ use crate::generated::constants;
 use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};
 use crate::scene::texture::Textured;
 pub(super) use lobes::conserve_energy;
-use parameters::Parameters;
+use parameters::{DEFAULT_REFLECTANCE, Parameters};
 use tree::Tree;
 
 /// Plugins that contain other BSDFs.
@@ -83,8 +83,7 @@ impl<'a> Materials<'a> {
     pub fn keep_default(&mut self, emits: bool) -> u32 {
         let list = &mut self.list;
         *self.defaults[usize::from(emits)].get_or_insert_with(|| {
-            let (name, albedo) =
-                if emits { ("default of emitters", 0.0) } else { ("default", surfaces::DEFAULT_REFLECTANCE) };
+            let (name, albedo) = if emits { ("default of emitters", 0.0) } else { ("default", DEFAULT_REFLECTANCE) };
             let reflectance = Textured::constant(Vec3::splat(albedo));
             let kind = MaterialKind::Surface(SurfaceMaterial::plain(Bsdf::Diffuse { reflectance }));
             list.push(Material { name: name.to_string(), kind });

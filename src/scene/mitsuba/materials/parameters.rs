@@ -11,6 +11,8 @@ use crate::generated::constants::MIN_ALPHA;
 use crate::scene::bsdf::{Distribution, Microfacets};
 use crate::scene::texture::Textured;
 
+/// Mitsuba's default albedo.
+pub(super) const DEFAULT_REFLECTANCE: f32 = 0.5;
 /// Mitsuba's default roughness.
 const DEFAULT_ALPHA: f32 = 0.1;
 

@@ -1,7 +1,6 @@
 //! Readers of `principled` and `principledthin`.
 
-use super::parameters::Parameters;
-use super::surfaces::DEFAULT_REFLECTANCE;
+use super::parameters::{DEFAULT_REFLECTANCE, Parameters};
 use crate::Result;
 use crate::scene::bsdf::{Principled, PrincipledThin};
 use crate::scene::texture::Textured;

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::parameters::Parameters;
+use super::parameters::{DEFAULT_REFLECTANCE, Parameters};
 use super::{ior, lobes, principled};
 use crate::Result;
 use crate::scene::bsdf::{Bsdf, Distribution};
@@ -26,9 +26,6 @@ pub(super) const SUPPORTED: [&str; 15] = [
     "phong",
     "ward",
 ];
-
-/// Mitsuba's default albedo.
-pub(super) const DEFAULT_REFLECTANCE: f32 = 0.5;
 
 /// Mitsuba's default materials of dielectrics and plastics.
 const DEFAULT_GLASS: &str = "bk7";
