@@ -23,7 +23,7 @@ use super::render_args::{ChoiceArgs, LoadArgs, device_name, output_path};
 #[derive(Debug, clap::Args)]
 pub struct RadianceArgs {
     /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt)
-    #[arg(value_name = "SCENE.xml")]
+    #[arg(value_name = "SCENE")]
     scene: PathBuf,
     #[command(flatten)]
     load: LoadArgs,

@@ -8,6 +8,8 @@ mod fuzz;
 mod fuzz_renders;
 mod geometry;
 mod gltf;
+mod gltf_cornell;
+mod lobes;
 mod mapped;
 mod materials;
 mod meshes;
@@ -15,6 +17,7 @@ mod obj;
 mod ours;
 mod pbrt;
 mod refuses;
+mod sunsky;
 mod textures;
 
 use std::path::PathBuf;

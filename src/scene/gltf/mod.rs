@@ -5,6 +5,7 @@
 
 mod accessors;
 mod asset;
+mod budget;
 mod images;
 mod lights;
 mod materials;
