@@ -36,6 +36,7 @@ mod subdivision;
 mod textures;
 mod tokens;
 mod transforms;
+mod transmission;
 mod world;
 
 use std::collections::HashMap;
