@@ -7,6 +7,7 @@
 mod area_lights;
 mod builder;
 mod camera;
+mod coat_loss;
 mod coats;
 mod color_space;
 mod colors;
