@@ -33,7 +33,9 @@ pub(super) fn metal(maker: &mut Maker, names: [&str; 2], outside: f64) -> Result
         None => Ok(named_spectra::of_material(default).unwrap_or([1.0; 3])),
     };
     let (eta, k) = (spectrum(names[0], "metal-Cu-eta")?, spectrum(names[1], "metal-Cu-k")?);
-    Ok(vec![("eta", rgb(eta)), ("k", rgb(k)), ("ext_eta", Value::Number(outside))])
+    // Mitsuba 3 knows no medium outside of a conductor.
+    let relative = |color: [f64; 3]| rgb(color.map(|channel| channel / outside));
+    Ok(vec![("eta", relative(eta)), ("k", relative(k))])
 }
 
 /// Parameters of a conductor that reflects a color where it is met at a right angle: its index of refraction is 1.
@@ -45,7 +47,7 @@ fn reflecting(maker: &mut Maker, reflectance: &Parameter, outside: f64) -> Resul
                 let channel = channel.clamp(0.0, 0.9999);
                 2.0 * channel.sqrt() / (1.0 - channel).sqrt()
             });
-            Ok(vec![("eta", rgb([1.0; 3])), ("k", rgb(k)), ("ext_eta", Value::Number(outside))])
+            Ok(vec![("eta", rgb([1.0 / outside; 3])), ("k", rgb(k.map(|channel| channel / outside)))])
         }
         node => {
             let place = &reflectance.place;

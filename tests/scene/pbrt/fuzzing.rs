@@ -1,5 +1,6 @@
 //! Files with arbitrary content give a scene or one sentence, never a panic.
 
+use lodestar::scene::{LoadOptions, convert, fingerprint, load};
 use proptest::prelude::*;
 use proptest::strategy::Union;
 
@@ -113,6 +114,18 @@ fn files_that_scenes_name() {
         folder.write(name, &bytes);
         outcome(&folder)
     });
+}
+
+/// Scenes converted to Mitsuba's format, with all their files, are the same scenes.
+#[test]
+fn conversions_keep_everything() {
+    for text in [BOX, MATERIALS, LIGHTS] {
+        let folder = folder(text.as_bytes());
+        let output = folder.path("out.xml");
+        convert(&folder.path("scene.pbrt"), &[], &output, false).unwrap();
+        let read = load(&output, &LoadOptions::default()).unwrap();
+        assert_eq!(fingerprint(&read).unwrap(), fingerprint(&load_in(&folder).unwrap()).unwrap(), "{text}");
+    }
 }
 
 #[test]
