@@ -172,12 +172,14 @@ kills=4 killed=0 resumed=0 tries=0
 if [ "${LODESTAR_FULL:-}" = 1 ]; then kills=20; fi
 while [ "$killed" -lt "$kills" ] && [ "$tries" -lt $((3 * kills)) ]; do
   tries=$((tries + 1))
-  before=$((2 + RANDOM % 3)) after=$((1 + RANDOM % 4)) rank=$((RANDOM % 2))
+  before=$((2 + RANDOM % 3)) after=$((1 + RANDOM % 4)) rank=$((RANDOM % before))
   begin "$before" &
   launcher=$!
-  sleep "$((RANDOM % 4)).$((RANDOM % 10))"
+  # A quarter of the moments may come before the first step, the others after a checkpoint.
+  while [ $((tries % 4)) != 0 ] && [ ! -e "$work/long.ckpt" ] && kill -0 "$launcher" 2>/dev/null; do sleep 0.1; done
+  sleep "$((RANDOM % 2)).$((RANDOM % 10))"
   mapfile -t processes < <(pgrep -P "$(pgrep -P "$launcher" mpirun || echo 1)" -x "$(basename "$lodestar" | cut -c-15)" || true)
-  if [ "${#processes[@]}" -lt 2 ] || ! kill -KILL "${processes[$rank]}" 2>/dev/null; then
+  if [ "${#processes[@]}" -le "$rank" ] || ! kill -KILL "${processes[$rank]}" 2>/dev/null; then
     wait "$launcher" || true
     continue
   fi
