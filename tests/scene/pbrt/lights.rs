@@ -18,6 +18,7 @@ fn intensity(text: &str) -> Vec3 {
     match delta(text) {
         DeltaKind::Point { intensity, .. } | DeltaKind::Spot { intensity, .. } => intensity,
         DeltaKind::Directional { irradiance, .. } => irradiance,
+        other => panic!("no light of pbrt: {other:?}"),
     }
 }
 
