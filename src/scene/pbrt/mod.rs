@@ -32,6 +32,7 @@ mod rasters;
 mod read_form;
 mod roughness;
 mod shapes;
+mod subdivision;
 mod textures;
 mod tokens;
 mod transforms;

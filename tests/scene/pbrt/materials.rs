@@ -93,7 +93,9 @@ fn coats() {
     assert!((0.96..0.98).contains(&(diffuse_reflectance.value.z / 0.4)), "{diffuse_reflectance:?}");
     let scene = with("Material \"coateddiffuse\" \"float roughness\" 0.04");
     assert!(matches!(bsdf(&scene), Bsdf::RoughPlastic { alpha, nonlinear: true, .. } if (alpha - 0.2).abs() < 1e-6));
-    assert!(scene.warnings.join("\n").contains("scene.pbrt:3: material `coateddiffuse`: it is read as `roughplastic`"));
+    assert!(
+        scene.warnings.join("\n").contains("scene.pbrt:3: material `coateddiffuse`: it is read as a `roughplastic`")
+    );
     let scene = with("Material \"coatedconductor\" \"float conductor.roughness\" 0.04 \"float interface.eta\" 1.6");
     let Bsdf::RoughConductor { eta, .. } = bsdf(&scene) else { panic!("{:?}", bsdf(&scene)) };
     // Copper under a coat of 1.6.

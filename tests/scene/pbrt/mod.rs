@@ -77,7 +77,7 @@ AttributeBegin
 AttributeEnd
 "#;
 
-/// The same scene in Mitsuba's words.
+/// Box of [`BOX`] in the words of Mitsuba.
 const XML_BOX: &str = r#"<scene version="3.0.0">
 <integrator type="path"><integer name="max_depth" value="8"/></integrator>
 <sensor type="perspective"><float name="fov" value="39.3076"/><string name="fov_axis" value="y"/>
