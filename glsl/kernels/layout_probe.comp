@@ -41,11 +41,15 @@ struct EmitterRecord {
 
 struct DeltaLightRecord {
     vec3 position;         // unused for a directional light
-    float cos_cutoff;      // spot light only: cosine of the cutoff angle
+    float cos_cutoff;      // spot lights only: cosine of the cutoff angle
     vec3 direction;        // unit, the direction in which light travels; unused for a point light
-    float cutoff_angle;    // spot light only, radians
+    float cutoff_angle;    // spot lights only, radians
     vec3 intensity;        // W/sr; irradiance in W/m^2 for a directional light
-    float falloff;         // spot light only: 1 / (angle over which the intensity falls to 0)
+    float falloff;         // spot lights only: 1 / (angle over which the intensity falls to 0)
+    vec3 axis_u;           // lights with a picture only: the picture is at 0.5 + (d.axis_u, d.axis_v) / d.direction
+    uint texture_index;    // lights with a picture only: the picture, or NONE
+    vec3 axis_v;
+    uint unused;
 };
 
 struct MaterialRecord {

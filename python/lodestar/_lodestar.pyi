@@ -151,6 +151,8 @@ class Renderer:
         cls,
         scene: _SceneLike,
         *,
+        camera: str | int | None = None,
+        environment: _Path | None = None,
         spp: int | None = None,
         time: float | str | None = None,
         seed: int | None = 0,
@@ -181,10 +183,18 @@ class Renderer:
     @property
     def device(self) -> str: ...
 
-def load(scene: _Path | Mapping[str, Any], **defines: object) -> Scene: ...
+def load(
+    scene: _Path | Mapping[str, Any],
+    *,
+    camera: str | int | None = None,
+    environment: _Path | None = None,
+    **defines: object,
+) -> Scene: ...
 def render(
     scene: _SceneLike,
     *,
+    camera: str | int | None = None,
+    environment: _Path | None = None,
     spp: int | None = None,
     time: float | str | None = None,
     seed: int | None = 0,

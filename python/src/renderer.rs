@@ -16,7 +16,7 @@ use pyo3::types::PyDict;
 use crate::errors::{raised, warn};
 use crate::guide::Guide;
 use crate::picture::Picture;
-use crate::scene::{SceneFile, Subject, path_of};
+use crate::scene::{Choices, SceneFile, Subject, path_of};
 use crate::shared::{from_json, settings_of};
 use crate::{options, scene};
 
@@ -65,6 +65,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// ----------
 /// scene : Scene, path or dict
 ///     The scene, as `lodestar.load` takes it.
+/// camera, environment : str, int or path
+///     For a scene in a file, as `lodestar.load` takes them.
 /// spp : int
 ///     Samples per pixel. Default: the scene's own, or 64.
 /// time : float
@@ -214,18 +216,20 @@ fn keep_warning(event: Event<'_>, warnings: &Mutex<Vec<String>>) {
 impl Renderer {
     #[new]
     #[pyo3(
-        signature = (scene, *, guide = None, **settings),
-        text_signature = "(scene, *, spp=None, time=None, seed=0, width=None, height=None, device=None, guide=None, **settings)"
+        signature = (scene, *, camera = None, environment = None, guide = None, **settings),
+        text_signature = "(scene, *, camera=None, environment=None, spp=None, time=None, seed=0, width=None, height=None, device=None, guide=None, **settings)"
     )]
     fn new(
         scene: &Bound<'_, PyAny>,
+        camera: Option<&Bound<'_, PyAny>>,
+        environment: Option<&Bound<'_, PyAny>>,
         guide: Option<&Bound<'_, PyAny>>,
         settings: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let py = scene.py();
         let guide = guide.map(|guide| guide.cast::<Guide>()).transpose()?;
         let options = options::of_render(settings)?;
-        let renderer = Self::begin(py, Subject::of(scene)?, &options, None)?;
+        let renderer = Self::begin(py, Subject::of(scene, Choices { camera, environment })?, &options, None)?;
         if let Some(guide) = guide {
             let learned = guide.get().learned();
             renderer.0.with(py, |session| session.begin_with_guide(learned)).map_err(raised)?;
@@ -365,6 +369,8 @@ impl Renderer {
 /// ----------
 /// scene : Scene, path or dict
 ///     The scene, as `lodestar.load` takes it.
+/// camera, environment : str, int or path
+///     For a scene in a file, as `lodestar.load` takes them.
 /// spp : int
 ///     Samples per pixel. Default: the scene's own, or 64.
 /// time : float
@@ -390,16 +396,18 @@ impl Renderer {
 /// >>> picture.save("picture.exr")
 #[pyfunction]
 #[pyo3(
-    signature = (scene, *, guide = None, callback = None, **settings),
-    text_signature = "(scene, *, spp=None, time=None, seed=0, width=None, height=None, device=None, guide=None, callback=None, **settings)"
+    signature = (scene, *, camera = None, environment = None, guide = None, callback = None, **settings),
+    text_signature = "(scene, *, camera=None, environment=None, spp=None, time=None, seed=0, width=None, height=None, device=None, guide=None, callback=None, **settings)"
 )]
 pub fn render(
     scene: &Bound<'_, PyAny>,
+    camera: Option<&Bound<'_, PyAny>>,
+    environment: Option<&Bound<'_, PyAny>>,
     guide: Option<&Bound<'_, PyAny>>,
     callback: Option<&Bound<'_, PyAny>>,
     settings: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Picture> {
-    let renderer = Bound::new(scene.py(), Renderer::new(scene, guide, settings)?)?;
+    let renderer = Bound::new(scene.py(), Renderer::new(scene, camera, environment, guide, settings)?)?;
     Renderer::run(&renderer, callback)
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lodestar::scene::summary::summarize;
-use lodestar::scene::{LoadOptions, scene_file};
+use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, scene_file};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
@@ -46,8 +46,12 @@ impl SceneFile {
 }
 
 impl Subject {
-    /// The scene that an argument stands for: a `Scene`, a path, or a dictionary.
-    pub fn of(scene: &Bound<'_, PyAny>) -> PyResult<Self> {
+    /// The scene that an argument stands for: a `Scene`, a path, or a dictionary. Only a path is read with `choices`.
+    pub fn of(scene: &Bound<'_, PyAny>, choices: Choices<'_, '_>) -> PyResult<Self> {
+        if let Ok(path) = path_of(scene) {
+            return Ok(Self { scene: None, file: Some(SceneFile { path, options: choices.options()? }) });
+        }
+        choices.refuse_for(scene)?;
         if let Ok(scene) = scene.cast::<Scene>() {
             let Scene { scene, file } = scene.get();
             return Ok(Self { scene: Some(Arc::clone(scene)), file: file.clone() });
@@ -56,7 +60,7 @@ impl Subject {
             let scene = from_dictionary(scene)?;
             return Ok(Self { scene: Some(scene.scene), file: None });
         }
-        Ok(Self { scene: None, file: Some(SceneFile { path: path_of(scene)?, options: LoadOptions::default() }) })
+        path_of(scene).map(|path| Self { scene: None, file: Some(SceneFile { path, options: LoadOptions::default() }) })
     }
 
     /// The scene. It is read if it is not in memory.
@@ -65,6 +69,48 @@ impl Subject {
             (Some(scene), _) => Ok(Arc::clone(scene)),
             (None, Some(file)) => file.read().map(Arc::new),
             (None, None) => Err(lodestar::Error::Settings("the scene is neither in memory nor in a file".into())),
+        }
+    }
+}
+
+/// Keywords `camera` and `environment`, with which a file is read.
+#[derive(Clone, Copy)]
+pub struct Choices<'a, 'py> {
+    /// Name or index of a camera, or `fit`.
+    pub camera: Option<&'a Bound<'py, PyAny>>,
+    /// `constant`, or the path of an image.
+    pub environment: Option<&'a Bound<'py, PyAny>>,
+}
+
+impl Choices<'_, '_> {
+    fn options(self) -> PyResult<LoadOptions> {
+        let camera = self.camera.map(|camera| match camera.extract::<usize>() {
+            Ok(index) => Ok(CameraChoice::Named(index.to_string())),
+            Err(_) => camera.extract::<String>().map(|name| name.parse().unwrap_or(CameraChoice::Fit)),
+        });
+        let camera = camera.transpose().map_err(|_| {
+            PyTypeError::new_err("`camera` is the name or the index of a camera of the scene, or \"fit\"")
+        })?;
+        let environment = self.environment.map(|environment| {
+            path_of(environment).map(|path| match path.as_os_str() == "constant" {
+                true => EnvironmentChoice::Constant,
+                false => EnvironmentChoice::File(path),
+            })
+        });
+        Ok(LoadOptions { camera, environment: environment.transpose()?, ..LoadOptions::default() })
+    }
+
+    /// Refuses the keywords for a scene that is not read from a file.
+    fn refuse_for(self, scene: &Bound<'_, PyAny>) -> PyResult<()> {
+        let given = [("camera", self.camera), ("environment", self.environment)];
+        match given.into_iter().find(|(_, value)| value.is_some()) {
+            None => Ok(()),
+            Some((keyword, _)) if scene.cast::<Scene>().is_ok() => {
+                Err(refused(format!("this scene is already read; give `{keyword}` to lodestar.load")))
+            }
+            Some((keyword, _)) => {
+                Err(refused(format!("`{keyword}` is for scenes in files; write it into the dictionary")))
+            }
         }
     }
 }
@@ -90,10 +136,14 @@ fn from_dictionary(value: &Bound<'_, PyAny>) -> PyResult<Scene> {
 /// Parameters
 /// ----------
 /// scene : path or dict
-///     Mitsuba's XML of any version, a folder with a `scene.xml`, or Mitsuba's scene dictionary. A dictionary may nest objects, and
+///     Mitsuba's XML of any version, a model in glTF, a folder with a `scene.xml`, or Mitsuba's scene dictionary. A dictionary may nest objects, and
 ///     may hold numpy arrays and transforms (`lodestar.ScalarTransform4f`, Mitsuba's, or arrays of shape (4, 4)). A shape
 ///     `{"type": "mesh", "vertices": (n, 3), "faces": (m, 3)}` is a mesh of arrays, with optional `normals` (n, 3), `uvs` (n, 2)
 ///     and `colors` (n, 3). Files that a dictionary names are relative to the current folder.
+/// camera : str or int
+///     Name or index of the file's camera, or `"fit"` for one that shows the whole scene. Default: the first.
+/// environment : path
+///     Image of light from all sides, or `"constant"`, in place of the scene's own.
 /// **defines
 ///     Values that replace the file's `<default>` values, by name.
 ///
@@ -103,13 +153,20 @@ fn from_dictionary(value: &Bound<'_, PyAny>) -> PyResult<Scene> {
 ///     Where the scene cannot be read or asks for something unsupported. The message names the file and the line, or the entry of
 ///     the dictionary, such as `scene.box.bsdf`.
 #[pyfunction]
-#[pyo3(signature = (scene, **defines))]
-pub fn load(scene: &Bound<'_, PyAny>, defines: Option<&Bound<'_, PyDict>>) -> PyResult<Scene> {
+#[pyo3(signature = (scene, *, camera = None, environment = None, **defines))]
+pub fn load(
+    scene: &Bound<'_, PyAny>,
+    camera: Option<&Bound<'_, PyAny>>,
+    environment: Option<&Bound<'_, PyAny>>,
+    defines: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Scene> {
     let py = scene.py();
+    let choices = Choices { camera, environment };
     if scene.cast::<PyMapping>().is_ok() {
         if defines.is_some_and(|defines| !defines.is_empty()) {
             return Err(refused("a dictionary has no <default> values to replace; write them into the dictionary"));
         }
+        choices.refuse_for(scene)?;
         return from_dictionary(scene);
     }
     let path = path_of(scene)?;
@@ -117,7 +174,7 @@ pub fn load(scene: &Bound<'_, PyAny>, defines: Option<&Bound<'_, PyDict>>) -> Py
     for (name, value) in defines.into_iter().flat_map(|defines| defines.iter()) {
         pairs.push((name.extract()?, value.str()?.extract()?));
     }
-    let options = LoadOptions { defines: pairs, ..LoadOptions::default() };
+    let options = LoadOptions { defines: pairs, ..choices.options()? };
     let read = |path: &Path| {
         let file = SceneFile { path: scene_file(path)?, options };
         Ok((file.read()?, file))

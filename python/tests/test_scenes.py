@@ -146,3 +146,46 @@ def test_unknown_parameters_are_warnings(room_scene):
     with pytest.warns(UserWarning, match="scene.ball.colour: the parameter `colour` of shape `sphere` is unknown"):
         scene = lodestar.load(room_scene)
     assert len(scene.warnings) == 1
+
+
+def two_cameras(folder):
+    sensors = "".join(
+        f"""<sensor type="perspective" id="{name}"><transform name="to_world"><lookat origin="{origin}" target="0,0,0"
+        up="0,1,0"/></transform><film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="12"/></film>
+        </sensor>"""
+        for name, origin in (("near", "0,0,4"), ("far", "0,0,20"))
+    )
+    path = folder / "two.xml"
+    path.write_text(f'<scene version="3.0.0">{sensors}<shape type="sphere"/></scene>')
+    return path
+
+
+def test_cameras_and_environments_are_chosen(tmp_path):
+    path = two_cameras(tmp_path)
+    light = {"environment": "constant", "spp": 4}
+    hits = {camera: lodestar.render(path, camera=camera, **light).hits.sum() for camera in (None, "near", "far", 0, 1, "fit")}
+    assert hits[None] == hits["near"] == hits[0] > hits["far"] == hits[1] > 0, hits
+    assert hits["fit"] > hits["far"], hits
+    # A scene that is read once has the same bits as one that a render reads.
+    ours = lodestar.render(lodestar.load(path, camera="far", environment="constant"), spp=4)
+    theirs = lodestar.render(path, camera="far", **light)
+    assert ours.radiance.tobytes() == theirs.radiance.tobytes() and ours.radiance.mean() > 0
+    # Without the environment there is no light.
+    with pytest.warns(UserWarning):
+        assert lodestar.render(path, spp=1).radiance.max() == 0
+
+
+def test_cameras_and_environments_belong_to_files(tmp_path):
+    path = two_cameras(tmp_path)
+    scene = lodestar.load(path, environment="constant")
+    for call in (
+        lambda: lodestar.render(scene, camera="far"),
+        lambda: lodestar.render(room(), environment="constant"),
+        lambda: lodestar.load(room(), camera=1),
+        lambda: lodestar.load(path, camera="third"),
+        lambda: lodestar.load(path, environment=tmp_path / "gone.exr"),
+    ):
+        with pytest.raises(lodestar.Error, match="camera|environment|gone"):
+            call()
+    with pytest.raises(TypeError, match="camera"):
+        lodestar.load(path, camera=1.5)

@@ -14,8 +14,8 @@ use super::render_args::define;
 /// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided.
 #[derive(Debug, Clone, clap::Args)]
 pub struct InfoArgs {
-    /// The scene: Mitsuba's XML, a folder with a scene.xml, or glTF 2.0 (.gltf, .glb).
-    #[arg(value_name = "SCENE.xml")]
+    /// The scene: Mitsuba's XML, a folder with a scene.xml, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt).
+    #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Value that replaces the scene's default of that name.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
@@ -62,10 +62,11 @@ fn describe(summary: &Summary) -> String {
     );
     let _ = writeln!(
         text,
-        "lights: {} emitting primitives, {} point, {} spot, {} directional, environment: {}",
+        "lights: {} emitting primitives, {} point, {} spot, {} projector, {} directional, environment: {}",
         lights.area,
         lights.point,
         lights.spot,
+        lights.projector,
         lights.directional,
         lights.environment.unwrap_or("none")
     );

@@ -50,7 +50,7 @@ pub struct InspectArgs {
     device: Option<String>,
 
     /// Show the variant that renders this scene.
-    #[arg(long, value_name = "SCENE.xml", help_heading = "Variant")]
+    #[arg(long, value_name = "SCENE", help_heading = "Variant")]
     scene: Option<PathBuf>,
     #[arg(short = 'D', value_parser = define, requires = "scene", help_heading = "Variant")]
     define: Vec<(String, String)>,

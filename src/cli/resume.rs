@@ -22,7 +22,7 @@ pub struct ResumeArgs {
     #[arg(value_name = "FILE")]
     file: PathBuf,
     /// Path of the scene, if it was moved.
-    #[arg(long, value_name = "SCENE.xml", help_heading = "Scene")]
+    #[arg(long, value_name = "SCENE", help_heading = "Scene")]
     scene: Option<PathBuf>,
     #[arg(long, default_value_t = CHECKPOINT_EVERY, value_parser = seconds)]
     checkpoint_every: f64,

@@ -19,7 +19,7 @@ use crate::generated::constants;
 use crate::generated::layout::{
     AttributeRecord, DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants, TEXEL_BYTES,
 };
-use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Scene, Textured};
+use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes, Scene, Textured};
 use textured::{brightness, points_for};
 
 /// Number of texels of a [`DeltaLightRecord`].
@@ -63,7 +63,7 @@ impl Lights {
         candidates.extend(scene.delta_emitters.iter().enumerate().map(|(i, emitter)| Candidate {
             kind: delta_light_kind(emitter),
             index: (first_delta + i * DELTA_TEXELS) as u32,
-            power: delta_power(emitter, radius) * f64::from(emitter.sampling_weight),
+            power: delta_power(scene, emitter, radius) * f64::from(emitter.sampling_weight),
         }));
         let environment =
             scene.environment.map(|environment| EnvironmentLight::new(&environment, scene, candidates.len() as u32));
@@ -211,6 +211,15 @@ fn brightest(scene: &Scene, scene_radius: f64, environment: Option<&EnvironmentL
         DeltaKind::Point { intensity, .. } | DeltaKind::Spot { intensity, .. } => {
             mean_rgb(intensity) / (near * near * PI)
         }
+        DeltaKind::PicturedSpot { intensity, .. } => {
+            mean_rgb(intensity.value * largest(scene, intensity.texture)) / (near * near * PI)
+        }
+        // Towards the corners of the picture, the intensity grows with the cubed secant.
+        DeltaKind::Projector { irradiance, axes, .. } => {
+            let corner = [axes.u, axes.v].map(|axis| 0.25 / f64::from(axis.length_squared()));
+            let secant = (1.0 + corner[0] + corner[1]).sqrt();
+            mean_rgb(irradiance.value * largest(scene, irradiance.texture)) * secant.powi(3) / (near * near)
+        }
     });
     let environment = environment.map(EnvironmentLight::brightest);
     emitters.chain(delta_emitters).chain(environment).fold(0.0, f64::max) as f32
@@ -219,6 +228,16 @@ fn brightest(scene: &Scene, scene_radius: f64, environment: Option<&EnvironmentL
 /// Brightest texel of the emitter's texture, where it has one.
 fn brightest_texel(scene: &Scene, emitter: &AreaEmitter) -> Option<Vec3> {
     emitter.radiance.texture.map(|texture| scene.textures[texture as usize].maximum(&scene.images))
+}
+
+/// Brightest texel of a texture; 1 without one.
+fn largest(scene: &Scene, texture: Option<u32>) -> Vec3 {
+    texture.map_or(Vec3::ONE, |texture| scene.textures[texture as usize].maximum(&scene.images))
+}
+
+/// Mean color of a texture; 1 without one.
+fn mean(scene: &Scene, texture: Option<u32>) -> Vec3 {
+    texture.map_or(Vec3::ONE, |texture| scene.textures[texture as usize].mean(&scene.images))
 }
 
 fn mean_rgb(color: Vec3) -> f64 {
@@ -280,23 +299,36 @@ fn delta_light_kind(emitter: &DeltaEmitter) -> u32 {
         DeltaKind::Point { .. } => constants::LIGHT_POINT,
         DeltaKind::Spot { .. } => constants::LIGHT_SPOT,
         DeltaKind::Directional { .. } => constants::LIGHT_DIRECTIONAL,
+        DeltaKind::PicturedSpot { .. } => constants::LIGHT_PICTURED_SPOT,
+        DeltaKind::Projector { .. } => constants::LIGHT_PROJECTOR,
     }
 }
 
 /// Power of a delta light in W. A directional light counts by the power that meets the disk of the scene's radius.
-fn delta_power(emitter: &DeltaEmitter, scene_radius: f64) -> f64 {
+fn delta_power(scene: &Scene, emitter: &DeltaEmitter, scene_radius: f64) -> f64 {
+    let cone = |cutoff_angle: f32, beam_width: f32| {
+        let mean_angle = 0.5 * f64::from(cutoff_angle + beam_width.min(cutoff_angle));
+        2.0 * PI * (1.0 - mean_angle.cos())
+    };
     match emitter.kind {
         DeltaKind::Point { intensity, .. } => 4.0 * PI * mean_rgb(intensity),
         DeltaKind::Spot { intensity, cutoff_angle, beam_width, .. } => {
-            let mean_angle = 0.5 * f64::from(cutoff_angle + beam_width.min(cutoff_angle));
-            2.0 * PI * (1.0 - mean_angle.cos()) * mean_rgb(intensity)
+            cone(cutoff_angle, beam_width) * mean_rgb(intensity)
+        }
+        DeltaKind::PicturedSpot { intensity, cutoff_angle, beam_width, .. } => {
+            cone(cutoff_angle, beam_width) * mean_rgb(intensity.value * mean(scene, intensity.texture))
+        }
+        DeltaKind::Projector { irradiance, axes, .. } => {
+            let area = 1.0 / f64::from(axes.u.length() * axes.v.length());
+            PI * area * mean_rgb(irradiance.value * mean(scene, irradiance.texture))
         }
         DeltaKind::Directional { irradiance, .. } => PI * scene_radius * scene_radius * mean_rgb(irradiance),
     }
 }
 
-fn delta_record(kind: &DeltaKind) -> DeltaLightRecord {
-    let zero = DeltaLightRecord { ..bytemuck::Zeroable::zeroed() };
+/// Record of a delta light, without its picture.
+fn plain_record(kind: &DeltaKind) -> DeltaLightRecord {
+    let zero = DeltaLightRecord { texture_index: constants::NONE, ..bytemuck::Zeroable::zeroed() };
     match *kind {
         DeltaKind::Point { position, intensity } => {
             DeltaLightRecord { position: position.into(), intensity: intensity.into(), ..zero }
@@ -309,9 +341,28 @@ fn delta_record(kind: &DeltaKind) -> DeltaLightRecord {
             intensity: intensity.into(),
             // Without a transition, the intensity falls at once.
             falloff: 1.0 / (cutoff_angle - beam_width).max(1.0e-20),
+            ..zero
         },
         DeltaKind::Directional { direction, irradiance } => {
             DeltaLightRecord { direction: direction.into(), intensity: irradiance.into(), ..zero }
         }
+        DeltaKind::PicturedSpot { position, direction, axes, intensity, cutoff_angle, beam_width } => {
+            let intensity = intensity.value;
+            let spot = DeltaKind::Spot { position, direction, intensity, cutoff_angle, beam_width };
+            with_axes(plain_record(&spot), axes)
+        }
+        DeltaKind::Projector { position, direction, axes, irradiance } => {
+            let (position, direction) = (position.into(), direction.into());
+            let intensity = (irradiance.value * PI as f32).into();
+            with_axes(DeltaLightRecord { position, direction, intensity, ..zero }, axes)
+        }
     }
+}
+
+fn with_axes(record: DeltaLightRecord, axes: PictureAxes) -> DeltaLightRecord {
+    DeltaLightRecord { axis_u: axes.u.into(), axis_v: axes.v.into(), ..record }
+}
+
+fn delta_record(kind: &DeltaKind) -> DeltaLightRecord {
+    DeltaLightRecord { texture_index: kind.texture().unwrap_or(constants::NONE), ..plain_record(kind) }
 }

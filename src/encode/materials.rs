@@ -4,7 +4,9 @@ use glam::Vec3;
 
 use crate::generated::constants;
 use crate::generated::layout::MaterialRecord;
-use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial};
+use crate::scene::bsdf::{
+    Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial, WardVariant,
+};
 use crate::scene::{Scene, Textured};
 
 const OPACITY: usize = 3;
@@ -38,7 +40,8 @@ pub(crate) fn features(scene: &Scene) -> u32 {
     if scene.materials.iter().any(|material| record(material).links[0][0] != constants::NONE) {
         features |= constants::FEATURE_TEXTURES;
     }
-    if scene.emitters.iter().any(|emitter| emitter.radiance.texture.is_some()) {
+    let pictures = scene.delta_emitters.iter().map(|emitter| emitter.kind.texture());
+    if scene.emitters.iter().map(|emitter| emitter.radiance.texture).chain(pictures).any(|texture| texture.is_some()) {
         features |= constants::FEATURE_TEXTURED_EMITTERS;
     }
     features
@@ -71,13 +74,14 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
         | bit(surface.coating.is_some(), constants::FEATURE_COATING)
         | bit(is_anisotropic(&surface.bsdf), constants::FEATURE_TANGENTS)
         | bit(has_beckmann_facets(&surface.bsdf), constants::FEATURE_BECKMANN)
+        | bit(matches!(surface.bsdf, Bsdf::PolarizedPlastic { .. }), constants::FEATURE_SMOOTH_BASE)
 }
 
 fn has_beckmann_facets(bsdf: &Bsdf) -> bool {
     let distribution = match bsdf {
-        Bsdf::RoughConductor { microfacets, .. } | Bsdf::RoughDielectric { microfacets, .. } => {
-            microfacets.distribution
-        }
+        Bsdf::RoughConductor { microfacets, .. }
+        | Bsdf::RoughDielectric { microfacets, .. }
+        | Bsdf::PolarizedPlastic { microfacets, .. } => microfacets.distribution,
         Bsdf::RoughPlastic { distribution, .. } => *distribution,
         _ => Distribution::Ggx,
     };
@@ -86,10 +90,12 @@ fn has_beckmann_facets(bsdf: &Bsdf) -> bool {
 
 fn is_anisotropic(bsdf: &Bsdf) -> bool {
     match bsdf {
-        Bsdf::RoughConductor { microfacets, .. } | Bsdf::RoughDielectric { microfacets, .. } => {
-            microfacets.alpha_u != microfacets.alpha_v
-        }
+        Bsdf::RoughConductor { microfacets, .. }
+        | Bsdf::RoughDielectric { microfacets, .. }
+        | Bsdf::PolarizedPlastic { microfacets, .. } => microfacets.alpha_u != microfacets.alpha_v,
+        Bsdf::Ward { alpha_u, alpha_v, .. } => alpha_u != alpha_v,
         Bsdf::Principled(principled) => principled.anisotropic != Textured::constant(0.0),
+        Bsdf::PrincipledThin(principled) => principled.anisotropic != Textured::constant(0.0),
         _ => false,
     }
 }
@@ -188,8 +194,11 @@ fn kind(bsdf: &Bsdf) -> u32 {
         Bsdf::Conductor { .. } => constants::BSDF_CONDUCTOR,
         Bsdf::RoughConductor { .. } => constants::BSDF_ROUGH_CONDUCTOR,
         Bsdf::Plastic { .. } => constants::BSDF_PLASTIC,
-        Bsdf::RoughPlastic { .. } => constants::BSDF_ROUGH_PLASTIC,
+        Bsdf::RoughPlastic { .. } | Bsdf::PolarizedPlastic { .. } => constants::BSDF_ROUGH_PLASTIC,
         Bsdf::Principled(_) => constants::BSDF_PRINCIPLED,
+        Bsdf::PrincipledThin(_) => constants::BSDF_PRINCIPLED_THIN,
+        Bsdf::Phong { .. } => constants::BSDF_PHONG,
+        Bsdf::Ward { .. } => constants::BSDF_WARD,
     }
 }
 
@@ -223,6 +232,36 @@ fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
             writer.number(1, *alpha);
             write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
         }
+        Bsdf::PolarizedPlastic { microfacets, eta, diffuse_reflectance, specular_reflectance } => {
+            writer.microfacets(microfacets);
+            writer.flag(constants::MATERIAL_SMOOTH_BASE, true);
+            write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, false);
+        }
+        Bsdf::Phong { exponent, diffuse_reflectance, specular_reflectance } => {
+            writer.scalar(0, exponent);
+            writer.color(0, diffuse_reflectance);
+            writer.color(1, specular_reflectance);
+        }
+        Bsdf::Ward { variant, alpha_u, alpha_v, diffuse_reflectance, specular_reflectance } => {
+            writer.scalar(0, alpha_u);
+            writer.scalar(1, alpha_v);
+            writer.number(4, ward_model(*variant));
+            writer.color(0, diffuse_reflectance);
+            writer.color(1, specular_reflectance);
+        }
+        Bsdf::PrincipledThin(principled) => {
+            writer.flag(constants::MATERIAL_GGX, true);
+            writer.color(0, &principled.base_color);
+            writer.scalar(0, &principled.roughness);
+            writer.scalar(1, &principled.anisotropic);
+            writer.number(2, principled.eta);
+            writer.scalar(4, &principled.crossing);
+            writer.scalar(5, &principled.spec_trans);
+            writer.scalar(6, &principled.spec_tint);
+            writer.scalar(7, &principled.sheen);
+            writer.scalar(8, &principled.sheen_tint);
+            writer.scalar(9, &principled.flatness);
+        }
         Bsdf::Principled(principled) => {
             writer.flag(constants::MATERIAL_GGX, true);
             writer.color(0, &principled.base_color);
@@ -238,6 +277,14 @@ fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
             writer.scalar(10, &principled.clearcoat);
             writer.scalar(11, &principled.clearcoat_gloss);
         }
+    }
+}
+
+fn ward_model(variant: WardVariant) -> f32 {
+    match variant {
+        WardVariant::Balanced => constants::WARD_BALANCED,
+        WardVariant::Ward => constants::WARD_ORIGINAL,
+        WardVariant::Duer => constants::WARD_DUER,
     }
 }
 

@@ -1,4 +1,5 @@
-//! Completion of plastics' records: constants of their layers, and tables of words.
+//! Completion of the records of materials with a specular and a diffuse lobe: how often each is sampled, and plastics'
+//! constants and tables of words.
 
 use std::collections::HashMap;
 
@@ -15,7 +16,7 @@ const INTERNAL_REFLECTANCE: usize = 4;
 const SPECULAR_SAMPLING: usize = 5;
 const TRANSMITTANCE_TABLE: usize = 6;
 
-/// Completes the records of a scene's plastics. Returns the words of their tables, whose addresses start at 0.
+/// Completes the records of a scene's materials. Returns the words of plastics' tables, whose addresses start at 0.
 pub(crate) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32> {
     let mut tables = Tables::default();
     for (material, record) in scene.materials.iter().zip(records) {
@@ -37,6 +38,15 @@ fn complete_record(scene: &Scene, material: &Material, record: &mut MaterialReco
             record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
             // The address is exact as a float: tables come first in their buffer, so it is far below 2^24.
             record.scalars[TRANSMITTANCE_TABLE] = table.address as f32;
+        }
+        Bsdf::PolarizedPlastic { eta, diffuse_reflectance, specular_reflectance, .. } => {
+            // Nothing is sent back to the base: (1 - internal reflectance) eta^2 = 1.
+            record.scalars[INTERNAL_REFLECTANCE] = 1.0 - 1.0 / (eta * eta);
+            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+        }
+        Bsdf::Phong { diffuse_reflectance, specular_reflectance, .. }
+        | Bsdf::Ward { diffuse_reflectance, specular_reflectance, .. } => {
+            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
         }
         _ => {}
     }

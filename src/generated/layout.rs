@@ -176,6 +176,14 @@ pub struct DeltaLightRecord {
     pub intensity: [f32; 3],
     /// Falloff of a spot light: 1 / (angle over which the intensity falls to 0).
     pub falloff: f32,
+    /// Direction along which the coordinate `u` of a light's picture grows.
+    pub axis_u: [f32; 3],
+    /// Picture that a light throws, or `NONE`.
+    pub texture_index: u32,
+    /// Direction along which the coordinate `v` of a light's picture grows.
+    pub axis_v: [f32; 3],
+    /// Unused.
+    pub unused: u32,
 }
 
 /// `glsl/kernels/layout_probe.comp`

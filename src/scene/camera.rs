@@ -68,21 +68,29 @@ impl Camera {
 
     /// Tangent of half the *horizontal* field of view for a picture of `width` x `height` pixels.
     pub fn tan_half_fov_x(&self, width: u32, height: u32) -> f32 {
+        self.fov_axis.tan_half_fov_x(self.fov, width, height)
+    }
+}
+
+impl FovAxis {
+    /// Tangent of half the *horizontal* field of view for a picture of `width` x `height` pixels that spans `fov` degrees along
+    /// this axis.
+    pub fn tan_half_fov_x(self, fov: f32, width: u32, height: u32) -> f32 {
         let (width, height) = (width as f32, height as f32);
-        let tan_half = (0.5 * self.fov.to_radians()).tan();
+        let tan_half = (0.5 * fov.to_radians()).tan();
         let vertical = tan_half * width / height;
-        match self.fov_axis {
-            FovAxis::X => tan_half,
-            FovAxis::Y => vertical,
-            FovAxis::Diagonal => tan_half * width / width.hypot(height),
-            FovAxis::Smaller => {
+        match self {
+            Self::X => tan_half,
+            Self::Y => vertical,
+            Self::Diagonal => tan_half * width / width.hypot(height),
+            Self::Smaller => {
                 if width < height {
                     tan_half
                 } else {
                     vertical
                 }
             }
-            FovAxis::Larger => {
+            Self::Larger => {
                 if width > height {
                     tan_half
                 } else {

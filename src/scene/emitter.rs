@@ -89,6 +89,32 @@ pub enum DeltaKind {
         /// with the angle.
         beam_width: f32,
     },
+    /// `spot` with a texture, which the cone throws.
+    PicturedSpot {
+        /// Position in world space.
+        position: Vec3,
+        /// Unit axis of the cone, away from the light.
+        direction: Vec3,
+        /// Directions across the axis along which the picture's `u` and `v` grow.
+        axes: PictureAxes,
+        /// Radiant intensity along the axis, W/sr, and the texture that multiplies it.
+        intensity: Textured<Vec3>,
+        /// Half angle of the cone in radians, in (0, pi].
+        cutoff_angle: f32,
+        /// Half angle in radians up to which the intensity does not fall.
+        beam_width: f32,
+    },
+    /// `projector`: a point light that throws a picture.
+    Projector {
+        /// Position in world space.
+        position: Vec3,
+        /// Unit axis, away from the light.
+        direction: Vec3,
+        /// Directions across the axis along which the picture's `u` and `v` grow.
+        axes: PictureAxes,
+        /// Irradiance on a screen at distance 1 that faces the light, over pi; W/m^2.
+        irradiance: Textured<Vec3>,
+    },
     /// `directional`: parallel light from infinitely far away.
     Directional {
         /// Unit direction in which the light travels.
@@ -98,12 +124,33 @@ pub enum DeltaKind {
     },
 }
 
+/// Directions that place a light's picture. At the offset `d` from the light, the coordinates on the picture are 0.5 +
+/// (d.u, d.v) / (d.direction).
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct PictureAxes {
+    /// Direction across the light's axis, over the picture's width at distance 1.
+    pub u: Vec3,
+    /// Direction across the light's axis, over the picture's height at distance 1.
+    pub v: Vec3,
+}
+
 impl DeltaKind {
+    /// Texture that the light throws.
+    pub fn texture(&self) -> Option<u32> {
+        match self {
+            Self::PicturedSpot { intensity: picture, .. } | Self::Projector { irradiance: picture, .. } => {
+                picture.texture
+            }
+            _ => None,
+        }
+    }
+
     /// Name of the plugin.
     pub fn plugin(&self) -> &'static str {
         match self {
             Self::Point { .. } => "point",
-            Self::Spot { .. } => "spot",
+            Self::Spot { .. } | Self::PicturedSpot { .. } => "spot",
+            Self::Projector { .. } => "projector",
             Self::Directional { .. } => "directional",
         }
     }

@@ -77,6 +77,8 @@ pub struct LightSummary {
     pub point: usize,
     /// Number of `spot` emitters.
     pub spot: usize,
+    /// Number of `projector` emitters.
+    pub projector: usize,
     /// Number of `directional` emitters.
     pub directional: usize,
     /// Plugin of the environment.
@@ -153,6 +155,7 @@ fn lights(scene: &Scene) -> LightSummary {
         area: scene.primitives.iter().filter(|primitive| primitive.emitter.is_some()).count(),
         point: count("point"),
         spot: count("spot"),
+        projector: count("projector"),
         directional: count("directional"),
         environment: scene.environment.map(|environment| match environment.kind {
             EnvironmentKind::Constant { .. } => "constant",
@@ -181,6 +184,10 @@ fn kind(bsdf: &Bsdf) -> &'static str {
         Bsdf::RoughConductor { .. } => "roughconductor",
         Bsdf::Plastic { .. } => "plastic",
         Bsdf::RoughPlastic { .. } => "roughplastic",
+        Bsdf::PolarizedPlastic { .. } => "pplastic",
+        Bsdf::PrincipledThin(_) => "principledthin",
+        Bsdf::Phong { .. } => "phong",
+        Bsdf::Ward { .. } => "ward",
         Bsdf::Principled(_) => "principled",
     }
 }
@@ -191,11 +198,15 @@ fn guided(surface: &SurfaceMaterial) -> Guided {
         return Guided::Nothing;
     }
     match surface.bsdf {
-        Bsdf::Diffuse { .. } | Bsdf::RoughDiffuse { .. } | Bsdf::Plastic { .. } | Bsdf::RoughPlastic { .. } => {
-            Guided::DiffuseLobe
-        }
+        Bsdf::Diffuse { .. }
+        | Bsdf::RoughDiffuse { .. }
+        | Bsdf::Plastic { .. }
+        | Bsdf::RoughPlastic { .. }
+        | Bsdf::PolarizedPlastic { .. }
+        | Bsdf::Phong { .. }
+        | Bsdf::Ward { .. } => Guided::DiffuseLobe,
         Bsdf::RoughConductor { .. } | Bsdf::RoughDielectric { .. } => Guided::Whole,
-        Bsdf::Principled(_) => Guided::LobeAndWhole,
+        Bsdf::Principled(_) | Bsdf::PrincipledThin(_) => Guided::LobeAndWhole,
         Bsdf::Dielectric { .. } | Bsdf::ThinDielectric { .. } | Bsdf::Conductor { .. } => Guided::Nothing,
     }
 }

@@ -110,6 +110,8 @@ pub(super) struct Board {
     pub wants_file: AtomicBool,
     /// Number of requests that are being answered, without those for events.
     pub answering: AtomicUsize,
+    /// Number of pages that receive events.
+    pub listening: AtomicUsize,
     wants_stop: AtomicBool,
     /// Whether viewers shall leave.
     is_closed: AtomicBool,

@@ -100,7 +100,10 @@ impl Desk {
         let query: HashMap<&str, &str> = query.split('&').filter_map(|pair| pair.split_once('=')).collect();
         let may_look = self.guard.may_look(&asking);
         if may_look && *request.method() == Method::Get && path == "/events" {
-            return self.send_events(request);
+            self.board.listening.fetch_add(1, Ordering::Relaxed);
+            self.send_events(request);
+            self.board.listening.fetch_sub(1, Ordering::Relaxed);
+            return;
         }
         self.board.answering.fetch_add(1, Ordering::Relaxed);
         let answer = match request.method() {

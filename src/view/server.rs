@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use crate::image::exr;
 use crate::image::layers::{Layers, Samples};
@@ -17,6 +17,10 @@ use crate::{Error, Result};
 
 /// Time after which a page that takes no data is dropped.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// Time that pages have at the end to receive the last state.
+const FAREWELL: Duration = Duration::from_secs(2);
+/// Interval at which the server looks whether they have it.
+const FAREWELL_INTERVAL: Duration = Duration::from_millis(10);
 /// Most requests at one time. Further ones are refused.
 const MOST_REQUESTS: usize = 64;
 
@@ -62,8 +66,13 @@ impl Server {
 }
 
 impl Drop for Server {
+    /// Sends the last state to every page before the server ends, because the program may end right after it.
     fn drop(&mut self) {
         self.board.close();
+        let end = Instant::now() + FAREWELL;
+        while self.board.listening.load(Ordering::Relaxed) > 0 && Instant::now() < end {
+            thread::sleep(FAREWELL_INTERVAL);
+        }
         self.http.unblock();
         if let Some(thread) = self.thread.take() {
             // A panic of the thread has been printed already.
@@ -176,15 +185,46 @@ fn changed(path: &Path) -> Option<SystemTime> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::{Read, Write};
+    use std::net::TcpStream;
+
     use super::*;
 
     /// A write to a page that takes no data fails after the limit, because a connection has the limit of its listener.
     #[test]
     fn connections_inherit_the_limit_of_time() {
         let (listener, address) = listen("127.0.0.1:0").unwrap();
-        let _page = std::net::TcpStream::connect(address).unwrap();
+        let _page = TcpStream::connect(address).unwrap();
         let (connection, _) = listener.accept().unwrap();
         assert_eq!(connection.write_timeout().unwrap(), Some(PATIENCE));
+    }
+
+    /// A page has the last state before the server ends, also where the state changes at the last moment.
+    #[test]
+    fn the_last_state_reaches_pages() {
+        for _ in 0..5 {
+            let board = Arc::new(Board::default());
+            let server = Server::start("127.0.0.1:0", Arc::clone(&board)).unwrap();
+            let url = server.url();
+            let host = url.trim_start_matches("http://").split('/').next().unwrap();
+            let mut page = TcpStream::connect(host).unwrap();
+            write!(page, "GET /events HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
+            let mut text = String::new();
+            while !text.contains("data: ") {
+                let mut bytes = [0; 4096];
+                let count = page.read(&mut bytes).unwrap();
+                text += std::str::from_utf8(&bytes[..count]).unwrap();
+            }
+            assert!(!text.contains("\"ended\""), "{text}");
+
+            board.change(|pinned| pinned.state.phase = Phase::Ended);
+            drop(server);
+            page.set_nonblocking(true).unwrap();
+            let mut rest = String::new();
+            // The connection is closed, or there is nothing more to be read yet.
+            let _ = page.read_to_string(&mut rest);
+            assert!(rest.contains("\"ended\""), "{rest}");
+        }
     }
 
     #[test]

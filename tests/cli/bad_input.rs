@@ -288,12 +288,9 @@ fn wrong_usage_exits_with_2() {
     ] {
         refuse(&folder, arguments, 2, &[word]);
     }
-    for (arguments, word) in [
-        (&["render"][..], "SCENE.xml"),
-        (&["fly"], "fly"),
-        (&["compare", "a.exr"], "REF.exr"),
-        (&["devices", "x"], "x"),
-    ] {
+    for (arguments, word) in
+        [(&["render"][..], "SCENE"), (&["fly"], "fly"), (&["compare", "a.exr"], "REF.exr"), (&["devices", "x"], "x")]
+    {
         assert_sentence(&folder.run(arguments), 2, &[word, "--help"]);
     }
     let output = folder.run(&[]);

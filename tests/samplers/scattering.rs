@@ -317,12 +317,14 @@ fn most_reflected(bench: &Bench, surface: &Surface) -> (f64, f64) {
 
 /// White surfaces reflect at most the light that arrives. Sheen, clear coat and retro-reflection are added without
 /// regard for energy, so only metal and glass of the principled model are tested. Oren and Nayar's fit itself exceeds 1
-/// by up to 4 % at grazing incidence.
+/// by up to 4 % at grazing incidence. The original Ward model and Duer's are not bounded.
 #[test]
 fn white_surfaces_reflect_no_more_than_they_get() {
     let bench = Bench::new();
     let mut tampered = 0;
-    for surface in surfaces().iter().filter(|s| !s.name.ends_with("all")) {
+    let unbounded = ["ward Original", "ward Duer"];
+    let is_bounded = |s: &&Surface| !s.name.ends_with("all") && unbounded.iter().all(|name| !s.name.starts_with(name));
+    for surface in surfaces().iter().filter(is_bounded) {
         let limit = if surface.name.starts_with("rough diffuse") { 1.045 } else { 1.0 };
         let white = surface.white();
         let (most, error) = most_reflected(&bench, &white);

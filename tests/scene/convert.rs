@@ -61,6 +61,28 @@ fn our_scenes_keep_their_fingerprints() {
     }
 }
 
+/// A scene without a camera is written with the one that is fitted to it, which the new file has for its own.
+#[test]
+fn a_fitted_camera_is_written() {
+    let folder = Folder::new(&[
+        (
+            "scene.xml",
+            r#"<scene version="3.0.0"><shape type="sphere"><float name="radius" value="0.3"/></shape></scene>"#,
+        ),
+        ("flat.gltf", &super::gltf::square().to_string()),
+    ]);
+    for name in ["scene.xml", "flat.gltf"] {
+        let (input, output) = (folder.path(name), folder.path(&format!("{name}.out.xml")));
+        let converted = convert(&input, &[], &output, false).unwrap();
+        assert!(converted.warnings.iter().any(|warning| warning.contains("fitted")), "{:?}", converted.warnings);
+        let (ours, theirs) = (read(&output), read(&input));
+        assert_eq!((ours.camera, ours.film), (theirs.camera, theirs.film), "{name}");
+        assert_eq!(fingerprint(&ours).unwrap(), fingerprint(&theirs).unwrap(), "{name}");
+        assert!(!ours.warnings.iter().any(|warning| warning.contains("fitted")), "{:?}", ours.warnings);
+        assert!(std::fs::read_to_string(&output).unwrap().contains(r#"<integrator type="path"/>"#), "{name}");
+    }
+}
+
 #[test]
 fn a_mesh_in_memory_becomes_a_ply_file_with_all_attributes() {
     let rows = |columns: usize, values: &[f64]| {

@@ -151,9 +151,58 @@ fn what_cannot_be_is_refused() {
     refuse(&emitter("spot", r#"<float name="cutoff_angle" value="181"/>"#), &["`cutoff_angle`", "180"]);
     refuse(&emitter("spot", r#"<float name="beam_width" value="-1"/>"#), &["`beam_width`"]);
     refuse(&emitter("spot", r#"<texture type="checkerboard"/>"#), &["<texture>", "`spot`"]);
+    let board = r#"<texture type="checkerboard" name="NAME"/>"#;
+    let scaled = format!(r#"{board}<transform name="to_world"><scale value="2"/></transform>"#);
+    refuse(&emitter("spot", &scaled.replace("NAME", "texture")), &["`to_world`", "scale"]);
+    refuse(&emitter("projector", &scaled.replace("NAME", "irradiance")), &["`to_world`", "scale"]);
+    refuse(&emitter("projector", ""), &["`projector`", "`irradiance`"]);
     refuse(&emitter("point", r#"<float name="sampling_weight" value="-1"/>"#), &["`sampling_weight`", "negative"]);
-    refuse(&emitter("sunsky", ""), &["`sunsky`", "`directional`"]);
+    refuse(&emitter("sky", ""), &["`sky`", "`directional`"]);
     refuse(&format!(r#"<shape type="disk">{}</shape>"#, emitter("point", "")), &["`point`", "`area`"]);
+}
+
+/// A projector's picture has the image's sides; its field of view spans the side that `fov_axis` names.
+#[test]
+fn projectors_have_the_shape_of_their_pictures() {
+    let projector = |axis: &str| {
+        let inside = format!(
+            r#"<texture type="bitmap" name="irradiance"><string name="filename" value="sky.exr"/></texture>
+            <float name="fov" value="90"/><string name="fov_axis" value="{axis}"/><float name="scale" value="3"/>"#
+        );
+        let scene = folder(&emitter("projector", &inside.replace('\n', " "))).load(&[]).unwrap();
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        let DeltaKind::Projector { axes, irradiance, direction, .. } = scene.delta_emitters[0].kind else {
+            panic!("no projector")
+        };
+        assert_eq!((irradiance.value, irradiance.texture, direction), (Vec3::splat(3.0), Some(0), Vec3::Z));
+        let image = &scene.images[0];
+        let aspect = image.width as f32 / image.height as f32;
+        assert!((axes.v.length() / axes.u.length() - aspect).abs() < 1e-6, "{axes:?}");
+        axes
+    };
+    // At distance 1, a field of view of 90 degrees spans 2.
+    assert!(projector("x").u.abs_diff_eq(Vec3::NEG_X / 2.0, 1e-6), "{:?}", projector("x"));
+    assert!(projector("y").v.abs_diff_eq(Vec3::NEG_Y / 2.0, 1e-6), "{:?}", projector("y"));
+}
+
+#[test]
+fn pictures_of_spots_multiply_their_intensity() {
+    let inside = r#"<texture type="checkerboard" name="texture"/><rgb name="intensity" value="3"/>"#;
+    let DeltaKind::PicturedSpot { intensity, .. } = delta("spot", inside) else { panic!("no picture") };
+    assert_eq!((intensity.value, intensity.texture), (Vec3::splat(3.0), Some(0)));
+}
+
+/// No path from the camera finds these; Mitsuba's `path` leaves them dark, too.
+#[test]
+fn beams_are_dark() {
+    let body = r#"<emitter type="collimated"/>
+<shape type="disk"><emitter type="directionalarea"><rgb name="radiance" value="3"/></emitter></shape>"#;
+    let scene = load_body(body).unwrap();
+    assert!(scene.emitters.is_empty() && scene.delta_emitters.is_empty());
+    assert_eq!(scene.primitives[0].emitter, None);
+    let [beam, area] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
+    assert!(beam.contains("scene.xml:2: ") && beam.contains("`collimated`"), "{beam}");
+    assert!(area.contains("scene.xml:3: ") && area.contains("`directionalarea`"), "{area}");
 }
 
 #[test]

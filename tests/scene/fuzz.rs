@@ -37,7 +37,14 @@ value="Au"/><float name="alpha_u" value="0.1"/><float name="alpha_v" value="0.2"
 <bsdf type="coating" id="d"><spectrum name="sigma_a" value="400:0.1, 700:0.2"/><bsdf type="conductor"><rgb name="eta"
 value="1, 2, 3"/></bsdf></bsdf><bsdf type="roughdielectric" id="e"><string name="int_ior" value="water"/></bsdf>
 <shape type="disk"><ref id="a"/></shape><shape type="disk"><ref id="c"/></shape><shape type="disk"><ref id="d"/></shape>
-<shape type="disk"><ref id="e"/></shape><shape type="disk"><ref id="b"/></shape>
+<bsdf type="phong" id="f"><float name="exponent" value="8"/><ref name="diffuseReflectance" id="u"/></bsdf>
+<bsdf type="ward" id="g"><string name="variant" value="ward-duer"/><float name="alphaU" value="0.2"/></bsdf>
+<bsdf type="pplastic" id="h"><float name="alpha" value="0.2"/></bsdf><bsdf type="principledthin" id="i"><float
+name="diff_trans" value="1.5"/><float name="spec_trans" value="0.5"/><ref name="roughness" id="t"/></bsdf>
+<emitter type="projector"><ref name="irradiance" id="u"/><float name="fov" value="40"/><string name="fov_axis"
+value="y"/></emitter><emitter type="spot"><ref name="texture" id="t"/><float name="cutoff_angle" value="30"/></emitter>
+<shape type="disk"><ref id="e"/></shape><shape type="disk"><ref id="b"/></shape><shape type="disk"><ref id="f"/></shape>
+<shape type="disk"><ref id="g"/></shape><shape type="disk"><ref id="h"/></shape><shape type="disk"><ref id="i"/></shape>
 </scene>"#;
 
 /// Scene of what is read as something else, without a sensor.
@@ -83,7 +90,7 @@ pub fn mangled(bytes: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
 }
 
 /// Checks the invariants of a loaded scene.
-fn check(scene: &Scene) -> Result<(), TestCaseError> {
+pub fn check(scene: &Scene) -> Result<(), TestCaseError> {
     for primitive in &scene.primitives {
         prop_assert!(primitive.bounds().0.is_finite() && primitive.bounds().1.is_finite());
         prop_assert!(primitive.normals.iter().flatten().all(|n| (n.length() - 1.0).abs() < 1e-3));

@@ -12,7 +12,7 @@ use crate::Folder;
 use crate::fuzz::{fuzz, mangled};
 
 /// A square in the plane z = 0, seen from +z, with normals and texture coordinates.
-fn square() -> Value {
+pub fn square() -> Value {
     let positions = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let uvs = [[0.0f32, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
     let mut bytes: Vec<u8> = positions.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();

@@ -8,12 +8,16 @@ mod fuzz;
 mod fuzz_renders;
 mod geometry;
 mod gltf;
+mod gltf_cornell;
+mod lobes;
 mod mapped;
 mod materials;
 mod meshes;
 mod obj;
 mod ours;
+mod pbrt;
 mod refuses;
+mod sunsky;
 mod textures;
 
 use std::path::PathBuf;

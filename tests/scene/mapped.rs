@@ -293,7 +293,7 @@ fn a_scene_without_a_sensor_gets_a_camera() {
 #[test]
 fn nested_objects_that_are_not_understood_are_errors() {
     let texture = r#"<texture type="checkerboard" name="texture"/>"#;
-    refuse(&format!(r#"<emitter type="spot">{texture}</emitter>"#), &["<texture>", "`texture`", "`spot`"]);
+    refuse(&format!(r#"<emitter type="point">{texture}</emitter>"#), &["<texture>", "`texture`", "`point`"]);
     refuse(&disk(&format!(r#"<bsdf type="diffuse">{texture}</bsdf>"#)), &["<texture>", "`texture`", "`diffuse`"]);
     one_warning(
         r#"<sensor type="perspective"><film type="hdrfilm"><string name="pixel_format" value="luminance"/></film></sensor>"#

@@ -171,9 +171,9 @@ fn meshes() {
 /// One message lists every fault once, in the order of the lines.
 #[test]
 fn all_faults_are_listed_at_once() {
-    let body = r#"<bsdf type="phong" id="a"/>
+    let body = r#"<bsdf type="difftrans" id="a"/>
 <shape type="sdfgrid"><ref id="a"/></shape>
-<shape type="sphere"><bsdf type="twosided"><bsdf type="ward"/><bsdf type="irawan"/></bsdf><emitter type="collimated"/></shape>
+<shape type="sphere"><bsdf type="twosided"><bsdf type="measured"/><bsdf type="irawan"/></bsdf><emitter type="laser"/></shape>
 <emitter type="sky"/>
 <shape type="obj"><string name="filename" value="gone.obj"/></shape>
 <wheel/>
@@ -185,11 +185,11 @@ fn all_faults_are_listed_at_once() {
     assert_eq!(lines[0], "the scene has 10 faults:", "{message}");
     let expected = [
         ("bad.ply", "bad.ply"),
-        ("scene.xml:2: ", "`phong`"),
+        ("scene.xml:2: ", "`difftrans`"),
         ("scene.xml:3: ", "`sdfgrid`"),
-        ("scene.xml:4: ", "`ward`"),
+        ("scene.xml:4: ", "`measured`"),
         ("scene.xml:4: ", "`irawan`"),
-        ("scene.xml:4: ", "`collimated`"),
+        ("scene.xml:4: ", "`laser`"),
         ("scene.xml:5: ", "`sky`"),
         ("scene.xml:6: ", "`gone.obj`"),
         ("scene.xml:7: ", "<wheel>"),

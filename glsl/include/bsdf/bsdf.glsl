@@ -10,37 +10,46 @@
 #include "bsdf/conductor.glsl"
 #include "bsdf/dielectric.glsl"
 #include "bsdf/diffuse.glsl"
+#include "bsdf/phong.glsl"
 #include "bsdf/plastic.glsl"
 #include "bsdf/principled.glsl"
+#include "bsdf/principled_thin.glsl"
 #include "bsdf/rough_conductor.glsl"
 #include "bsdf/rough_dielectric.glsl"
 #include "bsdf/rough_diffuse.glsl"
 #include "bsdf/rough_plastic.glsl"
 #include "bsdf/thin_dielectric.glsl"
+#include "bsdf/ward.glsl"
 #include "bsdf/coating.glsl"
 
 const uint KINDS_WITH_FACETS =
-    (1u << BSDF_ROUGH_CONDUCTOR) | (1u << BSDF_ROUGH_DIELECTRIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PRINCIPLED);
+    (1u << BSDF_ROUGH_CONDUCTOR) | (1u << BSDF_ROUGH_DIELECTRIC) | (1u << BSDF_ROUGH_PLASTIC) |
+    (1u << BSDF_PRINCIPLED) | (1u << BSDF_PRINCIPLED_THIN);
 const Facet NO_FACET = Facet(vec3(0.0, 0.0, 1.0), 0.0, 1.0, 0.0);
 
 bool has_facets() {
     return (MATERIAL_KINDS & KINDS_WITH_FACETS) != 0u;
 }
 
-Microfacets bsdf_microfacets(Bsdf b) {
+// Facets of the BSDF. `crosses` is true for light that passes to the other side of a thin sheet.
+Microfacets bsdf_microfacets(Bsdf b, bool crosses) {
     vec2 alpha = is_kind(b, BSDF_PRINCIPLED) ? principled_alpha(b) : b.scalars0.xy;
+    if (is_kind(b, BSDF_PRINCIPLED_THIN)) alpha = principled_thin_alpha(b, crosses);
     return microfacets(alpha, bsdf_flag(b, MATERIAL_GGX));
 }
 
 // Facets between `wo` and `wi` of any kind with microfacets. They are evaluated once, because every lane runs through
-// all kinds.
+// all kinds. Facets of a thin sheet reflect also the light that crosses it, which is then mirrored.
 Facet bsdf_facet(Bsdf b, vec3 wo, vec3 wi) {
+    bool crosses = is_kind(b, BSDF_PRINCIPLED_THIN) && wo.z * wi.z < 0.0;
+    if (crosses) wi.z = -wi.z;
     float eta = has_kind(BSDF_ROUGH_DIELECTRIC) || has_kind(BSDF_PRINCIPLED) ? b.scalars0.z : 1.0;
-    return has_facets() ? facet_between(bsdf_microfacets(b), wo, wi, eta) : NO_FACET;
+    return has_facets() ? facet_between(bsdf_microfacets(b, crosses), wo, wi, eta) : NO_FACET;
 }
 
-vec3 sample_facet(Bsdf b, vec3 wo, vec2 u) {
-    return has_facets() ? sample_visible_normal(bsdf_microfacets(b), wo.z < 0.0 ? -wo : wo, u) : NO_FACET.m;
+vec3 sample_facet(Bsdf b, vec3 wo, vec3 u) {
+    bool crosses = is_kind(b, BSDF_PRINCIPLED_THIN) && principled_thin_lobe(b, u.z).crosses;
+    return has_facets() ? sample_visible_normal(bsdf_microfacets(b, crosses), wo.z < 0.0 ? -wo : wo, u.xy) : NO_FACET.m;
 }
 
 // Albedo for the albedo layer: share of the light that the surface scatters.
@@ -51,7 +60,7 @@ vec3 bsdf_albedo(Bsdf b) {
 // Samples a BSDF without its coating. u.xy draws the direction, u.z selects the lobe.
 BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
     BsdfSample s = NO_BSDF_SAMPLE;
-    vec3 m = sample_facet(b, wo, u.xy);
+    vec3 m = sample_facet(b, wo, u);
     if (is_kind(b, BSDF_DIFFUSE)) s = sample_bsdf_diffuse(b, wo, u);
     if (is_kind(b, BSDF_ROUGH_DIFFUSE)) s = sample_bsdf_rough_diffuse(b, wo, u);
     if (is_kind(b, BSDF_DIELECTRIC)) s = sample_bsdf_dielectric(b, wo, u);
@@ -62,6 +71,9 @@ BsdfSample sample_uncoated_bsdf(Bsdf b, vec3 wo, vec3 u) {
     if (is_kind(b, BSDF_PLASTIC)) s = sample_bsdf_plastic(b, wo, u);
     if (is_kind(b, BSDF_ROUGH_PLASTIC)) s = sample_bsdf_rough_plastic(b, wo, m, u);
     if (is_kind(b, BSDF_PRINCIPLED)) s = sample_bsdf_principled(b, wo, m, u);
+    if (is_kind(b, BSDF_PHONG)) s = sample_bsdf_phong(b, wo, u);
+    if (is_kind(b, BSDF_WARD)) s = sample_bsdf_ward(b, wo, u);
+    if (is_kind(b, BSDF_PRINCIPLED_THIN)) s = sample_bsdf_principled_thin(b, wo, m, u);
     return s;
 }
 
@@ -78,6 +90,9 @@ float pdf_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     if (is_kind(b, BSDF_PLASTIC)) pdf = pdf_bsdf_plastic(b, wo, wi, diffuse_density);
     if (is_kind(b, BSDF_ROUGH_PLASTIC)) pdf = pdf_bsdf_rough_plastic(b, wo, wi, diffuse_density, f);
     if (is_kind(b, BSDF_PRINCIPLED)) pdf = pdf_bsdf_principled(b, wo, wi, f);
+    if (is_kind(b, BSDF_PHONG)) pdf = pdf_bsdf_phong(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_WARD)) pdf = pdf_bsdf_ward(b, wo, wi, diffuse_density);
+    if (is_kind(b, BSDF_PRINCIPLED_THIN)) pdf = pdf_bsdf_principled_thin(b, wo, wi, f);
     return pdf;
 }
 
@@ -94,6 +109,9 @@ vec3 eval_uncoated_bsdf(Bsdf b, vec3 wo, vec3 wi) {
     if (is_kind(b, BSDF_PLASTIC)) value = eval_bsdf_plastic(b, wo, wi);
     if (is_kind(b, BSDF_ROUGH_PLASTIC)) value = eval_bsdf_rough_plastic(b, wo, wi, f);
     if (is_kind(b, BSDF_PRINCIPLED)) value = eval_bsdf_principled(b, wo, wi, f);
+    if (is_kind(b, BSDF_PHONG)) value = eval_bsdf_phong(b, wo, wi);
+    if (is_kind(b, BSDF_WARD)) value = eval_bsdf_ward(b, wo, wi);
+    if (is_kind(b, BSDF_PRINCIPLED_THIN)) value = eval_bsdf_principled_thin(b, wo, wi, f);
     return value;
 }
 

@@ -10,11 +10,13 @@ bool any_kind(uint kinds) {
     return (MATERIAL_KINDS & kinds) != 0u;
 }
 
-const uint KINDS_WITH_COLOR1 = ~((1u << BSDF_DIFFUSE) | (1u << BSDF_ROUGH_DIFFUSE) | (1u << BSDF_PRINCIPLED));
+const uint KINDS_WITH_COLOR1 = ~((1u << BSDF_DIFFUSE) | (1u << BSDF_ROUGH_DIFFUSE) | (1u << BSDF_PRINCIPLED) |
+    (1u << BSDF_PRINCIPLED_THIN));
 const uint KINDS_WITH_COLOR2 = (1u << BSDF_CONDUCTOR) | (1u << BSDF_ROUGH_CONDUCTOR);
 const uint KINDS_WITH_SCALARS0 = ~((1u << BSDF_DIFFUSE) | (1u << BSDF_CONDUCTOR));
-const uint KINDS_WITH_SCALARS1 = (1u << BSDF_PLASTIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PRINCIPLED);
-const uint KINDS_WITH_SCALARS2 = 1u << BSDF_PRINCIPLED;
+const uint KINDS_WITH_SCALARS2 = (1u << BSDF_PRINCIPLED) | (1u << BSDF_PRINCIPLED_THIN);
+const uint KINDS_WITH_SCALARS1 =
+    KINDS_WITH_SCALARS2 | (1u << BSDF_PLASTIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PHONG) | (1u << BSDF_WARD);
 
 vec4 fetch_material_floats(uint material, uint texel) {
     return uintBitsToFloat(fetch_material(material, texel));

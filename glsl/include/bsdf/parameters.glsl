@@ -14,19 +14,19 @@ const Coating NO_COATING = Coating(vec3(0.0), 1.0, vec3(0.0));
 
 // Parameters of a BSDF. Their meaning depends on the kind:
 //
-// |           | diffuse, rough_diffuse | dielectrics            | conductors           | plastics              | principled     |
-// | color0    | reflectance            | specular_reflectance   | specular_reflectance | diffuse_reflectance   | base_color     |
-// | color1    |                        | specular_transmittance | eta                  | specular_reflectance  |                |
-// | color2    |                        |                        | k                    |                       |                |
-// | scalars0.x| alpha                  | alpha_u                | alpha_u              | alpha                 | roughness      |
-// | scalars0.y|                        | alpha_v                | alpha_v              | alpha                 | anisotropic    |
-// | scalars0.z|                        | eta                    |                      | eta                   | eta            |
-// | scalars0.w| opacity                | opacity                | opacity              | opacity               | opacity        |
-// | scalars1.x|                        |                        |                      | internal reflectance  | metallic       |
-// | scalars1.y|                        |                        |                      | specular sampling     | spec_trans     |
-// | scalars1.z|                        |                        |                      | transmittance table   | spec_tint      |
-// | scalars1.w|                        |                        |                      |                       | sheen          |
-// | scalars2  |                        |                        |                      |                       | sheen_tint, flatness, clearcoat, clearcoat_gloss |
+// |           | diffuse, rough_diffuse | dielectrics            | conductors           | plastics              | principled, principled_thin | phong, ward           |
+// | color0    | reflectance            | specular_reflectance   | specular_reflectance | diffuse_reflectance   | base_color                  | diffuse_reflectance   |
+// | color1    |                        | specular_transmittance | eta                  | specular_reflectance  |                             | specular_reflectance  |
+// | color2    |                        |                        | k                    |                       |                             |                       |
+// | scalars0.x| alpha                  | alpha_u                | alpha_u              | alpha, alpha_u        | roughness                   | exponent; alpha_u     |
+// | scalars0.y|                        | alpha_v                | alpha_v              | alpha, alpha_v        | anisotropic                 | alpha_v of ward       |
+// | scalars0.z|                        | eta                    |                      | eta                   | eta                         |                       |
+// | scalars0.w| opacity                | opacity                | opacity              | opacity               | opacity                     | opacity               |
+// | scalars1.x|                        |                        |                      | internal reflectance  | metallic; thin: diff_trans / 2 | WARD_* of ward     |
+// | scalars1.y|                        |                        |                      | specular sampling     | spec_trans                  | specular sampling     |
+// | scalars1.z|                        |                        |                      | transmittance table   | spec_tint                   |                       |
+// | scalars1.w|                        |                        |                      |                       | sheen                       |                       |
+// | scalars2  |                        |                        |                      |                       | sheen_tint, flatness; not thin: clearcoat, clearcoat_gloss | |
 //
 // eta is interior over exterior. A conductor with eta = k = 0 reflects all light. "Internal reflectance" is the diffuse
 // Fresnel reflectance from inside. "Specular sampling" is the share s / (s + d), where s and d are the mean albedos of

@@ -25,10 +25,14 @@ float principled_bsdf(Bsdf b) {
     return (1.0 - b.scalars1.x) * b.scalars1.y;
 }
 
-// Roughness alpha of the facets along and across the tangent.
+// Roughness alpha of the facets along and across the tangent, from the parameters.
+vec2 stretched_alpha(float roughness, float anisotropic) {
+    float aspect = sqrt(1.0 - 0.9 * anisotropic);
+    return max(roughness * roughness * vec2(1.0 / aspect, aspect), vec2(0.001));
+}
+
 vec2 principled_alpha(Bsdf b) {
-    float aspect = sqrt(1.0 - 0.9 * b.scalars0.y);
-    return max(b.scalars0.x * b.scalars0.x * vec2(1.0 / aspect, aspect), vec2(0.001));
+    return stretched_alpha(b.scalars0.x, b.scalars0.y);
 }
 
 // Base color divided by its luminance.

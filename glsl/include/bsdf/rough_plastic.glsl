@@ -15,7 +15,11 @@ float rough_plastic_transmittance(uint address, float cos_theta) {
     return mix(values.x, values.y, position - float(entry));
 }
 
+// Share of the light that the layer transmits. With MATERIAL_SMOOTH_BASE, light passes it as if it was smooth.
 float layer_transmittance(Bsdf b, float cos_theta) {
+    if (has_feature(FEATURE_SMOOTH_BASE) && bsdf_flag(b, MATERIAL_SMOOTH_BASE)) {
+        return 1.0 - fresnel_dielectric(cos_theta, b.scalars0.z).reflectance;
+    }
     return rough_plastic_transmittance(uint(b.scalars1.z), cos_theta);
 }
 

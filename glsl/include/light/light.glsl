@@ -95,6 +95,28 @@ float spot_falloff(float cosine, float cos_cutoff, float cutoff_angle, float fal
     return clamp((cutoff_angle - angle) * falloff, 0.0, 1.0);
 }
 
+bool has_pictured_lights() {
+    return has_light(LIGHT_PICTURED_SPOT) || has_light(LIGHT_PROJECTOR);
+}
+
+// Color of the picture of a spot light or a projector at the offset `d` from it. `texel` is the light's first texel. A
+// projector throws its picture into a pyramid, so bright that a screen across its axis is evenly lit.
+vec3 picture_color(uint kind, uint texel, vec3 d, vec3 axis) {
+    vec4 axis_u = uintBitsToFloat(fetch_emitter_texel(texel + 3u));
+    vec4 axis_v = uintBitsToFloat(fetch_emitter_texel(texel + 4u));
+    uint texture_index = floatBitsToUint(axis_u.w);
+    float depth = dot(d, axis);
+    vec2 uv = depth != 0.0 ? 0.5 + vec2(dot(d, axis_u.xyz), dot(d, axis_v.xyz)) / depth : vec2(0.5);
+    vec3 color = vec3(1.0);
+    if (has_feature(FEATURE_TEXTURED_EMITTERS)) {
+        vec3 picture = sample_texture(texture_index == NONE ? 0u : texture_index, uv).rgb;
+        if (texture_index != NONE) color = picture;
+    }
+    if (kind != LIGHT_PROJECTOR) return color;
+    float stretch = length(d) / max(depth, 1.0e-20);
+    return depth > 0.0 && uv == clamp(uv, 0.0, 1.0) ? color * (stretch * stretch * stretch) : vec3(0.0);
+}
+
 LightSample delta_light_sample(uvec4 light, vec3 from) {
     uint kind = light.z >> LIGHT_KIND_SHIFT;
     uint texel = light.z & ((1u << LIGHT_KIND_SHIFT) - 1u);
@@ -109,8 +131,13 @@ LightSample delta_light_sample(uvec4 light, vec3 from) {
     float squared = max(dot(d, d), 1.0e-37);
     vec3 wi = d * inversesqrt(squared);
     vec3 radiance = intensity.rgb / squared;
-    if (kind == LIGHT_SPOT) radiance *= spot_falloff(-dot(wi, direction.xyz), position.w, direction.w, intensity.w);
+    if (kind == LIGHT_SPOT || kind == LIGHT_PICTURED_SPOT) radiance *= spot_falloff(-dot(wi, direction.xyz), position.w, direction.w, intensity.w);
+    if (has_pictured_lights() && kind >= LIGHT_PICTURED_SPOT) radiance *= picture_color(kind, texel, -d, direction.xyz);
     return LightSample(wi, position.xyz, false, radiance, probability, true);
+}
+
+bool has_delta_lights() {
+    return has_light(LIGHT_POINT) || has_light(LIGHT_SPOT) || has_light(LIGHT_DIRECTIONAL) || has_pictured_lights();
 }
 
 LightSample environment_light_sample(uvec4 light, uvec4 bits) {
@@ -128,9 +155,7 @@ LightSample sample_light(RandomKey key, uint vertex, vec3 from) {
     if (has_light(LIGHT_ENVIRONMENT) && kind == LIGHT_ENVIRONMENT) {
         s = environment_light_sample(light, random_bits(key, vertex, RANDOM_ENVIRONMENT));
     }
-    if ((has_light(LIGHT_POINT) || has_light(LIGHT_SPOT) || has_light(LIGHT_DIRECTIONAL)) && kind >= LIGHT_POINT) {
-        s = delta_light_sample(light, from);
-    }
+    if (has_delta_lights() && kind >= LIGHT_POINT) s = delta_light_sample(light, from);
     return s;
 }
 

@@ -63,7 +63,8 @@ float guided_part(Bsdf bsdf) {
     float roughness = GUIDE_SET == GUIDE_SET_ALL ? min(max(bsdf.scalars0.x, bsdf.scalars0.y) / GUIDED_ALPHA, 1.0) : 1.0;
     if (is_kind(bsdf, BSDF_ROUGH_CONDUCTOR)) share = roughness;
     if (is_kind(bsdf, BSDF_ROUGH_DIELECTRIC)) share = GUIDE_SET == GUIDE_SET_ALL ? 0.5 * roughness : 0.9;
-    if (is_kind(bsdf, BSDF_PRINCIPLED) && GUIDE_SET == GUIDE_SET_ALL) share = 0.5;
+    bool is_principled = is_kind(bsdf, BSDF_PRINCIPLED) || is_kind(bsdf, BSDF_PRINCIPLED_THIN);
+    if (is_principled && GUIDE_SET == GUIDE_SET_ALL) share = 0.5;
     return share;
 }
 

@@ -80,8 +80,11 @@ const uint BSDF_ROUGH_CONDUCTOR = 6u;
 const uint BSDF_PLASTIC = 7u;
 const uint BSDF_ROUGH_PLASTIC = 8u;
 const uint BSDF_PRINCIPLED = 9u;
-const uint MATERIAL_BLEND = 10u;
-const uint MATERIAL_SIDES = 11u;
+const uint BSDF_PHONG = 10u;
+const uint BSDF_WARD = 11u;
+const uint BSDF_PRINCIPLED_THIN = 12u;
+const uint MATERIAL_BLEND = 13u;
+const uint MATERIAL_SIDES = 14u;
 
 // Bit masks of the first word of a material's record. The low byte holds the kind; the other bits are flags.
 const uint MATERIAL_KIND_MASK = 255u;
@@ -93,6 +96,7 @@ const uint MATERIAL_BUMP = 4096u;
 const uint MATERIAL_NORMAL_MAP = 8192u;
 const uint MATERIAL_COATED = 16384u;
 const uint MATERIAL_RELIEF_OUTSIDE = 32768u;
+const uint MATERIAL_SMOOTH_BASE = 65536u;
 
 // Feature that some material or emitter of the scene uses: a bit of SURFACE_FEATURES.
 const uint FEATURE_OPACITY = 1u;
@@ -104,6 +108,7 @@ const uint FEATURE_TEXTURES = 32u;
 const uint FEATURE_TEXTURED_EMITTERS = 64u;
 const uint FEATURE_BECKMANN = 128u;
 const uint FEATURE_RELIEF_OUTSIDE = 256u;
+const uint FEATURE_SMOOTH_BASE = 512u;
 
 // Flag in the first word of a texture's record: storage format, filter, wrap mode, and whether the texture transforms
 // the surface's coordinates. An image takes one word per texel for bytes and two words for halves. TEXTURE_KINDS is the
@@ -126,6 +131,11 @@ const uint PARAMETER_SCALAR0 = 3u;
 // Position of the page number in a texel word's address: the page is address >> TEXEL_PAGE_SHIFT.
 const uint TEXEL_PAGE_SHIFT = 30u;
 
+// Model of a ward: a number in its record.
+const float WARD_BALANCED = 0.0;
+const float WARD_ORIGINAL = 1.0;
+const float WARD_DUER = 2.0;
+
 // Kind of environment.
 const uint ENVIRONMENT_NONE = 0u;
 const uint ENVIRONMENT_CONSTANT = 1u;
@@ -137,6 +147,8 @@ const uint LIGHT_ENVIRONMENT = 1u;
 const uint LIGHT_POINT = 2u;
 const uint LIGHT_SPOT = 3u;
 const uint LIGHT_DIRECTIONAL = 4u;
+const uint LIGHT_PICTURED_SPOT = 5u;
+const uint LIGHT_PROJECTOR = 6u;
 const uint LIGHT_KIND_SHIFT = 29u;
 
 // Index that stands for "none".

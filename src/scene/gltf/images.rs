@@ -11,9 +11,10 @@ use gltf::texture::{MagFilter, WrappingMode};
 use serde_json::Value as Json;
 
 use super::asset::{Asset, data_uri};
-use super::values::{color, matrix, object, with};
+use super::budget::Budget;
 use crate::Result;
 use crate::image::texels::{self, FileTexels, TexelImage};
+use crate::scene::values::{color, matrix, object, with};
 use crate::scene::{Dictionary, Value};
 
 /// Use of a texture by a material.
@@ -83,11 +84,12 @@ pub(super) struct Images<'a> {
     names: HashMap<usize, String>,
     decoded: HashMap<usize, Rc<TexelImage>>,
     files: Vec<(String, Vec<u8>)>,
+    budget: Budget,
 }
 
 impl<'a> Images<'a> {
     pub fn new(asset: &'a Asset) -> Self {
-        Self { asset, names: HashMap::new(), decoded: HashMap::new(), files: Vec::new() }
+        Self { asset, names: HashMap::new(), decoded: HashMap::new(), files: Vec::new(), budget: Budget::default() }
     }
 
     /// Image files in memory.
@@ -125,6 +127,7 @@ impl<'a> Images<'a> {
         let name = format!("image{}-{tag}.png", source.index());
         if !self.files.iter().any(|(known, _)| *known == name) {
             let image = self.decode(&source)?;
+            self.take(&image)?;
             let (width, height) = (image.width as usize, image.height as usize);
             let place = |at: usize, count: usize| (at as f32 + 0.5) / count as f32;
             let texels = (0..width * height)
@@ -191,8 +194,14 @@ impl<'a> Images<'a> {
         }
         let name = format!("{}: image{}", self.asset.path.display(), image.index());
         let decoded = Rc::new(texels::decode(Path::new(&name), &self.content(image)?)?);
+        self.take(&decoded)?;
         self.decoded.insert(image.index(), Rc::clone(&decoded));
         Ok(decoded)
+    }
+
+    /// Takes an image's texels from those that may be made.
+    fn take(&mut self, image: &TexelImage) -> Result<()> {
+        self.budget.take(image).map_err(|message| self.asset.error(message))
     }
 
     fn texture(&self, texture: &TextureUse, name: String, coding: Coding) -> Dictionary {

@@ -5,6 +5,7 @@
 
 mod accessors;
 mod asset;
+mod budget;
 mod images;
 mod lights;
 mod materials;
@@ -12,7 +13,6 @@ mod meshes;
 mod nodes;
 mod skins;
 mod specular_glossiness;
-mod values;
 
 use std::path::Path;
 

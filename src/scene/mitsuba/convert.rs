@@ -12,28 +12,35 @@ use super::element::{Element, MESH, MESH_INDEX};
 use super::folders::FoundFile;
 use super::transform;
 use crate::scene::mesh::{Mesh, ply_writer};
+use crate::scene::{Camera, FilmDescription, FovAxis, Scene};
 use crate::{Error, Result, files};
 
 /// Version of the format that is written.
 const VERSION: &str = "3.0.0";
 
-/// Writes the file at `input`, which is in XML. Returns the number of files beside `output`.
-pub(in crate::scene) fn write_xml(
-    input: &Path,
-    defines: &[(String, String)],
-    output: &Path,
-    overwrite: bool,
-) -> Result<usize> {
-    write(&document::read(input, defines)?, output, overwrite)
+/// Place of a scene to write.
+pub(in crate::scene) struct Target<'a> {
+    /// File of the scene.
+    pub output: &'a Path,
+    /// Whether older files may be replaced.
+    pub overwrite: bool,
+    /// The scene as it was read. Its camera is written where the document has none.
+    pub fitted: &'a Scene,
+}
+
+/// Writes the file at `input`, which is in XML. Returns the number of files beside the scene.
+pub(in crate::scene) fn write_xml(input: &Path, defines: &[(String, String)], target: &Target) -> Result<usize> {
+    write(&document::read(input, defines)?, target)
 }
 
 /// Writes a description. Meshes in memory become binary PLY files, and images in memory become files. Returns the number of
-/// files beside `output`.
-pub(in crate::scene) fn write_description(description: Description, output: &Path, overwrite: bool) -> Result<usize> {
-    write(&description.into_document(": ")?, output, overwrite)
+/// files beside the scene.
+pub(in crate::scene) fn write_description(description: Description, target: &Target) -> Result<usize> {
+    write(&description.into_document(": ")?, target)
 }
 
-fn write(document: &Document, output: &Path, overwrite: bool) -> Result<usize> {
+fn write(document: &Document, target: &Target) -> Result<usize> {
+    let &Target { output, overwrite, fitted } = target;
     if !files::has_extension(output, "xml") {
         return Err(Error::Settings(format!("{}: the name of a scene must end in .xml", output.display())));
     }
@@ -43,10 +50,47 @@ fn write(document: &Document, output: &Path, overwrite: bool) -> Result<usize> {
         return Err(Error::Settings(format!("{}: {message}", taken.display())));
     }
     let mut writer = Writer { document, folder, copies: HashMap::new(), names: HashSet::new(), text: String::new() };
+    let has = |tag: &str| document.elements.iter().any(|element| element.tag == tag);
+    // Mitsuba renders no scene without these.
+    if !has("integrator") {
+        writer.text += "    <integrator type=\"path\"/>\n";
+    }
+    if !has("sensor") {
+        writer.text += &fitted_sensor(fitted);
+    }
     writer.elements(&document.elements, 1)?;
     let text = format!("<scene version=\"{VERSION}\">\n{}</scene>\n", writer.text);
     files::write_whole(output, |file| file.write_all(text.as_bytes()))?;
     Ok(writer.names.len())
+}
+
+/// Text of the camera that was fitted to a scene, with its film.
+fn fitted_sensor(scene: &Scene) -> String {
+    let Camera { world_from_camera, fov, fov_axis, near_clip, far_clip, .. } = &scene.camera;
+    let rows = world_from_camera.transpose().to_cols_array().map(|value| format!("{value:?}")).join(" ");
+    let axis = match fov_axis {
+        FovAxis::X => "x",
+        FovAxis::Y => "y",
+        FovAxis::Diagonal => "diagonal",
+        FovAxis::Smaller => "smaller",
+        FovAxis::Larger => "larger",
+    };
+    let FilmDescription { width, height, .. } = &scene.film;
+    let float = |name: &str, value: &f32| format!("        <float name=\"{name}\" value=\"{value:?}\"/>\n");
+    let integer = |name: &str, value: &u32| format!("            <integer name=\"{name}\" value=\"{value}\"/>\n");
+    [
+        "    <sensor type=\"perspective\">\n",
+        &format!("        <transform name=\"to_world\"><matrix value=\"{rows}\"/></transform>\n"),
+        &float("fov", fov),
+        &format!("        <string name=\"fov_axis\" value=\"{axis}\"/>\n"),
+        &float("near_clip", near_clip),
+        &float("far_clip", far_clip),
+        "        <film type=\"hdrfilm\">\n",
+        &integer("width", width),
+        &integer("height", height),
+        "        </film>\n    </sensor>\n",
+    ]
+    .concat()
 }
 
 /// Writer of one scene, with what it has written.
@@ -182,6 +226,7 @@ fn image_name(name: &str, bytes: &[u8]) -> String {
     let extension = match bytes {
         [0x89, b'P', b'N', b'G', ..] => ".png",
         [0xff, 0xd8, ..] => ".jpg",
+        [0x76, 0x2f, 0x31, 0x01, ..] => ".exr",
         _ => "",
     };
     if stem.to_lowercase().ends_with(extension) { stem } else { stem + extension }

@@ -1,15 +1,18 @@
 //! Readers of `<emitter>` plugins, with Mitsuba's parameters and defaults.
 
-use glam::{DMat4, DVec3, Mat3, Vec3};
+use glam::{DMat4, DVec3, Mat3};
 
 use super::element::Element;
+use super::emission::{color, non_negative, picture};
 use super::folders::FoundFile;
+use super::projector::{self, Projector};
 use super::properties::Properties;
 use super::scope::Scope;
-use super::textures::{Role, Textures};
+use super::sunsky::{self, BakedSky};
+use super::textures::Textures;
 use super::transform;
 use crate::Result;
-use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, Textured};
+use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, PictureAxes, Textured};
 
 /// Mitsuba's default half angle of a spot's cone, in degrees.
 const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
@@ -17,7 +20,8 @@ const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
 const DEFAULT_BEAM_SHARE: f32 = 0.75;
 
 /// Plugins of emitters.
-pub(super) const SUPPORTED: [&str; 6] = ["area", "constant", "envmap", "point", "spot", "directional"];
+pub(super) const SUPPORTED: [&str; 9] =
+    ["area", "directionalarea", "constant", "envmap", "point", "spot", "projector", "directional", "collimated"];
 
 /// Emitter that stands directly in a `<scene>`.
 pub(super) enum SceneEmitter {
@@ -25,6 +29,12 @@ pub(super) enum SceneEmitter {
     /// Environment whose image is still to be read.
     Map(EnvironmentMapFile),
     Delta(DeltaEmitter),
+    /// `sunsky`, as an environment map.
+    Sky(BakedSky, f32),
+    /// `projector`, whose picture's size is still to be read.
+    Projector(Projector),
+    /// Emitter whose light no path finds.
+    Dark,
 }
 
 /// `envmap` with the path of its image.
@@ -36,7 +46,12 @@ pub(super) struct EnvironmentMapFile {
 }
 
 /// Reads an emitter that stands directly in a `<scene>`.
-pub(super) fn parse<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<SceneEmitter> {
+pub(super) fn parse<'a>(
+    element: &'a Element,
+    scope: &Scope<'a>,
+    textures: &mut Textures<'a>,
+    warnings: &mut Vec<String>,
+) -> Result<SceneEmitter> {
     let mut properties = Properties::new(element, scope)?;
     let sampling_weight = sampling_weight(&mut properties)?;
     let delta = |kind| SceneEmitter::Delta(DeltaEmitter { kind, sampling_weight });
@@ -46,53 +61,49 @@ pub(super) fn parse<'a>(element: &'a Element, scope: &Scope<'a>, warnings: &mut 
             SceneEmitter::Environment(Environment { sampling_weight, ..constant })
         }
         "envmap" => SceneEmitter::Map(parse_map(&mut properties, sampling_weight)?),
+        "sunsky" => SceneEmitter::Sky(sunsky::parse(&mut properties, warnings)?, sampling_weight),
         "point" => delta(parse_point(&mut properties)?),
-        "spot" => delta(parse_spot(&mut properties)?),
+        "spot" => delta(parse_spot(&mut properties, textures, warnings)?),
+        "projector" => SceneEmitter::Projector(projector::parse(&mut properties, sampling_weight, textures, warnings)?),
         "directional" => delta(parse_directional(&mut properties)?),
+        "collimated" => {
+            properties.ignore(&["power", "to_world"]);
+            warnings.push(format!("{}: {DARK_BEAM}", element.location));
+            SceneEmitter::Dark
+        }
         _ => return Err(element.unsupported(&SUPPORTED)),
     };
     properties.finish(warnings)?;
     Ok(emitter)
 }
 
-/// Reads an emitter that stands in a `<shape>`.
+const DARK_BEAM: &str = "a `collimated` beam is dark: no path from the camera finds a single ray of light";
+const DARK_AREA: &str = "a `directionalarea` emitter is dark, as with Mitsuba's `path`: its light leaves along single \
+    directions, which no path from the camera finds";
+
+/// Reads an emitter that stands in a `<shape>`; `None` for one whose light no path finds.
 pub(super) fn parse_area<'a>(
     element: &'a Element,
     scope: &Scope<'a>,
     textures: &mut Textures<'a>,
     warnings: &mut Vec<String>,
-) -> Result<AreaEmitter> {
+) -> Result<Option<AreaEmitter>> {
     let mut properties = Properties::new(element, scope)?;
-    if properties.plugin() != "area" {
-        return Err(element.unsupported(&["area"]));
+    let is_dark = properties.plugin() == "directionalarea";
+    if properties.plugin() != "area" && !is_dark {
+        return Err(element.unsupported(&["area", "directionalarea"]));
     }
     let sampling_weight = sampling_weight(&mut properties)?;
-    let radiance = match properties.texture("radiance")? {
-        Some(texture) => {
-            let found = textures.read(texture, Role::Radiance, warnings)?;
-            Textured { value: found.factor, texture: Some(textures.keep(found.texture)) }
-        }
-        None => Textured::constant(color(&mut properties, "radiance")?),
-    };
+    let radiance = picture(&mut properties, "radiance", textures, warnings)?;
     properties.finish(warnings)?;
-    Ok(AreaEmitter { radiance, sampling_weight })
+    if is_dark {
+        warnings.push(format!("{}: {DARK_AREA}", element.location));
+    }
+    Ok((!is_dark).then_some(AreaEmitter { radiance, sampling_weight }))
 }
 
 fn sampling_weight(properties: &mut Properties) -> Result<f32> {
     non_negative(properties, "sampling_weight", 1.0)
-}
-
-fn non_negative(properties: &mut Properties, name: &str, default: f32) -> Result<f32> {
-    let location = properties.location(name).clone();
-    match properties.float(name)? {
-        Some(value) if value < 0.0 => Err(location.error(format!("`{name}` must not be negative, as {value} is"))),
-        value => Ok(value.unwrap_or(default)),
-    }
-}
-
-/// Color of emission, 1 in each channel where none is given.
-fn color(properties: &mut Properties, name: &str) -> Result<Vec3> {
-    Ok(properties.emission(name)?.unwrap_or(Vec3::ONE))
 }
 
 fn parse_map(properties: &mut Properties, sampling_weight: f32) -> Result<EnvironmentMapFile> {
@@ -105,24 +116,11 @@ fn parse_map(properties: &mut Properties, sampling_weight: f32) -> Result<Enviro
         .ok_or_else(|| parameter.error(format!("the image file `{name}` does not exist")))?;
     let scale = non_negative(properties, "scale", 1.0)?;
     let location = properties.location("to_world").clone();
-    let to_world = orthogonal(&properties.take_to_world()?)
+    let to_world = transform::orthogonal(&properties.take_to_world()?)
         .ok_or_else(|| location.error("the `to_world` of an envmap may turn and mirror it, but not scale or shear"))?;
     // The choice of sampled directions does not change the picture.
     properties.ignore_sampling(&["mis_compensation"]);
     Ok(EnvironmentMapFile { file, scale, to_world, sampling_weight })
-}
-
-/// Linear part of a matrix, made exactly orthogonal; `None` where it is not orthogonal to the precision of printed
-/// scene files.
-fn orthogonal(matrix: &DMat4) -> Option<Mat3> {
-    let [x, y, z] = transform::axes(matrix);
-    if !transform::is_similarity(matrix, 1.0e-3) || (x.length() - 1.0).abs() > 1.0e-3 {
-        return None;
-    }
-    let x = x.normalize();
-    let y = (y - y.dot(x) * x).normalize();
-    let z = x.cross(y) * x.cross(y).dot(z).signum();
-    Some(Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()))
 }
 
 fn parse_point(properties: &mut Properties) -> Result<DeltaKind> {
@@ -148,22 +146,31 @@ fn either(properties: &mut Properties, name: &str, of_transform: fn(&DMat4) -> D
     }
 }
 
-fn parse_spot(properties: &mut Properties) -> Result<DeltaKind> {
+fn parse_spot<'a>(
+    properties: &mut Properties<'a>,
+    textures: &mut Textures<'a>,
+    warnings: &mut Vec<String>,
+) -> Result<DeltaKind> {
     let location = properties.location("to_world").clone();
     let to_world = properties.take_to_world()?;
     let axis = to_world.z_axis.truncate().try_normalize();
     let direction = axis.ok_or_else(|| location.error("the `to_world` of a spot shrinks its axis to length 0"))?;
-    let location = properties.location("cutoff_angle").clone();
+    let of_angle = properties.location("cutoff_angle").clone();
     let cutoff_angle = properties.positive_float("cutoff_angle", DEFAULT_CUTOFF_ANGLE)?;
     if cutoff_angle > 180.0 {
-        return Err(location.error(format!("`cutoff_angle` must be at most 180, not {cutoff_angle}")));
+        return Err(of_angle.error(format!("`cutoff_angle` must be at most 180, not {cutoff_angle}")));
     }
     let beam_width = non_negative(properties, "beam_width", cutoff_angle * DEFAULT_BEAM_SHARE)?;
-    Ok(DeltaKind::Spot {
-        position: to_world.w_axis.truncate().as_vec3(),
-        direction: direction.as_vec3(),
-        intensity: color(properties, "intensity")?,
-        cutoff_angle: cutoff_angle.to_radians(),
-        beam_width: beam_width.to_radians(),
-    })
+    let (position, direction) = (to_world.w_axis.truncate().as_vec3(), direction.as_vec3());
+    let intensity = color(properties, "intensity")?;
+    let (cutoff_angle, beam_width) = (cutoff_angle.to_radians(), beam_width.to_radians());
+    let Textured { value, texture: Some(texture) } = picture(properties, "texture", textures, warnings)? else {
+        return Ok(DeltaKind::Spot { position, direction, intensity, cutoff_angle, beam_width });
+    };
+    let intensity = Textured { value: intensity * value, texture: Some(texture) };
+    // Mitsuba's picture fills the cone, and is mirrored as seen along it.
+    let size = 2.0 * cutoff_angle.tan();
+    let axes = projector::axes(&to_world, &location)?.map(|axis| axis / size);
+    let axes = PictureAxes { u: axes[0], v: axes[1] };
+    Ok(DeltaKind::PicturedSpot { position, direction, axes, intensity, cutoff_angle, beam_width })
 }

@@ -18,10 +18,12 @@ use super::faults::Faults;
 use super::fit::View;
 use super::flatten::Common;
 use super::folders::FoundFile;
-use super::materials::Materials;
+use super::materials::{Materials, conserve_energy};
+use super::projector::Projector;
 use super::properties::Properties;
 use super::scope::{Scope, Whole};
 use super::shape::{self, Geometry, MeshFile, Shape};
+use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
 use super::textures::Textures;
 use super::{document, fit, integrator, old_files, sensor, texture_images, vertex_colors};
@@ -73,6 +75,7 @@ pub(super) fn build(document: Document, path: &Path, options: &LoadOptions, prog
         lit: HashSet::new(),
         environment: None,
         delta_emitters: Vec::new(),
+        projectors: Vec::new(),
         images: Vec::new(),
         shapes: Vec::new(),
         groups: HashMap::new(),
@@ -102,6 +105,7 @@ struct Builder<'a> {
     lit: HashSet<*const Element>,
     environment: Option<Environment>,
     delta_emitters: Vec<DeltaEmitter>,
+    projectors: Vec<Projector>,
     images: Vec<Image>,
     shapes: Vec<Shape>,
     /// Shapes of each group, by the address of the `shapegroup`.
@@ -150,13 +154,24 @@ impl<'a> Builder<'a> {
             self.loose_emitters.push(element);
             return Ok(());
         }
-        let environment = match emitter_plugin::parse(element, &self.scope, &mut self.warnings)? {
+        let read = emitter_plugin::parse(element, &self.scope, &mut self.textures, &mut self.warnings)?;
+        let environment = match read {
             SceneEmitter::Delta(emitter) => {
                 self.delta_emitters.push(emitter);
                 return Ok(());
             }
+            SceneEmitter::Projector(projector) => {
+                self.projectors.push(projector);
+                return Ok(());
+            }
+            SceneEmitter::Dark => return Ok(()),
             SceneEmitter::Environment(environment) => environment,
             SceneEmitter::Map(file) => self.read_environment_map(element, file)?,
+            SceneEmitter::Sky(BakedSky { image, to_world }, sampling_weight) => {
+                let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale: 1.0, to_world };
+                self.images.push(image);
+                Environment { kind, sampling_weight }
+            }
         };
         match self.environment.replace(environment) {
             Some(_) => {
@@ -229,11 +244,13 @@ impl<'a> Builder<'a> {
             None => Some(self.materials.keep_default(emitter.is_some())),
         };
         if let Some(emitter) = emitter {
-            common.emitter = Some(self.emitters.len() as u32);
             self.lit.insert(std::ptr::from_ref(emitter));
             let (scope, textures) = (&self.scope, &mut self.textures);
             let area = emitter_plugin::parse_area(emitter, scope, textures, &mut self.warnings);
-            self.emitters.extend(self.faults.keep(area));
+            if let Some(area) = self.faults.keep(area).flatten() {
+                common.emitter = Some(self.emitters.len() as u32);
+                self.emitters.push(area);
+            }
         }
         let (Some(geometry), Some(material)) = (geometry, material) else { return Ok(None) };
         properties.finish(&mut self.warnings)?;
@@ -355,7 +372,7 @@ impl<'a> Builder<'a> {
         self.faults.into_result()?;
         images.extend(decoded);
         self.warnings.extend(warnings);
-        let materials = self.materials.finish();
+        let mut materials = self.materials.finish();
         let image = images.len() as u32;
         let emitters = self.emitters;
         let context = vertex_colors::Context {
@@ -371,8 +388,11 @@ impl<'a> Builder<'a> {
                 return Err(Error::scene(path, None, "the images and vertex colors fit no device; use smaller images"));
             }
         }
+        let mut delta_emitters = self.delta_emitters;
+        delta_emitters.extend(self.projectors.into_iter().map(|projector| projector.finish(&textures, &images)));
+        conserve_energy(&mut materials, &textures, &images, &mut self.warnings);
         let primitives = flatten_all(&self.shapes, &meshes)?;
-        let is_dark = emitters.is_empty() && self.environment.is_none() && self.delta_emitters.is_empty();
+        let is_dark = emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
         if is_dark && view == View::Front {
             let message = "the scene has no light; --environment constant lights it evenly";
             self.warnings.push(format!("{}: {message}", path.display()));
@@ -391,7 +411,7 @@ impl<'a> Builder<'a> {
             materials,
             emitters,
             environment: self.environment,
-            delta_emitters: self.delta_emitters,
+            delta_emitters,
             textures,
             images,
             warnings: self.warnings,

@@ -108,7 +108,8 @@ fn check_rigid(matrix: &DMat4, element: &Element) -> Result<()> {
     Ok(())
 }
 
-fn parse_fov(properties: &mut Properties) -> Result<(f32, FovAxis)> {
+/// Reads `fov` with its axis, or `focal_length`.
+pub(super) fn parse_fov(properties: &mut Properties) -> Result<(f32, FovAxis)> {
     let fov_element = properties.take("fov_axis");
     let axis = match fov_element {
         Some(element) => parse_fov_axis(element)?,

@@ -1,6 +1,6 @@
 //! Reader of `<transform>`. Each operation is applied after the operations above it.
 
-use glam::{DMat3, DMat4, DVec3, DVec4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat3};
 
 use super::element::Element;
 use super::numbers;
@@ -121,4 +121,17 @@ pub(super) fn is_similarity(matrix: &DMat4, tolerance: f64) -> bool {
     let limit = tolerance * x.length_squared();
     let even = |axis: DVec3| (axis.length_squared() - x.length_squared()).abs() <= 2.0 * limit;
     even(y) && even(z) && [x.dot(y), y.dot(z), z.dot(x)].iter().all(|cosine| cosine.abs() <= limit)
+}
+
+/// Linear part of a matrix, made exactly orthogonal; `None` where it is not orthogonal to the precision of printed
+/// scene files.
+pub(super) fn orthogonal(matrix: &DMat4) -> Option<Mat3> {
+    let [x, y, z] = axes(matrix);
+    if !is_similarity(matrix, 1.0e-3) || (x.length() - 1.0).abs() > 1.0e-3 {
+        return None;
+    }
+    let x = x.normalize();
+    let y = (y - y.dot(x) * x).normalize();
+    let z = x.cross(y) * x.cross(y).dot(z).signum();
+    Some(Mat3::from_cols(x.as_vec3(), y.as_vec3(), z.as_vec3()))
 }

@@ -51,6 +51,12 @@ def rough_plastics():
                 yield {**base, "distribution": distribution, "alpha": alpha}
 
 
+def polarized_plastics():
+    for ior in (1.3, 1.49, 1.9):
+        yield {"type": "pplastic", "int_ior": ior, "ext_ior": 1.0,
+               "diffuse_reflectance": rgb(COLOR), "specular_reflectance": rgb([0.6, 0.8, 1.0])}
+
+
 def color(value):
     return [float(value)] * 3 if isinstance(value, float) else [float(value[i]) for i in range(3)]
 
@@ -142,6 +148,7 @@ def main():
     values += general(combined(dielectrics("roughdielectric"), rough()), BOTH, 16)
     values += general(plastics("plastic"), OUTSIDE, 6)
     values += general(rough_plastics(), OUTSIDE, 6)
+    values += general(combined(polarized_plastics(), rough()), OUTSIDE, 8)
     write("values.json", values)
     lobes = list(single(metals("conductor"), OUTSIDE))
     lobes += single(dielectrics("dielectric"), BOTH)

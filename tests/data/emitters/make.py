@@ -39,6 +39,8 @@ DELTA_EMITTERS = [
     ("3.0.0", "spot", AT + '<float name="cutoff_angle" value="40"/><float name="beam_width" value="50"/>'),
     ("3.0.0", "directional", '<vector name="direction" x="1" y="-2" z="0.5"/><rgb name="irradiance" value="3, 2, 1"/>'),
     ("3.0.0", "directional", AT),
+    ("3.0.0", "projector", AT + '<rgb name="irradiance" value="3, 2, 1"/><float name="fov" value="50"/>'),
+    ("3.0.0", "projector", AT + '<rgb name="irradiance" value="1, 2, 1"/><float name="scale" value="2.5"/>'),
 ]
 
 

@@ -30,7 +30,9 @@ pub fn add(table: &mut Table) {
     add_dielectrics(table);
     add_conductors(table);
     add_plastics(table);
+    add_polarized_plastics(table);
     add_principled(table);
+    add_thin_principled(table);
     add_wrappers(table);
 }
 
@@ -114,6 +116,38 @@ fn add_plastics(table: &mut Table) {
         "roughplastic-textured-twosided",
         &two_sided(&bsdf("roughplastic", &(textured + &float("alpha", "0.1")))),
     );
+}
+
+fn add_polarized_plastics(table: &mut Table) {
+    let tint = rgb("diffuse_reflectance", "0.8,0.4,0.1");
+    for distribution in DISTRIBUTIONS {
+        let inside = string("distribution", distribution) + &float("alpha", "0.2") + &tint;
+        solid(table, &format!("pplastic-{distribution}"), &bsdf("pplastic", &inside));
+    }
+    let textured = checkerboard("diffuse_reflectance", "0.8,0.3,0.2", "0.1,0.3,0.6")
+        + &bitmap("specular_reflectance", "colors.png", "")
+        + &float("alpha_u", "0.1")
+        + &float("alpha_v", "0.4");
+    thin(table, "pplastic-textured-twosided", &two_sided(&bsdf("pplastic", &textured)));
+}
+
+fn add_thin_principled(table: &mut Table) {
+    let color = rgb("base_color", "0.8,0.4,0.1");
+    for (name, values) in [
+        ("plain", &[][..]),
+        ("crossing", &[("diff_trans", "1.4"), ("roughness", "0.7")]),
+        ("specular", &[("spec_trans", "0.7"), ("roughness", "0.4"), ("eta", "1.4"), ("spec_tint", "0.8")]),
+        ("anisotropic", &[("spec_trans", "1"), ("roughness", "0.5"), ("anisotropic", "0.8")]),
+        ("sheen", &[("sheen", "1"), ("sheen_tint", "0.7"), ("flatness", "0.6"), ("diff_trans", "0.5")]),
+    ] {
+        let inside: String = values.iter().map(|(name, value)| float(name, value)).collect();
+        thin(table, &format!("principledthin-{name}"), &bsdf("principledthin", &(inside + &color)));
+    }
+    let image = bitmap("base_color", "colors.png", "") + &float("roughness", "0.5");
+    for parameter in ["spec_trans", "diff_trans"] {
+        let inside = image.clone() + &numbers(parameter, "numbers.png");
+        thin(table, &format!("principledthin-textured-{parameter}"), &bsdf("principledthin", &inside));
+    }
 }
 
 fn add_principled(table: &mut Table) {

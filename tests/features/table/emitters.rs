@@ -185,6 +185,26 @@ fn add_delta(table: &mut Table) {
     {
         only(name, emitter("spot", &(aimed.clone() + inside + &rgb("intensity", "30,25,20"))));
     }
+    let board = checkerboard("texture", "0.9,0.4,0.2", "0.1,0.3,0.8");
+    only("spot-checkerboard", emitter("spot", &(aimed.clone() + &board + &rgb("intensity", "30,25,20"))));
+    let wide = float("cutoff_angle", "50") + &bitmap("texture", "colors.png", "");
+    only("spot-picture", emitter("spot", &(aimed.clone() + &wide + &rgb("intensity", "30,25,20"))));
+    for (name, inside) in [
+        ("projector", float("fov", "40") + &bitmap("irradiance", "colors.png", "")),
+        (
+            "projector-diagonal",
+            float("fov", "40") + &string("fov_axis", "diagonal") + &bitmap("irradiance", "colors.png", ""),
+        ),
+        ("projector-checkerboard", string("focal_length", "35mm") + &checkerboard("irradiance", "0.9,0.4,0.2", "0.1")),
+        ("projector-even", float("fov", "50") + &rgb("irradiance", "0.9,0.4,0.2")),
+    ] {
+        only(name, emitter("projector", &(aimed.clone() + &inside + &float("scale", "6"))));
+    }
+    let up = placed("<rotate x='1' angle='-90'/>");
+    let morning = float("hour", "9") + &float("turbidity", "5") + &rgb("albedo", "0.2,0.4,0.1") + &up;
+    only("sunsky-sky", emitter("sunsky", &(morning.clone() + &float("sun_scale", "0") + &float("sky_scale", "20"))));
+    // A large sun, because Mitsuba's precision hardly holds the solid angle of a small one.
+    only("sunsky-sun", emitter("sunsky", &(morning + &float("sun_scale", "0.002") + &float("sun_aperture", "20"))));
     let from = "<vector name='direction' x='-0.3' y='-1' z='-0.6'/>";
     only("directional", emitter("directional", &(from.to_owned() + &rgb("irradiance", "2,1.8,1.5"))));
     only("directional-placed", emitter("directional", &(aimed.clone() + &rgb("irradiance", "2,1.8,1.5"))));

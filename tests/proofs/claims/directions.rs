@@ -15,15 +15,15 @@ use support::sampled_directions::{DirectionOutput, SeenSurface, draw};
 use support::scattering_cases::{Base, DeviceBsdf, Surface};
 use support::significance::two_sided;
 use support::statistics::{chi_square, mean_and_error};
-use support::substances::{Substance, plastic};
+use support::substances::{Substance, phong, plastic, ward};
 use support::twins::conductor::Conductor;
 use support::twins::cosine::SphereGrid;
 use support::twins::dielectric::{Dielectric, pdf_bsdf_rough_dielectric};
 use support::twins::direction::basis_from_normal;
 use support::twins::direction_map::direction_bin;
 use support::twins::guide::Guide;
-use support::twins::plastic::pdf_bsdf_plastic;
 use support::twins::rough_diffuse::RoughDiffuse;
+use support::twins::ward::WardModel;
 
 use super::densities::slack;
 use crate::evidence::{Evidence, Record};
@@ -97,7 +97,9 @@ impl Family {
         }
         match self {
             Self::Other(Surface { base: Base::Substance(substance), .. }) => match substance {
-                Substance::Plastic(b) | Substance::RoughPlastic(b, _) => pdf_bsdf_plastic(b, wo, wi, guide),
+                Substance::Plastic(_) | Substance::RoughPlastic(..) | Substance::Phong(_) | Substance::Ward(_) => {
+                    substance.pdf_with(wo, wi, guide)
+                }
                 Substance::RoughDielectric(b, facets) => {
                     let own = pdf_bsdf_rough_dielectric(b, facets, wo, wi);
                     (1.0 - DIELECTRIC_SHARE) * own + DIELECTRIC_SHARE * guide
@@ -121,6 +123,8 @@ fn families() -> Vec<Family> {
         other("rough diffuse", Base::RoughDiffuse(oren_nayar)),
         other("plastic", Base::Substance(plastic(1.5, color, DVec3::ONE, false, None))),
         other("rough plastic", Base::Substance(plastic(1.5, color, DVec3::ONE, true, Some(rough(0.4))))),
+        other("phong", Base::Substance(phong(12.0))),
+        other("ward", Base::Substance(ward(WardModel::Balanced, [0.4, 0.25]))),
         other("rough conductor", Base::Substance(Substance::RoughConductor(metal, rough(0.5)))),
         other("rough dielectric", Base::Substance(Substance::RoughDielectric(glass, rough(0.5)))),
     ]

@@ -3,14 +3,15 @@
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use lodestar::generated::kernels::{
-    BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING, MATERIAL_COATED,
-    MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
+    BSDF_CONDUCTOR, BSDF_PRINCIPLED, BSDF_PRINCIPLED_THIN, BSDF_ROUGH_DIFFUSE, FEATURE_BECKMANN, FEATURE_COATING,
+    FEATURE_SMOOTH_BASE, MATERIAL_COATED, MATERIAL_FAST_APPROXIMATION, MATERIAL_GGX, Variant,
 };
 
 use crate::substances::{Substance, substances};
 use crate::twins::coating::{Coating, coating_probability, eval_coating, pdf_coating};
 use crate::twins::direction::pdf_cosine_hemisphere;
 use crate::twins::principled::{Principled, eval_bsdf_principled, pdf_bsdf_principled};
+use crate::twins::principled_thin::{PrincipledThin, eval_bsdf_principled_thin, pdf_bsdf_principled_thin};
 use crate::twins::rough_diffuse::{RoughDiffuse, eval_bsdf_rough_diffuse};
 
 /// Parameters on the device: `Bsdf` of `glsl/include/bsdf/parameters.glsl`.
@@ -36,6 +37,7 @@ impl DeviceBsdf {
 pub enum Base {
     RoughDiffuse(RoughDiffuse),
     Principled(Principled),
+    PrincipledThin(PrincipledThin),
     Substance(Substance),
     Mirror,
 }
@@ -49,7 +51,8 @@ pub struct Surface {
 
 /// Constants of a pipeline for all of these surfaces.
 pub fn variant() -> Variant {
-    Variant { material_kinds: u32::MAX, surface_features: FEATURE_COATING | FEATURE_BECKMANN, ..Variant::default() }
+    let surface_features = FEATURE_COATING | FEATURE_BECKMANN | FEATURE_SMOOTH_BASE;
+    Variant { material_kinds: u32::MAX, surface_features, ..Variant::default() }
 }
 
 fn floats(v: DVec3) -> [f32; 3] {
@@ -65,6 +68,7 @@ impl Surface {
     pub fn transmits(&self) -> bool {
         match &self.base {
             Base::Principled(b) => b.spec_trans > 0.0,
+            Base::PrincipledThin(_) => true,
             Base::Substance(b) => b.transmits(),
             _ => false,
         }
@@ -76,6 +80,7 @@ impl Surface {
         match &mut white.base {
             Base::RoughDiffuse(b) => b.reflectance = DVec3::ONE,
             Base::Principled(b) => b.base_color = DVec3::ONE,
+            Base::PrincipledThin(b) => b.base_color = DVec3::ONE,
             Base::Substance(b) => *b = b.white(),
             Base::Mirror => {}
         }
@@ -89,6 +94,7 @@ impl Surface {
     pub fn tolerance(&self) -> f64 {
         match &self.base {
             Base::Principled(b) if b.roughness < 0.1 => 5.0e-3,
+            Base::PrincipledThin(b) if b.roughness < 0.1 => 5.0e-3,
             _ => 2.0e-3,
         }
     }
@@ -97,6 +103,7 @@ impl Surface {
         let mut bsdf = match &self.base {
             Base::RoughDiffuse(b) => device_rough_diffuse(b),
             Base::Principled(b) => device_principled(b),
+            Base::PrincipledThin(b) => device_principled_thin(b),
             Base::Substance(b) => b.device(),
             Base::Mirror => DeviceBsdf {
                 kind_and_flags: BSDF_CONDUCTOR,
@@ -154,6 +161,7 @@ impl Base {
         match self {
             Self::RoughDiffuse(b) => eval_bsdf_rough_diffuse(b, wo, wi),
             Self::Principled(b) => eval_bsdf_principled(b, wo, wi),
+            Self::PrincipledThin(b) => eval_bsdf_principled_thin(b, wo, wi),
             Self::Substance(b) => b.eval(wo, wi),
             Self::Mirror => DVec3::ZERO,
         }
@@ -163,6 +171,7 @@ impl Base {
         match self {
             Self::RoughDiffuse(_) if wo.z > 0.0 => pdf_cosine_hemisphere(wi.z),
             Self::Principled(b) => pdf_bsdf_principled(b, wo, wi),
+            Self::PrincipledThin(b) => pdf_bsdf_principled_thin(b, wo, wi),
             Self::Substance(b) => b.pdf(wo, wi),
             _ => 0.0,
         }
@@ -194,6 +203,29 @@ fn device_principled(b: &Principled) -> DeviceBsdf {
     ];
     DeviceBsdf {
         kind_and_flags: BSDF_PRINCIPLED | MATERIAL_GGX,
+        colors: [floats(b.base_color), [0.0; 3], [0.0; 3]],
+        scalars: scalars.map(|x| x as f32),
+        ..DeviceBsdf::default()
+    }
+}
+
+fn device_principled_thin(b: &PrincipledThin) -> DeviceBsdf {
+    let scalars = [
+        b.roughness,
+        b.anisotropic,
+        b.eta,
+        1.0,
+        0.5 * b.diff_trans,
+        b.spec_trans,
+        b.spec_tint,
+        b.sheen,
+        b.sheen_tint,
+        b.flatness,
+        0.0,
+        0.0,
+    ];
+    DeviceBsdf {
+        kind_and_flags: BSDF_PRINCIPLED_THIN | MATERIAL_GGX,
         colors: [floats(b.base_color), [0.0; 3], [0.0; 3]],
         scalars: scalars.map(|x| x as f32),
         ..DeviceBsdf::default()
@@ -242,6 +274,35 @@ fn principled(roughness: f64) -> [(String, Base); 3] {
         .map(|(b, name)| (format!("principled {roughness} {name}"), Base::Principled(b)))
 }
 
+/// Thin principled sheets at a roughness: one that is specular, one that is diffuse, and one with all lobes at once.
+fn principled_thin(roughness: f64) -> [(String, Base); 3] {
+    let plain = PrincipledThin {
+        base_color: PRINCIPLED.base_color,
+        eta: 1.4,
+        roughness,
+        anisotropic: 0.0,
+        spec_trans: 1.0,
+        spec_tint: 0.0,
+        sheen: 0.0,
+        sheen_tint: 0.0,
+        flatness: 0.0,
+        diff_trans: 0.0,
+    };
+    let diffuse = PrincipledThin { spec_trans: 0.0, diff_trans: 1.2, ..plain };
+    let all = PrincipledThin {
+        anisotropic: 0.6,
+        spec_trans: 0.4,
+        spec_tint: 0.5,
+        sheen: 0.7,
+        sheen_tint: 0.3,
+        flatness: 0.6,
+        diff_trans: 0.8,
+        ..plain
+    };
+    [(plain, "specular"), (diffuse, "diffuse, all"), (all, "all")]
+        .map(|(b, name)| (format!("principled thin {roughness} {name}"), Base::PrincipledThin(b)))
+}
+
 fn coated((name, base): (String, Base), eta: f64) -> Surface {
     let coating =
         Coating { eta, optical_thickness: DVec3::new(0.1, 0.3, 0.6), specular_reflectance: DVec3::splat(0.9) };
@@ -252,6 +313,7 @@ pub fn surfaces() -> Vec<Surface> {
     let rough = [(0.05, false), (0.3, false), (1.0, false), (0.5, true)];
     let uncoated = rough.map(|(alpha, fast)| rough_diffuse(alpha, fast)).into_iter();
     let uncoated = uncoated.chain([0.05, 0.25, 0.5, 1.0].into_iter().flat_map(principled));
+    let uncoated = uncoated.chain([0.05, 0.5, 1.0].into_iter().flat_map(principled_thin));
     let [metal, ..] = principled(0.5);
     let coated =
         [coated(rough_diffuse(0.4, false), 1.5), coated(("mirror".into(), Base::Mirror), 1.3), coated(metal, 1.7)];

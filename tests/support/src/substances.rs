@@ -1,12 +1,13 @@
-//! Metals, dielectrics and plastics, smooth and rough, in the form of the device and in the form of their twins.
+//! Metals, dielectrics, plastics and the lobes of Phong and Ward, in the form of the device and in the form of their twins.
 
 use std::sync::Mutex;
 
 use glam::DVec3;
 use lodestar::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
 use lodestar::generated::kernels::{
-    BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC, BSDF_ROUGH_PLASTIC,
-    BSDF_THIN_DIELECTRIC, MATERIAL_GGX, MATERIAL_NONLINEAR,
+    BSDF_CONDUCTOR, BSDF_DIELECTRIC, BSDF_PHONG, BSDF_PLASTIC, BSDF_ROUGH_CONDUCTOR, BSDF_ROUGH_DIELECTRIC,
+    BSDF_ROUGH_PLASTIC, BSDF_THIN_DIELECTRIC, BSDF_WARD, MATERIAL_GGX, MATERIAL_NONLINEAR, MATERIAL_SMOOTH_BASE,
+    WARD_BALANCED, WARD_DUER, WARD_ORIGINAL,
 };
 use lodestar::math::microfacet::Microfacets;
 
@@ -17,7 +18,10 @@ use crate::twins::dielectric::{
     Dielectric, dielectric_lobes, eval_bsdf_rough_dielectric, pdf_bsdf_rough_dielectric, thin_dielectric_lobes,
 };
 use crate::twins::direction::pdf_cosine_hemisphere;
+use crate::twins::phong::{Phong, eval_bsdf_phong, pdf_bsdf_phong};
 use crate::twins::plastic::{Plastic, RoughSurface, eval_bsdf_plastic, pdf_bsdf_plastic, plastic_lobes};
+use crate::twins::polarized_plastic::{PolarizedPlastic, eval_bsdf_polarized_plastic, pdf_bsdf_polarized_plastic};
+use crate::twins::ward::{Ward, WardModel, eval_bsdf_ward, pdf_bsdf_ward};
 
 /// Scattering function with its parameters.
 #[derive(Debug, Clone)]
@@ -30,6 +34,9 @@ pub enum Substance {
     Plastic(Plastic),
     /// Rough plastic, with the address of its table.
     RoughPlastic(Plastic, u32),
+    PolarizedPlastic(PolarizedPlastic),
+    Phong(Phong),
+    Ward(Ward),
 }
 
 /// Layers of the rough plastics so far, and the words of their tables.
@@ -104,6 +111,22 @@ impl Substance {
                 let facets = b.rough.as_ref().map(|rough| rough.facets);
                 plastic(b.eta, DVec3::ONE, DVec3::ONE, b.nonlinear, facets)
             }
+            Self::PolarizedPlastic(b) => Self::PolarizedPlastic(PolarizedPlastic {
+                diffuse_reflectance: DVec3::ONE,
+                specular_reflectance: DVec3::ONE,
+                ..*b
+            }),
+            // Both lobes together reflect all light.
+            Self::Phong(b) => Self::Phong(Phong {
+                diffuse_reflectance: DVec3::splat(0.5),
+                specular_reflectance: DVec3::splat(0.5),
+                ..*b
+            }),
+            Self::Ward(b) => Self::Ward(Ward {
+                diffuse_reflectance: DVec3::splat(0.5),
+                specular_reflectance: DVec3::splat(0.5),
+                ..*b
+            }),
         }
     }
 
@@ -111,6 +134,7 @@ impl Substance {
         match self {
             Self::RoughConductor(_, facets) | Self::RoughDielectric(_, facets) => Some(*facets),
             Self::RoughPlastic(b, _) => b.rough.as_ref().map(|rough| rough.facets),
+            Self::PolarizedPlastic(b) => Some(b.facets),
             _ => None,
         }
     }
@@ -140,6 +164,9 @@ impl Substance {
             Self::RoughConductor(b, facets) => eval_bsdf_rough_conductor(b, facets, wo, wi),
             Self::RoughDielectric(b, facets) => eval_bsdf_rough_dielectric(b, facets, wo, wi),
             Self::Plastic(b) | Self::RoughPlastic(b, _) => eval_bsdf_plastic(b, wo, wi),
+            Self::PolarizedPlastic(b) => eval_bsdf_polarized_plastic(b, wo, wi),
+            Self::Phong(b) => eval_bsdf_phong(b, wo, wi),
+            Self::Ward(b) => eval_bsdf_ward(b, wo, wi),
             _ => DVec3::ZERO,
         }
     }
@@ -149,7 +176,17 @@ impl Substance {
         match self {
             Self::RoughConductor(_, facets) => pdf_reflection(facets, wo, wi),
             Self::RoughDielectric(b, facets) => pdf_bsdf_rough_dielectric(b, facets, wo, wi),
-            Self::Plastic(b) | Self::RoughPlastic(b, _) => pdf_bsdf_plastic(b, wo, wi, pdf_cosine_hemisphere(wi.z)),
+            _ => self.pdf_with(wo, wi, pdf_cosine_hemisphere(wi.z)),
+        }
+    }
+
+    /// Density of a substance with a diffuse lobe, given the density of the lobe's sampler.
+    pub fn pdf_with(&self, wo: DVec3, wi: DVec3, diffuse_density: f64) -> f64 {
+        match self {
+            Self::Plastic(b) | Self::RoughPlastic(b, _) => pdf_bsdf_plastic(b, wo, wi, diffuse_density),
+            Self::PolarizedPlastic(b) => pdf_bsdf_polarized_plastic(b, wo, wi, diffuse_density),
+            Self::Phong(b) => pdf_bsdf_phong(b, wo, wi, diffuse_density),
+            Self::Ward(b) => pdf_bsdf_ward(b, wo, wi, diffuse_density),
             _ => 0.0,
         }
     }
@@ -163,6 +200,9 @@ impl Substance {
             Self::RoughDielectric(b, _) => device_dielectric(BSDF_ROUGH_DIELECTRIC, b),
             Self::Plastic(b) => device_plastic(BSDF_PLASTIC, b, 0),
             Self::RoughPlastic(b, address) => device_plastic(BSDF_ROUGH_PLASTIC, b, *address),
+            Self::PolarizedPlastic(b) => device_polarized_plastic(b),
+            Self::Phong(b) => device_phong(b),
+            Self::Ward(b) => device_ward(b),
         };
         if let Some(facets) = self.facets() {
             device.kind_and_flags |= if facets.is_ggx { MATERIAL_GGX } else { 0 };
@@ -187,6 +227,33 @@ fn device_plastic(kind: u32, b: &Plastic, address: u32) -> DeviceBsdf {
     let mut device = DeviceBsdf::new(kind | flag, [b.diffuse_reflectance, b.specular_reflectance, DVec3::ZERO]);
     device.scalars[2] = b.eta as f32;
     device.scalars[4..7].copy_from_slice(&[b.internal_reflectance as f32, b.specular_sampling as f32, address as f32]);
+    device
+}
+
+fn device_polarized_plastic(b: &PolarizedPlastic) -> DeviceBsdf {
+    let colors = [b.diffuse_reflectance, b.specular_reflectance, DVec3::ZERO];
+    let mut device = DeviceBsdf::new(BSDF_ROUGH_PLASTIC | MATERIAL_SMOOTH_BASE, colors);
+    device.scalars[2] = b.eta as f32;
+    device.scalars[4..6].copy_from_slice(&[1.0 - 1.0 / b.eta.powi(2), b.specular_sampling()].map(|x| x as f32));
+    device
+}
+
+fn device_phong(b: &Phong) -> DeviceBsdf {
+    let mut device = DeviceBsdf::new(BSDF_PHONG, [b.diffuse_reflectance, b.specular_reflectance, DVec3::ZERO]);
+    device.scalars[0] = b.exponent as f32;
+    device.scalars[5] = b.specular_probability() as f32;
+    device
+}
+
+fn device_ward(b: &Ward) -> DeviceBsdf {
+    let mut device = DeviceBsdf::new(BSDF_WARD, [b.diffuse_reflectance, b.specular_reflectance, DVec3::ZERO]);
+    device.scalars[..2].copy_from_slice(&b.alpha.map(|alpha| alpha as f32));
+    device.scalars[4] = match b.model {
+        WardModel::Balanced => WARD_BALANCED,
+        WardModel::Original => WARD_ORIGINAL,
+        WardModel::Duer => WARD_DUER,
+    };
+    device.scalars[5] = b.specular_probability() as f32;
     device
 }
 
@@ -216,6 +283,13 @@ fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
         (format!("rough conductor, {name}"), Substance::RoughConductor(COPPER, facets)),
         (format!("rough dielectric, {name}"), Substance::RoughDielectric(glass(1.5), facets)),
     ];
+    let polarized = PolarizedPlastic {
+        eta: 1.49,
+        diffuse_reflectance: COLOR,
+        specular_reflectance: DVec3::new(0.6, 0.8, 1.0),
+        facets,
+    };
+    all.push((format!("polarized plastic, {name}"), Substance::PolarizedPlastic(polarized)));
     if alpha[0] == alpha[1] {
         let b = plastic(1.49, COLOR, DVec3::new(0.6, 0.8, 1.0), true, Some(facets));
         all.push((format!("rough plastic, {name}"), b));
@@ -225,9 +299,30 @@ fn rough(alpha: [f64; 2], is_ggx: bool) -> Vec<(String, Substance)> {
     all
 }
 
+/// Phong with a diffuse and a specular reflectance.
+pub fn phong(exponent: f64) -> Substance {
+    let (diffuse_reflectance, specular_reflectance) = (DVec3::new(0.5, 0.3, 0.1), DVec3::new(0.2, 0.3, 0.4));
+    Substance::Phong(Phong { exponent, diffuse_reflectance, specular_reflectance })
+}
+
+/// Ward with a diffuse and a specular reflectance.
+pub fn ward(model: WardModel, alpha: [f64; 2]) -> Substance {
+    let (diffuse_reflectance, specular_reflectance) = (DVec3::new(0.5, 0.3, 0.1), DVec3::new(0.2, 0.3, 0.4));
+    Substance::Ward(Ward { model, alpha, diffuse_reflectance, specular_reflectance })
+}
+
+fn lobes() -> Vec<(String, Substance)> {
+    let phongs = [0.0, 1.0, 30.0, 400.0].map(|exponent| (format!("phong {exponent}"), phong(exponent)));
+    let wards = [[0.05; 2], [0.2; 2], [0.1, 0.4], [0.6, 0.3]].into_iter().flat_map(|alpha| {
+        [WardModel::Balanced, WardModel::Original, WardModel::Duer]
+            .map(|model| (format!("ward {model:?} {alpha:?}"), ward(model, alpha)))
+    });
+    phongs.into_iter().chain(wards).collect()
+}
+
 /// Substances of every kind, at roughness 0.05 to 1.
 pub fn substances() -> Vec<(String, Substance)> {
     let alphas = [[0.05; 2], [0.2; 2], [0.5; 2], [1.0; 2], [0.05, 0.5], [0.8, 0.3]];
     let rough = alphas.into_iter().flat_map(|alpha| [rough(alpha, false), rough(alpha, true)]).flatten();
-    smooth().into_iter().chain(rough).collect()
+    smooth().into_iter().chain(rough).chain(lobes()).collect()
 }

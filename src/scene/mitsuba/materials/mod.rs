@@ -1,9 +1,11 @@
 //! Conversion of `<bsdf>` to [`Material`]s.
 
 mod ior;
+mod lobes;
 mod mixture;
 mod named_conductors;
 mod parameters;
+mod principled;
 mod surfaces;
 mod tree;
 
@@ -21,7 +23,8 @@ use crate::Result;
 use crate::generated::constants;
 use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};
 use crate::scene::texture::Textured;
-use parameters::Parameters;
+pub(super) use lobes::conserve_energy;
+use parameters::{DEFAULT_REFLECTANCE, Parameters};
 use tree::Tree;
 
 /// Plugins that contain other BSDFs.
@@ -80,8 +83,7 @@ impl<'a> Materials<'a> {
     pub fn keep_default(&mut self, emits: bool) -> u32 {
         let list = &mut self.list;
         *self.defaults[usize::from(emits)].get_or_insert_with(|| {
-            let (name, albedo) =
-                if emits { ("default of emitters", 0.0) } else { ("default", surfaces::DEFAULT_REFLECTANCE) };
+            let (name, albedo) = if emits { ("default of emitters", 0.0) } else { ("default", DEFAULT_REFLECTANCE) };
             let reflectance = Textured::constant(Vec3::splat(albedo));
             let kind = MaterialKind::Surface(SurfaceMaterial::plain(Bsdf::Diffuse { reflectance }));
             list.push(Material { name: name.to_string(), kind });

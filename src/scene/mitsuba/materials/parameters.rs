@@ -11,6 +11,8 @@ use crate::generated::constants::MIN_ALPHA;
 use crate::scene::bsdf::{Distribution, Microfacets};
 use crate::scene::texture::Textured;
 
+/// Mitsuba's default albedo.
+pub(super) const DEFAULT_REFLECTANCE: f32 = 0.5;
 /// Mitsuba's default roughness.
 const DEFAULT_ALPHA: f32 = 0.1;
 
@@ -108,7 +110,8 @@ impl<'r, 'a> Parameters<'r, 'a> {
         }
     }
 
-    fn alpha(&mut self, name: &str) -> Result<Textured<f32>> {
+    /// Reads a roughness.
+    pub fn alpha(&mut self, name: &str) -> Result<Textured<f32>> {
         let location = self.properties.location(name);
         let alpha = self.scalar(name, DEFAULT_ALPHA)?;
         match alpha.texture {

@@ -2,14 +2,14 @@
 
 use glam::Vec3;
 
-use super::ior;
-use super::parameters::Parameters;
+use super::parameters::{DEFAULT_REFLECTANCE, Parameters};
+use super::{ior, lobes, principled};
 use crate::Result;
-use crate::scene::bsdf::{Bsdf, Distribution, Principled};
+use crate::scene::bsdf::{Bsdf, Distribution};
 use crate::scene::texture::Textured;
 
 /// Plugins that [`parse`] reads.
-pub(super) const SUPPORTED: [&str; 11] = [
+pub(super) const SUPPORTED: [&str; 15] = [
     "diffuse",
     "roughdiffuse",
     "dielectric",
@@ -20,11 +20,12 @@ pub(super) const SUPPORTED: [&str; 11] = [
     "roughconductorGGX",
     "plastic",
     "roughplastic",
+    "pplastic",
     "principled",
+    "principledthin",
+    "phong",
+    "ward",
 ];
-
-/// Mitsuba's default albedo.
-pub(super) const DEFAULT_REFLECTANCE: f32 = 0.5;
 
 /// Mitsuba's default materials of dielectrics and plastics.
 const DEFAULT_GLASS: &str = "bk7";
@@ -43,7 +44,11 @@ pub(super) fn parse(parameters: &mut Parameters) -> Result<Option<Bsdf>> {
         "roughconductorGGX" => rough_conductor_ggx(parameters)?,
         "plastic" => plastic(parameters)?,
         "roughplastic" => rough_plastic(parameters)?,
-        "principled" => Bsdf::Principled(principled(parameters)?),
+        "pplastic" => polarized_plastic(parameters)?,
+        "principled" => Bsdf::Principled(principled::principled(parameters)?),
+        "principledthin" => Bsdf::PrincipledThin(principled::thin(parameters)?),
+        "phong" => lobes::phong(parameters)?,
+        "ward" => lobes::ward(parameters)?,
         _ => return Ok(None),
     };
     Ok(Some(bsdf))
@@ -142,48 +147,16 @@ fn rough_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
     })
 }
 
-fn principled(parameters: &mut Parameters) -> Result<Principled> {
-    // Sampling rates of lobes change the noise only.
-    let rates = ["main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"];
-    parameters.properties.ignore_sampling(&rates);
-    let base_color = parameters.reflectance("base_color", DEFAULT_REFLECTANCE)?;
-    let roughness = parameters.share("roughness", 0.5)?;
-    let spec_trans = parameters.share("spec_trans", 0.0)?;
-    let transmits = spec_trans.texture.is_some() || spec_trans.value > 0.0;
-    let eta = principled_eta(parameters, transmits)?;
-    let mut share = |name: &str| parameters.share(name, 0.0);
-    Ok(Principled {
-        base_color,
-        roughness,
-        anisotropic: share("anisotropic")?,
-        metallic: share("metallic")?,
-        spec_trans,
+/// Reads a `pplastic`. What it adds for polarized light has no counterpart here.
+fn polarized_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
+    let eta = ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?;
+    if eta == 1.0 {
+        return Err(parameters.element().error("`int_ior` and `ext_ior` of a `pplastic` must differ"));
+    }
+    Ok(Bsdf::PolarizedPlastic {
+        microfacets: parameters.microfacets()?,
         eta,
-        spec_tint: share("spec_tint")?,
-        sheen: share("sheen")?,
-        sheen_tint: share("sheen_tint")?,
-        flatness: share("flatness")?,
-        clearcoat: share("clearcoat")?,
-        clearcoat_gloss: share("clearcoat_gloss")?,
+        diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
     })
-}
-
-/// Index of refraction from `eta`, or from `specular`, which is the reflectance at normal incidence divided by 0.08
-/// (Burley 2012). A material that transmits needs an index other than 1; Mitsuba shifts it a little.
-fn principled_eta(parameters: &mut Parameters, transmits: bool) -> Result<f32> {
-    let properties = &mut parameters.properties;
-    if properties.has("eta") && properties.has("specular") {
-        return Err(properties.location("eta").error("give either `eta` or `specular`, not both"));
-    }
-    if properties.has("eta") {
-        let eta = properties.positive_float("eta", 1.5)?;
-        return Ok(if transmits && eta == 1.0 { 1.001 } else { eta });
-    }
-    let location = properties.location("specular");
-    let specular = properties.float("specular")?.unwrap_or(0.5);
-    if !(0.0..=1.0).contains(&specular) {
-        return Err(location.error(format!("`specular` must lie in 0..1, not {specular}")));
-    }
-    let specular = if transmits && specular == 0.0 { 1e-3 } else { specular };
-    Ok(2.0 / (1.0 - (0.08 * specular).sqrt()) - 1.0)
 }

@@ -136,7 +136,10 @@ const NESTED_TWICE: &str = "`twosided` around a bump or normal map around anothe
 
 fn is_transmissive(surface: &SurfaceMaterial) -> bool {
     let transmits = match &surface.bsdf {
-        Bsdf::Dielectric { .. } | Bsdf::ThinDielectric { .. } | Bsdf::RoughDielectric { .. } => true,
+        Bsdf::Dielectric { .. }
+        | Bsdf::ThinDielectric { .. }
+        | Bsdf::RoughDielectric { .. }
+        | Bsdf::PrincipledThin(_) => true,
         Bsdf::Principled(principled) => principled.spec_trans != Textured::constant(0.0),
         _ => false,
     };

@@ -81,6 +81,19 @@ pub fn delta_light(kind: &DeltaKind, from: DVec3) -> (DVec3, DVec3) {
     match *kind {
         DeltaKind::Point { position, intensity } => arriving(position, intensity),
         DeltaKind::Directional { direction, irradiance } => (-direction.as_dvec3(), irradiance.as_dvec3()),
+        DeltaKind::Projector { position, direction, axes, irradiance } => {
+            let d = from - position.as_dvec3();
+            let depth = d.dot(direction.as_dvec3());
+            let place = [axes.u, axes.v].map(|axis| 0.5 + d.dot(axis.as_dvec3()) / depth);
+            let is_inside = depth > 0.0 && place.iter().all(|place| (0.0..=1.0).contains(place));
+            // Light that falls straight on a screen at distance 1 has the irradiance, times pi. The pyramid's sections grow with
+            // the squared depth, and a surface that faces the light is turned against them.
+            let cosine = depth / d.length();
+            let straight = if is_inside { PI / (depth * depth * cosine) } else { 0.0 };
+            assert!(irradiance.texture.is_none(), "this twin knows no pictures");
+            (-d.normalize(), irradiance.value.as_dvec3() * straight)
+        }
+        DeltaKind::PicturedSpot { .. } => panic!("this twin knows no pictures"),
         DeltaKind::Spot { position, direction, intensity, cutoff_angle, beam_width } => {
             let (wi, irradiance) = arriving(position, intensity);
             let (angle, cutoff) = ((-wi).angle_between(direction.as_dvec3()), f64::from(cutoff_angle));

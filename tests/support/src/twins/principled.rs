@@ -45,7 +45,7 @@ impl Principled {
         0.1 + (0.001 - 0.1) * self.clearcoat_gloss
     }
 
-    fn tint(&self) -> DVec3 {
+    pub(super) fn tint(&self) -> DVec3 {
         let luminance = self.base_color.dot(DVec3::new(0.212671, 0.715160, 0.072169));
         if luminance > 0.0 { self.base_color / luminance } else { DVec3::ONE }
     }
@@ -92,7 +92,7 @@ fn schlick(c: f64) -> f64 {
 }
 
 /// Reflectance by Schlick, with the angle on the side of the lower index.
-fn schlick_between(head_on: DVec3, c: f64, eta: f64) -> DVec3 {
+pub(super) fn schlick_between(head_on: DVec3, c: f64, eta: f64) -> DVec3 {
     let interface = fresnel_dielectric(c, eta);
     let weight = schlick(if interface.eta > 1.0 { c.abs() } else { interface.cos_t });
     head_on + (DVec3::ONE - head_on) * weight
@@ -120,7 +120,8 @@ fn facet_fresnel(b: &Principled, wo: DVec3, p: &Pair) -> DVec3 {
     b.metallic * schlick_between(b.base_color, c, b.eta) + (1.0 - b.metallic) * dielectric
 }
 
-fn diffuse(b: &Principled, wo: DVec3, wi: DVec3, m: DVec3) -> DVec3 {
+/// Diffuse light and sheen, f cos.
+pub(super) fn diffuse(b: &Principled, wo: DVec3, wi: DVec3, m: DVec3) -> DVec3 {
     let [f_o, f_i] = [schlick(wo.z), schlick(wi.z)];
     let retro = 2.0 * b.roughness * m.dot(wi).powi(2);
     let surface = (1.0 - f_o / 2.0) * (1.0 - f_i / 2.0) + retro * (f_o + f_i + f_o * f_i * (retro - 1.0));

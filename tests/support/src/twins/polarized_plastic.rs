@@ -1,0 +1,63 @@
+//! Twin of `glsl/include/bsdf/rough_plastic.glsl` with a smooth base: Mitsuba's `pplastic` without polarization.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use lodestar::math::fresnel::fresnel_dielectric;
+use lodestar::math::microfacet::{Microfacets, smith_g1};
+
+use super::conductor::pdf_reflection;
+use super::microfacet::microfacet_density;
+
+/// Microfacets of a dielectric, and a diffuse base that light reaches as through a smooth surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PolarizedPlastic {
+    /// Index of refraction, interior over exterior.
+    pub eta: f64,
+    /// Albedo of the base.
+    pub diffuse_reflectance: DVec3,
+    /// Factor of the light that the facets reflect.
+    pub specular_reflectance: DVec3,
+    /// Facets of the surface.
+    pub facets: Microfacets,
+}
+
+impl PolarizedPlastic {
+    fn transmittance(&self, cosine: f64) -> f64 {
+        1.0 - fresnel_dielectric(cosine, self.eta).reflectance
+    }
+
+    /// Share of the mean specular albedo in the sum of both mean albedos.
+    pub fn specular_sampling(&self) -> f64 {
+        let [specular, diffuse] = [self.specular_reflectance, self.diffuse_reflectance].map(DVec3::element_sum);
+        specular / (specular + diffuse)
+    }
+
+    fn specular_probability(&self, wo: DVec3) -> f64 {
+        let transmittance = self.transmittance(wo.z);
+        let specular = (1.0 - transmittance) * self.specular_sampling();
+        specular / (specular + transmittance * (1.0 - self.specular_sampling()))
+    }
+}
+
+/// Value f cos.
+pub fn eval_bsdf_polarized_plastic(b: &PolarizedPlastic, wo: DVec3, wi: DVec3) -> DVec3 {
+    if wo.z <= 0.0 || wi.z <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let m = (wo + wi).normalize();
+    let masking = smith_g1(&b.facets, wo) * smith_g1(&b.facets, wi);
+    let facets = microfacet_density(&b.facets, m) * masking / (4.0 * wo.z);
+    let reflectance = fresnel_dielectric(wo.dot(m), b.eta).reflectance;
+    let passing = b.transmittance(wo.z) * b.transmittance(wi.z);
+    b.specular_reflectance * (reflectance * facets) + b.diffuse_reflectance * (passing * wi.z / PI)
+}
+
+/// Density of `wi`, given its density under the sampler of the diffuse lobe.
+pub fn pdf_bsdf_polarized_plastic(b: &PolarizedPlastic, wo: DVec3, wi: DVec3, diffuse_density: f64) -> f64 {
+    if wo.z <= 0.0 || wi.z <= 0.0 {
+        return 0.0;
+    }
+    let probability = b.specular_probability(wo);
+    probability * pdf_reflection(&b.facets, wo, wi) + (1.0 - probability) * diffuse_density
+}
