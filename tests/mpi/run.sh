@@ -112,6 +112,12 @@ mpirun -n 1 "$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 20 
 [ "$(render 2 --spp 20 --device 0,0)" = "$expected" ] || fail "two ranks of two devices differ"
 echo "one rank under mpirun, and two ranks of two devices: the same"
 
+# A guide that another render has learned reaches all ranks.
+"$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 16 --seed 1 --checkpoint "$work/guide.ckpt" -o "$work/guide.exr"
+[ "$(render 3 --spp 12 --guide-from "$work/guide.ckpt")" = "$(render 1 --spp 12 --guide-from "$work/guide.ckpt")" ] ||
+  fail "three ranks that begin with a guide differ from one"
+echo "three ranks that begin with a guide of another render: the same"
+
 # srun hands the ranks what they need to know of each other in the form that Open MPI reads.
 srun_ranks() {
   srun --mpi=pmix --ntasks=2 --overcommit "$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 20 --checkpoint "$work/srun.ckpt" \
