@@ -3,6 +3,7 @@
 //! Ranks agree in meetings. Each hands the first rank a report, its result or its failure, and all get the first rank's answer. If one
 //! has failed, all leave the work under way with its error. So no rank waits for another one that does something else.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -33,6 +34,8 @@ const EAGER_LOOKS: u32 = 100;
 pub struct Member {
     /// Name of the rank's machine.
     pub machine: String,
+    /// Number of the rank's process on that machine.
+    pub process: u32,
     /// The rank's devices with their drivers.
     pub devices: Vec<String>,
     /// Facts with names in which all ranks must agree.
@@ -273,11 +276,23 @@ impl Team {
         }
     }
 
-    fn noting_loss<T>(&self, done: Result<T>) -> Result<T> {
-        if matches!(done, Err(Error::RankLost { .. })) {
+    fn noting_loss<T>(&self, mut done: Result<T>) -> Result<T> {
+        if let Err(Error::RankLost { rank, .. }) = &mut done {
             self.is_lost.store(true, Ordering::Relaxed);
+            if let Some(ended) = self.ended() {
+                *rank = self.name(ended);
+            }
         }
         done
+    }
+
+    /// The first rank on this machine whose process has ended, where the system lists its processes.
+    fn ended(&self) -> Option<usize> {
+        let processes = Path::new("/proc");
+        let own = self.members.get(self.exchange.rank()).filter(|_| processes.join("self").exists())?;
+        let has_ended =
+            |member: &Member| member.machine == own.machine && !processes.join(member.process.to_string()).exists();
+        self.members.iter().position(has_ended)
     }
 
     /// Number of a rank, with its machine where that is known.
