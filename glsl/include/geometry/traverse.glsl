@@ -156,8 +156,8 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             group_mask = (mask & 0xff000000u) | inner_mask;
             uint found = mask & 0x00ffffffu;
             bool is_first = primitives == 0u;
-            later_primitives = is_first ? 0u : found;
-            later_base = found_base;
+            later_primitives = is_first ? later_primitives : found;
+            later_base = is_first ? later_base : found_base;
             primitives = is_first ? found : primitives;
             primitive_base = is_first ? found_base : primitive_base;
             if (!has_nodes(group_mask) && stack_count > 0u) {
