@@ -22,6 +22,8 @@
 #                            path for VK_DRIVER_FILES. Nothing is installed. Works where the system is a Debian release
 #                            that has backports, such as Debian 12.
 #        setup.sh --chromium install Chromium, in which a test opens the page of `--view`
+#        setup.sh --mpi      install Open MPI and libclang, with which `cargo build --release --features mpi` builds
+#        setup.sh --slurm    install Slurm's daemons, which tests/farm/run.sh starts (Debian only)
 #        setup.sh --oidn [DIR]
 #                            unpack Intel's Open Image Denoise, which `lodestar denoise` loads, into DIR (target/oidn, where the
 #                            program finds it), and print the folder. The official build of version 2.5.1 comes in the Python
@@ -359,6 +361,26 @@ provide_chromium() {
   install_packages chromium
 }
 
+# --- Several machines ----------------------------------------------------------------------------------------------------
+
+# The crate that calls MPI reads MPI's headers with libclang.
+provide_mpi() {
+  if has_command mpicc && has_command mpirun && has_command clang; then return 0; fi
+  case "$system" in
+    debian) install_packages libopenmpi-dev openmpi-bin libclang-dev clang ;;
+    fedora) install_packages openmpi-devel clang-devel clang ;;
+    arch) install_packages openmpi clang ;;
+    macos) install_packages open-mpi llvm ;;
+    *) fail "MPI for this system is not known; install Open MPI with its headers, and libclang" ;;
+  esac
+}
+
+provide_slurm() {
+  if has_command slurmctld && has_command slurmd && has_command munged; then return 0; fi
+  [ "$system" = debian ] || fail "this script installs Slurm on Debian only; install slurmctld, slurmd and munge"
+  install_packages slurmctld slurmd slurm-client munge
+}
+
 # --- The denoiser --------------------------------------------------------------------------------------------------------
 
 OIDN_PACKAGE=pyoidn==2.5.1.0
@@ -418,6 +440,14 @@ main() {
     provide_chromium
     exit 0
   fi
+  if [ "${1:-}" = --mpi ]; then
+    provide_mpi
+    exit 0
+  fi
+  if [ "${1:-}" = --slurm ]; then
+    provide_slurm
+    exit 0
+  fi
   if [ "${1:-}" = --swiftshader ]; then
     provide_swiftshader "${2:-$(dirname "$0")/target/swiftshader}"
     exit 0
@@ -456,7 +486,7 @@ main() {
       find_missing
       ;;
     "") ;;
-    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --mesa [DIR] | --oidn [DIR] | --chromium | --book]" ;;
+    *) fail "unknown argument $1; usage: setup.sh [--check | --source-tools | --swiftshader [DIR] | --mesa [DIR] | --oidn [DIR] | --mpi | --slurm | --chromium | --book]" ;;
   esac
   if [ -n "$missing" ]; then
     say "missing: $missing_names"

@@ -1,7 +1,9 @@
 """Renders with Mitsuba 3's `path` integrator for some seconds, compilation and loading not counted.
 
 mitsuba_render.py SCENE.xml WIDTH HEIGHT SECONDS SEED OUT.exr prints the samples per pixel and the seconds.
+MITSUBA_VARIANT chooses the variant (llvm_ad_rgb).
 """
+import os
 import sys
 import time
 
@@ -11,7 +13,7 @@ import numpy as np
 
 SPP = 16
 
-mi.set_variant("llvm_ad_rgb")
+mi.set_variant(os.environ.get("MITSUBA_VARIANT", "llvm_ad_rgb"))
 path, width, height, seconds, first_seed, out = sys.argv[1:]
 scene = mi.load_file(path)
 sensor = mitsuba_scene.sensor(scene, int(width), int(height))

@@ -10,6 +10,10 @@
 # Half the mean squared difference of a pair is the variance of one picture. A bias does not show. A mean absolute difference
 # would not do: two pictures that miss the same rare light differ little. Take several pairs: a row's
 # figure depends on few bright pixels.
+#
+# With REFERENCE_SPP=N, the errors are those of each picture against a picture of N samples by the default, rendered with another
+# seed. They are relative to its pixels. A row then prints: the relative RMSE, the same without the largest 0.1 % of the pixels'
+# terms, the counted rays, and the trimmed figure at equal rays. N of at least 64 times SPP hides the noise of that picture.
 set -euo pipefail
 export LC_ALL=C
 
@@ -27,7 +31,7 @@ rays() { # SEED PICTURE OPTION...
   local seed=$1 picture=$2
   shift 2
   "$binary" render "$scene" --width "${WIDTH:-64}" --height "${HEIGHT:-36}" --spp "${SPP:-64}" --rfilter box --seed "$seed" \
-    "$@" --quiet --stats "$work/stats.json" -o "$picture" >"$work/log" 2>&1 </dev/null || { cat "$work/log" >&2; return 1; }
+    "$@" --quiet --overwrite --stats "$work/stats.json" -o "$picture" >"$work/log" 2>&1 </dev/null || { cat "$work/log" >&2; return 1; }
   python3 -c 'import json, sys; t = json.load(open(sys.argv[1]))["totals"]; print(t["rays"] + t["shadow_rays"])' \
     "$work/stats.json"
 }
@@ -38,20 +42,42 @@ difference() { # A B
     python3 -c 'import json, sys; print(json.load(sys.stdin)["mse"])'
 }
 
+# Relative mean squared errors of two pictures against the reference: all terms, and trimmed.
+relative() { # A B
+  "$binary" compare --json "$1" "$2" "$work/reference.exr" | python3 -c 'import json, sys
+pictures = json.load(sys.stdin)
+print(*(sum(picture[name] for picture in pictures) for name in ("relmse", "relmse_trim")))'
+}
+
+reference_spp=${REFERENCE_SPP:-0}
+if [ "$reference_spp" -gt 0 ]; then
+  SPP=$reference_spp rays 1000 "$work/reference.exr" "$@" >/dev/null
+  printf 'relative RMSE   trimmed   rays   trimmed, at equal rays\n'
+else
+  printf 'RMSE   rays   RMSE at equal rays\n'
+fi
 first=
-printf 'RMSE   rays   RMSE at equal rays\n'
 for row in "${rows[@]}"; do
   read -ra options <<<"$row"
   for ((pair = 0; pair < ${PAIRS:-2}; ++pair)); do
     one=$(rays $((2 * pair + 1)) "$work/a.exr" "${options[@]}" "$@")
     other=$(rays $((2 * pair + 2)) "$work/b.exr" "${options[@]}" "$@")
-    echo "$(difference "$work/a.exr" "$work/b.exr") $((one + other))"
+    if [ "$reference_spp" -gt 0 ]; then
+      echo "$(relative "$work/a.exr" "$work/b.exr") $((one + other))"
+    else
+      echo "$(difference "$work/a.exr" "$work/b.exr") 0 $((one + other))"
+    fi
   done >"$work/pairs"
-  sums=$(awk '{ mse += $1; rays += $2 } END { print mse, rays }' "$work/pairs")
+  sums=$(awk '{ mse += $1; trimmed += $2; rays += $3 } END { print mse, trimmed, rays }' "$work/pairs")
   : "${first:=$sums}"
   awk -v name="$row" -v own="$sums" -v first="$first" 'BEGIN {
     split(own, a, " "); split(first, b, " ")
-    error = sqrt(a[1] / b[1]); rays = a[2] / b[2]
-    printf "%.3f  %.3f  %.3f  %s\n", error, rays, error * sqrt(rays), name
+    error = sqrt(a[1] / b[1]); rays = a[3] / b[3]
+    if (b[2] == 0) {
+      printf "%.3f  %.3f  %.3f  %s\n", error, rays, error * sqrt(rays), name
+    } else {
+      trimmed = sqrt(a[2] / b[2])
+      printf "%.3f  %.3f  %.3f  %.3f  %s\n", error, trimmed, rays, trimmed * sqrt(rays), name
+    }
   }'
 done

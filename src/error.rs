@@ -82,6 +82,14 @@ pub enum Error {
         /// Further clauses, each after a semicolon; empty at first.
         note: String,
     },
+    /// A rank of a render has ended or does not answer, and its part of the data is lost.
+    #[error("{rank} does not answer any more{note}")]
+    RankLost {
+        /// The rank and its machine.
+        rank: String,
+        /// Further clauses, each after a semicolon; empty at first.
+        note: String,
+    },
     /// The device has no memory left.
     #[error("{call} failed: out of device memory{note}")]
     OutOfDeviceMemory {
@@ -127,10 +135,17 @@ impl Error {
         Self::Image { path: path.as_ref().to_path_buf(), message: message.into() }
     }
 
-    /// Adds a clause to the message of a lost device or of lacking device memory. Other errors stay as they are.
+    /// Whether a device or a rank was lost, and with it data that was nowhere else.
+    pub fn is_loss(&self) -> bool {
+        matches!(self, Self::DeviceLost { .. } | Self::RankLost { .. })
+    }
+
+    /// Adds a clause to the message of a lost device or rank, or of lacking device memory. Other errors stay as they are.
     #[must_use]
     pub fn noting(mut self, clause: &str) -> Self {
-        if let Self::DeviceLost { note, .. } | Self::OutOfDeviceMemory { note, .. } = &mut self {
+        if let Self::DeviceLost { note, .. } | Self::RankLost { note, .. } | Self::OutOfDeviceMemory { note, .. } =
+            &mut self
+        {
             note.push_str("; ");
             note.push_str(clause);
         }

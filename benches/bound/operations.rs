@@ -14,7 +14,7 @@ const OF_NODES: [&str; 3] = ["has_nodes", "intersect_node", "intersect_children4
 const OF_CHILDREN: [&str; 4] = ["child_bits", "byte_to_float", "max_as_int", "min_as_int"];
 const CHILDREN: f64 = 4.0;
 /// Number of lines of the loop over a node's primitives.
-const PRIMITIVE_LOOP_LINES: u32 = 4;
+const PRIMITIVE_LOOP_LINES: u32 = 11;
 /// Functions of `intersect.glsl` that a test of a primitive calls.
 const OF_PRIMITIVES: [&str; 2] = ["intersect_flat", "intersect_sphere"];
 /// Classes of instructions that count: arithmetic. Most conversions are changes of type without cost, so they do not

@@ -14,7 +14,7 @@ use super::render_args::define;
 /// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided.
 #[derive(Debug, Clone, clap::Args)]
 pub struct InfoArgs {
-    /// The scene: Mitsuba's XML, a folder with a scene.xml, or glTF 2.0 (.gltf, .glb).
+    /// The scene: Mitsuba's XML, a folder with a scene.xml, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt).
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     /// Value that replaces the scene's default of that name.

@@ -21,6 +21,7 @@ mod merge;
 mod print;
 mod progress;
 mod radiance;
+mod ranks;
 mod render;
 mod render_args;
 mod reproduce;

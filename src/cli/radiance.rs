@@ -22,7 +22,7 @@ use super::render_args::{ChoiceArgs, LoadArgs, device_name, output_path};
 /// direction bin of the guide; --directions sets its side.
 #[derive(Debug, clap::Args)]
 pub struct RadianceArgs {
-    /// The scene: Mitsuba's XML of any version, or glTF 2.0 (.gltf, .glb)
+    /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt)
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
     #[command(flatten)]

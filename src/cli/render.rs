@@ -10,6 +10,7 @@ use lodestar::view::{ViewOptions, Viewers};
 use super::console::Console;
 use super::interrupt::Interrupt;
 use super::print::print_line;
+use super::ranks;
 use super::render_args::{RenderArgs, with};
 
 /// Renders the scene that `args` name.
@@ -36,9 +37,22 @@ fn with_checkpoint(options: Options, checkpoint: Option<PathBuf>, every: f64) ->
 
 /// Renders from the beginning or from a checkpoint, and shows the progress and the end.
 pub fn render(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
+    let exchange = ranks::exchange()?;
+    let options = &with(options.clone(), exchange.clone(), Options::exchange);
+    if exchange.is_some_and(|exchange| exchange.rank() > 0) {
+        return serve(start, options);
+    }
     let rendered = render_watched(start, options, console, viewers);
     let is_told = console.tell_end(&rendered);
     if is_told && rendered.is_err() { Ok(ExitCode::FAILURE) } else { rendered }
+}
+
+/// Renders on another rank than the first one, which shows the progress and all errors.
+fn serve(start: Start<'_>, options: &Options) -> Result<ExitCode> {
+    // The first rank decides what a signal does.
+    let _interrupt = Interrupt::catch()?;
+    let served = Session::serve(start, options, &Watch::silent());
+    Ok(if served.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn render_watched(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {

@@ -23,7 +23,7 @@ use super::viewer_args::ViewerArgs;
 #[derive(Debug, clap::Args)]
 #[command(allow_negative_numbers = true)]
 pub struct RenderArgs {
-    /// The scene: Mitsuba's XML of any version, or glTF 2.0 (.gltf, .glb)
+    /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt)
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     #[command(flatten)]

@@ -58,10 +58,25 @@ impl Context {
     /// [`crate::Error::Device`] where no loader, driver or validation layer is installed, the wanted device is unknown,
     /// or no device can be used.
     pub fn new(options: &ContextOptions) -> Result<Arc<Self>> {
+        Self::choose(options, |devices| selection::choose(devices, options.device.as_deref()))
+    }
+
+    /// Opens one of the best devices: ranks on one machine take these in turn. `local_rank` counts them from 0.
+    ///
+    /// # Errors
+    /// Where [`Context::new`] fails.
+    pub fn of_local_rank(options: &ContextOptions, local_rank: usize) -> Result<Arc<Self>> {
+        Self::choose(options, |devices| selection::in_turn(devices, local_rank))
+    }
+
+    fn choose(
+        options: &ContextOptions,
+        choice: impl FnOnce(&[DeviceInfo]) -> Result<&DeviceInfo>,
+    ) -> Result<Arc<Self>> {
         let instance = Instance::new(options.validate)?;
         let physical = instance.physical_devices()?;
         let devices = describe(&instance, &physical);
-        let chosen = selection::choose(&devices, options.device.as_deref())?;
+        let chosen = choice(&devices)?;
         tracing::debug!(device = chosen.name, driver = chosen.driver_info, "opening a Vulkan device");
         let device = Arc::new(LogicalDevice::new(instance, physical[chosen.index], chosen.clone())?);
         let pipeline_cache = PipelineCache::new(Arc::clone(&device))?;

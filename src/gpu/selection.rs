@@ -13,6 +13,14 @@ pub(super) fn choose<'a>(devices: &'a [DeviceInfo], wanted: Option<&str>) -> Res
     }
 }
 
+/// One of the usable devices of the best kind, which are taken in turn.
+pub(super) fn in_turn(devices: &[DeviceInfo], number: usize) -> Result<&DeviceInfo> {
+    let best = best(devices)?;
+    let alike = devices.iter().filter(|device| device.refused.is_none() && device.kind == best.kind);
+    let alike: Vec<_> = alike.collect();
+    Ok(alike[number % alike.len()])
+}
+
 fn find<'a>(devices: &'a [DeviceInfo], wanted: &str) -> Result<&'a DeviceInfo> {
     let wanted = wanted.trim();
     if let Some(device) = wanted.parse::<usize>().ok().and_then(|index| devices.get(index)) {
@@ -108,6 +116,15 @@ mod tests {
         for (devices, index) in [(&machine[..], 2), (&machine[..2], 1), (&machine[..1], 0)] {
             assert_eq!(choose(devices, None).expect("a device").index, index);
         }
+    }
+
+    #[test]
+    fn ranks_take_the_best_devices_in_turn() {
+        let mut machine = machine().to_vec();
+        machine.push(device(4, "GeForce 4090", DeviceKind::Discrete, None));
+        let indices = [0, 1, 2, 3].map(|rank| in_turn(&machine, rank).expect("a device").index);
+        assert_eq!(indices, [2, 4, 2, 4]);
+        assert!(in_turn(&machine[3..4], 0).is_err());
     }
 
     #[test]

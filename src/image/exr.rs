@@ -4,7 +4,7 @@
 //! sRGB, and the header says so.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek};
+use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 use ::exr::meta::MetaData;
@@ -123,7 +123,30 @@ fn io_error(error: ::exr::error::Error) -> io::Error {
 ///
 /// The image covers the data window. The display window is ignored.
 pub fn read_rgb(path: &Path) -> Result<Image> {
-    let parts = read_parts(path)?;
+    rgb_of(path, &read_parts(path)?)
+}
+
+/// Reads the color of an EXR image in memory, as [`read_rgb`] does. `path` is its name, for messages.
+pub fn decode_rgb(path: &Path, bytes: &[u8]) -> Result<Image> {
+    rgb_of(path, &parts_of(path, Cursor::new(bytes))?)
+}
+
+/// EXR file of a picture, in memory and not compressed. `path` is its name, for messages.
+pub fn encode_rgb(path: &Path, image: &Image) -> Result<Vec<u8>> {
+    let channel =
+        |name, index: usize| channel(name, FlatSamples::F32(image.pixels.iter().map(|pixel| pixel[index]).collect()));
+    let channels =
+        AnyChannels::sort(["R", "G", "B"].into_iter().zip(0..).map(|(name, at)| channel(name, at)).collect());
+    let size = size(image.width, image.height);
+    let layer = Layer::new(size, LayerAttributes::default(), Encoding::UNCOMPRESSED, channels);
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+    let mut bytes = Cursor::new(Vec::new());
+    let written = ::exr::image::Image::new(attributes, layer).write().to_buffered(&mut bytes);
+    written.map_err(|error| Error::image(path, error.to_string()))?;
+    Ok(bytes.into_inner())
+}
+
+fn rgb_of(path: &Path, parts: &[Part]) -> Result<Image> {
     let found = parts.iter().find_map(|part| Some((part, color_channels(part)?)));
     let (part, channels) = found
         .ok_or_else(|| Error::image(path, "it has neither channels R, G, B nor a channel Y; give a color picture"))?;
@@ -225,7 +248,10 @@ fn attributes_of<'a>(parts: impl Iterator<Item = &'a LayerAttributes>) -> Attrib
 }
 
 fn read_parts(path: &Path) -> Result<Vec<Part>> {
-    let mut file = BufReader::new(File::open(path).map_err(Error::read(path))?);
+    parts_of(path, BufReader::new(File::open(path).map_err(Error::read(path))?))
+}
+
+fn parts_of(path: &Path, mut file: impl Read + Seek) -> Result<Vec<Part>> {
     check_size(path, &mut file).and_then(|()| file.rewind().map_err(Error::read(path)))?;
     let parts = ::exr::prelude::read()
         .no_deep_data()

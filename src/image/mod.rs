@@ -7,6 +7,7 @@ pub mod false_color;
 pub mod flip;
 pub mod layers;
 pub mod metrics;
+mod pfm;
 pub mod png;
 pub mod report;
 pub mod texels;

@@ -1,4 +1,4 @@
-//! Texture images: JPEG, PNG, TGA, BMP, HDR and EXR, read in the precision of the file.
+//! Texture images: JPEG, PNG, TGA, BMP, HDR, PFM and EXR, read in the precision of the file.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::exr;
+use super::{exr, pfm};
 use crate::{Error, Result};
 
 /// Limit on the decoded size in bytes, because a damaged header may ask for any size.
@@ -52,20 +52,23 @@ pub fn read(path: &Path) -> Result<TexelImage> {
     if bytes.starts_with(GIT_LFS_POINTER) {
         return Err(Error::image(path, "the file is a git-lfs pointer, not the image; fetch it with `git lfs pull`"));
     }
-    if bytes.starts_with(&EXR_MAGIC) {
-        return read_exr(path);
-    }
     decode(path, &bytes)
 }
 
-/// Reads an image in memory, in any format but EXR. `path` is its name, for messages.
+/// Reads an image in memory. `path` is its name, for messages.
 ///
 /// # Errors
 /// [`Error::Image`] as in [`read`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
+    if bytes.starts_with(&EXR_MAGIC) {
+        return Ok(of_floats(exr::decode_rgb(path, bytes)?));
+    }
+    if pfm::is_pfm(bytes) {
+        return Ok(of_floats(pfm::decode(path, bytes)?));
+    }
     let format = ::image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));
     let format = format.ok().filter(ImageFormat::reading_enabled).ok_or_else(|| {
-        Error::image(path, "its image format is not supported; save it as JPEG, PNG, TGA, BMP, HDR or EXR")
+        Error::image(path, "its image format is not supported; save it as JPEG, PNG, TGA, BMP, HDR, PFM or EXR")
     })?;
     if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
         return Err(Error::image(path, "the JPEG image is cut short; write it again"));
@@ -90,10 +93,9 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn read_exr(path: &Path) -> Result<TexelImage> {
-    let image = exr::read_rgb(path)?;
+fn of_floats(image: super::Image) -> TexelImage {
     let texels = image.pixels.into_iter().map(|[red, green, blue]| [red, green, blue, 1.0]).collect();
-    Ok(TexelImage { width: image.width, height: image.height, texels: FileTexels::Linear(texels) })
+    TexelImage { width: image.width, height: image.height, texels: FileTexels::Linear(texels) }
 }
 
 fn decode_error(path: &Path, error: &ImageError) -> Error {

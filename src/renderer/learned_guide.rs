@@ -139,11 +139,6 @@ impl Renderer {
                  from the samples that it guides; choose another seed, or a --sample-offset of at least {end}"
             ));
         }
-        if self.settings.fallback > 0.0 && guide.cells != self.cells {
-            return refuse(
-                "the guide has other cells than this scene, and --fallback needs the same; leave it out".into(),
-            );
-        }
         let centers = self.cells.boxes().into_iter().map(|[low, high]| 0.5 * (low + high));
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
@@ -156,11 +151,16 @@ impl Renderer {
                 let (name, theirs) = (part.name, bytes.len());
                 return Err(Error::Render(format!("the guide's {name} have {theirs} bytes, but only {length} fit")));
             }
-            // Buffers are longer than their content by some bytes that are never read.
+            // Buffers are longer than their content by some bytes that are never read. A copy for other cells lacks the parent
+            // cells; the next update computes them from their children.
             bytes.resize(length, 0);
             part.write(&bytes)?;
         }
         self.guide_samples = guide.samples.clone();
+        if self.team.is_some() {
+            // The other ranks take over this guide.
+            self.restore(&self.gathered_state()?)?;
+        }
         Ok(())
     }
 

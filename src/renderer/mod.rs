@@ -8,7 +8,7 @@
 //! | uploads and pipelines | `setup.rs`, `variants.rs`, `memory_needs.rs`, `guide_cells.rs` |
 //! | one step | `step.rs` |
 //! | descriptor sets | `sets/` |
-//! | several devices that render one picture | `ranks/` |
+//! | several devices and ranks that render one picture | `ranks/` |
 //! | tracing paths | `trace/` |
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
@@ -35,9 +35,12 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+#[cfg(feature = "mpi")]
 #[doc(hidden)]
-pub use ranks::sums;
+pub use ranks::mpi;
 pub use ranks::times::SharingTimes;
+#[doc(hidden)]
+pub use ranks::{exchange, in_memory, sums, team, trial};
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
@@ -53,8 +56,10 @@ use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
+use crate::renderer::ranks::command::{Command, lead};
 use crate::renderer::ranks::sums::AddSums;
-use crate::renderer::ranks::times::Clock;
+use crate::renderer::ranks::team::Team;
+use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::renderer::trace::tracer::Tracer;
@@ -81,14 +86,18 @@ pub struct Renderer {
     samples_done: u32,
     stopped: bool,
     at_step_end: bool,
-    /// Renderers of the same scene on other devices. Each traces its share of the film's tiles.
+    /// Renderers of the same scene on other devices of this process. Each traces its share of the film's tiles.
     others: Vec<Renderer>,
-    /// Adds up the sums of all devices.
+    /// The ranks of the render, where it has several.
+    team: Option<Arc<Team>>,
+    /// Adds up the sums of this process's devices.
     add_sums: AddSums,
     /// Time of adding up sums over devices.
     exchange_clock: Clock,
     /// Time of gathering the film from devices.
     gather_clock: Clock,
+    /// Exchanges of sums.
+    traffic: Traffic,
 }
 
 impl Renderer {
@@ -141,7 +150,7 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        self.gather_film()?;
+        lead(self.team.as_deref(), || Command::Film, || self.gather_film())?;
         let picture = self.film_store.picture(&self.sets.frame, &self.settings)?;
         Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
     }

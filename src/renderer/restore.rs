@@ -4,6 +4,7 @@ use super::Renderer;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::part_sums::PartSums;
 use crate::renderer::persistent::Persistent;
+use crate::renderer::ranks::command::{Command, lead};
 use crate::renderer::state::{RenderState, StatePart};
 use crate::{Error, Result};
 
@@ -16,10 +17,18 @@ impl Renderer {
         if self.stopped {
             return Err(Error::Render("a step that was stopped cannot be gone on with later".into()));
         }
+        lead(self.team.as_deref(), || Command::State, || self.gather_state())?;
+        self.gathered_state()
+    }
+
+    /// Gathers everything that outlives a step on the first device of the first rank.
+    pub(super) fn gather_state(&self) -> Result<()> {
         self.gather_film()?;
-        if self.sets.radiance_grid.keeps_sums() {
-            self.gather_sums()?;
-        }
+        if self.sets.radiance_grid.keeps_sums() { self.gather_sums() } else { Ok(()) }
+    }
+
+    /// The state that this device holds.
+    pub(super) fn gathered_state(&self) -> Result<RenderState> {
         let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
         let parts: Result<Vec<_>> = self.persistent().iter().map(read).collect();
         let parts = parts?.into_iter().chain(self.host_part()).collect();
@@ -31,9 +40,14 @@ impl Renderer {
     /// # Errors
     /// Where the state does not fit the settings, or the device is lost.
     pub fn restore(&mut self, state: &RenderState) -> Result<()> {
+        let team = self.team.clone();
+        lead(team.as_deref(), || Command::Restore(state.clone()), || self.go_on_from(state))
+    }
+
+    /// Does this rank's part of going on from a state.
+    pub(super) fn go_on_from(&mut self, state: &RenderState) -> Result<()> {
         for other in &mut self.others {
-            other.restore(state)?;
-            // The first device keeps the sums of all.
+            other.go_on_from(state)?;
             other.sets.radiance_grid.clear_sums(&other.context)?;
         }
         let persistent = self.persistent();
@@ -49,6 +63,10 @@ impl Renderer {
             return Err(Error::Render(format!("the saved state holds {theirs}, but this render has {ours}")));
         }
         persistent.iter().zip(&state.parts).try_for_each(|(part, saved)| part.write(&saved.bytes))?;
+        // The first device of the first rank keeps the sums of all.
+        if !self.leads() {
+            self.sets.radiance_grid.clear_sums(&self.context)?;
+        }
         if let (FilmStore::Part(sums), Some(saved)) = (&mut self.film_store, state.parts.last()) {
             sums.restore(&saved.bytes);
         }
@@ -63,11 +81,18 @@ impl Renderer {
     /// # Errors
     /// Where the state does not fit the settings, or the device is lost.
     pub fn begin_again(&mut self, samples_per_dispatch: u32, state: Option<&RenderState>) -> Result<()> {
-        self.others.iter_mut().try_for_each(|other| other.begin_again(samples_per_dispatch, state))?;
+        let team = self.team.clone();
+        let command = || Command::BeginAgain { samples_per_dispatch, state: state.cloned() };
+        lead(team.as_deref(), command, || self.start_over(samples_per_dispatch, state))
+    }
+
+    /// Does this rank's part of beginning again.
+    pub(super) fn start_over(&mut self, samples_per_dispatch: u32, state: Option<&RenderState>) -> Result<()> {
+        self.others.iter_mut().try_for_each(|other| other.start_over(samples_per_dispatch, state))?;
         self.settings.samples_per_dispatch = samples_per_dispatch;
         self.sets.radiance_grid.clear_sums(&self.context)?;
         if let Some(state) = state {
-            return self.restore(state);
+            return self.go_on_from(state);
         }
         self.persistent().iter().try_for_each(Persistent::clear)?;
         if let FilmStore::Part(sums) = &mut self.film_store {

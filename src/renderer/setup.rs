@@ -16,7 +16,7 @@ use crate::renderer::film_store::FilmStore;
 use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::Learning;
 use crate::renderer::ranks::sums;
-use crate::renderer::ranks::times::Clock;
+use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::sets::Sets;
 use crate::renderer::sets::bvh::BvhSet;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
@@ -97,9 +97,11 @@ impl Renderer {
             stopped: false,
             at_step_end: true,
             others: Vec::new(),
+            team: None,
             add_sums: sums::add,
             exchange_clock: Clock::default(),
             gather_clock: Clock::default(),
+            traffic: Traffic::default(),
         };
         renderer.warm_up()?;
         Ok(renderer)

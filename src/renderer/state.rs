@@ -1,7 +1,9 @@
 //! The state that a renderer keeps to go on later as if it had never stopped.
 
+use serde::{Deserialize, Serialize};
+
 /// Everything that complete steps have left behind.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RenderState {
     /// Samples per pixel so far.
     pub samples_done: u32,
@@ -10,7 +12,7 @@ pub struct RenderState {
 }
 
 /// One part of a state, in the device's (little-endian) byte order.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StatePart {
     /// Name of the memory.
     pub name: String,

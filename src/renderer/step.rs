@@ -6,10 +6,12 @@ use super::Renderer;
 use crate::film::noise::LEAST_SAMPLES;
 use crate::generated::layout::{DispatchWeights, TracePush};
 use crate::renderer::film_store::FilmStore;
+use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::film_store::pages::FilmPage;
 use crate::renderer::film_store::part_sums::clear_film;
 use crate::renderer::learn::Learning;
 use crate::renderer::learn::quadtrees::{ended_iteration, first_of_iteration};
+use crate::renderer::ranks::command::{Command, lead};
 use crate::renderer::statistics::{Counts, StepReport};
 use crate::renderer::trace::slices::Slice;
 use crate::{Error, Result};
@@ -27,6 +29,12 @@ impl Renderer {
         if self.stopped {
             return Err(Error::Render("a render cannot go on after a step that was stopped".into()));
         }
+        let team = self.team.clone();
+        lead(team.as_deref(), || Command::Step { samples }, || self.take_step(samples, stop))
+    }
+
+    /// Does this rank's part of a step.
+    pub(super) fn take_step(&mut self, samples: u32, stop: &dyn Fn() -> bool) -> Result<StepReport> {
         let begin = Instant::now();
         let mut counts = Counts::default();
         let pixels = self.sampled_pixels();
@@ -54,8 +62,11 @@ impl Renderer {
             self.gather_film()?;
             self.others.iter().try_for_each(|other| clear_film(&other.context, &other.sets.frame))?;
         }
-        if let FilmStore::Part(sums) = &mut self.film_store {
-            sums.add_step(&self.context, &self.sets.frame)?;
+        let leads = self.leads();
+        match &mut self.film_store {
+            FilmStore::Part(sums) if leads => sums.add_step(&self.context, &self.sets.frame)?,
+            FilmStore::Part(_) => clear_film(&self.context, &self.sets.frame)?,
+            FilmStore::Plain | FilmStore::Adaptive(_) => {}
         }
         self.choose_tiles()?;
         Ok(true)
@@ -190,7 +201,21 @@ impl Renderer {
             return Ok(());
         }
         self.gather_film()?;
-        self.choose_own_tiles()?;
+        match self.team.clone() {
+            None => self.choose_own_tiles()?,
+            // The first rank has the film.
+            Some(team) if team.leads() => {
+                let chosen = self.choose_own_tiles().map(|()| Vec::new());
+                let tiles = self.film_store.adaptive().map(Adaptive::going_on).unwrap_or_default();
+                team.meet(chosen, &|| false, |_| Ok(tiles))?;
+            }
+            Some(team) => {
+                let tiles = team.meet(Ok(Vec::new()), &|| false, |_| Ok(Vec::new()))?;
+                if let FilmStore::Adaptive(adaptive) = &mut self.film_store {
+                    adaptive.go_on(&tiles, self.sets.frame.pages())?;
+                }
+            }
+        }
         let adaptive = self.film_store.adaptive();
         let mut pages = self.others.iter().map(|other| other.sets.frame.pages());
         adaptive.map_or(Ok(()), |adaptive| pages.try_for_each(|pages| adaptive.sample_on(pages)))

@@ -63,7 +63,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         sure_roulette_depth: settings.sure_roulette_depth(),
         rr_depth: settings.rr_depth,
         hide_emitters: settings.hide_emitters,
-        fallback: settings.fallback,
+        fallback: settings.fallback(),
         quadtree_nodes: quadtrees::node_limit(settings) as u32,
         direction_resolution: settings.directions,
         normal_resolution: settings.normal_resolution(),

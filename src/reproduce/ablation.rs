@@ -26,6 +26,7 @@ const ALONE: Method = PRODUCT.with(Changes {
     steps: Some(StepSchedule::Even),
     sample_weights: Some(SampleWeights::Even),
     pattern: Some(SamplePattern::Independent),
+    fallback: Some(0.0),
     bsdf_share: Some(BsdfShare::Fixed),
     roulette: Some(Roulette::Throughput),
     ..NONE
@@ -48,7 +49,8 @@ const ROWS: &[Method] = &[
     Method { learner: Learner::IrradianceSarsa, ..PRODUCT },
     Method { learner: Learner::MonteCarlo, ..PRODUCT },
     PRODUCT.with(Changes { directions: Some(32), ..NONE }),
-    PRODUCT.with(Changes { grid: Some(AUTO_GRID), fallback: Some(4.0), ..NONE }),
+    PRODUCT.with(Changes { fallback: Some(0.0), ..NONE }),
+    PRODUCT.with(Changes { grid: Some(AUTO_GRID), ..NONE }),
 ];
 
 /// Methods that the ablation compares.
@@ -179,7 +181,7 @@ mod tests {
         assert_eq!(line(false, "| `bsdf`"), "| `bsdf` | 1.000 | 2.828 | 8.000 (staircase) | 1.00 |");
         assert_eq!(line(true, "| `product` "), "| `product` | 0.500 | 1.000 | 1.000 (staircase) | 1.00 |");
         assert!(line(true, "| `product --steps even`").contains("| 0.707 | 1.000 (staircase) |"));
-        assert!(line(true, "| `product --grid auto --fallback 4`").contains("| 0.707 |"));
+        assert!(line(true, "| `product --grid auto`").contains("| 0.707 |"));
         let csv = measurements(&results).csv();
         assert_eq!(csv.lines().count(), 1 + 2 * 2 * ROWS.len());
         assert!(csv.contains("\nkitchen,on,product,0.04,0.04,16,62.5\n"), "{csv}");

@@ -39,7 +39,7 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
             steps: StepSchedule::Even,
             sample_weights: Some(SampleWeights::Even),
             grid: GRID,
-            fallback: 0.0,
+            fallback: Some(0.0),
             directions: DIRECTIONS,
             bsdf_share: None,
             roulette: Some(Roulette::Throughput),

@@ -1,7 +1,6 @@
 //! Fingerprint of a scene: two readings with equal fingerprints render equal pictures.
 
-use std::io;
-
+use postcard::ser_flavors::Flavor;
 use rayon::prelude::*;
 use serde::Serialize;
 use xxhash_rust::xxh3::Xxh3;
@@ -47,20 +46,47 @@ fn hashes<T: Serialize>(items: impl IndexedParallelIterator<Item = T>) -> Result
 
 fn hash(value: &impl Serialize) -> Result<u128> {
     let failed = |error| Error::Render(format!("the scene cannot be hashed: {error}"));
-    Ok(postcard::to_io(value, Sink(Box::default())).map_err(failed)?.0.digest128())
+    postcard::serialize_with_flavor(value, Sink::default()).map_err(failed)
 }
 
-/// Writer that hashes its input.
-struct Sink(Box<Xxh3>);
+/// Number of bytes that are collected before they are hashed. Numbers come in a few bytes at a time.
+const BUFFER: usize = 1 << 12;
 
-impl io::Write for Sink {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.update(bytes);
-        Ok(bytes.len())
+/// Storage of serialized bytes that hashes them.
+#[derive(Default)]
+struct Sink {
+    hash: Box<Xxh3>,
+    buffer: Vec<u8>,
+}
+
+impl Flavor for Sink {
+    type Output = u128;
+
+    #[inline]
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.try_extend(&[byte])
     }
 
-    fn flush(&mut self) -> io::Result<()> {
+    #[inline]
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        if self.buffer.len() + bytes.len() > BUFFER {
+            self.flush();
+        }
+        self.buffer.extend_from_slice(bytes);
         Ok(())
+    }
+
+    fn finalize(mut self) -> postcard::Result<u128> {
+        self.flush();
+        Ok(self.hash.digest128())
+    }
+}
+
+impl Sink {
+    #[cold]
+    fn flush(&mut self) {
+        self.hash.update(&self.buffer);
+        self.buffer.clear();
     }
 }
 

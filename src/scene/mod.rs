@@ -17,6 +17,7 @@ mod integrator;
 mod load_options;
 mod mesh;
 pub mod mitsuba;
+mod pbrt;
 mod place;
 mod principled;
 mod read;
@@ -25,6 +26,7 @@ pub mod summary;
 pub mod texel_pages;
 pub mod texture;
 pub mod texture_lookup;
+mod values;
 mod whole;
 
 pub use bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};

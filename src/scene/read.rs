@@ -18,13 +18,6 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 ///
 /// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pbrt")) {
-        return Err(Error::scene(
-            path,
-            None,
-            "pbrt's files are not read; convert the scene to Mitsuba's XML or to glTF 2.0",
-        ));
-    }
     let Some(describe) = describer(path) else { return xml::read(path, options, progress) };
     if let Some((name, _)) = options.defines.first() {
         let message = format!("-D {name}: only Mitsuba's XML has values that -D replaces; leave it out");
@@ -41,6 +34,7 @@ pub(super) fn describer(path: &Path) -> Option<Describe> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str() {
         Some("gltf" | "glb") => Some(super::gltf::read),
+        Some("pbrt") => Some(super::pbrt::read),
         _ => None,
     }
 }

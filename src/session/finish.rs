@@ -20,14 +20,14 @@ impl Session {
 
     /// Writes picture, checkpoint and statistics.
     fn write_files(&mut self, rendered: Result<()>, watch: &Watch<'_>) -> Result<()> {
-        let is_lost = matches!(rendered, Err(Error::DeviceLost { .. }));
+        let is_lost = rendered.as_ref().is_err_and(Error::is_loss);
         let (copied, rendered) = self.last_picture(rendered);
         let mut errors = None;
         let written = copied.and_then(|copied| {
             let Some(CopiedPicture { picture, .. }) = copied else { return Ok(()) };
             let measured = self.measure(&picture).map(|measured| errors = measured);
             let written = self.write_last(&picture, rendered.is_ok(), watch);
-            self.rescued = matches!(rendered, Err(Error::DeviceLost { .. })).then_some(picture);
+            self.rescued = rendered.as_ref().is_err_and(Error::is_loss).then_some(picture);
             written.and(measured)
         });
         let kept = self.keep(|checkpoints, renderer, history| match is_lost {
@@ -44,14 +44,15 @@ impl Session {
         let read = match &rendered {
             // The picture would be wrong, so the files of an earlier moment are kept.
             Err(Error::Render(_) | Error::LoopCut(_)) => return (Ok(None), rendered),
-            Err(Error::DeviceLost { .. }) => None,
+            Err(error) if error.is_loss() => None,
             _ => Some(self.renderer.picture()),
         };
         let lost = match (read, rendered) {
             (Some(Ok(picture)), rendered) => {
                 return (Ok(Some(CopiedPicture { picture, samples: self.renderer.samples_done() })), rendered);
             }
-            (None, Err(error)) | (Some(Err(error @ Error::DeviceLost { .. })), Ok(())) => error,
+            (None, Err(error)) => error,
+            (Some(Err(error)), Ok(())) if error.is_loss() => error,
             (Some(Err(error)), rendered) => return (Err(error), rendered),
             (None, Ok(())) => return (Ok(None), Ok(())),
         };
@@ -135,7 +136,7 @@ impl Session {
                 nonfinite_samples: self.history.counts.nonfinite,
                 noise: self.renderer.noise(),
                 sharing: self.renderer.sharing_times(),
-                peak_bytes: self.context.peak_allocated_bytes(),
+                peak_bytes: self.renderer.peak_device_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),
             },
             steps,

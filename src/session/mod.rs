@@ -3,7 +3,8 @@
 //! | part | file |
 //! |---|---|
 //! | a caller's choices and their defaults | `options.rs`, `length.rs` |
-//! | the work before the first step of a new or a resumed render | `start.rs`, `setup.rs` |
+//! | the work before the first step of a new or a resumed render | `start.rs`, `setup.rs`, `prepared.rs` |
+//! | other ranks of the render | `ranks.rs` |
 //! | the steps, and when they end | `run.rs` |
 //! | the files at the end | `finish.rs`, `files.rs` |
 //! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when it is written), `film/identity.rs` (which render it belongs to) |
@@ -26,12 +27,14 @@ mod history;
 pub mod kernel_files;
 mod length;
 mod options;
+mod prepared;
 #[doc(hidden)]
 pub mod profile;
 mod profiler;
 mod progress;
 #[doc(hidden)]
 pub mod radiance_map;
+mod ranks;
 mod run;
 mod safety_copy;
 mod setup;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::gpu::{Context, ContextOptions};
+use crate::renderer::exchange::Exchange;
 use crate::scene::{Crop, ReconstructionFilter, Scene};
 use crate::session::files::OutputFiles;
 use crate::session::length::Length;
@@ -69,6 +70,8 @@ pub struct Options {
     pub(super) checkpoint: Option<PathBuf>,
     pub(super) checkpoint_every: f64,
     pub(super) guide_from: Option<PathBuf>,
+    /// Connection to the other ranks of the render, where it has several.
+    pub(super) exchange: Option<Arc<dyn Exchange>>,
 }
 
 impl Default for Options {
@@ -90,6 +93,7 @@ impl Default for Options {
             checkpoint: None,
             checkpoint_every: CHECKPOINT_EVERY,
             guide_from: None,
+            exchange: None,
         }
     }
 }
@@ -249,6 +253,14 @@ impl Options {
     #[must_use]
     pub fn guide_from(self, checkpoint: impl AsRef<Path>) -> Self {
         Self { guide_from: Some(checkpoint.as_ref().to_path_buf()), ..self }
+    }
+
+    /// Renders together with other ranks. The first one uses the session, the others call
+    /// [`Session::serve`](crate::Session::serve).
+    #[doc(hidden)]
+    #[must_use]
+    pub fn exchange(self, exchange: Arc<dyn Exchange>) -> Self {
+        Self { exchange: Some(exchange), ..self }
     }
 }
 

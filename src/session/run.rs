@@ -256,6 +256,9 @@ impl Session {
         if !self.renderer.is_stopped()
             && let Err(error) = self.keep(|checkpoints, renderer, history| checkpoints.after_step(renderer, history))
         {
+            if error.is_loss() {
+                return Err(error.noting(&self.history.last_good_step()));
+            }
             watch.warn(&format!("{error}; the render goes on"));
         }
         Ok(())
@@ -372,8 +375,7 @@ impl Session {
 
     /// Name of the device with its driver, as checkpoints and pictures have it.
     pub(super) fn device_name(&self) -> String {
-        let device = self.context.device();
-        format!("{} ({})", device.name, device.driver_info)
+        device_name(&self.context)
     }
 
     /// Writes the unfinished picture if its interval has passed.
@@ -420,6 +422,12 @@ impl Session {
         let attributes = self.attributes(picture);
         self.output.pictures.write(picture, denoised, &attributes, &|path| watch.tell(Event::Written(path)))
     }
+}
+
+/// Name of a device with its driver.
+pub(super) fn device_name(context: &Context) -> String {
+    let device = context.device();
+    format!("{} ({})", device.name, device.driver_info)
 }
 
 /// Largest number of samples of a pixel. Pixels have fewer where noise has ended them, or where the last step was cut short.

@@ -14,10 +14,10 @@ use crate::encode::bvh::Bvh;
 use crate::encode::surfaces::Surfaces;
 use crate::gpu::Context;
 use crate::image::Image;
-use crate::renderer::{RenderState, Renderer};
+use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
-use crate::session::checkpoint::{Checkpoint, Record};
-use crate::session::checkpoints::{CheckpointFile, Checkpoints};
+use crate::session::checkpoint::Checkpoint;
+use crate::session::checkpoints::CheckpointFile;
 use crate::session::files::{OutputFiles, PictureFiles, read_reference};
 use crate::session::guide_file::GuideFile;
 use crate::session::history::History;
@@ -25,9 +25,11 @@ use crate::session::identity::Identity;
 use crate::session::kernel_files::KernelFiles;
 use crate::session::length::Length;
 use crate::session::options::{DeviceChoice, Options};
+use crate::session::prepared::{Earlier, Prepared};
 use crate::session::profiler::Profiler;
-use crate::session::progress::{Beginning, Event, Preparation, Watch};
-use crate::session::run::{Origin, Output, Session, Subject};
+use crate::session::progress::{Event, Preparation, Watch};
+use crate::session::ranks;
+use crate::session::run::{Origin, Output, Session, Subject, device_name};
 use crate::session::safety_copy::SafetyCopy;
 use crate::session::start::{Resumed, SceneInput, Start};
 use crate::session::statistics::SetupTimes;
@@ -49,14 +51,6 @@ struct Inputs {
     kernels: KernelFiles,
     /// The picture that errors are measured against.
     reference: Option<Image>,
-}
-
-/// The part of a render that a checkpoint holds.
-struct Earlier {
-    file: PathBuf,
-    record: Record,
-    device: String,
-    state: RenderState,
 }
 
 impl Session {
@@ -92,6 +86,16 @@ impl Session {
     /// # Errors
     /// Where [`Session::open`] or [`Session::resume`] fails.
     pub fn start(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Self> {
+        let prepared = Self::prepare(start, options, watch);
+        let prepared = match &options.exchange {
+            Some(exchange) => ranks::join(exchange, prepared)?,
+            None => prepared?,
+        };
+        prepared.begin(watch)
+    }
+
+    /// Does what needs no other rank.
+    fn prepare(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Prepared> {
         let guide = GuideFile::of(&start, options)?;
         let (input, resumed) = start.read()?;
         let input = input.in_folder(watch)?;
@@ -114,7 +118,6 @@ impl Session {
         }
         let contexts = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
         let context = Arc::clone(&contexts[0]);
-        warn_of_mix(&contexts, watch);
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
         let (renderer, bvh_seconds, pipeline_seconds) =
@@ -129,7 +132,7 @@ impl Session {
 
         let Plan { settings, length, earlier } = plan;
         let Inputs { wanted, pictures, checkpoint, reference, .. } = inputs;
-        let mut session = Self {
+        let session = Self {
             length,
             subject,
             reference,
@@ -144,68 +147,19 @@ impl Session {
             renderer,
             settings,
         };
-        let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
-        if let Some(guide) = guide {
-            guide.begin(&mut session)?;
-        }
-        if let Some(file) = checkpoint {
-            session.checkpoints = Some(Checkpoints::new(file, session.template()?, samples_written));
-        }
-        session.tell_beginning(watch);
-        Ok(session)
-    }
-
-    fn tell_beginning(&self, watch: &Watch<'_>) {
-        watch.tell(Event::Begun(&Beginning {
-            scene: &self.subject.scene_path,
-            scene_hash: &self.subject.scene_hash,
-            device: &self.device_name(),
-            settings: &self.settings,
-            length: self.length,
-            samples: self.renderer.samples_done(),
-            files: &self.output.pictures.paths,
-        }));
-    }
-
-    /// Restores the state of a checkpoint and returns its number of samples per pixel.
-    fn go_on_from(&mut self, earlier: Earlier, watch: &Watch<'_>) -> Result<u32> {
-        let Earlier { record: Record { kernels, history, guide_samples, .. }, device, state, .. } = earlier;
-        self.check_kernels(&kernels)?;
-        let own_device = self.device_name();
-        if device != own_device {
-            watch.warn(&format!("the render began on {device}; on {own_device}, the last bits may differ"));
-        }
-        self.renderer.restore(&state)?;
-        self.renderer.set_guide_samples(guide_samples);
-        let samples = state.samples_done;
-        self.origin.checkpoint = Some((state, history.clone()));
-        self.history = history;
-        Ok(samples)
-    }
-
-    /// Refuses to go on with other kernels than before, because the bits would differ.
-    fn check_kernels(&self, before: &[String]) -> Result<()> {
-        let kernels = &self.subject.kernels;
-        if before == kernels {
-            return Ok(());
-        }
-        let list = |kernels: &[String]| match kernels {
-            [] => "the built-in kernels".to_owned(),
-            kernels => kernels.join(", "),
-        };
-        Err(Error::Settings(format!(
-            "the render began with {}, but would go on with {}: give the same --kernel-dir",
-            list(before),
-            list(kernels)
-        )))
+        let devices = contexts.iter().map(|context| device_name(context)).collect();
+        Ok(Prepared { session, devices, earlier, guide, checkpoint })
     }
 }
 
 impl DeviceChoice {
-    /// Opens the devices: at least one.
-    fn open(&self) -> Result<Vec<Arc<Context>>> {
+    /// Opens the devices: at least one. Ranks on one machine take its devices in turn.
+    fn open(&self, local_rank: Option<usize>) -> Result<Vec<Arc<Context>>> {
         match self {
-            Self::Open(options) => Context::all(options),
+            Self::Open(options) => match local_rank {
+                Some(local_rank) if options.device.is_none() => Ok(vec![Context::of_local_rank(options, local_rank)?]),
+                _ => Context::all(options),
+            },
             Self::Opened(context) => Ok(vec![Arc::clone(context)]),
         }
     }
@@ -280,7 +234,7 @@ impl Inputs {
             Some(wanted) => PictureFiles::new(wanted, earlier, &scene.name)?,
             None => earlier.cloned().unwrap_or_else(PictureFiles::none),
         };
-        let checkpoint = checkpoint_file(plan.earlier.as_ref(), options);
+        let checkpoint = if options.leads() { checkpoint_file(plan.earlier.as_ref(), options) } else { None };
         if let Some(file) = &checkpoint {
             file.check_writable()?;
             if plan.earlier.is_none() {
@@ -305,7 +259,8 @@ fn open_and_load<'a>(
     watch: &Watch<'_>,
 ) -> (OpenedDevices, Result<(Cow<'a, Scene>, f64)>) {
     thread::scope(|scope| {
-        let context = scope.spawn(|| options.device.open());
+        let local_rank = options.exchange.as_ref().map(|exchange| exchange.local_rank());
+        let context = scope.spawn(move || options.device.open(local_rank));
         let loaded = timed(|| input.load(watch));
         (context.join(), loaded)
     })
@@ -369,17 +324,6 @@ fn output(
 fn timed<T>(work: impl FnOnce() -> Result<T>) -> Result<(T, f64)> {
     let begin = Instant::now();
     Ok((work()?, begin.elapsed().as_secs_f64()))
-}
-
-/// Warns where devices of several kinds render one picture.
-fn warn_of_mix(contexts: &[Arc<Context>], watch: &Watch<'_>) {
-    let kind = |context: &Arc<Context>| (context.device().name.clone(), context.device().driver_info.clone());
-    if contexts.iter().any(|context| kind(context) != kind(&contexts[0])) {
-        watch.warn(
-            "devices of different kinds render this picture: it is unbiased, but its last bits depend on the devices and \
-             their order",
-        );
-    }
 }
 
 /// Tells `watch` every warning once.

@@ -109,7 +109,7 @@ pub struct Totals {
     /// Times of the work that several devices do only because they share the picture.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sharing: Option<SharingTimes>,
-    /// Peak memory of the device's buffers in bytes.
+    /// Peak memory of the buffers of this process's devices in bytes.
     pub peak_bytes: u64,
     /// Peak memory of the process in bytes, on systems that report it.
     pub peak_resident_bytes: Option<u64>,

@@ -8,12 +8,21 @@ use crate::generated::layout::PathVertex;
 use crate::scene::Scene;
 use crate::{Error, Result};
 
+/// Number of targets that a parent counts for with the sampler `product`.
+const PRODUCT_FALLBACK: f32 = 4.0;
+
 impl Settings {
     /// Quantity that Russian roulette compares with. Where none is chosen, `product` uses the expected contribution, because its
     /// guide knows it. If `rr_depth` is not below `max_depth`, the user wants no roulette; throughput then ends no path.
     pub fn roulette(&self) -> Roulette {
         let knows = self.sampler == Sampler::Product && self.rr_depth < self.max_depth;
         self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })
+    }
+
+    /// Number of targets that the knowledge of a cell's parents counts for. Where none is chosen, `product` borrows from them.
+    /// The other samplers are those of the paper, where cells do not.
+    pub fn fallback(&self) -> f32 {
+        self.fallback.unwrap_or(if self.sampler == Sampler::Product { PRODUCT_FALLBACK } else { 0.0 })
     }
 
     /// Most edges of a path that a kernel traces. Roulette ends paths of unlimited length long before: from

@@ -73,8 +73,8 @@ pub struct Settings {
     #[serde(serialize_with = "number_or_auto", deserialize_with = "from_number_or_auto")]
     pub grid: u32,
     /// Number of targets that the knowledge of a cell's parents counts for in each of its bins, in [0, 1e6]. With 0 a cell uses
-    /// its own knowledge only.
-    pub fallback: f32,
+    /// its own knowledge only. `None` chooses it as [`Settings::fallback`] says.
+    pub fallback: Option<f32>,
     /// Direction bins along each side of the map, in [4, 64].
     pub directions: u32,
     /// Normal bins along each side of the equal-area square, in [4, 32].
@@ -144,7 +144,7 @@ impl Settings {
             roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,
-            fallback: 0.0,
+            fallback: None,
             directions: DEFAULTS.direction_resolution,
             normals: DEFAULTS.normal_resolution,
             spp_per_step: 8,

@@ -48,8 +48,9 @@ pub struct Grid {
     pub map: DirectionMap,
     /// Number of cells.
     pub cells: Cells,
-    /// Number of targets that the knowledge of a cell's parents counts for in each bin; 0 leaves parents out.
-    pub fallback: f32,
+    /// Number of targets that the knowledge of a cell's parents counts for in each bin; 0 leaves parents out. `None` chooses it
+    /// as [`Settings::fallback`] says.
+    pub fallback: Option<f32>,
     /// Factor on a bin's earlier count at each step.
     pub decay: f32,
 }
@@ -226,7 +227,7 @@ impl Settings {
             guide_set: defaults.guide_set,
             map: defaults.map,
             grid: CELLS,
-            fallback: 0.0,
+            fallback: None,
             directions: defaults.directions,
             normals: defaults.normals,
             max_tries: defaults.max_tries,
@@ -467,7 +468,7 @@ mod tests {
     fn guides() -> Vec<Guide> {
         let (surfaces, map) = (GuideSet::Authors, DirectionMap::Cylindrical);
         let grids = samplers().into_iter().flat_map(|sampler| {
-            [(Cells::Auto, 0.0), (Cells::PerAxis(5), 4.0)].map(|(cells, fallback)| {
+            [(Cells::Auto, None), (Cells::PerAxis(5), Some(4.0))].map(|(cells, fallback)| {
                 Guide::Grid(Grid { sampler: sampler.clone(), surfaces, map, cells, fallback, decay: 0.5 })
             })
         });
@@ -509,7 +510,7 @@ mod tests {
             |s| (s.sampler, s.learner) = (Sampler::Bsdf, Learner::MonteCarlo),
             |s| s.sampler = Sampler::Quadtree,
             |s| (s.sampler, s.learner, s.grid) = (Sampler::Quadtree, Learner::MonteCarlo, AUTO_GRID),
-            |s| (s.sampler, s.learner, s.fallback) = (Sampler::Quadtree, Learner::MonteCarlo, 4.0),
+            |s| (s.sampler, s.learner, s.fallback) = (Sampler::Quadtree, Learner::MonteCarlo, Some(4.0)),
         ];
         for (at, change) in changes.into_iter().enumerate() {
             let mut settings = options::defaults();

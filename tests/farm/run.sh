@@ -4,8 +4,8 @@
 #   tests/farm/run.sh [BINARY]
 #
 # BINARY is target/release/lodestar by default. GNU parallel (the package `parallel`) and `openjd` (openjd-cli of PyPI) run for real,
-# and so do the commands of Kubernetes' manifests, without Kubernetes. Slurm's commands are read back from a stand-in for sbatch. A
-# tool that is absent is skipped with a sentence. The last check plants a fault: a part is left out, and this must be found.
+# and so do the commands of Kubernetes' manifests, without Kubernetes. Slurm's job array runs on a real Slurm of one node (slurm.sh), and
+# beside it with a stand-in for sbatch. A tool that is absent is skipped with a sentence. The last check plants a fault: a part is left out, and this must be found.
 set -euo pipefail
 export LC_ALL=C
 
@@ -77,15 +77,24 @@ STAND_IN
 chmod +x "$work/bin/sbatch"
 PATH="$work/bin:$PATH" "$root/farm/slurm.sh" "$scene" "$work/slurm.exr" "$parts" --gres=gpu:1 >"$work/log" || { cat "$work/bin/jobs.log" >&2; exit 1; }
 check "Slurm's commands, without Slurm" "$work/slurm.exr"
-if command -v sinfo >"$work/log" && sinfo >"$work/log" 2>&1; then
-  echo "Slurm: a cluster answers, but this script submits no jobs to it"
+# Slurm itself, with one node. The array takes its tasks one after the other where the machine has few processors.
+slurm() {
+  cd "$work" && "$root/farm/slurm.sh" "$scene" "$work/cluster.exr" "$parts" && while squeue --noheader | grep -q .; do sleep 1; done
+}
+export -f slurm
+export root scene work parts
+if "$root/tests/farm/slurm.sh" bash -euo pipefail -c slurm >"$work/log" 2>&1; then
+  check "Slurm's job array and merge" "$work/cluster.exr"
+elif [ $? = 77 ]; then
+  echo "Slurm: skipped, because $(cat "$work/log")"
 else
-  echo "Slurm: skipped, because no cluster answers"
+  cat "$work/log" "$work"/slurm-*.out >&2
+  exit 1
 fi
 
-# The command of a manifest, in which /farm is this repository's folder.
+# The command of a manifest, in which /templates is the folder farm.
 argument() { # MANIFEST
-  sed -n "s/^ *args: \['\(.*\)'\]$/\1/p" "$1" | sed "s|/farm/|$root/farm/|"
+  sed -n "s/^ *args: \['\(.*\)'\]$/\1/p" "$1" | sed "s|/templates/|$root/farm/|"
 }
 for ((part = 0; part < parts; part++)); do
   SCENE=$scene PICTURE=$work/pods.exr JOB_COMPLETION_INDEX=$part bash -c "$(argument "$root/farm/kubernetes.yaml")" >"$work/log" 2>&1 \

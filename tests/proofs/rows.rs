@@ -72,7 +72,7 @@ pub const GUIDED: &[Row] = &[
 pub const RENDERED: &[Row] = &[
     row("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
     row("product, every part", |s| {
-        (s.sampler, s.guide_set, s.fallback) = (Sampler::Product, GuideSet::All, 4.0);
+        (s.sampler, s.guide_set, s.fallback) = (Sampler::Product, GuideSet::All, Some(4.0));
     }),
     row("product, growing weights", |s| {
         (s.sampler, s.sample_weights) = (Sampler::Product, Some(SampleWeights::Growing));

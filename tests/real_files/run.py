@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Renders real Mitsuba files that nobody of this project wrote, and says what became of each.
+"""Renders real Mitsuba and pbrt-v4 files that nobody of this project wrote, and says what became of each.
 
     tests/real_files/run.py LODESTAR [--only TEXT] [--mitsuba] [--jobs N]
 
 LODESTAR_REAL_FILES names the folder of the files; without it, nothing is done. No file of others is in this project: list.tsv
-names repositories, commits and paths. A file lies at OWNER+REPOSITORY/PATH below the folder. XML files that the list does not
-name are tried, too.
+names repositories, commits and paths. A file lies at OWNER+REPOSITORY/PATH below the folder. XML and pbrt files that the list does
+not name are tried, too.
 
 Each file is rendered at one sample per pixel, 48 x 48 pixels. The outcomes:
   rendered   the picture was written
   refused    one sentence says why; where it is about a plugin, it names plugin, file and line
   absent     files that the scene names are not in the folder, and nothing else is at fault
-  fragment   the file is no whole scene: it lacks <scene> or every <shape>
+  fragment   the file is no whole scene: it lacks <scene> or every <shape>, WorldBegin or every Shape
   wrong      with --mitsuba: the picture differs from Mitsuba's; or the listed outcome is another
   crashed    any other end, or none within two minutes
 The exit status is 1 where a file is wrong or crashed.
@@ -32,7 +32,7 @@ import tempfile
 FOLDER = pathlib.Path(__file__).parent
 SIZE, BLOCKS, SEEDS, SAMPLES, LIMIT, SECONDS = 48, 4, 12, 32, 5.0, 120
 # Outcomes that the goal leaves out: what these words name is refused on purpose.
-OUT_OF_SCOPE = re.compile(r"<medium|<volume|polari|fourier|measured|transient|fluor|stokes|fmcw|tof|hair|sdfgrid|yan16|layered", re.I)
+OUT_OF_SCOPE = re.compile(r"<medium|<volume|MakeNamedMedium|polari|fourier|measured|transient|fluor|stokes|fmcw|tof|hair|sdfgrid|yan16|layered", re.I)
 ABSENT = re.compile(r"does not exist|git-lfs", re.I)
 # Last line of a message that does not list all faults.
 MORE = re.compile(r"and \d+ more")
@@ -53,7 +53,8 @@ def render(binary, path, out, *more):
 
 def outcome(binary, path):
     text = path.read_text(encoding="utf8", errors="replace")
-    if "<scene" not in text or "<shape" not in text:
+    marks = ["WorldBegin", "Shape"] if path.suffix == ".pbrt" else ["<scene", "<shape"]
+    if any(mark not in text for mark in marks):
         return "fragment", ""
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -182,7 +183,8 @@ def main():
     if not folder:
         print("skipped: LODESTAR_REAL_FILES names no folder of files")
         return 0
-    paths = [path for path in sorted(pathlib.Path(folder).rglob("*.xml")) if arguments.only in str(path)]
+    paths = [path for path in sorted(pathlib.Path(folder).rglob("*.*")) if path.suffix in (".xml", ".pbrt")]
+    paths = [path for path in paths if arguments.only in str(path)]
     listed, tally, in_scope = expected(), collections.Counter(), collections.Counter()
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
         results = pool.map(lambda path: outcome(arguments.lodestar, path), paths)

@@ -184,7 +184,7 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
 #[test]
 fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
     let device = Device::new();
-    let fall_back = |s: &mut Settings| (s.grid, s.fallback, s.decay) = (7, 20.0, 0.0);
+    let fall_back = |s: &mut Settings| (s.grid, s.fallback, s.decay) = (7, Some(20.0), 0.0);
     let expected = 1.0 - 0.5_f64.powi(LEARNING_STEPS as i32);
     let found = learned(&device, &[], expected, fall_back);
     assert!(is_learned(found, expected), "{found:?}");

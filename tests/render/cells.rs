@@ -14,7 +14,7 @@ fn a_chosen_grid_is_as_fine_as_its_memory_allows() {
     let device = Device::new();
     for scene in tier::some_of(&["cornell-box/scene.xml", "door-ajar/scene.xml", "furnace/scene.xml"], 1) {
         let scene = ours(scene, &[]);
-        let settings = Settings { fallback: 4.0, ..settings(&scene, [16, 16], Sampler::Product, 1) };
+        let settings = Settings { fallback: Some(4.0), ..settings(&scene, [16, 16], Sampler::Product, 1) };
         let bytes = |grid| device.renderer(&scene, &Settings { grid, ..settings.clone() }).guide_bytes();
         let chosen = bytes(AUTO_GRID);
         println!("{chosen} bytes, {} of 8 cells a side", bytes(8));

@@ -115,7 +115,7 @@ fn waves_change_no_bit_of_any_option() {
         ("one edge", |s| s.max_depth = 1),
         ("weights by a schedule", |s| s.sample_weights = Some(SampleWeights::Growing)),
         ("blue noise", |s| s.pattern = SamplePattern::BlueNoise),
-        ("larger cells", |s| s.fallback = 8.0),
+        ("larger cells", |s| s.fallback = Some(8.0)),
         ("hidden emitters", |s| s.hide_emitters = true),
     ];
     for (name, set) in tier::some_of(&changes, 2) {

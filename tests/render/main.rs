@@ -27,6 +27,7 @@ mod retry;
 mod roulette;
 mod scales;
 mod significance;
+mod teams;
 mod variance;
 mod weights;
 mod ztest;

@@ -1,7 +1,6 @@
 //! Several devices render one picture with the bits of one device.
 
-use lodestar::generated::layout::RadianceSum;
-use lodestar::renderer::sums::{self, AddSums};
+use lodestar::renderer::sums::{self, AddSums, Sums};
 use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{Execution, Learner, Sampler, Settings};
@@ -12,11 +11,11 @@ use crate::determinism::bits;
 use crate::device::{Device, steps};
 
 /// Size that is not a whole number of tiles, so that devices have unequal shares.
-const SIZE: [u32; 2] = [44, 29];
+pub const SIZE: [u32; 2] = [44, 29];
 /// Samples per pixel: several steps, and a part of one.
-const SPP: u32 = 28;
+pub const SPP: u32 = 28;
 
-fn scene() -> Scene {
+pub fn scene() -> Scene {
     ours("cornell-box/scene.xml", &[])
 }
 
@@ -43,9 +42,9 @@ impl Ranks {
 }
 
 /// Everything that a render leaves: its picture, its state (where its last step was whole) and the counts of its steps.
-type Left = (Vec<u32>, RenderState, Vec<Counts>);
+pub type Left = (Vec<u32>, RenderState, Vec<Counts>);
 
-fn left(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Left {
+pub fn left(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Left {
     let counts = steps(renderer, settings, spp);
     (bits(&renderer.picture().expect("a picture")), renderer.state().expect("a state"), counts)
 }
@@ -54,7 +53,7 @@ fn left(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Left {
 const IN_QUICK_TIER: usize = 4;
 
 /// Settings with names: samplers and learners, emitter sampling, waves, ends by noise, parts, several film pages.
-fn configurations(scene: &Scene) -> Vec<(String, Settings)> {
+pub fn configurations(scene: &Scene) -> Vec<(String, Settings)> {
     let with = |sampler: Sampler, change: &dyn Fn(&mut Settings)| {
         let mut settings = settings(scene, SIZE, sampler, 21);
         change(&mut settings);
@@ -100,7 +99,7 @@ fn any_number_of_devices_gives_the_bits_of_one() {
 #[test]
 fn wrong_sums_are_found() {
     let scene = scene();
-    let add_twice = |total: &mut [RadianceSum], sums: &[RadianceSum]| {
+    let add_twice = |total: &mut Sums, sums: &Sums| {
         sums::add(total, sums);
         sums::add(total, sums);
     };

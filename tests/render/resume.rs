@@ -83,14 +83,16 @@ fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
     let device = Device::validated();
     let scene = scene();
     let plain = settings(&scene, SIZE, Sampler::Product, 21);
-    let settings = Settings { grid: AUTO_GRID, fallback: 4.0, ..plain.clone() };
+    let settings = Settings { grid: AUTO_GRID, fallback: Some(4.0), ..plain.clone() };
     let whole = rest(&mut device.renderer(&scene, &settings), &settings);
     let (state, _) = state_after(&device, &scene, &settings, 16);
     let mut renderer = device.renderer(&scene, &settings);
     renderer.restore(&state).expect("the same settings");
     assert!(rest(&mut renderer, &settings).0 == whole.0);
     // The twins must fail: each of the settings matters.
-    for other in [Settings { grid: plain.grid, ..settings.clone() }, Settings { fallback: 5.0, ..settings.clone() }] {
+    for other in
+        [Settings { grid: plain.grid, ..settings.clone() }, Settings { fallback: Some(5.0), ..settings.clone() }]
+    {
         assert!(rest(&mut device.renderer(&scene, &other), &other).0 != whole.0, "{other:?}");
     }
 }

@@ -18,6 +18,8 @@ use support::twins::radiance_grid as twin;
 
 const LIMIT: f32 = 32.0;
 const FALLBACK: f32 = 6.0;
+/// Weight of a block's prior, in units of FALLBACK: the constant of `glsl/include/guide/grid/block_scales.glsl`.
+const BLOCK_EVIDENCE: f64 = 16.0;
 const DIRECTIONS: u32 = 8;
 const BINS: usize = (DIRECTIONS * DIRECTIONS) as usize;
 
@@ -93,25 +95,28 @@ impl Blend {
     }
 
     /// Table of the twins.
-    fn expected(&self, learned: &[LearnedRadiance], fallback: f64) -> Vec<f64> {
+    fn expected(&self, learned: &[LearnedRadiance], fallback: f64, evidence: f64) -> Vec<f64> {
         let (count, all) = (self.cells.count() as usize, self.cells.all_count() as usize);
         let (parents, first_children) =
             self.cells.table[self.cells.grid.size.element_product() as usize..].split_at(all);
         let wide = |l: &LearnedRadiance| twin::LearnedRadiance { mean: l.mean.into(), weight: l.weight.into() };
-        let mut table = vec![0.0; count * BINS];
-        for bin in 0..BINS {
-            let mut known: Vec<_> = (0..count).map(|cell| wide(&learned[cell * BINS + bin])).collect();
-            for children in first_children.windows(2) {
-                known.push(twin::pooled(&known[children[0] as usize..children[1] as usize], fallback));
-            }
-            let mut estimates = vec![0.0; all];
-            for cell in (0..all).rev() {
-                let parent = estimates.get(parents[cell] as usize).copied();
-                estimates[cell] = twin::blended(known[cell], parent, fallback);
-            }
-            (0..count).for_each(|cell| table[cell * BINS + bin] = estimates[cell]);
+        let mut known: Vec<Vec<_>> = learned.chunks(BINS).map(|cell| cell.iter().map(wide).collect()).collect();
+        for children in first_children.windows(2) {
+            let cells = &known[children[0] as usize..children[1] as usize];
+            let of_bin = |bin: usize| cells.iter().map(|cell| cell[bin]).collect::<Vec<_>>();
+            known.push((0..BINS).map(|bin| twin::pooled(&of_bin(bin), fallback)).collect());
         }
-        table.chunks(BINS).flat_map(|cell| twin::floored(cell, LIMIT.into())).collect()
+        let mut estimates = vec![Vec::new(); all];
+        for cell in (0..all).rev() {
+            let scaled = estimates.get(parents[cell] as usize).map(|parent: &Vec<f64>| {
+                let scales = twin::block_scales(&known[cell], parent, DIRECTIONS as usize, evidence);
+                scales.iter().zip(parent).map(|(scale, estimate)| scale * estimate).collect::<Vec<_>>()
+            });
+            let prior = |bin: usize| scaled.as_ref().map(|scaled| scaled[bin]);
+            estimates[cell] =
+                (0..BINS).map(|bin| twin::blended(known[cell][bin], prior(bin), fallback)).collect::<Vec<f64>>();
+        }
+        estimates[..count].iter().flat_map(|cell| twin::floored(cell, LIMIT.into())).collect()
     }
 }
 
@@ -137,10 +142,12 @@ fn cells_fall_back_as_the_twins_do() {
     assert!(blend.cells.count() > 50 && blend.cells.parent_levels().len() == 3);
     let learned = some(&blend.cells);
     let ours = blend.radiance(&learned);
-    let off = worst(&ours, &blend.expected(&learned, FALLBACK.into()));
+    let (fallback, evidence) = (f64::from(FALLBACK), BLOCK_EVIDENCE * f64::from(FALLBACK));
+    let off = worst(&ours, &blend.expected(&learned, fallback, evidence));
     assert!(off < 1.0e-4, "{off}");
-    // The twin must fail: parents with a 5 % larger weight.
-    assert!(worst(&ours, &blend.expected(&learned, 1.05 * f64::from(FALLBACK))) > 1.0e-2);
+    // The twins must fail: parents with a 5 % larger weight, and blocks whose prior has a 5 % larger weight.
+    assert!(worst(&ours, &blend.expected(&learned, 1.05 * fallback, evidence)) > 1.0e-2);
+    assert!(worst(&ours, &blend.expected(&learned, fallback, 1.05 * evidence)) > 1.0e-3);
     // A second run gives the same table: earlier blended values do not matter.
     assert!(blend.radiance(&learned) == ours);
 }
@@ -163,5 +170,29 @@ fn what_nobody_knows_is_taken_from_who_does() {
         some(&blend.cells).iter().map(|l| LearnedRadiance { mean: l.mean + 0.5, weight: 1.0e9 }).collect();
     for (l, own) in blend.radiance(&sure).iter().zip(&sure) {
         assert!((l / own.mean - 1.0).abs() < 1.0e-5, "{l}, not {}", own.mean);
+    }
+}
+
+/// A cell that has found some bins brighter than its parent expects takes the bins that it knows nothing about to be brighter by
+/// the same factor.
+#[test]
+fn known_bins_scale_their_unknown_neighbors() {
+    let blend = Blend::new();
+    let count = blend.cells.count() as usize;
+    let (cell, weight, brighter) = (9, 1.0e6, 3.0);
+    let mut learned = vec![LearnedRadiance { mean: 1.0, weight }; count * BINS];
+    // The cell knows every other bin of one half of the map.
+    let is_known = |bin: usize| bin < BINS / 2 && bin.is_multiple_of(2);
+    for (bin, l) in learned[cell * BINS..(cell + 1) * BINS].iter_mut().enumerate() {
+        *l = if is_known(bin) { LearnedRadiance { mean: brighter, weight } } else { LearnedRadiance::zeroed() };
+    }
+    let parents = &blend.cells.table[blend.cells.grid.size.element_product() as usize..];
+    let siblings = parents[..count].iter().filter(|&&parent| parent == parents[cell]).count() as f32;
+    assert!(siblings > 1.0);
+    // The parent's estimate is the mean over its cells: 1 in the bins that this cell does not know.
+    let of_parent = (siblings - 1.0 + brighter) / siblings;
+    for (bin, l) in blend.radiance(&learned)[cell * BINS..(cell + 1) * BINS].iter().enumerate() {
+        let expected = if is_known(bin) { brighter } else { brighter / of_parent };
+        assert!((l / expected - 1.0).abs() < 1.0e-3, "bin {bin}: {l}, not {expected}");
     }
 }

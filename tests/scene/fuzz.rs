@@ -90,7 +90,7 @@ pub fn mangled(bytes: Vec<u8>) -> impl Strategy<Value = Vec<u8>> {
 }
 
 /// Checks the invariants of a loaded scene.
-fn check(scene: &Scene) -> Result<(), TestCaseError> {
+pub fn check(scene: &Scene) -> Result<(), TestCaseError> {
     for primitive in &scene.primitives {
         prop_assert!(primitive.bounds().0.is_finite() && primitive.bounds().1.is_finite());
         prop_assert!(primitive.normals.iter().flatten().all(|n| (n.length() - 1.0).abs() < 1e-3));

@@ -15,6 +15,7 @@ mod materials;
 mod meshes;
 mod obj;
 mod ours;
+mod pbrt;
 mod refuses;
 mod sunsky;
 mod textures;

@@ -114,6 +114,10 @@ bool has_nodes(uint group_mask) {
     return group_mask > 0x00ffffffu;
 }
 
+// Number of nodes that a ray visits before their primitives are tested. All lanes of a subgroup wait for the one with the most
+// primitives. The sums of two nodes differ less between lanes than the numbers of single nodes. `traverse` keeps two groups.
+const uint NODES_AT_ONCE = 2u;
+
 // Nearest hit of `ray`; with `any_hit` the first hit that the traversal finds. `overrun` is set where the driver ended
 // the loop early or where the stack was too small.
 Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
@@ -129,36 +133,53 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     // stands at the end, because lavapipe leaves a loop only there: without it, the body runs once more for no lane. Both
     // hold for all loops whose lanes end at different times.
     while (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE)) {
-        uint slot = uint(findMSB(group_mask));
-        uint child = group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
-        group_mask &= ~(1u << slot);
-        if (has_nodes(group_mask)) {
-            // The host sizes the stack by the depth of the tree. A group that finds no room is reported as an overrun.
-            overrun = overrun || stack_count == STACK_SIZE;
-            stack_count = min(stack_count, STACK_SIZE - 1u);
-            stack_base[stack_count] = group_base;
-            stack_mask[stack_count] = group_mask;
-            ++stack_count;
-        }
-        uint primitive_base, inner_mask;
-        uint mask = intersect_node(child, nodes, hit.t, group_base, primitive_base, inner_mask);
-        group_mask = (mask & 0xff000000u) | inner_mask;
-        uint primitives = mask & 0x00ffffffu;
-        if (primitives != 0u) {
-            while (primitives != 0u) {
-                uint bit = uint(findLSB(primitives));
-                primitives &= primitives - 1u;
-                // A ray that asks for any hit needs no second one.
-                if (intersect_primitive(ray, primitive_base + bit, hit) && any_hit) primitives = 0u;
-                if (primitives == 0u) break;
+        // Primitives found at the first node, and those found later at the second one.
+        uint primitives = 0u, later_primitives = 0u;
+        uint primitive_base = 0u, later_base = 0u;
+        uint nodes_left = NODES_AT_ONCE;
+        while (has_nodes(group_mask) && nodes_left > 0u) {
+            --nodes_left;
+            uint slot = uint(findMSB(group_mask));
+            uint child =
+                group_base + bitCount(group_mask & ~(0xffffffffu << ((slot - 24u) ^ (nodes.octant_inverse4 & 7u))));
+            group_mask &= ~(1u << slot);
+            if (has_nodes(group_mask)) {
+                // The host sizes the stack by the depth of the tree. A group that finds no room is reported as an overrun.
+                overrun = overrun || stack_count == STACK_SIZE;
+                stack_count = min(stack_count, STACK_SIZE - 1u);
+                stack_base[stack_count] = group_base;
+                stack_mask[stack_count] = group_mask;
+                ++stack_count;
             }
+            uint found_base, inner_mask;
+            uint mask = intersect_node(child, nodes, hit.t, group_base, found_base, inner_mask);
+            group_mask = (mask & 0xff000000u) | inner_mask;
+            uint found = mask & 0x00ffffffu;
+            bool is_first = primitives == 0u;
+            later_primitives = is_first ? later_primitives : found;
+            later_base = is_first ? later_base : found_base;
+            primitives = is_first ? found : primitives;
+            primitive_base = is_first ? found_base : primitive_base;
+            if (!has_nodes(group_mask) && stack_count > 0u) {
+                --stack_count;
+                group_base = stack_base[stack_count];
+                group_mask = stack_mask[stack_count];
+            }
+            if (!has_nodes(group_mask) || nodes_left == 0u) break;
+        }
+        while (primitives != 0u) {
+            uint bit = uint(findLSB(primitives));
+            primitives &= primitives - 1u;
+            // A ray that asks for any hit needs no second one.
+            if (intersect_primitive(ray, primitive_base + bit, hit) && any_hit) primitives = later_primitives = 0u;
+            if (primitives == 0u) {
+                primitives = later_primitives;
+                primitive_base = later_base;
+                later_primitives = 0u;
+            }
+            if (primitives == 0u) break;
         }
         overrun = overrun || primitives != 0u;
-        if (!has_nodes(group_mask) && stack_count > 0u) {
-            --stack_count;
-            group_base = stack_base[stack_count];
-            group_mask = stack_mask[stack_count];
-        }
         if (!has_nodes(group_mask) || (any_hit && hit.primitive != NONE)) break;
     }
     overrun = overrun || (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));

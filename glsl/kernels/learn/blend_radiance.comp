@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#include "guide/grid/block_scales.glsl"
 #include "guide/grid/cells.glsl"
 #include "guide/grid/floor.glsl"
 #include "guide/grid/radiance_grid.glsl"
@@ -12,13 +13,13 @@ struct UpdatePush {
 };
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
-// Estimate of a bin: (weight mean + FALLBACK estimate(parent)) / (weight + FALLBACK). The largest cell has only its own
-// mean.
+// Estimate of a bin: (weight mean + FALLBACK S estimate(parent)) / (weight + FALLBACK), with the scale S of the bin's block. The
+// largest cell has only its own mean.
 float blended_radiance(uint cell, uint bin) {
     LearnedRadiance learned = learned_radiance(radiance_index(cell, bin));
     uint parent = parent_cell(cell);
     if (parent == NONE) return learned.mean;
-    float estimate = learned_radiance(radiance_index(parent, bin)).mean;
+    float estimate = bin_scale(bin) * learned_radiance(radiance_index(parent, bin)).mean;
     return mix(estimate, learned.mean, learned.weight / (learned.weight + FALLBACK));
 }
 
@@ -45,6 +46,8 @@ void blend_cell(uint cell) {
 
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
+    uint parent = parent_cell(cell);
+    if (parent != NONE) measure_blocks(cell, parent);
     if (is_parent(cell)) {
         blend_parent(cell);
     } else {

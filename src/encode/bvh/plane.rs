@@ -9,7 +9,7 @@ use crate::scene::{Primitive, PrimitiveShape};
 /// Constant of the plane's equation relative to the anchor, and whether the anchor is the world's origin. `longest` is the
 /// shape's longest edge.
 pub(super) fn equation(p: &Primitive, longest: f32) -> (f32, bool) {
-    if p.shape == PrimitiveShape::Sphere {
+    if p.shape == PrimitiveShape::Sphere || is_far(p, longest) {
         return (0.0, false);
     }
     let nearest = nearest_point(p);
@@ -18,6 +18,12 @@ pub(super) fn equation(p: &Primitive, longest: f32) -> (f32, bool) {
     let plane = p.edge_u.cross(p.edge_v).as_dvec3().dot(nearest);
     let large = 2.0 * nearest.length() < f64::from(longest);
     (if large { plane as f32 } else { 0.0 }, large)
+}
+
+/// Whether the shape is surely not large, because its origin is far from the world's. Most shapes are far, and their nearest
+/// point need not be found. No point of a shape is farther from its origin than twice its longest edge.
+fn is_far(p: &Primitive, longest: f32) -> bool {
+    2.5 * longest < 0.999 * p.origin.length()
 }
 
 /// A point of the flat shape that is no farther from the world's origin than most: the nearest one of a triangle or

@@ -32,7 +32,7 @@ impl GridUpdates {
         let parents = || Ok(Parents { pool: build(&kernels.pool_radiance)?, blend: build(&kernels.blend_radiance)? });
         Ok(Self {
             radiance: build(&kernels.update_radiance)?,
-            parents: (settings.fallback > 0.0).then(parents).transpose()?,
+            parents: (settings.fallback() > 0.0).then(parents).transpose()?,
             normalization: build(&kernels.update_normalization)?,
         })
     }

@@ -8,12 +8,45 @@ use serde::{Deserialize, Serialize};
 /// Seconds that several devices have spent on sharing a film.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SharingTimes {
-    /// Number of devices.
+    /// Number of ranks.
+    pub ranks: usize,
+    /// Number of devices of all ranks.
     pub devices: usize,
     /// Adding up the sums of learning targets, and handing them to all devices.
     pub exchange_seconds: f64,
-    /// Copying the film's tiles to the first device.
+    /// Copying the film's tiles to the first device of the first rank.
     pub gather_seconds: f64,
+    /// Waiting of the first rank, after its own work, for the other ranks.
+    pub waiting_seconds: f64,
+    /// Number of exchanges of sums.
+    pub exchanges: u64,
+    /// Bytes that a rank or a device hands to the others in one exchange.
+    pub exchange_bytes: u64,
+}
+
+/// Number and size of exchanges.
+#[derive(Debug, Default)]
+pub(in crate::renderer) struct Traffic {
+    exchanges: AtomicU64,
+    bytes: AtomicU64,
+}
+
+impl Traffic {
+    /// Counts an exchange of so many bytes.
+    pub fn note(&self, bytes: usize) {
+        self.exchanges.fetch_add(1, Ordering::Relaxed);
+        self.bytes.store(bytes as u64, Ordering::Relaxed);
+    }
+
+    /// Number of exchanges.
+    pub fn exchanges(&self) -> u64 {
+        self.exchanges.load(Ordering::Relaxed)
+    }
+
+    /// Bytes of the last exchange.
+    pub fn bytes(&self) -> u64 {
+        self.bytes.load(Ordering::Relaxed)
+    }
 }
 
 /// Clock that adds up times of work in nanoseconds.

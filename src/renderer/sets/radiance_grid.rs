@@ -57,7 +57,7 @@ impl RadianceGrid {
 
     /// Bins that learn. Where cells borrow from the larger cells that they are part of, these learn, too.
     fn learned_bins(settings: &Settings, cells: &Cells) -> u64 {
-        let count = if settings.fallback > 0.0 { cells.all_count() } else { cells.count() };
+        let count = if settings.fallback() > 0.0 { cells.all_count() } else { cells.count() };
         u64::from(count) * u64::from(settings.directions.pow(2))
     }
 

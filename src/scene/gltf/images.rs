@@ -12,9 +12,9 @@ use serde_json::Value as Json;
 
 use super::asset::{Asset, data_uri};
 use super::budget::Budget;
-use super::values::{color, matrix, object, with};
 use crate::Result;
 use crate::image::texels::{self, FileTexels, TexelImage};
+use crate::scene::values::{color, matrix, object, with};
 use crate::scene::{Dictionary, Value};
 
 /// Use of a texture by a material.

@@ -8,8 +8,8 @@ use gltf::khr_lights_punctual::{Kind, Light};
 
 use super::asset::Asset;
 use super::nodes::Placed;
-use super::values::{color, matrix, number, object, with};
 use crate::Result;
+use crate::scene::values::{color, matrix, number, object, with};
 use crate::scene::{Array, Dictionary, Value};
 
 /// Height of the film in pixels; its width follows from the camera's aspect ratio.

@@ -8,8 +8,8 @@ use gltf::material::AlphaMode;
 use super::asset::Asset;
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
 use super::specular_glossiness;
-use super::values::{color, number, object, with};
 use crate::Result;
+use crate::scene::values::{color, number, object, with};
 use crate::scene::{Dictionary, Value};
 
 /// Index of refraction of a material that gives none.

@@ -11,11 +11,11 @@ use super::images::Images;
 use super::materials::{Coloring, Covering, Materials};
 use super::nodes::{Placed, Transforms, transforms};
 use super::skins::{self, Vertices};
-use super::values::{matrix, object, reference, with};
 use crate::Result;
 use crate::scene::Value;
 use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
 use crate::scene::mitsuba::element::MESH_INDEX;
+use crate::scene::values::{matrix, object, reference, with};
 
 /// Meshes in memory, and shapes.
 #[derive(Default)]

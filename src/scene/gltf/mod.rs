@@ -13,7 +13,6 @@ mod meshes;
 mod nodes;
 mod skins;
 mod specular_glossiness;
-mod values;
 
 use std::path::Path;
 

@@ -3,10 +3,10 @@
 use gltf::material::PbrSpecularGlossiness;
 
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled, texel};
-use super::values::{color, number, object};
 use crate::Result;
 use crate::image::tone::srgb;
 use crate::math::srgb::linear_from_srgb;
+use crate::scene::values::{color, number, object};
 use crate::scene::{Dictionary, Value};
 
 /// Reflectance of a dielectric at normal incidence, for an index of refraction of 1.5.

@@ -41,6 +41,11 @@ pub(super) fn read(path: &Path, format: MeshFormat) -> Result<Mesh> {
     Ok(mesh)
 }
 
+/// Reads the mesh of the PLY file at `path`, which holds `bytes`.
+pub(super) fn parse_ply(path: &Path, bytes: &[u8]) -> Result<Mesh> {
+    ply::parse(path, bytes)
+}
+
 fn bytes(path: &Path) -> Result<Vec<u8>> {
     let size = path.metadata().map_err(Error::read(path))?.len();
     if size > MAX_FILE_BYTES {

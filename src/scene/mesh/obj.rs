@@ -68,12 +68,12 @@ fn totals(text: &[u8]) -> Totals {
     }
 }
 
-/// Lines of a mesh as `tobj` gets them. A plain line is passed on as it is; any other line is checked and rewritten.
+/// Lines of a mesh as `tobj` gets them. Plain lines are passed on as they are; any other line is checked and rewritten.
 struct Lines<'a> {
     rest: &'a [u8],
     /// The current line, counted from 1.
     line: u32,
-    /// Rest of a plain line that `tobj` has not taken yet.
+    /// Rest of the plain lines that `tobj` has not taken yet.
     plain: &'a [u8],
     /// Rewritten line, of which `tobj` has taken the first `taken` bytes.
     rewritten: Vec<u8>,
@@ -135,16 +135,18 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// Prepares the next line for `tobj`; at the end of the file there is none.
+    /// Prepares the next lines for `tobj`; at the end of the file there are none.
     fn advance(&mut self) -> Result<(), String> {
         self.rewritten.clear();
         self.taken = 0;
+        if self.totals.is_none() {
+            self.plain = self.plain_lines()?;
+        }
         while self.plain.is_empty() && self.rewritten.is_empty() && !self.rest.is_empty() {
-            let length = self.rest.iter().position(|&byte| byte == b'\n').map_or(self.rest.len(), |end| end + 1);
-            let (line, rest) = self.rest.split_at(length);
+            let (line, rest) = split_line(self.rest);
             self.rest = rest;
             self.line = self.line.saturating_add(1);
-            self.take(line)?;
+            self.rewrite(line)?;
             if rest.is_empty() && self.totals.is_some() {
                 self.rewritten.extend(b"vt 0 0\nvn 0 0 0\n");
             }
@@ -152,43 +154,57 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
-    fn take(&mut self, line: &'a [u8]) -> Result<(), String> {
-        let mut words = Words::new(line);
-        let keyword = Keyword::of(&mut words);
-        let is_plain = self.totals.is_none() && self.is_plain(&keyword, line);
-        match keyword {
+    /// Takes the plain lines that come next.
+    fn plain_lines(&mut self) -> Result<&'a [u8], String> {
+        let text = self.rest;
+        while !self.rest.is_empty() {
+            let (line, rest) = split_line(self.rest);
+            let Some(keyword) = self.plain_keyword(line) else { break };
+            self.count(&keyword)?;
+            self.rest = rest;
+            self.line = self.line.saturating_add(1);
+        }
+        Ok(&text[..text.len() - self.rest.len()])
+    }
+
+    fn count(&mut self, keyword: &Keyword) -> Result<(), String> {
+        match *keyword {
             Keyword::Numbers(kind) => self.counts[kind] += 1,
             Keyword::Face => self.faces += 1,
-            Keyword::Other => return Ok(()),
+            Keyword::Other => {}
         }
         if self.faces > MAX_TRIANGLES {
             return Err(format!("no more than {MAX_TRIANGLES} faces fit"));
         }
-        match keyword {
-            _ if is_plain => self.plain = line,
-            Keyword::Numbers(kind) => self.rewrite_numbers(kind, &mut words)?,
-            _ => self.rewrite_face(&mut words)?,
-        }
         Ok(())
     }
 
-    /// Whether `tobj` reads the line as Mitsuba does, or refuses it.
-    fn is_plain(&self, keyword: &Keyword, line: &[u8]) -> bool {
-        let line = line.trim_ascii_end();
-        match *keyword {
-            Keyword::Numbers(kind) => line.strip_prefix(KEYWORDS[kind].as_bytes()).is_some_and(|numbers| {
-                let blanks = numbers.iter().filter(|&&byte| byte == b' ').count();
-                let is_plain = |&byte: &u8| byte == b' ' || (b'-'..=b'9').contains(&byte);
-                // `tobj` divides three numbers by a fourth and takes six for a color. In other lines it ignores more
-                // numbers.
-                numbers.len() <= FINITE_BYTES && (kind > 0 || blanks == SIZES[0]) && numbers.iter().all(is_plain)
-            }),
-            // Where the file has no texture coordinates or normals so far, `tobj` ignores their indices unchecked.
-            Keyword::Face => {
-                self.counts[1] > 0 && self.counts[2] > 0 && line.strip_prefix(b"f").is_some_and(is_plain_face)
-            }
-            Keyword::Other => false,
+    fn rewrite(&mut self, line: &[u8]) -> Result<(), String> {
+        let mut words = Words::new(line);
+        let keyword = Keyword::of(&mut words);
+        self.count(&keyword)?;
+        match keyword {
+            Keyword::Numbers(kind) => self.rewrite_numbers(kind, &mut words),
+            Keyword::Face => self.rewrite_face(&mut words),
+            Keyword::Other => Ok(()),
         }
+    }
+
+    /// Keyword of a line that `tobj` reads as Mitsuba does, or refuses; `None` for any other line.
+    fn plain_keyword(&self, line: &[u8]) -> Option<Keyword> {
+        let line = line.trim_ascii_end();
+        if let Some(corners) = line.strip_prefix(b"f ") {
+            // Where the file has no texture coordinates or normals so far, `tobj` ignores their indices unchecked.
+            let is_plain = self.counts[1] > 0 && self.counts[2] > 0 && is_plain_face(corners);
+            return is_plain.then_some(Keyword::Face);
+        }
+        let (kind, numbers) = match line {
+            [b'v', b' ', numbers @ ..] => (0, numbers),
+            [b'v', b't', b' ', numbers @ ..] => (1, numbers),
+            [b'v', b'n', b' ', numbers @ ..] => (2, numbers),
+            _ => return None,
+        };
+        are_plain_numbers(numbers, (kind == 0).then_some(SIZES[0])).then_some(Keyword::Numbers(kind))
     }
 
     fn rewrite_numbers(&mut self, kind: usize, words: &mut Words) -> Result<(), String> {
@@ -295,6 +311,29 @@ impl Read for Lines<'_> {
         self.consume(count);
         Ok(count)
     }
+}
+
+/// Splits the first line, with its line break, from a text.
+fn split_line(text: &[u8]) -> (&[u8], &[u8]) {
+    let mut rest = text;
+    // Reading memory cannot fail. This finds line breaks many bytes at a time.
+    let length = rest.skip_until(b'\n').unwrap_or_default();
+    text.split_at(length)
+}
+
+/// Whether numbers are separated by spaces, have no exponents, and are so short that all are finite. `count` says how many
+/// there must be, with single spaces between them: `tobj` divides three numbers by a fourth and takes six for a color. In
+/// other lines it ignores more numbers.
+fn are_plain_numbers(numbers: &[u8], count: Option<usize>) -> bool {
+    if numbers.len() > FINITE_BYTES {
+        return false;
+    }
+    let (mut blanks, mut are_plain) = (0_u8, true);
+    for &byte in numbers {
+        blanks += u8::from(byte == b' ');
+        are_plain &= byte == b' ' || (b'-'..=b'9').contains(&byte);
+    }
+    are_plain && count.is_none_or(|count| usize::from(blanks) + 1 == count)
 }
 
 /// Whether corners are separated by single spaces, and have up to three indices that are absent or at least 1.

@@ -226,6 +226,7 @@ fn image_name(name: &str, bytes: &[u8]) -> String {
     let extension = match bytes {
         [0x89, b'P', b'N', b'G', ..] => ".png",
         [0xff, 0xd8, ..] => ".jpg",
+        [0x76, 0x2f, 0x31, 0x01, ..] => ".exr",
         _ => "",
     };
     if stem.to_lowercase().ends_with(extension) { stem } else { stem + extension }

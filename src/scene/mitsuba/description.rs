@@ -34,7 +34,7 @@ pub(in crate::scene) struct Description {
     pub scene: Dictionary,
     /// Meshes. A shape of the type `mesh` names one by the parameter [`MESH_INDEX`].
     pub meshes: Vec<Mesh>,
-    /// Files in memory by name, for the `filename` of a `bitmap` or `envmap`: PNG, JPEG and the like, but no EXR.
+    /// Files in memory by name, for the `filename` of a `bitmap` or `envmap`: images of any format.
     pub files: HashMap<String, Arc<[u8]>>,
     /// Sentences about things that were read but are not rendered exactly.
     pub warnings: Vec<String>,

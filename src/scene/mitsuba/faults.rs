@@ -6,7 +6,7 @@ use crate::{Error, Result};
 
 /// Faults found so far. Two references to one faulty object give one fault.
 #[derive(Debug, Default)]
-pub(super) struct Faults {
+pub(in crate::scene) struct Faults {
     list: Vec<Error>,
     seen: HashSet<String>,
     /// Whether any error was added, also one without a message of its own ([`told_before`]).
@@ -14,7 +14,7 @@ pub(super) struct Faults {
 }
 
 /// Error of an object that is used again after its faults were returned to its first user. It adds no line to the list.
-pub(super) fn told_before() -> Error {
+pub(in crate::scene) fn told_before() -> Error {
     Error::Several(Vec::new())
 }
 

@@ -38,6 +38,16 @@ pub(super) fn parse(element: &Element, spectrum_use: SpectrumUse, folders: &Fold
     Ok(srgb(&points, spectrum_use).map(|channel| channel.max(0.0)))
 }
 
+/// Unclamped linear sRGB of a material whose spectrum is given as wavelengths, which increase, and values.
+pub(in crate::scene) fn of_material(points: &[[f64; 2]]) -> [f64; 3] {
+    srgb(points, SpectrumUse::Material)
+}
+
+/// Unclamped linear sRGB of light whose spectrum is given as wavelengths, which increase, and values.
+pub(in crate::scene) fn of_light(points: &[[f64; 2]]) -> [f64; 3] {
+    srgb(points, SpectrumUse::Emission)
+}
+
 /// Color of a spectrum that is constant over all wavelengths.
 pub(super) fn uniform(value: f64, spectrum_use: SpectrumUse) -> [f64; 3] {
     match spectrum_use {

@@ -431,9 +431,11 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "How much a cell borrows from larger cells around it",
-        long: "A bin mixes its own mean with the mean of its parent cell, as if that mean were of K targets. So the parent \
-               counts for much in a bin with few targets, and for little in a bin with many. With 0 a cell uses its own \
+        long: "A bin mixes its own mean with the estimate of its parent cell, as if that estimate were the mean of K targets. So \
+               the parent counts for much in a bin with few targets, and for little in a bin with many. The parent's estimate \
+               is first scaled by how bright the cell has found the directions around the bin. With 0 a cell uses its own \
                targets only.",
+        default: "4 with the sampler product, else 0",
         range: Some((0.0, 1.0e6)),
         setting: setting!(fallback),
         rules: &[

@@ -48,7 +48,26 @@ pub fn pooled(cells: &[LearnedRadiance], fallback: f64) -> LearnedRadiance {
     LearnedRadiance { mean, weight: cells.iter().map(|cell| cell.weight).sum() }
 }
 
-/// Estimate of a cell that falls back on its parent, whose mean counts as `fallback` targets.
-pub fn blended(cell: LearnedRadiance, parent: Option<f64>, fallback: f64) -> f64 {
-    parent.map_or(cell.mean, |parent| (cell.weight * cell.mean + fallback * parent) / (cell.weight + fallback))
+/// Estimate of a bin that falls back on its parent cell, whose estimate counts as `fallback` targets.
+pub fn blended(bin: LearnedRadiance, parent: Option<f64>, fallback: f64) -> f64 {
+    parent.map_or(bin.mean, |parent| (bin.weight * bin.mean + fallback * parent) / (bin.weight + fallback))
+}
+
+/// Factors on the estimates of a parent cell's bins, by how bright the cell has found the blocks that they lie in:
+/// `glsl/include/guide/grid/block_scales.glsl`. The prior scale of a block counts as `evidence` targets. There are `side` x `side`
+/// bins.
+pub fn block_scales(cell: &[LearnedRadiance], parent: &[f64], side: usize, evidence: f64) -> Vec<f64> {
+    let block_of = |bin: usize, blocks: usize| [bin % side, bin / side].map(|at| at * blocks / side);
+    let scale_of = |bin: usize| {
+        [1, 2, 4, 8].into_iter().fold(1.0, |scale, blocks| {
+            let inside = (0..cell.len()).filter(|&other| block_of(other, blocks) == block_of(bin, blocks));
+            let inside: Vec<_> = inside.collect();
+            let sum = |value: &dyn Fn(usize) -> f64| inside.iter().map(|&other| value(other)).sum::<f64>();
+            let prior = evidence * sum(&|other| parent[other]) / inside.len() as f64;
+            let found = sum(&|other| cell[other].weight * cell[other].mean);
+            let expected = sum(&|other| cell[other].weight * parent[other]);
+            if expected + prior > 0.0 { (found + prior * scale) / (expected + prior) } else { scale }
+        })
+    };
+    (0..cell.len()).map(scale_of).collect()
 }

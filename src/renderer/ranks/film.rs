@@ -1,0 +1,93 @@
+//! Gathering the film: the tiles of all devices are copied into the film of the first one.
+
+use crate::Result;
+use crate::generated::constants::TILE_PIXELS;
+use crate::renderer::Renderer;
+use crate::renderer::film_store::pages::padded_pixels;
+use crate::renderer::ranks::share::Share;
+
+/// Contents of the parts of a device's film.
+type Film = Vec<Vec<u8>>;
+
+impl Renderer {
+    /// Copies the tiles of all devices of all ranks into the film of the first device of the first rank.
+    pub(in crate::renderer) fn gather_film(&self) -> Result<()> {
+        if self.others.is_empty() && self.team.is_none() {
+            return Ok(());
+        }
+        self.gather_clock.time(|| self.copy_tiles())
+    }
+
+    fn copy_tiles(&self) -> Result<()> {
+        let film = self.film_of_devices();
+        let Some(team) = &self.team else { return self.write_film(&film?) };
+        if !team.leads() {
+            let tiles = film.map(|film| self.packed(&film, &team.own_shares()));
+            return team.meet(tiles, &|| false, |_| Ok(Vec::new())).map(drop);
+        }
+        let (mut film, own) = match film {
+            Ok(film) => (film, Ok(Vec::new())),
+            Err(error) => (Film::new(), Err(error)),
+        };
+        let take = |reports: Vec<Vec<u8>>| {
+            for (rank, tiles) in reports.iter().enumerate().skip(1) {
+                self.unpack(&mut film, &team.shares(rank), tiles);
+            }
+            self.write_film(&film)?;
+            Ok(Vec::new())
+        };
+        team.meet(own, &|| false, take).map(drop)
+    }
+
+    /// The film of the first device of this process, with the tiles of its other devices.
+    fn film_of_devices(&self) -> Result<Film> {
+        let read = |renderer: &Self| -> Result<Film> {
+            renderer.sets.frame.persistent().iter().map(|part| part.read()).collect()
+        };
+        let mut film = read(self)?;
+        for (share, other) in self.shares().into_iter().zip(self.all()).skip(1) {
+            let theirs = read(other).map_err(|error| other.named(error))?;
+            for (part, theirs) in film.iter_mut().zip(&theirs) {
+                for bytes in self.tiles(part.len(), share) {
+                    part[bytes.clone()].copy_from_slice(&theirs[bytes]);
+                }
+            }
+        }
+        Ok(film)
+    }
+
+    fn write_film(&self, film: &Film) -> Result<()> {
+        self.sets.frame.persistent().iter().zip(film).try_for_each(|(part, bytes)| part.write(bytes))
+    }
+
+    /// Bytes of the tiles of `shares`, part by part.
+    fn packed(&self, film: &Film, shares: &[Share]) -> Vec<u8> {
+        let mut packed = Vec::new();
+        for part in film {
+            for bytes in shares.iter().flat_map(|&share| self.tiles(part.len(), share)) {
+                packed.extend_from_slice(&part[bytes]);
+            }
+        }
+        packed
+    }
+
+    /// Copies tiles that [`Renderer::packed`] has packed into a film.
+    fn unpack(&self, film: &mut Film, shares: &[Share], mut packed: &[u8]) {
+        for part in film {
+            let length = part.len();
+            for bytes in shares.iter().flat_map(|&share| self.tiles(length, share)) {
+                // A rank of the same program has as many bytes.
+                let (tile, rest) = packed.split_at(bytes.len().min(packed.len()));
+                part[bytes.start..bytes.start + tile.len()].copy_from_slice(tile);
+                packed = rest;
+            }
+        }
+    }
+
+    /// Ranges of the bytes of a share's tiles, in a part of the film with so many bytes.
+    fn tiles(&self, part_bytes: usize, share: Share) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
+        let tiles = (padded_pixels(&self.settings) / u64::from(TILE_PIXELS)) as usize;
+        let bytes = part_bytes / tiles;
+        (share.rank as usize..tiles).step_by(share.ranks as usize).map(move |tile| tile * bytes..(tile + 1) * bytes)
+    }
+}

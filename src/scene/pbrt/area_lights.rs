@@ -1,0 +1,104 @@
+//! Lights of shapes.
+
+use std::rc::Rc;
+
+use super::color_space::luminance;
+use super::delta_lights::color;
+use super::nodes::{Node, rgb};
+use super::rasters::Encoding;
+use super::textures::Textures;
+use super::world::Entity;
+use crate::Result;
+use crate::scene::values::object;
+use crate::scene::{Dictionary, Value};
+
+/// Light of a shape, up to the area on which its radiance may depend.
+pub(super) struct AreaLight {
+    radiance: Radiance,
+    /// Power of the whole light, where it is given.
+    power: Option<f64>,
+    pub is_two_sided: bool,
+}
+
+enum Radiance {
+    Color([f64; 3]),
+    /// Image, the factor of its colors, and its mean luminance.
+    Image {
+        image: Node,
+        factor: f64,
+        luminance: f64,
+    },
+}
+
+impl AreaLight {
+    /// Reads an area light. `exposure` is a factor of all light.
+    pub fn read(entity: &Rc<Entity>, exposure: f64, textures: &mut Textures) -> Result<Self> {
+        let parameters = &entity.parameters;
+        if entity.kind != "diffuse" {
+            let kind = super::tokens::brief(&entity.kind);
+            return Err(entity.error(format!("the area light `{kind}` is not known; use `diffuse`")));
+        }
+        let is_two_sided = parameters.boolean("twosided", false)?;
+        let power = parameters.number("power", -1.0)?;
+        let power = (power > 0.0).then_some(power);
+        let radiance = match parameters.text("filename")? {
+            None => Radiance::Color(color(entity, "L", exposure, textures.images.files)?),
+            Some(name) => {
+                if let Some(radiance) = parameters.get("L") {
+                    return Err(radiance.error("cannot stand beside `filename`; give one of them"));
+                }
+                let image = textures.bitmap(name, Encoding::Srgb, &parameters.place)?;
+                let mean = match power.and(textures.raster(&image, entity)?) {
+                    Some((raster, _)) => luminance(raster.mean().as_dvec3().to_array()),
+                    None => 1.0,
+                };
+                let factor = color(entity, "L", exposure, textures.images.files)?[0];
+                Radiance::Image { image, factor, luminance: mean }
+            }
+        };
+        textures.images.warnings.extend(parameters.unread());
+        if is_two_sided {
+            textures
+                .images
+                .warn(&parameters.place, "a light that emits from both sides becomes two shapes, back to back");
+        }
+        Ok(Self { radiance, power, is_two_sided })
+    }
+
+    /// Whether the radiance depends on the shape's area.
+    pub fn has_power(&self) -> bool {
+        self.power.is_some()
+    }
+
+    /// Whether the radiance varies over the shape.
+    pub fn is_textured(&self) -> bool {
+        matches!(self.radiance, Radiance::Image { .. })
+    }
+
+    /// Emitter of a shape with this area.
+    pub fn emitter(&self, area: f64, textures: &mut Textures) -> Result<Dictionary> {
+        let sides = if self.is_two_sided { 2.0 } else { 1.0 };
+        let of_power = |mean: f64| match self.power {
+            Some(power) if mean * area > 0.0 => power / (mean * sides * area * std::f64::consts::PI),
+            _ => 1.0,
+        };
+        let radiance = match &self.radiance {
+            Radiance::Color(color) => {
+                let factor = of_power(1.0);
+                rgb(color.map(|channel| channel * factor))
+            }
+            Radiance::Image { image, factor, luminance } => {
+                let texture = textures.color_value(image)?;
+                let factor = factor * of_power(*luminance);
+                match texture {
+                    Value::Object(texture) if factor != 1.0 => {
+                        let entries = [("scale", Value::Number(factor)), ("texture", Value::Object(texture))];
+                        Value::Object(object("scale", entries))
+                    }
+                    texture => texture,
+                }
+            }
+        };
+        Ok(object("area", [("radiance", radiance)]))
+    }
+}

@@ -1,0 +1,362 @@
+//! Graphics state of pbrt, and the scene that grows by each directive.
+
+use std::collections::{HashMap, HashSet};
+use std::mem;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::color_space::ColorSpace;
+use super::files::Files;
+use super::parameters::{Parameter, Parameters};
+use super::read_form;
+use super::tokens::{Place, brief};
+use super::transforms::Current;
+use super::world::{Entity, Instance, MaterialUse, NamedTexture, Object, Shape, World};
+use crate::Result;
+use crate::scene::mitsuba::faults::Faults;
+
+/// Deepest nesting of `AttributeBegin`.
+const MAX_DEPTH: usize = 1024;
+/// Most shapes, instances, lights, materials or textures of a scene.
+const MAX_ENTITIES: usize = 1 << 20;
+
+/// Targets of the directive `Attribute`.
+const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
+
+/// Graphics state: what holds for the directives that follow.
+#[derive(Debug, Clone)]
+pub(super) struct State {
+    pub to_world: Current,
+    pub is_reversed: bool,
+    /// Whether directives change the transform at the shutter's opening, not only the one at its closing.
+    pub is_at_start: bool,
+    color_space: ColorSpace,
+    material: MaterialUse,
+    light: Option<Rc<Entity>>,
+    /// Parameters by `Attribute`, for each of [`TARGETS`].
+    attributes: [Rc<Vec<Parameter>>; TARGETS.len()],
+}
+
+/// Scene that grows by each directive.
+pub(super) struct Builder {
+    pub files: Files,
+    pub state: State,
+    pub faults: Faults,
+    pub warnings: Vec<String>,
+    pub world: World,
+    /// Files being read, from the main one.
+    pub open_files: Vec<Arc<Path>>,
+    pub include_count: usize,
+    pushed: Vec<State>,
+    /// The object whose shapes are being read, and the number of states that were pushed before it.
+    object: Option<(Object, usize)>,
+    object_names: HashSet<String>,
+    coordinate_systems: HashMap<String, Current>,
+    is_world: bool,
+    /// Media that were refused.
+    pub known_media: HashSet<String>,
+    /// Warnings that were given.
+    known_warnings: HashSet<&'static str>,
+    texture_count: usize,
+    entity_count: usize,
+}
+
+impl Builder {
+    /// Builder of the scene whose main file is at `main`.
+    pub fn new(main: &Path) -> Self {
+        let state = State {
+            to_world: Current::IDENTITY,
+            is_reversed: false,
+            is_at_start: true,
+            color_space: ColorSpace::Srgb,
+            material: MaterialUse::Default,
+            light: None,
+            attributes: Default::default(),
+        };
+        Self {
+            files: Files::new(main),
+            state,
+            faults: Faults::default(),
+            warnings: Vec::new(),
+            world: World::default(),
+            open_files: Vec::new(),
+            include_count: 0,
+            pushed: Vec::new(),
+            object: None,
+            object_names: HashSet::new(),
+            coordinate_systems: HashMap::new(),
+            is_world: false,
+            known_media: HashSet::new(),
+            known_warnings: HashSet::new(),
+            texture_count: 0,
+            entity_count: 0,
+        }
+    }
+
+    /// Whether the description of the world has begun.
+    pub fn has_world(&self) -> bool {
+        self.is_world
+    }
+
+    /// Place of a block that was begun, but not ended.
+    pub fn open_block(&self) -> Option<&Place> {
+        self.object.as_ref().map(|(object, _)| &object.place)
+    }
+
+    /// Warns of a kind of thing, once for the whole scene.
+    pub fn warn_once(&mut self, place: &Place, message: &'static str) {
+        if self.known_warnings.insert(message) {
+            self.warnings.push(format!("{place}: {message}"));
+        }
+    }
+
+    pub fn begin_world(&mut self, place: &Place) -> Result<()> {
+        if mem::replace(&mut self.is_world, true) {
+            return Err(place.error("a second WorldBegin; a file describes one scene"));
+        }
+        self.state.to_world = Current::IDENTITY;
+        self.state.is_at_start = true;
+        self.coordinate_systems.insert("world".to_owned(), Current::IDENTITY);
+        Ok(())
+    }
+
+    pub fn push(&mut self, place: &Place) -> Result<()> {
+        if self.pushed.len() >= MAX_DEPTH {
+            return Err(place.error(format!("AttributeBegin is nested more than {MAX_DEPTH} deep")));
+        }
+        self.pushed.push(self.state.clone());
+        Ok(())
+    }
+
+    pub fn pop(&mut self, place: &Place) -> Result<()> {
+        let floor = self.object.as_ref().map_or(0, |(_, count)| *count);
+        if self.pushed.len() <= floor {
+            return Err(place.error("AttributeEnd without an AttributeBegin before it"));
+        }
+        self.state = self.pushed.pop().unwrap_or_else(|| self.state.clone());
+        Ok(())
+    }
+
+    pub fn begin_object(&mut self, name: &str, place: &Place) -> Result<()> {
+        self.check_world("ObjectBegin", place)?;
+        self.push(place)?;
+        if self.object.is_some() {
+            return Err(place.error("ObjectBegin inside another one; end the first with ObjectEnd"));
+        }
+        if !self.object_names.insert(name.to_owned()) {
+            return Err(place.error(format!("a second object `{}`; give it another name", brief(name))));
+        }
+        self.count(place)?;
+        let object = Object { name: name.to_owned(), place: place.clone(), shapes: Vec::new() };
+        self.object = Some((object, self.pushed.len()));
+        Ok(())
+    }
+
+    pub fn end_object(&mut self, place: &Place) -> Result<()> {
+        let Some((object, count)) = self.object.take() else {
+            return Err(place.error("ObjectEnd without an ObjectBegin before it"));
+        };
+        if self.pushed.len() != count {
+            return Err(place.error("ObjectEnd before the AttributeEnd of a block within the object"));
+        }
+        self.world.objects.push(object);
+        self.pop(place)
+    }
+
+    pub fn add_instance(&mut self, name: &str, place: &Place) -> Result<()> {
+        self.check_world("ObjectInstance", place)?;
+        if self.object.is_some() {
+            return Err(place.error("ObjectInstance inside an object is not part of pbrt; put it after ObjectEnd"));
+        }
+        self.count(place)?;
+        let to_world = self.state.to_world;
+        self.world.instances.push(Instance { name: name.to_owned(), place: place.clone(), to_world });
+        Ok(())
+    }
+
+    pub fn use_named_material(&mut self, name: &str, place: &Place) {
+        self.state.material = MaterialUse::Named(name.to_owned(), place.clone());
+    }
+
+    pub fn set_color_space(&mut self, name: &str, place: &Place) -> Result<()> {
+        self.state.color_space = ColorSpace::named(name).map_err(|message| place.error(message))?;
+        Ok(())
+    }
+
+    pub fn set_transform(&mut self, transform: Current, place: &Place) -> Result<()> {
+        if self.state.is_at_start {
+            self.state.to_world = transform;
+        }
+        match self.state.to_world.is_finite() {
+            true => Ok(()),
+            false => Err(place.error("the current transform leaves the range of single-precision numbers")),
+        }
+    }
+
+    pub fn transform_by(&mut self, by: &Current, place: &Place) -> Result<()> {
+        self.set_transform(self.state.to_world.after(by), place)
+    }
+
+    pub fn keep_coordinate_system(&mut self, name: &str) {
+        self.coordinate_systems.insert(name.to_owned(), self.state.to_world);
+    }
+
+    pub fn use_coordinate_system(&mut self, name: &str, place: &Place) -> Result<()> {
+        let Some(&transform) = self.coordinate_systems.get(name) else {
+            return Err(place.error(format!(
+                "there is no coordinate system `{}`; name it by CoordinateSystem before",
+                brief(name)
+            )));
+        };
+        self.set_transform(transform, place)
+    }
+
+    pub fn set_attributes(&mut self, target: &str, parameters: Parameters) -> Result<()> {
+        let Some(index) = TARGETS.iter().position(|known| *known == target) else {
+            return Err(parameters.error(format!(
+                "`{}` has no attributes; use one of {}",
+                brief(target),
+                TARGETS.join(", ")
+            )));
+        };
+        let old = mem::take(&mut self.state.attributes[index]);
+        let mut list = parameters.into_list();
+        list.extend(old.iter().filter(|old| !list.iter().any(|new| new.name == old.name)).cloned().collect::<Vec<_>>());
+        self.state.attributes[index] = Rc::new(list);
+        Ok(())
+    }
+
+    pub fn add_texture(&mut self, name: String, value: &str, kind: String, parameters: Parameters) -> Result<()> {
+        let place = parameters.place.clone();
+        self.check_world("Texture", &place)?;
+        self.count(&place)?;
+        let entity = self.entity(kind, parameters.with_defaults(&self.state.attributes[4]));
+        let (number, textures) = (self.texture_count, &mut self.world);
+        self.texture_count += 1;
+        let textures = match value {
+            "float" => &mut textures.numbers,
+            // pbrt-v3 says `color`.
+            "spectrum" | "color" => &mut textures.colors,
+            other => return Err(place.error(format!("a texture gives `float` or `spectrum`, not `{}`", brief(other)))),
+        };
+        match textures.contains_key(&name) {
+            true => Err(place.error(format!("a second texture `{}`; give it another name", brief(&name)))),
+            false => {
+                textures.insert(name, NamedTexture { entity, number });
+                Ok(())
+            }
+        }
+    }
+
+    /// Adds what a directive with a type and parameters describes.
+    pub fn add(&mut self, directive: &str, kind: String, parameters: Parameters) -> Result<()> {
+        let place = parameters.place.clone();
+        self.count(&place)?;
+        match directive {
+            "Camera" => {
+                self.check_options(directive, &place)?;
+                self.coordinate_systems.insert("camera".to_owned(), self.state.to_world.inverted());
+                self.world.camera = Some(self.entity(kind, parameters));
+            }
+            "Film" | "PixelFilter" | "Sampler" | "Integrator" => {
+                self.check_options(directive, &place)?;
+                let entity = Some(self.entity(kind, parameters));
+                match directive {
+                    "Film" => self.world.film = entity,
+                    "PixelFilter" => self.world.filter = entity,
+                    "Sampler" => self.world.sampler = entity,
+                    _ => self.world.integrator = entity,
+                }
+            }
+            "Accelerator" => {}
+            "Shape" => self.add_shape(kind, parameters)?,
+            "LightSource" => {
+                self.check_world(directive, &place)?;
+                let light = self.entity(kind, parameters.with_defaults(&self.state.attributes[1]));
+                self.world.lights.push(light);
+            }
+            "AreaLightSource" => {
+                self.check_world(directive, &place)?;
+                let light = self.entity(kind, parameters.with_defaults(&self.state.attributes[1]));
+                self.state.light = Some(Rc::new(light));
+            }
+            "Material" => {
+                let material = self.entity(kind, parameters.with_defaults(&self.state.attributes[2]));
+                self.state.material = MaterialUse::Unnamed(Rc::new(material));
+            }
+            _ => {
+                let type_of = parameters.text("type")?;
+                let type_of =
+                    type_of.ok_or_else(|| place.error("MakeNamedMaterial needs its parameter \"string type\""))?;
+                let type_of = type_of.to_owned();
+                let material = self.entity(type_of, parameters.with_defaults(&self.state.attributes[2]));
+                if self.world.materials.insert(kind.clone(), Rc::new(material)).is_some() {
+                    return Err(place.error(format!("a second material `{}`; give it another name", brief(&kind))));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_shape(&mut self, kind: String, parameters: Parameters) -> Result<()> {
+        self.check_world("Shape", &parameters.place)?;
+        let mut entity = self.entity(kind, parameters.with_defaults(&self.state.attributes[0]));
+        let Some(form) = self.faults.keep(read_form::read(&entity, &mut self.files, &mut self.warnings)) else {
+            return Ok(());
+        };
+        self.warnings.extend(entity.parameters.unread());
+        entity.parameters.keep_only(&["alpha"]);
+        let State { is_reversed, ref material, ref light, .. } = self.state;
+        let mut shape = Shape { form, entity, is_reversed, material: material.clone(), light: light.clone() };
+        if self.object.is_some() && shape.light.take().is_some() {
+            self.warn_once(&shape.entity.parameters.place, "shapes of objects do not emit, as in pbrt");
+        }
+        match &mut self.object {
+            Some((object, _)) => object.shapes.push(shape),
+            None => self.world.shapes.push(shape),
+        }
+        Ok(())
+    }
+
+    /// State before an import, which inherits the state but does not change it.
+    pub fn begin_import(&mut self, place: &Place) -> Result<(State, usize)> {
+        self.check_world("Import", place)?;
+        Ok((self.state.clone(), self.pushed.len()))
+    }
+
+    pub fn end_import(&mut self, (state, depth): (State, usize), place: &Place) -> Result<()> {
+        if self.pushed.len() != depth {
+            return Err(place.error("the imported file does not end each block that it begins"));
+        }
+        self.state = state;
+        Ok(())
+    }
+
+    fn entity(&self, kind: String, parameters: Parameters) -> Entity {
+        let State { to_world, color_space, .. } = self.state;
+        Entity { kind, parameters, to_world, color_space }
+    }
+
+    fn count(&mut self, place: &Place) -> Result<()> {
+        self.entity_count += 1;
+        match self.entity_count > MAX_ENTITIES {
+            true => Err(place.error(format!("more than {MAX_ENTITIES} shapes, lights, materials and textures"))),
+            false => Ok(()),
+        }
+    }
+
+    fn check_world(&self, directive: &str, place: &Place) -> Result<()> {
+        match self.is_world {
+            true => Ok(()),
+            false => Err(place.error(format!("{directive} must stand after WorldBegin"))),
+        }
+    }
+
+    fn check_options(&self, directive: &str, place: &Place) -> Result<()> {
+        match self.is_world {
+            true => Err(place.error(format!("{directive} must stand before WorldBegin"))),
+            false => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! Lights that no shape has.
+
+use super::names::Names;
+use super::textures::Textures;
+use super::tokens::brief;
+use super::world::{Entity, World};
+use super::{delta_lights, environment};
+use crate::scene::Value;
+use crate::scene::mitsuba::faults::Faults;
+
+/// Emitters of a scene's lights. `exposure` is a factor of all light.
+pub(super) fn of_scene(
+    world: &World,
+    exposure: f64,
+    names: &Names,
+    textures: &mut Textures,
+    faults: &mut Faults,
+) -> Vec<(String, Value)> {
+    let (infinite, others): (Vec<&Entity>, Vec<&Entity>) =
+        world.lights.iter().partition(|light| light.kind == "infinite");
+    let label = |light: &Entity| names.label(&light.parameters.place, &format!("light `{}`", brief(&light.kind)));
+    let mut lights = Vec::new();
+    for light in &others {
+        let made = delta_lights::light(light, exposure, textures.images.files, textures.images.warnings);
+        lights.extend(faults.keep(made).map(|object| names.entry(label(light), "light", object)));
+    }
+    let environment = faults.keep(environment::of_lights(&infinite, exposure, textures)).flatten();
+    if let (Some(object), Some(first)) = (environment, infinite.first()) {
+        lights.push(names.entry(label(first), "environment", object));
+    }
+    textures.images.warnings.extend(world.lights.iter().flat_map(|light| light.parameters.unread()));
+    lights
+}

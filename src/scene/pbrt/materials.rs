@@ -1,0 +1,262 @@
+//! Materials: pbrt's as BSDFs of Mitsuba's, which are one object each.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::coats;
+use super::maker::{Maker, two_sided};
+use super::metals;
+use super::names::Names;
+use super::nodes::{Node, rgb};
+use super::parameters::{Parameter, Values};
+use super::rasters::Encoding;
+use super::roughness;
+use super::textures::Textures;
+use super::tokens::{Place, brief};
+use super::transmission;
+use super::world::{Entity, MaterialUse};
+use crate::Result;
+use crate::scene::mitsuba::faults;
+use crate::scene::values::{object, reference, with};
+use crate::scene::{Dictionary, Value};
+
+/// Deepest nesting of mixed materials.
+const MAX_DEPTH: usize = 16;
+
+/// Materials of pbrt-v3, which v4 does not know.
+const OLD: [&str; 11] = [
+    "matte",
+    "plastic",
+    "metal",
+    "glass",
+    "mirror",
+    "uber",
+    "substrate",
+    "translucent",
+    "disney",
+    "fourier",
+    "kdsubsurface",
+];
+
+/// BSDF of a shape.
+#[derive(Debug, Clone)]
+pub(super) struct Cover {
+    /// Id of the object.
+    pub id: String,
+    /// Whether texture coordinates matter.
+    pub is_textured: bool,
+}
+
+/// Materials as objects.
+pub(super) struct Materials<'l> {
+    names: &'l Names,
+    /// Covers by the material's address; `None` is a material whose fault was told.
+    known: HashMap<*const Entity, Option<Cover>>,
+    default: Option<Cover>,
+    masked: HashMap<(String, String), Cover>,
+    objects: Vec<(String, Value)>,
+}
+
+impl<'l> Materials<'l> {
+    pub fn new(names: &'l Names) -> Self {
+        let (known, masked) = (HashMap::new(), HashMap::new());
+        Self { names, known, default: None, masked, objects: Vec::new() }
+    }
+
+    /// Objects of the materials used.
+    pub fn finish(self) -> Vec<(String, Value)> {
+        self.objects
+    }
+
+    /// Cover of a shape whose alpha may be given.
+    pub fn cover(
+        &mut self,
+        material: &MaterialUse,
+        alpha: Option<&Parameter>,
+        textures: &mut Textures,
+    ) -> Result<Cover> {
+        let cover = match material {
+            MaterialUse::Default => self.default_cover(),
+            MaterialUse::Unnamed(entity) => self.keep(entity, None, textures, 0)?,
+            MaterialUse::Named(name, place) => self.named(name, place, textures, 0)?,
+        };
+        match alpha {
+            Some(alpha) => self.masked(cover, alpha, textures),
+            None => Ok(cover),
+        }
+    }
+
+    fn default_cover(&mut self) -> Cover {
+        if self.default.is_none() {
+            let id = self.names.id("default");
+            let diffuse = two_sided(object("diffuse", [("reflectance", rgb([0.5; 3]))]));
+            self.add("the default material".to_owned(), &id, diffuse);
+            self.default = Some(Cover { id, is_textured: false });
+        }
+        self.default.clone().unwrap_or(Cover { id: String::new(), is_textured: false })
+    }
+
+    fn named(&mut self, name: &str, place: &Place, textures: &mut Textures, depth: usize) -> Result<Cover> {
+        let Some(entity) = textures.world.materials.get(name) else {
+            return Err(place.error(format!("there is no material `{}`; make it by MakeNamedMaterial", brief(name))));
+        };
+        self.keep(entity, Some(name), textures, depth)
+    }
+
+    fn keep(
+        &mut self,
+        entity: &Rc<Entity>,
+        name: Option<&str>,
+        textures: &mut Textures,
+        depth: usize,
+    ) -> Result<Cover> {
+        if depth > MAX_DEPTH {
+            return Err(entity.error(format!("materials are mixed more than {MAX_DEPTH} deep: does one mix itself?")));
+        }
+        if let Some(known) = self.known.get(&Rc::as_ptr(entity)) {
+            return known.clone().ok_or_else(faults::told_before);
+        }
+        let made = self.make(entity, name, textures, depth);
+        if !self.known.contains_key(&Rc::as_ptr(entity)) {
+            textures.images.warnings.extend(entity.parameters.unread());
+        }
+        self.known.insert(Rc::as_ptr(entity), made.as_ref().ok().cloned());
+        made
+    }
+
+    fn make(&mut self, entity: &Entity, name: Option<&str>, textures: &mut Textures, depth: usize) -> Result<Cover> {
+        entity.parameters.ignore(&["type"]);
+        let mut maker = Maker { entity, textures, is_textured: false };
+        let bsdf = match entity.kind.as_str() {
+            "mix" => {
+                let parts = self.parts(entity, maker.textures, depth)?;
+                mixture(&mut maker, &parts)?
+            }
+            _ => bsdf(&mut maker)?,
+        };
+        let bsdf = with_relief(&mut maker, bsdf)?;
+        let is_textured = maker.is_textured;
+        let place = &entity.parameters.place;
+        let (what, wanted) = match name {
+            Some(name) => (format!("material `{}`", brief(name)), name.to_owned()),
+            None => (format!("material `{}`", entity.kind), format!("{} at line {}", entity.kind, place.line)),
+        };
+        let id = self.names.id(&wanted);
+        self.add(self.names.label(place, &what), &id, bsdf);
+        Ok(Cover { id, is_textured })
+    }
+
+    /// The two materials of a `mix`.
+    fn parts(&mut self, entity: &Entity, textures: &mut Textures, depth: usize) -> Result<[Cover; 2]> {
+        let place = &entity.parameters.place;
+        let names = match entity.parameters.get("materials").map(|parameter| &parameter.values) {
+            Some(Values::Texts(names)) if names.len() == 2 => names,
+            _ => return Err(entity.error("a `mix` needs its parameter \"string materials\" with two names")),
+        };
+        Ok([self.named(&names[0], place, textures, depth + 1)?, self.named(&names[1], place, textures, depth + 1)?])
+    }
+
+    /// The cover within a mask.
+    fn masked(&mut self, cover: Cover, alpha: &Parameter, textures: &mut Textures) -> Result<Cover> {
+        let node = textures.number_of(alpha, usize::MAX)?;
+        if let Node::Constant([number, ..]) = node
+            && number >= 1.0
+        {
+            return Ok(cover);
+        }
+        let key = (cover.id.clone(), format!("{:?}", alpha.values));
+        if let Some(known) = self.masked.get(&key) {
+            return Ok(known.clone());
+        }
+        let id = self.names.id(&format!("{} with alpha", cover.id));
+        let opacity = textures.number_value(&node)?;
+        let mask = object("mask", [("opacity", opacity), ("surface", Value::Object(reference(&cover.id)))]);
+        self.add(self.names.label(&alpha.place, "alpha"), &id, mask);
+        let is_textured = cover.is_textured || !matches!(node, Node::Constant(_));
+        let masked = Cover { id, is_textured };
+        self.masked.insert(key, masked.clone());
+        Ok(masked)
+    }
+
+    fn add(&mut self, label: String, id: &str, bsdf: Dictionary) {
+        self.objects.push((label, Value::Object(with(bsdf, "id", Value::Text(id.to_owned())))));
+    }
+}
+
+fn bsdf(maker: &mut Maker) -> Result<Dictionary> {
+    let entity = maker.entity;
+    match entity.kind.as_str() {
+        "diffuse" => Ok(two_sided(object("diffuse", [("reflectance", maker.color("reflectance", 0.5)?)]))),
+        "diffusetransmission" => transmission::diffuse(maker),
+        "conductor" => conductor(maker),
+        "dielectric" => dielectric(maker),
+        "thindielectric" => {
+            let eta = maker.index("eta", 1.5)?;
+            Ok(object("thindielectric", [("int_ior", Value::Number(eta)), ("ext_ior", Value::Number(1.0))]))
+        }
+        "coateddiffuse" => coats::diffuse(maker),
+        "coatedconductor" => coats::conductor(maker),
+        "interface" | "" | "none" => Ok(object("null", [])),
+        other @ ("hair" | "measured" | "subsurface") => {
+            Err(entity.error(format!("the material `{other}` is not supported; use another one")))
+        }
+        other if OLD.contains(&other) => Err(entity.error(format!(
+            "the material `{other}` belongs to pbrt-v3; `pbrt --upgrade` makes a file of v4, which is read"
+        ))),
+        other => Err(entity.error(format!("the material `{}` is not known; check its spelling", brief(other)))),
+    }
+}
+
+fn conductor(maker: &mut Maker) -> Result<Dictionary> {
+    let facets = roughness::read(maker, "")?;
+    let entries = metals::metal(maker, ["eta", "k"], 1.0)?;
+    Ok(two_sided(metals::faceted(maker, "conductor", "roughconductor", facets, entries)?))
+}
+
+fn dielectric(maker: &mut Maker) -> Result<Dictionary> {
+    let facets = roughness::read(maker, "")?;
+    let eta = maker.index("eta", 1.5)?;
+    if eta == 1.0 {
+        // Light goes straight on.
+        return Ok(object("null", []));
+    }
+    let entries = vec![("int_ior", Value::Number(eta)), ("ext_ior", Value::Number(1.0))];
+    metals::faceted(maker, "dielectric", "roughdielectric", facets, entries)
+}
+
+fn mixture(maker: &mut Maker, [first, second]: &[Cover; 2]) -> Result<Dictionary> {
+    let amount = maker.textures.number(&maker.entity.parameters, "amount", 0.5)?;
+    maker.is_textured |= first.is_textured || second.is_textured;
+    let part = |cover: &Cover| Value::Object(reference(&cover.id));
+    Ok(object("blendbsdf", [("weight", maker.number(&amount)?), ("first", part(first)), ("second", part(second))]))
+}
+
+/// The BSDF with a normal map or a displacement around it.
+fn with_relief(maker: &mut Maker, bsdf: Dictionary) -> Result<Dictionary> {
+    let parameters = &maker.entity.parameters;
+    if let Some(name) = parameters.text("normalmap")? {
+        if parameters.has("displacement") {
+            maker.warn("a normal map and a displacement: the displacement is ignored, as in pbrt");
+        }
+        let map = maker.textures.bitmap(name, Encoding::Linear, &parameters.place)?;
+        maker.is_textured = true;
+        let map = maker.textures.image_texture(&map)?.unwrap_or_default();
+        return Ok(object("normalmap", [("normalmap", Value::Object(map)), ("surface", Value::Object(bsdf))]));
+    }
+    if !parameters.has("displacement") {
+        return Ok(bsdf);
+    }
+    let node = maker.textures.number(parameters, "displacement", 0.0)?;
+    match maker.textures.image_texture(&node)? {
+        Some(map) => {
+            maker.is_textured = true;
+            Ok(object("bumpmap", [("heights", Value::Object(map)), ("surface", Value::Object(bsdf))]))
+        }
+        None => {
+            if !matches!(node, Node::Constant(_)) {
+                maker.warn("a displacement that is no image is not rendered");
+            }
+            Ok(bsdf)
+        }
+    }
+}

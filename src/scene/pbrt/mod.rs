@@ -1,0 +1,132 @@
+//! pbrt-v4: `.pbrt` files to a description in Mitsuba's terms.
+//!
+//! A scene keeps its numbers. pbrt's world is left-handed, so that a camera has its `+x` to the right; Mitsuba's cameras have
+//! theirs to the left. Materials that transmit nothing scatter on both sides. `v` runs from an image's bottom in pbrt, from its
+//! top in Mitsuba. Light is in pbrt's units: a radiance of white of 1 is a pixel of 1 (`imaging ratio`).
+
+mod area_lights;
+mod builder;
+mod camera;
+mod coat_loss;
+mod coats;
+mod color_space;
+mod colors;
+mod delta_lights;
+mod directives;
+mod environment;
+mod equal_area;
+mod files;
+mod film;
+mod form;
+mod image_maps;
+mod images;
+mod lights;
+mod maker;
+mod materials;
+mod metals;
+mod named_spectra;
+mod names;
+mod nodes;
+mod parameters;
+mod quadrics;
+mod rasters;
+mod read_form;
+mod roughness;
+mod shapes;
+mod subdivision;
+mod textures;
+mod tokens;
+mod transforms;
+mod transmission;
+mod world;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::mitsuba::description::Description;
+use super::values::{matrix, object, reference, with};
+use super::{Dictionary, Value};
+use crate::{Error, Result};
+use builder::Builder;
+use film::Film;
+use images::Images;
+use materials::Materials;
+use names::Names;
+use shapes::Shapes;
+use textures::Textures;
+
+/// Reads the file at `path` and those that it includes.
+///
+/// # Errors
+/// Where a file cannot be read, or the scene has faults or asks for something unsupported.
+pub(super) fn read(path: &Path) -> Result<Description> {
+    let mut builder = Builder::new(path);
+    let read = directives::read_file(&mut builder, path);
+    builder.faults.keep(read);
+    if let Some(place) = builder.open_block() {
+        let error = place.error("an object without an ObjectEnd: is the file cut short?");
+        builder.faults.add(error);
+    }
+    if !builder.has_world() {
+        builder.faults.add(Error::scene(path, None, "it has no WorldBegin; pbrt renders only files that have one"));
+    }
+    let Builder { mut files, mut faults, mut warnings, mut world, .. } = builder;
+    let (shapes, objects) = (std::mem::take(&mut world.shapes), std::mem::take(&mut world.objects));
+    let names = Names::new(path);
+    let film = faults.keep(Film::read(&world, &mut warnings));
+    let exposure = film.as_ref().map_or(1.0, |film| film.exposure);
+    let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];
+    let integrator = faults.keep(film::integrator(&world, &mut warnings));
+    entries.extend(integrator.map(|object| names.entry("integrator".to_owned(), "integrator", object)));
+    if let (Some(camera), Some(film)) = (&world.camera, film) {
+        let sensor = faults.keep(camera::sensor(camera, film.width, film.height));
+        let sampler = faults.keep(film::sampler(&world)).flatten();
+        let parts = [("film", Some(film.into_object())), ("sampler", sampler)];
+        let parts = parts.into_iter().filter_map(|(key, part)| Some((key, part?)));
+        let add = |sensor| parts.fold(sensor, |sensor, (key, part)| with(sensor, key, Value::Object(part)));
+        let label = names.label(&camera.parameters.place, "camera");
+        entries.extend(sensor.map(|sensor| names.entry(label, "camera", add(sensor))));
+    }
+    let of_film = [&world.camera, &world.film, &world.filter, &world.sampler, &world.integrator];
+    warnings.extend(of_film.into_iter().flatten().flat_map(|entity| entity.parameters.unread()));
+    let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings));
+    let lights = lights::of_scene(&world, exposure, &names, &mut textures, &mut faults);
+    let mut materials = Materials::new(&names);
+    let mut made = Shapes::new(&names, exposure);
+    let mut placed = Vec::new();
+    let mut groups = HashMap::new();
+    for object in objects {
+        let mut members = Vec::new();
+        for shape in object.shapes {
+            members.extend(faults.keep(made.objects(shape, &mut materials, &mut textures)).into_iter().flatten());
+        }
+        let what = format!("object `{}`", tokens::brief(&object.name));
+        let id = names.id(&object.name);
+        let group = object_of_type("shapegroup", &id);
+        let group = members.into_iter().fold(group, |group, (key, member)| with(group, &key, member));
+        placed.push((names.label(&object.place, &what), Value::Object(group)));
+        groups.insert(object.name, id);
+    }
+    for shape in shapes {
+        placed.extend(faults.keep(made.objects(shape, &mut materials, &mut textures)).into_iter().flatten());
+    }
+    for instance in &world.instances {
+        let Some(id) = groups.get(&instance.name) else {
+            let name = tokens::brief(&instance.name);
+            faults.add(instance.place.error(format!("there is no object `{name}`; define it by ObjectBegin")));
+            continue;
+        };
+        let entries = [("group", Value::Object(reference(id))), ("to_world", matrix(&instance.to_world.matrix))];
+        placed.push(names.entry(names.label(&instance.place, "instance"), "instance", object("instance", entries)));
+    }
+    entries.extend(materials.finish());
+    entries.extend(lights);
+    entries.extend(placed);
+    let (meshes, files) = (made.finish(), textures.finish());
+    faults.into_result()?;
+    Ok(Description { path: path.to_path_buf(), scene: Dictionary { entries }, meshes, files, warnings })
+}
+
+fn object_of_type(kind: &str, id: &str) -> Dictionary {
+    object(kind, [("id", Value::Text(id.to_owned()))])
+}

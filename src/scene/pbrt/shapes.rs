@@ -1,0 +1,283 @@
+//! Shapes as objects, with their meshes.
+
+use glam::{DMat4, DVec3, Vec2};
+
+use super::area_lights::AreaLight;
+use super::form::{Form, own_area, triangle_areas};
+use super::materials::{Cover, Materials};
+use super::names::Names;
+use super::quadrics::{self, Disk, Sphere};
+use super::textures::Textures;
+use super::transforms::{is_mirrored, rigid};
+use super::world::{Entity, Shape};
+use crate::Result;
+use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
+use crate::scene::mitsuba::element::MESH_INDEX;
+use crate::scene::values::{matrix, object, reference, with};
+use crate::scene::{Dictionary, Value};
+
+/// Most different areas of the triangles of one light whose `power` is given: each makes an emitter of its own.
+const MAX_AREAS: usize = 4096;
+/// Distance between the two sides of a light that emits from both, as a share of its size.
+const GAP: f64 = 1.0e-4;
+
+/// Shapes as objects.
+pub(super) struct Shapes<'l> {
+    names: &'l Names,
+    meshes: Vec<Mesh>,
+    /// Factor of all light.
+    exposure: f64,
+    triangle_count: usize,
+}
+
+/// Shape on the way to an object.
+struct Placed<'s> {
+    entity: &'s Entity,
+    form: Form,
+    to_world: DMat4,
+    is_reversed: bool,
+    cover: Cover,
+}
+
+impl<'l> Shapes<'l> {
+    pub fn new(names: &'l Names, exposure: f64) -> Self {
+        Self { names, meshes: Vec::new(), exposure, triangle_count: 0 }
+    }
+
+    /// Meshes of the shapes.
+    pub fn finish(self) -> Vec<Mesh> {
+        self.meshes
+    }
+
+    /// Objects of a shape: one, or several where it emits from both sides or where triangles differ in radiance.
+    pub fn objects(
+        &mut self,
+        shape: Shape,
+        materials: &mut Materials,
+        textures: &mut Textures,
+    ) -> Result<Vec<(String, Value)>> {
+        let Shape { form, entity, is_reversed, material, light } = shape;
+        let cover = materials.cover(&material, entity.parameters.get("alpha"), textures)?;
+        if let (Some(alpha), Some(_)) = (entity.parameters.get("alpha"), &light)
+            && alpha.kind == "float"
+            && alpha.number()? == 0.0
+        {
+            return Err(alpha.error("of 0 makes a light that is not seen, which is not supported; remove it"));
+        }
+        let light = light.map(|light| AreaLight::read(&light, self.exposure, textures)).transpose()?;
+        let is_textured = cover.is_textured || light.as_ref().is_some_and(AreaLight::is_textured);
+        let label = self.names.label(&entity.parameters.place, &format!("shape `{}`", entity.kind));
+        let to_world = entity.to_world.matrix;
+        let needs_mesh = light.as_ref().is_some_and(|light| light.is_two_sided || light.has_power());
+        let form = prepared(form, &entity, is_textured, needs_mesh, textures)?;
+        let placed = Placed { entity: &entity, form, to_world, is_reversed, cover };
+        let parts = match &light {
+            None => vec![(placed, None)],
+            Some(light) => lit(placed, light, textures)?,
+        };
+        parts
+            .into_iter()
+            .map(|(part, emitter)| Ok(self.names.entry(label.clone(), &entity.kind, self.object(part, emitter)?)))
+            .collect()
+    }
+
+    fn object(&mut self, placed: Placed, emitter: Option<Dictionary>) -> Result<Dictionary> {
+        let Placed { entity, form, mut to_world, is_reversed, cover } = placed;
+        let mirrored = is_mirrored(&to_world);
+        let has_normals = form.has_normals();
+        // In pbrt the normals that a mesh gives decide which side is the front, and else the order of its vertices before they
+        // are transformed.
+        let mut flips = is_reversed ^ (mirrored && !has_normals);
+        let mut shape = match form {
+            Form::Mesh(mesh) => {
+                let index = self.keep(mesh, entity)?;
+                let shape = object("mesh", [("face_normals", Value::Boolean(!has_normals))]);
+                with(shape, MESH_INDEX, Value::Integer(index))
+            }
+            Form::Ply { name, .. } => {
+                object("ply", [("filename", Value::Text(name)), ("face_normals", Value::Boolean(!has_normals))])
+            }
+            Form::Sphere { radius } => {
+                flips = is_reversed ^ mirrored;
+                if cover.is_textured {
+                    // pbrt's v runs from the lowest z up, Mitsuba's down.
+                    to_world *= DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+                    flips = !flips;
+                }
+                object("sphere", [("radius", Value::Number(radius))])
+            }
+            Form::Disk { radius, height } => {
+                flips = is_reversed;
+                to_world *=
+                    DMat4::from_translation(DVec3::Z * height) * DMat4::from_scale(DVec3::new(radius, radius, 1.0));
+                object("disk", [])
+            }
+        };
+        shape = with(shape, "flip_normals", Value::Boolean(flips));
+        if to_world != DMat4::IDENTITY {
+            shape = with(shape, "to_world", matrix(&to_world));
+        }
+        shape = with(shape, "bsdf", Value::Object(reference(&cover.id)));
+        if let Some(emitter) = emitter {
+            shape = with(shape, "emitter", Value::Object(emitter));
+        }
+        Ok(shape)
+    }
+
+    /// Keeps a mesh and returns its index.
+    fn keep(&mut self, mesh: Mesh, entity: &Entity) -> Result<i64> {
+        self.triangle_count += mesh.triangles.len();
+        if self.triangle_count > MAX_TRIANGLES {
+            return Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles")));
+        }
+        self.meshes.push(mesh);
+        Ok(self.meshes.len() as i64 - 1)
+    }
+}
+
+/// The form as Mitsuba's shapes can have it: what they lack becomes a mesh.
+fn prepared(form: Form, entity: &Entity, is_textured: bool, needs_mesh: bool, textures: &mut Textures) -> Result<Form> {
+    let mut warn = |message: &str| textures.images.warn(&entity.parameters.place, message);
+    Ok(match form {
+        Form::Sphere { radius } if rigid(&entity.to_world.matrix).is_none() => {
+            warn("a sphere that is scaled unevenly is cut into triangles");
+            Form::Mesh(quadrics::sphere(&Sphere::whole(radius)))
+        }
+        Form::Disk { radius, height } if is_textured => {
+            warn("a disk with a texture is cut into triangles");
+            let disk = Disk { radius, inner: 0.0, height, angle: std::f64::consts::TAU };
+            Form::Mesh(quadrics::disk(&disk))
+        }
+        Form::Ply { name, has_normals } if is_textured || needs_mesh => {
+            let path = textures.images.files.existing(&name, "mesh file", &entity.parameters.place)?;
+            let mesh = mesh::parse_ply(&path, &textures.images.files.bytes(&path)?)?;
+            match is_textured && mesh.uvs.is_empty() {
+                true => Form::Mesh(with_uvs(mesh)),
+                false if needs_mesh => Form::Mesh(mesh),
+                false => Form::Ply { name, has_normals },
+            }
+        }
+        Form::Mesh(mesh) if is_textured && mesh.uvs.is_empty() => Form::Mesh(with_uvs(mesh)),
+        form => form,
+    })
+}
+
+/// The mesh with pbrt's texture coordinates of triangles that have none.
+fn with_uvs(mesh: Mesh) -> Mesh {
+    let corners: Vec<usize> = mesh.triangles.as_flattened().iter().map(|&index| index as usize).collect();
+    let triangle = [Vec2::ZERO, Vec2::X, Vec2::ONE];
+    Mesh {
+        positions: corners.iter().map(|&index| mesh.positions[index]).collect(),
+        normals: corners.iter().filter_map(|&index| mesh.normals.get(index).copied()).collect(),
+        uvs: triangle.into_iter().cycle().take(corners.len()).collect(),
+        triangles: (0..mesh.triangles.len() as u32).map(|index| [3 * index, 3 * index + 1, 3 * index + 2]).collect(),
+        ..Mesh::default()
+    }
+}
+
+/// Parts of a shape that emits, with their emitters.
+fn lit<'s>(
+    placed: Placed<'s>,
+    light: &AreaLight,
+    textures: &mut Textures,
+) -> Result<Vec<(Placed<'s>, Option<Dictionary>)>> {
+    let mut parts = Vec::new();
+    for (part, area) in by_area(placed, light)? {
+        let emitter = light.emitter(area, textures)?;
+        if light.is_two_sided {
+            parts.push((back(&part), Some(emitter.clone())));
+        }
+        parts.push((part, Some(emitter)));
+    }
+    Ok(parts)
+}
+
+/// Parts of a shape whose lights have one radiance each. In pbrt, each triangle of a mesh is a light with the whole `power`.
+fn by_area<'s>(placed: Placed<'s>, light: &AreaLight) -> Result<Vec<(Placed<'s>, f64)>> {
+    if !light.has_power() {
+        return Ok(vec![(placed, 1.0)]);
+    }
+    let Form::Mesh(mesh) = &placed.form else {
+        let area = own_area(&placed.form).unwrap_or(1.0);
+        return Ok(vec![(placed, area)]);
+    };
+    let areas = triangle_areas(mesh, &placed.to_world);
+    let mut groups: Vec<(f64, Vec<[u32; 3]>)> = Vec::new();
+    let mut order: Vec<usize> = (0..areas.len()).filter(|&index| areas[index] > 0.0).collect();
+    order.sort_by(|&a, &b| areas[a].total_cmp(&areas[b]));
+    for index in order {
+        match groups.last_mut() {
+            Some((area, group)) if areas[index] <= *area * (1.0 + 1.0e-5) => group.push(mesh.triangles[index]),
+            _ => groups.push((areas[index], vec![mesh.triangles[index]])),
+        }
+    }
+    if groups.len() > MAX_AREAS {
+        let message = format!(
+            "the `power` of a light holds for each triangle, and these have {} different areas; give `L`",
+            groups.len()
+        );
+        return Err(placed.entity.error(message));
+    }
+    let part = |(area, triangles): (f64, Vec<[u32; 3]>)| {
+        let Mesh { positions, normals, uvs, .. } = mesh;
+        let form = Form::Mesh(Mesh {
+            positions: positions.clone(),
+            normals: normals.clone(),
+            uvs: uvs.clone(),
+            triangles,
+            ..Mesh::default()
+        });
+        let Placed { entity, to_world, is_reversed, ref cover, .. } = placed;
+        (Placed { entity, form, to_world, is_reversed, cover: cover.clone() }, area)
+    };
+    Ok(groups.into_iter().map(part).collect())
+}
+
+/// The other side of a shape, a little behind it.
+fn back<'s>(front: &Placed<'s>) -> Placed<'s> {
+    let (form, offset) = match &front.form {
+        Form::Mesh(mesh) => (Form::Mesh(behind(mesh, front.is_reversed)), DMat4::IDENTITY),
+        // The inside of a sphere.
+        Form::Sphere { radius } => {
+            let side = if front.is_reversed { 1.0 } else { -1.0 };
+            (Form::Sphere { radius: radius * (1.0 + side * GAP) }, DMat4::IDENTITY)
+        }
+        Form::Disk { radius, height } => {
+            let side = if front.is_reversed { 1.0 } else { -1.0 };
+            (Form::Disk { radius: *radius, height: height + side * GAP * radius }, DMat4::IDENTITY)
+        }
+        Form::Ply { name, has_normals } => {
+            (Form::Ply { name: name.clone(), has_normals: *has_normals }, DMat4::IDENTITY)
+        }
+    };
+    Placed {
+        entity: front.entity,
+        form,
+        to_world: front.to_world * offset,
+        is_reversed: !front.is_reversed,
+        cover: front.cover.clone(),
+    }
+}
+
+/// The mesh with its vertices moved a little behind the front.
+fn behind(mesh: &Mesh, is_reversed: bool) -> Mesh {
+    let position = |index: u32| mesh.positions[index as usize].as_dvec3();
+    let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
+    for &[a, b, c] in &mesh.triangles {
+        let normal = (position(b) - position(a)).cross(position(c) - position(a));
+        let given = |index: u32| mesh.normals.get(index as usize).map_or(normal, |normal| normal.as_dvec3());
+        let normal = normal * (normal.dot(given(a) + given(b) + given(c))).signum();
+        [a, b, c].into_iter().for_each(|index| normals[index as usize] += normal);
+    }
+    let low = mesh.positions.iter().copied().reduce(glam::Vec3::min).unwrap_or_default();
+    let high = mesh.positions.iter().copied().reduce(glam::Vec3::max).unwrap_or_default();
+    let gap = GAP * f64::from((high - low).length()) * if is_reversed { 1.0 } else { -1.0 };
+    let moved = mesh.positions.iter().zip(&normals);
+    Mesh {
+        positions: moved.map(|(at, normal)| (at.as_dvec3() + gap * normal.normalize_or_zero()).as_vec3()).collect(),
+        normals: mesh.normals.clone(),
+        uvs: mesh.uvs.clone(),
+        triangles: mesh.triangles.clone(),
+        ..Mesh::default()
+    }
+}

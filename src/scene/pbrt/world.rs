@@ -1,0 +1,90 @@
+//! Scene as its directives give it: no names are followed yet.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::color_space::ColorSpace;
+use super::form::Form;
+use super::parameters::Parameters;
+use super::tokens::Place;
+use super::transforms::Current;
+
+/// Directive with its type, its parameters and what held where it stands.
+#[derive(Debug, Clone)]
+pub(super) struct Entity {
+    /// Type, such as `perspective` of a camera.
+    pub kind: String,
+    pub parameters: Parameters,
+    pub to_world: Current,
+    pub color_space: ColorSpace,
+}
+
+impl Entity {
+    pub fn error(&self, message: impl Into<String>) -> crate::Error {
+        self.parameters.error(message)
+    }
+}
+
+/// Material that a shape uses.
+#[derive(Debug, Clone)]
+pub(super) enum MaterialUse {
+    /// pbrt's default: a gray diffuse surface.
+    Default,
+    /// Material of a directive `Material`.
+    Unnamed(Rc<Entity>),
+    /// Material of a directive `MakeNamedMaterial`.
+    Named(String, Place),
+}
+
+/// Shape with what held where it stands.
+#[derive(Debug)]
+pub(super) struct Shape {
+    pub form: Form,
+    /// The directive; its parameters hold no more than the form leaves over.
+    pub entity: Entity,
+    pub is_reversed: bool,
+    pub material: MaterialUse,
+    pub light: Option<Rc<Entity>>,
+}
+
+/// Shapes that instances copy.
+#[derive(Debug)]
+pub(super) struct Object {
+    pub name: String,
+    pub place: Place,
+    pub shapes: Vec<Shape>,
+}
+
+/// Copy of an object.
+#[derive(Debug)]
+pub(super) struct Instance {
+    pub name: String,
+    pub place: Place,
+    pub to_world: Current,
+}
+
+/// Texture with the number of its directive: a texture may use only earlier ones.
+#[derive(Debug)]
+pub(super) struct NamedTexture {
+    pub entity: Entity,
+    pub number: usize,
+}
+
+/// Whole scene as its directives give it.
+#[derive(Debug, Default)]
+pub(super) struct World {
+    pub camera: Option<Entity>,
+    pub film: Option<Entity>,
+    pub filter: Option<Entity>,
+    pub sampler: Option<Entity>,
+    pub integrator: Option<Entity>,
+    pub shapes: Vec<Shape>,
+    pub objects: Vec<Object>,
+    pub instances: Vec<Instance>,
+    pub lights: Vec<Entity>,
+    pub materials: HashMap<String, Rc<Entity>>,
+    /// Textures that give a number.
+    pub numbers: HashMap<String, NamedTexture>,
+    /// Textures that give a color.
+    pub colors: HashMap<String, NamedTexture>,
+}

@@ -1,0 +1,143 @@
+//! Several ranks, here threads with an exchange in memory, render one picture with the bits of one rank. `tests/mpi/run.sh` does the
+//! same with processes and MPI.
+
+use std::cell::Cell;
+use std::sync::Arc;
+use std::thread;
+
+use lodestar::Error;
+use lodestar::renderer::Renderer;
+use lodestar::renderer::exchange::Exchange;
+use lodestar::renderer::in_memory::InMemory;
+use lodestar::renderer::team::{Member, Team};
+use lodestar::renderer::trial::Trial;
+use lodestar::scene::Scene;
+use lodestar::settings::{Sampler, Settings};
+use support::scenes::settings;
+use support::tier;
+
+use crate::device::{Device, steps};
+use crate::ranks::{Left, SIZE, SPP, configurations, left, scene};
+
+/// Configurations in the quick tier.
+const IN_QUICK_TIER: usize = 4;
+
+/// Calls `lead` with the renderer of the first of several ranks. `devices` has each rank's number of devices.
+fn in_ranks<T>(
+    scene: &Scene,
+    settings: &Settings,
+    devices: &[usize],
+    trial: Option<Trial>,
+    lead: impl FnOnce(&mut Renderer) -> T,
+) -> T {
+    let with_renderer = |exchange: InMemory, act: &mut dyn FnMut(&mut Renderer)| {
+        let count = devices[exchange.rank()];
+        let devices: Vec<_> = (0..count).map(|_| Device::new()).collect();
+        let mut renderers = devices.iter().map(|device| device.renderer(scene, settings));
+        let mut renderer = renderers.next().expect("a device");
+        renderer.share_with(renderers.collect()).expect("renderers without samples");
+        let facts = vec![("scene".to_owned(), "ours".to_owned())];
+        let process = std::process::id();
+        let member = Member { machine: "this one".into(), process, devices: vec!["a device".into(); count], facts };
+        let exchange: Arc<dyn Exchange> = Arc::new(exchange);
+        let exchange = trial.map_or(Arc::clone(&exchange), |trial| trial.on(exchange));
+        let team = Team::gather(exchange, Ok(member)).expect("ranks of one scene");
+        renderer.join(&Arc::new(team)).expect("a renderer without samples");
+        act(&mut renderer);
+    };
+    let mut exchanges = InMemory::new(devices.len()).into_iter();
+    let first = exchanges.next().expect("a rank");
+    thread::scope(|scope| {
+        for exchange in exchanges {
+            let with_renderer = &with_renderer;
+            scope.spawn(move || with_renderer(exchange, &mut |renderer| renderer.serve().expect("a first rank")));
+        }
+        let (mut lead, mut led) = (Some(lead), None);
+        with_renderer(first, &mut |renderer| led = lead.take().map(|lead| lead(renderer)));
+        led.expect("the first rank's result")
+    })
+}
+
+/// Everything that a render leaves, and its state after the first half, from which it goes on.
+fn left_by(scene: &Scene, settings: &Settings, devices: &[usize], trial: Option<Trial>) -> Left {
+    in_ranks(scene, settings, devices, trial, |renderer| left(renderer, settings, SPP))
+}
+
+#[test]
+fn any_number_of_ranks_leaves_what_one_leaves() {
+    let scene = scene();
+    let all = configurations(&scene);
+    let all = tier::some_of(&all, IN_QUICK_TIER);
+    let teams: &[&[usize]] = if tier::is_full() { &[&[1, 1], &[1, 2], &[1, 1, 1], &[2, 1, 1]] } else { &[&[1, 2]] };
+    for (name, settings) in all {
+        let one = left(&mut Device::new().renderer(&scene, settings), settings, SPP);
+        for &devices in teams {
+            let several = left_by(&scene, settings, devices, None);
+            assert!(several == one, "{name}, ranks with {devices:?} devices");
+        }
+    }
+}
+
+/// The comparison finds sums of a rank that are lost on the way, and sums that are added twice.
+#[test]
+fn wrong_sums_of_a_rank_are_found() {
+    let scene = scene();
+    for sampler in [Sampler::RejectionMix, Sampler::Quadtree] {
+        let settings = settings(&scene, SIZE, sampler, 21);
+        let one = left(&mut Device::new().renderer(&scene, &settings), &settings, SPP);
+        for trial in [Trial::Lose(1), Trial::Double(1), Trial::Lose(0)] {
+            let several = left_by(&scene, &settings, &[1, 1], Some(trial));
+            assert!(several.0 != one.0 && several.1 != one.1, "{sampler:?}: {trial:?}, but nothing differs");
+        }
+    }
+}
+
+/// A step that the first rank stops leaves no message behind that would stop a later one.
+#[test]
+fn ranks_stop_together_and_begin_again() {
+    let scene = scene();
+    for sampler in [Sampler::RejectionMix, Sampler::Quadtree] {
+        let settings = settings(&scene, SIZE, sampler, 21);
+        let whole = left(&mut Device::new().renderer(&scene, &settings), &settings, SPP);
+        in_ranks(&scene, &settings, &[1, 1, 1], None, |renderer| {
+            steps(renderer, &settings, 16);
+            let state = renderer.state().expect("a whole step");
+            // Where the last question is asked decides a race: other ranks may have taken all samples by then.
+            for questions in 0..6 {
+                let asked = Cell::new(0);
+                let stop = || asked.replace(asked.get() + 1) >= questions;
+                let report = renderer.step(8, &stop).expect("a step");
+                assert_eq!(report.complete, !renderer.is_stopped(), "{questions} questions");
+                assert!(!report.complete || questions > 0);
+                renderer.begin_again(settings.samples_per_dispatch, Some(&state)).expect("the same settings");
+            }
+            assert!(left(renderer, &settings, SPP).1 == whole.1, "{sampler:?}");
+        });
+    }
+}
+
+/// No rank renders where one differs, and the sentence names it.
+#[test]
+fn a_rank_that_differs_is_refused_by_all() {
+    let member = |scene: &str| Member {
+        machine: "m".into(),
+        process: std::process::id(),
+        devices: vec!["d".into()],
+        facts: vec![("scene_hash".into(), scene.into())],
+    };
+    let gather = |exchange: InMemory, own| Team::gather(Arc::new(exchange), own).err().map(|error| error.to_string());
+    for (own, expected) in [
+        (Ok(member("b")), "rank 1 on m has another scene_hash than rank 0 (b there, a here)"),
+        (Err(Error::Device("there is no device".into())), "rank 1: there is no device"),
+    ] {
+        let [first, second] = InMemory::new(2).try_into().ok().expect("two ranks");
+        let refused = thread::scope(|scope| {
+            let second = scope.spawn(|| gather(second, own));
+            [gather(first, Ok(member("a"))), second.join().expect("no panic")]
+        });
+        for refused in refused {
+            let refused = refused.expect("a refusal");
+            assert!(refused.starts_with(expected), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! Directives, included files, and words in which a file is refused.
+
+use std::io::Write as _;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use glam::Vec3;
+use lodestar::scene::Bsdf;
+
+use super::{bsdf, load_in, load_text, world};
+use crate::Folder;
+
+fn center(text: &str) -> Vec3 {
+    world(text).unwrap_or_else(|error| panic!("{text}: {error}")).primitives[0].origin
+}
+
+/// Transforms apply to what follows, the last one first, and blocks restore them.
+#[test]
+fn transforms() {
+    for (before, expected) in [
+        ("Translate 1 2 3", [1.0, 2.0, 3.0]),
+        ("Scale 2 2 2 Translate 1 0 0", [2.0, 0.0, 0.0]),
+        ("Translate 1 0 0 Scale 2 2 2", [1.0, 0.0, 0.0]),
+        ("Rotate 90 0 0 2 Translate 1 0 0", [0.0, 1.0, 0.0]),
+        ("Translate 9 9 9 Identity", [0.0; 3]),
+        ("Translate 9 9 9 Transform [ 1 0 0 0 0 1 0 0 0 0 1 0 4 5 6 1 ]", [4.0, 5.0, 6.0]),
+        ("Translate 1 1 1 ConcatTransform [ 1 0 0 0 0 1 0 0 0 0 1 0 4 5 6 1 ]", [5.0, 6.0, 7.0]),
+        ("AttributeBegin Translate 1 0 0 AttributeEnd", [0.0; 3]),
+        ("CoordinateSystem \"here\" Translate 1 0 0 CoordSysTransform \"here\"", [0.0; 3]),
+        // The camera stands at (0, 0, -5).
+        ("CoordSysTransform \"camera\"", [0.0, 0.0, -5.0]),
+        ("Translate 1 0 0 CoordSysTransform \"world\"", [0.0; 3]),
+        ("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Translate 0 1 0", [0.0, 1.0, 0.0]),
+        ("LookAt 1 2 3  1 2 4  0 1 0", [-1.0, -2.0, -3.0]),
+    ] {
+        let found = center(&format!("{before} Shape \"sphere\""));
+        assert!((found - Vec3::from(expected)).length() < 1e-5, "{before}: {found}");
+    }
+    let moving = world("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Shape \"sphere\"").unwrap();
+    assert!(moving.warnings.join("\n").contains("scene.pbrt:3: motion is not rendered"));
+    let old = world("TransformBegin Translate 1 0 0 TransformEnd Shape \"sphere\"").unwrap();
+    assert!(old.warnings.join("\n").contains("TransformBegin and TransformEnd are deprecated"));
+}
+
+/// An included file changes the state of the file that includes it, and an imported one does not.
+#[test]
+fn files_within_files() {
+    let part = "Material \"diffuse\" \"rgb reflectance\" [ 0.1 0.1 0.1 ] Translate 1 0 0";
+    let read = |directive: &str| {
+        let text = format!("Camera \"perspective\" WorldBegin {directive} \"parts/a.pbrt\" Shape \"sphere\"");
+        let folder = Folder::new(&[("scene.pbrt", &text), ("parts/a.pbrt", "Include \"b.pbrt.gz\"")]);
+        let mut compressed = GzEncoder::new(Vec::new(), Compression::default());
+        compressed.write_all(part.as_bytes()).unwrap();
+        // Names are relative to the folder of the main file.
+        folder.write("b.pbrt.gz", &compressed.finish().unwrap());
+        load_in(&folder).unwrap()
+    };
+    let included = read("Include");
+    assert_eq!(included.primitives[0].origin, Vec3::X);
+    assert!(matches!(bsdf(&included), Bsdf::Diffuse { reflectance } if reflectance.value.x == 0.1));
+    let imported = read("Import");
+    assert_eq!(imported.primitives[0].origin, Vec3::ZERO);
+    assert!(matches!(bsdf(&imported), Bsdf::Diffuse { reflectance } if reflectance.value.x == 0.5));
+}
+
+#[test]
+fn files_that_include_themselves_end() {
+    let folder = Folder::new(&[("scene.pbrt", "WorldBegin Include \"a.pbrt\""), ("a.pbrt", "\nInclude \"a.pbrt\"")]);
+    let error = load_in(&folder).unwrap_err();
+    assert!(error.contains("a.pbrt:2: files are included more than 64 deep"), "{error}");
+    // Each file includes the next one twice: 2^40 files.
+    let folder = Folder::new(&[("scene.pbrt", "WorldBegin Include \"0.pbrt\"")]);
+    for number in 0..40 {
+        let next = format!("Include \"{}.pbrt\" ", number + 1);
+        folder.write(&format!("{number}.pbrt"), next.repeat(2).as_bytes());
+    }
+    folder.write("40.pbrt", b"");
+    let error = load_in(&folder).unwrap_err();
+    assert!(error.contains("includes more than"), "{error}");
+    let folder = Folder::new(&[("scene.pbrt", "WorldBegin\nInclude \"none.pbrt\"")]);
+    assert!(load_in(&folder).unwrap_err().contains("scene.pbrt:2: the included file `none.pbrt` does not exist"));
+}
+
+/// Faults of several lines come together.
+#[test]
+fn all_faults_are_listed() {
+    let error = world("Shape \"curve\"\nLightSource \"projection\"\nMaterial \"hair\" Shape \"sphere\"").unwrap_err();
+    for (line, word) in [(3, "curve"), (4, "projection"), (5, "hair")] {
+        assert!(error.contains(&format!("scene.pbrt:{line}: the ")) && error.contains(word), "{error}");
+    }
+}
+
+#[test]
+fn what_is_refused() {
+    for (text, expected) in [
+        ("Wrong", ":1: `Wrong` is not a directive of pbrt-v4"),
+        ("\"text\"", ":1: a directive such as `Shape` should stand here, not \"text\""),
+        ("Translate 1 2", ":1: the file ends where one of the 3 numbers of Translate should be"),
+        ("Translate 1 2 x", ":1: `x` is not one of the 3 numbers of Translate"),
+        ("Translate 1 2 1e99", ":1: `1e99` is not one of the 3 numbers"),
+        ("Scale 1 0 1", ":1: Scale: a factor of 0 flattens"),
+        ("Rotate 3 0 0 0", ":1: Rotate: the axis has length 0"),
+        ("LookAt 0 0 0 0 0 0 0 1 0", ":1: LookAt: the camera looks at its own place"),
+        ("LookAt 0 0 0 0 1 0 0 1 0", ":1: LookAt: `up` is zero or parallel"),
+        ("Transform [ 1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1 ]", ":1: every fourth number of a matrix must be 0"),
+        ("Transform [ 1 0 0 0 0 0 0 0 0 0 1 0 0 0 0 1 ]", ":1: the matrix has no inverse"),
+        ("Shape \"sphere\"", ":1: Shape must stand after WorldBegin"),
+        ("WorldBegin Film \"rgb\"", ":1: Film must stand before WorldBegin"),
+        ("WorldBegin\nWorldBegin", ":2: a second WorldBegin"),
+        ("WorldBegin AttributeEnd", ":1: AttributeEnd without an AttributeBegin"),
+        ("WorldBegin ObjectEnd", ":1: ObjectEnd without an ObjectBegin"),
+        ("Camera \"perspective\"", "scene.pbrt: it has no WorldBegin"),
+        ("Camera perspective", ":1: the type of a directive should stand here between quotes, not `perspective`"),
+        ("Camera \"perspective\" \"float\" 1", ":1: \"float\" should be a type and a name"),
+        ("Camera \"perspective\" \"float fov\" [ 1 \"a\" ]", ":1: \"a\" cannot be a value of the parameter `fov` here"),
+        ("Camera \"perspective\" \"float fov\" 1 \"float fov\" 2", "is given twice"),
+        ("Camera \"perspective\" \"float fov\" [ 1", ":1: the file ends where `]` should be"),
+        ("Camera \"perspective", ":1: a text between quotes does not end"),
+        ("WorldBegin MediumInterface \"fog\" \"\"", ":1: the medium `fog`: media are not rendered"),
+        ("WorldBegin CoordSysTransform \"none\"", ":1: there is no coordinate system `none`"),
+        ("WorldBegin Attribute \"wrong\" \"float a\" 1", ":1: `wrong` has no attributes"),
+        ("WorldBegin MakeNamedMaterial \"a\"", ":1: MakeNamedMaterial needs its parameter \"string type\""),
+        ("WorldBegin Texture \"a\" \"wrong\" \"constant\"", ":1: a texture gives `float` or `spectrum`, not `wrong`"),
+    ] {
+        let error = load_text(text).expect_err(expected);
+        assert!(error.contains(expected), "{error} lacks {expected}");
+        assert!(!error.contains('\n') || error.contains("faults:"), "{error}");
+    }
+    let empty =
+        world("MediumInterface \"\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" Shape \"sphere\"")
+            .unwrap();
+    assert_eq!(empty.primitives.len(), 1);
+}
+
+/// A number of a parameter that is none of this reader's gives a warning with file and line; options of pbrt give none.
+#[test]
+fn unknown_parameters_are_named() {
+    let text = "Option \"bool disablepixeljitter\" true Option \"seed\" 3\nFilm \"rgb\" \"float wrong\" 1\nCamera \"perspective\"\nWorldBegin\n\
+                Shape \"sphere\" \"float odd\" 1\nLightSource \"point\" \"float strange\" 1";
+    let warnings = load_text(text).unwrap().warnings;
+    for (line, name, owner) in
+        [(2, "wrong", "Film `rgb`"), (5, "odd", "Shape `sphere`"), (6, "strange", "LightSource `point`")]
+    {
+        let expected = format!("scene.pbrt:{line}: the parameter `{name}` of {owner} is not known; ignored");
+        assert!(warnings.iter().any(|warning| warning.ends_with(&expected)), "{warnings:?} lack {expected}");
+    }
+    assert_eq!(warnings.len(), 3, "{warnings:?}");
+}
