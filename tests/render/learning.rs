@@ -34,7 +34,7 @@ fn guided_rays_find_the_light_more_often_step_by_step() {
 }
 
 /// Few directions are lost below the surface, except for samplers that do not know the normal, as in the paper's Table
-/// 1.
+/// 1. Bins at the horizon lie below it in part, and cells that borrow take light in them from cells with other surfaces.
 #[test]
 fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
     let device = Device::validated();
@@ -46,7 +46,8 @@ fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
         let (invalid, tries) = (last.invalid_rate(), last.tries_per_sample());
         println!("{sampler:?} and {learner:?}: {invalid:.4} invalid, {tries:.2} tries");
         let is_blind = matches!(sampler, Sampler::SphereInversion | Sampler::Quadtree);
-        let is_expected = if is_blind { invalid > 0.05 } else { invalid < 0.01 };
+        let most = if settings.fallback() > 0.0 { 0.02 } else { 0.01 };
+        let is_expected = if is_blind { invalid > 0.05 } else { invalid < most };
         assert!(is_expected, "{sampler:?} and {learner:?}: {invalid}");
         // Plain rejection has no uniform share, so it needs more tries than the mix.
         let least = if sampler == Sampler::Rejection { 4.0 } else { 1.0 };

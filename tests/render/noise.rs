@@ -31,9 +31,10 @@ impl Studio {
         Self { device: Device::new(), scene: ours("cornell-box/scene.xml", &[]) }
     }
 
+    /// Settings of a guide that does not borrow. One that does needs no more than the least number of samples here.
     fn settings(&self, noise: Option<f32>) -> Settings {
-        let sample_weights = Some(SampleWeights::Even);
-        Settings { noise, sample_weights, nee: true, ..settings(&self.scene, SIZE, Sampler::Product, 5) }
+        let (sample_weights, fallback) = (Some(SampleWeights::Even), Some(0.0));
+        Settings { noise, sample_weights, fallback, nee: true, ..settings(&self.scene, SIZE, Sampler::Product, 5) }
     }
 
     fn renderer(&self, settings: &Settings) -> Renderer {
