@@ -27,7 +27,7 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
         while at < bytes.len() && !is_space(at) {
             at += 1;
         }
-        std::str::from_utf8(&bytes[begin..at]).ok()
+        std::str::from_utf8(bytes.get(begin..at)?).ok()
     };
     let mut side = || word().and_then(|word| word.parse::<u32>().ok()).filter(|&side| side > 0);
     let (Some(width), Some(height)) = (side(), side()) else { return Err(fault("its header gives no size")) };

@@ -35,6 +35,7 @@ impl Options {
 pub(super) fn join(exchange: &Arc<dyn Exchange>, prepared: Result<Prepared>) -> Result<Prepared> {
     let member = |prepared: &Prepared| Member {
         machine: exchange.machine(),
+        process: std::process::id(),
         devices: prepared.devices.clone(),
         facts: prepared.session.facts(),
     };

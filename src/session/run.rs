@@ -256,6 +256,9 @@ impl Session {
         if !self.renderer.is_stopped()
             && let Err(error) = self.keep(|checkpoints, renderer, history| checkpoints.after_step(renderer, history))
         {
+            if error.is_loss() {
+                return Err(error.noting(&self.history.last_good_step()));
+            }
             watch.warn(&format!("{error}; the render goes on"));
         }
         Ok(())

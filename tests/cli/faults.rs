@@ -71,7 +71,10 @@ fn message_of(fault: &str, output: &Output, folder: &Folder) -> Option<String> {
         assert!(is_old || is_new(), "{fault}: {message}");
         return Some(message);
     }
-    assert!(["trace, samples", "wave_", "update_"].iter().any(|kernel| message.contains(kernel)), "{fault}: {message}");
+    assert!(
+        ["trace, samples", "wave_", "update_", "pool_", "blend_"].iter().any(|kernel| message.contains(kernel)),
+        "{fault}: {message}"
+    );
     assert_eq!(samples_in(&folder.path("a.ckpt")), whole, "{fault}: {message}");
     let picture = read_picture(&folder.path("a.exr")).unwrap().0;
     assert!(picture.radiance.iter().flatten().all(|value| value.is_finite()), "{fault}");

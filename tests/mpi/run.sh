@@ -112,6 +112,12 @@ mpirun -n 1 "$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 20 
 [ "$(render 2 --spp 20 --device 0,0)" = "$expected" ] || fail "two ranks of two devices differ"
 echo "one rank under mpirun, and two ranks of two devices: the same"
 
+# A guide that another render has learned reaches all ranks.
+"$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 16 --seed 1 --checkpoint "$work/guide.ckpt" -o "$work/guide.exr"
+[ "$(render 3 --spp 12 --guide-from "$work/guide.ckpt")" = "$(render 1 --spp 12 --guide-from "$work/guide.ckpt")" ] ||
+  fail "three ranks that begin with a guide differ from one"
+echo "three ranks that begin with a guide of another render: the same"
+
 # srun hands the ranks what they need to know of each other in the form that Open MPI reads.
 srun_ranks() {
   srun --mpi=pmix --ntasks=2 --overcommit "$lodestar" render "$scene" --width 36 --height 28 --quiet --spp 20 --checkpoint "$work/srun.ckpt" \
@@ -136,7 +142,7 @@ done
 echo "planted faults: sums that are lost or added twice are found"
 
 # Long renders, whose checkpoint is written after every step.
-long=(--width 36 --height 28 --quiet --spp 800 --spp-per-step 16 --checkpoint-every 0.001 -o "$work/long.exr")
+long=(--width 36 --height 28 --quiet --spp 500 --spp-per-step 16 --checkpoint-every 0.001 -o "$work/long.exr")
 begin() { # RANKS OPTION...
   local count=$1
   shift
@@ -145,7 +151,7 @@ begin() { # RANKS OPTION...
 }
 whole() { # RANKS: goes on to the end, and prints what is left
   if [ -e "$work/long.ckpt" ]; then
-    ranks "$1" "$lodestar" resume "$work/long.ckpt" --spp 800 --quiet >"$work/log" 2>&1 </dev/null || { cat "$work/log" >&2; fail "resume failed"; }
+    ranks "$1" "$lodestar" resume "$work/long.ckpt" --spp 500 --quiet >"$work/log" 2>&1 </dev/null || { cat "$work/log" >&2; fail "resume failed"; }
   else
     begin "$1" || { cat "$work/log" >&2; fail "the render failed"; }
   fi
@@ -159,6 +165,7 @@ begin 3 --time 1 || { cat "$work/log" >&2; fail "--time failed"; }
 [ "$(whole 2)" = "$expected" ] || fail "a render that --time has ended differs after it is resumed"
 echo "--time with 3 ranks, then 2 ranks: the same"
 
+rm -f "$work/long.ckpt"
 begin 3 &
 launcher=$!
 while [ ! -e "$work/long.ckpt" ]; do sleep 0.2; done
@@ -168,26 +175,35 @@ wait "$launcher" || true
 [ "$(whole 1)" = "$expected" ] || fail "a render that a signal has ended differs after it is resumed"
 echo "a signal to mpirun with 3 ranks, then a plain process: the same"
 
-kills=4 killed=0 resumed=0 tries=0
+kills=4 killed=0 resumed=0 named=0 tries=0
 if [ "${LODESTAR_FULL:-}" = 1 ]; then kills=20; fi
 while [ "$killed" -lt "$kills" ] && [ "$tries" -lt $((3 * kills)) ]; do
   tries=$((tries + 1))
-  before=$((2 + RANDOM % 3)) after=$((1 + RANDOM % 4)) rank=$((RANDOM % 2))
+  before=$((2 + RANDOM % 3)) after=$((1 + RANDOM % 4)) rank=$((RANDOM % before))
+  # The last render's checkpoint must be gone before this one is looked for.
+  rm -f "$work/long.ckpt"
   begin "$before" &
   launcher=$!
-  sleep "$((RANDOM % 4)).$((RANDOM % 10))"
+  # A quarter of the moments may come before the first step, the others after a checkpoint.
+  while [ $((tries % 4)) != 0 ] && [ ! -e "$work/long.ckpt" ] && kill -0 "$launcher" 2>/dev/null; do sleep 0.1; done
+  sleep "$((RANDOM % 2)).$((RANDOM % 10))"
   mapfile -t processes < <(pgrep -P "$(pgrep -P "$launcher" mpirun || echo 1)" -x "$(basename "$lodestar" | cut -c-15)" || true)
-  if [ "${#processes[@]}" -lt 2 ] || ! kill -KILL "${processes[$rank]}" 2>/dev/null; then
+  if [ "${#processes[@]}" -le "$rank" ] || ! kill -KILL "${processes[$rank]}" 2>/dev/null; then
     wait "$launcher" || true
     continue
   fi
   if wait "$launcher"; then fail "a rank was killed, but mpirun reports success"; fi
   killed=$((killed + 1))
+  # The first rank names the others where it can still speak: it was not killed, and had begun.
+  if grep -q '^lodestar: error: ' "$work/log"; then
+    grep -qE '^lodestar: error: rank [0-9]+ on .* does not answer any more' "$work/log" || { cat "$work/log" >&2; fail "the lost rank is not named"; }
+    named=$((named + 1))
+  fi
   if [ -e "$work/long.ckpt" ]; then resumed=$((resumed + 1)); fi
   [ "$(whole "$after")" = "$expected" ] || fail "$before ranks, of which one was killed, then $after ranks: something differs"
 done
 [ "$killed" -eq "$kills" ] || fail "only $killed ranks could be killed in $tries renders"
-echo "$killed renders with a killed rank, of which $resumed had a checkpoint to resume: the same"
+echo "$killed renders with a killed rank, of which $resumed had a checkpoint to resume and $named named the rank: the same"
 
 # One sentence names the rank that cannot render, or that fails.
 small=(--width 36 --height 28 --quiet --spp 400 --spp-per-step 16)

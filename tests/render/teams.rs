@@ -37,7 +37,8 @@ fn in_ranks<T>(
         let mut renderer = renderers.next().expect("a device");
         renderer.share_with(renderers.collect()).expect("renderers without samples");
         let facts = vec![("scene".to_owned(), "ours".to_owned())];
-        let member = Member { machine: "this one".into(), devices: vec!["a device".into(); count], facts };
+        let process = std::process::id();
+        let member = Member { machine: "this one".into(), process, devices: vec!["a device".into(); count], facts };
         let exchange: Arc<dyn Exchange> = Arc::new(exchange);
         let exchange = trial.map_or(Arc::clone(&exchange), |trial| trial.on(exchange));
         let team = Team::gather(exchange, Ok(member)).expect("ranks of one scene");
@@ -120,6 +121,7 @@ fn ranks_stop_together_and_begin_again() {
 fn a_rank_that_differs_is_refused_by_all() {
     let member = |scene: &str| Member {
         machine: "m".into(),
+        process: std::process::id(),
         devices: vec!["d".into()],
         facts: vec![("scene_hash".into(), scene.into())],
     };

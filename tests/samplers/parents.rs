@@ -18,7 +18,7 @@ use support::twins::radiance_grid as twin;
 
 const LIMIT: f32 = 32.0;
 const FALLBACK: f32 = 6.0;
-/// The same constant of `glsl/include/guide/grid/block_scales.glsl`.
+/// Weight of a block's prior, in units of FALLBACK: the constant of `glsl/include/guide/grid/block_scales.glsl`.
 const BLOCK_EVIDENCE: f64 = 16.0;
 const DIRECTIONS: u32 = 8;
 const BINS: usize = (DIRECTIONS * DIRECTIONS) as usize;

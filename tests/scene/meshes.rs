@@ -306,3 +306,16 @@ fn more_triangles_than_fit_are_refused_before_they_are_made() {
     let error = folder.load(&[]).map(drop).expect_err("40 million are too many").to_string();
     assert!(error.contains("no more than 33554432 fit"), "{error}");
 }
+
+/// A normal that is no number counts as none: the vertex has the face's.
+#[test]
+fn normals_that_are_no_numbers() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                  property float nx\nproperty float ny\nproperty float nz\nelement face 1\n\
+                  property list uchar int vertex_indices\nend_header\n";
+    let ply = format!("{header}0 0 0 nan nan nan\n1 0 0 0 0.6 0.8\n0 1 0 0 inf 0\n3 0 1 2\n");
+    let scene = load_bytes("ply", ply.as_bytes(), "").unwrap();
+    let normals = scene.primitives[0].normals.unwrap();
+    assert_eq!([normals[0], normals[2]], [glam::Vec3::Z; 2]);
+    assert!((normals[1] - glam::Vec3::new(0.0, 0.6, 0.8)).length() < 1e-6);
+}

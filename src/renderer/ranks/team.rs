@@ -3,8 +3,9 @@
 //! Ranks agree in meetings. Each hands the first rank a report, its result or its failure, and all get the first rank's answer. If one
 //! has failed, all leave the work under way with its error. So no rank waits for another one that does something else.
 
-use std::sync::Arc;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -33,6 +34,8 @@ const EAGER_LOOKS: u32 = 100;
 pub struct Member {
     /// Name of the rank's machine.
     pub machine: String,
+    /// Number of the rank's process on that machine.
+    pub process: u32,
     /// The rank's devices with their drivers.
     pub devices: Vec<String>,
     /// Facts with names in which all ranks must agree.
@@ -47,8 +50,8 @@ pub struct Team {
     is_over: AtomicBool,
     /// Whether the first rank has told the others to stop, or this other rank has heard of it.
     is_stopped: AtomicBool,
-    /// Whether a rank is lost, so that no further work is possible.
-    is_lost: AtomicBool,
+    /// The rank that is lost, if one is. No further work is possible then.
+    lost: OnceLock<String>,
     /// Time in which the first rank, after its own work, has waited for the others.
     waiting: Clock,
 }
@@ -65,7 +68,7 @@ impl Team {
             members: Vec::new(),
             is_over: AtomicBool::new(false),
             is_stopped: AtomicBool::new(false),
-            is_lost: AtomicBool::new(false),
+            lost: OnceLock::new(),
             waiting: Clock::default(),
         };
         let own = own.map(|own| failure::encode(&own));
@@ -119,8 +122,8 @@ impl Team {
     /// Names the next work to all other ranks.
     pub(in crate::renderer) fn command(&self, bytes: &[u8]) -> Result<()> {
         self.is_over.store(false, Ordering::Relaxed);
-        if self.is_lost.load(Ordering::Relaxed) {
-            return Err(Error::Render("the ranks cannot go on, because one of them was lost".into()));
+        if let Some(rank) = self.lost.get() {
+            return Err(Error::RankLost { rank: rank.clone(), note: String::new() });
         }
         (1..self.ranks()).try_for_each(|rank| self.noting_loss(self.exchange.send(rank, Kind::Command, bytes)))
     }
@@ -134,7 +137,7 @@ impl Team {
 
     /// Ends the work under way: all ranks succeed, or all fail.
     pub(in crate::renderer) fn close<T>(&self, done: Result<T>) -> Result<T> {
-        if self.is_over.load(Ordering::Relaxed) || self.is_lost.load(Ordering::Relaxed) {
+        if self.is_over.load(Ordering::Relaxed) || self.lost.get().is_some() {
             return done;
         }
         match done {
@@ -273,11 +276,21 @@ impl Team {
         }
     }
 
-    fn noting_loss<T>(&self, done: Result<T>) -> Result<T> {
-        if matches!(done, Err(Error::RankLost { .. })) {
-            self.is_lost.store(true, Ordering::Relaxed);
+    fn noting_loss<T>(&self, mut done: Result<T>) -> Result<T> {
+        if let Err(Error::RankLost { rank, .. }) = &mut done {
+            let name = || self.ended().map_or_else(|| rank.clone(), |ended| self.name(ended));
+            *rank = self.lost.get_or_init(name).clone();
         }
         done
+    }
+
+    /// The first rank on this machine whose process has ended, where the system lists its processes.
+    fn ended(&self) -> Option<usize> {
+        let processes = Path::new("/proc");
+        let own = self.members.get(self.exchange.rank()).filter(|_| processes.join("self").exists())?;
+        let has_ended =
+            |member: &Member| member.machine == own.machine && !processes.join(member.process.to_string()).exists();
+        self.members.iter().position(has_ended)
     }
 
     /// Number of a rank, with its machine where that is known.
@@ -289,7 +302,7 @@ impl Team {
 impl Drop for Team {
     /// Ends the work of the other ranks.
     fn drop(&mut self) {
-        let has_begun = !self.members.is_empty() && !self.is_lost.load(Ordering::Relaxed);
+        let has_begun = !self.members.is_empty() && self.lost.get().is_none();
         if self.leads() && has_begun && !thread::panicking() {
             // Whoever has started a rank that cannot be told ends it.
             let _ = self.command(END);

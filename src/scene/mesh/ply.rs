@@ -217,6 +217,8 @@ const VERTEX_NUMBERS: [&[&str]; 11] = [
     &["b", "blue"],
 ];
 
+/// Place of the first coordinate of the normal in [`VERTEX_NUMBERS`].
+const FIRST_NORMAL: usize = 3;
 /// Place of the first color in [`VERTEX_NUMBERS`].
 const FIRST_COLOR: usize = 8;
 
@@ -287,15 +289,17 @@ fn read_vertices(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Res
         let mut vertex = [0.0_f32; VERTEX_NUMBERS.len()];
         element.read(source, |place, number| {
             if let Some(at) = places.iter().position(|&own| own == Some(place)) {
-                // Colors that nobody uses may be anything.
-                vertex[at] = if at < FIRST_COLOR { finite(number)? } else { number as f32 };
+                // Colors that nobody uses may be anything, and some exporters write normals that are no numbers.
+                let is_free = (FIRST_NORMAL..FIRST_NORMAL + 3).contains(&at) || at >= FIRST_COLOR;
+                vertex[at] = if is_free { number as f32 } else { finite(number)? };
             }
             Ok(())
         })?;
         let [x, y, z, nx, ny, nz, u, v, red, green, blue] = vertex;
         mesh.positions.push(Vec3::new(x, y, z));
         if has_normals {
-            mesh.normals.push(Vec3::new(nx, ny, nz));
+            let normal = Vec3::new(nx, ny, nz);
+            mesh.normals.push(if normal.is_finite() { normal } else { Vec3::ZERO });
         }
         if has_uvs {
             mesh.uvs.push(Vec2::new(u, v));

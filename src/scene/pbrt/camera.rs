@@ -28,7 +28,7 @@ pub(super) fn sensor(entity: &Entity, width: i64, height: i64) -> Result<Diction
     let pose = pose * DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
     let window = Window::read(entity, width, height)?;
     match entity.kind.as_str() {
-        "perspective" => perspective(entity, &pose, scale, &window, width, height),
+        "perspective" => perspective(entity, &pose, scale, &window),
         "orthographic" => orthographic(entity, &pose, scale, &window),
         other @ ("realistic" | "spherical") => {
             Err(entity.error(format!("the camera `{other}` is not supported; use `perspective` or `orthographic`")))
@@ -68,14 +68,7 @@ impl Window {
     }
 }
 
-fn perspective(
-    entity: &Entity,
-    pose: &DMat4,
-    scale: f64,
-    window: &Window,
-    width: i64,
-    height: i64,
-) -> Result<Dictionary> {
+fn perspective(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Result<Dictionary> {
     let parameters = &entity.parameters;
     let fov = parameters.number("fov", 90.0)?;
     let lens = parameters.number("lensradius", 0.0)?;
@@ -91,7 +84,7 @@ fn perspective(
     if window.is_default {
         // The angle belongs to the shorter side.
         sensor = with(sensor, "fov", Value::Number(fov));
-        sensor = with(sensor, "fov_axis", Value::Text(if width < height { "x" } else { "y" }.into()));
+        sensor = with(sensor, "fov_axis", Value::Text("smaller".into()));
     } else {
         let half = 0.5 * (window.right - window.left) * (0.5 * fov.to_radians()).tan();
         sensor = with(sensor, "fov", Value::Number((2.0 * half.atan()).to_degrees()));

@@ -63,6 +63,9 @@ fn light(entity: &Entity, exposure: f64, textures: &mut Textures) -> Result<Infi
     if let Some(portal) = parameters.get("portal") {
         return Err(portal.error("of an infinite light is not supported; remove it where the room is closed anyway"));
     }
+    if let Some(map) = parameters.get("mapname") {
+        return Err(map.error("belongs to pbrt-v3; `pbrt --upgrade` makes a file of v4, which is read"));
+    }
     let illuminance = parameters.number("illuminance", -1.0)?;
     let factor = |of_one: f64| if illuminance > 0.0 { exposure * illuminance / of_one } else { exposure };
     let Some(name) = parameters.text("filename")? else {

@@ -13,6 +13,7 @@ use super::rasters::Encoding;
 use super::roughness;
 use super::textures::Textures;
 use super::tokens::{Place, brief};
+use super::transmission;
 use super::world::{Entity, MaterialUse};
 use crate::Result;
 use crate::scene::mitsuba::faults;
@@ -186,14 +187,7 @@ fn bsdf(maker: &mut Maker) -> Result<Dictionary> {
     let entity = maker.entity;
     match entity.kind.as_str() {
         "diffuse" => Ok(two_sided(object("diffuse", [("reflectance", maker.color("reflectance", 0.5)?)]))),
-        "diffusetransmission" => {
-            maker.warn("light that passes through is not rendered; the surface reflects as a `diffuse` one");
-            entity.parameters.ignore(&["transmittance"]);
-            let scale = entity.parameters.number("scale", 1.0)?;
-            let node = maker.textures.color(&entity.parameters, entity, "reflectance", 0.25)?;
-            let node = maker.textures.mapped(node, entity, |color| color * scale as f32)?;
-            Ok(two_sided(object("diffuse", [("reflectance", maker.value(&node)?)])))
-        }
+        "diffusetransmission" => transmission::diffuse(maker),
         "conductor" => conductor(maker),
         "dielectric" => dielectric(maker),
         "thindielectric" => {

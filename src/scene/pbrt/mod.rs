@@ -7,6 +7,7 @@
 mod area_lights;
 mod builder;
 mod camera;
+mod coat_loss;
 mod coats;
 mod color_space;
 mod colors;
@@ -32,9 +33,11 @@ mod rasters;
 mod read_form;
 mod roughness;
 mod shapes;
+mod subdivision;
 mod textures;
 mod tokens;
 mod transforms;
+mod transmission;
 mod world;
 
 use std::collections::HashMap;

@@ -6,6 +6,7 @@ use super::files::{self, Files};
 use super::form::Form;
 use super::parameters::Parameters;
 use super::quadrics::{self, Cylinder, Disk, Sphere};
+use super::subdivision;
 use super::world::Entity;
 use crate::Result;
 use crate::scene::mesh::{self, Mesh};
@@ -51,9 +52,14 @@ pub(super) fn read(entity: &Entity, files: &mut Files, warnings: &mut Vec<String
             approximate("a cylinder", warnings);
             Ok(Form::Mesh(quadrics::cylinder(&Cylinder { radius, low, high, angle: angle(parameters)? })))
         }
-        other @ ("curve" | "loopsubdiv") => {
-            Err(entity.error(format!("the shape `{other}` is not supported; make a mesh of it")))
+        "loopsubdiv" => {
+            parameters.ignore(&["scheme"]);
+            let levels = parameters.integer("levels", 0..=12)?.unwrap_or(3) as u32;
+            let control = triangle_mesh(parameters)?;
+            let mesh = subdivision::subdivide(&control, levels);
+            mesh.map(Form::Mesh).map_err(|message| entity.error(format!("`loopsubdiv`: {message}")))
         }
+        "curve" => Err(entity.error("the shape `curve` is not supported; make a mesh of it")),
         other @ ("cone" | "paraboloid" | "hyperboloid" | "heightfield" | "nurbs") => Err(entity.error(format!(
             "the shape `{other}` belongs to pbrt-v3 and is not supported; make a mesh of it"
         ))),

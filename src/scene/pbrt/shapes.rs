@@ -58,6 +58,12 @@ impl<'l> Shapes<'l> {
     ) -> Result<Vec<(String, Value)>> {
         let Shape { form, entity, is_reversed, material, light } = shape;
         let cover = materials.cover(&material, entity.parameters.get("alpha"), textures)?;
+        if let (Some(alpha), Some(_)) = (entity.parameters.get("alpha"), &light)
+            && alpha.kind == "float"
+            && alpha.number()? == 0.0
+        {
+            return Err(alpha.error("of 0 makes a light that is not seen, which is not supported; remove it"));
+        }
         let light = light.map(|light| AreaLight::read(&light, self.exposure, textures)).transpose()?;
         let is_textured = cover.is_textured || light.as_ref().is_some_and(AreaLight::is_textured);
         let label = self.names.label(&entity.parameters.place, &format!("shape `{}`", entity.kind));

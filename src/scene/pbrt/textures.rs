@@ -155,7 +155,7 @@ impl<'a> Textures<'a> {
     }
 
     /// Function of several textures, which must lie alike on the surface.
-    fn combined(&mut self, nodes: &[Node], entity: &Entity, function: impl Fn(&[DVec3]) -> DVec3) -> Result<Node> {
+    pub fn combined(&mut self, nodes: &[Node], entity: &Entity, function: impl Fn(&[DVec3]) -> DVec3) -> Result<Node> {
         let constant = |node: &Node| match node {
             Node::Constant(color) => Some(DVec3::from(*color)),
             _ => None,

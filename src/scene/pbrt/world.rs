@@ -1,4 +1,4 @@
-//! What a scene says, as the directives give it: no names are followed yet.
+//! Scene as its directives give it: no names are followed yet.
 
 use std::collections::HashMap;
 use std::rc::Rc;

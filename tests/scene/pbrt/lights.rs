@@ -18,7 +18,7 @@ fn intensity(text: &str) -> Vec3 {
     match delta(text) {
         DeltaKind::Point { intensity, .. } | DeltaKind::Spot { intensity, .. } => intensity,
         DeltaKind::Directional { irradiance, .. } => irradiance,
-        other => panic!("no light of pbrt: {other:?}"),
+        other => panic!("{other:?}"),
     }
 }
 
@@ -254,6 +254,8 @@ fn what_is_refused() {
             "LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]",
             "`portal` of an infinite light is not supported",
         ),
+        ("LightSource \"infinite\" \"string mapname\" \"sky.exr\"", "`mapname` belongs to pbrt-v3"),
+        ("AreaLightSource \"diffuse\" Shape \"disk\" \"float alpha\" 0", "makes a light that is not seen"),
         ("LightSource \"infinite\" \"string filename\" \"none.exr\"", "the image file `none.exr` does not exist"),
         ("LightSource \"point\" \"rgb I\" [ 1 -2 3 ]", "must not be negative"),
         ("LightSource \"point\" \"spectrum I\" [ 500 1 400 2 ]", "wavelengths that do not increase"),

@@ -93,7 +93,9 @@ fn coats() {
     assert!((0.96..0.98).contains(&(diffuse_reflectance.value.z / 0.4)), "{diffuse_reflectance:?}");
     let scene = with("Material \"coateddiffuse\" \"float roughness\" 0.04");
     assert!(matches!(bsdf(&scene), Bsdf::RoughPlastic { alpha, nonlinear: true, .. } if (alpha - 0.2).abs() < 1e-6));
-    assert!(scene.warnings.join("\n").contains("scene.pbrt:3: material `coateddiffuse`: it is read as `roughplastic`"));
+    assert!(
+        scene.warnings.join("\n").contains("scene.pbrt:3: material `coateddiffuse`: it is read as a `roughplastic`")
+    );
     let scene = with("Material \"coatedconductor\" \"float conductor.roughness\" 0.04 \"float interface.eta\" 1.6");
     let Bsdf::RoughConductor { eta, .. } = bsdf(&scene) else { panic!("{:?}", bsdf(&scene)) };
     // Copper under a coat of 1.6.
@@ -147,6 +149,23 @@ fn what_is_refused() {
         warned.contains("scene.pbrt:3: the parameter `wrong` of Material `diffuse` is not known; ignored"),
         "{warned}"
     );
-    let warned = with("Material \"diffusetransmission\" \"rgb transmittance\" [ 0.1 0.1 0.1 ]").warnings.join("\n");
-    assert!(warned.contains("light that passes through is not rendered"), "{warned}");
+}
+
+/// Diffuse transmission: the base color is the sum, and half of the light of a sheet that reflects as much passes through.
+#[test]
+fn sheets() {
+    let scene = with(
+        "Material \"diffusetransmission\" \"rgb reflectance\" [ 0.3 0.2 0.1 ] \"rgb transmittance\" [ 0.1 0.066667 0.033333 ]",
+    );
+    let Bsdf::PrincipledThin(thin) = bsdf(&scene) else { panic!("{:?}", bsdf(&scene)) };
+    assert_close(&thin.base_color.value.to_array(), &[0.4, 0.266667, 0.133333]);
+    assert!((thin.crossing.value - 0.25).abs() < 1e-3 && thin.spec_trans.value == 0.0 && !surface(&scene).two_sided);
+    let of_sheet = scene.warnings.iter().filter(|warning| warning.contains("material `diffusetransmission`"));
+    assert_eq!(of_sheet.count(), 1, "{:?}", scene.warnings);
+    let scene = with(
+        "Material \"diffusetransmission\" \"rgb reflectance\" [ 0.5 0 0 ] \"rgb transmittance\" [ 0 0.5 0 ] \"float scale\" 0.5",
+    );
+    let Bsdf::PrincipledThin(thin) = bsdf(&scene) else { panic!("thin") };
+    assert_close(&thin.base_color.value.to_array(), &[0.25, 0.25, 0.0]);
+    assert!(scene.warnings.join("\n").contains("the same share of each color passes through"));
 }

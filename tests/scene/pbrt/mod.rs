@@ -77,10 +77,10 @@ AttributeBegin
 AttributeEnd
 "#;
 
-/// The same scene in Mitsuba's words.
+/// Box of [`BOX`] in the words of Mitsuba.
 const XML_BOX: &str = r#"<scene version="3.0.0">
 <integrator type="path"><integer name="max_depth" value="8"/></integrator>
-<sensor type="perspective"><float name="fov" value="39.3076"/><string name="fov_axis" value="y"/>
+<sensor type="perspective"><float name="fov" value="39.3076"/><string name="fov_axis" value="smaller"/>
 <float name="near_clip" value="1e-6"/><float name="far_clip" value="1e10"/>
 <transform name="to_world"><lookat origin="278, 273, -800" target="278, 273, 0" up="0, 1, 0"/></transform>
 <film type="hdrfilm"><integer name="width" value="40"/><integer name="height" value="30"/><rfilter type="box"/></film>

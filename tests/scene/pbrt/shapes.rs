@@ -27,6 +27,7 @@ fn forms() {
         ("Shape \"cylinder\" \"float phimax\" 90", [64, 0, 0]),
         ("Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ]", [1, 0, 0]),
         ("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 1 1 0 ]", [2, 0, 0]),
+        ("Shape \"loopsubdiv\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer levels\" 2", [16, 0, 0]),
         // Half of a sphere: 32 rings of 128 squares, of which those at the pole are triangles.
         ("Shape \"sphere\" \"float zmin\" 0", [2 * 32 * 128 - 128, 0, 0]),
         // A sphere that is scaled unevenly.
@@ -115,7 +116,10 @@ fn instances_are_placed_in_the_world() {
 fn what_is_refused() {
     for (shape, expected) in [
         ("Shape \"curve\"", "the shape `curve` is not supported"),
-        ("Shape \"loopsubdiv\"", "the shape `loopsubdiv` is not supported"),
+        (
+            "Shape \"loopsubdiv\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer levels\" 12 \"integer indices\" [ 0 1 2 0 1 2 ]",
+            "triangles that face both ways",
+        ),
         ("Shape \"cone\"", "the shape `cone` belongs to pbrt-v3"),
         ("Shape \"wrong\"", "the shape `wrong` is not known"),
         ("Shape \"trianglemesh\"", "needs its parameter \"point3 P\""),
