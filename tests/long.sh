@@ -16,7 +16,7 @@ export LODESTAR_FULL=1
 # Parts in the order of their days. Parts of one kind do not follow each other, so that a week has many kinds.
 PARTS=(references-1 features-1 render-1 samplers kills features-2 python
   render-2 claims features-3 agreement unoptimized faults features-4
-  references-2 pictures features-5 render-3 closed shaderc features-6 ranks)
+  references-2 pictures features-5 render-3 closed shaderc features-6)
 
 # Modules of tests/render in two parts. The third part has all others.
 RENDER_1=(analytic:: blue_noise:: cells:: choices:: determinism:: differences::)
@@ -92,7 +92,7 @@ run() { # PART
     unoptimized) test_unoptimized ;;
     # A build with another shaderc.
     shaderc) test_shaderc_from_source ;;
-    # Processes that render one picture, 20 of them killed.
+    # Processes that render one picture, 20 of them killed. It needs MPI, so `all` and the days leave it out.
     ranks) ./setup.sh --mpi && tests/mpi/run.sh ;;
     # The wheel, installed away from the repository.
     python) python/test.sh ;;
