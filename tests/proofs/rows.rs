@@ -74,8 +74,9 @@ pub const RENDERED: &[Row] = &[
     row("product, every part", |s| {
         (s.sampler, s.guide_set, s.fallback) = (Sampler::Product, GuideSet::All, Some(4.0));
     }),
-    row("product, growing weights", |s| {
-        (s.sampler, s.sample_weights) = (Sampler::Product, Some(SampleWeights::Growing));
+    // Cells that do not borrow send more paths where they expect little, so more survivors have little hope.
+    row("product, growing weights, own cells", |s| {
+        (s.sampler, s.sample_weights, s.fallback) = (Sampler::Product, Some(SampleWeights::Growing), Some(0.0));
     }),
     more("product, fixed share", |s| (s.sampler, s.bsdf_share) = (Sampler::Product, Some(BsdfShare::Fixed))),
 ];

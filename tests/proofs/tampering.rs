@@ -22,6 +22,7 @@ struct Fault(Subject, Claim, &'static str);
 
 const MIX: &str = "rejection-mix";
 const PRODUCT: &str = "product";
+const OWN_CELLS: &str = "product, growing weights, own cells";
 const QUADTREE: &str = "quadtree";
 
 const fn kernels(name: &'static str, claim: Claim, row: &'static str) -> Fault {
@@ -44,7 +45,7 @@ const FAULTS: &[Fault] = &[
     kernels("share of the cosine not in the density", DIRECTIONS, PRODUCT),
     kernels("another share than the cell's", PICTURES, PRODUCT),
     kernels("another share of a whole function in the density", DIRECTIONS, PRODUCT),
-    kernels("what is brighter counts for less", PICTURES, "product, growing weights"),
+    kernels("what is brighter counts for less", PICTURES, OWN_CELLS),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
     kernels("swapped halves of a sum", UPDATES, MIX),
@@ -59,7 +60,7 @@ const FAULTS: &[Fault] = &[
     kernels("targets that are no numbers", DOORS, MIX),
     kernels("missing survival weight", ROULETTE, "bsdf"),
     kernels("roulette by a used random number", ROULETTE, "bsdf"),
-    kernels("survivors of little hope weigh too little", FURNACE, PRODUCT),
+    kernels("survivors of little hope weigh too little", FURNACE, OWN_CELLS),
     kernels("points of a set not scrambled", PATTERNS, "bsdf"),
     kernels("a digit of points on the film lost", PATTERNS, "bsdf"),
     kernels("digits of points of a tile lost", PATTERNS, "bsdf"),
