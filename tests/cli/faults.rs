@@ -13,7 +13,7 @@ use crate::support::{Folder, assert_quiet_success, assert_sentence};
 const SPP: u32 = 64;
 const PICTURE: [&str; 6] = ["--width", "40", "--height", "24", "--seed", "3"];
 /// Upper bound of the number of successive calls whose failure the program survives.
-const FORGIVEN: u32 = 128;
+const FORGIVEN: u32 = 256;
 const LAST_GOOD: &str = "the last good step is number ";
 
 fn render_with(folder: &Folder, fault: &str) -> Output {
