@@ -34,8 +34,8 @@ fn guided_rays_find_the_light_more_often_step_by_step() {
 }
 
 /// Few directions are lost below the surface, except for samplers that do not know the normal, as in the paper's Table
-/// 1. Cells use their own targets only: from cells with other surfaces they would borrow light at the horizon, where bins lie
-/// below it in part.
+/// 1. Cells use their own targets only. From cells with other surfaces they would borrow light at the horizon, where bins
+/// lie below it in part.
 #[test]
 fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
     let device = Device::validated();
