@@ -33,9 +33,9 @@ fn guided_rays_find_the_light_more_often_step_by_step() {
     assert!((guided[0] / unguided[0] - 1.0).abs() < 1.0e-6, "the first step draws from the BSDF");
 }
 
-/// Few directions are lost below the surface, except for samplers that do not know the normal, as in the paper's Table
-/// 1. Cells use their own targets only. From cells with other surfaces they would borrow light at the horizon, where bins
-/// lie below it in part.
+/// Few directions are lost below the surface, as in Table 1 of the paper. Samplers that do not know the normal lose many.
+/// Cells use their own targets only. From cells with other surfaces they would borrow light at the horizon, where bins lie
+/// below it in part.
 #[test]
 fn only_samplers_blind_to_the_normal_draw_below_the_surface() {
     let device = Device::validated();
