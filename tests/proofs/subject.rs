@@ -1,7 +1,8 @@
-//! Subject of a proof: the shipped kernels, or a change to them or to their settings.
+//! Subject of a proof: the shipped renderer, or a change to its kernels, to its settings, or to the sums that devices share.
 
 use lodestar::generated::kernels::test;
 use lodestar::gpu::KernelSource;
+use lodestar::renderer::sums::{self, AddSums};
 use lodestar::settings::Settings;
 use support::device::GROUP;
 use support::guide_cases::GuideKernels;
@@ -23,10 +24,13 @@ pub struct Subject {
     pub seed: u32,
     /// Invocations per workgroup, in the kernels of single functions.
     pub group: u32,
+    /// Function that adds a second device's sums of learning targets to the first one's.
+    pub add_sums: AddSums,
 }
 
 /// The renderer as it is shipped.
-pub const SHIPPED: Subject = Subject { name: "shipped", mutation: None, change: |_| {}, seed: 0, group: GROUP };
+pub const SHIPPED: Subject =
+    Subject { name: "shipped", mutation: None, change: |_| {}, seed: 0, group: GROUP, add_sums: sums::add };
 
 impl Subject {
     /// Subject with a mutation of the kernels.
@@ -37,6 +41,11 @@ impl Subject {
     /// Subject with other settings.
     pub const fn changed(name: &'static str, change: Change) -> Self {
         Self { name, change, ..SHIPPED }
+    }
+
+    /// Subject whose devices add up their sums in another way.
+    pub const fn adding(name: &'static str, add_sums: AddSums) -> Self {
+        Self { name, add_sums, ..SHIPPED }
     }
 
     /// Kernel that runs in place of a built-in one.

@@ -5,13 +5,14 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
+use lodestar::renderer::sums::{self, AddSums, Sums};
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use support::tier;
 
 use crate::claims::{
-    ALL, Claim, DENSITIES, DIRECTIONS, DOORS, EMITTERS, ENTRIES, FURNACE, PATTERNS, PICTURES, ROULETTE, SAMPLES, SUMS,
-    TARGETS, TREES, UPDATES,
+    ALL, Claim, DENSITIES, DEVICES, DIRECTIONS, DOORS, EMITTERS, ENTRIES, FURNACE, PATTERNS, PICTURES, ROULETTE,
+    SAMPLES, SUMS, TARGETS, TREES, UPDATES,
 };
 use crate::evidence::MOST_TESTS;
 use crate::rows::Scope;
@@ -27,6 +28,15 @@ const QUADTREE: &str = "quadtree";
 
 const fn kernels(name: &'static str, claim: Claim, row: &'static str) -> Fault {
     Fault(Subject::mutated(name), claim, row)
+}
+
+/// Forgets another device's sums.
+const LOSE: AddSums = |_, _| {};
+
+/// Adds another device's sums twice.
+fn add_twice(total: &mut Sums, sums: &Sums) {
+    sums::add(total, sums);
+    sums::add(total, sums);
 }
 
 const FAULTS: &[Fault] = &[
@@ -74,6 +84,8 @@ const FAULTS: &[Fault] = &[
     kernels("light counted whole however it is found", EMITTERS, MIX),
     kernels("densities 5 % off", FURNACE, MIX),
     kernels("densities 25 % off", FURNACE, MIX),
+    Fault(Subject::adding("one device's sums are lost", LOSE), DEVICES, PRODUCT),
+    Fault(Subject::adding("sums are added twice", add_twice), DEVICES, QUADTREE),
 ];
 
 /// A change that must not matter, and the claims that it touches.

@@ -37,11 +37,11 @@ impl Renderer {
     /// Sums of all devices of all ranks.
     fn total_sums(&self) -> Result<Sums> {
         let own = self.exchange_clock.time(|| self.sums_of_devices());
-        if let Ok(own) = &own {
-            self.traffic.note(own.len_bytes());
-        }
-        let Some(team) = &self.team else { return own };
-        team.add(own, &self.exchange_clock)
+        let Some(team) = &self.team else {
+            own.iter().for_each(|own| self.traffic.note(own.len_bytes()));
+            return own;
+        };
+        team.add(own, &self.exchange_clock, &self.traffic)
     }
 
     /// Sums of the devices of this process.

@@ -107,7 +107,7 @@ impl Renderer {
             gather_seconds: self.gather_clock.seconds(),
             waiting_seconds: team.map_or(0.0, Team::waiting_seconds),
             exchanges: self.traffic.exchanges(),
-            exchange_bytes: self.traffic.bytes(),
+            exchange_bytes: self.traffic.mean_bytes(),
         })
     }
 

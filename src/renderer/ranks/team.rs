@@ -15,7 +15,7 @@ use crate::renderer::ranks::exchange::{Exchange, Kind};
 use crate::renderer::ranks::failure::{self, Failure};
 use crate::renderer::ranks::share::Share;
 use crate::renderer::ranks::sums::Sums;
-use crate::renderer::ranks::times::Clock;
+use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::ranks::trial::Trial;
 use crate::renderer::statistics::Counts;
 use crate::{Error, Result};
@@ -211,15 +211,35 @@ impl Team {
         Ok(answer == [1])
     }
 
-    /// Adds up the sums of all ranks, and times it. `own` is what this rank has, or its failure.
-    pub(in crate::renderer) fn add(&self, own: Result<Sums>, clock: &Clock) -> Result<Sums> {
-        let (mut sums, own) = match own {
-            Ok(sums) => (sums, Ok(Vec::new())),
+    /// Adds up the sums of all ranks, times it and counts its bytes. `own` is what this rank has, or its failure. Ranks first tell
+    /// each other where they have targets, and hand over only the blocks of bins in which a rank has some.
+    pub(in crate::renderer) fn add(&self, own: Result<Sums>, clock: &Clock, traffic: &Traffic) -> Result<Sums> {
+        let (mut sums, touched) = match own {
+            Ok(sums) => {
+                let touched = failure::encode(&sums.touched_blocks());
+                (sums, Ok(touched))
+            }
             Err(error) => (Sums::default(), Err(error)),
         };
+        let unite = |reports: Vec<Vec<u8>>| {
+            let mut all: Vec<u32> = Vec::new();
+            for report in reports {
+                let blocks: Vec<u32> = failure::decode(&report)?;
+                all.resize(all.len().max(blocks.len()), 0);
+                all.iter_mut().zip(blocks).for_each(|(all, blocks)| *all |= blocks);
+            }
+            Ok(failure::encode(&all))
+        };
         // No rank may begin to add while another one has failed.
-        self.waiting.time(|| self.meet(own, &|| false, |_| Ok(Vec::new())))?;
-        let added = self.noting_loss(clock.time(|| self.exchange.add(&mut sums)));
+        let touched = self.waiting.time(|| self.meet(touched, &|| false, unite))?;
+        let touched: Vec<u32> = failure::decode(&touched)?;
+        let added = clock.time(|| {
+            let mut packed = sums.packed(&touched);
+            traffic.note(packed.len_bytes());
+            self.noting_loss(self.exchange.add(&mut packed))?;
+            sums.unpack(&touched, packed);
+            Ok(())
+        });
         self.is_over.store(added.is_err(), Ordering::Relaxed);
         added.map(|()| sums)
     }

@@ -20,11 +20,12 @@ pub struct SharingTimes {
     pub waiting_seconds: f64,
     /// Number of exchanges of sums.
     pub exchanges: u64,
-    /// Bytes that a rank or a device hands to the others in one exchange.
+    /// Mean number of bytes that a rank or a device hands to the others in one exchange. Ranks leave out blocks of bins in which no
+    /// rank has a learning target.
     pub exchange_bytes: u64,
 }
 
-/// Number and size of exchanges.
+/// Number of exchanges, and bytes of all of them.
 #[derive(Debug, Default)]
 pub(in crate::renderer) struct Traffic {
     exchanges: AtomicU64,
@@ -35,7 +36,7 @@ impl Traffic {
     /// Counts an exchange of so many bytes.
     pub fn note(&self, bytes: usize) {
         self.exchanges.fetch_add(1, Ordering::Relaxed);
-        self.bytes.store(bytes as u64, Ordering::Relaxed);
+        self.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
     }
 
     /// Number of exchanges.
@@ -43,9 +44,9 @@ impl Traffic {
         self.exchanges.load(Ordering::Relaxed)
     }
 
-    /// Bytes of the last exchange.
-    pub fn bytes(&self) -> u64 {
-        self.bytes.load(Ordering::Relaxed)
+    /// Mean number of bytes of an exchange. 0 without exchanges.
+    pub fn mean_bytes(&self) -> u64 {
+        self.bytes.load(Ordering::Relaxed).checked_div(self.exchanges()).unwrap_or(0)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The claims, one file each. Each claim can be tested for any subject and any part of the table.
 
 pub mod densities;
+pub mod devices;
 pub mod directions;
 pub mod doors;
 pub mod emitters;
@@ -42,10 +43,11 @@ pub const PICTURES: Claim = Claim { name: "pictures", test: pictures::test, most
 pub const PATTERNS: Claim = Claim { name: "patterns", test: patterns::test, most_tests: 100 };
 pub const ROULETTE: Claim = Claim { name: "roulette", test: roulette::test, most_tests: 100 };
 pub const EMITTERS: Claim = Claim { name: "emitters", test: emitters::test, most_tests: 500 };
+pub const DEVICES: Claim = Claim { name: "devices", test: devices::test, most_tests: 0 };
 
-pub const ALL: [Claim; 14] = [
+pub const ALL: [Claim; 15] = [
     SAMPLES, DENSITIES, DIRECTIONS, SUMS, UPDATES, ENTRIES, DOORS, TREES, TARGETS, FURNACE, PICTURES, PATTERNS,
-    ROULETTE, EMITTERS,
+    ROULETTE, EMITTERS, DEVICES,
 ];
 
 impl Claim {
@@ -129,4 +131,9 @@ fn roulette() {
 #[test]
 fn emitters() {
     prove(EMITTERS);
+}
+
+#[test]
+fn devices() {
+    prove(DEVICES);
 }
