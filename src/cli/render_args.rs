@@ -142,6 +142,8 @@ pub struct ChoiceArgs {
 pub struct DeviceArgs {
     #[arg(long, env = "LODESTAR_DEVICE")]
     pub device: Option<String>,
+    #[arg(long)]
+    pub deal_by_speed: bool,
     #[arg(long, value_parser = milliseconds)]
     pub slice_ms: Option<f64>,
     #[arg(long, value_enum, default_value_t = Execution::Auto)]
@@ -199,7 +201,7 @@ impl DeviceArgs {
     /// Adds these arguments to `options`.
     pub fn add_to(self, options: Options) -> Options {
         let device = ContextOptions { device: device_name(self.device), validate: self.validate };
-        let options = options.open_device(device).execution(self.execution);
+        let options = options.open_device(device).deal_by_speed(self.deal_by_speed).execution(self.execution);
         let options = with(options, self.slice_ms, Options::slice_milliseconds);
         with(options, self.kernel_dir, Options::kernel_folder)
     }

@@ -315,10 +315,22 @@ pub struct TracePush {
     pub sample_count: u32,
     /// Index of a sample before which no set of samples starts.
     pub first_of_sets: u32,
-    /// First tile of the page that this device traces.
-    pub first_tile: u32,
-    /// Distance between two tiles that this device traces.
-    pub tile_stride: u32,
+    /// Places of the page's tiles that this device traces.
+    pub tiles: TilePlaces,
+}
+
+/// Places of the tiles of a film page that one device traces: in every run of `period` tiles of the film, `width` tiles are its own.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct TilePlaces {
+    /// Number of the device's tiles before this page.
+    pub own_before: u32,
+    /// Place of the device's first tile of the film, relative to the page's first tile. It wraps.
+    pub first: u32,
+    /// Number of the device's tiles in a run.
+    pub width: u32,
+    /// Number of tiles of a run.
+    pub period: u32,
 }
 
 /// Push constants of the kernels of a wave (`glsl/include/path/wavefront.glsl`).

@@ -32,7 +32,7 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     let mut side = || word().and_then(|word| word.parse::<u32>().ok()).filter(|&side| side > 0);
     let (Some(width), Some(height)) = (side(), side()) else { return Err(fault("its header gives no size")) };
     let scale = word().and_then(|word| word.parse::<f32>().ok()).filter(|scale| scale.is_finite() && *scale != 0.0);
-    let scale = scale.ok_or_else(|| fault("its header gives no byte order"))?;
+    let scale = scale.ok_or_else(|| fault("its header gives no scale and byte order"))?;
     if u64::from(width) * u64::from(height) > MAX_PIXEL_COUNT {
         return Err(Error::image(path, "it is larger than 2^28 pixels; crop it"));
     }
@@ -40,7 +40,9 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<Image> {
     // One byte of white space ends the header.
     let (floats, _) = bytes.get(at + 1..).unwrap_or_default().as_chunks::<4>();
     let floats = floats.get(..width_texels * height as usize * channels).ok_or_else(|| fault("it is cut short"))?;
-    let float = |bytes: [u8; 4]| if scale < 0.0 { f32::from_le_bytes(bytes) } else { f32::from_be_bytes(bytes) };
+    let number = |bytes: [u8; 4]| if scale < 0.0 { f32::from_le_bytes(bytes) } else { f32::from_be_bytes(bytes) };
+    // As in Mitsuba and pbrt, the sign is the byte order and the magnitude is a factor.
+    let float = |bytes: [u8; 4]| number(bytes) * scale.abs();
     let pixel = |pixel: &[[u8; 4]]| match pixel {
         [red, green, blue] => [*red, *green, *blue].map(float),
         other => [float(other[0]); 3],
@@ -63,6 +65,12 @@ mod tests {
         assert_eq!((image.width, image.height, image.pixels), (1, 2, vec![[4.0, 5.0, 6.0], [1.0, 2.0, 3.0]]));
         let gray = bytes("Pf 2 1 1\n", &[0.5f32, 8.0].map(f32::to_be_bytes));
         assert!(is_pfm(&color) && is_pfm(&gray));
+        let scaled = bytes("Pf 2 1 -2.5\n", &[0.5f32, 8.0].map(f32::to_le_bytes));
+        assert_eq!(decode(Path::new("a.pfm"), &scaled).unwrap().pixels, [[1.25; 3], [20.0; 3]]);
+        for scale in ["0", "-0.0", "nan", "inf"] {
+            let error = decode(Path::new("a.pfm"), &bytes(&format!("Pf 1 1 {scale}\n"), &[[0; 4]])).unwrap_err();
+            assert!(error.to_string().contains("no scale and byte order"), "{error}");
+        }
         assert_eq!(decode(Path::new("a.pfm"), &gray).unwrap().pixels, [[0.5; 3], [8.0; 3]]);
         for length in 0..color.len() {
             assert!(decode(Path::new("a.pfm"), &color[..length]).is_err());

@@ -11,7 +11,7 @@ use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
 use crate::math::direction_map::bin_center;
 use crate::renderer::persistent::Persistent;
 use crate::renderer::state::{RenderState, StatePart};
-use crate::settings::{Sampler, Settings};
+use crate::settings::{BsdfShare, Sampler, Settings};
 use crate::{Error, Result};
 
 /// The radiance that a guide has learned, cell by cell and direction by direction.
@@ -131,7 +131,6 @@ impl Renderer {
             return refuse("a render begins with a guide before its first step, but it has samples already".into());
         }
         check_same_guide(&guide.settings, &self.settings)?;
-        self.others.iter_mut().try_for_each(|other| other.begin_with_guide_state(guide))?;
         let Settings { seed, sample_offset, .. } = self.settings;
         if let Some(end) = guide.samples.end(seed).filter(|&end| end > u64::from(sample_offset.unwrap_or(0))) {
             return refuse(format!(
@@ -139,6 +138,7 @@ impl Renderer {
                  from the samples that it guides; choose another seed, or a --sample-offset of at least {end}"
             ));
         }
+        self.others.iter_mut().try_for_each(|other| other.begin_with_guide_state(guide))?;
         let centers = self.cells.boxes().into_iter().map(|[low, high]| 0.5 * (low + high));
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
@@ -230,6 +230,17 @@ fn check_same_guide(theirs: &Settings, ours: &Settings) -> Result<()> {
     )))
 }
 
+/// Settings in which a default that a guide follows stands as if it had been given.
+fn with_defaults(settings: Settings) -> Settings {
+    let share = if settings.learns_share() { BsdfShare::Learned } else { BsdfShare::Fixed };
+    Settings {
+        fallback: Some(settings.fallback()),
+        bsdf_share: Some(share),
+        roulette: Some(settings.roulette()),
+        ..settings
+    }
+}
+
 /// First setting of the guide that differs: its name and both values. Settings of the film, the length and the samples do not
 /// belong to the guide.
 fn difference(theirs: &Settings, ours: &Settings) -> Option<(String, String, String)> {
@@ -238,7 +249,7 @@ fn difference(theirs: &Settings, ours: &Settings) -> Option<(String, String, Str
     let Settings { samples_per_dispatch, slice_milliseconds, execution, .. } = *ours;
     let theirs = Settings { width, height, crop, filter, max_depth, rr_depth, hide_emitters, ..theirs.clone() };
     let theirs = Settings { seed, pattern, noise, sample_offset, spp_per_step, steps, sample_weights, ..theirs };
-    let theirs = Settings { samples_per_dispatch, slice_milliseconds, execution, ..theirs };
-    let mut pairs = theirs.named().into_iter().zip(ours.named());
+    let theirs = with_defaults(Settings { samples_per_dispatch, slice_milliseconds, execution, ..theirs });
+    let mut pairs = theirs.named().into_iter().zip(with_defaults(ours.clone()).named());
     pairs.find_map(|((name, theirs), (_, ours))| (theirs != ours).then_some((name, theirs, ours)))
 }

@@ -57,6 +57,7 @@ use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
 use crate::renderer::ranks::command::{Command, lead};
+use crate::renderer::ranks::share::Share;
 use crate::renderer::ranks::sums::AddSums;
 use crate::renderer::ranks::team::Team;
 use crate::renderer::ranks::times::{Clock, Traffic};
@@ -88,10 +89,14 @@ pub struct Renderer {
     at_step_end: bool,
     /// Renderers of the same scene on other devices of this process. Each traces its share of the film's tiles.
     others: Vec<Renderer>,
+    /// Share of each device of all ranks in the film's tiles.
+    dealt: Vec<Share>,
     /// The ranks of the render, where it has several.
     team: Option<Arc<Team>>,
     /// Adds up the sums of this process's devices.
     add_sums: AddSums,
+    /// Time of this device's tracing.
+    trace_clock: Clock,
     /// Time of adding up sums over devices.
     exchange_clock: Clock,
     /// Time of gathering the film from devices.

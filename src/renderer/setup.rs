@@ -15,6 +15,7 @@ use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::Learning;
+use crate::renderer::ranks::share::Share;
 use crate::renderer::ranks::sums;
 use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::sets::Sets;
@@ -97,8 +98,10 @@ impl Renderer {
             stopped: false,
             at_step_end: true,
             others: Vec::new(),
+            dealt: vec![Share::ALL],
             team: None,
             add_sums: sums::add,
+            trace_clock: Clock::default(),
             exchange_clock: Clock::default(),
             gather_clock: Clock::default(),
             traffic: Traffic::default(),

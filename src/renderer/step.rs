@@ -119,6 +119,16 @@ impl Renderer {
         counts: &mut Counts,
         stop: &dyn Fn() -> bool,
     ) -> Result<bool> {
+        self.trace_clock.time(|| self.trace_pages(batch, first_of_sets, counts, stop))
+    }
+
+    fn trace_pages(
+        &self,
+        batch: u32,
+        first_of_sets: u32,
+        counts: &mut Counts,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<bool> {
         for page in self.sets.frame.pages() {
             let mut next = 0;
             while let Some(slice) = self.slicer.slice(page, next) {
@@ -136,7 +146,7 @@ impl Renderer {
 
     /// Most samples per pixel of the next batch: the dispatch is bounded, all samples have the same weight, and a guide that is due
     /// to learn is not followed further.
-    fn longest_batch(&self) -> u32 {
+    pub(super) fn longest_batch(&self) -> u32 {
         let of_same_weight = self.settings.samples_of_same_weight(self.samples_done);
         let until_learning = self.learning.samples_left(self.samples_done);
         self.settings.samples_per_dispatch.min(of_same_weight).min(until_learning)
@@ -150,7 +160,6 @@ impl Renderer {
         sample_count: u32,
         first_of_sets: u32,
     ) -> Result<(Duration, Counts)> {
-        let (first_tile, tile_stride) = page.tile_steps();
         let push = TracePush {
             first_workgroup: slice.first,
             workgroup_count: slice.count,
@@ -160,8 +169,7 @@ impl Renderer {
             first_sample: self.sample_index(self.samples_done),
             sample_count,
             first_of_sets,
-            first_tile,
-            tile_stride,
+            tiles: page.tile_places(),
         };
         let (elapsed, counts) = self.tracer.trace(&self.context, &self.sets, page, push)?;
         match counts.overruns {

@@ -70,6 +70,8 @@ pub struct Options {
     pub(super) checkpoint: Option<PathBuf>,
     pub(super) checkpoint_every: f64,
     pub(super) guide_from: Option<PathBuf>,
+    /// Whether tiles are dealt out to devices by their measured speed.
+    pub(super) deals_by_speed: bool,
     /// Connection to the other ranks of the render, where it has several.
     pub(super) exchange: Option<Arc<dyn Exchange>>,
 }
@@ -93,6 +95,7 @@ impl Default for Options {
             checkpoint: None,
             checkpoint_every: CHECKPOINT_EVERY,
             guide_from: None,
+            deals_by_speed: false,
             exchange: None,
         }
     }
@@ -209,6 +212,13 @@ impl Options {
     #[must_use]
     pub fn open_device(self, options: ContextOptions) -> Self {
         Self { device: DeviceChoice::Open(options), ..self }
+    }
+
+    /// Deals out the tiles of the film to the devices by their measured speed, in place of evenly. Where devices of different kinds
+    /// render the picture, its last bits then depend on what was measured.
+    #[must_use]
+    pub fn deal_by_speed(self, deals_by_speed: bool) -> Self {
+        Self { deals_by_speed, ..self }
     }
 
     /// Sets the time that one dispatch should take, in milliseconds.

@@ -26,16 +26,22 @@ pub(super) struct Prepared {
     pub earlier: Option<Earlier>,
     pub guide: Option<GuideFile>,
     pub checkpoint: Option<CheckpointFile>,
+    /// Whether tiles are dealt out to devices by their measured speed.
+    pub deals_by_speed: bool,
 }
 
 impl Prepared {
     /// The session with the state and the guide that it begins with.
     pub fn begin(self, watch: &Watch<'_>) -> Result<Session> {
-        let Self { mut session, devices, earlier, guide, checkpoint } = self;
+        let Self { mut session, devices, earlier, guide, checkpoint, deals_by_speed } = self;
         if !session.renderer.leads() {
             return Ok(session);
         }
         warn_of_mix(&devices, watch);
+        if deals_by_speed && devices.len() > 1 {
+            let weights = session.renderer.deal_by_speed()?;
+            watch.tell(Event::Note(&dealt(&devices, &weights)));
+        }
         let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
         if let Some(guide) = guide {
             guide.begin(&mut session)?;
@@ -93,6 +99,13 @@ impl Session {
             list(kernels)
         )))
     }
+}
+
+/// How tiles were dealt out, in one sentence.
+fn dealt(devices: &[String], weights: &[u32]) -> String {
+    let all: u32 = weights.iter().sum();
+    let of_device = |(device, weight): (&String, &u32)| format!("{weight} of {all} to {device}");
+    format!("tiles by measured speed: {}", devices.iter().zip(weights).map(of_device).collect::<Vec<_>>().join(", "))
 }
 
 /// Warns where devices of several kinds render one picture.

@@ -50,7 +50,8 @@ pub(super) fn join(exchange: &Arc<dyn Exchange>, prepared: Result<Prepared>) -> 
     let Some(mut prepared) = prepared else {
         return Err(Error::Render("this rank cannot render, but the others go on".into()));
     };
-    prepared.session.renderer.join(&team)?;
+    // A rank that fails here must not leave the others waiting.
+    team.close(prepared.session.renderer.join(&team))?;
     prepared.devices = team.members().iter().flat_map(|member| member.devices.clone()).collect();
     Ok(prepared)
 }

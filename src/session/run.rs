@@ -83,7 +83,7 @@ pub(super) struct Subject {
     pub scene_name: String,
     pub scene_path: PathBuf,
     pub scene_hash: String,
-    /// File of the scene, with the replacements of its `<default>` values; `None` for a scene made in memory.
+    /// File of the scene, with the choices with which it is read; `None` for a scene made in memory.
     pub source: Option<(PathBuf, LoadOptions)>,
     /// Files that stand in for built-in kernels, with their hashes.
     pub kernels: Vec<String>,

@@ -148,7 +148,7 @@ impl Session {
             settings,
         };
         let devices = contexts.iter().map(|context| device_name(context)).collect();
-        Ok(Prepared { session, devices, earlier, guide, checkpoint })
+        Ok(Prepared { session, devices, earlier, guide, checkpoint, deals_by_speed: options.deals_by_speed })
     }
 }
 

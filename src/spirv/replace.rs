@@ -193,8 +193,8 @@ mod tests {
     fn another_layout_is_refused() {
         let message = refusal(&redecorated(Decoration::ArrayStride, 32, 48));
         assert!(message.contains("`film_radiance` is a struct at offset 0, stride 48, not a struct"), "{message}");
-        let message = refusal(&redecorated(Decoration::Offset, 44, 48));
-        assert!(message.contains("it takes 52 bytes of push constants, not 48"), "{message}");
+        let message = refusal(&redecorated(Decoration::Offset, 40, 44));
+        assert!(message.contains("it takes 60 bytes of push constants, not 56"), "{message}");
     }
 
     #[test]

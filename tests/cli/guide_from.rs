@@ -52,6 +52,17 @@ fn guides_that_do_not_fit_are_refused() {
     }
 }
 
+/// A setting that is given as its default stands is no other setting.
+#[test]
+fn a_default_that_is_given_is_no_difference() {
+    let folder = Folder::new();
+    folder.render(&["--spp", "16", "--seed", "1", "--checkpoint", "guide.ckpt"]);
+    let same =
+        ["--fallback", "4", "--bsdf-share", "learned", "--spp", "8", "--guide-from", "guide.ckpt", "-o", "a.exr"];
+    folder.render(&same);
+    refused(&folder, &["--fallback", "3", "--guide-from", "guide.ckpt"], &["guide.ckpt", "another fallback"]);
+}
+
 /// A guide that has begun with another one has learned from the samples of both, also after `resume`.
 #[test]
 fn samples_of_earlier_guides_are_not_forgotten() {

@@ -89,6 +89,13 @@ fn the_page_of_options_is_that_of_the_table() {
     }
     let page = std::fs::read_to_string(path).unwrap_or_default();
     assert!(page == document(), "docs/options.md is out of date: run this test with LODESTAR_WRITE_DOCS=1");
+    let help = help(&["render", "--help"]);
+    for name in ["output", "quiet"] {
+        let letter = &name[..1];
+        assert!(
+            help.contains(&format!("-{letter}, --{name}")) && page.contains(&format!("### `-{letter}`, `--{name}"))
+        );
+    }
 }
 
 #[test]

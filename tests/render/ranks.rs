@@ -95,6 +95,25 @@ fn any_number_of_devices_gives_the_bits_of_one() {
     println!("{} configurations", all.len());
 }
 
+/// Tiles may be dealt out unevenly, and a device may have none.
+#[test]
+fn any_deal_of_the_tiles_gives_the_same_bits() {
+    let scene = scene();
+    let all = configurations(&scene);
+    for (name, settings) in tier::some_of(&all, IN_QUICK_TIER) {
+        let one = left(&mut Device::new().renderer(&scene, settings), settings, SPP);
+        for weights in [&[3, 1][..], &[1, 0, 2]] {
+            let mut ranks = Ranks::new(&scene, settings, weights.len());
+            ranks.renderer.deal(weights).expect("renderers without samples");
+            assert!(left(&mut ranks.renderer, settings, SPP) == one, "{name}, weights {weights:?}");
+        }
+        // What is traced to measure the speeds must leave nothing behind.
+        let mut ranks = Ranks::new(&scene, settings, 2);
+        let weights = ranks.renderer.deal_by_speed().expect("renderers without samples");
+        assert!(left(&mut ranks.renderer, settings, SPP) == one, "{name}, weights by speed {weights:?}");
+    }
+}
+
 /// The comparison finds sums that are lost on the way, and sums that are added twice.
 #[test]
 fn wrong_sums_are_found() {

@@ -78,6 +78,22 @@ fn any_number_of_ranks_leaves_what_one_leaves() {
     }
 }
 
+/// Ranks deal out tiles by the speed of all their devices, and the bits stay.
+#[test]
+fn ranks_deal_tiles_by_speed() {
+    let scene = scene();
+    for sampler in [Sampler::Product, Sampler::Quadtree] {
+        let settings = settings(&scene, SIZE, sampler, 21);
+        let one = left(&mut Device::new().renderer(&scene, &settings), &settings, SPP);
+        let several = in_ranks(&scene, &settings, &[1, 2], None, |renderer| {
+            let weights = renderer.deal_by_speed().expect("renderers without samples");
+            assert!(weights.len() == 3 && weights.iter().sum::<u32>() > 0, "{weights:?}");
+            left(renderer, &settings, SPP)
+        });
+        assert!(several == one, "{sampler:?}");
+    }
+}
+
 /// The comparison finds sums of a rank that are lost on the way, and sums that are added twice.
 #[test]
 fn wrong_sums_of_a_rank_are_found() {

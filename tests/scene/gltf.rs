@@ -48,6 +48,39 @@ fn read(model: &Value) -> Result<Scene, String> {
     read_with(model, &LoadOptions::default())
 }
 
+/// PNG image of one texel.
+fn png(texel: [u8; 4]) -> Vec<u8> {
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbaImage::from_pixel(1, 1, image::Rgba(texel)).write_to(&mut png, image::ImageFormat::Png).unwrap();
+    png.into_inner()
+}
+
+fn png_uri(texel: [u8; 4]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png(texel)))
+}
+
+fn push(list: &mut Value, entry: Value) {
+    list.as_array_mut().unwrap().push(entry);
+}
+
+/// Gives the model these two materials, and the square a second time with the second one.
+fn paint_twice(model: &mut Value, materials: [Value; 2]) {
+    model["materials"] = json!(materials);
+    let primitives = &mut model["meshes"][0]["primitives"];
+    let mut second = primitives[0].clone();
+    second["material"] = json!(1);
+    push(primitives, second);
+}
+
+/// Base color of a material with a texture, at the texture's middle.
+fn base_color(scene: &Scene, material: usize) -> glam::DVec3 {
+    let MaterialKind::Surface(surface) = &scene.materials[material].kind else { panic!("a surface") };
+    let Bsdf::Principled(principled) = &surface.bsdf else { panic!("a principled") };
+    let texture = &scene.textures[principled.base_color.texture.unwrap() as usize];
+    let texel = sample(texture, &scene.images, glam::DVec2::splat(0.5)).truncate();
+    principled.base_color.value.as_dvec3() * texel
+}
+
 /// Mangled models give a scene or an error.
 #[test]
 fn mangled_models_never_panic() {
@@ -152,12 +185,9 @@ fn lights_and_emissive_surfaces_shine() {
 /// The channels of a packed texture become textures of their own, and the transform of a texture turns from `v` to `u`.
 #[test]
 fn textures_are_unpacked_and_transformed() {
-    let mut png = std::io::Cursor::new(Vec::new());
-    let texel = image::RgbaImage::from_pixel(1, 1, image::Rgba([10, 128, 51, 255]));
-    texel.write_to(&mut png, image::ImageFormat::Png).unwrap();
     let mut model = square();
     model["extensionsUsed"] = json!(["KHR_texture_transform"]);
-    model["images"] = json!([{"uri": format!("data:image/png;base64,{}", STANDARD.encode(png.into_inner()))}]);
+    model["images"] = json!([{"uri": png_uri([10, 128, 51, 255])}]);
     model["textures"] = json!([{"source": 0}]);
     let quarter = std::f64::consts::FRAC_PI_2;
     let transform = json!({"offset": [0.25, 0.5], "rotation": quarter, "scale": [2.0, 3.0]});
@@ -177,6 +207,98 @@ fn textures_are_unpacked_and_transformed() {
     };
     assert!((number(&principled.roughness) - 0.5 * 128.0 / 255.0).abs() < 1e-6);
     assert!((number(&principled.metallic) - 51.0 / 255.0).abs() < 1e-6);
+}
+
+/// Materials that share an image, but no factor, have images of their own.
+#[test]
+fn factors_of_specular_glossiness_are_told_apart() {
+    let mut model = square();
+    model["extensionsUsed"] = json!(["KHR_materials_pbrSpecularGlossiness"]);
+    model["images"] = json!([{"uri": png_uri([128, 128, 128, 255])}]);
+    model["textures"] = json!([{"source": 0}]);
+    let paint = |diffuse: [f32; 4]| {
+        json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {
+            "diffuseFactor": diffuse, "diffuseTexture": {"index": 0},
+            "specularFactor": [0.1, 0.1, 0.1], "specularGlossinessTexture": {"index": 0},
+        }}})
+    };
+    paint_twice(&mut model, [paint([1.0, 0.0, 0.0, 1.0]), paint([0.0, 1.0, 0.0, 1.0])]);
+    let scene = read(&model).unwrap();
+    let [red, green] = [0, 1].map(|material| base_color(&scene, material));
+    assert!(red.x > 0.1 && red.y == 0.0, "{red}");
+    assert!(green.y > 0.1 && green.x == 0.0, "{green}");
+}
+
+/// An image within the file hides no image file whose name it would get.
+#[test]
+fn image_files_are_not_hidden() {
+    let mut model = square();
+    model["images"] = json!([{"uri": png_uri([255, 0, 0, 255])}, {"uri": "image%30.png"}]);
+    model["textures"] = json!([{"source": 0}, {"source": 1}]);
+    let paint = |texture: u32| json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": texture}}});
+    paint_twice(&mut model, [paint(0), paint(1)]);
+    let folder = Folder::new(&[("model.gltf", &model.to_string())]);
+    folder.write("image0.png", &png([0, 255, 0, 255]));
+    let scene = load(&folder.path("model.gltf"), &LoadOptions::default()).unwrap();
+    for (material, expected) in [(0, glam::DVec3::X), (1, glam::DVec3::Y)] {
+        let found = base_color(&scene, material);
+        assert!((found - expected).length() < 1e-6, "material {material}: {found}");
+    }
+}
+
+#[test]
+fn vertex_colors_that_are_not_shown_are_named() {
+    let mut model = square();
+    model["extensionsUsed"] = json!(["KHR_materials_pbrSpecularGlossiness"]);
+    model["materials"][0]["extensions"] = json!({"KHR_materials_pbrSpecularGlossiness": {}});
+    let warnings = |model: &Value| read(model).unwrap().warnings.join("\n");
+    assert!(!warnings(&model).contains("vertex colors"));
+    // The positions of the square's corners serve as colors.
+    model["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(0);
+    let found = warnings(&model);
+    assert!(found.contains("material `Paint`: vertex colors cannot stand beside"), "{found}");
+}
+
+/// A node without a skin has the mesh as it is, though a node before it moves the mesh by a skin.
+#[test]
+fn a_skin_moves_the_mesh_of_its_node_alone() {
+    let mut model = square();
+    let weights = [[1.0f32, 0.0, 0.0, 0.0]; 4];
+    let mut bytes: Vec<u8> = weights.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+    // All vertices have joint 0.
+    bytes.extend([0u8; 16]);
+    let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes));
+    push(&mut model["buffers"], json!({"byteLength": 80, "uri": uri}));
+    push(&mut model["bufferViews"], json!({"buffer": 1, "byteOffset": 0, "byteLength": 64}));
+    push(&mut model["bufferViews"], json!({"buffer": 1, "byteOffset": 64, "byteLength": 16}));
+    push(&mut model["accessors"], json!({"bufferView": 3, "componentType": 5126, "count": 4, "type": "VEC4"}));
+    push(&mut model["accessors"], json!({"bufferView": 4, "componentType": 5121, "count": 4, "type": "VEC4"}));
+    let attributes = &mut model["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["WEIGHTS_0"], attributes["JOINTS_0"]) = (json!(3), json!(4));
+    model["skins"] = json!([{"joints": [2]}]);
+    model["nodes"] = json!([{"mesh": 0, "skin": 0}, {"mesh": 0}, {"translation": [5, 0, 0]}]);
+    model["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let places = read(&model).unwrap().primitives.iter().map(|primitive| primitive.origin.x).collect::<Vec<_>>();
+    assert_eq!(places, [5.0, 5.0, 0.0, 0.0]);
+}
+
+/// Names of cameras may be ids of other objects, or those that cameras without a name would get.
+#[test]
+fn cameras_have_ids_of_their_own() {
+    let mut model = square();
+    model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    model["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point"}]}});
+    model["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1, "aspectRatio": 2.0}}]);
+    push(&mut model["nodes"], json!({"extensions": {"KHR_lights_punctual": {"light": 0}}}));
+    for name in ["camera1", "", "light0", "shape0_Wall", "material0_Paint", "camera3", "camera1"] {
+        push(&mut model["nodes"], json!({"camera": 0, "name": name}));
+    }
+    model["scenes"][0]["nodes"] = json!((0..9).collect::<Vec<_>>());
+    let camera = Some("Side".parse::<CameraChoice>().unwrap());
+    let error = read_with(&model, &LoadOptions { camera, ..LoadOptions::default() }).unwrap_err();
+    let ids = [1, 2, 4, 5, 6, 3, 7].map(|number| format!("(`camera{number}`)"));
+    let ids = (0..).zip(ids).map(|(index, id)| format!("{index} {id}")).collect::<Vec<_>>().join(", ");
+    assert!(error.contains(&ids), "{error} lacks {ids}");
 }
 
 #[test]
@@ -203,8 +325,22 @@ fn faults_name_the_thing() {
     refused(&|m| m["buffers"][0]["uri"] = json!("gone.bin"), "gone.bin");
     refused(&|m| m["bufferViews"][0]["byteLength"] = json!(12), "accessor 0");
     refused(&|m| m["bufferViews"][0]["byteOffset"] = json!(4_000_000_000u32), "reaches beyond");
-    refused(&|m| m["accessors"][0]["count"] = json!(4_000_000_000u32), "too many values");
+    refused(&|m| m["accessors"][0]["count"] = json!(4_000_000_000u32), "more than 100663296 vertices");
+    refused(&|m| m["accessors"][2]["count"] = json!(4_000_000_000u32), "too many values");
     refused(&|m| m["nodes"][0]["children"] = json!([0]), "its own descendant");
+    let add_instances = |model: &mut Value| {
+        // An accessor without a buffer view, of which one element is given and all others are zero.
+        let given =
+            json!({"count": 1, "indices": {"bufferView": 2, "componentType": 5123}, "values": {"bufferView": 0}});
+        let zeros = json!({"componentType": 5126, "count": 1 << 20, "type": "VEC3", "sparse": given});
+        push(&mut model["accessors"], zeros);
+        let instancing = json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 3}}});
+        push(&mut model["nodes"], json!({"mesh": 0, "extensions": instancing}));
+        model["scenes"][0]["nodes"] = json!([0, 1]);
+    };
+    refused(&add_instances, "it has more than 1048576 nodes");
+    refused(&|m| m["images"] = json!([{"bufferView": 0}]), "image 0");
+    refused(&|m| m["images"] = json!([{"name": "empty"}]), "image 0");
     refused(&|m| m["nodes"][0]["mesh"] = json!(7), "it is no glTF 2.0 file");
     refused(&|m| m["accessors"][0]["count"] = json!(3), "it has fewer texture coordinates or colors than vertices");
     refused(&|m| m["accessors"][2]["byteOffset"] = json!(2), "accessor 2");

@@ -12,6 +12,14 @@ struct DispatchWeights {
     float lost_samples;  // number of earlier samples minus their effective number
 };
 
+// Places of the tiles of a film page that one device traces: in every run of `period` tiles of the film, `width` tiles are its own.
+struct TilePlaces {
+    uint own_before;  // number of the device's tiles before this page
+    uint first;       // place of the device's first tile of the film, relative to the page's first tile; it wraps
+    uint width;
+    uint period;
+};
+
 // Slice of a film page, and the range of samples that the dispatch adds.
 struct TracePush {
     uint first_workgroup;    // first workgroup of the slice, counted over the page's tiles that are sampled
@@ -22,8 +30,7 @@ struct TracePush {
     uint first_sample;
     uint sample_count;
     uint first_of_sets;      // index of a sample; no set of samples starts before it
-    uint first_tile;         // first tile of the page that this device traces
-    uint tile_stride;        // distance between two tiles that this device traces
+    TilePlaces tiles;
 };
 
 // Pixel of the window for an index in tile order. Tiles follow each other row by row, and so do the pixels within a
@@ -35,12 +42,17 @@ uvec2 tile_order_pixel(uint index) {
     return uvec2(tile % tiles_per_row, tile / tiles_per_row) * TILE_SIDE + uvec2(within % TILE_SIDE, within / TILE_SIDE);
 }
 
+// Index within the film page of one of the tiles that this device traces, by its number among them.
+uint traced_tile(TilePlaces tiles, uint number) {
+    uint own = tiles.own_before + number;
+    return own / tiles.width * tiles.period + own % tiles.width + tiles.first;
+}
+
 // Index within the film page, in tile order, of the pixel of a lane of the slice's workgroup.
 uint pixel_of_slice(TracePush slice, uint workgroup, uint lane) {
     uint spread = slice.first_workgroup + (workgroup * slice.workgroup_stride) % slice.workgroup_count;
     uint place = spread * WORKGROUP_SIZE + lane;
-    uint tile = slice.first_tile + (place / TILE_PIXELS) * slice.tile_stride;
-    return sampled_pixel(tile * TILE_PIXELS + place % TILE_PIXELS);
+    return sampled_pixel(traced_tile(slice.tiles, place / TILE_PIXELS) * TILE_PIXELS + place % TILE_PIXELS);
 }
 
 #endif

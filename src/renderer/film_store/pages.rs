@@ -9,7 +9,7 @@ use crate::film::Picture;
 use crate::film::noise::TileNoise;
 use crate::film::sums::PixelSums;
 use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
-use crate::generated::layout::{FilmFeatures, FilmRadiance};
+use crate::generated::layout::{FilmFeatures, FilmRadiance, TilePlaces};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::persistent::Span;
 use crate::renderer::ranks::share::Share;
@@ -110,11 +110,20 @@ impl FilmPage {
         self.sample_all()
     }
 
-    /// First tile of the page that this device traces, and the distance to the next one. Where noise ends tiles, a list names
-    /// the tiles, and these numbers count its entries.
-    pub fn tile_steps(&self) -> (u32, u32) {
-        let share = self.share.get();
-        if self.is_adaptive() { (0, 1) } else { (share.first_from(self.first_tile()), share.ranks) }
+    /// Places of the page's tiles that this device traces. Where noise ends tiles, a list names the tiles, and these are places in
+    /// the list.
+    pub fn tile_places(&self) -> TilePlaces {
+        let (share, page) = match self.is_adaptive() {
+            true => (Share::ALL, 0),
+            false => (self.share.get(), self.first_tile()),
+        };
+        TilePlaces {
+            own_before: share.tiles_before(page),
+            first: share.first.wrapping_sub(page),
+            // A share without tiles is never traced, but the kernels divide by its width.
+            width: share.width.max(1),
+            period: share.period,
+        }
     }
 
     /// Tiles of the film before this page.

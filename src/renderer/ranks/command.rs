@@ -12,6 +12,8 @@ use crate::renderer::state::RenderState;
 pub(in crate::renderer) enum Command {
     /// One step of a render.
     Step { samples: u32 },
+    /// Dealing out tiles by the speed of the devices.
+    DealBySpeed,
     /// Gathering the film.
     Film,
     /// Gathering everything that outlives a step.

@@ -22,7 +22,7 @@ impl Renderer {
         let film = self.film_of_devices();
         let Some(team) = &self.team else { return self.write_film(&film?) };
         if !team.leads() {
-            let tiles = film.map(|film| self.packed(&film, &team.own_shares()));
+            let tiles = film.map(|film| self.packed(&film, self.shares()));
             return team.meet(tiles, &|| false, |_| Ok(Vec::new())).map(drop);
         }
         let (mut film, own) = match film {
@@ -31,7 +31,7 @@ impl Renderer {
         };
         let take = |reports: Vec<Vec<u8>>| {
             for (rank, tiles) in reports.iter().enumerate().skip(1) {
-                self.unpack(&mut film, &team.shares(rank), tiles);
+                self.unpack(&mut film, &self.dealt[team.devices(rank)], tiles);
             }
             self.write_film(&film)?;
             Ok(Vec::new())
@@ -45,7 +45,7 @@ impl Renderer {
             renderer.sets.frame.persistent().iter().map(|part| part.read()).collect()
         };
         let mut film = read(self)?;
-        for (share, other) in self.shares().into_iter().zip(self.all()).skip(1) {
+        for (&share, other) in self.shares().iter().zip(self.all()).skip(1) {
             let theirs = read(other).map_err(|error| other.named(error))?;
             for (part, theirs) in film.iter_mut().zip(&theirs) {
                 for bytes in self.tiles(part.len(), share) {
@@ -86,8 +86,9 @@ impl Renderer {
 
     /// Ranges of the bytes of a share's tiles, in a part of the film with so many bytes.
     fn tiles(&self, part_bytes: usize, share: Share) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
-        let tiles = (padded_pixels(&self.settings) / u64::from(TILE_PIXELS)) as usize;
-        let bytes = part_bytes / tiles;
-        (share.rank as usize..tiles).step_by(share.ranks as usize).map(move |tile| tile * bytes..(tile + 1) * bytes)
+        let tiles = (padded_pixels(&self.settings) / u64::from(TILE_PIXELS)) as u32;
+        let bytes = part_bytes / tiles as usize;
+        let own = (0..tiles).filter(move |&tile| share.holds(tile));
+        own.map(move |tile| tile as usize * bytes..(tile as usize + 1) * bytes)
     }
 }

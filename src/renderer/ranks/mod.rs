@@ -9,7 +9,7 @@
 //! | the devices of one process | `devices.rs` |
 //! | ranks, which are processes: who leads, and how they agree | `team.rs`, `command.rs`, `serve.rs`, `failure.rs` |
 //! | the connection of ranks: in memory, or MPI | `exchange.rs`, `in_memory.rs`, `mpi.rs`, `trial.rs` |
-//! | what they share: tiles, sums, the film, and times of that | `share.rs`, `sums.rs`, `addition.rs`, `film.rs`, `times.rs` |
+//! | what they share: tiles, sums, the film, and times of that | `share.rs`, `speed.rs`, `sums.rs`, `addition.rs`, `film.rs`, `times.rs` |
 
 use std::sync::Arc;
 
@@ -32,6 +32,7 @@ pub mod in_memory;
 pub mod mpi;
 mod serve;
 pub(super) mod share;
+mod speed;
 pub mod sums;
 pub mod team;
 pub(super) mod times;
@@ -56,7 +57,7 @@ impl Renderer {
             return Err(too_late());
         }
         (self.others, self.add_sums) = (others, add_sums);
-        self.deal()
+        self.deal(&vec![1; self.device_count()])
     }
 
     /// Shares the film with the other ranks of a team. On other ranks than the first one, only [`Renderer::serve`] may follow.
@@ -68,22 +69,27 @@ impl Renderer {
             return Err(too_late());
         }
         self.team = Some(Arc::clone(team));
-        self.deal()
+        self.deal(&vec![1; team.device_count()])
     }
 
-    /// Deals out the tiles of the film to the devices.
-    fn deal(&self) -> Result<()> {
+    /// Deals out the tiles of the film to the devices of all ranks, in proportion to their weights. All ranks do it, with the same weights,
+    /// before the first sample.
+    ///
+    /// # Errors
+    /// Where a device is lost.
+    #[doc(hidden)]
+    pub fn deal(&mut self, weights: &[u32]) -> Result<()> {
+        self.dealt = Share::by_weights(weights);
         self.all()
             .zip(self.shares())
-            .try_for_each(|(renderer, share)| renderer.sets.frame.pages().iter().try_for_each(|page| page.deal(share)))
+            .try_for_each(|(renderer, &share)| renderer.sets.frame.pages().iter().try_for_each(|page| page.deal(share)))
     }
 
     /// Shares of the devices of this process.
-    fn shares(&self) -> Vec<Share> {
-        let ranks = self.device_count() as u32;
+    fn shares(&self) -> &[Share] {
         match &self.team {
-            Some(team) => team.own_shares(),
-            None => (0..ranks).map(|rank| Share { rank, ranks }).collect(),
+            Some(team) => &self.dealt[team.own_devices()],
+            None => &self.dealt,
         }
     }
 

@@ -24,6 +24,7 @@ impl Renderer {
         match command {
             // The first rank's orders to stop are looked for while paths are traced.
             Command::Step { samples } => self.take_step(samples, &|| false).map(drop),
+            Command::DealBySpeed => self.measure_and_deal().map(drop),
             Command::Film => self.gather_film(),
             Command::State => self.gather_state(),
             Command::Restore(state) => self.go_on_from(&state),

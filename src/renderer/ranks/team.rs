@@ -3,6 +3,7 @@
 //! Ranks agree in meetings. Each hands the first rank a report, its result or its failure, and all get the first rank's answer. If one
 //! has failed, all leave the work under way with its error. So no rank waits for another one that does something else.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -13,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::renderer::ranks::exchange::{Exchange, Kind};
 use crate::renderer::ranks::failure::{self, Failure};
-use crate::renderer::ranks::share::Share;
 use crate::renderer::ranks::sums::Sums;
 use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::ranks::trial::Trial;
@@ -101,17 +101,15 @@ impl Team {
         self.members.iter().map(|member| member.devices.len()).sum()
     }
 
-    /// Shares of the devices of a rank.
-    pub(crate) fn shares(&self, rank: usize) -> Vec<Share> {
+    /// Indices of a rank's devices among those of all ranks.
+    pub(crate) fn devices(&self, rank: usize) -> Range<usize> {
         let before: usize = self.members[..rank].iter().map(|member| member.devices.len()).sum();
-        let ranks = self.device_count() as u32;
-        let of_rank = self.members[rank].devices.len();
-        (before..before + of_rank).map(|device| Share { rank: device as u32, ranks }).collect()
+        before..before + self.members[rank].devices.len()
     }
 
-    /// Shares of this rank's devices.
-    pub(crate) fn own_shares(&self) -> Vec<Share> {
-        self.shares(self.exchange.rank())
+    /// Indices of this rank's devices among those of all ranks.
+    pub(crate) fn own_devices(&self) -> Range<usize> {
+        self.devices(self.exchange.rank())
     }
 
     /// Seconds in which the first rank, after its own work, has waited for the others.
@@ -136,7 +134,7 @@ impl Team {
     }
 
     /// Ends the work under way: all ranks succeed, or all fail.
-    pub(in crate::renderer) fn close<T>(&self, done: Result<T>) -> Result<T> {
+    pub(crate) fn close<T>(&self, done: Result<T>) -> Result<T> {
         if self.is_over.load(Ordering::Relaxed) || self.lost.get().is_some() {
             return done;
         }
@@ -283,7 +281,8 @@ impl Team {
                 return Ok(message);
             }
             idle();
-            if self.exchange.is_ending() && ending.get_or_insert_with(Instant::now).elapsed() > GRACE {
+            let mut is_late = || ending.get_or_insert_with(Instant::now).elapsed() > GRACE;
+            if self.exchange.is_ending() && is_late() && self.may_be_lost() {
                 return Err(Error::RankLost { rank: self.name(from), note: String::new() });
             }
             looks += 1;
@@ -311,6 +310,13 @@ impl Team {
         let has_ended =
             |member: &Member| member.machine == own.machine && !processes.join(member.process.to_string()).exists();
         self.members.iter().position(has_ended)
+    }
+
+    /// Whether a rank may have ended: one has, or nobody can know. The signal that ends the ranks after a loss may also come from a user.
+    fn may_be_lost(&self) -> bool {
+        let own = self.members.get(self.exchange.rank());
+        let is_known = own.is_some_and(|own| self.members.iter().all(|member| member.machine == own.machine));
+        !is_known || !Path::new("/proc/self").exists() || self.ended().is_some()
     }
 
     /// Number of a rank, with its machine where that is known.

@@ -73,6 +73,7 @@ impl Asset {
         let root: gltf::json::Root = serde_json::from_value(raw)
             .map_err(|error| Error::scene(path, None, format!("it is no glTF 2.0 file: {error}")))?;
         check_attributes(path, &root)?;
+        check_images(path, &root)?;
         let document = Document::from_json(root).map_err(error)?;
         let mut asset = Self { path: path.to_path_buf(), document, buffers: Vec::new(), warnings: RefCell::default() };
         asset.warn_of_extensions();
@@ -246,6 +247,22 @@ fn check_attributes(path: &Path, root: &gltf::json::Root) -> Result<()> {
         None => Ok(()),
         Some(at) => {
             Err(Error::scene(path, None, format!("it is no glTF 2.0 file: there is no accessor {}", at.value())))
+        }
+    }
+}
+
+/// Refuses images without content or without the type of their content, both of which the crate takes for given.
+fn check_images(path: &Path, root: &gltf::json::Root) -> Result<()> {
+    let is_whole = |image: &gltf::json::Image| match image.buffer_view {
+        Some(_) => image.mime_type.is_some(),
+        None => image.uri.is_some(),
+    };
+    match root.images.iter().position(|image| !is_whole(image)) {
+        None => Ok(()),
+        Some(at) => {
+            let message =
+                format!("it is no glTF 2.0 file: image {at} has no `uri`, nor a `bufferView` with a `mimeType`");
+            Err(Error::scene(path, None, message))
         }
     }
 }

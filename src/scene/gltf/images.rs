@@ -1,6 +1,6 @@
 //! Images and textures.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -80,6 +80,8 @@ pub(super) enum Coding {
 /// Images that textures use, those of the file and those made from them.
 pub(super) struct Images<'a> {
     asset: &'a Asset,
+    /// Names of the image files that the model names.
+    beside: HashSet<String>,
     /// Name of each image by its index.
     names: HashMap<usize, String>,
     decoded: HashMap<usize, Rc<TexelImage>>,
@@ -89,7 +91,18 @@ pub(super) struct Images<'a> {
 
 impl<'a> Images<'a> {
     pub fn new(asset: &'a Asset) -> Self {
-        Self { asset, names: HashMap::new(), decoded: HashMap::new(), files: Vec::new(), budget: Budget::default() }
+        let name = |image: gltf::Image| match image.source() {
+            Source::Uri { uri, .. } if !uri.starts_with("data:") => asset.file_name(uri).ok(),
+            _ => None,
+        };
+        Self {
+            asset,
+            beside: asset.document.images().filter_map(name).collect(),
+            names: HashMap::new(),
+            decoded: HashMap::new(),
+            files: Vec::new(),
+            budget: Budget::default(),
+        }
     }
 
     /// Image files in memory.
@@ -115,7 +128,8 @@ impl<'a> Images<'a> {
         self.made(texture, tag, Coding::Linear, |texel, _, _| [number(texel); 3])
     }
 
-    /// Texture of colors made from an image's texels, of which `color` also learns the place in the unit square.
+    /// Texture of colors made from an image's texels, of which `color` also learns the place in the unit square. `tag` tells apart
+    /// what is made from one image, so it has every other fact that `color` depends on.
     pub fn made(
         &mut self,
         texture: &TextureUse<'a>,
@@ -124,7 +138,7 @@ impl<'a> Images<'a> {
         color: impl Fn([u8; 4], f32, f32) -> [u8; 3],
     ) -> Result<Dictionary> {
         let source = self.image(texture)?;
-        let name = format!("image{}-{tag}.png", source.index());
+        let name = self.new_name(&format!("image{}-{tag}", source.index()), "png");
         if !self.files.iter().any(|(known, _)| *known == name) {
             let image = self.decode(&source)?;
             self.take(&image)?;
@@ -148,7 +162,8 @@ impl<'a> Images<'a> {
         self.decode(&image)
     }
 
-    fn image(&self, texture: &TextureUse<'a>) -> Result<gltf::Image<'a>> {
+    /// Image of a texture.
+    pub fn image(&self, texture: &TextureUse<'a>) -> Result<gltf::Image<'a>> {
         let texture = &texture.texture;
         let by_extension = || {
             let index = texture.extension_value("EXT_texture_webp")?.get("source")?.as_u64()?;
@@ -172,13 +187,22 @@ impl<'a> Images<'a> {
             Source::Uri { uri, .. } if data_uri(uri).is_none() => self.asset.file_name(uri)?,
             _ => {
                 let content = self.content(image)?;
-                let name = format!("image{}.{}", image.index(), extension(&content));
+                let name = self.new_name(&format!("image{}", image.index()), extension(&content));
                 self.files.push((name.clone(), content));
                 name
             }
         };
         self.names.insert(image.index(), name.clone());
         Ok(name)
+    }
+
+    /// Name for an image in memory. No image file that the model names has it, because images in memory are found first.
+    fn new_name(&self, stem: &str, extension: &str) -> String {
+        let mut name = format!("{stem}.{extension}");
+        while self.beside.contains(&name) {
+            name.insert(0, '_');
+        }
+        name
     }
 
     fn content(&self, image: &gltf::Image) -> Result<Vec<u8>> {

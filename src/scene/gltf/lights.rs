@@ -56,19 +56,14 @@ pub(super) fn light(asset: &Asset, placed: &Placed, light: &Light) -> Result<Dic
 /// Cameras of the scene, in the order of their nodes.
 #[derive(Default)]
 pub(super) struct Cameras {
-    objects: Vec<(String, Dictionary)>,
-    names: HashSet<String>,
+    /// Sensor of each camera with the camera's name, which may be empty.
+    sensors: Vec<(String, Dictionary)>,
 }
 
 impl Cameras {
     /// Adds the camera of a node. Its name is the node's, or else the camera's.
     pub fn add(&mut self, asset: &Asset, placed: &Placed, camera: &gltf::Camera) {
         let name = placed.node.name().or(camera.name()).unwrap_or_default();
-        let mut id = name.to_owned();
-        if id.is_empty() || !self.names.insert(id.clone()) {
-            id = format!("camera{}", self.objects.len());
-            self.names.insert(id.clone());
-        }
         let pose = turned(&rigid(&placed.world_from_node));
         let (sensor, aspect) = match camera.projection() {
             Projection::Perspective(perspective) => {
@@ -97,7 +92,8 @@ impl Cameras {
         };
         let aspect = if aspect.is_finite() && aspect > 0.0 { aspect.clamp(0.01, 100.0) } else { ASPECT };
         if aspect != camera_aspect(camera) {
-            asset.warn(format!("the camera `{id}` gives no aspect ratio; {aspect:.3} is used"));
+            let label = if name.is_empty() { self.sensors.len().to_string() } else { format!("`{name}`") };
+            asset.warn(format!("the camera {label} gives no aspect ratio; {aspect:.3} is used"));
         }
         let film = object(
             "hdrfilm",
@@ -106,13 +102,29 @@ impl Cameras {
                 ("height", Value::Integer(FILM_HEIGHT as i64)),
             ],
         );
-        let sensor = with(sensor, "film", Value::Object(film));
-        self.objects.push((format!("sensor{}", self.objects.len()), with(sensor, "id", Value::Text(id))));
+        self.sensors.push((name.to_owned(), with(sensor, "film", Value::Object(film))));
     }
 
-    /// All cameras with the keys of their entries.
-    pub fn into_objects(self) -> Vec<(String, Dictionary)> {
-        self.objects
+    /// All cameras with the keys of their entries. The `id` of a camera is its name, or else `camera` with a number: always one
+    /// that no other camera has, and that is not among the `ids` of other objects.
+    pub fn into_objects(self, mut ids: HashSet<String>) -> Vec<(String, Dictionary)> {
+        let is_own = |(name, _): &(String, Dictionary)| !name.is_empty() && ids.insert(name.clone());
+        let are_own: Vec<bool> = self.sensors.iter().map(is_own).collect();
+        let mut number = 0;
+        let mut objects = Vec::with_capacity(self.sensors.len());
+        for (index, ((name, sensor), is_own)) in self.sensors.into_iter().zip(are_own).enumerate() {
+            let mut id = name;
+            if !is_own {
+                number = number.max(index);
+                id = format!("camera{number}");
+                while !ids.insert(id.clone()) {
+                    number += 1;
+                    id = format!("camera{number}");
+                }
+            }
+            objects.push((format!("sensor{index}"), with(sensor, "id", Value::Text(id))));
+        }
+        objects
     }
 }
 

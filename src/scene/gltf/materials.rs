@@ -135,6 +135,9 @@ impl<'a> Reader<'_, 'a> {
             let diffuse = self.info(specular.diffuse_texture());
             let gloss = self.info(specular.specular_glossiness_texture());
             base = BaseColor { factor: specular.diffuse_factor(), texture: diffuse };
+            if coloring == Coloring::Vertices {
+                self.warn("vertex colors cannot stand beside KHR_materials_pbrSpecularGlossiness; they are ignored");
+            }
             bsdf = specular_glossiness::principled(self.images, &specular, &base, gloss.as_ref())?;
         } else {
             let shown = self.color(&base, coloring, &mut color_factor)?;

@@ -1,19 +1,21 @@
 //! Meshes and the shapes that they make.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use glam::{DVec3, Vec2, Vec3};
 use gltf::mesh::Mode;
 use gltf::{Mesh as GltfMesh, Primitive, Semantic};
 
 use super::asset::Asset;
+use super::budget::Made;
 use super::images::Images;
 use super::materials::{Coloring, Covering, Materials};
 use super::nodes::{Placed, Transforms, transforms};
 use super::skins::{self, Vertices};
 use crate::Result;
 use crate::scene::Value;
-use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
+use crate::scene::mesh::Mesh;
 use crate::scene::mitsuba::element::MESH_INDEX;
 use crate::scene::values::{matrix, object, reference, with};
 
@@ -24,9 +26,9 @@ pub(super) struct Meshes {
     /// Index of each mesh that several nodes may share.
     known: HashMap<Key, usize>,
     shapes: Vec<(String, Value)>,
-    triangles: usize,
+    made: Made,
     /// Transforms of all nodes, once a skin has asked for them.
-    transforms: Option<Transforms>,
+    transforms: Option<Rc<Transforms>>,
 }
 
 /// Facts that decide a mesh: index of the mesh and of the primitive, mirrored or not, set of coordinates, factor of colors.
@@ -49,6 +51,10 @@ impl Meshes {
         images: &mut Images<'a>,
     ) -> Result<()> {
         let name = placed.node.name().or(mesh.name()).unwrap_or("mesh").to_owned();
+        let skin = placed.node.skin();
+        let transforms =
+            skin.is_some().then(|| Rc::clone(self.transforms.get_or_insert_with(|| Rc::new(transforms(nodes)))));
+        let pose = transforms.as_deref().zip(skin.as_ref());
         for primitive in mesh.primitives() {
             if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
                 asset.warn(format!("mesh {} has points or lines, which are not rendered", mesh.index()));
@@ -56,21 +62,24 @@ impl Meshes {
             }
             let coloring = self.coloring(asset, &primitive)?;
             let covering = materials.covering(asset, images, &primitive.material(), coloring)?;
-            let skin = placed.node.skin();
-            let transforms = skin.is_some().then(|| self.transforms.get_or_insert_with(|| transforms(nodes)).clone());
+            let shapes = self.made.shapes(placed.instances.len());
+            shapes.map_err(|message| asset.error(format!("mesh {}: {message}", mesh.index())))?;
             let is_posed = skin.is_some() || primitive.morph_targets().next().is_some();
+            // Meshes in a pose, which belong to this node alone.
+            let mut posed: HashMap<Key, usize> = HashMap::new();
             for instance in &placed.instances {
                 let is_mirrored = skin.is_none() && instance.determinant() < 0.0;
                 let colors = covering.color_factor.map(|factor| factor.map(f32::to_bits));
                 let key = (mesh.index(), primitive.index(), is_mirrored, covering.uv_set, colors);
-                let index = match self.known.get(&key).filter(|_| !is_posed) {
-                    Some(&index) => index,
+                let known = if is_posed { &posed } else { &self.known };
+                let index = match known.get(&key).copied() {
+                    Some(index) => index,
                     None => {
-                        let pose = transforms.as_ref().zip(skin.as_ref());
                         let made = self.mesh(asset, placed, mesh, &primitive, &covering, is_mirrored, pose)?;
                         let Some(made) = made else { break };
                         self.meshes.push(made);
-                        self.known.insert(key, self.meshes.len() - 1);
+                        let known = if is_posed { &mut posed } else { &mut self.known };
+                        known.insert(key, self.meshes.len() - 1);
                         self.meshes.len() - 1
                     }
                 };
@@ -118,6 +127,7 @@ impl Meshes {
             asset.warn(format!("mesh {} has no positions; it is not rendered", mesh.index()));
             return Ok(None);
         };
+        self.made.vertices(positions.count()).map_err(|message| fault(&message))?;
         let vectors = |elements: Vec<[f64; 3]>| elements.into_iter().map(DVec3::from_array).collect::<Vec<_>>();
         let normals = match primitive.get(&Semantic::Normals) {
             Some(accessor) => vectors(asset.elements::<3>(&accessor)?),
@@ -158,10 +168,7 @@ impl Meshes {
         if triangles.iter().flatten().any(|&index| index as usize >= count) {
             return Err(fault("an index is larger than the number of vertices"));
         }
-        self.triangles += triangles.len();
-        if self.triangles > MAX_TRIANGLES {
-            return Err(fault(&format!("with it the scene has more than {MAX_TRIANGLES} triangles")));
-        }
+        self.made.triangles(triangles.len()).map_err(|message| fault(&message))?;
         if triangles.is_empty() {
             return Ok(None);
         }

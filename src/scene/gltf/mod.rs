@@ -49,13 +49,14 @@ pub(super) fn read(path: &Path) -> Result<Description> {
             cameras.add(&asset, placed, &camera);
         }
     }
-    let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];
-    let objects = cameras.into_objects().into_iter().chain(materials.take_objects());
-    entries.extend(objects.map(|(name, object)| (name, Value::Object(object))));
-    let lights = lights.into_iter().enumerate();
-    entries.extend(lights.map(|(index, light)| (format!("light{index}"), Value::Object(light))));
+    let entry = |(id, object): (String, Dictionary)| (id, Value::Object(object));
+    let lights = lights.into_iter().enumerate().map(|(index, light)| (format!("light{index}"), light));
     let (shapes, meshes) = meshes.finish();
-    entries.extend(shapes);
+    let objects = materials.take_objects().into_iter().chain(lights).map(entry).chain(shapes).collect::<Vec<_>>();
+    let ids = objects.iter().map(|(id, _)| id.clone()).collect();
+    let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];
+    entries.extend(cameras.into_objects(ids).into_iter().map(entry));
+    entries.extend(objects);
     let files = images.finish();
     Ok(Description {
         path: path.to_path_buf(),

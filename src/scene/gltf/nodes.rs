@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 
 use glam::{DMat4, DQuat, DVec3};
-use gltf::Node;
+use gltf::{Accessor, Node};
 
 use super::asset::Asset;
-use crate::Result;
+use crate::{Error, Result};
 
 /// Deepest nesting of nodes. Deeper nesting comes from a node that is its own descendant.
 const MAX_DEPTH: usize = 512;
-/// Most nodes with their instances.
+/// Most nodes of a scene, each counted as often as it has instances.
 const MAX_NODES: usize = 1 << 20;
 
 /// Node with the transforms from its space to the world.
@@ -32,60 +32,71 @@ pub(super) fn placed(asset: &Asset) -> Result<Vec<Placed<'_>>> {
     if document.scenes().len() > 1 {
         asset.warn("it has several scenes; the default one is rendered");
     }
-    let mut list = Vec::new();
-    match scene {
-        Some(scene) => {
-            for node in scene.nodes() {
-                add(asset, node, DMat4::IDENTITY, 0, &mut list)?;
-            }
-        }
-        None => return Err(asset.error("it has no scene; save it with one")),
-    }
-    Ok(list)
+    let scene = scene.ok_or_else(|| asset.error("it has no scene; save it with one"))?;
+    let mut found = Found { asset, list: Vec::new(), count: 0 };
+    scene.nodes().try_for_each(|node| found.add(&node, DMat4::IDENTITY, 0))?;
+    Ok(found.list)
 }
 
-fn add<'a>(
+/// Nodes that have been found.
+struct Found<'a> {
     asset: &'a Asset,
-    node: Node<'a>,
-    world_from_parent: DMat4,
-    depth: usize,
-    list: &mut Vec<Placed<'a>>,
-) -> Result<()> {
-    if depth > MAX_DEPTH || list.len() > MAX_NODES {
-        return Err(asset.error("its nodes are nested too deep, or too many: is one its own descendant?"));
-    }
-    let visible = node.extension_value("KHR_node_visibility").and_then(|value| value.get("visible")?.as_bool());
-    if visible == Some(false) {
-        return Ok(());
-    }
-    let columns = node.transform().matrix().map(|column| column.map(f64::from));
-    let world_from_node = world_from_parent * DMat4::from_cols_array_2d(&columns);
-    if !world_from_node.is_finite() {
-        return Err(asset.error(format!("the transform of node {} is not finite", node.index())));
-    }
-    let instances = match node.extension_value("EXT_mesh_gpu_instancing") {
-        Some(instancing) => instances(asset, instancing)?.into_iter().map(|own| world_from_node * own).collect(),
-        None => vec![world_from_node],
-    };
-    list.push(Placed { node: node.clone(), world_from_node, instances });
-    node.children().try_for_each(|child| add(asset, child, world_from_node, depth + 1, list))
+    list: Vec<Placed<'a>>,
+    /// Number of nodes, each counted as often as it has instances; at most [`MAX_NODES`].
+    count: usize,
 }
 
-/// Transforms of the instances of a node.
-fn instances(asset: &Asset, extension: &serde_json::Value) -> Result<Vec<DMat4>> {
+impl<'a> Found<'a> {
+    /// Adds a node and its descendants.
+    fn add(&mut self, node: &Node<'a>, world_from_parent: DMat4, depth: usize) -> Result<()> {
+        if depth > MAX_DEPTH {
+            return Err(self.asset.error("its nodes are nested too deep: is one its own descendant?"));
+        }
+        let visible = node.extension_value("KHR_node_visibility").and_then(|value| value.get("visible")?.as_bool());
+        if visible == Some(false) {
+            return Ok(());
+        }
+        let columns = node.transform().matrix().map(|column| column.map(f64::from));
+        let world_from_node = world_from_parent * DMat4::from_cols_array_2d(&columns);
+        if !world_from_node.is_finite() {
+            return Err(self.asset.error(format!("the transform of node {} is not finite", node.index())));
+        }
+        let left = MAX_NODES - self.count;
+        let instances: Vec<DMat4> = match node.extension_value("EXT_mesh_gpu_instancing") {
+            Some(instancing) => {
+                instances(self.asset, instancing, left)?.into_iter().map(|own| world_from_node * own).collect()
+            }
+            None => vec![world_from_node],
+        };
+        let count = instances.len().max(1);
+        if count > left {
+            return Err(too_many(self.asset));
+        }
+        self.count += count;
+        self.list.push(Placed { node: node.clone(), world_from_node, instances });
+        node.children().try_for_each(|child| self.add(&child, world_from_node, depth + 1))
+    }
+}
+
+fn too_many(asset: &Asset) -> Error {
+    asset.error(format!("it has more than {MAX_NODES} nodes, which count once for each instance; save it in parts"))
+}
+
+/// Transforms of the instances of a node, of which there may be `most`.
+fn instances(asset: &Asset, extension: &serde_json::Value, most: usize) -> Result<Vec<DMat4>> {
     let accessor = |name: &str| {
         let index = extension.get("attributes")?.get(name)?.as_u64()?;
         asset.document.accessors().nth(index as usize)
     };
-    let vectors = |name: &str| accessor(name).map(|accessor| asset.elements::<3>(&accessor)).transpose();
-    let (translations, scales) = (vectors("TRANSLATION")?, vectors("SCALE")?);
-    let rotations = accessor("ROTATION").map(|accessor| asset.elements::<4>(&accessor)).transpose()?;
-    let counts = [&translations, &scales].map(|list| list.as_ref().map(Vec::len));
-    let counts = counts.into_iter().chain([rotations.as_ref().map(Vec::len)]).flatten();
+    let (translations, rotations, scales) = (accessor("TRANSLATION"), accessor("ROTATION"), accessor("SCALE"));
+    let counts = [&translations, &rotations, &scales].into_iter().flatten().map(Accessor::count);
     let count = counts.reduce(usize::min).unwrap_or(0);
-    if count > MAX_NODES {
-        return Err(asset.error(format!("a node has {count} instances; no more than {MAX_NODES} are read")));
+    if count > most {
+        return Err(too_many(asset));
     }
+    let vectors = |list: Option<Accessor>| list.map(|list| asset.elements::<3>(&list)).transpose();
+    let (translations, scales) = (vectors(translations)?, vectors(scales)?);
+    let rotations = rotations.map(|list| asset.elements::<4>(&list)).transpose()?;
     let vector = |list: &Option<Vec<[f64; 3]>>, at: usize, default: DVec3| {
         list.as_ref().map_or(default, |list| DVec3::from_array(list[at]))
     };

@@ -82,8 +82,11 @@ pub(super) fn principled<'a>(
     let encoded = |value: f32| byte(srgb(f64::from(value)) as f32);
     let colors = |bytes: [u8; 4], u: f32, v: f32| solve(bytes, u, v).0.map(encoded);
     let metals = |bytes: [u8; 4], u: f32, v: f32| [byte(solve(bytes, u, v).1); 3];
-    let base_color = images.made(carrier, "base", Coding::Srgb, colors)?;
-    let metal = images.made(carrier, "metal", Coding::Linear, metals)?;
+    let other = if is_diffuse { format!("with{}", images.image(gloss)?.index()) } else { "alone".to_owned() };
+    let factors = diffuse_factor.iter().chain(&specular_factor).map(f32::to_string).collect::<Vec<_>>().join("_");
+    let tag = |what: &str| format!("{what}-{other}-{factors}");
+    let base_color = images.made(carrier, &tag("base"), Coding::Srgb, colors)?;
+    let metal = images.made(carrier, &tag("metal"), Coding::Linear, metals)?;
     let entries =
         [("base_color", Value::Object(base_color)), ("metallic", Value::Object(metal)), ("roughness", roughness)];
     Ok(object("principled", entries))

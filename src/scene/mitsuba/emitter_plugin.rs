@@ -20,8 +20,18 @@ const DEFAULT_CUTOFF_ANGLE: f32 = 20.0;
 const DEFAULT_BEAM_SHARE: f32 = 0.75;
 
 /// Plugins of emitters.
-pub(super) const SUPPORTED: [&str; 9] =
-    ["area", "directionalarea", "constant", "envmap", "point", "spot", "projector", "directional", "collimated"];
+pub(super) const SUPPORTED: [&str; 10] = [
+    "area",
+    "directionalarea",
+    "constant",
+    "envmap",
+    "sunsky",
+    "point",
+    "spot",
+    "projector",
+    "directional",
+    "collimated",
+];
 
 /// Emitter that stands directly in a `<scene>`.
 pub(super) enum SceneEmitter {

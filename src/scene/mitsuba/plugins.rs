@@ -10,9 +10,9 @@ const OTHERS: [(&str, &[&str]); 10] = [
     ("rfilter", &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]),
     ("sampler", &["independent", "stratified", "multijitter", "orthogonal", "ldsampler"]),
     ("shape", &[MESH, "bsplinecurve", "linearcurve", "merge", "sdfgrid"]),
-    ("emitter", &["directionalarea", "projector", "sunsky", "timed_sunsky"]),
+    ("emitter", &["timed_sunsky"]),
     ("texture", &["volume"]),
-    ("bsdf", &["bsdf_mixture", "circular", "hair", "measured", "polarizer", "principledthin", "retarder"]),
+    ("bsdf", &["bsdf_mixture", "circular", "hair", "measured", "polarizer", "retarder"]),
     ("medium", &["homogeneous", "heterogeneous"]),
     ("spectrum", &["d65", "irregular", "regular", "srgb", "uniform"]),
 ];

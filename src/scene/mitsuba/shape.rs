@@ -91,7 +91,7 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
     }
 }
 
-/// Reads a shape of a dictionary whose mesh lies in memory already.
+/// Reads a shape whose mesh lies in memory already: of a dictionary, a glTF model or a pbrt scene.
 fn parse_mesh_in_memory(properties: &mut Properties) -> Result<Geometry> {
     let last = properties.mesh_count() as i64 - 1;
     let index = properties.integer(MESH_INDEX, 0..=last)?.unwrap_or(0) as usize;

@@ -2,7 +2,6 @@
 
 use std::rc::Rc;
 
-use super::color_space::luminance;
 use super::delta_lights::color;
 use super::nodes::{Node, rgb};
 use super::rasters::Encoding;
@@ -22,7 +21,7 @@ pub(super) struct AreaLight {
 
 enum Radiance {
     Color([f64; 3]),
-    /// Image, the factor of its colors, and its mean luminance.
+    /// Image, the factor of its colors, and its mean luminance, which is 1 where no power asks for it.
     Image {
         image: Node,
         factor: f64,
@@ -48,12 +47,12 @@ impl AreaLight {
                     return Err(radiance.error("cannot stand beside `filename`; give one of them"));
                 }
                 let image = textures.bitmap(name, Encoding::Srgb, &parameters.place)?;
-                let mean = match power.and(textures.raster(&image, entity)?) {
-                    Some((raster, _)) => luminance(raster.mean().as_dvec3().to_array()),
-                    None => 1.0,
+                let luminance = match (power, &image) {
+                    (Some(_), Node::Image { image, .. }) => textures.images.luminance_of(image, entity)?,
+                    _ => 1.0,
                 };
                 let factor = color(entity, "L", exposure, textures.images.files)?[0];
-                Radiance::Image { image, factor, luminance: mean }
+                Radiance::Image { image, factor, luminance }
             }
         };
         textures.images.warnings.extend(parameters.unread());
@@ -100,5 +99,47 @@ impl AreaLight {
             }
         };
         Ok(object("area", [("radiance", radiance)]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::Arc;
+
+    use super::super::color_space::ColorSpace;
+    use super::super::files::Files;
+    use super::super::images::Images;
+    use super::super::parameters::Parameters;
+    use super::super::tokens::{Place, Tokens};
+    use super::super::transforms::Current;
+    use super::super::world::World;
+    use super::*;
+    use crate::image::texels::encode_png;
+
+    /// The reader of lights decodes an image only for a power, and once.
+    #[test]
+    fn images_are_decoded_for_powers_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let (main, path) = (folder.path().join("scene.pbrt"), folder.path().join("a.png"));
+        let light = |power: &str| {
+            let file: Arc<Path> = Arc::from(main.as_path());
+            let text = format!("\"string filename\" \"a.png\" {power}");
+            let mut tokens = Tokens::new(&text, Arc::clone(&file));
+            let parameters = Parameters::read(&mut tokens, Place { file, line: 1 }, "a light".to_owned()).unwrap();
+            let (to_world, color_space) = (Current::IDENTITY, ColorSpace::Srgb);
+            Rc::new(Entity { kind: "diffuse".to_owned(), parameters, to_world, color_space })
+        };
+        let (world, mut files, mut warnings) = (World::default(), Files::new(&main), Vec::new());
+        let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings));
+        let mut is_read = |light: &Rc<Entity>| AreaLight::read(light, 1.0, &mut textures).is_ok();
+        let (plain, powered) = (light(""), light("\"float power\" 1"));
+        let write = |content: &[u8]| std::fs::write(&path, content).unwrap();
+        write(b"no image");
+        assert!(is_read(&plain) && !is_read(&powered));
+        write(&encode_png(&path, 1, 1, &[[255; 4]]).unwrap());
+        assert!(is_read(&powered));
+        write(b"no image");
+        assert!(is_read(&powered));
     }
 }

@@ -14,6 +14,7 @@ use super::tokens::{Place, brief};
 use super::transforms::Current;
 use super::world::{Entity, Instance, MaterialUse, NamedTexture, Object, Shape, World};
 use crate::Result;
+use crate::scene::mesh::MAX_TRIANGLES;
 use crate::scene::mitsuba::faults::Faults;
 
 /// Deepest nesting of `AttributeBegin`.
@@ -60,6 +61,8 @@ pub(super) struct Builder {
     known_warnings: HashSet<&'static str>,
     texture_count: usize,
     entity_count: usize,
+    /// Triangles of the forms in memory, at most [`MAX_TRIANGLES`].
+    triangle_count: usize,
 }
 
 impl Builder {
@@ -91,6 +94,7 @@ impl Builder {
             known_warnings: HashSet::new(),
             texture_count: 0,
             entity_count: 0,
+            triangle_count: 0,
         }
     }
 
@@ -302,9 +306,13 @@ impl Builder {
     fn add_shape(&mut self, kind: String, parameters: Parameters) -> Result<()> {
         self.check_world("Shape", &parameters.place)?;
         let mut entity = self.entity(kind, parameters.with_defaults(&self.state.attributes[0]));
-        let Some(form) = self.faults.keep(read_form::read(&entity, &mut self.files, &mut self.warnings)) else {
-            return Ok(());
-        };
+        let room = MAX_TRIANGLES - self.triangle_count;
+        let form = read_form::read(&entity, room, &mut self.files, &mut self.warnings);
+        let Some(form) = self.faults.keep(form) else { return Ok(()) };
+        if form.triangle_count() > room {
+            return Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles")));
+        }
+        self.triangle_count += form.triangle_count();
         self.warnings.extend(entity.parameters.unread());
         entity.parameters.keep_only(&["alpha"]);
         let State { is_reversed, ref material, ref light, .. } = self.state;
@@ -358,5 +366,33 @@ impl Builder {
             true => Err(place.error(format!("{directive} must stand before WorldBegin"))),
             false => Ok(()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tokens::Tokens;
+    use super::*;
+
+    /// A shape beyond the limit ends the reading where it stands. A subdivision beyond it is not even made.
+    #[test]
+    fn triangles_are_counted_while_shapes_are_read() {
+        let mut builder = Builder::new(Path::new("a.pbrt"));
+        (builder.is_world, builder.triangle_count) = (true, MAX_TRIANGLES - 5);
+        let mut add = |kind: &str, parameters: &str| {
+            let file: Arc<Path> = Arc::from(Path::new("a.pbrt"));
+            let mut tokens = Tokens::new(parameters, Arc::clone(&file));
+            let parameters = Parameters::read(&mut tokens, Place { file, line: 1 }, "Shape".to_owned())?;
+            builder.add("Shape", kind.to_owned(), parameters)
+        };
+        let triangle = "\"point3 P\" [ 0 0 0 1 0 0 0 1 0 ]";
+        add("loopsubdiv", &format!("{triangle} \"integer levels\" 1")).unwrap();
+        add("loopsubdiv", &format!("{triangle} \"integer levels\" 2")).unwrap();
+        add("trianglemesh", triangle).unwrap();
+        let error = add("cylinder", "").unwrap_err().to_string();
+        assert_eq!(error, format!("a.pbrt:1: with this shape the scene has more than {MAX_TRIANGLES} triangles"));
+        assert_eq!((builder.world.shapes.len(), builder.triangle_count), (2, MAX_TRIANGLES));
+        let fault = builder.faults.into_result().unwrap_err().to_string();
+        assert!(fault.starts_with("a.pbrt:1: `loopsubdiv`: with 2 levels the scene has more than"), "{fault}");
     }
 }

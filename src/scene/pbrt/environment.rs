@@ -31,11 +31,12 @@ pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textur
             Infinite::Map(found) => map = Some(found),
         }
     }
-    let Some(Map { mut raster, scale, to_world }) = map else {
+    // The other lights are added to the map's texels, and a scale of 0 would hide them.
+    let Some(Map { mut raster, scale, to_world }) = map.filter(|map| map.scale > 0.0) else {
         let constant = || object("constant", [("radiance", rgb(radiance))]);
         return Ok((!lights.is_empty()).then(constant));
     };
-    if radiance != [0.0; 3] && scale > 0.0 {
+    if radiance != [0.0; 3] {
         let more = (glam::DVec3::from(radiance) / scale).as_vec3();
         raster.texels.iter_mut().for_each(|texel| *texel += more);
     }

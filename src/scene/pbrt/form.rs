@@ -27,6 +27,14 @@ pub(super) enum Form {
 }
 
 impl Form {
+    /// Number of triangles in memory.
+    pub fn triangle_count(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len(),
+            Self::Ply { .. } | Self::Sphere { .. } | Self::Disk { .. } => 0,
+        }
+    }
+
     /// Whether vertices have normals, so that the surface is smooth.
     pub fn has_normals(&self) -> bool {
         match self {

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::color_space::luminance;
 use super::files::Files;
 use super::nodes::{ImageFile, Source};
 use super::rasters::Raster;
@@ -25,6 +26,8 @@ pub(super) struct Images<'a> {
     made: HashMap<String, Arc<[u8]>>,
     /// Names of the files of computed images, by address. The images are kept, so that no address comes twice.
     names: HashMap<*const Raster, (String, Rc<Raster>)>,
+    /// Mean luminances of the images of lights, by the names of their files.
+    luminances: HashMap<String, f64>,
     texel_count: usize,
     /// Number of names of files in memory that were tried.
     name_count: usize,
@@ -34,8 +37,8 @@ pub(super) struct Images<'a> {
 
 impl<'a> Images<'a> {
     pub fn new(files: &'a mut Files, warnings: &'a mut Vec<String>) -> Self {
-        let (made, names, told) = (HashMap::new(), HashMap::new(), HashSet::new());
-        Self { files, warnings, made, names, texel_count: 0, name_count: 0, told }
+        let (made, names, luminances, told) = (HashMap::new(), HashMap::new(), HashMap::new(), HashSet::new());
+        Self { files, warnings, made, names, luminances, texel_count: 0, name_count: 0, told }
     }
 
     /// Files in memory.
@@ -82,6 +85,16 @@ impl<'a> Images<'a> {
             Source::File(path) => Raster::of(&texels::read(path).map_err(fault)?, image.encoding),
             Source::Memory(texels) => Raster::of(texels, image.encoding),
         })
+    }
+
+    /// Mean luminance of a light's image, whose file is read once. The images of all lights have one encoding.
+    pub fn luminance_of(&mut self, image: &ImageFile, entity: &Entity) -> Result<f64> {
+        if let Some(&known) = self.luminances.get(&image.name) {
+            return Ok(known);
+        }
+        let mean = luminance(self.raster_of(image, entity)?.mean().as_dvec3().to_array());
+        self.luminances.insert(image.name.clone(), mean);
+        Ok(mean)
     }
 
     /// Counts the texels of an image that is to be computed.

@@ -158,7 +158,7 @@ impl<'l> Materials<'l> {
 
     /// The cover within a mask.
     fn masked(&mut self, cover: Cover, alpha: &Parameter, textures: &mut Textures) -> Result<Cover> {
-        let node = textures.number_of(alpha, usize::MAX)?;
+        let node = textures.number_of(alpha, usize::MAX, 0)?;
         if let Node::Constant([number, ..]) = node
             && number >= 1.0
         {

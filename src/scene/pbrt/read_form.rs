@@ -14,8 +14,8 @@ use crate::scene::mesh::{self, Mesh};
 /// Beginning of a PLY file that contains its header.
 const HEADER_BYTES: u64 = 1 << 16;
 
-/// Reads the form of a shape.
-pub(super) fn read(entity: &Entity, files: &mut Files, warnings: &mut Vec<String>) -> Result<Form> {
+/// Reads the form of a shape. `room` is the most triangles that a subdivision may make.
+pub(super) fn read(entity: &Entity, room: usize, files: &mut Files, warnings: &mut Vec<String>) -> Result<Form> {
     let parameters = &entity.parameters;
     parameters.ignore(&["alpha"]);
     let approximate = |what: &str, warnings: &mut Vec<String>| {
@@ -56,7 +56,7 @@ pub(super) fn read(entity: &Entity, files: &mut Files, warnings: &mut Vec<String
             parameters.ignore(&["scheme"]);
             let levels = parameters.integer("levels", 0..=12)?.unwrap_or(3) as u32;
             let control = triangle_mesh(parameters)?;
-            let mesh = subdivision::subdivide(&control, levels);
+            let mesh = subdivision::subdivide(&control, levels, room);
             mesh.map(Form::Mesh).map_err(|message| entity.error(format!("`loopsubdiv`: {message}")))
         }
         "curve" => Err(entity.error("the shape `curve` is not supported; make a mesh of it")),

@@ -1,6 +1,6 @@
 //! Shapes as objects, with their meshes.
 
-use glam::{DMat4, DVec3, Vec2};
+use glam::{DMat4, DVec3, Vec2, Vec3};
 
 use super::area_lights::AreaLight;
 use super::form::{Form, own_area, triangle_areas};
@@ -181,11 +181,12 @@ fn lit<'s>(
     light: &AreaLight,
     textures: &mut Textures,
 ) -> Result<Vec<(Placed<'s>, Option<Dictionary>)>> {
+    let size = diagonal(&placed.form);
     let mut parts = Vec::new();
     for (part, area) in by_area(placed, light)? {
         let emitter = light.emitter(area, textures)?;
         if light.is_two_sided {
-            parts.push((back(&part), Some(emitter.clone())));
+            parts.push((back(&part, size), Some(emitter.clone())));
         }
         parts.push((part, Some(emitter)));
     }
@@ -219,24 +220,47 @@ fn by_area<'s>(placed: Placed<'s>, light: &AreaLight) -> Result<Vec<(Placed<'s>,
         return Err(placed.entity.error(message));
     }
     let part = |(area, triangles): (f64, Vec<[u32; 3]>)| {
-        let Mesh { positions, normals, uvs, .. } = mesh;
-        let form = Form::Mesh(Mesh {
-            positions: positions.clone(),
-            normals: normals.clone(),
-            uvs: uvs.clone(),
-            triangles,
-            ..Mesh::default()
-        });
+        let form = Form::Mesh(part_of(mesh, triangles));
         let Placed { entity, to_world, is_reversed, ref cover, .. } = placed;
         (Placed { entity, form, to_world, is_reversed, cover: cover.clone() }, area)
     };
     Ok(groups.into_iter().map(part).collect())
 }
 
-/// The other side of a shape, a little behind it.
-fn back<'s>(front: &Placed<'s>) -> Placed<'s> {
+/// Some triangles of a mesh, with the vertices that they use.
+fn part_of(mesh: &Mesh, mut triangles: Vec<[u32; 3]>) -> Mesh {
+    let mut used = triangles.as_flattened().to_vec();
+    used.sort_unstable();
+    used.dedup();
+    for index in triangles.as_flattened_mut() {
+        *index = used.partition_point(|&other| other < *index) as u32;
+    }
+    Mesh {
+        positions: at(&mesh.positions, &used),
+        normals: at(&mesh.normals, &used),
+        uvs: at(&mesh.uvs, &used),
+        triangles,
+        ..Mesh::default()
+    }
+}
+
+/// Values of these vertices; none where the mesh has no such values.
+fn at<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
+    vertices.iter().filter_map(|&vertex| values.get(vertex as usize).copied()).collect()
+}
+
+/// Diagonal of the box around a mesh; 0 for other forms.
+fn diagonal(form: &Form) -> f64 {
+    let Form::Mesh(mesh) = form else { return 0.0 };
+    let low = mesh.positions.iter().copied().reduce(Vec3::min).unwrap_or_default();
+    let high = mesh.positions.iter().copied().reduce(Vec3::max).unwrap_or_default();
+    f64::from((high - low).length())
+}
+
+/// The other side of a shape, a little behind it. `size` is the [`diagonal`] of the whole shape.
+fn back<'s>(front: &Placed<'s>, size: f64) -> Placed<'s> {
     let (form, offset) = match &front.form {
-        Form::Mesh(mesh) => (Form::Mesh(behind(mesh, front.is_reversed)), DMat4::IDENTITY),
+        Form::Mesh(mesh) => (Form::Mesh(behind(mesh, size, front.is_reversed)), DMat4::IDENTITY),
         // The inside of a sphere.
         Form::Sphere { radius } => {
             let side = if front.is_reversed { 1.0 } else { -1.0 };
@@ -259,8 +283,8 @@ fn back<'s>(front: &Placed<'s>) -> Placed<'s> {
     }
 }
 
-/// The mesh with its vertices moved a little behind the front.
-fn behind(mesh: &Mesh, is_reversed: bool) -> Mesh {
+/// The mesh with its vertices moved behind the front by a small share of `size`.
+fn behind(mesh: &Mesh, size: f64, is_reversed: bool) -> Mesh {
     let position = |index: u32| mesh.positions[index as usize].as_dvec3();
     let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
     for &[a, b, c] in &mesh.triangles {
@@ -269,9 +293,7 @@ fn behind(mesh: &Mesh, is_reversed: bool) -> Mesh {
         let normal = normal * (normal.dot(given(a) + given(b) + given(c))).signum();
         [a, b, c].into_iter().for_each(|index| normals[index as usize] += normal);
     }
-    let low = mesh.positions.iter().copied().reduce(glam::Vec3::min).unwrap_or_default();
-    let high = mesh.positions.iter().copied().reduce(glam::Vec3::max).unwrap_or_default();
-    let gap = GAP * f64::from((high - low).length()) * if is_reversed { 1.0 } else { -1.0 };
+    let gap = GAP * size * if is_reversed { 1.0 } else { -1.0 };
     let moved = mesh.positions.iter().zip(&normals);
     Mesh {
         positions: moved.map(|(at, normal)| (at.as_dvec3() + gap * normal.normalize_or_zero()).as_vec3()).collect(),
@@ -279,5 +301,21 @@ fn behind(mesh: &Mesh, is_reversed: bool) -> Mesh {
         uvs: mesh.uvs.clone(),
         triangles: mesh.triangles.clone(),
         ..Mesh::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_has_no_vertices_of_others() {
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE];
+        let uvs = vec![Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::ONE];
+        let mesh = Mesh { positions, uvs, triangles: vec![[0, 1, 2], [4, 1, 3], [1, 4, 3]], ..Mesh::default() };
+        let part = part_of(&mesh, vec![[4, 1, 3], [1, 4, 3]]);
+        assert_eq!(part.positions, [Vec3::X, Vec3::Z, Vec3::ONE]);
+        assert_eq!((part.normals.len(), part.uvs), (0, vec![Vec2::X, Vec2::NEG_X, Vec2::ONE]));
+        assert_eq!(part.triangles, [[2, 0, 1], [0, 2, 1]]);
     }
 }

@@ -20,11 +20,12 @@ struct Ring {
     is_border: bool,
 }
 
-/// Mesh after `levels` refinements, with its vertices on the limit surface. The error says why there is none.
-pub(super) fn subdivide(control: &Mesh, levels: u32) -> Result<Mesh, String> {
+/// Mesh after `levels` refinements, with its vertices on the limit surface. `room` is the most triangles that it may have: those
+/// that the scene's other shapes leave of [`MAX_TRIANGLES`]. The error says why there is no mesh.
+pub(super) fn subdivide(control: &Mesh, levels: u32, room: usize) -> Result<Mesh, String> {
     let count = control.triangles.len().max(1);
-    if 4_usize.checked_pow(levels).and_then(|factor| factor.checked_mul(count)).is_none_or(|all| all > MAX_TRIANGLES) {
-        return Err(format!("{levels} levels make more than {MAX_TRIANGLES} triangles; use fewer"));
+    if 4_usize.checked_pow(levels).and_then(|factor| factor.checked_mul(count)).is_none_or(|all| all > room) {
+        return Err(format!("with {levels} levels the scene has more than {MAX_TRIANGLES} triangles; use fewer"));
     }
     let points = control.positions.iter().map(|position| position.as_dvec3()).collect();
     let mut surface = Surface { points, triangles: control.triangles.clone() };
@@ -196,7 +197,7 @@ mod tests {
     /// The limit of the octahedron's corners, by hand: the neighbors of one have the sum 0, so the corner shrinks by 1 - 4 gamma.
     #[test]
     fn corners_go_to_their_limits() {
-        let mesh = subdivide(&octahedron(), 3).unwrap();
+        let mesh = subdivide(&octahedron(), 3, MAX_TRIANGLES).unwrap();
         assert_eq!(mesh.triangles.len(), 8 * 64);
         let gamma = 1.0 / (4.0 + 3.0 / (8.0 * beta(4)));
         let expected = 1.0 - 4.0 * gamma;
@@ -205,7 +206,8 @@ mod tests {
             assert!((mesh.normals[corner] - unit).length() < 1e-6);
         }
         // Each level has the same limit.
-        assert!((subdivide(&octahedron(), 0).unwrap().positions[0] - mesh.positions[0]).length() < 1e-6);
+        let corner = subdivide(&octahedron(), 0, MAX_TRIANGLES).unwrap().positions[0];
+        assert!((corner - mesh.positions[0]).length() < 1e-6);
     }
 
     /// A flat square stays flat, and its border stays straight but for the corners.
@@ -220,7 +222,7 @@ mod tests {
                 [[a, b, c], [a, c, d]]
             })
             .collect();
-        let mesh = subdivide(&Mesh { positions, triangles, ..Mesh::default() }, 2).unwrap();
+        let mesh = subdivide(&Mesh { positions, triangles, ..Mesh::default() }, 2, MAX_TRIANGLES).unwrap();
         for (position, normal) in mesh.positions.iter().zip(&mesh.normals) {
             assert!(position.z == 0.0 && (*normal - Vec3::Z).length() < 1e-6, "{position} {normal}");
             assert!(position.cmpge(Vec3::splat(-1e-6)).all() && position.max_element() < 4.0 + 1e-6);
@@ -232,7 +234,8 @@ mod tests {
     fn what_is_refused() {
         let mut mesh = octahedron();
         mesh.triangles.push([0, 1, 3]);
-        assert!(subdivide(&mesh, 1).is_err());
-        assert!(subdivide(&octahedron(), 60).is_err());
+        assert!(subdivide(&mesh, 1, MAX_TRIANGLES).is_err());
+        assert!(subdivide(&octahedron(), 60, MAX_TRIANGLES).is_err());
+        assert!(subdivide(&octahedron(), 1, 32).is_ok() && subdivide(&octahedron(), 1, 31).is_err());
     }
 }

@@ -18,6 +18,9 @@ use crate::Result;
 use crate::scene::values::{object, with};
 use crate::scene::{Array, Dictionary, Value};
 
+/// Deepest nesting of textures.
+const MAX_DEPTH: usize = 64;
+
 /// Textures of a scene, each reduced when it is first used.
 pub(super) struct Textures<'a> {
     pub world: &'a World,
@@ -40,34 +43,41 @@ impl<'a> Textures<'a> {
     pub fn color(&mut self, parameters: &Parameters, entity: &Entity, name: &str, default: f64) -> Result<Node> {
         match parameters.get(name) {
             None => Ok(Node::Constant([default; 3])),
-            Some(parameter) => self.color_of(parameter, entity, usize::MAX),
+            Some(parameter) => self.color_of(parameter, entity, usize::MAX, 0),
         }
     }
 
     /// Number: a constant or a texture.
     pub fn number(&mut self, parameters: &Parameters, name: &str, default: f64) -> Result<Node> {
+        self.number_at(parameters, name, default, 0)
+    }
+
+    /// Number that `depth` textures contain.
+    fn number_at(&mut self, parameters: &Parameters, name: &str, default: f64, depth: usize) -> Result<Node> {
         match parameters.get(name) {
             None => Ok(Node::Constant([default; 3])),
-            Some(parameter) => self.number_of(parameter, usize::MAX),
+            Some(parameter) => self.number_of(parameter, usize::MAX, depth),
         }
     }
 
-    /// Value of a parameter that gives a color. Textures whose number is `below` or higher are not yet defined.
-    fn color_of(&mut self, parameter: &Parameter, entity: &Entity, below: usize) -> Result<Node> {
+    /// Value of a parameter that gives a color. Textures whose number is `below` or higher are not yet defined. `depth`
+    /// textures contain the parameter.
+    fn color_of(&mut self, parameter: &Parameter, entity: &Entity, below: usize, depth: usize) -> Result<Node> {
         if parameter.kind != "texture" {
             return colors::of_material(parameter, entity.color_space, self.images.files).map(Node::Constant);
         }
-        self.named(false, parameter, below)
+        self.named(false, parameter, below, depth)
     }
 
-    pub fn number_of(&mut self, parameter: &Parameter, below: usize) -> Result<Node> {
+    /// Value of a parameter that gives a number, with the bounds of [`Self::color_of`].
+    pub fn number_of(&mut self, parameter: &Parameter, below: usize, depth: usize) -> Result<Node> {
         if parameter.kind != "texture" {
             return parameter.number().map(|number| Node::Constant([number; 3]));
         }
-        self.named(true, parameter, below)
+        self.named(true, parameter, below, depth)
     }
 
-    fn named(&mut self, is_number: bool, parameter: &Parameter, below: usize) -> Result<Node> {
+    fn named(&mut self, is_number: bool, parameter: &Parameter, below: usize, depth: usize) -> Result<Node> {
         let name = parameter.text()?;
         let world = self.world;
         let list = if is_number { &world.numbers } else { &world.colors };
@@ -82,32 +92,37 @@ impl<'a> Textures<'a> {
         if let Some(node) = self.known.get(&(is_number, name.as_str())) {
             return Ok(node.clone());
         }
-        let node = self.read(texture, is_number)?;
+        if depth > MAX_DEPTH {
+            let message = format!("textures are nested more than {MAX_DEPTH} deep: does one contain itself?");
+            return Err(texture.entity.error(message));
+        }
+        let node = self.read(texture, is_number, depth + 1)?;
         self.images.warnings.extend(texture.entity.parameters.unread());
         self.known.insert((is_number, name), node.clone());
         Ok(node)
     }
 
-    fn read(&mut self, texture: &NamedTexture, is_number: bool) -> Result<Node> {
+    /// Reduces a texture. `depth` textures contain its parameters, with itself.
+    fn read(&mut self, texture: &NamedTexture, is_number: bool, depth: usize) -> Result<Node> {
         let NamedTexture { entity, number: below } = texture;
         let parameters = &entity.parameters;
         let mut part = |name: &str, default: f64| match parameters.get(name) {
             None => Ok(Node::Constant([default; 3])),
-            Some(parameter) if is_number => self.number_of(parameter, *below),
-            Some(parameter) => self.color_of(parameter, entity, *below),
+            Some(parameter) if is_number => self.number_of(parameter, *below, depth),
+            Some(parameter) => self.color_of(parameter, entity, *below, depth),
         };
         match entity.kind.as_str() {
             "constant" => part("value", 1.0),
             "scale" => {
                 let inner = part("tex", 1.0)?;
-                match self.number(parameters, "scale", 1.0)? {
+                match self.number_at(parameters, "scale", 1.0, depth)? {
                     Node::Constant([factor, ..]) => self.scaled(inner, factor, entity),
                     factor => self.combined(&[inner, factor], entity, |values| values[0] * values[1]),
                 }
             }
             "mix" => {
                 let (first, second) = (part("tex1", 0.0)?, part("tex2", 1.0)?);
-                let amount = self.number(parameters, "amount", 0.5)?;
+                let amount = self.number_at(parameters, "amount", 0.5, depth)?;
                 self.combined(&[first, second, amount], entity, |values| {
                     values[0] + (values[1] - values[0]) * values[2]
                 })
@@ -204,7 +219,7 @@ impl<'a> Textures<'a> {
     }
 
     /// Texels of an image; `None` for other textures.
-    pub fn raster(&mut self, node: &Node, entity: &Entity) -> Result<Option<(Rc<Raster>, Sampling)>> {
+    fn raster(&mut self, node: &Node, entity: &Entity) -> Result<Option<(Rc<Raster>, Sampling)>> {
         Ok(match node {
             Node::Constant(_) | Node::Checkerboard { .. } => None,
             Node::Raster { raster, sampling } => Some((Rc::clone(raster), *sampling)),

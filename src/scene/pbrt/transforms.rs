@@ -68,7 +68,7 @@ impl Current {
         let matrix = DMat4::from_cols_array(&numbers);
         let last = matrix.row(3);
         if last.w == 0.0 || last.truncate() != DVec3::ZERO {
-            return Err(place.error("every fourth number of a matrix must be 0, and the last one 1"));
+            return Err(place.error("every fourth number of a matrix must be 0, and the last one must not be 0"));
         }
         let matrix = if last == DVec4::W { matrix } else { matrix * (1.0 / last.w) };
         let mut inverse = matrix.inverse();

@@ -25,9 +25,13 @@ pub fn document() -> String {
     text
 }
 
+/// Options whose first letter is a short name.
+const WITH_LETTER: [&str; 2] = ["output", "quiet"];
+
 fn section(option: &OptionEntry) -> String {
-    let mut text =
-        format!("\n### `{}`{}\n", option.usage(), if option.audience == Audience::Everyone { " *" } else { "" });
+    let letter = if WITH_LETTER.contains(&option.name) { format!("`-{}`, ", &option.name[..1]) } else { String::new() };
+    let mark = if option.audience == Audience::Everyone { " *" } else { "" };
+    let mut text = format!("\n### {letter}`{}`{mark}\n", option.usage());
     let long = if option.long.is_empty() { String::new() } else { format!(" {}", option.long) };
     text += &format!("{}.{long}\n", option.short);
     let facts = [default_fact(option), range_fact(option)].into_iter().flatten();

@@ -517,8 +517,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Least share of uniform directions in the guide",
         long: "The inversion samplers seldom sample light that the guide does not know yet, and such a sample is weighted by up to \
-               2/E at every edge. So they have 0.5 unless another share is given: with 0.0625 most of their picture is too dark, \
-               and a few pixels are far too bright.",
+               2/E at every edge. So they have 0.5 where no share is given, and the default below is that of the other samplers. With \
+               0.0625, most of their picture is too dark, and a few pixels are far too bright.",
         range: Some((1.0e-4, 1.0)),
         setting: setting!(min_uniform),
         rules: &[
@@ -537,6 +537,12 @@ pub static OPTIONS: &[OptionEntry] = &[
         long: "`lodestar devices` lists the devices. The environment variable LODESTAR_DEVICE sets the default. Several \
                devices of one kind render the picture together, with the bits of one device.",
         ..common(Device, "device", "INDEX|NAME|LIST|all")
+    },
+    OptionEntry {
+        short: "Deal out tiles to several devices by measured speed",
+        long: "Otherwise all devices get equally many tiles, so the slowest one sets the pace. Devices of different kinds then \
+               render the picture with last bits that depend on what was measured.",
+        ..further(Device, "deal-by-speed", "")
     },
     OptionEntry {
         short: "Wanted duration of a dispatch in milliseconds",

@@ -241,6 +241,11 @@ fn infinite_lights_add_up() {
     let scene = load_in(&folder).unwrap();
     let lodestar::scene::texture::Texels::Floats(texels) = &scene.images[0].texels else { panic!("floats") };
     assert_close(&texels[0][..3], &[3.5, 3.0, 3.0]);
+    folder.write("scene.pbrt", text.replace("\"float scale\" 2", "\"float scale\" 0").as_bytes());
+    let EnvironmentKind::Constant { radiance } = load_in(&folder).unwrap().environment.unwrap().kind else {
+        panic!("a constant")
+    };
+    assert_eq!(radiance, Vec3::X);
     folder.write("scene.pbrt", format!("WorldBegin {map} {map}").as_bytes());
     assert!(load_in(&folder).unwrap_err().contains("a second infinite light with an image"));
 }

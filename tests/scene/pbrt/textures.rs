@@ -170,6 +170,22 @@ fn roughness_normals_and_displacement() {
     assert!(coated.warnings.join("\n").contains("the texture's mean is used"));
 }
 
+/// A long chain of textures gives one sentence, not an overflow of the stack.
+#[test]
+fn chains_of_textures_are_bounded() {
+    let chain = |length: usize| {
+        let link = |from: usize| {
+            let name = if from == 1 { "t".to_owned() } else { (from - 1).to_string() };
+            format!("Texture \"{name}\" \"spectrum\" \"scale\" \"texture tex\" \"{from}\"\n")
+        };
+        let links: String = (1..=length).rev().map(link).collect();
+        world(&format!("Texture \"{length}\" \"spectrum\" \"constant\"\n{links}{DIFFUSE} Shape \"sphere\""))
+    };
+    assert!(chain(60).is_ok());
+    let error = chain(10_000).unwrap_err();
+    assert!(error.contains("scene.pbrt:") && error.contains("nested more than 64 deep"), "{error}");
+}
+
 #[test]
 fn what_is_refused() {
     let of = |kind: &str| format!("Texture \"t\" \"spectrum\" \"{kind}\" {DIFFUSE} Shape \"sphere\"");
@@ -190,6 +206,11 @@ fn what_is_refused() {
         ),
         (format!("Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\" {DIFFUSE}"), "no texture of that name"),
         (format!("Texture \"t\" \"float\" \"constant\" {DIFFUSE}"), "gives a `spectrum` stands before"),
+        (
+            "Texture \"t\" \"float\" \"scale\" \"texture scale\" \"t\" Attribute \"shape\" \"texture alpha\" \"t\""
+                .to_owned(),
+            "scene.pbrt:2: textures are nested more than 64 deep: does one contain itself?",
+        ),
     ] {
         let error = load_in(&folder(&texture, COLORS)).expect_err(expected);
         assert!(error.contains(expected) && error.contains("scene.pbrt:"), "{error} lacks {expected}");

@@ -138,7 +138,7 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "part beside the chosen one",
+        "neighbor of the drawn part",
         &[Patch {
             file: PARTS,
             text: "uint x = choose ? chosen_x : part.x;",
@@ -162,7 +162,7 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "another share than the cell's",
+        "another BSDF share than the cell's",
         &[Patch {
             file: GUIDING,
             text: "1.0 - whole_share : guide.bsdf_share;",
@@ -178,7 +178,7 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "what is brighter counts for less",
+        "bright samples with a smaller weight",
         &[Patch {
             file: TALLY,
             text: "float weight = w.of_sample * count;",
@@ -265,7 +265,7 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "survivors of little hope weigh too little",
+        "survivors of roulette with too small a weight",
         &[Patch {
             file: VERTEX,
             text: "path.throughput /= max(survival, 1.0e-30);",
@@ -339,7 +339,7 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "what a choice leaves of a number not stretched",
+        "rest of a random number not stretched",
         &[Patch {
             file: QUADTREE,
             text: "/ max(probability, 1.0e-30)",

@@ -29,6 +29,9 @@ const uint BLOCK_COUNT = 85u;
 // than those of a bin, because few of its directions lead to light.
 const float BLOCK_EVIDENCE = 16.0;
 
+// Largest scale, above which a sum has overflowed.
+const float LARGEST_SCALE = 1.0e30;
+
 shared BlockSums block_sums[BLOCK_COUNT];
 shared float finest_scales[FINEST_BLOCKS * FINEST_BLOCKS];
 
@@ -64,11 +67,13 @@ BlockSums sum_of_quarters(uint first, uint side, uvec2 block) {
     return sums;
 }
 
-// Scale of a block, from that of the block that it is a quarter of.
+// Scale of a block, from that of the block that it is a quarter of. Sums of huge radiance may be infinite. The block then has the scale of the
+// larger one.
 float scale_within(float scale, BlockSums sums) {
     float evidence = BLOCK_EVIDENCE * FALLBACK * sums.prior / max(sums.bins, 1.0);
     float expected = sums.expected + evidence;
-    return expected > 0.0 ? (sums.found + evidence * scale) / expected : scale;
+    float finer = (sums.found + evidence * scale) / expected;
+    return expected > 0.0 && finer < LARGEST_SCALE ? finer : scale;
 }
 
 // Measures the blocks of a cell. All invocations of the workgroup call this function.
