@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::resume::assert_same_picture;
 use crate::support::{Folder, assert_quiet_success, assert_sentence};
 
 const TINY: [&str; 9] = ["render", "scene.xml", "--quiet", "--spp", "1", "--width", "8", "--height", "8"];
@@ -38,6 +39,21 @@ fn the_list_names_every_device() {
             assert!(text.contains(&format!("cannot be used: {lack}")), "{text}");
         }
     }
+}
+
+/// Two devices get tiles by their speed, a message says how many, and the picture is that of one device.
+#[test]
+fn tiles_are_dealt_out_by_speed() {
+    let folder = Folder::new();
+    let (index, _) = usable(&folder);
+    let tiny = ["render", "scene.xml", "--spp", "16", "--width", "40", "--height", "24"];
+    let render = |more: &[&str]| folder.run(&[&tiny[..], more].concat());
+    let two = format!("{index},{index}");
+    let output = render(&["--device", &two, "--deal-by-speed", "-o", "two.exr"]);
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && text.contains("tiles by measured speed: "), "{text}");
+    assert!(render(&["--device", &index, "--deal-by-speed", "-o", "one.exr"]).status.success());
+    assert_same_picture(&folder.path("two.exr"), &folder.path("one.exr"));
 }
 
 /// The device that renders without `--device` is marked, and the kinds are words.

@@ -128,9 +128,9 @@ fn a_second_signal_harms_no_file() {
         "--checkpoint",
         "a.ckpt",
         "--width",
-        "1500",
+        "1100",
         "--height",
-        "1500",
+        "1100",
         "--sampler",
         "bsdf",
     ]);

@@ -7,7 +7,7 @@
 # mpirun is absent, the script is skipped with a sentence.
 #
 # Checkpoints hold the film and the guide, and a hash of each. The script compares these hashes:
-#   - of 1 to 4 ranks, over 20 configurations. LODESTAR_FULL=1 takes all numbers of ranks, else each configuration takes one;
+#   - of 1 to 4 ranks, over 21 configurations. LODESTAR_FULL=1 takes all numbers of ranks, else each configuration takes one;
 #   - of renders in which a rank is killed at a random moment, and that another number of ranks resumes: 20 times with
 #     LODESTAR_FULL=1, else never. SEED (1) chooses the moments;
 #   - of renders that a signal or --time has ended, and that another number of ranks resumes.
@@ -87,6 +87,7 @@ configurations() {
 --sample-offset 64
 --grid auto --fallback 4
 --steps even --spp-per-step 4 --samples-per-dispatch 2
+--deal-by-speed
 END
 }
 

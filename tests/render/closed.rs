@@ -15,7 +15,7 @@ use crate::device::{Device, steps};
 const DEPTH: u32 = 256;
 const SIDE: u32 = 64;
 /// Number of rays per scene in the everyday test.
-const FEW: u64 = 2_000_000;
+const FEW: u64 = 1_000_000;
 /// Maximum share of rays that may slip past edges of triangles that stick out into a mesh. Rounding decides which of
 /// the two triangles at such an edge is nearer. Behind the wrong one lies the outside.
 const MOST_PAST_RIDGES: f64 = 3.0e-6;
