@@ -4,7 +4,7 @@
 //! `LODESTAR_REFERENCES`). Each method renders each scene for `LODESTAR_SECONDS` (40). The methods take turns, so that
 //! a slow minute affects all of them. After each turn the errors are measured, for the curve over time.
 //! `LODESTAR_METHODS='product;quadtree'` selects methods. `LODESTAR_OUT=DIR` also writes files: `errors.csv`, the plot
-//! `error-over-time.svg`, and the pictures of all methods at the end, `SCENE-METHOD.jpg`.
+//! `error-over-time.svg`, the plot `error-ratios.svg`, and the pictures of all methods at the end, `SCENE-METHOD.jpg`.
 //!
 //! The error is that of the paper, the mean absolute error of the displayed image. If the noise of the reference
 //! exceeds a quarter of the smaller error of two methods, their ratio is that of the mean squared errors, minus the
@@ -92,9 +92,10 @@ fn main() {
         curves.push((*name, curve));
     }
     if let Some(folder) = out {
-        std::fs::write(folder.join("errors.csv"), table(&curves, seconds, &context)).expect("the table's file");
-        std::fs::write(folder.join("error-over-time.svg"), plot(&curves).svg().expect("a plot"))
-            .expect("the plot's file");
+        let write = |name: &str, text: String| std::fs::write(folder.join(name), text).expect("a file");
+        write("errors.csv", table(&curves, seconds, &context));
+        write("error-over-time.svg", plot(&curves).svg().expect("a plot"));
+        write("error-ratios.svg", plot_of_ratios(&curves, seconds).svg().expect("a plot"));
     }
     for (ratios, end) in ratios.iter().zip(TURN_ENDS) {
         let known = ratios.iter().zip(&RATIOS).filter(|(ratios, _)| !ratios.is_empty());
@@ -138,6 +139,27 @@ fn plot(curves: &[(&str, Vec<Vec<Errors>>)]) -> Plot {
         title: format!("Error over time, geometric mean of {} scenes", curves.len()),
         x: Axis::logarithmic("seconds"),
         y: Axis::logarithmic("mean absolute error of the displayed picture"),
+        series: series.filter(|series| series.points.iter().flatten().all(|value| value.is_finite())).collect(),
+    }
+}
+
+/// Plot of the error of `product` over that of other methods, both with emitter sampling or both without: the geometric mean of the
+/// scenes, by mean absolute error.
+fn plot_of_ratios(curves: &[(&str, Vec<Vec<Errors>>)], seconds: f64) -> Plot {
+    let ratio = |turn: usize, (a, b): (usize, usize)| {
+        let logs = curves.iter().map(|(_, curve)| (curve[turn][a].mae / curve[turn][b].mae).ln());
+        (logs.sum::<f64>() / curves.len() as f64).exp()
+    };
+    let emitters = |method: usize| METHODS[method].1.is_none_or(|(_, sampled)| sampled);
+    let pairs = RATIOS.into_iter().filter(|&(a, b)| emitters(a) == emitters(b));
+    let series = pairs.map(|pair| Series {
+        name: format!("{}{}", METHODS[pair.1].0, if emitters(pair.1) { "" } else { ", emitters not sampled" }),
+        points: (0..TURN_ENDS.len()).map(|turn| [seconds * TURN_ENDS[turn], ratio(turn, pair)]).collect(),
+    });
+    Plot {
+        title: format!("Error of product over that of another method, mean of {} scenes", curves.len()),
+        x: Axis::linear("seconds"),
+        y: Axis::linear("error ratio (below 1, product is better)"),
         series: series.filter(|series| series.points.iter().flatten().all(|value| value.is_finite())).collect(),
     }
 }
