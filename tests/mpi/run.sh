@@ -195,9 +195,10 @@ while [ "$killed" -lt "$kills" ] && [ "$tries" -lt $((3 * kills)) ]; do
   fi
   if wait "$launcher"; then fail "a rank was killed, but mpirun reports success"; fi
   killed=$((killed + 1))
-  # The first rank names the others where it can still speak: it was not killed, and had begun.
+  # The first rank names the others where it can still speak: it was not killed, and had begun. It does not know a rank's machine before the
+  # rank has told of itself.
   if grep -q '^lodestar: error: ' "$work/log"; then
-    grep -qE '^lodestar: error: rank [0-9]+ on .* does not answer any more' "$work/log" || { cat "$work/log" >&2; fail "the lost rank is not named"; }
+    grep -qE '^lodestar: error: rank [0-9]+( on .*)? does not answer any more' "$work/log" || { cat "$work/log" >&2; fail "the lost rank is not named"; }
     named=$((named + 1))
   fi
   if [ -e "$work/long.ckpt" ]; then resumed=$((resumed + 1)); fi

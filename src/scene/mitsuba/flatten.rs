@@ -96,7 +96,10 @@ pub(super) fn instantiated(p: Primitive, instance_to_world: &DMat4) -> Option<Pr
     // A sphere's normal depends on its center alone.
     let turns_over = p.shape != PrimitiveShape::Sphere && is_mirrored(instance_to_world);
     let flip_normal = p.flip_normal ^ turns_over;
-    has_area(edge_u, edge_v).then_some(Primitive { origin, edge_u, edge_v, flip_normal, ..p })
+    // The signs of a sphere's texture coordinates tell the hand of its frame, which a mirror changes.
+    let is_other_hand = p.shape == PrimitiveShape::Sphere && is_mirrored(instance_to_world);
+    let uvs = if is_other_hand { p.uvs.map(|uv| -uv) } else { p.uvs };
+    has_area(edge_u, edge_v).then_some(Primitive { origin, edge_u, edge_v, flip_normal, uvs, ..p })
 }
 
 /// Mesh placed in the world, whose triangles are made one by one. Triangles without area are left out.
