@@ -248,6 +248,37 @@ fn sides_do_not_twist() {
     }
 }
 
+/// Places, normals and texture coordinates are Mitsuba's: on segments and caps of linear curves, on cones, on splines.
+#[test]
+fn points_normals_and_texture_coordinates_are_mitsubas() {
+    let straight = "0 0 0 .5\n0 0 3 .5\n";
+    let even = "0 0 0 .5\n0 0 1 .5\n0 0 2 .5\n0 0 3 .5\n0 0 4 .5\n";
+    let bend = "-2 0 0 .3\n0 0 0 .3\n0 0 2 .3\n";
+    let bent = "-1 0 0 .3\n0 .5 .2 .3\n1 -.5 1 .2\n.5 .5 2 .25\n0 -.3 2.5 .3\n-.5 0 2 .3\n";
+    for (points, from, to, point, normal, uv) in [
+        (straight, [3.0, 0.2, 1.25], [-1.0, 0.0, 0.0], [0.45826, 0.2, 1.25], [0.91652, 0.4, 0.0], [0.06549, 0.41667]),
+        (straight, [2.0, 0.1, -2.0], [-1.0, 0.0, 0.9], [0.24752, 0.1, -0.42277], [0.49504, 0.2, -0.84554], [0.06111, 0.0]),
+        (straight, [1.0, 0.1, 6.0], [-0.3, 0.0, -0.8], [0.05744, 0.1, 3.48652], [0.11489, 0.2, 0.97304], [0.16701, 1.0]),
+        (bend, [-1.0, 3.0, 0.1], [0.0, -1.0, 0.0], [-1.0, 0.28284, 0.1], [0.0, 0.94281, 0.33333], [0.05409, 0.25]),
+        (bend, [-1.0, -3.0, -0.1], [0.0, 1.0, 0.0], [-1.0, -0.28284, -0.1], [0.0, -0.94281, -0.33333], [0.55409, 0.25]),
+        ("0 0 0 .5\n0 0 2 .1\n", [3.0, 0.1, 1.0], [-1.0, 0.0, 0.0], [0.2894, 0.1, 1.0], [0.92607, 0.32, 0.2], [0.05295, 0.46875]),
+        (even, [3.0, 0.2, 1.75], [-1.0, 0.0, 0.0], [0.45826, 0.2, 1.75], [0.91652, 0.4, 0.0], [0.06549, 0.375]),
+        (bent, [5.0, 0.1, 0.5], [-1.0, 0.0, 0.0], [0.6719, 0.1, 0.5], [0.79266, 0.37116, -0.48367], [0.8871, 0.17197]),
+        (bent, [0.5, 5.0, 1.0], [0.0, -1.0, 0.0], [0.5, -0.06672, 1.0], [-0.73659, 0.27618, 0.61738], [0.27453, 0.27123]),
+        (bent, [0.6, -0.2, 9.0], [0.0, 0.0, -1.0], [0.6, -0.2, 1.49147], [-0.59931, -0.76793, 0.22608], [0.07748, 0.4788]),
+        (bent, [-5.0, 0.1, 1.5], [1.0, 0.0, 0.0], [0.46973, 0.1, 1.5], [-0.86139, 0.10945, -0.49601], [0.85492, 0.54221]),
+        (bent, [0.3, -5.0, 2.2], [0.0, 1.0, 0.0], [0.3, -0.22628, 2.2], [0.56573, -0.75121, -0.34004], [0.94377, 0.8995]),
+    ] {
+        let plugin = if points == even || points == bent { "bsplinecurve" } else { "linearcurve" };
+        let found = hit(&triangles(plugin, points), from.into(), Vec3::from(to).normalize());
+        assert!(found.0.abs_diff_eq(point.into(), 6e-3), "{plugin} {from:?}: the point {}", found.0);
+        assert!(found.1.abs_diff_eq(normal.into(), 1.5e-2), "{plugin} {from:?}: the normal {}", found.1);
+        let off = found.2 - Vec2::from(uv);
+        let off = Vec2::new(off.x - off.x.round(), off.y);
+        assert!(off.abs_diff_eq(Vec2::ZERO, 5e-3), "{plugin} {from:?}: the coordinates {}", found.2);
+    }
+}
+
 /// The transform moves control points. Radii stay, and mirrors turn nothing inside out.
 #[test]
 fn transforms_do_not_scale_radii() {
