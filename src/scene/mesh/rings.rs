@@ -12,6 +12,10 @@ use glam::{DVec3, DVec4, Vec4Swizzles};
 /// Most halvings of a segment of a spline.
 const MAX_HALVINGS: u32 = 12;
 
+/// Largest change of the radius from one ring to the next, as a share of the segment's largest radius. Normals are
+/// interpolated well only on triangles whose corners are about as far apart on both rings.
+const MAX_TAPER: f64 = 0.125;
+
 /// Share of a spline's size below which its derivative counts as 0.
 const NO_SPEED: f64 = 1e-9;
 
@@ -146,9 +150,19 @@ impl Rings<'_, '_> {
             let before = if index == 0 { &front } else { &cones[index - 1] };
             let after = cones.get(index).unwrap_or(&back);
             if index > 0 {
-                self.push(ball.ring(before))?;
+                self.add_cone(&balls[index - 1], ball, before)?;
             }
             self.add_joint(ball, before, after)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the rings of a cone after the first.
+    fn add_cone(&mut self, begin: &Ball, end: &Ball, cone: &Cone) -> Result<()> {
+        let taper = (begin.radius - end.radius).abs() / begin.radius.max(end.radius).max(f64::MIN_POSITIVE);
+        let steps = if cone.angle.abs() < FRAC_PI_2 { (taper / MAX_TAPER).ceil().max(1.0) } else { 1.0 };
+        for step in 1..=steps as u32 {
+            self.push(begin.towards(end, f64::from(step) / steps).ring(cone))?;
         }
         Ok(())
     }
@@ -201,7 +215,8 @@ impl Rings<'_, '_> {
         // The second derivative of a cubic is linear, so that it is largest at an end.
         let second = [begin, end].map(|u| span.second(u)).map(|second| second.xyz().length() + second.w.abs());
         let sag = second[0].max(second[1]) * (end - begin).powi(2) / 8.0 + (last.w - first.w).abs() * turn / 4.0;
-        let is_near = radius == 0.0 || sag <= self.bounds.sag * radius && turn <= self.bounds.turn;
+        let is_even = (last.w - first.w).abs() <= MAX_TAPER * span.largest_radius();
+        let is_near = radius == 0.0 || is_even && sag <= self.bounds.sag * radius && turn <= self.bounds.turn;
         if is_near || halvings == 0 {
             self.sag = if radius > 0.0 { self.sag.max(sag / radius) } else { self.sag };
             let ring = span.ring(end, self.last.as_ref());
@@ -220,6 +235,13 @@ struct Ball {
 }
 
 impl Ball {
+    /// Sphere between this one and another, at a share of the way.
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        let lerp = |a: f64, b: f64| a + share * (b - a);
+        let center = if share < 1.0 { self.center.lerp(other.center, share) } else { other.center };
+        Self { center, radius: lerp(self.radius, other.radius), v: lerp(self.v, other.v) }
+    }
+
     /// Circle in which a cone around the spheres of two control points touches this one.
     fn ring(&self, cone: &Cone) -> Ring {
         let (sine, cosine) = cone.angle.sin_cos();
@@ -301,6 +323,10 @@ impl Span {
     fn second(&self, u: f64) -> DVec4 {
         let w = 1.0 - u;
         self.sum([w, 3.0 * u - 2.0, 3.0 * w - 2.0, u])
+    }
+
+    fn largest_radius(&self) -> f64 {
+        self.controls.iter().map(|control| control.w).fold(0.0, f64::max)
     }
 
     /// Angle between the tangents at two places; 0 where one has none.
