@@ -104,7 +104,7 @@ WRONG = [
     ({}, "scene: it needs the entry `type`"),
     ({"type": "scene", "a": {}}, "scene.a: it needs the entry `type`"),
     ({"type": "scene", "a": {"type": "blob"}}, "scene.a: there is no plugin `blob`"),
-    ({"type": "scene", "a": {"type": "linearcurve"}}, "scene.a: shape plugin `linearcurve` is not supported"),
+    ({"type": "scene", "a": {"type": "sdfgrid"}}, "scene.a: shape plugin `sdfgrid` is not supported"),
     ({"type": "scene", "a": {"type": "sphere", "radius": "x"}}, "scene.a.radius: the parameter `radius` should be"),
     ({"type": "scene", "a": {"type": "sphere", "radius": float("nan")}}, "scene.a.radius: `NaN` is not a finite"),
     ({"type": "scene", "a": {"type": "sphere", "center": [1, 2]}}, "scene.a.center: .*should be three numbers"),

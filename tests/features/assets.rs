@@ -138,7 +138,38 @@ pub fn write(folder: &Path) {
     }
     write("meshes.serialized", &serialized(&[mesh.serialized(true), egg(6, 4).serialized(false)]));
     write("square.obj", b"v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n");
+    for (name, points) in [("linearcurve", &LINEAR[..]), ("bsplinecurve", &SPLINE[..])] {
+        for (suffix, factor) in [("", 1.0), ("-thicker", 1.02), ("-thick", 1.4)] {
+            write(&format!("{name}{suffix}.txt"), curves(points, factor).as_bytes());
+        }
+    }
     write_images(folder);
+}
+
+/// Control points: a bend, an acute one, and a second curve.
+const LINEAR: [&[[f64; 4]]; 2] = [
+    &[[-0.9, -0.6, 0.0, 0.25], [0.1, 0.7, 0.3, 0.15], [0.9, -0.4, -0.2, 0.3], [0.2, -0.7, 0.5, 0.1]],
+    &[[-0.6, 0.8, -0.5, 0.1], [0.8, 0.9, 0.4, 0.2]],
+];
+
+/// Control points of a bent spline that shows its open end, and of one that ends in a point.
+const SPLINE: [&[[f64; 4]]; 2] = [
+    &[
+        [-1.6, -1.0, 0.0, 0.3],
+        [-0.7, -0.5, 0.4, 0.3],
+        [0.0, 0.8, 0.0, 0.2],
+        [0.7, -0.5, -0.4, 0.25],
+        [1.0, 0.6, 0.2, 0.35],
+        [0.9, 1.2, 1.6, 0.3],
+    ],
+    &[[-1.2, 0.6, -0.5, 0.2], [-0.6, 0.9, -0.3, 0.2], [0.2, 0.9, 0.2, 0.1], [0.8, 0.7, 0.9, 0.0]],
+];
+
+/// Text of curves whose radii are multiplied by `factor`.
+fn curves(curves: &[&[[f64; 4]]], factor: f64) -> String {
+    let point = |[x, y, z, radius]: &[f64; 4]| format!("{x} {y} {z} {:.5}\n", radius * factor);
+    let curve = |points: &&[[f64; 4]]| points.iter().map(point).collect::<String>();
+    curves.iter().map(curve).collect::<Vec<_>>().join("\n")
 }
 
 /// Number in [0, 1] that looks random.

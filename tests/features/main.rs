@@ -325,7 +325,9 @@ fn names_differ_and_classes_are_full() {
     let all = table::all();
     let names: BTreeSet<&str> = all.iter().map(|case| case.name.as_str()).collect();
     assert!(names.len() == all.len() && all.len() >= 120, "{} of {}", names.len(), all.len());
-    for class in [Class::Shapes, Class::Bsdfs, Class::Emitters, Class::Cameras, Class::Paths, Class::Extremes] {
+    for class in
+        [Class::Shapes, Class::Bsdfs, Class::Emitters, Class::Cameras, Class::Paths, Class::Extremes, Class::Curves]
+    {
         assert!(names.contains(table::twin(class).scene), "{class}");
     }
     assert!(all.iter().all(|case| case.xml.contains("max_depth")));

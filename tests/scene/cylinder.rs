@@ -15,7 +15,7 @@ fn cylinder(parameters: &str) -> Vec<Primitive> {
 }
 
 /// First point of the ray on the triangles: its place, shading normal and texture coordinates.
-fn hit(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> (Vec3, Vec3, Vec2) {
+pub fn hit(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> (Vec3, Vec3, Vec2) {
     let on = |triangle: &Primitive| {
         let across = direction.cross(triangle.edge_v);
         let determinant = triangle.edge_u.dot(across);
@@ -30,7 +30,7 @@ fn hit(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> (Vec3, Vec3, V
         (t > 0.0 && shares.iter().all(|&share| share >= -1e-6)).then_some((t, (origin + t * direction, normal, uv)))
     };
     let nearest = triangles.iter().filter_map(on).min_by(|(a, _), (b, _)| a.total_cmp(b));
-    nearest.expect("the ray should hit the cylinder").1
+    nearest.expect("the ray should hit the triangles").1
 }
 
 /// Places, normals and texture coordinates are Mitsuba's, from both sides, mirrored, flipped and between any two points.

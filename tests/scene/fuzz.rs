@@ -197,6 +197,14 @@ fn ply() {
 }
 
 #[test]
+fn curves() {
+    let text = "0 0 0 0.5\n1 0.5 0 0.25\n1 1 2 0.1\n-1 1.5 2 0\n\n0 2 0 1\n0 2 1 1e-1\n0 2 2 1\n0 3 2 1\n0 3 3 1\n";
+    for plugin in ["linearcurve", "bsplinecurve"] {
+        meshes(plugin, vec![text.into()], b"0 0 0 1\n0 0 1 1\n0 0 2 1\n");
+    }
+}
+
+#[test]
 fn serialized_as_it_is() {
     let file = |version, flags| serialized(version, &[compressed(version, &serialized_content(version, flags))]);
     meshes("serialized", vec![file(3, 0x1003), file(4, 0x200b)], b"\x1c\x04\x04\x00\x78\x9c");

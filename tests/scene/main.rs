@@ -2,6 +2,7 @@
 
 mod accepts;
 mod convert;
+mod curves;
 mod cylinder;
 mod emitters;
 mod fuzz;

@@ -176,7 +176,7 @@ impl Meshes {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
         let normals = vertices.normals.iter().map(|normal| normal.as_vec3()).collect();
-        Ok(Some(Mesh { positions, normals, uvs, colors, has_byte_colors: false, triangles }))
+        Ok(Some(Mesh { positions, normals, uvs, colors, triangles, ..Mesh::default() }))
     }
 }
 

@@ -1,16 +1,20 @@
 //! Mesh files, kept in object space.
 
+pub(super) mod curves;
 mod obj;
 mod ply;
 pub(super) mod ply_writer;
+pub(super) mod rings;
 mod serialized;
 mod triangles;
+mod tubes;
 mod words;
 
 use std::path::Path;
 
 use crate::{Error, Result};
 
+use curves::CurveFormat;
 pub(super) use triangles::{MAX_TRIANGLES, Mesh};
 
 /// Largest mesh file in bytes. Meshes are kept whole while they are read, and a larger file is a mistake.
@@ -23,6 +27,8 @@ pub(super) enum MeshFormat {
     Ply,
     /// Mitsuba's `serialized` format, with the index of the mesh within the file.
     Serialized(usize),
+    /// Mitsuba's text files of curves.
+    Curves(CurveFormat),
     /// No file: a mesh in memory, with its index.
     Memory(usize),
 }
@@ -33,6 +39,7 @@ pub(super) fn read(path: &Path, format: MeshFormat) -> Result<Mesh> {
         MeshFormat::Obj => obj::parse(path, &bytes(path)?)?,
         MeshFormat::Ply => ply::parse(path, &bytes(path)?)?,
         MeshFormat::Serialized(index) => serialized::read(path, index)?,
+        MeshFormat::Curves(curves) => curves::parse(path, &bytes(path)?, &curves)?,
         MeshFormat::Memory(_) => Mesh::default(),
     };
     if mesh.triangles.is_empty() {

@@ -21,6 +21,8 @@ pub(in crate::scene) struct Mesh {
     pub colors: Vec<Vec3>,
     /// Whether the file gives the colors as whole numbers, of which the largest stands for 1.
     pub has_byte_colors: bool,
+    /// Largest distance from the surface that the mesh stands for, in radii of its tubes; 0 where the mesh is the surface.
+    pub deviation: f32,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }

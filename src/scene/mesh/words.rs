@@ -1,6 +1,7 @@
 //! Words and numbers of a text mesh, line by line.
 
 /// Position within a text.
+#[derive(Clone)]
 pub(super) struct Words<'a> {
     text: &'a [u8],
     at: usize,
@@ -25,6 +26,11 @@ impl<'a> Words<'a> {
         let length = rest.iter().take_while(|&&byte| byte > b' ').count();
         self.at += blanks + length;
         &rest[..length]
+    }
+
+    /// Next word of the current line, which is not read yet; empty at its end.
+    pub fn peek(&self) -> &'a [u8] {
+        self.clone().next()
     }
 
     /// Reads the next words of the current line as finite numbers.

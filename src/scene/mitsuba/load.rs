@@ -10,7 +10,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
-use super::cylinder;
 use super::document::Document;
 use super::element::{Element, PARAMETER_TAGS};
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
@@ -26,7 +25,7 @@ use super::shape::{self, Geometry, MeshFile, Shape};
 use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
 use super::textures::Textures;
-use super::{document, fit, integrator, old_files, sensor, texture_images, vertex_colors};
+use super::{curves, cylinder, document, fit, integrator, old_files, sensor, texture_images, vertex_colors};
 use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 use crate::scene::texel_pages;
@@ -235,7 +234,7 @@ impl<'a> Builder<'a> {
         let mut common = Common { material: 0, ..Common::default() };
         let geometry = self.faults.keep(shape::parse_geometry(&mut properties, &mut common));
         let emitter = properties.object("emitter")?;
-        let material = match properties.object("bsdf")? {
+        let mut material = match properties.object("bsdf")? {
             Some(bsdf) => {
                 let shape_id = element.attribute("id");
                 let kept = self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings);
@@ -243,6 +242,10 @@ impl<'a> Builder<'a> {
             }
             None => Some(self.materials.keep_default(emitter.is_some())),
         };
+        if let Some(kind) = geometry.as_ref().and_then(curves::kind) {
+            self.faults.keep(curves::check_emitter(kind, emitter));
+            material = material.and_then(|material| self.faults.keep(self.materials.keep_front(material, element)));
+        }
         if let Some(emitter) = emitter {
             self.lit.insert(std::ptr::from_ref(emitter));
             let (scope, textures) = (&self.scope, &mut self.textures);
@@ -372,6 +375,7 @@ impl<'a> Builder<'a> {
         self.faults.into_result()?;
         images.extend(decoded);
         self.warnings.extend(warnings);
+        self.warnings.extend(curves::warning(&self.shapes, &meshes));
         let mut materials = self.materials.finish();
         let image = images.len() as u32;
         let emitters = self.emitters;

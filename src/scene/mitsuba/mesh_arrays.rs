@@ -42,7 +42,7 @@ pub(super) fn mesh(arrays: &Arrays, location: &Location) -> Result<Mesh> {
     if !uvs.is_empty() {
         check_count("uvs", uvs.len(), count, location)?;
     }
-    Ok(Mesh { positions, normals, uvs, colors, has_byte_colors: false, triangles })
+    Ok(Mesh { positions, normals, uvs, colors, triangles, ..Mesh::default() })
 }
 
 fn check_count(key: &str, count: usize, vertices: usize, location: &Location) -> Result<()> {

@@ -4,6 +4,7 @@ mod color;
 mod color_blocks;
 mod color_matching;
 pub(in crate::scene) mod convert;
+mod curves;
 mod cylinder;
 pub(in crate::scene) mod description;
 pub mod dictionary;

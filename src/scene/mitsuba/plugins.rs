@@ -9,7 +9,7 @@ const OTHERS: [(&str, &[&str]); 10] = [
     ("film", &["hdrfilm", "ldrfilm", "specfilm"]),
     ("rfilter", &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]),
     ("sampler", &["independent", "stratified", "multijitter", "orthogonal", "ldsampler"]),
-    ("shape", &[MESH, "bsplinecurve", "linearcurve", "merge", "sdfgrid"]),
+    ("shape", &[MESH, "merge", "sdfgrid"]),
     ("emitter", &["timed_sunsky"]),
     ("texture", &["volume"]),
     ("bsdf", &["bsdf_mixture", "circular", "hair", "measured", "polarizer", "retarder"]),

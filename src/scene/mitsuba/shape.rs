@@ -5,17 +5,30 @@ use std::path::PathBuf;
 
 use glam::{DMat4, DVec3};
 
-use super::cylinder;
 use super::element::{Element, Location, MESH, MESH_INDEX};
 use super::flatten::{self, Common, MeshOptions, PlacedMesh};
 use super::properties::Properties;
-use super::transform;
+use super::{cylinder, transform};
 use crate::Result;
+use crate::scene::mesh::curves::CurveFormat;
+use crate::scene::mesh::rings::Kind;
 use crate::scene::mesh::{Mesh, MeshFormat};
 use crate::scene::{Primitive, PrimitiveShape};
 
-pub(super) const SUPPORTED: [&str; 10] =
-    ["obj", "ply", "serialized", "rectangle", "cube", "sphere", "cylinder", "disk", "shapegroup", "instance"];
+pub(super) const SUPPORTED: [&str; 12] = [
+    "obj",
+    "ply",
+    "serialized",
+    "rectangle",
+    "cube",
+    "sphere",
+    "cylinder",
+    "disk",
+    "linearcurve",
+    "bsplinecurve",
+    "shapegroup",
+    "instance",
+];
 
 /// Largest relative deviation of a transform from a similarity: scene files are printed with six digits.
 const SIMILARITY: f64 = 1e-3;
@@ -79,6 +92,8 @@ pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -
         "rectangle" => Ok(Geometry::Rectangle),
         "disk" => Ok(Geometry::Disk),
         "cube" => Ok(Geometry::Cube),
+        "linearcurve" => parse_curves(properties, Kind::Linear, common),
+        "bsplinecurve" => parse_curves(properties, Kind::BSpline, common),
         "sphere" => {
             common.to_world = parse_sphere(properties, common.to_world)?;
             Ok(Geometry::Sphere)
@@ -101,7 +116,6 @@ fn parse_mesh_in_memory(properties: &mut Properties) -> Result<Geometry> {
 }
 
 fn parse_mesh(properties: &mut Properties, format: MeshFormat) -> Result<Geometry> {
-    let element = properties.element();
     let flips_uvs = match format {
         MeshFormat::Serialized(_) => Some(false),
         _ => properties.boolean("flip_tex_coords")?,
@@ -110,11 +124,7 @@ fn parse_mesh(properties: &mut Properties, format: MeshFormat) -> Result<Geometr
         face_normals: properties.boolean("face_normals")?.unwrap_or(false),
         flip_uvs: flips_uvs.unwrap_or(format == MeshFormat::Obj),
     };
-    let parameter = properties.take("filename");
-    let parameter = parameter.ok_or_else(|| {
-        element.error(format!("shape plugin `{}` needs its parameter `filename`", properties.plugin()))
-    })?;
-    Ok(Geometry::Mesh(MeshFile { path: find_mesh(properties, parameter)?, format }, options))
+    Ok(Geometry::Mesh(MeshFile { path: find_file(properties, "mesh file")?, format }, options))
 }
 
 fn parse_shape_index(properties: &mut Properties) -> Result<MeshFormat> {
@@ -122,12 +132,32 @@ fn parse_shape_index(properties: &mut Properties) -> Result<MeshFormat> {
     Ok(MeshFormat::Serialized(index.unwrap_or(0) as usize))
 }
 
-fn find_mesh(properties: &Properties, parameter: &Element) -> Result<PathBuf> {
+/// Reads the parameters of a shape of curves. The transform is taken from `common`, because it moves the control points
+/// but does not scale their radii.
+fn parse_curves(properties: &mut Properties, kind: Kind, common: &mut Common) -> Result<Geometry> {
+    if common.flip_normals {
+        let message = format!("a `{}` has no `flip_normals`, because it is seen from outside only", kind.plugin());
+        return Err(properties.element().error(message + "; leave it out"));
+    }
+    let to_world = std::mem::replace(&mut common.to_world, DMat4::IDENTITY);
+    // Weight of Mitsuba's derivatives with respect to the shape.
+    properties.ignore(&["silhouette_sampling_weight"]);
+    let format = MeshFormat::Curves(CurveFormat::new(kind, &to_world));
+    let options = MeshOptions { face_normals: false, flip_uvs: false };
+    Ok(Geometry::Mesh(MeshFile { path: find_file(properties, "curve file")?, format }, options))
+}
+
+/// Canonical path of the file that a shape's `filename` names. `kind` says in messages what it is.
+fn find_file(properties: &mut Properties, kind: &str) -> Result<PathBuf> {
+    let parameter = properties.take("filename").ok_or_else(|| {
+        let message = format!("shape plugin `{}` needs its parameter `filename`", properties.plugin());
+        properties.element().error(message)
+    })?;
     let name = parameter.required("value")?;
     properties
         .find_file(parameter, name)
         .and_then(|path| path.canonicalize().ok())
-        .ok_or_else(|| parameter.error(format!("the mesh file `{name}` does not exist")))
+        .ok_or_else(|| parameter.error(format!("the {kind} `{name}` does not exist")))
 }
 
 /// Transform from the unit sphere to the world.

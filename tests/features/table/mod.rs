@@ -2,6 +2,7 @@
 
 mod bsdfs;
 mod cameras;
+mod curves;
 mod cylinders;
 mod emitters;
 mod extremes;
@@ -24,6 +25,7 @@ pub enum Class {
     Cameras,
     Paths,
     Extremes,
+    Curves,
 }
 
 impl fmt::Display for Class {
@@ -133,6 +135,7 @@ pub fn all() -> Vec<Case> {
     paths::add(&mut table);
     extremes::add(&mut table);
     cylinders::add(&mut table);
+    curves::add(&mut table);
     table.0
 }
 
@@ -154,6 +157,7 @@ pub fn twin(class: Class) -> Twin {
         Class::Cameras => ("perspective-x", "fov", "40.8", "48"),
         Class::Paths => ("depth-3", "albedo", "0.612", "0.75"),
         Class::Extremes => ("scale-1", "size", "0.714", "0.9"),
+        Class::Curves => ("bsplinecurve-plain", "file", "bsplinecurve-thicker.txt", "bsplinecurve-thick.txt"),
     };
     Twin { scene, parameter, wrong, far }
 }

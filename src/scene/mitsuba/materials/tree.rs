@@ -23,8 +23,7 @@ pub(super) enum Tree {
 impl Tree {
     /// `null`: the surface lets all light pass, as a `mask` of opacity 0.
     pub fn null() -> Self {
-        let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
-        Self::Surface(SurfaceMaterial { opacity: Textured::constant(0.0), ..SurfaceMaterial::plain(black) })
+        Self::Surface(null_surface())
     }
 
     /// Changes every surface. The error says why one cannot be changed.
@@ -130,6 +129,12 @@ impl Tree {
             Ok(SurfaceMaterial { coating: Some(coating), ..surface })
         })
     }
+}
+
+/// Surface that lets all light pass.
+pub(super) fn null_surface() -> SurfaceMaterial {
+    let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
+    SurfaceMaterial { opacity: Textured::constant(0.0), ..SurfaceMaterial::plain(black) }
 }
 
 const NESTED_TWICE: &str = "`twosided` around a bump or normal map around another `twosided` is not supported";
