@@ -25,7 +25,7 @@ impl CurveFormat {
         Self { kind, to_world: to_world.to_cols_array().map(f64::to_bits) }
     }
 
-    fn to_world(&self) -> DMat4 {
+    fn to_world(self) -> DMat4 {
         DMat4::from_cols_array(&self.to_world.map(f64::from_bits))
     }
 }

@@ -65,7 +65,8 @@ fn add_shapes(table: &mut Table) {
             let inside = [placed(&format!("{steps}{TURN}")), flip, file_part.clone(), area("$radiance,3,2")].concat();
             table.add(Emitters, format!("lamp-{word}-{placement}"), |stage| glowing(stage, plugin, &inside));
             let is_bare = file.starts_with("bare");
-            if !file.is_empty() && !flips && !(is_bare && placement == "mirrored") {
+            let agrees = file.is_empty() || flips || (is_bare && placement == "mirrored");
+            if !agrees {
                 table.known(SMOOTH_MESH);
             }
         }
