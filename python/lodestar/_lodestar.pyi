@@ -53,6 +53,7 @@ class _Keywords(TypedDict, total=False):
     decay: float | None
     max_tries: int | None
     min_uniform: float | None
+    deal_by_speed: bool | None
     slice_ms: float | None
     execution: Literal["auto", "megakernel", "wavefront"] | None
     samples_per_dispatch: int | None
@@ -63,6 +64,7 @@ class _Keywords(TypedDict, total=False):
 
 @final
 class _ResumeKeywords(TypedDict, total=False):
+    deal_by_speed: bool
     slice_ms: float
     execution: str
     kernel_dir: _Path

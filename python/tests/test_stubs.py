@@ -21,6 +21,7 @@ OTHERS = {
     "checkpoint_every": "float | str",
     "guide_from": "_Path",
     "kernel_dir": "_Path",
+    "deal_by_speed": "bool",
     "validate": "bool",
 }
 
