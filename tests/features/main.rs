@@ -209,6 +209,9 @@ impl Run {
         let figures = format!("{} ({}): {verdict}", job.case.name, job.method.name);
         match (self.rejects(verdict), job.case.known) {
             (true, None) => self.fail(figures.clone()),
+            (true, Some(known)) if !known.explains(verdict.ratio) => {
+                self.fail(format!("{figures}: differs by more than is known: {}", known.0));
+            }
             (false, Some(known)) if job.method.nee && known.shows() => {
                 self.fail(format!("{figures}: agrees, but is listed: {}", known.0));
             }

@@ -54,7 +54,7 @@ pub fn add(table: &mut Table) {
     for (name, filter) in filters {
         seen(table, name, &perspective(&fov, &film(filter)));
         if name.ends_with("wide") {
-            table.known(Known("a pixel at the border sees beyond it; in Mitsuba, only with `sample_border`"));
+            table.known(Known("a pixel at the border sees beyond it; in Mitsuba, only with `sample_border`", 0.02));
         }
         let border = on("sample_border") + filter;
         seen(table, &format!("{name}-border"), &perspective(&fov, &film(&border)));

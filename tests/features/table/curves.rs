@@ -21,6 +21,7 @@ pub fn add(table: &mut Table) {
             if (plugin, name) == ("linearcurve", "glass") {
                 table.known(Known(
                     "leaving the glass is an edge of the path here, but not in Mitsuba, which culls the back",
+                    0.01,
                 ));
             }
         }

@@ -45,15 +45,20 @@ pub enum Reference {
     Uniform([f64; 3]),
 }
 
-/// Reason of a known difference from the reference, which only the full tier shows. The test fails there where the difference is
-/// gone.
+/// Reason of a known difference from the reference, and the largest share by which the mean may differ for it. Only the full tier
+/// shows the difference. The test fails there where the difference is gone.
 #[derive(Debug, Clone, Copy)]
-pub struct Known(pub &'static str);
+pub struct Known(pub &'static str, pub f64);
 
 impl Known {
     /// Whether this run must show the difference, where emitters are sampled.
     pub fn shows(self) -> bool {
         tier::is_full()
+    }
+
+    /// Whether it explains a mean that is `ratio` times the reference's.
+    pub fn explains(self, ratio: f64) -> bool {
+        (ratio - 1.0).abs() <= self.1
     }
 }
 
