@@ -112,11 +112,12 @@ fn faults_lose_the_last_interval_at_most_and_no_file() {
     }
 }
 
-/// Lack of memory gives a message: what needs memory, how much, and how to need less. The first buffers are allocated
-/// early.
+/// Lack of memory gives a message: what needs memory, how much, and how to need less. The first buffers are allocated by
+/// one of the early calls. Which one it is changes from run to run, because threads make calls side by side. The test
+/// therefore tries each early call several times.
 #[test]
 fn out_of_memory_says_what_needs_how_much_and_what_makes_it_less() {
-    let told = (1..200).step_by(3).find_map(|at| {
+    let told = (0..4).flat_map(|_| 1..80).find_map(|at| {
         let message = String::from_utf8(render_with(&Folder::new(), &format!("memory@{at}")).stderr).unwrap();
         message.contains("allocating").then_some(message)
     });
