@@ -144,8 +144,8 @@ pub fn all() -> Vec<Case> {
     table.0
 }
 
-/// Fault of 2 % in one scene of a class: a `<default>` of the scene with its value and the wrong value; and a value that
-/// is wrong by so much that few samples show it.
+/// Fault in one scene of a class: a `<default>` of the scene and a wrong value for it, which is 2 % off or changes the picture's
+/// mean by 2 %; and a value that is wrong by so much that few samples show it.
 pub struct Twin {
     pub scene: &'static str,
     pub parameter: &'static str,
@@ -160,7 +160,7 @@ pub fn twin(class: Class) -> Twin {
         Class::Bsdfs => ("diffuse", "albedo", "0.714", "0.9"),
         Class::Emitters => ("lamp-sphere-plain", "radiance", "4.08", "5"),
         Class::Cameras => ("perspective-x", "fov", "40.8", "48"),
-        Class::Paths => ("depth-3", "albedo", "0.612", "0.75"),
+        Class::Paths => ("depth-3", "depth", "4", "2"),
         Class::Extremes => ("scale-1", "size", "0.714", "0.9"),
         Class::Curves => ("bsplinecurve-plain", "file", "bsplinecurve-thicker.txt", "bsplinecurve-thick.txt"),
     };

@@ -6,11 +6,10 @@ use super::{Class::Paths, Table, plain_subject};
 pub fn add(table: &mut Table) {
     for depth in [1, 2, 3, 17] {
         table.add(Paths, format!("depth-{depth}"), |stage| {
-            stage.integrator = path(depth);
+            stage.integrator = default("depth", &depth.to_string()) + &path("$depth");
             let globe =
                 "<point name='center' x='0.2' y='1.6' z='1'/>".to_owned() + &float("radius", "0.2") + &area("2,1,1");
-            let subject = plain_subject("$albedo,0.7,0.5") + &shape("sphere", &globe);
-            stage.subject = default("albedo", "0.6") + &subject;
+            stage.subject = plain_subject("0.6,0.7,0.5") + &shape("sphere", &globe);
         });
     }
     for (name, depth) in [("depth-256-glass", 256), ("depth-unlimited-glass", -1)] {

@@ -69,8 +69,8 @@ pub fn two_sided(inside: &str) -> String {
     bsdf("twosided", inside)
 }
 
-pub fn path(depth: i32) -> String {
-    element("integrator", "path", &(integer("max_depth", depth) + &integer("rr_depth", 5)))
+pub fn path(depth: impl std::fmt::Display) -> String {
+    element("integrator", "path", &(format!("<integer name='max_depth' value='{depth}'/>") + &integer("rr_depth", 5)))
 }
 
 pub fn film(inside: &str) -> String {
