@@ -4,7 +4,7 @@ use super::xml::{
     ball, bitmap, block, bsdf, checkerboard, default, diffuse, element, float, numbers, on, rgb, sheet, string,
     two_sided,
 };
-use super::{Class::Bsdfs, Table};
+use super::{Class::Bsdfs, Reference, Table};
 
 /// Adds a scene whose ball and block have this BSDF.
 fn solid(table: &mut Table, name: &str, bsdf: &str) {
@@ -22,6 +22,9 @@ fn glass(table: &mut Table, name: &str, bsdf: &str) {
         stage.subject = ball(bsdf) + &block(bsdf) + &element("emitter", "constant", &rgb("radiance", "0.5,0.6,0.8"));
     });
 }
+
+/// Color of the scene `plastic`.
+const PLASTIC: &str = "0.8,0.4,0.1";
 
 const DISTRIBUTIONS: [&str; 2] = ["ggx", "beckmann"];
 
@@ -96,7 +99,7 @@ fn add_conductors(table: &mut Table) {
 }
 
 fn add_plastics(table: &mut Table) {
-    let tint = rgb("diffuse_reflectance", "0.8,0.4,0.1");
+    let tint = rgb("diffuse_reflectance", PLASTIC);
     let textured = checkerboard("diffuse_reflectance", "0.8,0.3,0.2", "0.1,0.3,0.6")
         + &bitmap("specular_reflectance", "colors.png", "");
     solid(table, "plastic", &bsdf("plastic", &tint));
@@ -192,11 +195,19 @@ fn add_wrappers(table: &mut Table) {
     thin(table, "twosided-two", &two_sided(&(diffuse("0.8,0.2,0.2") + &green)));
     solid(table, "blend", &bsdf("blendbsdf", &(float("weight", "0.3") + &copper + &green)));
     solid(table, "blend-textured", &bsdf("blendbsdf", &(numbers("weight", "numbers.png") + &green + &copper)));
-    let plastic = bsdf("plastic", &rgb("diffuse_reflectance", "0.1,0.2,0.7"));
+    let gold = bsdf("roughconductor", &(string("material", "Au") + &float("alpha", "0.4")));
     let inner = bsdf("blendbsdf", &(float("weight", "0.5") + &copper + &green));
-    solid(table, "blend-nested", &bsdf("blendbsdf", &(float("weight", "0.6") + &inner + &plastic)));
-    let blend = bsdf("blendbsdf", &(numbers("weight", "numbers.png") + &green + &plastic));
+    solid(table, "blend-nested", &bsdf("blendbsdf", &(float("weight", "0.6") + &inner + &gold)));
+    let blend = bsdf("blendbsdf", &(numbers("weight", "numbers.png") + &green + &copper));
     thin(table, "blend-twosided", &two_sided(&blend));
+    // Mitsuba's blend of a plastic with itself is not that plastic.
+    let plastic = bsdf("plastic", &rgb("diffuse_reflectance", PLASTIC));
+    let inner = bsdf("blendbsdf", &(float("weight", "0.3") + &plastic + &plastic));
+    let blend = bsdf("blendbsdf", &(numbers("weight", "numbers.png") + &inner + &plastic));
+    table.add(Bsdfs, "blend-of-plastics", |stage| {
+        stage.subject = ball(&blend) + &block(&blend);
+        stage.reference = Reference::Like("plastic");
+    });
     solid(table, "mask", &bsdf("mask", &(float("opacity", "0.6") + &two_sided(&green))));
     solid(table, "mask-textured", &bsdf("mask", &(numbers("opacity", "numbers.png") + &two_sided(&green))));
     solid(table, "mask-glass", &bsdf("mask", &(float("opacity", "0.5") + &bsdf("dielectric", ""))));
