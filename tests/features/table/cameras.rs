@@ -3,15 +3,21 @@
 use super::xml::{
     EYE, ball, default, film, float, integer, on, perspective, printed, sensor, sheet, sized_film, string,
 };
-use super::{Class::Cameras, Known, Table};
+use super::{Class::Cameras, Reference, Table};
 
 const BOX: &str = "<rfilter type='box'/>";
 
 /// Adds a scene that this sensor shows.
 fn seen(table: &mut Table, name: &str, sensor: &str) {
+    seen_as(table, name, sensor, Reference::Mitsuba);
+}
+
+/// Adds a scene that this sensor shows, with its reference.
+fn seen_as(table: &mut Table, name: &str, sensor: &str, reference: Reference) {
     table.add(Cameras, name, |stage| {
         stage.sensor = sensor.to_owned();
         stage.subject = ball(&printed()) + &sheet(&printed());
+        stage.reference = reference;
     });
 }
 
@@ -45,19 +51,22 @@ pub fn add(table: &mut Table) {
         + &integer("crop_width", 24)
         + &integer("crop_height", 18);
     seen(table, "crop", &perspective(&fov, &sized_film(40, 30, &(crop.clone() + BOX))));
+    // A pixel at the border sees beyond it, whatever the file says. In Mitsuba it does so only with `sample_border`.
+    let gaussian = "<rfilter type='gaussian'/>";
     let filters = [
-        ("tent", "<rfilter type='tent'/>"),
-        ("tent-wide", "<rfilter type='tent'><float name='radius' value='1.6'/></rfilter>"),
-        ("gaussian", "<rfilter type='gaussian'/>"),
-        ("gaussian-wide", "<rfilter type='gaussian'><float name='stddev' value='0.8'/></rfilter>"),
+        ("tent", "tent-border", "<rfilter type='tent'/>"),
+        ("tent-wide", "tent-wide-border", "<rfilter type='tent'><float name='radius' value='1.6'/></rfilter>"),
+        ("gaussian", "gaussian-border", gaussian),
+        (
+            "gaussian-wide",
+            "gaussian-wide-border",
+            "<rfilter type='gaussian'><float name='stddev' value='0.8'/></rfilter>",
+        ),
     ];
-    for (name, filter) in filters {
-        seen(table, name, &perspective(&fov, &film(filter)));
-        if name.ends_with("wide") {
-            table.known(Known("a pixel at the border sees beyond it; in Mitsuba, only with `sample_border`", 0.02));
-        }
-        let border = on("sample_border") + filter;
-        seen(table, &format!("{name}-border"), &perspective(&fov, &film(&border)));
+    for (name, border, filter) in filters {
+        seen(table, border, &perspective(&fov, &film(&(on("sample_border") + filter))));
+        seen_as(table, name, &perspective(&fov, &film(filter)), Reference::Like(border));
     }
-    seen(table, "gaussian-crop", &perspective(&fov, &sized_film(40, 30, &(crop + filters[2].1))));
+    let crop = crop + &on("sample_border");
+    seen(table, "gaussian-crop", &perspective(&fov, &sized_film(40, 30, &(crop + gaussian))));
 }
