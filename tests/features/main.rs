@@ -186,9 +186,9 @@ impl Run {
 
     /// Renders groups until none is left. One driver compiles on one core only, so that two workers are faster.
     fn work(&self, groups: &Mutex<Vec<Vec<Job<'static>>>>) {
-        let context = Context::new(&ContextOptions { device: None, validate: false }).expect("a Vulkan device");
         let next = || groups.lock().expect("no panic").pop();
         while let Some(group) = next() {
+            let context = Context::new(&ContextOptions { device: None, validate: false }).expect("a Vulkan device");
             self.group(&context, group);
         }
     }
