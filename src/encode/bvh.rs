@@ -60,6 +60,11 @@ impl Bvh {
         self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_VERTEX_NORMALS != 0)
     }
 
+    /// Whether any primitive lets rays pass that meet it from behind.
+    pub fn has_front_only(&self) -> bool {
+        self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_FRONT_ONLY != 0)
+    }
+
     /// Largest absolute coordinate of the scene. Rounding errors of positions are proportional to it.
     pub fn largest_coordinate(&self) -> f32 {
         largest_coordinate(self.bounds)
@@ -127,6 +132,7 @@ fn primitive_record(p: &Primitive) -> PrimitiveRecord {
     };
     let flip = if p.flip_normal { constants::PRIMITIVE_FLIP_NORMAL } else { 0 };
     let normals = if p.normals.is_some() { constants::PRIMITIVE_VERTEX_NORMALS } else { 0 };
+    let front_only = if p.front_only { constants::PRIMITIVE_FRONT_ONLY } else { 0 };
     let longest = match p.shape {
         PrimitiveShape::Sphere => p.edge_u.length(),
         _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),
@@ -135,7 +141,7 @@ fn primitive_record(p: &Primitive) -> PrimitiveRecord {
     let large = if large { constants::PRIMITIVE_LARGE } else { 0 };
     PrimitiveRecord {
         origin: p.origin.into(),
-        flags: shape | flip | normals | large,
+        flags: shape | flip | normals | large | front_only,
         edge_u: p.edge_u.into(),
         edge_tolerance: longest,
         edge_v: p.edge_v.into(),
@@ -185,6 +191,7 @@ mod tests {
             normals: None,
             uvs: Default::default(),
             flip_normal: false,
+            front_only: false,
             material: 0,
             emitter: None,
         }

@@ -109,6 +109,7 @@ mod tests {
             normals: None,
             uvs: [Vec2::ONE; 3],
             flip_normal: false,
+            front_only: false,
             material: 0,
             emitter: None,
         };

@@ -167,7 +167,18 @@ impl Scene {
 fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3, surface: Surface) -> Primitive {
     let Surface { material, emitter } = surface;
     let uvs = [Vec2::ZERO, Vec2::X, Vec2::Y];
-    Primitive { shape, origin, edge_u, edge_v, normals: None, uvs, flip_normal: false, material, emitter }
+    Primitive {
+        shape,
+        origin,
+        edge_u,
+        edge_v,
+        normals: None,
+        uvs,
+        flip_normal: false,
+        front_only: false,
+        material,
+        emitter,
+    }
 }
 
 #[cfg(test)]

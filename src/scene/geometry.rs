@@ -24,6 +24,8 @@ pub struct Primitive {
     pub uvs: [Vec2; 3],
     /// Whether the geometric normal is `-normalize(cross(edge_u, edge_v))`, or points into the sphere.
     pub flip_normal: bool,
+    /// Whether rays that meet a flat shape from behind pass, the geometric normal being on the front. Spheres are solid.
+    pub front_only: bool,
     /// Index into `Scene::materials`.
     pub material: u32,
     /// Index into `Scene::emitters`; `None` where the primitive does not emit.

@@ -25,6 +25,7 @@ fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) ->
         normals: None,
         uvs: Default::default(),
         flip_normal: false,
+        front_only: false,
         material: 0,
         emitter: None,
     }

@@ -213,6 +213,7 @@ fn lights_are_chosen_by_their_power() {
         normals: None,
         uvs: Default::default(),
         flip_normal: false,
+        front_only: false,
         material: 0,
         emitter: Some(0),
     };

@@ -56,6 +56,7 @@ fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) ->
         normals: None,
         uvs: Default::default(),
         flip_normal: false,
+        front_only: false,
         material: 0,
         emitter: None,
     }
@@ -115,7 +116,8 @@ fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<Trac
     nodes.upload(0, &bvh.nodes).expect("uploaded");
     let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelUint);
     records.upload(0, &bvh.primitives).expect("uploaded");
-    let variant = Variant { has_spheres: bvh.has_spheres(), stack_size, ..Variant::default() };
+    let (has_spheres, has_front_only) = (bvh.has_spheres(), bvh.has_front_only());
+    let variant = Variant { has_spheres, has_front_only, stack_size, ..Variant::default() };
     let mut found: Vec<TraceOutput> = device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records]);
     // Leaves have another order than the list. The material gives the place in the list.
     for output in found.iter_mut().filter(|output| output.primitive != NONE) {
@@ -185,6 +187,27 @@ fn nearest_hits_are_those_of_the_twin() {
 fn any_hit_is_some_hit() {
     let (primitives, rays) = (primitives(&SHAPES, 400, 70), rays(4096, true));
     assert_all_right(&primitives, &rays);
+}
+
+/// Rays that meet a flat shape from behind pass where only its front is solid.
+#[test]
+fn only_fronts_are_solid_where_the_primitive_says_so() {
+    let mut primitives = primitives(&SHAPES, 400, 72);
+    for (index, p) in primitives.iter_mut().enumerate() {
+        (p.front_only, p.flip_normal) = (index.is_multiple_of(3), (index / SHAPES.len()).is_multiple_of(2));
+    }
+    assert_all_right(&primitives, &rays(4096, true));
+    let rays = rays(4096, false);
+    let share = agreement(&primitives, &rays, &assert_all_right(&primitives, &rays));
+    assert!(share > 0.999, "{share}");
+    // Twins whose backs are solid, or whose normals point to the other side, are found.
+    let solid: Vec<_> = primitives.iter().map(|&p| Primitive { front_only: false, ..p }).collect();
+    let turned: Vec<_> = primitives.iter().map(|&p| Primitive { flip_normal: !p.flip_normal, ..p }).collect();
+    for wrong in [solid, turned] {
+        let outputs = trace(&wrong, &rays);
+        let faults = rays.iter().zip(&outputs).filter(|(ray, output)| fault(&primitives, ray, output).is_some());
+        assert!(faults.count() > 100);
+    }
 }
 
 #[test]

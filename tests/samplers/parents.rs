@@ -33,6 +33,7 @@ fn cells() -> Cells {
         normals: None,
         uvs: [Vec2::ONE; 3],
         flip_normal: false,
+        front_only: false,
         material: 0,
         emitter: None,
     };

@@ -59,6 +59,8 @@ layout(constant_id = 14) const uint STACK_SIZE = 16u;
 layout(constant_id = 15) const bool HAS_SPHERES = false;
 // Whether some primitive has vertex normals.
 layout(constant_id = 16) const bool HAS_VERTEX_NORMALS = true;
+// Whether some primitive is met from the front only.
+layout(constant_id = 17) const bool HAS_FRONT_ONLY = false;
 
 // Kinds of material in the scene: bit 1 << kind for each kind.
 layout(constant_id = 18) const uint MATERIAL_KINDS = 1u;

@@ -103,6 +103,7 @@ mod tests {
             normals: None,
             uvs: Default::default(),
             flip_normal: false,
+            front_only: false,
             material: 0,
             emitter,
         }

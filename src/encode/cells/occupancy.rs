@@ -93,6 +93,7 @@ mod tests {
             normals: None,
             uvs: [Vec2::ZERO; 3],
             flip_normal: false,
+            front_only: false,
             material: 0,
             emitter: None,
         };

@@ -16,6 +16,8 @@ pub(super) struct Common {
     /// transformed.
     pub instance_to_world: DMat4,
     pub flip_normals: bool,
+    /// Whether rays from behind pass.
+    pub front_only: bool,
     pub material: u32,
     pub emitter: Option<u32>,
     /// Blocks of the mesh in the image of vertex colors, whose coordinates then replace the mesh's own.
@@ -84,8 +86,9 @@ fn primitive(
     edge_v: Vec3,
     flip_normal: bool,
 ) -> Primitive {
-    let Common { material, emitter, .. } = *common;
-    Primitive { shape, origin, edge_u, edge_v, normals: None, uvs: BARYCENTRIC_UVS, flip_normal, material, emitter }
+    let Common { front_only, material, emitter, .. } = *common;
+    let (normals, uvs) = (None, BARYCENTRIC_UVS);
+    Primitive { shape, origin, edge_u, edge_v, normals, uvs, flip_normal, front_only, material, emitter }
 }
 
 /// Copy of a group's primitive; `None` if the transform leaves it no area.
@@ -184,7 +187,8 @@ impl<'a> PlacedMesh<'a> {
 fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
     let geometric = triangle.edge_u.cross(triangle.edge_v).normalize();
     let sum: Vec3 = normals.iter().sum();
-    if sum != Vec3::ZERO {
+    // The winding of curves is right even where their normals do not tell.
+    if sum != Vec3::ZERO && !triangle.front_only {
         triangle.flip_normal = geometric.dot(sum) < 0.0;
     }
     let facing = if triangle.flip_normal { -geometric } else { geometric };

@@ -234,7 +234,7 @@ impl<'a> Builder<'a> {
         let mut common = Common { material: 0, ..Common::default() };
         let geometry = self.faults.keep(shape::parse_geometry(&mut properties, &mut common));
         let emitter = properties.object("emitter")?;
-        let mut material = match properties.object("bsdf")? {
+        let material = match properties.object("bsdf")? {
             Some(bsdf) => {
                 let shape_id = element.attribute("id");
                 let kept = self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings);
@@ -244,7 +244,6 @@ impl<'a> Builder<'a> {
         };
         if let Some(kind) = geometry.as_ref().and_then(curves::kind) {
             self.faults.keep(curves::check_emitter(kind, emitter));
-            material = material.and_then(|material| self.faults.keep(self.materials.keep_front(material, element)));
         }
         if let Some(emitter) = emitter {
             self.lit.insert(std::ptr::from_ref(emitter));

@@ -139,6 +139,7 @@ fn parse_curves(properties: &mut Properties, kind: Kind, common: &mut Common) ->
         let message = format!("a `{}` has no `flip_normals`, because it is seen from outside only", kind.plugin());
         return Err(properties.element().error(message + "; leave it out"));
     }
+    common.front_only = true;
     let to_world = std::mem::replace(&mut common.to_world, DMat4::IDENTITY);
     // Weight of Mitsuba's derivatives with respect to the shape.
     properties.ignore(&["silhouette_sampling_weight"]);

@@ -2,9 +2,9 @@
 //! numbers, which are their seeds.
 
 use super::Class::Curves;
+use super::Table;
 use super::shapes::subject;
 use super::xml::{bsdf, default, placed, printed, rgb, shape, string};
-use super::{Known, Table};
 
 pub fn add(table: &mut Table) {
     let glass = bsdf("dielectric", &rgb("specular_transmittance", "0.7,0.9,0.8"));
@@ -18,12 +18,6 @@ pub fn add(table: &mut Table) {
         ] {
             let subject = subject(plugin, "$file", steps, false, inside);
             table.show(Curves, format!("{plugin}-{name}"), file.clone() + &subject);
-            if (plugin, name) == ("linearcurve", "glass") {
-                table.known(Known(
-                    "leaving the glass is an edge of the path here, but not in Mitsuba, which culls the back",
-                    0.01,
-                ));
-            }
         }
         let curves = shape(plugin, &(string("filename", "$file") + &printed()));
         let group = format!("<shape type='shapegroup' id='group'>{curves}</shape>");

@@ -55,8 +55,6 @@ pub(super) struct Materials<'a> {
     /// Elements being read, from the outermost.
     open: Vec<*const Element>,
     kept: HashMap<*const Element, u32>,
-    /// Materials that are seen from the front only, by the material of that front.
-    fronts: HashMap<u32, u32>,
     /// Indices of the default materials: of shapes that do not emit, and of shapes that do.
     defaults: [Option<u32>; 2],
     list: Vec<Material>,
@@ -70,7 +68,6 @@ impl<'a> Materials<'a> {
             faulty: HashSet::new(),
             open: Vec::new(),
             kept: HashMap::new(),
-            fronts: HashMap::new(),
             defaults: [None; 2],
             list: Vec::new(),
         }
@@ -113,34 +110,6 @@ impl<'a> Materials<'a> {
         let index = self.push(&name, tree, textures);
         self.kept.insert(ptr::from_ref(element), index);
         Ok(index)
-    }
-
-    /// Index in `Scene::materials` of a material that has the given one on its front, and lets all light pass that meets its back.
-    pub fn keep_front(&mut self, front: u32, shape: &Element) -> Result<u32> {
-        if let Some(&index) = self.fronts.get(&front) {
-            return Ok(index);
-        }
-        if self.choice_depth(front) >= MAX_CHOICES {
-            let message = format!("blends within blends, more than {} deep, are not supported here", MAX_CHOICES - 1);
-            return Err(shape.error(message));
-        }
-        let name = self.list[front as usize].name.clone();
-        let back = self.list.len() as u32;
-        self.list.push(Material { name: format!("back of {name}"), kind: MaterialKind::Surface(tree::null_surface()) });
-        self.list.push(Material { name, kind: MaterialKind::Sides { front, back } });
-        self.fronts.insert(front, back + 1);
-        Ok(back + 1)
-    }
-
-    /// Deepest nesting of choices of a material in the list.
-    fn choice_depth(&self, material: u32) -> usize {
-        match self.list[material as usize].kind {
-            MaterialKind::Surface(_) => 0,
-            MaterialKind::Blend { materials: parts, .. } => {
-                1 + parts.map(|part| self.choice_depth(part)).into_iter().max().unwrap_or(0)
-            }
-            MaterialKind::Sides { front, back } => 1 + self.choice_depth(front).max(self.choice_depth(back)),
-        }
     }
 
     fn push(&mut self, name: &str, tree: Tree, textures: &mut Textures) -> u32 {

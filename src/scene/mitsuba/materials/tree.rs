@@ -23,7 +23,8 @@ pub(super) enum Tree {
 impl Tree {
     /// `null`: the surface lets all light pass, as a `mask` of opacity 0.
     pub fn null() -> Self {
-        Self::Surface(null_surface())
+        let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
+        Self::Surface(SurfaceMaterial { opacity: Textured::constant(0.0), ..SurfaceMaterial::plain(black) })
     }
 
     /// Changes every surface. The error says why one cannot be changed.
@@ -129,12 +130,6 @@ impl Tree {
             Ok(SurfaceMaterial { coating: Some(coating), ..surface })
         })
     }
-}
-
-/// Surface that lets all light pass.
-pub(super) fn null_surface() -> SurfaceMaterial {
-    let black = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
-    SurfaceMaterial { opacity: Textured::constant(0.0), ..SurfaceMaterial::plain(black) }
 }
 
 const NESTED_TWICE: &str = "`twosided` around a bump or normal map around another `twosided` is not supported";

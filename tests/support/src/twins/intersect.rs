@@ -39,7 +39,8 @@ fn flat_crossing(ray: &Ray, p: &Primitive) -> Option<Crossing> {
     let (edge_u, edge_v) = (p.edge_u.as_dvec3(), p.edge_v.as_dvec3());
     let area = edge_u.cross(edge_v);
     let determinant = -ray.direction.dot(area);
-    if determinant == 0.0 {
+    let from_front = (determinant > 0.0) != p.flip_normal;
+    if determinant == 0.0 || p.front_only && !from_front {
         return None;
     }
     let offset = ray.origin - p.origin.as_dvec3();
