@@ -6,7 +6,7 @@ use image::ExtendedColorType::Rgb8;
 use image::codecs::jpeg::JpegEncoder;
 use lodestar::image::{Image, ToneCurve};
 
-const QUALITY: u8 = 85;
+const QUALITY: u8 = 70;
 
 /// Folder for a bench's files, which `LODESTAR_OUT` names; `None` if nobody asked for files.
 pub fn out_folder() -> Option<PathBuf> {
