@@ -130,7 +130,10 @@ fn mesa_sentence(facts: &Facts) -> Option<String> {
     let version = version.split(' ').next()?;
     let is_old = version.split('.').next()?.parse::<u32>().is_ok_and(|major| major < FAST_MESA);
     is_old.then(|| {
-        format!("the CPU renders with Mesa {version}, which is slow: {MEASURED}, so install Mesa {FAST_MESA} or newer")
+        format!(
+            "the CPU renders with Mesa {version}, which is slow: {MEASURED}, so install Mesa {FAST_MESA} or newer; on Debian, \
+             `./setup.sh --mesa` in Lodestar's sources unpacks one beside the system's"
+        )
     })
 }
 
@@ -236,7 +239,10 @@ mod tests {
     #[test]
     fn an_old_cpu_driver_is_said_with_what_was_measured() {
         let old = Facts { devices: vec![cpu("Mesa 22.3.6 (LLVM 15.0.6)")], ..healthy() };
-        assert_says(&old, &[&["Mesa 22.3.6", "Mesa 25.0.7 renders 1.2 to 1.38 times as fast", "install Mesa 25"]]);
+        assert_says(
+            &old,
+            &[&["Mesa 22.3.6", "Mesa 25.0.7 renders 1.2 to 1.38 times as fast", "install Mesa 25", "setup.sh --mesa"]],
+        );
         for newer in ["Mesa 25.0.0-devel (git-1a2b3c4)", "Mesa 26.1.0", "swiftshader"] {
             assert_says(&Facts { devices: vec![cpu(newer)], ..healthy() }, &[]);
         }
