@@ -8,8 +8,8 @@
 //! 4096 samples per pixel and with its own kernels.
 //!
 //! Each class has a twin: one of its scenes with a fault. The albedo, the radiance, the size or the field of view is 2 % off, or
-//! paths have a vertex too many, which adds 2 % to the mean. The twin must be rejected with emitter sampling in the full tier. In the quick tier, and without emitter sampling, the fault is
-//! larger: see `table::twin`.
+//! paths have a vertex too many, which adds 2 % to the mean. The full tier must reject the twin with emitter sampling. In the
+//! quick tier, and without emitter sampling, the fault is larger: see `table::twin`.
 //!
 //! A picture agrees unless a deviation of its mean, of a block, or of all blocks together has a probability below [`ALPHA`]
 //! over all pictures of the run (Sidak 1967). So a right renderer fails once in 10,000 runs.
@@ -209,15 +209,15 @@ impl Run {
         let figures = format!("{} ({}): {verdict}", job.case.name, job.method.name);
         match (self.rejects(verdict), job.case.known) {
             (true, None) => self.fail(figures.clone()),
-            (true, Some(known)) if !known.explains(verdict.ratio) => {
-                self.fail(format!("{figures}: differs by more than is known: {}", known.0));
+            (true, Some(known)) if !known.explains(verdict) => {
+                self.fail(format!("{figures}: differs by more than is known: {}", known.reason));
             }
             (false, Some(known)) if job.method.nee && known.shows() => {
-                self.fail(format!("{figures}: agrees, but is listed: {}", known.0));
+                self.fail(format!("{figures}: agrees, but is listed: {}", known.reason));
             }
             _ => {}
         }
-        let reason = job.case.known.map_or_else(String::new, |known| format!(" (known: {})", known.0));
+        let reason = job.case.known.map_or_else(String::new, |known| format!(" (known: {})", known.reason));
         println!("{figures}{reason}");
     }
 

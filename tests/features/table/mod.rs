@@ -14,6 +14,7 @@ use std::fmt;
 
 use support::tier;
 
+use crate::verdict::Verdict;
 use xml::{diffuse, film, lamp, path, perspective, wall};
 
 /// Classes of features. Each has a twin that must fail.
@@ -45,10 +46,14 @@ pub enum Reference {
     Uniform([f64; 3]),
 }
 
-/// Reason of a known difference from the reference, and the largest share by which the mean may differ for it. Only the full tier
-/// shows the difference. The test fails there where the difference is gone.
+/// Known difference from the reference, which only the full tier shows. The test fails there where the difference is gone.
 #[derive(Debug, Clone, Copy)]
-pub struct Known(pub &'static str, pub f64);
+pub struct Known {
+    pub reason: &'static str,
+    /// Largest shares by which the mean, and the most improbable block, may differ for that reason.
+    pub mean: f64,
+    pub block: f64,
+}
 
 impl Known {
     /// Whether this run must show the difference, where emitters are sampled.
@@ -56,9 +61,9 @@ impl Known {
         tier::is_full()
     }
 
-    /// Whether it explains a mean that is `ratio` times the reference's.
-    pub fn explains(self, ratio: f64) -> bool {
-        (ratio - 1.0).abs() <= self.1
+    /// Whether it explains what a comparison has found.
+    pub fn explains(self, verdict: &Verdict) -> bool {
+        (verdict.ratio - 1.0).abs() <= self.mean && (verdict.worst.1 - 1.0).abs() <= self.block
     }
 }
 
