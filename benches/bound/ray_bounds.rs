@@ -3,11 +3,11 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use lodestar::generated::kernels::{Variant, test};
+use lodestar::generated::kernels::test;
 use support::bench::digits::three_digits;
 use support::bench::median;
 use support::bench::rates::{NODE_BYTES, mean_seconds, seconds_of};
-use support::bench::rays::{Batch, Counts, KINDS, Ray, Tracer, make, picture};
+use support::bench::rays::{Batch, Counts, KINDS, Ray, Tracer, make, picture, variant_of};
 use support::bench::subjects::Subject;
 use support::device::Device;
 
@@ -56,8 +56,7 @@ fn of_scene(device: &Arc<Device>, subject: &Subject) -> Vec<RayBound> {
     let bvh = &subject.bvh;
     let tracer = Rc::new(Tracer::new(device, bvh, &test::TRAVERSE));
     let counter = Tracer::new(device, bvh, &test::TRAVERSE_COUNTS);
-    let variant = Variant { has_spheres: bvh.has_spheres(), stack_size: bvh.depth, ..Variant::default() };
-    let operations = Operations::of(&test::TRAVERSE, &variant);
+    let operations = Operations::of(&test::TRAVERSE, &variant_of(bvh));
     let Operations { per_node, per_primitive, rest } = operations;
     println!(
         "{}: operations of a node {per_node}, of a primitive {per_primitive}, of a ray besides {rest}",

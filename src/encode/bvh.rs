@@ -132,7 +132,8 @@ fn primitive_record(p: &Primitive) -> PrimitiveRecord {
     };
     let flip = if p.flip_normal { constants::PRIMITIVE_FLIP_NORMAL } else { 0 };
     let normals = if p.normals.is_some() { constants::PRIMITIVE_VERTEX_NORMALS } else { 0 };
-    let front_only = if p.front_only { constants::PRIMITIVE_FRONT_ONLY } else { 0 };
+    let front_only = p.front_only && p.shape != PrimitiveShape::Sphere;
+    let front_only = if front_only { constants::PRIMITIVE_FRONT_ONLY } else { 0 };
     let longest = match p.shape {
         PrimitiveShape::Sphere => p.edge_u.length(),
         _ => p.edge_u.length().max(p.edge_v.length()).max((p.edge_u - p.edge_v).length()),

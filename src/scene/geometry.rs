@@ -24,7 +24,7 @@ pub struct Primitive {
     pub uvs: [Vec2; 3],
     /// Whether the geometric normal is `-normalize(cross(edge_u, edge_v))`, or points into the sphere.
     pub flip_normal: bool,
-    /// Whether rays that meet a flat shape from behind pass, the geometric normal being on the front. Spheres are solid.
+    /// Whether rays that meet a flat shape from behind pass. The shading normal is on the front. Spheres are solid.
     pub front_only: bool,
     /// Index into `Scene::materials`.
     pub material: u32,

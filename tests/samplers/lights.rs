@@ -100,6 +100,7 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
     let output = device.storage("outputs", size_of::<LightOutput>() * inputs.len());
     let variant = Variant {
         has_spheres: bvh.has_spheres(),
+        has_front_only: bvh.has_front_only(),
         stack_size: bvh.depth,
         nee: true,
         light_kinds: lights.kinds(),

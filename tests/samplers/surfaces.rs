@@ -73,8 +73,13 @@ pub fn find(primitives: &[Primitive], rays: &[TraceInput], features: u32) -> Vec
     let input = device.storage("rays", size_of::<TraceInput>() * padded);
     input.upload(0, rays).expect("uploaded");
     let output = device.storage("surfaces", size_of::<SurfaceOutput>() * padded);
-    let variant =
-        Variant { has_spheres: true, stack_size: bvh.depth, surface_features: features, ..Variant::default() };
+    let variant = Variant {
+        has_spheres: true,
+        has_front_only: bvh.has_front_only(),
+        stack_size: bvh.depth,
+        surface_features: features,
+        ..Variant::default()
+    };
     let buffers = [&input, &output, &nodes, &records, &attributes];
     let kernel = device.kernel(&test::SURFACE, &variant);
     device.dispatch(&kernel, &buffers, &[], padded as u32 / GROUP);

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use lodestar::Result;
 use lodestar::scene::{Primitive, Scene};
 
-use super::cylinder::hit;
+use super::cylinder::{hit, nearest};
 use super::{Folder, with_sensor};
 
 /// Largest distance from the true surface, in radii.
@@ -344,16 +344,53 @@ fn transforms_do_not_scale_radii() {
     }
 }
 
-/// An instance scales the whole tube.
+/// An instance scales the whole tube. One that mirrors it turns nothing inside out.
 #[test]
 fn instances_scale_radii() {
-    let body = r#"<shape type="shapegroup" id="g">
-        <shape type="linearcurve"><string name="filename" value="curves.txt"/></shape></shape>
-        <shape type="instance"><transform name="to_world"><scale value="3"/></transform><ref id="g"/></shape>"#;
-    let scene = Folder::new(&[("scene.xml", &with_sensor(body)), ("curves.txt", "0 0 0 0.5\n0 0 1 0.5\n")]);
-    let scene = scene.load(&[]).unwrap();
-    let (point, ..) = hit(&scene.primitives, Vec3::new(9.0, 0.0, 1.0), -Vec3::X);
-    assert!((point.x / 1.5 - 1.0).abs() < DEVIATION, "{point}");
+    for (scale, plugin) in [
+        ("value='3'", "linearcurve"),
+        ("x='-3' y='3' z='3'", "linearcurve"),
+        ("x='-3' y='3' z='3'", "bsplinecurve"),
+        ("x='3' y='-3' z='3'", "bsplinecurve"),
+    ] {
+        let body = format!(
+            r#"<shape type="shapegroup" id="g">
+            <shape type="{plugin}"><string name="filename" value="curves.txt"/></shape></shape>
+            <shape type="instance"><transform name="to_world"><scale {scale}/></transform><ref id="g"/></shape>"#
+        );
+        let points = "0 0 -1 0.5\n0 0 0 0.5\n0 0 1 0.5\n0 0 2 0.5\n";
+        let scene = Folder::new(&[("scene.xml", &with_sensor(&body)), ("curves.txt", points)]).load(&[]).unwrap();
+        for sign in [1.0, -1.0] {
+            let (point, normal, _) = hit(&scene.primitives, Vec3::new(9.0 * sign, 0.0, 1.0), -sign * Vec3::X);
+            assert!((sign * point.x / 1.5 - 1.0).abs() < DEVIATION, "{plugin} {scale}: {point}");
+            assert!(sign * normal.x > 0.999, "{plugin} {scale}: {normal}");
+            assert!(nearest(&scene.primitives, Vec3::Z, sign * Vec3::X).is_none(), "{plugin} {scale}: from inside");
+        }
+    }
+}
+
+/// Where a B-spline bends within its own radius, its surface folds over. All of it still faces away from the curve.
+#[test]
+fn folds_face_outward() {
+    let points = "-1 0 0 0.8\n-0.5 0 0 0.8\n0 1 0 0.8\n0.5 0 0 0.8\n1 0 0 0.8\n";
+    let spline = [[-1.0, 0.0], [-0.5, 0.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.0]];
+    let on_curve = |span: usize, u: f32| {
+        let w = 1.0 - u;
+        let weights = [w * w * w, (3.0 * u - 6.0) * u * u + 4.0, (3.0 * w - 6.0) * w * w + 4.0, u * u * u];
+        let sum = |axis: usize| (0..4).map(|at| weights[at] / 6.0 * spline[span + at][axis]).sum();
+        Vec3::new(sum(0), sum(1), 0.0)
+    };
+    let curve: Vec<_> = (0..2).flat_map(|span| (0..=64).map(move |step| (span, step as f32 / 64.0))).collect();
+    let mut folded = 0;
+    for corner in corners(&triangles("bsplinecurve", points)) {
+        let from_curve = |&(span, u): &(usize, f32)| corner.place - on_curve(span, u);
+        // The circle of a corner is about a point of the curve at the distance of the radius.
+        let outward = curve.iter().map(from_curve).filter(|out| (out.length() / 0.8 - 1.0).abs() < 0.012);
+        let best = outward.map(|out| out.normalize().dot(corner.normal)).fold(f32::MIN, f32::max);
+        assert!(best > 0.9, "{} has the normal {}", corner.place, corner.normal);
+        folded += usize::from(corner.place.y < -0.2 && corner.place.x.abs() < 0.1);
+    }
+    assert!(folded > 10, "{folded} corners in the fold");
 }
 
 /// A curve shows its material from outside. From inside nothing is there, as in Mitsuba.

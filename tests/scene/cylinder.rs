@@ -16,6 +16,11 @@ fn cylinder(parameters: &str) -> Vec<Primitive> {
 
 /// First point of the ray on the triangles: its place, shading normal and texture coordinates.
 pub fn hit(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> (Vec3, Vec3, Vec2) {
+    nearest(triangles, origin, direction).expect("the ray should hit the triangles")
+}
+
+/// As [`hit`]; `None` for a ray that hits nothing, or only backs that let it pass.
+pub fn nearest(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> Option<(Vec3, Vec3, Vec2)> {
     let on = |triangle: &Primitive| {
         let across = direction.cross(triangle.edge_v);
         let determinant = triangle.edge_u.dot(across);
@@ -27,10 +32,12 @@ pub fn hit(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> (Vec3, Vec
         let [n0, n1, n2] = triangle.normals.unwrap();
         let normal = (shares[0] * n0 + shares[1] * n1 + shares[2] * n2).normalize();
         let uv = shares[0] * triangle.uvs[0] + shares[1] * triangle.uvs[1] + shares[2] * triangle.uvs[2];
-        (t > 0.0 && shares.iter().all(|&share| share >= -1e-6)).then_some((t, (origin + t * direction, normal, uv)))
+        let is_solid = !triangle.front_only || normal.dot(direction) < 0.0;
+        let is_met = t > 0.0 && is_solid && shares.iter().all(|&share| share >= -1e-6);
+        is_met.then_some((t, (origin + t * direction, normal, uv)))
     };
     let nearest = triangles.iter().filter_map(on).min_by(|(a, _), (b, _)| a.total_cmp(b));
-    nearest.expect("the ray should hit the triangles").1
+    nearest.map(|(_, found)| found)
 }
 
 /// Places, normals and texture coordinates are Mitsuba's, from both sides, mirrored, flipped and between any two points.

@@ -36,14 +36,6 @@ vec3 from_anchor(vec3 point, vec4 texel0) {
     return (floatBitsToUint(texel0.w) & PRIMITIVE_LARGE) != 0u ? point : point - texel0.xyz;
 }
 
-// Whether a ray meets a flat shape from a side from which it is solid. `against` is negative where the ray runs against the
-// cross product of the edges.
-bool meets_solid_side(uint flags, float against) {
-    bool front_only = HAS_FRONT_ONLY && (flags & PRIMITIVE_FRONT_ONLY) != 0u;
-    bool from_front = (against < 0.0) != ((flags & PRIMITIVE_FLIP_NORMAL) != 0u);
-    return from_front || !front_only;
-}
-
 // Intersects the three flat shapes: the edge tests of Moeller and Trumbore (1997), and the distance by the plane's
 // equation, `texel2.w` being its constant. Returns whether the hit (t, uv) was replaced by a nearer one.
 bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec4 texel2, uint shape, inout float t, inout vec2 uv) {
@@ -62,8 +54,7 @@ bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec4 texel2, uint shape, 
     else if (shape == SHAPE_PARALLELOGRAM) outside = max(abs(u), abs(v)) - 1.0;
     else outside = sqrt(u * u + v * v) - 1.0;
     // A ray along the plane makes these values NaN or infinite, and then every comparison with them is false.
-    bool closer = outside <= slack && distance > 0.0 && distance < t && slack < 1.0 &&
-                  meets_solid_side(floatBitsToUint(texel0.w), inverse);
+    bool closer = outside <= slack && distance > 0.0 && distance < t && slack < 1.0;
     if (closer) {
         t = distance;
         uv = vec2(u, v);

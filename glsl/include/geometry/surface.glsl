@@ -4,7 +4,7 @@
 #include "geometry/bvh.glsl"
 #include "math/direction.glsl"
 #include "geometry/intersect.glsl"
-#include "math/octahedral.glsl"
+#include "geometry/normals.glsl"
 
 // Half of a float's spacing: the largest relative error of one rounding.
 const float ROUNDING = 1.0 / 16777216.0;
@@ -195,10 +195,7 @@ Surface surface_at(Ray ray, Hit hit) {
     if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) s.geometric_normal = -s.geometric_normal;
     s.shading_normal = s.geometric_normal;
     if (HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u) {
-        vec3 n = (1.0 - hit.uv.x - hit.uv.y) * octahedral_decode(normals_and_material.x) +
-                 hit.uv.x * octahedral_decode(normals_and_material.y) + hit.uv.y * octahedral_decode(normals_and_material.z);
-        float squared = dot(n, n);
-        if (squared > 1.0e-12) s.shading_normal = n * inversesqrt(squared);
+        s.shading_normal = interpolated_normal(normals_and_material, hit.uv, s.geometric_normal);
     }
     s.material = normals_and_material.w;
     s.emitter = uv2_and_emitter.z;

@@ -68,7 +68,7 @@ const uint PRIMITIVE_FLIP_NORMAL = 4u;
 const uint PRIMITIVE_VERTEX_NORMALS = 8u;
 // The shape is large beside its distance from the world's origin, from which distances to its plane are measured then.
 const uint PRIMITIVE_LARGE = 16u;
-// Rays that meet the shape from behind pass. The front is the side to which the geometric normal points.
+// Rays that meet the shape from behind pass. The front is the side to which the shading normal points.
 const uint PRIMITIVE_FRONT_ONLY = 32u;
 
 // Kind of a material: one BSDF, or a choice between two materials.

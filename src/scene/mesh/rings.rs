@@ -88,18 +88,11 @@ pub(super) struct Ring {
 impl Ring {
     /// Normal of the surface at the point in direction `outward` from the center, not of unit length. It points outward.
     pub fn normal(&self, outward: DVec3) -> DVec3 {
-        let normal = self.across(outward) * outward + self.slope * self.tangent;
-        // Where the surface folds over, because it bends more than its radius allows, the normal still points outward.
-        if self.across(outward) < 0.0 { -normal } else { normal }
-    }
-
-    /// Whether the surface bends so much in direction `outward` that it folds over or is about to.
-    pub fn nearly_folds(&self, outward: DVec3) -> bool {
-        self.across(outward) < 0.5 * self.share
-    }
-
-    fn across(&self, outward: DVec3) -> f64 {
-        self.share - outward.dot(self.bend)
+        let across = self.share - outward.dot(self.bend);
+        // Where the surface folds over, because it bends more than its radius allows, the bend is left out. So does Embree,
+        // with which Mitsuba tells the outside.
+        let across = if across > 0.0 { across } else { self.share };
+        across * outward + self.slope * self.tangent
     }
 }
 

@@ -107,12 +107,6 @@ impl Frame {
         Self { first: direction_of_zero(ring.tangent), zero: 0.0 }
     }
 
-    /// Unit direction at an angle from that of the first corner.
-    fn outward(self, ring: &Ring, angle: f64) -> DVec3 {
-        let (sine, cosine) = angle.sin_cos();
-        cosine * self.first + sine * ring.tangent.cross(self.first)
-    }
-
     /// Frame of the ring `next`, moved from the ring `last` by two reflections.
     fn moved(self, last: &Ring, next: &Ring) -> Self {
         let step = next.place - last.place;
@@ -157,49 +151,30 @@ impl Tube<'_> {
             Some((last, frame)) => frame.moved(last, ring),
             None => Frame::begin(ring),
         };
+        let second = ring.tangent.cross(frame.first);
         // The last column repeats the first, with u one higher.
         for column in 0..=sides {
             let angle = |column: u32| TAU * f64::from(column) / f64::from(sides);
-            let outward = frame.outward(ring, angle(column % sides));
+            let (sine, cosine) = angle(column % sides).sin_cos();
+            let outward = cosine * frame.first + sine * second;
             let corner = ring.place + ring.offset * ring.tangent + self.quality.corner * ring.radius * outward;
             self.mesh.positions.push(corner.as_vec3());
             self.mesh.normals.push(ring.normal(outward).normalize_or_zero().as_vec3());
             self.mesh.uvs.push(Vec2::new(((angle(column) - frame.zero) / TAU) as f32, v as f32));
         }
-        if let Some((last, last_frame)) = self.last.take().filter(|_| !ring.is_first) {
+        if let Some((last, _)) = self.last.as_ref().filter(|_| !ring.is_first) {
             let (below, above) = (begin - sides - 1, begin);
             for column in 0..sides {
-                let middle = TAU * (f64::from(column) + 0.5) / f64::from(sides);
-                let near = (&last, last_frame.outward(&last, middle));
-                let far = (ring, frame.outward(ring, middle));
                 if last.radius > 0.0 {
-                    let corners = [below + column, below + column + 1, above + column + 1];
-                    self.add_triangle(corners, facing([near, near, far]));
+                    self.mesh.triangles.push([below + column, below + column + 1, above + column + 1]);
                 }
                 if ring.radius > 0.0 {
-                    let corners = [below + column, above + column + 1, above + column];
-                    self.add_triangle(corners, facing([near, far, far]));
+                    self.mesh.triangles.push([below + column, above + column + 1, above + column]);
                 }
             }
         }
         self.last = Some((ring.clone(), frame));
     }
-
-    /// Adds a triangle that winds counterclockwise as seen from the side to which `facing` points.
-    fn add_triangle(&mut self, corners: [u32; 3], facing: DVec3) {
-        let [a, b, c] = corners;
-        let [p, q, r] = corners.map(|corner| self.mesh.positions[corner as usize].as_dvec3());
-        let is_turned = (q - p).cross(r - p).dot(facing) < 0.0;
-        self.mesh.triangles.push(if is_turned { [a, c, b] } else { corners });
-    }
-}
-
-/// Direction in which the surface between points faces, roughly. Each has its ring and its direction from there. Where the surface
-/// folds over, normals change too fast to tell.
-fn facing(points: [(&Ring, DVec3); 3]) -> DVec3 {
-    let folds = points.iter().any(|(ring, outward)| ring.nearly_folds(*outward));
-    let one = |(ring, outward): (&Ring, DVec3)| if folds { outward } else { ring.normal(outward).normalize_or_zero() };
-    points.map(one).iter().sum()
 }
 
 #[cfg(test)]

@@ -187,8 +187,7 @@ impl<'a> PlacedMesh<'a> {
 fn set_normals(triangle: &mut Primitive, normals: [Vec3; 3]) {
     let geometric = triangle.edge_u.cross(triangle.edge_v).normalize();
     let sum: Vec3 = normals.iter().sum();
-    // The winding of curves is right even where their normals do not tell.
-    if sum != Vec3::ZERO && !triangle.front_only {
+    if sum != Vec3::ZERO {
         triangle.flip_normal = geometric.dot(sum) < 0.0;
     }
     let facing = if triangle.flip_normal { -geometric } else { geometric };

@@ -62,6 +62,7 @@ pub struct Tracer {
     kernel: Kernel,
     nodes: Arc<Buffer>,
     primitives: Arc<Buffer>,
+    attributes: Arc<Buffer>,
 }
 
 /// Rays on the device, and memory for their results.
@@ -79,6 +80,16 @@ impl Batch {
     }
 }
 
+/// Specialization constants with which rays are traced in a hierarchy.
+pub fn variant_of(bvh: &Bvh) -> Variant {
+    Variant {
+        has_spheres: bvh.has_spheres(),
+        has_front_only: bvh.has_front_only(),
+        stack_size: bvh.depth,
+        ..Variant::default()
+    }
+}
+
 impl Tracer {
     /// Creates a tracer. `source` is a kernel with the interface of `glsl/test/traverse.comp`.
     pub fn new(device: &Arc<Device>, bvh: &Bvh, source: &KernelSource) -> Self {
@@ -87,11 +98,11 @@ impl Tracer {
             buffer.upload(0, bytes).expect("uploaded");
             buffer
         };
-        let variant = Variant { has_spheres: bvh.has_spheres(), stack_size: bvh.depth, ..Variant::default() };
         Self {
-            kernel: device.kernel(source, &variant),
+            kernel: device.kernel(source, &variant_of(bvh)),
             nodes: texels("nodes", bytemuck::cast_slice(&bvh.nodes)),
             primitives: texels("primitives", bytemuck::cast_slice(&bvh.primitives)),
+            attributes: texels("attributes", bytemuck::cast_slice(&bvh.attributes)),
             device: Arc::clone(device),
         }
     }
@@ -103,12 +114,13 @@ impl Tracer {
 
     /// Whether the device can read a hierarchy of this size through texels, as the test kernels do.
     pub fn fits(device: &Device, bvh: &Bvh) -> bool {
-        let bytes = size_of_val(&bvh.nodes[..]).max(size_of_val(&bvh.primitives[..]));
+        let bytes = [size_of_val(&bvh.nodes[..]), size_of_val(&bvh.primitives[..]), size_of_val(&bvh.attributes[..])];
+        let bytes = bytes.into_iter().max().unwrap_or(0);
         device.has_room("a hierarchy", bytes, 16)
     }
 
     pub fn trace(&self, batch: &Batch) -> Submission {
-        let buffers = [&batch.input, &batch.output, &self.nodes, &self.primitives];
+        let buffers = [&batch.input, &batch.output, &self.nodes, &self.primitives, &self.attributes];
         self.device.dispatch(&self.kernel, &buffers, &[], batch.rays.len() as u32 / GROUP)
     }
 

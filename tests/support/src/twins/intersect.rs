@@ -23,9 +23,13 @@ pub struct Crossing {
     /// Distance from the outline, relative to the primitive: 0 on the outline, negative outside, about 1 in the middle.
     pub inside: f64,
     /// Distance from grazing incidence: the sine of the angle to a plane (1 if the shape's edges are at right angles,
-    /// too). A sphere's outline is where rays graze it, so its value is `inside`.
+    /// too), or to the shading normal where only the front is solid. A sphere's outline is where rays graze it, so its value is
+    /// `inside`.
     pub steepness: f64,
 }
+
+/// Cosine within which rounding decides whether a ray meets a front.
+const GRAZING: f64 = 1.0e-3;
 
 /// All crossings of the line with the primitive or its plane.
 pub fn crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {
@@ -39,8 +43,7 @@ fn flat_crossing(ray: &Ray, p: &Primitive) -> Option<Crossing> {
     let (edge_u, edge_v) = (p.edge_u.as_dvec3(), p.edge_v.as_dvec3());
     let area = edge_u.cross(edge_v);
     let determinant = -ray.direction.dot(area);
-    let from_front = (determinant > 0.0) != p.flip_normal;
-    if determinant == 0.0 || p.front_only && !from_front {
+    if determinant == 0.0 {
         return None;
     }
     let offset = ray.origin - p.origin.as_dvec3();
@@ -49,6 +52,10 @@ fn flat_crossing(ray: &Ray, p: &Primitive) -> Option<Crossing> {
     let at = offset + t * ray.direction;
     let u = at.cross(edge_v).dot(area) / area.length_squared();
     let v = edge_u.cross(at).dot(area) / area.length_squared();
+    let facing = -front_at(p, area, u, v).normalize().dot(ray.direction);
+    if p.front_only && facing < -GRAZING {
+        return None;
+    }
     let inside = match p.shape {
         PrimitiveShape::Triangle => u.min(v).min(1.0 - u - v),
         PrimitiveShape::Parallelogram => 1.0 - u.abs().max(v.abs()),
@@ -56,7 +63,14 @@ fn flat_crossing(ray: &Ray, p: &Primitive) -> Option<Crossing> {
         PrimitiveShape::Sphere => unreachable!("a sphere is not flat"),
     };
     let longest = edge_u.length().max(edge_v.length());
-    Some(Crossing { t, inside, steepness: determinant.abs() / longest.powi(2) })
+    let of_plane = determinant.abs() / longest.powi(2);
+    Some(Crossing { t, inside, steepness: if p.front_only { of_plane.min(facing.abs()) } else { of_plane } })
+}
+
+/// Direction to the front of a flat shape, of any length: the normal that the vertices give, else the geometric normal.
+fn front_at(p: &Primitive, area: DVec3, u: f64, v: f64) -> DVec3 {
+    let geometric = if p.flip_normal { -area } else { area };
+    p.normals.map_or(geometric, |[a, b, c]| (1.0 - u - v) * a.as_dvec3() + u * b.as_dvec3() + v * c.as_dvec3())
 }
 
 fn sphere_crossings(ray: &Ray, p: &Primitive) -> Vec<Crossing> {

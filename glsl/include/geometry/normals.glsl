@@ -1,0 +1,15 @@
+// Shading normals of triangles that have normals at their vertices.
+#ifndef NORMALS_GLSL
+#define NORMALS_GLSL
+#include "math/octahedral.glsl"
+
+// The normal that the vertices' normals give at a point of a triangle, or the geometric normal where they cancel.
+// `normals` is the first texel of the primitive's attributes.
+vec3 interpolated_normal(uvec4 normals, vec2 uv, vec3 geometric_normal) {
+    vec3 n = (1.0 - uv.x - uv.y) * octahedral_decode(normals.x) + uv.x * octahedral_decode(normals.y) +
+             uv.y * octahedral_decode(normals.z);
+    float squared = dot(n, n);
+    return squared > 1.0e-12 ? n * inversesqrt(squared) : geometric_normal;
+}
+
+#endif
