@@ -79,7 +79,7 @@ pub fn add(table: &mut Table) {
             stage.reference = Reference::Like("scale-1");
         });
         if name == "offset-1e5" {
-            table.known(Known { reason: "coordinates near 10^5 have steps of 1/128", mean: 0.5, block: 1.0 });
+            table.known(Known { reason: "coordinates near 10^5 have steps of 1/128", mean: 0.02, block: 0.08 });
         }
     }
     let gray = two_sided(&diffuse("0.6,0.6,0.6"));
