@@ -3,8 +3,11 @@
 #
 # usage: tests/long.sh PART...   run these parts
 #        tests/long.sh today     run the part of this day (UTC), as CI does
-#        tests/long.sh all       run all parts; `references` and `features` stand for all parts of their kind
+#        tests/long.sh all       run all parts of the list
 #        tests/long.sh list      print the parts and their next days
+#
+# The parts `references` and `features` stand for all parts of their kind. The part `ranks` installs MPI and runs tests/mpi/run.sh in
+# full; the list, `all` and `today` leave it out.
 #
 # Days take the parts in turn, so all of them come round in as many days as there are parts.
 #
@@ -104,7 +107,7 @@ run() { # PART
 day=$(($(date -u +%s) / 86400))
 
 case "${1:-}" in
-  "") sed -n 's/^# \{0,1\}//; 3,9p' "$0" >&2; exit 2 ;;
+  "") sed -n 's/^# \{0,1\}//; 3,12p' "$0" >&2; exit 2 ;;
   list)
     for at in "${!PARTS[@]}"; do
       part=${PARTS[$(((day + at) % ${#PARTS[@]}))]}

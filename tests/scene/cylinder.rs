@@ -19,7 +19,7 @@ pub fn hit(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> (Vec3, Vec
     nearest(triangles, origin, direction).expect("the ray should hit the triangles")
 }
 
-/// As [`hit`]; `None` for a ray that hits nothing, or only backs that let it pass.
+/// Point, normal and texture coordinates of the nearest hit; `None` for a ray that hits nothing, or only backs that let it pass.
 pub fn nearest(triangles: &[Primitive], origin: Vec3, direction: Vec3) -> Option<(Vec3, Vec3, Vec2)> {
     let on = |triangle: &Primitive| {
         let across = direction.cross(triangle.edge_v);
