@@ -340,6 +340,27 @@ fn names_differ_and_classes_are_full() {
     assert!(all.iter().all(|case| case.xml.contains("max_depth")));
 }
 
+/// The documents give the number of scenes.
+#[test]
+fn the_documents_count_the_scenes() {
+    let all = table::all();
+    let of_mitsuba = all.iter().filter(|case| case.reference == table::Reference::Mitsuba).count();
+    let page = include_str!("../../docs/lab-notes/features.md");
+    let sentence = format!("renders {} scenes of 24 x 18 pixels. {of_mitsuba} have a picture of Mitsuba", all.len());
+    assert!(page.contains(&sentence), "docs/lab-notes/features.md lacks: {sentence}");
+    for (name, document) in [
+        ("CONTRIBUTING.md", include_str!("../../CONTRIBUTING.md")),
+        ("docs/correctness.md", include_str!("../../docs/correctness.md")),
+        ("docs/lab-notes/README.md", include_str!("../../docs/lab-notes/README.md")),
+    ] {
+        assert!(
+            document.contains(&format!(" {} small", all.len())),
+            "{name} lacks the number of scenes, {}",
+            all.len()
+        );
+    }
+}
+
 /// Writes the scenes into the folder `LODESTAR_FEATURES_SCENES`, where that is set, for `make.py` and for people.
 #[test]
 fn write_scenes() {
