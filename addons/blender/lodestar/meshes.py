@@ -41,7 +41,7 @@ class Meshes:
 
     def export(self, instance: Any, wanted: list[Wanted], depsgraph: Any) -> list[Part]:
         """Writes the parts of an evaluated object in its own space."""
-        mesh = instance.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
+        mesh = instance.to_mesh()
         try:
             return [] if mesh is None else self._parts(mesh, wanted, f'object "{instance.name}"')
         finally:
