@@ -20,6 +20,8 @@ Groups = tuple[Any, ...]
 SMOOTH = 0.01
 # Roughness up to which `roughplastic` keeps the base's light.
 PLASTIC = 0.21
+# Filter Width of a bump map up to which Cycles' slope is that of the point. It is Blender's default, in pixels.
+LEAST_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
@@ -198,6 +200,9 @@ def _bump(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) -> xml.E
     height = reader.scalar(node.inputs["Height"], groups)
     if not isinstance(height, Texture) or height.image is None:
         return bsdf
+    width = reader.constant(node.inputs["Filter Width"], groups) if "Filter Width" in node.inputs else 0.0
+    if width > LEAST_WIDTH:
+        reader.warn(f"the Filter Width {width:.3g} of a bump map is not supported; the slope is that of the texture at the point")
     scale = reader.constant(node.inputs["Distance"], groups) * reader.constant(node.inputs["Strength"], groups)
     element = xml.with_children(xml.plugin("bsdf", "bumpmap"), reader.images.element(height))
     xml.add(element, "scale", -scale if node.invert else scale)
