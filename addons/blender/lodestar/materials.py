@@ -122,6 +122,7 @@ class _Translator:
         self.handlers: dict[str, Callable[[Any, Groups], Closure]] = {
             "BSDF_PRINCIPLED": self._principled,
             "BSDF_DIFFUSE": self._diffuse,
+            "DIFFUSE_BSDF": self._diffuse,  # its name in Blender 4.4
             "BSDF_GLOSSY": self._glossy,
             "BSDF_METALLIC": self._metallic,
             "BSDF_GLASS": self._glass,

@@ -18,8 +18,8 @@ from .nodes import Color, Reader
 Groups = tuple[Any, ...]
 # Roughness below which a surface is smooth: its facets' alpha would be less than 10^-4.
 SMOOTH = 0.01
-# Roughness up to which `roughplastic` keeps the base's light.
-PLASTIC = 0.21
+# Roughness up to which `roughplastic` is as bright as Cycles' surface, at least as nearly as `principled` is.
+PLASTIC = 0.16
 # Filter Width of a bump map up to which Cycles' slope is that of the point. It is Blender's default, in pixels.
 LEAST_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)

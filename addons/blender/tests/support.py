@@ -54,16 +54,16 @@ def colors(picture: exr.Picture) -> np.ndarray:
     return layer
 
 
-def block_means(image: np.ndarray) -> np.ndarray:
-    """Means of blocks; what does not fill a block at the right and at the bottom is left out."""
-    rows, columns = image.shape[0] // BLOCK, image.shape[1] // BLOCK
-    cut = image[: rows * BLOCK, : columns * BLOCK]
-    return cut.reshape(rows, BLOCK, columns, BLOCK, 3).mean(axis=(1, 3))
+def block_means(image: np.ndarray, side: int = BLOCK) -> np.ndarray:
+    """Means of blocks of side x side pixels; what does not fill a block at the right and at the bottom is left out."""
+    rows, columns = image.shape[0] // side, image.shape[1] // side
+    cut = image[: rows * side, : columns * side]
+    return cut.reshape(rows, side, columns, side, 3).mean(axis=(1, 3))
 
 
-def deviation(ours: np.ndarray, theirs: np.ndarray) -> float:
+def deviation(ours: np.ndarray, theirs: np.ndarray, side: int = BLOCK) -> float:
     """Largest difference of block means, relative to the block and, where it is dark, to a fifth of the picture."""
-    a, b = block_means(ours), block_means(theirs)
+    a, b = block_means(ours, side), block_means(theirs, side)
     return float(np.max(np.abs(a - b) / np.maximum(b, 0.2 * b.mean())))
 
 

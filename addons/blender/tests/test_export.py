@@ -86,8 +86,8 @@ def wide_bump(tree: Any) -> Any:
 
 
 UNSUPPORTED = [(noise, "Noise Texture"), (toon, "Toon BSDF")]
-# Blender 4.2 has no Filter Width.
-if bpy.app.version >= (4, 3, 0):
+# Blender before 4.5 has no Filter Width.
+if bpy.app.version >= (4, 5, 0):
     UNSUPPORTED.append((wide_bump, "Filter Width 4"))
 
 
