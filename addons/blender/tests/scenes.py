@@ -315,8 +315,8 @@ def relief_from_above() -> Any:
     """
     scene = relief()
     scene.render.resolution_percentage = 400
-    lamp = scene.objects["area"]
-    lamp.location, lamp.rotation_euler = (0, 0, 6), (0, 0, 0)
+    light = scene.objects["area"]
+    light.location, light.rotation_euler = (0, 0, 6), (0, 0, 0)
     for each in bpy.data.materials:
         each.cycles.use_bump_map_correction = False
     return scene
