@@ -18,7 +18,7 @@ from .nodes import Color, Reader
 Groups = tuple[Any, ...]
 # Roughness below which a surface is smooth: its facets' alpha would be less than 10^-4.
 SMOOTH = 0.01
-# Roughness up to which `roughplastic` is as bright as Cycles' surface, at least as nearly as `principled` is.
+# Roughness up to which `roughplastic` is at least as near to the brightness of Cycles' surface as `principled` is.
 PLASTIC = 0.16
 # Filter Width of a bump map up to which Cycles' slope is that of the point. It is Blender's default, in pixels.
 LEAST_WIDTH = 0.1001
