@@ -21,7 +21,7 @@ SMOOTH = 0.01
 # Roughness up to which `roughplastic` is at least as near to the brightness of Cycles' surface as `principled` is.
 PLASTIC = 0.16
 # Filter Width of a bump map up to which Cycles' slope is that of the point. It is Blender's default, in pixels.
-LEAST_WIDTH = 0.1001
+MOST_FILTER_WIDTH = 0.1001
 WHITE: Color = (1.0, 1.0, 1.0)
 
 
@@ -201,7 +201,7 @@ def _bump(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) -> xml.E
     if not isinstance(height, Texture) or height.image is None:
         return bsdf
     width = reader.constant(node.inputs["Filter Width"], groups) if "Filter Width" in node.inputs else 0.0
-    if width > LEAST_WIDTH:
+    if width > MOST_FILTER_WIDTH:
         reader.warn(f"the Filter Width {width:.3g} of a bump map is not supported; the slope is that of the texture at the point")
     scale = reader.constant(node.inputs["Distance"], groups) * reader.constant(node.inputs["Strength"], groups)
     element = xml.with_children(xml.plugin("bsdf", "bumpmap"), reader.images.element(height))
