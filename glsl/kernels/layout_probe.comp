@@ -29,9 +29,17 @@ struct AttributeRecord {
 // Entry of the alias table that chooses lights (Walker 1974, Vose 1991).
 struct LightRecord {
     uint threshold;       // 32 random bits below this take the light, others its alias
-    uint alias;
-    uint kind_and_index;  // LIGHT_*; primitive of an area light, first texel of a delta light, else 0
-    float probability;    // probability of this light among all
+    uint group_and_alias; // where cells learn which lights to draw: group << LIGHT_GROUP_SHIFT | alias; else the alias alone
+    uint kind_and_index;  // LIGHT_*; primitive of an area light, first texel of a delta light, patch of an environment
+    float probability;    // of this light among all lights, or among those of its group
+};
+
+// Group of lights among which cells learn to choose.
+struct LightGroupRecord {
+    uint first;   // light
+    uint count;   // number of lights; 0: the group is not used
+    float power;  // of its lights over that of all lights
+    uint unused;
 };
 
 struct EmitterRecord {
@@ -79,6 +87,7 @@ layout(scalar, set = 0, binding = 0) restrict buffer Probe0 { PrimitiveRecord pr
 layout(scalar, set = 0, binding = 1) restrict buffer Probe1 { AttributeRecord attributes[]; };
 layout(scalar, set = 0, binding = 2) restrict buffer Probe2 { MaterialRecord materials[]; };
 layout(scalar, set = 0, binding = 3) restrict buffer Probe3 { LightRecord lights[]; };
+layout(scalar, set = 0, binding = 11) restrict buffer Probe11 { LightGroupRecord light_groups[]; };
 layout(scalar, set = 0, binding = 4) restrict buffer Probe4 { EmitterRecord emitters[]; };
 layout(scalar, set = 0, binding = 5) restrict buffer Probe5 { DeltaLightRecord delta_lights[]; };
 
@@ -89,7 +98,8 @@ layout(scalar, set = 0, binding = 10) restrict buffer Probe10 { TextureRecord te
 void main() {
     textures[0].reserved = textures[1].scale + textures[1].size.x + textures[1].colors[0].x;
     primitives[0].plane = primitives[1].origin.x + primitives[1].edge_tolerance + primitives[1].edge_v.x;
-    lights[0].alias = lights[1].threshold;
+    lights[0].group_and_alias = lights[1].threshold;
+    light_groups[0].count = light_groups[1].first;
     emitters[0].texture_index = uint(emitters[1].radiance.x);
     delta_lights[0].cutoff_angle = delta_lights[1].position.x;
     normalization_entries[0].uniform_share = normalization_entries[1].guide_scale;

@@ -40,15 +40,15 @@ Met meet(vec3 from, vec3 direction) {
     bool overrun = false;
     Ray ray = Ray(from, direction, MAX_DISTANCE);
     Hit hit = traverse(ray, false, overrun);
-    if (hit.primitive == NONE) return Met(environment_radiance(direction), pdf_light_at_environment(direction));
+    if (hit.primitive == NONE) return Met(environment_radiance(direction), pdf_light_at_environment(direction, 0u));
     Surface s = surface_at(ray, hit);
-    return Met(surface_emission(s, -direction), pdf_light_at_surface(hit.primitive, s, from));
+    return Met(surface_emission(s, -direction), pdf_light_at_surface(hit.primitive, s, from, 0u));
 }
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     LightInput i = light_inputs[index];
-    LightSample s = sample_light(random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed), 1u, i.from);
+    LightSample s = sample_light(random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed), 1u, i.from, 0u);
     light_outputs[index] = LightOutput(s.wi, s.target, s.radiance, s.pdf, s.infinite ? 1u : 0u, s.delta ? 1u : 0u,
                                        meet(i.from, s.wi), meet(i.from, i.direction));
 }

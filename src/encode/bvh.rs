@@ -55,6 +55,12 @@ impl Bvh {
         self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE)
     }
 
+    /// Whether any sphere emits light.
+    pub fn has_emitting_spheres(&self) -> bool {
+        let is_sphere = |flags: u32| flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE;
+        self.primitives.iter().zip(&self.attributes).any(|(p, a)| is_sphere(p.flags) && a.light != constants::NONE)
+    }
+
     /// Whether any primitive has normals at its vertices.
     pub fn has_vertex_normals(&self) -> bool {
         self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_VERTEX_NORMALS != 0)

@@ -147,7 +147,7 @@ fn ancestry(mut keys: Vec<u64>) -> (Vec<u32>, Vec<u32>, Vec<Range<u32>>) {
 }
 
 /// Morton key of a place: the bits of its three coordinates interleaved.
-fn morton_key(place: UVec3) -> u64 {
+pub(super) fn morton_key(place: UVec3) -> u64 {
     let spread = |x: u32| (0..21).fold(0, |key, bit| key | u64::from(x >> bit & 1) << (3 * bit));
     spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2
 }

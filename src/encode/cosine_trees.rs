@@ -50,7 +50,8 @@ fn parts(x: u32, y: u32, side: u32) -> [(u32, u32); 16] {
     std::array::from_fn(|i| (x * side + i as u32 % PARTS, y * side + i as u32 / PARTS))
 }
 
-fn pack(weights: &[f32; 16]) -> Node {
+/// Node of sixteen weights that are not negative.
+pub(super) fn pack(weights: &[f32; 16]) -> Node {
     let largest = weights.iter().copied().fold(0.0, f32::max);
     let scale = if largest > 1.0e-36 { LARGEST_SMALL_FLOAT / largest } else { 0.0 };
     let code = |weight: f32| {

@@ -1,8 +1,12 @@
-//! Lights for emitter sampling: every light of a scene has a probability in proportion to its power. CPU only; the
-//! kernels read them as texels (`glsl/include/light/light.glsl`, `glsl/include/light/environment.glsl`).
+//! Lights for emitter sampling: every light of a scene has a probability in proportion to its power, among all lights or
+//! within its group. CPU only; the kernels read them as texels (`glsl/include/light/light.glsl`, `glsl/include/light/environment.glsl`).
 
 mod alias_table;
+mod candidate;
 mod environment_table;
+mod groups;
+mod light_tree;
+mod patches;
 mod textured;
 
 use std::f64::consts::PI;
@@ -11,15 +15,21 @@ use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 
 pub use alias_table::{AliasEntry, alias_table};
+use candidate::Candidate;
 pub use environment_table::{EnvironmentMap, EnvironmentTable};
+pub(crate) use light_tree::light_nodes;
+pub use light_tree::light_tree;
 
 use crate::encode::bvh::Bvh;
+use crate::encode::cells::morton_key;
 use crate::encode::textures::halves;
 use crate::generated::constants;
 use crate::generated::layout::{
-    AttributeRecord, DeltaLightRecord, EmitterRecord, LightRecord, PrimitiveRecord, SceneConstants, TEXEL_BYTES,
+    AttributeRecord, DeltaLightRecord, EmitterRecord, LightGroupRecord, LightRecord, PrimitiveRecord, SceneConstants,
+    TEXEL_BYTES,
 };
 use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes, Scene, Textured};
+use patches::Patches;
 use textured::{brightness, points_for};
 
 /// Number of texels of a [`DeltaLightRecord`].
@@ -29,6 +39,9 @@ const DELTA_TEXELS: usize = size_of::<DeltaLightRecord>() / TEXEL_BYTES;
 pub struct Lights {
     emitters: Vec<EmitterRecord>,
     lights: Vec<LightRecord>,
+    /// Groups among which cells learn to choose; none where lights are drawn in proportion to their power.
+    groups: Vec<LightGroupRecord>,
+    patches_per_side: u32,
     delta_lights: Vec<DeltaLightRecord>,
     environment: Option<EnvironmentLight>,
     total_power: f64,
@@ -44,37 +57,46 @@ struct EnvironmentLight {
     light: u32,
 }
 
-/// Light whose probability is not known yet.
-struct Candidate {
-    kind: u32,
-    index: u32,
-    power: f64,
-}
-
 impl Lights {
     /// Lights of a scene whose hierarchy is `bvh`: every emitting primitive in the order of the leaves, then delta
-    /// lights, then the environment.
-    pub fn new(scene: &Scene, bvh: &Bvh) -> Self {
+    /// lights, then the environment. Where cells learn which lights to draw, each patch of the environment is a light.
+    pub fn new(scene: &Scene, bvh: &Bvh, learned: bool) -> Self {
         let radius = 0.5 * f64::from((bvh.bounds.1 - bvh.bounds.0).length());
-        let mut candidates = area_candidates(scene, bvh);
+        let candidates = area_candidates(scene, bvh);
         // Texels of delta lights follow those of the emitters and of the lights.
-        let light_count = candidates.len() + scene.delta_emitters.len() + usize::from(scene.environment.is_some());
-        let first_delta = scene.emitters.len() + light_count;
-        candidates.extend(scene.delta_emitters.iter().enumerate().map(|(i, emitter)| Candidate {
+        let patches = Patches::new(scene, bvh, candidates.len(), learned);
+        let mut candidates: Vec<_> =
+            candidates.into_iter().flat_map(|light| light.in_parts(patches.area_side * patches.area_side)).collect();
+        let first_delta = scene.emitters.len() + patches.light_count;
+        let deltas = delta_order(scene, bvh, patches.group_count > 0).into_iter();
+        candidates.extend(deltas.map(|i| (i, &scene.delta_emitters[i])).map(|(i, emitter)| Candidate {
             kind: delta_light_kind(emitter),
             index: (first_delta + i * DELTA_TEXELS) as u32,
             power: delta_power(scene, emitter, radius) * f64::from(emitter.sampling_weight),
         }));
-        let environment =
-            scene.environment.map(|environment| EnvironmentLight::new(&environment, scene, candidates.len() as u32));
+        let first_patch = candidates.len() as u32;
+        let environment = scene
+            .environment
+            .map(|environment| EnvironmentLight::new(&environment, scene, first_patch, patches.environment_side));
         if let (Some(light), Some(environment)) = (&environment, &scene.environment) {
-            let power = light.flux() * PI * radius * radius * f64::from(environment.sampling_weight);
-            candidates.push(Candidate { kind: constants::LIGHT_ENVIRONMENT, index: 0, power });
+            let disk = PI * radius * radius * f64::from(environment.sampling_weight);
+            candidates.extend((0..).zip(light.fluxes(patches.environment_patches())).map(|(index, flux)| Candidate {
+                kind: constants::LIGHT_ENVIRONMENT,
+                index,
+                power: flux * disk,
+            }));
         }
+        let total_power: f64 = candidates.iter().map(|candidate| candidate.power).sum();
+        let (lights, groups) = match patches.group_count {
+            0 => (light_records(&candidates), Vec::new()),
+            count => groups::grouped(&candidates, patches.environment_patches(), count),
+        };
         Self {
             emitters: scene.emitters.iter().map(emitter_record).collect(),
-            total_power: candidates.iter().map(|candidate| candidate.power).sum(),
-            lights: light_records(&candidates),
+            total_power,
+            lights,
+            groups,
+            patches_per_side: patches.area_side as u32,
             delta_lights: scene.delta_emitters.iter().map(|emitter| delta_record(&emitter.kind)).collect(),
             brightest: brightest(scene, radius, environment.as_ref()),
             environment,
@@ -84,6 +106,21 @@ impl Lights {
     /// Whether no light is ever drawn.
     pub fn is_empty(&self) -> bool {
         self.total_power <= 0.0
+    }
+
+    /// Number of groups among which cells learn to choose; 0 where lights are drawn in proportion to their power.
+    pub fn group_count(&self) -> u32 {
+        self.groups.len() as u32
+    }
+
+    /// Patches along each side of an area light.
+    pub fn patches_per_side(&self) -> u32 {
+        self.patches_per_side
+    }
+
+    /// Power of each group over that of all lights.
+    pub fn group_powers(&self) -> Vec<f32> {
+        self.groups.iter().map(|group| group.power).collect()
     }
 
     /// Bits `1 << kind` of all kinds of light in the scene.
@@ -106,8 +143,8 @@ impl Lights {
         self.brightest
     }
 
-    /// Content of the buffer that the kernels read: emitters, lights, delta lights, then table and map of the
-    /// environment.
+    /// Content of the buffer that the kernels read: emitters, lights, delta lights, table and map of the environment, then
+    /// groups of lights.
     pub fn texels(&self) -> Vec<[u32; 4]> {
         let mut texels: Vec<[u32; 4]> = Vec::with_capacity(self.texel_count());
         texels.extend_from_slice(bytemuck::cast_slice(&self.emitters));
@@ -118,11 +155,17 @@ impl Lights {
             texels.extend(table.entries.iter().map(entry));
             texels.extend(map_texels(map));
         }
+        texels.extend_from_slice(bytemuck::cast_slice(&self.groups));
         texels
     }
 
     /// Number of texels in the buffer.
     pub fn texel_count(&self) -> usize {
+        self.first_group() + self.groups.len()
+    }
+
+    /// Index of the texel at which the groups of lights begin.
+    fn first_group(&self) -> usize {
         let map = self.environment.as_ref().and_then(|environment| environment.map.as_ref());
         let of_map = map.map_or(0, |(map, table)| map.texels.len().div_ceil(2) + table.entries.len());
         self.first_block() + of_map
@@ -137,6 +180,7 @@ impl Lights {
     pub fn write_constants(&self, constants: &mut SceneConstants) {
         constants.light_count = self.lights.len() as u32;
         constants.first_light = self.emitters.len() as u32;
+        constants.first_light_group = self.first_group() as u32;
         constants.environment_light = constants::NONE;
         let Some(environment) = &self.environment else { return };
         let first_block = self.first_block();
@@ -153,7 +197,8 @@ impl Lights {
 }
 
 impl EnvironmentLight {
-    fn new(environment: &Environment, scene: &Scene, light: u32) -> Self {
+    /// Environment of `patch_side`^2 patches, the first of which is the light number `light`.
+    fn new(environment: &Environment, scene: &Scene, light: u32, patch_side: usize) -> Self {
         match environment.kind {
             EnvironmentKind::Constant { radiance } => {
                 Self { radiance, map: None, local_from_world: Mat3::IDENTITY, light }
@@ -161,7 +206,7 @@ impl EnvironmentLight {
             EnvironmentKind::Map { image, scale, to_world } => {
                 let image = &scene.images[image as usize];
                 let map = EnvironmentMap::new(image);
-                let table = EnvironmentTable::new(&map);
+                let table = EnvironmentTable::new(&map, patch_side);
                 let local_from_world = to_world.transpose();
                 Self { radiance: Vec3::splat(scale), map: Some((map, table)), local_from_world, light }
             }
@@ -173,10 +218,11 @@ impl EnvironmentLight {
         self.map.as_ref().map_or(1.0, |(map, _)| map_unit(map))
     }
 
-    /// Integral of the mean radiance (of RGB) over all directions, W/m^2.
-    fn flux(&self) -> f64 {
-        let over_sphere = self.map.as_ref().map_or(4.0 * PI, |(_, table)| table.flux);
-        mean_rgb(self.radiance) * over_sphere
+    /// Integral of the mean radiance (of RGB) over the directions of each patch, W/m^2.
+    fn fluxes(&self, patch_count: usize) -> Vec<f64> {
+        let equal = || vec![4.0 * PI / patch_count as f64; patch_count];
+        let fluxes = self.map.as_ref().map_or_else(equal, |(_, table)| table.fluxes.clone());
+        fluxes.into_iter().map(|flux| mean_rgb(self.radiance) * flux).collect()
     }
 
     fn brightest(&self) -> f64 {
@@ -278,12 +324,32 @@ fn area(primitive: &PrimitiveRecord) -> f64 {
     }
 }
 
+/// Order of the delta lights. For groups, lights that are near each other follow each other, and those without a position are
+/// last.
+fn delta_order(scene: &Scene, bvh: &Bvh, in_groups: bool) -> Vec<usize> {
+    /// Places along each side of the scene's box.
+    const PLACES: f32 = 65536.0;
+    let mut order: Vec<usize> = (0..scene.delta_emitters.len()).collect();
+    if in_groups {
+        let (low, high) = bvh.bounds;
+        let place = |position: Vec3| {
+            (PLACES * (position - low) / (high - low).max(Vec3::splat(f32::MIN_POSITIVE)))
+                .clamp(Vec3::ZERO, Vec3::splat(PLACES))
+        };
+        let key = |&i: &usize| {
+            scene.delta_emitters[i].kind.position().map_or(u64::MAX, |at| morton_key(place(at).as_uvec3()))
+        };
+        order.sort_by_key(key);
+    }
+    order
+}
+
 fn light_records(candidates: &[Candidate]) -> Vec<LightRecord> {
     let powers: Vec<f64> = candidates.iter().map(|candidate| candidate.power).collect();
     let record = |(candidate, entry): (&Candidate, AliasEntry)| LightRecord {
         threshold: entry.threshold,
-        alias: entry.alias,
-        kind_and_index: candidate.kind << constants::LIGHT_KIND_SHIFT | candidate.index,
+        group_and_alias: entry.alias,
+        kind_and_index: candidate.kind_and_index(),
         probability: entry.probability,
     };
     candidates.iter().zip(alias_table(&powers)).map(record).collect()

@@ -77,7 +77,7 @@ pub struct SceneConstants {
     pub first_environment_texel: u32,
     /// First texel of the alias table for directions among the emitters' texels.
     pub first_environment_block: u32,
-    /// Index of the environment among the lights, or `NONE`.
+    /// Index of the environment, or of its first patch, among the lights; `NONE` without one.
     pub environment_light: u32,
     /// Depth at which a thin lens is sharp.
     pub focus_distance: f32,
@@ -87,6 +87,8 @@ pub struct SceneConstants {
     pub cell_count: u32,
     /// Number of all cells, parent cells included.
     pub all_cell_count: u32,
+    /// First texel of the groups of lights among the emitters' texels.
+    pub first_light_group: u32,
 }
 
 /// `glsl/kernels/layout_probe.comp`; read by `glsl/include/texture/textures.glsl`
@@ -152,12 +154,27 @@ pub struct EmitterRecord {
 pub struct LightRecord {
     /// Threshold for 32 random bits: bits below it take this light, others its alias.
     pub threshold: u32,
-    /// Alias: index of another light.
-    pub alias: u32,
-    /// Kind (`LIGHT_*`), and an index: the primitive of an area light, the first texel of a delta light, else 0.
+    /// Alias: index of another light. Where cells learn which lights to draw, the upper bits hold the light's group.
+    pub group_and_alias: u32,
+    /// Kind (`LIGHT_*`), and an index: the primitive of an area light, the first texel of a delta light, or the patch of an
+    /// environment.
     pub kind_and_index: u32,
-    /// Probability of this light among all lights.
+    /// Probability of this light among all lights, or among those of its group.
     pub probability: f32,
+}
+
+/// `glsl/kernels/layout_probe.comp`; read by `glsl/include/light/light_selection.glsl`
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct LightGroupRecord {
+    /// First light of the group.
+    pub first: u32,
+    /// Number of lights; 0 for a group that is not used.
+    pub count: u32,
+    /// Power of the group's lights over that of all lights.
+    pub power: f32,
+    /// Unused.
+    pub unused: u32,
 }
 
 /// `glsl/kernels/layout_probe.comp`

@@ -5,13 +5,15 @@ use glam::{DVec3, Vec3};
 use super::Renderer;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_trees::{Node, nodes_per_tree};
+use crate::encode::lights::light_nodes;
 use crate::film::ranges::SampleRanges;
 use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
 use crate::math::direction_map::bin_center;
 use crate::renderer::persistent::Persistent;
+use crate::renderer::sets::radiance_grid::RadianceGrid;
 use crate::renderer::state::{RenderState, StatePart};
-use crate::settings::{BsdfShare, Sampler, Settings};
+use crate::settings::{BsdfShare, LightSelection, Sampler, Settings};
 use crate::{Error, Result};
 
 /// The radiance that a guide has learned, cell by cell and direction by direction.
@@ -26,6 +28,8 @@ pub struct LearnedGuide {
 pub(crate) struct GuideState {
     settings: Settings,
     cells: Cells,
+    /// Groups of lights among which each cell learns to choose.
+    light_groups: u32,
     parts: Vec<StatePart>,
     /// Samples that it was learned from.
     samples: SampleRanges,
@@ -76,7 +80,8 @@ impl Renderer {
         let read = |part: &Persistent| Ok(StatePart { name: part.name.into(), bytes: part.read()? });
         let parts = self.guide_parts().iter().map(read).collect::<Result<_>>()?;
         let samples = self.guide_samples.clone().union(SampleRanges::of_render(&self.settings, self.samples_done));
-        let state = GuideState { settings: self.settings.clone(), cells: self.cells.clone(), parts, samples };
+        let (settings, cells) = (self.settings.clone(), self.cells.clone());
+        let state = GuideState { settings, cells, light_groups: self.light_groups, parts, samples };
         Ok(LearnedGuide { state, radiance: self.radiance()? })
     }
 
@@ -101,8 +106,8 @@ impl Renderer {
             found.ok_or_else(|| Error::Render(format!("the saved state holds no {}", part.name)))
         };
         let parts = self.guide_parts().iter().map(&mut take).collect::<Result<_>>()?;
-        // Settings of the guide and the scene decide the cells.
-        Ok(GuideState { settings, cells: self.cells.clone(), parts, samples })
+        // Settings of the guide and the scene decide the cells and the groups of lights.
+        Ok(GuideState { settings, cells: self.cells.clone(), light_groups: self.light_groups, parts, samples })
     }
 
     /// Samples of earlier renders that the guide has learned from.
@@ -115,7 +120,8 @@ impl Renderer {
         self.guide_samples = samples;
     }
 
-    /// Begins with a guide of another render. Each cell takes what the nearest cell has learned.
+    /// Begins with a guide of another render. Each cell takes what the nearest cell has learned. What it has learned about lights
+    /// is left out if the scenes do not have the same number of groups of lights.
     ///
     /// # Errors
     /// Where steps were taken already, settings of the guides differ, or the guide has learned from samples that this render may
@@ -143,9 +149,10 @@ impl Renderer {
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
             let length = part.len_bytes() as usize;
-            let mut bytes = match guide.cells == self.cells {
+            let is_alike = guide.cells == self.cells && guide.light_groups == self.light_groups;
+            let mut bytes = match is_alike {
                 true => saved.bytes.clone(),
-                false => self.copied_part(part.name, &saved.bytes, guide.cells.count() as usize, &sources),
+                false => self.copied_part(part, &saved.bytes, guide, &sources)?,
             };
             if bytes.len() > length {
                 let (name, theirs) = (part.name, bytes.len());
@@ -164,12 +171,13 @@ impl Renderer {
         Ok(())
     }
 
-    /// Content of one part of a guide with `old_count` cells, for cells that take what `sources` have.
-    fn copied_part(&self, name: &str, bytes: &[u8], old_count: usize, sources: &[usize]) -> Vec<u8> {
+    /// Content of one part of another guide, for cells that take what `sources` have.
+    fn copied_part(&self, part: &Persistent, bytes: &[u8], guide: &GuideState, sources: &[usize]) -> Result<Vec<u8>> {
         let Settings { sampler, directions, .. } = self.settings;
+        let old_count = guide.cells.count() as usize;
         let bins = directions.pow(2) as usize;
         let normals = self.settings.normal_resolution().pow(2) as usize;
-        match name {
+        Ok(match part.name {
             "radiance" => {
                 let shares = if self.settings.learns_share() { (SHARE_WORDS * SHARES_PER_CELL) as usize } else { 0 };
                 let (radiance, of_shares) = bytes.split_at(old_count * bins * size_of::<f32>());
@@ -177,15 +185,43 @@ impl Renderer {
                 copy.extend(copied(of_shares, shares * size_of::<f32>(), sources));
                 copy
             }
-            "learned radiance" => copied(bytes, bins * size_of::<LearnedRadiance>(), sources),
+            "learned radiance" => {
+                let size = size_of::<LearnedRadiance>();
+                let at = |cells: &Cells| RadianceGrid::learned_bins(&self.settings, cells) as usize * size;
+                let tables =
+                    [(0, 0, bins * size), (at(&guide.cells), at(&self.cells), self.light_groups as usize * size)];
+                self.copied_tables(part, bytes, guide, sources, tables)?
+            }
             "bin ends" if sampler == Sampler::SphereInversion => copied(bytes, bins * size_of::<u32>(), sources),
             "radiance nodes" if sampler == Sampler::Product => {
-                copied(bytes, nodes_per_tree(directions) as usize * size_of::<Node>(), sources)
+                let tree = nodes_per_tree(directions) as usize * size_of::<Node>();
+                let light_tree = light_nodes(self.light_groups) as usize * size_of::<Node>();
+                let tables = [(0, 0, tree), (old_count * tree, sources.len() * tree, light_tree)];
+                self.copied_tables(part, bytes, guide, sources, tables)?
             }
             "normalizers" => copied(bytes, normals * size_of::<NormalizationEntry>(), sources),
             "marked normalizers" => copied_bits(bytes, normals, sources),
             _ => Vec::new(),
+        })
+    }
+
+    /// Content of a part that holds a table of bins and a table of lights. Each has its place in the old part, its place in the
+    /// new one, and the size of a cell's block. The table of lights stays as it is where the number of groups differs.
+    fn copied_tables(
+        &self,
+        part: &Persistent,
+        bytes: &[u8],
+        guide: &GuideState,
+        sources: &[usize],
+        tables: [(usize, usize, usize); 2],
+    ) -> Result<Vec<u8>> {
+        let mut content = part.read()?;
+        let has_lights = guide.light_groups == self.light_groups;
+        for (old, new, size) in tables.into_iter().take(if has_lights { 2 } else { 1 }) {
+            let copy = copied(&bytes[old..], size, sources);
+            content[new..new + copy.len()].copy_from_slice(&copy);
         }
+        Ok(content)
     }
 
     /// Memory of the device that the guide has between two steps.
@@ -233,9 +269,11 @@ fn check_same_guide(theirs: &Settings, ours: &Settings) -> Result<()> {
 /// Settings in which a default that a guide follows stands as if it had been given.
 fn with_defaults(settings: Settings) -> Settings {
     let share = if settings.learns_share() { BsdfShare::Learned } else { BsdfShare::Fixed };
+    let selection = if settings.learns_lights() { LightSelection::Learned } else { LightSelection::Power };
     Settings {
         fallback: Some(settings.fallback()),
         bsdf_share: Some(share),
+        light_selection: Some(selection),
         roulette: Some(settings.roulette()),
         ..settings
     }

@@ -36,7 +36,11 @@ impl MemoryNeeds {
                 part("the film", film_bytes(settings), "smaller with --width, --height or --crop"),
                 part("the BVH", bvh_bytes as u64, "smaller for fewer triangles"),
                 part("textures and lights", shading.bytes(), "smaller for smaller images"),
-                part("the grids", guide_bytes(settings, cells), "smaller with --grid, --directions or --normals"),
+                part(
+                    "the grids",
+                    guide_bytes(settings, cells, shading.lights.group_count()),
+                    "smaller with --grid, --directions or --normals",
+                ),
                 part("paths under way", wave_bytes(device, settings), "none with --execution megakernel"),
             ],
             host_bytes: host_film_bytes(settings),
@@ -123,7 +127,7 @@ mod tests {
         let settings = Settings::for_film(&film, &IntegratorDescription::default());
         let cells = full_cells();
         assert_eq!(cells.count(), 512);
-        let bytes = guide_bytes(&settings, &cells);
+        let bytes = guide_bytes(&settings, &cells, 0);
         assert!(bytes <= 8 << 20, "{bytes}");
     }
 

@@ -95,6 +95,7 @@ impl Renderer {
             return self.go_on_from(state);
         }
         self.persistent().iter().try_for_each(Persistent::clear)?;
+        self.sets.radiance_grid.begin_lights()?;
         if let FilmStore::Part(sums) = &mut self.film_store {
             *sums = PartSums::new(&self.settings);
         }

@@ -52,8 +52,8 @@ impl Renderer {
     ) -> Result<Self> {
         settings.validate()?;
         settings.check_lighting(scene)?;
-        let shading = Shading { surfaces, lights: Lights::new(scene, bvh) };
-        let cells = cells_of(settings, bvh);
+        let shading = Shading { surfaces, lights: Lights::new(scene, bvh, settings.learns_lights()) };
+        let cells = cells_of(settings, bvh, shading.lights.group_count());
         let plan = execution::resolve(context.device(), settings, &shading, bvh, &cells)?;
         Self::build(context, scene, &shading, bvh, cells, &plan, registry).map_err(|error| plan.needs.explain(error))
     }
@@ -93,6 +93,7 @@ impl Renderer {
             has_background: scene.environment.is_some() && !settings.hide_emitters,
             view: View::new(&scene.camera, settings.width, settings.height),
             cells,
+            light_groups: shading.lights.group_count(),
             guide_samples: SampleRanges::default(),
             samples_done: 0,
             stopped: false,
@@ -113,7 +114,8 @@ impl Renderer {
 
 /// Texel buffers where the device allows the sizes that geometry and tables need, else storage buffers.
 fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> BackEnd {
-    let grids = RadianceGrid::texels(settings, cells).max(NormalizationGrid::texels(settings, cells));
+    let grids = RadianceGrid::texels(settings, cells, shading.lights.group_count())
+        .max(NormalizationGrid::texels(settings, cells));
     let texels = BvhSet::texels(bvh).max(grids).max(shading.texels());
     match texels <= context.device().limits.max_texel_elements && !settings.storage_reads {
         true => BackEnd::Texel,

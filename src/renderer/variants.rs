@@ -13,8 +13,9 @@ use crate::settings::{AUTO_GRID, Settings};
 
 /// The specialization constants of a render.
 pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
-    let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh) };
-    variant(settings, scene, &shading, bvh, &cells_of(settings, bvh))
+    let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh, settings.learns_lights()) };
+    let cells = cells_of(settings, bvh, shading.lights.group_count());
+    variant(settings, scene, &shading, bvh, &cells)
 }
 
 /// The specialization constants of a render whose shading and cells are known.
@@ -39,6 +40,8 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         texel_pages: shading.surfaces.textures.words.pages().len() as u32,
         nee: settings.nee && !lights.is_empty(),
         light_kinds: lights.kinds(),
+        light_groups: lights.group_count(),
+        light_patches: lights.patches_per_side(),
         environment: lights.environment_kind(),
         shares_at: shares_at(settings, cells.count()),
         ..variant_of_settings(settings)

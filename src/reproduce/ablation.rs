@@ -10,7 +10,8 @@ use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{
-    AUTO_GRID, BsdfShare, GuideSet, Learner, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule,
+    AUTO_GRID, BsdfShare, GuideSet, Learner, LightSelection, Roulette, SamplePattern, SampleWeights, Sampler,
+    StepSchedule,
 };
 
 /// Plain path tracer.
@@ -28,6 +29,7 @@ const ALONE: Method = PRODUCT.with(Changes {
     pattern: Some(SamplePattern::Independent),
     fallback: Some(0.0),
     bsdf_share: Some(BsdfShare::Fixed),
+    light_selection: Some(LightSelection::Power),
     roulette: Some(Roulette::Throughput),
     ..NONE
 });
@@ -42,6 +44,7 @@ const ROWS: &[Method] = &[
     PRODUCT.with(Changes { pattern: Some(SamplePattern::Independent), ..NONE }),
     ALONE,
     PRODUCT.with(Changes { bsdf_share: Some(BsdfShare::Fixed), ..NONE }),
+    PRODUCT.with(Changes { light_selection: Some(LightSelection::Power), ..NONE }),
     PRODUCT.with(Changes { roulette: Some(Roulette::Throughput), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Diffuse), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Authors), ..NONE }),

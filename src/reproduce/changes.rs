@@ -2,7 +2,9 @@
 
 use clap::ValueEnum;
 
-use crate::settings::{AUTO_GRID, BsdfShare, GuideSet, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule};
+use crate::settings::{
+    AUTO_GRID, BsdfShare, GuideSet, LightSelection, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule,
+};
 
 /// Replacements of settings. `None` keeps the setting.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +25,8 @@ pub struct Changes {
     pub pattern: Option<SamplePattern>,
     /// Replaces [`Settings::bsdf_share`].
     pub bsdf_share: Option<BsdfShare>,
+    /// Replaces [`Settings::light_selection`].
+    pub light_selection: Option<LightSelection>,
     /// Replaces [`Settings::roulette`].
     pub roulette: Option<Roulette>,
 }
@@ -38,6 +42,7 @@ impl Changes {
         sample_weights: None,
         pattern: None,
         bsdf_share: None,
+        light_selection: None,
         roulette: None,
     };
 
@@ -51,6 +56,7 @@ impl Changes {
         settings.sample_weights = self.sample_weights.or(settings.sample_weights);
         settings.pattern = self.pattern.unwrap_or(settings.pattern);
         settings.bsdf_share = self.bsdf_share.or(settings.bsdf_share);
+        settings.light_selection = self.light_selection.or(settings.light_selection);
         settings.roulette = self.roulette.or(settings.roulette);
     }
 
@@ -81,6 +87,7 @@ impl Changes {
             ("sample-weights", self.sample_weights.map(word)),
             ("pattern", self.pattern.map(word)),
             ("bsdf-share", self.bsdf_share.map(word)),
+            ("light-selection", self.light_selection.map(word)),
             ("roulette", self.roulette.map(word)),
         ];
         words.into_iter().filter_map(|(option, value)| Some((option, value?)))

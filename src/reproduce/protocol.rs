@@ -42,6 +42,7 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
             fallback: Some(0.0),
             directions: DIRECTIONS,
             bsdf_share: None,
+            light_selection: None,
             roulette: Some(Roulette::Throughput),
             ..common
         },

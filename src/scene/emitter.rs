@@ -145,6 +145,17 @@ impl DeltaKind {
         }
     }
 
+    /// Position in world space; `None` for a light that is infinitely far away.
+    pub fn position(&self) -> Option<Vec3> {
+        match *self {
+            Self::Point { position, .. }
+            | Self::Spot { position, .. }
+            | Self::PicturedSpot { position, .. }
+            | Self::Projector { position, .. } => Some(position),
+            Self::Directional { .. } => None,
+        }
+    }
+
     /// Name of the plugin.
     pub fn plugin(&self) -> &'static str {
         match self {

@@ -3,7 +3,7 @@
 use super::flat::Settings;
 use super::paths::{MAX_DEPTH_LIMIT, MOST_KEPT_VERTICES, Roulette, SURE_ROULETTE_DEPTH, UNLIMITED_DEPTH};
 use super::run::SampleWeights;
-use super::sampler::{BsdfShare, Learner, Sampler};
+use super::sampler::{BsdfShare, Learner, LightSelection, Sampler};
 use crate::generated::layout::PathVertex;
 use crate::scene::Scene;
 use crate::{Error, Result};
@@ -67,6 +67,11 @@ impl Settings {
     pub fn learns_share(&self) -> bool {
         let can = self.sampler == Sampler::Product && self.learner != Learner::MonteCarlo && self.epsilon.is_none();
         can && self.bsdf_share != Some(BsdfShare::Fixed)
+    }
+
+    /// Whether cells learn which lights to draw. The sampler must be `product`, and emitters must be sampled.
+    pub fn learns_lights(&self) -> bool {
+        self.sampler == Sampler::Product && self.nee && self.light_selection != Some(LightSelection::Power)
     }
 
     /// Number of normal bins that the sampler distinguishes, along each side of the equal-area square.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::paths::{Roulette, SamplePattern, UNLIMITED_DEPTH, max_depth_from_scene, rr_depth_from_scene};
 use super::run::{Execution, SampleWeights, StepSchedule};
-use super::sampler::{BsdfShare, GuideSet, Learner, Mix, Sampler};
+use super::sampler::{BsdfShare, GuideSet, Learner, LightSelection, Mix, Sampler};
 use crate::generated::constants::Variant;
 use crate::math::direction_map::DirectionMap;
 use crate::scene::{Crop, FilmDescription, IntegratorDescription, ReconstructionFilter, Scene};
@@ -64,6 +64,8 @@ pub struct Settings {
     pub epsilon: Option<f32>,
     /// Share of the BSDF with `product`, fixed or learned. `None` learns it where cells can.
     pub bsdf_share: Option<BsdfShare>,
+    /// Probabilities with which emitter sampling draws lights. `None` learns them with `product`.
+    pub light_selection: Option<LightSelection>,
     /// Quantity that Russian roulette compares with. `None` chooses it as [`Settings::roulette`] says.
     pub roulette: Option<Roulette>,
     /// Number of directions over which `expected-sarsa` takes its mean, in [1, 4096].
@@ -141,6 +143,7 @@ impl Settings {
             mix: Mix::Density,
             epsilon: None,
             bsdf_share: None,
+            light_selection: None,
             roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
             grid: 8,

@@ -5,8 +5,8 @@
 //! [`Settings::validate`] refuses it.
 
 use super::{
-    AUTO_GRID, BsdfShare, DirectionMap, EXPECTED_DIRECTIONS, GuideSet, Learner, Mix, Roulette, Sampler, Settings,
-    options,
+    AUTO_GRID, BsdfShare, DirectionMap, EXPECTED_DIRECTIONS, GuideSet, Learner, LightSelection, Mix, Roulette, Sampler,
+    Settings, options,
 };
 use crate::{Error, Result};
 
@@ -77,6 +77,8 @@ pub enum GridSampler {
         normals: u32,
         /// Quantity that Russian roulette compares with; `None` chooses it as [`Settings::roulette`] says.
         roulette: Option<Roulette>,
+        /// Probabilities with which lights are drawn; `None` learns them.
+        lights: Option<LightSelection>,
     },
     /// Rejection with a share of uniform directions ([`Sampler::RejectionMix`]).
     RejectionMix {
@@ -223,6 +225,7 @@ impl Settings {
             mix: Mix::Density,
             epsilon: None,
             bsdf_share: None,
+            light_selection: self.light_selection.filter(|&selection| selection != LightSelection::Learned),
             roulette: self.roulette.filter(|&roulette| roulette != Roulette::Contribution),
             guide_set: defaults.guide_set,
             map: defaults.map,
@@ -239,10 +242,11 @@ impl Settings {
 
     fn set_grid_sampler(&mut self, sampler: GridSampler) {
         match sampler {
-            GridSampler::Product { learner, directions, normals, roulette } => {
+            GridSampler::Product { learner, directions, normals, roulette, lights } => {
                 self.sampler = Sampler::Product;
                 self.set_product_learner(learner);
                 (self.directions, self.normals, self.roulette) = (directions.number(), normals, roulette);
+                self.light_selection = lights;
             }
             GridSampler::RejectionMix { learner, mixture, max_tries, directions, normals } => {
                 self.sampler = Sampler::RejectionMix;
@@ -384,7 +388,8 @@ impl GridSampler {
             32 => ProductDirections::Side32,
             _ => ProductDirections::Side16,
         };
-        Self::Product { learner, directions, normals: settings.normals, roulette: settings.roulette }
+        let &Settings { normals, roulette, light_selection: lights, .. } = settings;
+        Self::Product { learner, directions, normals, roulette, lights }
     }
 }
 
@@ -458,7 +463,9 @@ mod tests {
         for learner in learners.chain([None, Some(0.5)].map(ProductLearner::MonteCarlo)) {
             for directions in [ProductDirections::Side16, ProductDirections::Side32, ProductDirections::Side64] {
                 for roulette in [None, Some(Roulette::Throughput), Some(Roulette::Contribution)] {
-                    samplers.push(GridSampler::Product { learner, directions, normals, roulette });
+                    for lights in [None, Some(LightSelection::Power), Some(LightSelection::Learned)] {
+                        samplers.push(GridSampler::Product { learner, directions, normals, roulette, lights });
+                    }
                 }
             }
         }
@@ -485,7 +492,7 @@ mod tests {
             settings.validate().expect("a legal guide");
             assert_eq!(Guide::try_from(&settings).expect("a guide"), guide);
         }
-        assert_eq!(guides().len(), 2 * (3 * 7 + 11 * 9) + 2);
+        assert_eq!(guides().len(), 2 * (3 * 7 + 11 * 27) + 2);
     }
 
     #[test]
@@ -498,7 +505,7 @@ mod tests {
     /// Some flat settings are no legal guide. The table refuses each of them.
     #[test]
     fn what_is_no_guide_is_refused() {
-        let changes: [fn(&mut Settings); 12] = [
+        let changes: [fn(&mut Settings); 13] = [
             |s| s.directions = 8,
             |s| s.mix = Mix::Acceptance,
             |s| (s.bsdf_share, s.epsilon) = (Some(BsdfShare::Learned), Some(0.5)),
@@ -507,6 +514,7 @@ mod tests {
             |s| (s.sampler, s.epsilon) = (Sampler::Rejection, Some(0.5)),
             |s| (s.sampler, s.roulette) = (Sampler::Bsdf, Some(Roulette::Contribution)),
             |s| (s.sampler, s.bsdf_share) = (Sampler::Bsdf, Some(BsdfShare::Fixed)),
+            |s| (s.sampler, s.light_selection) = (Sampler::Bsdf, Some(LightSelection::Learned)),
             |s| (s.sampler, s.learner) = (Sampler::Bsdf, Learner::MonteCarlo),
             |s| s.sampler = Sampler::Quadtree,
             |s| (s.sampler, s.learner, s.grid) = (Sampler::Quadtree, Learner::MonteCarlo, AUTO_GRID),

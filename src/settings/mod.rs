@@ -24,7 +24,7 @@ pub use guide::{
 };
 pub use paths::{MAX_DEPTH_LIMIT, Roulette, SamplePattern, UNLIMITED_DEPTH, depth_warning};
 pub use run::{Execution, SampleWeights, StepSchedule};
-pub use sampler::{BsdfShare, GuideSet, Learner, Mix, Sampler};
+pub use sampler::{BsdfShare, GuideSet, Learner, LightSelection, Mix, Sampler};
 pub use value::{Value, Word};
 
 pub use crate::math::direction_map::DirectionMap;

@@ -81,6 +81,17 @@ pub enum BsdfShare {
     Learned,
 }
 
+/// Probabilities with which emitter sampling draws lights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightSelection {
+    /// In proportion to the power of each light, everywhere.
+    Power,
+    /// In proportion to the light that each cell has found to arrive. Large lights and the environment are cut into patches,
+    /// which count as lights of their own.
+    Learned,
+}
+
 /// Rule by which the radiance grid learns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]

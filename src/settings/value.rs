@@ -3,8 +3,8 @@
 use clap::ValueEnum;
 
 use super::{
-    BsdfShare, DirectionMap, Execution, GuideSet, Learner, Mix, Roulette, SamplePattern, SampleWeights, Sampler,
-    StepSchedule,
+    BsdfShare, DirectionMap, Execution, GuideSet, Learner, LightSelection, Mix, Roulette, SamplePattern, SampleWeights,
+    Sampler, StepSchedule,
 };
 
 /// Value of one setting.
@@ -90,7 +90,7 @@ macro_rules! words {
     )*};
 }
 
-words!(BsdfShare, DirectionMap, Execution, GuideSet, Learner, Mix, Roulette, SamplePattern);
+words!(BsdfShare, DirectionMap, Execution, GuideSet, Learner, LightSelection, Mix, Roulette, SamplePattern);
 words!(SampleWeights, Sampler, StepSchedule);
 
 /// Least similarity of a word to a text that may mean it.

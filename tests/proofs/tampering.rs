@@ -84,6 +84,8 @@ const FAULTS: &[Fault] = &[
     kernels("missing Jacobian", EMITTERS, MIX),
     kernels("weights blind to the guide", EMITTERS, MIX),
     kernels("light counted whole however it is found", EMITTERS, MIX),
+    kernels("light selection learns from the light it has drawn", EMITTERS, PRODUCT),
+    kernels("a light that is hit has the density of its group", EMITTERS, PRODUCT),
     kernels("densities 5 % off", FURNACE, MIX),
     kernels("densities 25 % off", FURNACE, MIX),
     Fault(Subject::adding("one device's sums are lost", LOSE), DEVICES, PRODUCT),

@@ -75,7 +75,7 @@ fn directions_to_a_map_follow_their_density() {
     for ((name, width, height, texels), seed) in maps().into_iter().zip(41..) {
         let scene = map_scene(width, height, texels, turn());
         let map = EnvironmentMap::new(&scene.images[0]);
-        let table = EnvironmentTable::new(&map);
+        let table = EnvironmentTable::new(&map, 1);
         if !Device::new().has_room(name, map.texels.len() * 8 + table.entries.len() * 16, 16) {
             continue;
         }

@@ -5,7 +5,8 @@ use std::path::Path;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use lodestar::encode::bvh::Bvh;
-use lodestar::encode::lights::Lights;
+use lodestar::encode::cosine_trees::{Node, nodes_per_tree};
+use lodestar::encode::lights::{Lights, light_tree};
 use lodestar::generated::kernels::{Variant, test};
 use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
@@ -78,12 +79,23 @@ pub fn emitting(primitives: &[(Primitive, f32)]) -> Scene {
     scene
 }
 
-/// One sample for each input.
+/// One sample for each input, with lights drawn in proportion to their power.
 pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput> {
+    draw_selected(scene, inputs, seed, None)
+}
+
+/// One sample for each input. With a `selection`, the cell draws groups of lights by these weights; they begin with those that
+/// it gets: the power of each group.
+pub fn draw_selected(
+    scene: &Scene,
+    inputs: &[LightInput],
+    seed: u32,
+    selection: Option<fn(&[f32]) -> Vec<f32>>,
+) -> Vec<LightOutput> {
     assert!((inputs.len() as u32).is_multiple_of(GROUP));
     let device = Device::new();
     let bvh = Bvh::build(&scene.primitives);
-    let lights = Lights::new(scene, &bvh);
+    let lights = Lights::new(scene, &bvh, selection.is_some());
     let buffer = |name: &str, bytes: &[u8], kind| {
         let buffer = device.buffer(name, bytes.len(), kind);
         buffer.upload(0, bytes).expect("uploaded");
@@ -91,6 +103,11 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
     };
     let mut constants = SceneConstants::zeroed();
     lights.write_constants(&mut constants);
+    constants.cell_count = 1;
+    // The light tree follows the cell's tree of radiance.
+    let mut trees = vec![Node::default(); nodes_per_tree(Variant::default().direction_resolution) as usize];
+    trees.extend(selection.map(|weights| light_tree(&weights(&lights.group_powers()))).unwrap_or_default());
+    let trees = buffer("trees", bytemuck::cast_slice(&trees), BufferKind::TexelUint);
     let constants = buffer("scene", bytemuck::bytes_of(&constants), BufferKind::Uniform);
     let emitters = buffer("emitters", bytemuck::cast_slice(&lights.texels()), BufferKind::TexelUint);
     let nodes = buffer("nodes", bytemuck::cast_slice(&bvh.nodes), BufferKind::TexelUint);
@@ -105,6 +122,8 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
         nee: true,
         light_kinds: lights.kinds(),
         environment: lights.environment_kind(),
+        light_groups: lights.group_count(),
+        light_patches: lights.patches_per_side(),
         ..Variant::default()
     };
     let named = [
@@ -112,6 +131,7 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
         ("emitters", &emitters),
         ("LightInputs", &input),
         ("LightOutputs", &output),
+        ("radiance_node_texels", &trees),
         ("bvh_nodes", &nodes),
         ("bvh_primitives", &records),
         ("bvh_attributes", &attributes),

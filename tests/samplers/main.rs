@@ -11,6 +11,7 @@ mod environments;
 mod fixture;
 mod guides;
 mod intersections;
+mod light_selection;
 mod lights;
 mod normalization;
 mod parametrization;

@@ -15,7 +15,7 @@ use mutations::{MUTATIONS, Patch};
 
 const REPOSITORY: &str = "../..";
 /// Kernels to compile. They read storage buffers, which every device has.
-const KERNELS: [&str; 17] = [
+const KERNELS: [&str; 18] = [
     "glsl/kernels/noise/judge_noise.comp",
     "glsl/kernels/trace/trace.comp",
     "glsl/kernels/wave/wave_extend.comp",
@@ -27,6 +27,7 @@ const KERNELS: [&str; 17] = [
     "glsl/kernels/learn/pool_radiance.comp",
     "glsl/kernels/learn/blend_radiance.comp",
     "glsl/kernels/learn/refine_quadtrees.comp",
+    "glsl/kernels/learn/update_lights.comp",
     "glsl/kernels/learn/update_normalization.comp",
     "glsl/test/add_target.comp",
     "glsl/test/guided_density.comp",

@@ -45,11 +45,12 @@ struct SceneConstants {
     uvec2 environment_blocks;   // columns and rows of the alias table for directions
     uint first_environment_texel;    // first texel of the map among the emitters' texels
     uint first_environment_block;    // first texel of the alias table for directions
-    uint environment_light;     // index of the environment among the lights, or NONE
+    uint environment_light;     // index of the environment, or of its first patch, among the lights; NONE without one
     float focus_distance;       // depth at which a thin lens is sharp
     uvec3 grid_size;            // number of grid positions along each axis
     uint cell_count;            // number of cells that contain surfaces
     uint all_cell_count;        // number of all cells, parent cells included
+    uint first_light_group;     // first texel of the groups of lights among the emitters' texels
 };
 
 layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };

@@ -58,12 +58,16 @@ float environment_density(float probability, float polar) {
     return probability * float(blocks.x * blocks.y) * INV_TWO_PI * INV_PI / sine;
 }
 
-// Probability of the block that contains the coordinates. It is the last word of the block's entry, after threshold and
-// alias.
-float environment_block_probability(vec2 coordinates) {
+// Block that contains the coordinates.
+uvec2 environment_block(vec2 coordinates) {
     uvec2 blocks = scene().environment_blocks;
-    uvec2 at = min(uvec2(coordinates * vec2(blocks)), blocks - 1u);
-    return uintBitsToFloat(fetch_emitter_texel(scene().first_environment_block + at.y * blocks.x + at.x).w);
+    return min(uvec2(coordinates * vec2(blocks)), blocks - 1u);
+}
+
+// Probability of a block among those of its patch. It is the last word of the block's entry, after threshold and alias.
+float environment_block_probability(uvec2 at) {
+    uint block = at.y * scene().environment_blocks.x + at.x;
+    return uintBitsToFloat(fetch_emitter_texel(scene().first_environment_block + block).w);
 }
 
 struct EnvironmentSample {
@@ -71,15 +75,27 @@ struct EnvironmentSample {
     float pdf;  // per steradian
 };
 
-// Samples a direction towards the environment. A constant environment is sampled uniformly over the sphere. For a map,
-// the alias table draws a block, and the coordinates are uniform in the block.
-EnvironmentSample sample_environment(uvec4 bits) {
+// Patches along each side of the environment. Where cells learn which lights to draw, each patch is a light of its own.
+uint environment_patches() {
+    if (LIGHT_GROUPS != 0u) return ENVIRONMENT_PATCHES;
+    return 1u;
+}
+
+// Samples a direction towards a patch of the environment. The patches of a constant environment are those of the equal-area
+// square, sampled uniformly. For a map, the alias table of the patch draws a block, and the coordinates are uniform in the block.
+EnvironmentSample sample_environment(uvec4 bits, uint patch_index) {
+    uint side = environment_patches();
+    uvec2 at = uvec2(patch_index % side, patch_index / side);
     if (ENVIRONMENT != ENVIRONMENT_MAP) {
-        return EnvironmentSample(square_to_sphere(2.0 * unit_floats(bits).zw - 1.0), 0.5 * INV_TWO_PI);
+        vec2 place = (vec2(at) + unit_floats(bits).zw) / float(side);
+        return EnvironmentSample(square_to_sphere(2.0 * place - 1.0), 0.5 * INV_TWO_PI * float(side * side));
     }
     uvec2 blocks = scene().environment_blocks;
+    uvec2 first = (at * blocks + side - 1u) / side;
+    uvec2 size = ((at + 1u) * blocks + side - 1u) / side - first;
     uint block, rest;
-    umulExtended(bits.x, blocks.x * blocks.y, block, rest);
+    umulExtended(bits.x, size.x * size.y, block, rest);
+    block = (first.y + block / size.x) * blocks.x + first.x + block % size.x;
     uvec4 entry = fetch_emitter_texel(scene().first_environment_block + block);
     if (bits.y >= entry.x) {
         block = entry.y;
@@ -91,10 +107,24 @@ EnvironmentSample sample_environment(uvec4 bits) {
     return EnvironmentSample(environment_direction(coordinates), pdf);
 }
 
-float pdf_environment(vec3 direction) {
-    if (ENVIRONMENT != ENVIRONMENT_MAP) return 0.5 * INV_TWO_PI;
+// Density of a direction within the patch of the environment that it points to.
+struct EnvironmentDensity {
+    float pdf;  // per steradian
+    uint patch_index;
+};
+
+EnvironmentDensity pdf_environment(vec3 direction) {
+    uint side = environment_patches();
+    if (ENVIRONMENT != ENVIRONMENT_MAP) {
+        if (side == 1u) return EnvironmentDensity(0.5 * INV_TWO_PI, 0u);
+        uvec2 at = min(uvec2((0.5 + 0.5 * sphere_to_square(direction)) * float(side)), side - 1u);
+        return EnvironmentDensity(0.5 * INV_TWO_PI * float(side * side), at.y * side + at.x);
+    }
     vec2 coordinates = environment_coordinates(direction);
-    return environment_density(environment_block_probability(coordinates), coordinates.y);
+    uvec2 block = environment_block(coordinates);
+    uvec2 at = block * side / scene().environment_blocks;
+    float probability = environment_block_probability(block);
+    return EnvironmentDensity(environment_density(probability, coordinates.y), at.y * side + at.x);
 }
 
 #endif

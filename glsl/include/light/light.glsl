@@ -1,10 +1,11 @@
-// Emitter sampling: draws a light with a probability in proportion to its power, and a point or direction of it. One
-// function per light gives the density both for a sampled direction and for a ray that hits the light by chance, so
-// that the weights of the two sum to 1.
+// Emitter sampling: draws a light with a probability in proportion to its power, or by what a cell of the guide has learned
+// (light_selection.glsl), and a point or direction of it. One function per light gives the density both for a sampled
+// direction and for a ray that hits the light by chance, so that the weights of the two sum to 1.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
 #include "light/emitter.glsl"
 #include "light/environment.glsl"
+#include "light/light_selection.glsl"
 #include "light/light_shape.glsl"
 
 struct LightSample {
@@ -14,24 +15,63 @@ struct LightSample {
     vec3 radiance;  // radiance that arrives if nothing is in the way; for a delta light, times the solid angle
     float pdf;      // per steradian; for a delta light, the probability of choosing it; 0: no sample
     bool delta;     // whether no ray can hit the light
+    uint group;     // of lights, where cells learn which lights to draw
+    float group_probability;  // with which the group was drawn
+    float leftover;           // number in [0, 1) that the sample leaves unused
 };
 
-const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false);
+const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false, 0u, 1.0, 0.0);
 
 uvec4 fetch_light(uint light) {
     return fetch_emitter_texel(scene().first_light + light);
 }
 
-float light_probability(uint light) {
-    return light == NONE ? 0.0 : uintBitsToFloat(fetch_light(light).w);
+// Probability of drawing a light at a vertex in a cell.
+float light_probability(uint light, uint cell) {
+    if (light == NONE) return 0.0;
+    uvec4 record = fetch_light(light);
+    float probability = uintBitsToFloat(record.w);
+    return learns_lights() ? group_probability(cell, record.y >> LIGHT_GROUP_SHIFT) * probability : probability;
 }
 
-// Record of a light that is drawn by the alias table. The record's fourth word is the probability. bits.xy are used up.
-uvec4 choose_light(uvec4 bits) {
+// A light that was drawn.
+struct ChosenLight {
+    uint index;
+    uvec4 record;
+    uint group;               // 0 where lights are drawn in proportion to their power
+    float group_probability;  // 1 where lights are drawn in proportion to their power
+};
+
+// Draws one of `count` consecutive lights by their alias table.
+ChosenLight choose_of_lights(uvec2 bits, uint first, uint count) {
     uint light, rest;
-    umulExtended(bits.x, scene().light_count, light, rest);
-    uvec4 record = fetch_light(light);
-    return bits.y < record.x ? record : fetch_light(record.y);
+    umulExtended(bits.x, count, light, rest);
+    uint index = first + light;
+    uvec4 record = fetch_light(index);
+    uint alias = learns_lights() ? record.y & LIGHT_INDEX_MASK : record.y;
+    if (bits.y >= record.x) {
+        index = alias;
+        record = fetch_light(alias);
+    }
+    return ChosenLight(index, record, 0u, 1.0);
+}
+
+// Draws a light for a vertex in a cell of the guide. bits.xy are used up.
+ChosenLight choose_light(RandomKey key, uint vertex, uvec4 bits, uint cell) {
+    if (!learns_lights()) return choose_of_lights(bits.xy, 0u, scene().light_count);
+    uint group = 0u;
+    float probability = descend_to_group(cell, true, group, unit_floats(bits).xy);
+    LightGroup lights = light_group(group);
+    ChosenLight chosen = choose_of_lights(plain_bits(key, vertex, RANDOM_LIGHT).xy, lights.first, lights.count);
+    if (lights.count == 0u) chosen.record.w = 0u;
+    chosen.group = group;
+    chosen.group_probability = probability;
+    return chosen;
+}
+
+// Patches of each area light. Each patch is a light of its own; those of a light are consecutive, and come first of all lights.
+uint patches_per_light() {
+    return LIGHT_PATCHES * LIGHT_PATCHES;
 }
 
 // Density per steradian of the direction from `from` to a surface point of an area light, given that this light was
@@ -49,6 +89,29 @@ float pdf_area_light(uint primitive, Surface s, vec3 from) {
 float arrival_error(Surface s, bool sphere, vec3 from) {
     float at_plane = dot(abs(s.geometric_normal), abs(from) + abs(s.position));
     return 16.0 * ROUNDING * (sphere ? distance(from, s.position) : at_plane);
+}
+
+// Number of the patch of a flat light that a point lies in. Patches are the parts of the unit square that sample_flat maps to the
+// light.
+uint patch_of_light(uint primitive, vec3 position) {
+    vec4 texel0 = fetch_primitive(primitive, 0u);
+    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
+    vec3 edge_v = fetch_primitive(primitive, 2u).xyz;
+    vec3 d = position - texel0.xyz;
+    vec3 n = cross(edge_u, edge_v);
+    vec2 uv = vec2(dot(cross(d, edge_v), n), dot(cross(edge_u, d), n)) / max(dot(n, n), 1.0e-37);
+    vec2 u = square_of_flat(floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK, uv);
+    uvec2 at = uvec2(clamp(u, 0.0, 1.0 - 1.0 / 16777216.0) * float(LIGHT_PATCHES));
+    return at.y * LIGHT_PATCHES + at.x;
+}
+
+// Place in the unit square of a place within a patch.
+vec2 place_in_patch(uint patch_index, vec2 u) {
+    return (vec2(patch_index % LIGHT_PATCHES, patch_index / LIGHT_PATCHES) + u) / float(LIGHT_PATCHES);
+}
+
+bool has_light_patches() {
+    return LIGHT_PATCHES != 1u;
 }
 
 // Point of an area light. `epsilon` of the surface suits rays from `from` that end there.
@@ -77,14 +140,16 @@ Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
     return s;
 }
 
-LightSample area_light_sample(uvec4 light, vec3 from, vec2 u) {
+LightSample area_light_sample(uint index, uvec4 light, vec3 from, vec2 u) {
     uint primitive = light.z & ((1u << LIGHT_KIND_SHIFT) - 1u);
+    if (has_light_patches()) u = place_in_patch(index % patches_per_light(), u);
     Surface s = sample_area_light(primitive, from, u);
     vec3 d = s.position - from;
     float squared = dot(d, d);
     vec3 wi = d * inversesqrt(max(squared, 1.0e-37));
-    float pdf = squared > 0.0 ? uintBitsToFloat(light.w) * pdf_area_light(primitive, s, from) : 0.0;
-    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
+    float probability = uintBitsToFloat(light.w) * float(patches_per_light());
+    float pdf = squared > 0.0 ? probability * pdf_area_light(primitive, s, from) : 0.0;
+    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false, 0u, 1.0, 0.0);
 }
 
 // Share of a spot light's intensity at the angle with this cosine to its axis. The share falls linearly with the angle,
@@ -125,7 +190,7 @@ LightSample delta_light_sample(uvec4 light, vec3 from) {
     vec4 intensity = uintBitsToFloat(fetch_emitter_texel(texel + 2u));
     float probability = uintBitsToFloat(light.w);
     if (kind == LIGHT_DIRECTIONAL) {
-        return LightSample(-direction.xyz, vec3(0.0), true, intensity.rgb, probability, true);
+        return LightSample(-direction.xyz, vec3(0.0), true, intensity.rgb, probability, true, 0u, 1.0, 0.0);
     }
     vec3 d = position.xyz - from;
     float squared = max(dot(d, d), 1.0e-37);
@@ -133,7 +198,7 @@ LightSample delta_light_sample(uvec4 light, vec3 from) {
     vec3 radiance = intensity.rgb / squared;
     if (kind == LIGHT_SPOT || kind == LIGHT_PICTURED_SPOT) radiance *= spot_falloff(-dot(wi, direction.xyz), position.w, direction.w, intensity.w);
     if (has_pictured_lights() && kind >= LIGHT_PICTURED_SPOT) radiance *= picture_color(kind, texel, -d, direction.xyz);
-    return LightSample(wi, position.xyz, false, radiance, probability, true);
+    return LightSample(wi, position.xyz, false, radiance, probability, true, 0u, 1.0, 0.0);
 }
 
 bool has_delta_lights() {
@@ -141,32 +206,42 @@ bool has_delta_lights() {
 }
 
 LightSample environment_light_sample(uvec4 light, uvec4 bits) {
-    EnvironmentSample s = sample_environment(bits);
-    return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), uintBitsToFloat(light.w) * s.pdf, false);
+    EnvironmentSample s = sample_environment(bits, light.z & ((1u << LIGHT_KIND_SHIFT) - 1u));
+    float pdf = uintBitsToFloat(light.w) * s.pdf;
+    return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), pdf, false, 0u, 1.0, 0.0);
 }
 
-// Sample of a light, as seen from the point `from`.
-LightSample sample_light(RandomKey key, uint vertex, vec3 from) {
+// Sample of a light, as seen from the point `from` in a cell of the guide.
+LightSample sample_light(RandomKey key, uint vertex, vec3 from, uint cell) {
     uvec4 bits = random_bits(key, vertex, RANDOM_EMITTER);
-    uvec4 light = choose_light(bits);
+    ChosenLight chosen = choose_light(key, vertex, bits, cell);
+    uvec4 light = chosen.record;
     uint kind = light.z >> LIGHT_KIND_SHIFT;
     LightSample s = NO_LIGHT_SAMPLE;
-    if (has_light(LIGHT_AREA) && kind == LIGHT_AREA) s = area_light_sample(light, from, unit_floats(bits).zw);
+    if (has_light(LIGHT_AREA) && kind == LIGHT_AREA) s = area_light_sample(chosen.index, light, from, unit_floats(bits).zw);
     if (has_light(LIGHT_ENVIRONMENT) && kind == LIGHT_ENVIRONMENT) {
         s = environment_light_sample(light, random_bits(key, vertex, RANDOM_ENVIRONMENT));
     }
     if (has_delta_lights() && kind >= LIGHT_POINT) s = delta_light_sample(light, from);
+    s.pdf *= chosen.group_probability;
+    s.group = chosen.group;
+    s.group_probability = chosen.group_probability;
+    s.leftover = leftover_float(bits);
     return s;
 }
 
-// Density, per steradian, with which sample_light draws the direction from `from` to a surface that a ray has hit.
-float pdf_light_at_surface(uint primitive, Surface s, vec3 from) {
-    return light_probability(fetch_attributes(primitive, 2u).w) * pdf_area_light(primitive, s, from);
+// Density, per steradian, with which sample_light draws, at a point `from` in a cell, the direction to a surface that a ray has hit.
+float pdf_light_at_surface(uint primitive, Surface s, vec3 from, uint cell) {
+    uint light = fetch_attributes(primitive, 2u).w;
+    if (has_light_patches() && light != NONE) light = light * patches_per_light() + patch_of_light(primitive, s.position);
+    return light_probability(light, cell) * float(patches_per_light()) * pdf_area_light(primitive, s, from);
 }
 
-// Density, per steradian, with which sample_light draws a direction in which a ray hits nothing.
-float pdf_light_at_environment(vec3 direction) {
-    return light_probability(scene().environment_light) * pdf_environment(direction);
+// Density, per steradian, with which sample_light draws, at a point in a cell, a direction in which a ray hits nothing.
+float pdf_light_at_environment(vec3 direction, uint cell) {
+    EnvironmentDensity density = pdf_environment(direction);
+    uint light = scene().environment_light == NONE ? NONE : scene().environment_light + density.patch_index;
+    return light_probability(light, cell) * density.pdf;
 }
 
 // Ray from a surface to a light. Any surface that it hits blocks the light.

@@ -13,6 +13,14 @@ vec2 sample_flat(uint shape, vec2 u) {
     return vec2(1.0 - root, root * u.y);
 }
 
+// Inverse of sample_flat.
+vec2 square_of_flat(uint shape, vec2 uv) {
+    if (shape == SHAPE_PARALLELOGRAM) return 0.5 * uv + 0.5;
+    if (shape == SHAPE_DISK) return disk_to_square(uv);
+    float root = max(1.0 - uv.x, 0.0);
+    return vec2(root * root, uv.y / max(root, 1.0e-20));
+}
+
 float flat_area(uint shape, vec3 edge_u, vec3 edge_v) {
     float factor = shape == SHAPE_PARALLELOGRAM ? 4.0 : (shape == SHAPE_DISK ? PI : 0.5);
     return factor * length(cross(edge_u, edge_v));

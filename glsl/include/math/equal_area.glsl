@@ -58,6 +58,17 @@ vec2 sphere_to_square(vec3 w) {
     return vec2(sign_not_zero(w.x) * p.x, sign_not_zero(w.y) * p.y);
 }
 
+// Point of the unit square that concentric_disk (direction.glsl) maps to a point of the unit disk.
+vec2 disk_to_square(vec2 p) {
+    vec2 a = abs(p);
+    bool x_leads = a.x > a.y;
+    float high = max(a.x, a.y);
+    float fraction = high == 0.0 ? 0.0 : 2.0 * quadrant_fraction(min(a.x, a.y) / high);
+    float radius = length(p);
+    vec2 square = radius * (x_leads ? vec2(1.0, fraction) : vec2(fraction, 1.0));
+    return 0.5 + 0.5 * vec2(sign_not_zero(p.x) * square.x, sign_not_zero(p.y) * square.y);
+}
+
 // Point of the square for the opposite direction. The function rearranges the square rigidly, so areas are preserved.
 vec2 antipode(vec2 p) {
     vec2 a = abs(p);

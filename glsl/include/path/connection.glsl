@@ -1,6 +1,7 @@
 // Emitter sampling: connections of a path's vertex to a sampled light.
 #ifndef CONNECTION_GLSL
 #define CONNECTION_GLSL
+#include "guide/learners/light_learning.glsl"
 #include "light/light.glsl"
 #include "path/path.glsl"
 #include "path/scatterer.glsl"
@@ -8,17 +9,24 @@
 struct Connection {
     vec3 light;  // that the surface scatters from the sampled light, weighted, if nothing blocks the ray
     Ray ray;
+    LightEvidence evidence;  // for the light selection that cells learn
 };
 
 // Samples a light. Multiple importance sampling weighs it against the direction that the path draws itself.
 Connection connect(Path path, Surface surface, Scatterer scatterer, Guide guide) {
-    LightSample light = sample_light(path.key, path.depth, surface.position);
+    LightSample light = sample_light(path.key, path.depth, surface.position, scatterer.cell);
     vec3 wi = light.wi * scatterer.frame;
     float pdf = pdf_direction(scatterer, guide, wi);
     float weight = light.delta ? 1.0 : mis_weight(light.pdf, pdf);
     vec3 scattered = eval_scatterer(scatterer, wi) * light.radiance;
-    Connection connection = Connection(vec3(0.0), shadow_ray(surface, light));
-    if (scatterer.passes || light.pdf <= 0.0 || max_component(scattered) <= 0.0) return connection;
+    Connection connection = Connection(vec3(0.0), shadow_ray(surface, light), NO_LIGHT_EVIDENCE);
+    if (scatterer.passes) return connection;
+    bool scatters = light.pdf > 0.0 && max_component(scattered) > 0.0;
+    if (learns_lights()) {
+        float found = scatters ? mean_rgb(scattered) * (light.group_probability / light.pdf) : 0.0;
+        connection.evidence = light_evidence(scatterer.cell, light.group, found, light.leftover);
+    }
+    if (!scatters) return connection;
     connection.light = scattered * (weight / light.pdf);
     return connection;
 }

@@ -18,8 +18,15 @@ float emission_weight(Path path, float pdf_light) {
     return path.pdf > 0.0 ? mis_weight(path.pdf, pdf_light) : 1.0;
 }
 
-// Light of a connection that nothing blocks. Each kernel traces the shadow ray in its own way.
-vec3 direct_light(Path path, Surface surface, Scatterer scatterer, Guide guide, inout Tally tally);
+// Cell of the surface that the path's ray has left. It matters where cells learn which lights to draw.
+uint cell_left(Path path) {
+    bool known = learns_lights() && path.segment.index != NONE;
+    return known ? path.segment.index / direction_bin_count() : 0u;
+}
+
+// Light of a connection that nothing blocks, and what the connection teaches about lights. Each kernel traces the shadow ray in
+// its own way.
+vec3 direct_light(Path path, Surface surface, Scatterer scatterer, Guide guide, out LightEvidence evidence, inout Tally tally);
 
 // Probability that the path goes on in the direction `next`. The path's throughput does not hold that direction's weight yet.
 float survival_of(Path path, Guide guide, DirectionSample next) {
@@ -50,7 +57,7 @@ float shade_miss(inout Path path, inout Tally tally) {
     // 1. Emission: the environment's radiance.
     vec3 emission = environment_radiance(path.ray.direction);
     count_light_hit(tally, path.depth, emission);
-    if (NEE) emission *= emission_weight(path, pdf_light_at_environment(path.ray.direction));
+    if (NEE) emission *= emission_weight(path, pdf_light_at_environment(path.ray.direction, cell_left(path)));
     path.radiance += path.throughput * visible_emission(path, emission);
 
     // 4. Learning: the segment brings the environment's radiance and nothing else.
@@ -67,7 +74,7 @@ float shade_surface(
     // 1. Emission: the surface's own, towards where the path comes from.
     vec3 light = surface_emission(surface, -path.ray.direction);
     count_light_hit(tally, path.depth, light);
-    if (NEE) light *= emission_weight(path, pdf_light_at_surface(primitive, surface, path.previous_position));
+    if (NEE) light *= emission_weight(path, pdf_light_at_surface(primitive, surface, path.previous_position, cell_left(path)));
     path.radiance += path.throughput * visible_emission(path, light);
     path.last_vertex.light = light;
     if (path.depth == MAX_DEPTH) {
@@ -79,7 +86,9 @@ float shade_surface(
     // 2. Emitter sampling: what the surface scatters of a sampled light.
     Guide guide = guide_at(scatterer);
     if (NEE) {
-        vec3 direct = direct_light(path, surface, scatterer, guide, tally);
+        LightEvidence evidence;
+        vec3 direct = direct_light(path, surface, scatterer, guide, evidence, tally);
+        if (learns_lights()) learn_light(evidence, max_component(direct) > 0.0);
         path.radiance += path.throughput * direct;
         light += direct;
         path.last_vertex.light = light;

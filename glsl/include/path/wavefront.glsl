@@ -135,10 +135,11 @@ uint connection_at(uint slot) {
 void store_connection(uint slot, Connection connection) {
     uint at = connection_at(slot);
     // Light that is not a number counts as none.
-    store_scratch(at, brings_light(connection) ? uvec4(floatBitsToUint(connection.light), 0u) : uvec4(0u));
-    if (!brings_light(connection)) return;
+    uint units = connection.evidence.units;
+    store_scratch(at, brings_light(connection) ? uvec4(floatBitsToUint(connection.light), units) : uvec4(0u));
+    if (!learns_lights() && !brings_light(connection)) return;
     store_scratch(at + 1u, floatBitsToUint(vec4(connection.ray.origin, connection.ray.t_max)));
-    store_scratch(at + 2u, uvec4(floatBitsToUint(connection.ray.direction), 0u));
+    store_scratch(at + 2u, uvec4(floatBitsToUint(connection.ray.direction), connection.evidence.sum));
 }
 
 Ray load_connection_ray(uint slot) {
@@ -154,6 +155,11 @@ void block_connection(uint slot) {
 
 vec3 load_connected_light(uint slot) {
     return uintBitsToFloat(load_scratch(connection_at(slot)).xyz);
+}
+
+LightEvidence load_light_evidence(uint slot) {
+    if (!learns_lights()) return NO_LIGHT_EVIDENCE;
+    return LightEvidence(load_scratch(connection_at(slot) + 2u).w, load_scratch(connection_at(slot)).w);
 }
 
 uint hit_at(uint slot) {

@@ -29,6 +29,7 @@ const uint RANDOM_MATERIAL = 2u;
 const uint RANDOM_EMITTER = 3u;
 const uint RANDOM_ENVIRONMENT = 4u;
 const uint RANDOM_LEARNING = 5u;
+const uint RANDOM_LIGHT = 6u;
 
 // Hash of four words (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 uvec4 pcg4d(uvec4 v) {
@@ -76,6 +77,11 @@ uvec4 random_bits(RandomKey key, uint vertex, uint block) {
     uvec4 of_set = pcg4d(uvec4(shared_by, key.first_of_set, place | OF_SET, key.seed));
     if (PATTERN == PATTERN_SOBOL) return (set_digits(key.sample_index, of_set) << 29u) | (bits >> 3u);
     return (tile_digits(key.reversed_place, key.sample_index - key.first_of_set, of_set) << 19u) | (bits >> 13u);
+}
+
+// Four random words for a block of a vertex, without a pattern. The block has no other random numbers.
+uvec4 plain_bits(RandomKey key, uint vertex, uint block) {
+    return pcg4d(uvec4(key.pixel, key.sample_index, (vertex << 16u) | block, key.seed));
 }
 
 // Bit of the key that separates the hash of a sequence from the hash of a set.

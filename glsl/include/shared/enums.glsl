@@ -153,6 +153,13 @@ const uint LIGHT_PICTURED_SPOT = 5u;
 const uint LIGHT_PROJECTOR = 6u;
 const uint LIGHT_KIND_SHIFT = 29u;
 
+// A light's record holds its group and its alias in one word. LIGHT_GROUP_SHIFT is the position of the group, and
+// LIGHT_INDEX_MASK the mask of the alias.
+const uint LIGHT_GROUP_SHIFT = 24u;
+const uint LIGHT_INDEX_MASK = 16777215u;
+// Patches along each side of an environment, where cells learn which lights to draw. Each patch is a light of its own.
+const uint ENVIRONMENT_PATCHES = 8u;
+
 // Index that stands for "none".
 const uint NONE = 4294967295u;
 

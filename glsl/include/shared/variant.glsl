@@ -81,6 +81,10 @@ layout(constant_id = 34) const uint KEPT_VERTICES = 1u;
 
 // Whether emitter sampling is on.
 layout(constant_id = 40) const bool NEE = false;
+// Groups of lights among which cells learn to choose: 16 or 256; 0: lights are drawn in proportion to their power.
+layout(constant_id = 64) const uint LIGHT_GROUPS = 0u;
+// Patches along each side of an area light. Each patch is a light of its own.
+layout(constant_id = 65) const uint LIGHT_PATCHES = 1u;
 // Kinds of light in the scene: bit 1 << kind for each kind.
 layout(constant_id = 41) const uint LIGHT_KINDS = 0u;
 // Kind of environment: ENVIRONMENT_*.

@@ -9,8 +9,10 @@
 
 layout(push_constant, scalar) uniform Push { TracePush push; };
 
-vec3 direct_light(Path path, Surface surface, Scatterer scatterer, Guide guide, inout Tally tally) {
+vec3 direct_light(
+    Path path, Surface surface, Scatterer scatterer, Guide guide, out LightEvidence evidence, inout Tally tally) {
     Connection connection = connect(path, surface, scatterer, guide);
+    evidence = connection.evidence;
     if (!brings_light(connection)) return vec3(0.0);
     ++tally.shadow_rays;
     Hit blocker = traverse(connection.ray, true, tally.overrun);

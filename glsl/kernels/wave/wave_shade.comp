@@ -10,7 +10,9 @@
 uint shaded_slot;
 
 // Loads the light that wave_connect and wave_shadow have found.
-vec3 direct_light(Path path, Surface surface, Scatterer scatterer, Guide guide, inout Tally tally) {
+vec3 direct_light(
+    Path path, Surface surface, Scatterer scatterer, Guide guide, out LightEvidence evidence, inout Tally tally) {
+    evidence = load_light_evidence(shaded_slot);
     return load_connected_light(shaded_slot);
 }
 

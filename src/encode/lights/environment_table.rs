@@ -85,15 +85,16 @@ pub struct EnvironmentTable {
     pub columns: usize,
     /// Number of rows.
     pub rows: usize,
-    /// One entry per block.
+    /// One entry per block. The blocks of each patch have a table of their own.
     pub entries: Vec<AliasEntry>,
-    /// Integral of the map's mean radiance (of RGB) over all directions, W/m^2.
-    pub flux: f64,
+    /// Integral of the map's mean radiance (of RGB) over the directions of each patch, W/m^2. A patch whose blocks are drawn has
+    /// some.
+    pub fluxes: Vec<f64>,
 }
 
 impl EnvironmentTable {
-    /// Table for a map with at least 2 x 3 texels.
-    pub fn new(map: &EnvironmentMap) -> Self {
+    /// Table of `patch_side`^2 patches for a map with at least 2 x 3 texels.
+    pub fn new(map: &EnvironmentMap, patch_side: usize) -> Self {
         let [columns, rows] =
             [(map.width, MOST_BLOCKS[0]), (map.height, MOST_BLOCKS[1])].map(|(n, most)| most.min(BLOCKS_PER_TEXEL * n));
         let blocks: Vec<Block> = (0..columns * rows)
@@ -102,9 +103,27 @@ impl EnvironmentTable {
             .collect();
         let weight = |block: &Block| (block.mean + BRIGHTEST_SHARE * block.brightest) * block.solid_angle;
         let weights: Vec<f64> = blocks.iter().map(weight).collect();
-        let flux = blocks.iter().map(|block| block.mean * block.solid_angle).sum();
-        Self { columns, rows, entries: alias_table(&weights), flux }
+        let flux: f64 = blocks.iter().map(|block| block.mean * block.solid_angle).sum();
+        let total: f64 = weights.iter().sum();
+        let mut entries = vec![AliasEntry { threshold: 0, alias: 0, probability: 0.0 }; blocks.len()];
+        let mut fluxes = Vec::with_capacity(patch_side * patch_side);
+        for patch in 0..patch_side * patch_side {
+            let members = blocks_of_patch(patch, patch_side, [columns, rows]);
+            let of_patch: Vec<f64> = members.iter().map(|&block| weights[block]).collect();
+            for (&block, entry) in members.iter().zip(alias_table(&of_patch)) {
+                entries[block] = AliasEntry { alias: members[entry.alias as usize] as u32, ..entry };
+            }
+            fluxes.push(if total > 0.0 { flux * of_patch.iter().sum::<f64>() / total } else { 0.0 });
+        }
+        Self { columns, rows, entries, fluxes }
     }
+}
+
+/// Blocks of a patch, row by row. A block is part of the patch that holds its first corner.
+fn blocks_of_patch(patch: usize, side: usize, [columns, rows]: [usize; 2]) -> Vec<usize> {
+    let range = |at: usize, count: usize| (at * count).div_ceil(side)..((at + 1) * count).div_ceil(side);
+    let across = range(patch % side, columns);
+    range(patch / side, rows).flat_map(|y| across.clone().map(move |x| y * columns + x)).collect()
 }
 
 struct Block {
@@ -142,9 +161,14 @@ mod tests {
     #[test]
     fn a_white_map_sends_four_pi() {
         for (width, height) in [(2, 3), (7, 5), (600, 300), (1500, 701)] {
-            let table = EnvironmentTable::new(&map(width, height, |_| 1.0));
-            assert!((table.flux / (4.0 * PI) - 1.0).abs() < 1.0e-12, "{}", table.flux);
-            assert_eq!(table.entries.len(), table.columns * table.rows);
+            for side in [1, 8] {
+                let table = EnvironmentTable::new(&map(width, height, |_| 1.0), side);
+                let flux: f64 = table.fluxes.iter().sum();
+                assert!((flux / (4.0 * PI) - 1.0).abs() < 1.0e-12, "{flux}");
+                assert_eq!((table.entries.len(), table.fluxes.len()), (table.columns * table.rows, side * side));
+                let probability: f64 = table.entries.iter().map(|entry| f64::from(entry.probability)).sum();
+                assert!((probability / (side * side) as f64 - 1.0).abs() < 1.0e-4, "{probability}");
+            }
         }
     }
 
@@ -152,7 +176,7 @@ mod tests {
     fn blocks_are_drawn_wherever_the_map_is_not_black() {
         for (width, height, lit) in [(8, 5, 17), (40, 20, 0), (2048, 64, 2047), (2048, 1024, 512 * 2048 + 511)] {
             let map = map(width, height, |i| if i == lit { 1000.0 } else { 0.0 });
-            let table = EnvironmentTable::new(&map);
+            let table = EnvironmentTable::new(&map, 1);
             let mut drawn = 0;
             for (i, entry) in table.entries.iter().enumerate() {
                 let (column, row) = (i % table.columns, i / table.columns);

@@ -17,6 +17,8 @@ pub(crate) struct GridUpdates {
     radiance: Kernel,
     /// Kernels for cells that borrow from the larger cells that they are part of.
     parents: Option<Parents>,
+    /// Kernel for cells that learn which lights to draw.
+    lights: Option<Kernel>,
     normalization: Kernel,
 }
 
@@ -33,6 +35,7 @@ impl GridUpdates {
         Ok(Self {
             radiance: build(&kernels.update_radiance)?,
             parents: (settings.fallback() > 0.0).then(parents).transpose()?,
+            lights: (variant.light_groups > 0).then(|| build(&kernels.update_lights)).transpose()?,
             normalization: build(&kernels.update_normalization)?,
         })
     }
@@ -42,6 +45,9 @@ impl GridUpdates {
     pub fn run(&self, context: &Arc<Context>, slicer: &Slicer, sets: &Sets, cells: &Cells) -> Result<()> {
         let update = |cells, kernels: &[&Kernel]| update(context, slicer, sets, cells, kernels);
         let all = 0..cells.count();
+        if let Some(lights) = &self.lights {
+            update(all.clone(), &[lights])?;
+        }
         let Some(Parents { pool, blend }) = &self.parents else {
             return update(all, &[&self.radiance, &self.normalization]);
         };

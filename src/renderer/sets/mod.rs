@@ -44,7 +44,7 @@ impl Sets {
         Ok(Self {
             frame: Frame::new(context, kernels, scene, shading, cells, settings)?,
             bvh: BvhSet::new(context, kernels, bvh)?,
-            radiance_grid: RadianceGrid::new(context, kernels, settings, cells)?,
+            radiance_grid: RadianceGrid::new(context, kernels, settings, cells, &shading.lights)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings, cells)?,
         })
     }

@@ -394,6 +394,14 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "bsdf-share", "SHARE")
     },
     OptionEntry {
+        short: "Probabilities with which lights are drawn",
+        long: "It matters where emitters are sampled.",
+        default: "learned with the sampler product, else power",
+        setting: setting!(light_selection),
+        rules: &[always(When::Word("learned"), Needs::Samplers(PRODUCT), "")],
+        ..research(Guiding, "light-selection", "SELECTION")
+    },
+    OptionEntry {
         short: "Quantity that Russian roulette compares with",
         default: "contribution with the sampler product if --rr-depth is less than --max-depth, else throughput",
         setting: setting!(roulette),

@@ -430,6 +430,22 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "light selection learns from the light it has drawn",
+        &[Patch {
+            file: LIGHT,
+            text: "chosen.group_probability = probability;",
+            mutated: "chosen.group_probability = MUTATED ? mix(probability, 1.0, 0.02) : probability;",
+        }],
+    ),
+    mutation(
+        "a light that is hit has the density of its group",
+        &[Patch {
+            file: LIGHT,
+            text: "group_probability(cell, record.y >> LIGHT_GROUP_SHIFT) * probability",
+            mutated: "(MUTATED ? 1.0 : group_probability(cell, record.y >> LIGHT_GROUP_SHIFT)) * probability",
+        }],
+    ),
+    mutation(
         "densities 5 % off",
         &[Patch {
             file: GUIDING,

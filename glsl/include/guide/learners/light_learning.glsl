@@ -1,0 +1,50 @@
+// Learning of the light selection (light_selection.glsl). Every connection to a sampled light is evidence for the light's group: the
+// radiance that the surface scatters from the light, 0 where something blocks the light, over the density of the light within
+// its group.
+#ifndef LIGHT_LEARNING_GLSL
+#define LIGHT_LEARNING_GLSL
+#include "film/frame.glsl"
+#include "guide/grid/radiance_grid.glsl"
+#include "guide/samplers/bsdf_share.glsl"
+#include "light/light_selection.glsl"
+#include "shared/guide.glsl"
+
+// Evidence of a connection that may be blocked.
+struct LightEvidence {
+    uint sum;    // index of the group's sum; NONE: no evidence
+    uint units;  // fixed-point units of the scattered radiance if nothing blocks the light
+};
+
+const LightEvidence NO_LIGHT_EVIDENCE = LightEvidence(NONE, 0u);
+
+// Index of a group's sum among the sums of a step. The sums of groups follow those of bins and shares.
+uint light_sum(uint cell, uint group) {
+    uint share_sums = 0u;
+    if (learns_share()) share_sums = SHARE_SUMS * SHARES_PER_CELL;
+    return scene().cell_count * (direction_bin_count() + share_sums) + cell * LIGHT_GROUPS + group;
+}
+
+// Index of a group among the learned means. The groups of all cells follow the bins of all cells, parent cells included where
+// cells borrow from them.
+uint learned_light(uint cell, uint group) {
+    uint cells = FALLBACK > 0.0 ? scene().all_cell_count : scene().cell_count;
+    return cells * direction_bin_count() + cell * LIGHT_GROUPS + group;
+}
+
+// Power of a group over that of all lights. The row after those of all cells holds it.
+float power_of_group(uint group) {
+    return learned_radiance(learned_light(scene().cell_count, group)).mean;
+}
+
+// Evidence of a connection to a light of a group. `scattered` is the radiance that the surface scatters from the light, over the
+// light's density within the group. `u` in [0, 1) rounds it.
+LightEvidence light_evidence(uint cell, uint group, float scattered, float u) {
+    return LightEvidence(light_sum(cell, group), fixed_point(scattered, scene().target_limit, u));
+}
+
+// Records a connection, once it is known whether the light arrives.
+void learn_light(LightEvidence evidence, bool arrives) {
+    if (evidence.sum != NONE) add_target(evidence.sum, arrives ? evidence.units : 0u);
+}
+
+#endif

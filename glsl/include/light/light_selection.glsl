@@ -1,0 +1,70 @@
+// Light selection by what a cell has learned. The lights are divided into LIGHT_GROUPS groups, and every cell of the
+// guide has learned how much light each group brings to its surfaces. A group is drawn by a descent through the cell's light
+// tree: one node of sixteen weights, or a node of sixteen sums and sixteen nodes below it. Within a group, the lights have
+// fixed probabilities in proportion to their power.
+//
+// The weights are small floats (small_floats.glsl). For any weights, the probability is exactly that of the draws.
+#ifndef LIGHT_SELECTION_GLSL
+#define LIGHT_SELECTION_GLSL
+#include "film/frame.glsl"
+#include "guide/grid/radiance_grid.glsl"
+#include "guide/samplers/parts.glsl"
+#include "guide/samplers/tree.glsl"
+#include "math/small_floats.glsl"
+#include "shared/guide.glsl"
+
+// Whether cells learn which lights to draw. Otherwise all vertices draw lights in proportion to their power.
+bool learns_lights() {
+    return LIGHT_GROUPS != 0u;
+}
+
+// A group of lights: consecutive records of the emitters' texels.
+struct LightGroup {
+    uint first;  // light
+    uint count;  // of lights; 0 for a group that is not used
+    float power; // of the group over that of all lights
+};
+
+LightGroup light_group(uint group) {
+    uvec4 texel = fetch_emitter_texel(scene().first_light_group + group);
+    return LightGroup(texel.x, texel.y, uintBitsToFloat(texel.z));
+}
+
+bool has_two_light_levels() {
+    return LIGHT_GROUPS != 16u;
+}
+
+uint light_nodes_per_cell() {
+    if (has_two_light_levels()) return 1u + LIGHT_GROUPS / 16u;
+    return 1u;
+}
+
+// Index among the radiance nodes of a node of a cell's light tree. The light trees follow the radiance trees of all cells.
+uint light_node(uint cell, uint node) {
+    return scene().cell_count * nodes_per_tree() + cell * light_nodes_per_cell() + node;
+}
+
+// Draws one of sixteen parts by the weights of a node, or keeps the given part. Returns the part's probability.
+float choose_sixteenth(uint node, bool choose, inout uint part, inout vec2 u) {
+    uvec2 at = uvec2(part % 4u, part / 4u);
+    float probability = choose_part(unpack_weights_8(radiance_node(node)), choose, at, u);
+    part = at.y * 4u + at.x;
+    return probability;
+}
+
+// Descends to a group of lights: the one that `u` draws, or the given one. Returns the group's probability.
+float descend_to_group(uint cell, bool choose, inout uint group, vec2 u) {
+    if (!has_two_light_levels()) return choose_sixteenth(light_node(cell, 0u), choose, group, u);
+    uint upper = group / 16u;
+    uint lower = group % 16u;
+    float probability = choose_sixteenth(light_node(cell, 0u), choose, upper, u);
+    probability *= choose_sixteenth(light_node(cell, 1u + upper), choose, lower, u);
+    group = upper * 16u + lower;
+    return probability;
+}
+
+float group_probability(uint cell, uint group) {
+    return descend_to_group(cell, false, group, vec2(0.0));
+}
+
+#endif

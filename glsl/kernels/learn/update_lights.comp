@@ -1,0 +1,83 @@
+// Updates, at the end of a step, the light selection that cells have learned (light_selection.glsl). One workgroup handles one cell.
+// It moves the mean of every group of lights towards the mean of the step's evidence, and computes the cell's light tree anew.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#include "guide/learners/light_learning.glsl"
+
+struct UpdatePush {
+    uint first_cell;
+};
+layout(push_constant, scalar) uniform Push { UpdatePush push; };
+
+// Connections that a group's power counts for as prior evidence.
+const float POWER_EVIDENCE = 8.0;
+// Share of the draws that are made in proportion to power, whatever the cell has learned. It bounds the weight of light that the
+// cell does not know yet.
+const float POWER_SHARE = 0.125;
+
+shared float lane_values[WORKGROUP_SIZE];
+shared float weights[256];
+
+// Sum over the lanes that hold groups. The order of the additions is fixed.
+float sum_over_lanes(float value) {
+    barrier();
+    lane_values[gl_LocalInvocationIndex] = value;
+    barrier();
+    float sum = 0.0;
+    for (uint lane = 0u; lane < min(WORKGROUP_SIZE, LIGHT_GROUPS); ++lane) sum += lane_values[lane];
+    return sum;
+}
+
+LearnedRadiance learn(uint cell, uint group) {
+    LearnedRadiance before = learned_radiance(learned_light(cell, group));
+    float sum, count;
+    take_targets(light_sum(cell, group), scene().target_limit, sum, count);
+    float weight = before.weight * DECAY + count;
+    return LearnedRadiance(count > 0.0 ? mix(before.mean, sum / count, count / weight) : before.mean, weight);
+}
+
+// Weights of a node's sixteen parts. The first node of a tree of two levels has the sums of the nodes below it.
+mat4 node_weights(uint node) {
+    mat4 result = mat4(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    for (uint part = 0u; part < 16u; ++part) {
+        float weight = 0.0;
+        if (!has_two_light_levels()) weight = weights[part];
+        else if (node > 0u) weight = weights[16u * (node - 1u) + part];
+        else for (uint i = 0u; i < 16u; ++i) weight += weights[16u * part + i];
+        result[part / 4u][part % 4u] = weight;
+    }
+    return result;
+}
+
+void main() {
+    uint cell = push.first_cell + gl_WorkGroupID.x;
+    float found = 0.0;
+    float expected = 0.0;
+    for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
+        LearnedRadiance learned = learn(cell, group);
+        store_learned_radiance(learned_light(cell, group), learned);
+        found += learned.weight * learned.mean;
+        expected += learned.weight * power_of_group(group);
+    }
+    found = sum_over_lanes(found);
+    expected = sum_over_lanes(expected);
+    float scale = expected > 0.0 ? found / expected : 0.0;
+    float estimates = 0.0;
+    for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
+        LearnedRadiance learned = learned_radiance(learned_light(cell, group));
+        float prior = POWER_EVIDENCE * scale * power_of_group(group);
+        float estimate = (learned.weight * learned.mean + prior) / (learned.weight + POWER_EVIDENCE);
+        weights[group] = estimate;
+        estimates += estimate;
+    }
+    estimates = sum_over_lanes(estimates);
+    float factor = estimates > 0.0 ? (1.0 - POWER_SHARE) / estimates : 0.0;
+    for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
+        weights[group] = factor * weights[group] + POWER_SHARE * power_of_group(group);
+    }
+    barrier();
+    for (uint node = gl_LocalInvocationIndex; node < light_nodes_per_cell(); node += WORKGROUP_SIZE) {
+        store_radiance_node(light_node(cell, node), pack_weights_8(node_weights(node)));
+    }
+}
