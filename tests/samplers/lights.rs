@@ -84,14 +84,12 @@ pub fn draw(scene: &Scene, inputs: &[LightInput], seed: u32) -> Vec<LightOutput>
     draw_selected(scene, inputs, seed, None)
 }
 
+/// Function from the power of each group of lights to the weights of the groups.
+pub type Weights = fn(&[f32]) -> Vec<f32>;
+
 /// One sample for each input. With a `selection`, the cell draws groups of lights by these weights; they begin with those that
 /// it gets: the power of each group.
-pub fn draw_selected(
-    scene: &Scene,
-    inputs: &[LightInput],
-    seed: u32,
-    selection: Option<fn(&[f32]) -> Vec<f32>>,
-) -> Vec<LightOutput> {
+pub fn draw_selected(scene: &Scene, inputs: &[LightInput], seed: u32, selection: Option<Weights>) -> Vec<LightOutput> {
     assert!((inputs.len() as u32).is_multiple_of(GROUP));
     let device = Device::new();
     let bvh = Bvh::build(&scene.primitives);
