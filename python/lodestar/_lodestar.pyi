@@ -41,6 +41,7 @@ class _Keywords(TypedDict, total=False):
     mix: Literal["density", "acceptance"] | None
     epsilon: float | None
     bsdf_share: Literal["fixed", "learned"] | None
+    light_selection: Literal["power", "learned"] | None
     roulette: Literal["throughput", "contribution"] | None
     map: Literal["equal-area", "cylindrical"] | None
     grid: int | Literal["auto"] | None

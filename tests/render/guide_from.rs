@@ -1,5 +1,6 @@
 //! Renders that begin with the guide of another render.
 
+use lodestar::scene::Scene;
 use lodestar::settings::{Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::mutated::DENSITIES_FAR;
@@ -32,4 +33,31 @@ fn a_picture_that_begins_with_a_guide_is_unbiased() {
     assert!(agrees(&device, &with(Sampler::RejectionMix, 3)));
     assert!(agrees(&device, &later));
     assert!(!agrees(&device.mutated(DENSITIES_FAR), &with(Sampler::RejectionMix, 3)));
+}
+
+/// A guide of another scene has other cells, and other lights or another number of groups of lights. The picture stays unbiased.
+#[test]
+fn a_guide_of_another_scene_is_unbiased() {
+    let with = |scene: &Scene, sampler, seed| {
+        steady(Settings { nee: true, max_depth: 8, ..settings(scene, [16, 16], sampler, seed) })
+    };
+    let scene = ours("cornell-box/scene.xml", &[]);
+    let device = Device::new();
+    let unguided = Estimate::of(&device.render(&scene, &with(&scene, Sampler::Bsdf, 1), 1024));
+    for other in [ours("lights/scene.xml", &[]), ours("lights/floor.xml", &[("light", "constant")])] {
+        let mut teacher = device.renderer(&other, &with(&other, Sampler::Product, 2));
+        steps(&mut teacher, &with(&other, Sampler::Product, 2), 16);
+        let guide = teacher.learned_guide().expect("a guide");
+        let agrees = |device: &Device| {
+            let settings = with(&scene, Sampler::Product, 3);
+            let mut renderer = device.renderer(&scene, &settings);
+            renderer.begin_with_guide(&guide).expect("a guide with the same settings");
+            steps(&mut renderer, &settings, 512);
+            let picture = Estimate::of(&renderer.picture().expect("a picture"));
+            let comparison = Comparison::new(&unguided, &picture, &[8, WHOLE]);
+            println!("{}: {comparison:?}", device.mutation());
+            comparison.agrees()
+        };
+        assert!(agrees(&device) && !agrees(&device.mutated(DENSITIES_FAR)));
+    }
 }

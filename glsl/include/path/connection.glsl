@@ -22,7 +22,7 @@ Connection connect(Path path, Surface surface, Scatterer scatterer, Guide guide)
     Connection connection = Connection(vec3(0.0), shadow_ray(surface, light), NO_LIGHT_EVIDENCE);
     if (scatterer.passes) return connection;
     bool scatters = light.pdf > 0.0 && max_component(scattered) > 0.0;
-    if (learns_lights()) {
+    if (records_lights(path.key.sample_index)) {
         float found = scatters ? mean_rgb(scattered) * (light.group_probability / light.pdf) : 0.0;
         connection.evidence = light_evidence(scatterer.cell, light.group, found, light.leftover);
     }

@@ -9,6 +9,11 @@
 #include "light/light_selection.glsl"
 #include "shared/guide.glsl"
 
+// Samples of a pixel that all record evidence. Of the later ones, one of RECORDED_SAMPLES does: recording takes time, and by then a
+// cell knows much.
+const uint FIRST_SAMPLES_RECORDED = 4u;
+const uint RECORDED_SAMPLES = 4u;
+
 // Evidence of a connection that may be blocked.
 struct LightEvidence {
     uint sum;    // index of the group's sum; NONE: no evidence
@@ -16,6 +21,11 @@ struct LightEvidence {
 };
 
 const LightEvidence NO_LIGHT_EVIDENCE = LightEvidence(NONE, 0u);
+
+// Whether the connections of a sample are recorded.
+bool records_lights(uint sample_index) {
+    return learns_lights() && (sample_index < FIRST_SAMPLES_RECORDED || sample_index % RECORDED_SAMPLES == 0u);
+}
 
 // Index of a group's sum among the sums of a step. The sums of groups follow those of bins and shares.
 uint light_sum(uint cell, uint group) {
