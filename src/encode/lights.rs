@@ -4,8 +4,8 @@
 mod alias_table;
 mod candidate;
 mod environment_table;
+mod group_tree;
 mod groups;
-mod light_tree;
 mod patches;
 mod textured;
 
@@ -17,8 +17,8 @@ use rayon::prelude::*;
 pub use alias_table::{AliasEntry, alias_table};
 use candidate::Candidate;
 pub use environment_table::{EnvironmentMap, EnvironmentTable};
-pub(crate) use light_tree::light_nodes;
-pub use light_tree::light_tree;
+pub(crate) use group_tree::group_nodes;
+pub use group_tree::{first_weights, group_tree};
 
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::morton_key;

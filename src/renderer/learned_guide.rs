@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::Renderer;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_trees::{Node, nodes_per_tree};
-use crate::encode::lights::light_nodes;
+use crate::encode::lights::group_nodes;
 use crate::film::ranges::SampleRanges;
 use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
@@ -28,8 +28,8 @@ pub struct LearnedGuide {
 pub(crate) struct GuideState {
     settings: Settings,
     cells: Cells,
-    /// Groups of lights among which each cell learns to choose.
-    light_groups: u32,
+    /// Power of each group of lights over that of all lights.
+    group_powers: Vec<f32>,
     parts: Vec<StatePart>,
     /// Samples that it was learned from.
     samples: SampleRanges,
@@ -81,7 +81,8 @@ impl Renderer {
         let parts = self.guide_parts().iter().map(read).collect::<Result<_>>()?;
         let samples = self.guide_samples.clone().union(SampleRanges::of_render(&self.settings, self.samples_done));
         let (settings, cells) = (self.settings.clone(), self.cells.clone());
-        let state = GuideState { settings, cells, light_groups: self.light_groups, parts, samples };
+        let group_powers = self.sets.radiance_grid.group_powers().to_vec();
+        let state = GuideState { settings, cells, group_powers, parts, samples };
         Ok(LearnedGuide { state, radiance: self.radiance()? })
     }
 
@@ -107,7 +108,8 @@ impl Renderer {
         };
         let parts = self.guide_parts().iter().map(&mut take).collect::<Result<_>>()?;
         // Settings of the guide and the scene decide the cells and the groups of lights.
-        Ok(GuideState { settings, cells: self.cells.clone(), light_groups: self.light_groups, parts, samples })
+        let group_powers = self.sets.radiance_grid.group_powers().to_vec();
+        Ok(GuideState { settings, cells: self.cells.clone(), group_powers, parts, samples })
     }
 
     /// Samples of earlier renders that the guide has learned from.
@@ -121,7 +123,7 @@ impl Renderer {
     }
 
     /// Begins with a guide of another render. Each cell takes what the nearest cell has learned. What it has learned about lights
-    /// is left out if the scenes do not have the same number of groups of lights.
+    /// is left out if the groups of lights of the two scenes do not have the same powers.
     ///
     /// # Errors
     /// Where steps were taken already, settings of the guides differ, or the guide has learned from samples that this render may
@@ -149,7 +151,7 @@ impl Renderer {
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
             let length = part.len_bytes() as usize;
-            let is_alike = guide.cells == self.cells && guide.light_groups == self.light_groups;
+            let is_alike = guide.cells == self.cells && guide.group_powers == self.sets.radiance_grid.group_powers();
             let mut bytes = match is_alike {
                 true => saved.bytes.clone(),
                 false => self.copied_part(part, &saved.bytes, guide, &sources)?,
@@ -195,8 +197,8 @@ impl Renderer {
             "bin ends" if sampler == Sampler::SphereInversion => copied(bytes, bins * size_of::<u32>(), sources),
             "radiance nodes" if sampler == Sampler::Product => {
                 let tree = nodes_per_tree(directions) as usize * size_of::<Node>();
-                let light_tree = light_nodes(self.light_groups) as usize * size_of::<Node>();
-                let tables = [(0, 0, tree), (old_count * tree, sources.len() * tree, light_tree)];
+                let group_tree = group_nodes(self.light_groups) as usize * size_of::<Node>();
+                let tables = [(0, 0, tree), (old_count * tree, sources.len() * tree, group_tree)];
                 self.copied_tables(part, bytes, guide, sources, tables)?
             }
             "normalizers" => copied(bytes, normals * size_of::<NormalizationEntry>(), sources),
@@ -206,7 +208,7 @@ impl Renderer {
     }
 
     /// Content of a part that holds a table of bins and a table of lights. Each has its place in the old part, its place in the
-    /// new one, and the size of a cell's block. The table of lights stays as it is where the number of groups differs.
+    /// new one, and the size of a cell's block. The table of lights stays as it is where the groups' powers differ.
     fn copied_tables(
         &self,
         part: &Persistent,
@@ -216,7 +218,7 @@ impl Renderer {
         tables: [(usize, usize, usize); 2],
     ) -> Result<Vec<u8>> {
         let mut content = part.read()?;
-        let has_lights = guide.light_groups == self.light_groups;
+        let has_lights = guide.group_powers == self.sets.radiance_grid.group_powers();
         for (old, new, size) in tables.into_iter().take(if has_lights { 2 } else { 1 }) {
             let copy = copied(&bytes[old..], size, sources);
             content[new..new + copy.len()].copy_from_slice(&copy);

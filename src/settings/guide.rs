@@ -78,7 +78,7 @@ pub enum GridSampler {
         /// Quantity that Russian roulette compares with; `None` chooses it as [`Settings::roulette`] says.
         roulette: Option<Roulette>,
         /// Probabilities with which lights are drawn; `None` learns them.
-        lights: Option<LightSelection>,
+        light_selection: Option<LightSelection>,
     },
     /// Rejection with a share of uniform directions ([`Sampler::RejectionMix`]).
     RejectionMix {
@@ -242,11 +242,11 @@ impl Settings {
 
     fn set_grid_sampler(&mut self, sampler: GridSampler) {
         match sampler {
-            GridSampler::Product { learner, directions, normals, roulette, lights } => {
+            GridSampler::Product { learner, directions, normals, roulette, light_selection } => {
                 self.sampler = Sampler::Product;
                 self.set_product_learner(learner);
                 (self.directions, self.normals, self.roulette) = (directions.number(), normals, roulette);
-                self.light_selection = lights;
+                self.light_selection = light_selection;
             }
             GridSampler::RejectionMix { learner, mixture, max_tries, directions, normals } => {
                 self.sampler = Sampler::RejectionMix;
@@ -388,8 +388,8 @@ impl GridSampler {
             32 => ProductDirections::Side32,
             _ => ProductDirections::Side16,
         };
-        let &Settings { normals, roulette, light_selection: lights, .. } = settings;
-        Self::Product { learner, directions, normals, roulette, lights }
+        let &Settings { normals, roulette, light_selection, .. } = settings;
+        Self::Product { learner, directions, normals, roulette, light_selection }
     }
 }
 
@@ -463,8 +463,8 @@ mod tests {
         for learner in learners.chain([None, Some(0.5)].map(ProductLearner::MonteCarlo)) {
             for directions in [ProductDirections::Side16, ProductDirections::Side32, ProductDirections::Side64] {
                 for roulette in [None, Some(Roulette::Throughput), Some(Roulette::Contribution)] {
-                    for lights in [None, Some(LightSelection::Power), Some(LightSelection::Learned)] {
-                        samplers.push(GridSampler::Product { learner, directions, normals, roulette, lights });
+                    for light_selection in [None, Some(LightSelection::Power), Some(LightSelection::Learned)] {
+                        samplers.push(GridSampler::Product { learner, directions, normals, roulette, light_selection });
                     }
                 }
             }

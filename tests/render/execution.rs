@@ -3,7 +3,7 @@
 use glam::Vec3;
 use lodestar::renderer::Counts;
 use lodestar::scene::emitter::AreaEmitter;
-use lodestar::scene::{Scene, Textured};
+use lodestar::scene::{Environment, EnvironmentKind, Scene, Textured};
 use lodestar::settings::{Execution, Learner, SamplePattern, SampleWeights, Sampler, Settings};
 use support::scenes::{Change, guided, ours, settings};
 use support::tier;
@@ -100,6 +100,11 @@ fn waves_change_no_bit_of_any_scene() {
         compare(&device, name, &scene, |s| s.nee = true);
         compare(&device, &format!("{name}, roulette from the start"), &scene, |s| (s.max_depth, s.rr_depth) = (3, 1));
     }
+    // The sky is cut into patches, so each cell selects among 256 groups of lights.
+    let mut scene = ours("door-ajar/scene.xml", &[]);
+    let kind = EnvironmentKind::Constant { radiance: Vec3::ONE };
+    scene.environment = Some(Environment { kind, sampling_weight: 1.0 });
+    compare(&device, "a door under a sky", &scene, |s| s.nee = true);
 }
 
 #[test]

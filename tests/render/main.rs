@@ -16,6 +16,7 @@ mod execution;
 mod guide_from;
 mod guide_set;
 mod learning;
+mod light_selection;
 mod nee;
 mod noise;
 mod pattern;

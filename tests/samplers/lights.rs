@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::encode::cosine_trees::{Node, nodes_per_tree};
-use lodestar::encode::lights::{Lights, light_tree};
+use lodestar::encode::lights::{Lights, group_tree};
 use lodestar::generated::kernels::{Variant, test};
 use lodestar::generated::layout::SceneConstants;
 use lodestar::gpu::BufferKind;
@@ -102,9 +102,9 @@ pub fn draw_selected(scene: &Scene, inputs: &[LightInput], seed: u32, selection:
     let mut constants = SceneConstants::zeroed();
     lights.write_constants(&mut constants);
     constants.cell_count = 1;
-    // The light tree follows the cell's tree of radiance.
+    // The group tree follows the cell's tree of radiance.
     let mut trees = vec![Node::default(); nodes_per_tree(Variant::default().direction_resolution) as usize];
-    trees.extend(selection.map(|weights| light_tree(&weights(&lights.group_powers()))).unwrap_or_default());
+    trees.extend(selection.map(|weights| group_tree(&weights(&lights.group_powers()))).unwrap_or_default());
     let trees = buffer("trees", bytemuck::cast_slice(&trees), BufferKind::TexelUint);
     let constants = buffer("scene", bytemuck::bytes_of(&constants), BufferKind::Uniform);
     let emitters = buffer("emitters", bytemuck::cast_slice(&lights.texels()), BufferKind::TexelUint);

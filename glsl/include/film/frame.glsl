@@ -88,7 +88,8 @@ uvec4 fetch_material(uint material, uint texel) {
     return texelFetch(materials, int(material * MATERIAL_TEXELS + texel));
 }
 
-// Texel of the emitter buffer, which holds first the emitters, then the lights, then the environment's tables.
+// Texel of the emitter buffer, which holds first the emitters, then the lights, delta lights, the environment's tables and the
+// groups of lights.
 uvec4 fetch_emitter_texel(uint texel) {
     return texelFetch(emitters, int(texel));
 }

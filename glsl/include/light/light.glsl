@@ -17,7 +17,7 @@ struct LightSample {
     bool delta;     // whether no ray can hit the light
     uint group;     // of lights, where cells learn which lights to draw
     float group_probability;  // with which the group was drawn
-    float leftover;           // number in [0, 1) that the sample leaves unused
+    float leftover;           // number in [0, 1) that the sample leaves unused where cells learn which lights to draw
 };
 
 const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false, 0u, 1.0, 0.0);
@@ -56,13 +56,14 @@ ChosenLight choose_of_lights(uvec2 bits, uint first, uint count) {
     return ChosenLight(index, record, 0u, 1.0);
 }
 
-// Draws a light for a vertex in a cell of the guide. bits.xy are used up.
+// Draws a light for a vertex in a cell of the guide. It uses up bits.xy.
 ChosenLight choose_light(RandomKey key, uint vertex, uvec4 bits, uint cell) {
     if (!learns_lights()) return choose_of_lights(bits.xy, 0u, scene().light_count);
     uint group = 0u;
-    float probability = descend_to_group(cell, true, group, unit_floats(bits).xy);
+    uvec4 more_bits = plain_bits(key, vertex, RANDOM_LIGHT);
+    float probability = descend_to_group(cell, true, group, unit_floats(bits).xy, unit_floats(more_bits).zw);
     LightGroup lights = light_group(group);
-    ChosenLight chosen = choose_of_lights(plain_bits(key, vertex, RANDOM_LIGHT).xy, lights.first, lights.count);
+    ChosenLight chosen = choose_of_lights(more_bits.xy, lights.first, lights.count);
     if (lights.count == 0u) chosen.record.w = 0u;
     chosen.group = group;
     chosen.group_probability = probability;
@@ -98,8 +99,11 @@ uint patch_of_light(uint primitive, vec3 position) {
     vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
     vec3 edge_v = fetch_primitive(primitive, 2u).xyz;
     vec3 d = position - texel0.xyz;
+    // Two steps, because squares of small or large edges leave a float's range.
     vec3 n = cross(edge_u, edge_v);
-    vec2 uv = vec2(dot(cross(d, edge_v), n), dot(cross(edge_u, d), n)) / max(dot(n, n), 1.0e-37);
+    float scale = 1.0 / max(max_abs(n), 1.0e-37);
+    n *= scale;
+    vec2 uv = vec2(dot(cross(d, edge_v) * scale, n), dot(cross(edge_u, d) * scale, n)) / dot(n, n);
     vec2 u = square_of_flat(floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK, uv);
     uvec2 at = uvec2(clamp(u, 0.0, 1.0 - 1.0 / 16777216.0) * float(LIGHT_PATCHES));
     return at.y * LIGHT_PATCHES + at.x;

@@ -34,14 +34,14 @@ bool has_two_light_levels() {
     return LIGHT_GROUPS != 16u;
 }
 
-uint light_nodes_per_cell() {
+uint group_nodes_per_cell() {
     if (has_two_light_levels()) return 1u + LIGHT_GROUPS / 16u;
     return 1u;
 }
 
-// Index among the radiance nodes of a node of a cell's light tree. The light trees follow the radiance trees of all cells.
-uint light_node(uint cell, uint node) {
-    return scene().cell_count * nodes_per_tree() + cell * light_nodes_per_cell() + node;
+// Index among the radiance nodes of a node of a cell's group tree. The group trees follow the radiance trees of all cells.
+uint group_node(uint cell, uint node) {
+    return scene().cell_count * nodes_per_tree() + cell * group_nodes_per_cell() + node;
 }
 
 // Draws one of sixteen parts by the weights of a node, or keeps the given part. Returns the part's probability.
@@ -52,19 +52,20 @@ float choose_sixteenth(uint node, bool choose, inout uint part, inout vec2 u) {
     return probability;
 }
 
-// Descends to a group of lights: the one that `u` draws, or the given one. Returns the group's probability.
-float descend_to_group(uint cell, bool choose, inout uint group, vec2 u) {
-    if (!has_two_light_levels()) return choose_sixteenth(light_node(cell, 0u), choose, group, u);
+// Descends to a group of lights: the one that `u` and, on the lower level, `u_lower` draw, or the given one. Returns the group's
+// probability.
+float descend_to_group(uint cell, bool choose, inout uint group, vec2 u, vec2 u_lower) {
+    if (!has_two_light_levels()) return choose_sixteenth(group_node(cell, 0u), choose, group, u);
     uint upper = group / 16u;
     uint lower = group % 16u;
-    float probability = choose_sixteenth(light_node(cell, 0u), choose, upper, u);
-    probability *= choose_sixteenth(light_node(cell, 1u + upper), choose, lower, u);
+    float probability = choose_sixteenth(group_node(cell, 0u), choose, upper, u);
+    probability *= choose_sixteenth(group_node(cell, 1u + upper), choose, lower, u_lower);
     group = upper * 16u + lower;
     return probability;
 }
 
 float group_probability(uint cell, uint group) {
-    return descend_to_group(cell, false, group, vec2(0.0));
+    return descend_to_group(cell, false, group, vec2(0.0), vec2(0.0));
 }
 
 #endif

@@ -18,7 +18,8 @@ float emission_weight(Path path, float pdf_light) {
     return path.pdf > 0.0 ? mis_weight(path.pdf, pdf_light) : 1.0;
 }
 
-// Cell of the surface that the path's ray has left. It matters where cells learn which lights to draw.
+// Cell of the surface that the path's ray has left. It matters where cells learn which lights to draw. Without a segment, path.pdf
+// is 0, and nobody uses the density of the cell 0.
 uint cell_left(Path path) {
     bool known = learns_lights() && path.segment.index != NONE;
     return known ? path.segment.index / direction_bin_count() : 0u;

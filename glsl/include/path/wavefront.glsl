@@ -138,7 +138,7 @@ void store_connection(uint slot, Connection connection) {
     uint units = connection.evidence.units;
     store_scratch(at, brings_light(connection) ? uvec4(floatBitsToUint(connection.light), units) : uvec4(0u));
     if (!learns_lights() && !brings_light(connection)) return;
-    store_scratch(at + 1u, floatBitsToUint(vec4(connection.ray.origin, connection.ray.t_max)));
+    if (brings_light(connection)) store_scratch(at + 1u, floatBitsToUint(vec4(connection.ray.origin, connection.ray.t_max)));
     store_scratch(at + 2u, uvec4(floatBitsToUint(connection.ray.direction), connection.evidence.sum));
 }
 

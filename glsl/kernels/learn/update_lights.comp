@@ -1,5 +1,5 @@
 // Updates, at the end of a step, the light selection that cells have learned (light_selection.glsl). One workgroup handles one cell.
-// It moves the mean of every group of lights towards the mean of the step's evidence, and computes the cell's light tree anew.
+// It moves the mean of every group of lights towards the mean of the step's evidence, and computes the cell's group tree anew.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -12,9 +12,10 @@ layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 // Connections that a group's power counts for as prior evidence.
 const float POWER_EVIDENCE = 8.0;
-// Share of the draws that are made in proportion to power, whatever the cell has learned. It bounds the weight of light that the
-// cell does not know yet.
-const float POWER_SHARE = 0.125;
+// Shares of the draws that are made in proportion to power, and evenly among all groups that have power, whatever the cell has
+// learned. They bound the weight of light that the cell does not know yet.
+const float POWER_SHARE = 0.0625;
+const float EVEN_SHARE = 0.0625;
 
 shared float lane_values[WORKGROUP_SIZE];
 shared float weights[256];
@@ -54,14 +55,17 @@ void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
     float found = 0.0;
     float expected = 0.0;
+    float used = 0.0;
     for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
         LearnedRadiance learned = learn(cell, group);
         store_learned_radiance(learned_light(cell, group), learned);
         found += learned.weight * learned.mean;
         expected += learned.weight * power_of_group(group);
+        used += power_of_group(group) > 0.0 ? 1.0 : 0.0;
     }
     found = sum_over_lanes(found);
     expected = sum_over_lanes(expected);
+    used = sum_over_lanes(used);
     float scale = expected > 0.0 ? found / expected : 0.0;
     float estimates = 0.0;
     for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
@@ -72,12 +76,13 @@ void main() {
         estimates += estimate;
     }
     estimates = sum_over_lanes(estimates);
-    float factor = estimates > 0.0 ? (1.0 - POWER_SHARE) / estimates : 0.0;
+    float factor = estimates > 0.0 ? (1.0 - POWER_SHARE - EVEN_SHARE) / estimates : 0.0;
     for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
-        weights[group] = factor * weights[group] + POWER_SHARE * power_of_group(group);
+        float even = power_of_group(group) > 0.0 ? EVEN_SHARE / used : 0.0;
+        weights[group] = factor * weights[group] + POWER_SHARE * power_of_group(group) + even;
     }
     barrier();
-    for (uint node = gl_LocalInvocationIndex; node < light_nodes_per_cell(); node += WORKGROUP_SIZE) {
-        store_radiance_node(light_node(cell, node), pack_weights_8(node_weights(node)));
+    for (uint node = gl_LocalInvocationIndex; node < group_nodes_per_cell(); node += WORKGROUP_SIZE) {
+        store_radiance_node(group_node(cell, node), pack_weights_8(node_weights(node)));
     }
 }

@@ -7,6 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::alias_table::{AliasEntry, alias_table};
+use crate::generated::constants;
 use crate::scene::Image;
 use crate::scene::texture::Texels;
 
@@ -14,6 +15,8 @@ use crate::scene::texture::Texels;
 const MOST_BLOCKS: [usize; 2] = [512, 256];
 /// Blocks per texel of a small map, along each axis.
 const BLOCKS_PER_TEXEL: usize = 4;
+/// Every patch has a block, for a map has at least two texels along each axis.
+const _: () = assert!(2 * BLOCKS_PER_TEXEL >= constants::ENVIRONMENT_PATCHES as usize);
 /// Number of points along each axis at which the map is looked up in a block, at least.
 const LEAST_POINTS: usize = 2;
 const MOST_POINTS: usize = 16;
@@ -88,7 +91,7 @@ pub struct EnvironmentTable {
     /// One entry per block. The blocks of each patch have a table of their own.
     pub entries: Vec<AliasEntry>,
     /// Integral of the map's mean radiance (of RGB) over the directions of each patch, W/m^2. A patch whose blocks are drawn has
-    /// some.
+    /// a positive flux.
     pub fluxes: Vec<f64>,
 }
 

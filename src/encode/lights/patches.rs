@@ -19,8 +19,8 @@ pub(super) struct Patches {
 }
 
 impl Patches {
-    /// Patches of a scene with so many area lights. If cells learn which lights to draw, lights are cut into as many patches as trees of
-    /// weights have room for.
+    /// Patches of a scene with so many area lights. If cells learn which lights to draw, all flat lights are cut into as many patches
+    /// as have a group each, and not at all if one of the lights is a sphere.
     pub fn new(scene: &Scene, bvh: &Bvh, area_count: usize, learned: bool) -> Self {
         let has_environment = scene.environment.is_some();
         let with_sides = |area_side: usize, environment_side: usize| {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::Result;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_trees::{Node, nodes_per_tree};
-use crate::encode::lights::{Lights, light_nodes, light_tree};
+use crate::encode::lights::{Lights, first_weights, group_nodes, group_tree};
 use crate::generated::kernels::bindings::radiance_grid as numbers;
 use crate::generated::kernels::{Kernels, RADIANCE_GRID_SET, SHARE_SUMS, SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, RadianceSum};
@@ -38,7 +38,7 @@ struct LightTables {
     /// Power of each group over that of all lights.
     powers: Vec<f32>,
     cell_count: usize,
-    /// First node of the cells' light trees.
+    /// First node of the cells' group trees.
     first_node: u64,
     /// First of the powers among the learned means.
     first_power: u64,
@@ -97,7 +97,7 @@ impl RadianceGrid {
     fn nodes(settings: &Settings, cells: &Cells, light_groups: u32) -> u64 {
         match settings.sampler {
             Sampler::Product => {
-                let nodes = nodes_per_tree(settings.directions) + light_nodes(light_groups);
+                let nodes = nodes_per_tree(settings.directions) + group_nodes(light_groups);
                 u64::from(cells.count()) * u64::from(nodes)
             }
             Sampler::Quadtree => quadtrees::texels(settings),
@@ -164,15 +164,21 @@ impl RadianceGrid {
         Ok(grid)
     }
 
-    /// Makes all cells draw lights in proportion to their power, as before the first step.
+    /// Makes all cells draw lights as before the first step: mostly in proportion to their power.
     pub fn begin_lights(&self) -> Result<()> {
         let LightTables { powers, cell_count, first_node, first_power } = &self.lights;
         if powers.is_empty() {
             return Ok(());
         }
-        self.nodes.upload(first_node * size_of::<Node>() as u64, &light_tree(powers).repeat(*cell_count))?;
+        self.nodes
+            .upload(first_node * size_of::<Node>() as u64, &group_tree(&first_weights(powers)).repeat(*cell_count))?;
         let powers: Vec<_> = powers.iter().map(|&mean| LearnedRadiance { mean, weight: 0.0 }).collect();
         self.learned.upload(first_power * size_of::<LearnedRadiance>() as u64, &powers)
+    }
+
+    /// Power of each group of lights over that of all lights.
+    pub fn group_powers(&self) -> &[f32] {
+        &self.lights.powers
     }
 
     pub fn set(&self) -> &DescriptorSet {

@@ -430,7 +430,7 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "light selection learns from the light it has drawn",
+        "light selection counts the light that it has drawn",
         &[Patch {
             file: LIGHT,
             text: "chosen.group_probability = probability;",
@@ -438,7 +438,7 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
-        "a light that is hit has the density of its group",
+        "a light that is hit has the density within its group",
         &[Patch {
             file: LIGHT,
             text: "group_probability(cell, record.y >> LIGHT_GROUP_SHIFT) * probability",

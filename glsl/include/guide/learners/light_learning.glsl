@@ -41,7 +41,7 @@ uint learned_light(uint cell, uint group) {
     return cells * direction_bin_count() + cell * LIGHT_GROUPS + group;
 }
 
-// Power of a group over that of all lights. The row after those of all cells holds it.
+// Power of a group over that of all lights. It is stored as the mean of a cell that follows all cells.
 float power_of_group(uint group) {
     return learned_radiance(learned_light(scene().cell_count, group)).mean;
 }
