@@ -3,8 +3,9 @@
 
     benches/many_lights.py LAMPS FOLDER
 
-Each room is 4 x 4 x 3 m and has a door to each neighbor. The lamps are squares of 2 cm below the ceilings, two triangles each, with
-random places. The camera stands in one room. The folder gets scene.xml, rooms.obj and lamps.obj.
+Each room is 4 x 4 x 3 m and has a door to each neighbor. The lamps are squares of 2 cm below the ceilings, at random places. Each
+is two triangles, so there are twice as many lights as lamps. The camera stands in one room. The folder gets scene.xml, rooms.obj
+and lamps.obj.
 """
 
 import pathlib

@@ -11,7 +11,7 @@ use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
 use lodestar::generated::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind};
 use lodestar::scene::texture::Texels;
-use lodestar::scene::{Environment, EnvironmentKind, Image, Primitive, PrimitiveShape, Scene};
+use lodestar::scene::{DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Image, Primitive, PrimitiveShape, Scene};
 use support::device::Device;
 use support::statistics::{Numbers, mean_and_error, within_four_sigma};
 use support::twins::radiance_grid::FIXED_POINT_UNITS;
@@ -61,6 +61,19 @@ fn with_environment(mut scene: Scene, has_map: bool) -> Scene {
     scene
 }
 
+/// The scene with point lights, the first of which is never drawn.
+fn with_points(mut scene: Scene, count: usize) -> Scene {
+    let point = |i: usize| DeltaEmitter {
+        kind: DeltaKind::Point {
+            position: vec3((0.3 * i as f32).sin(), (0.7 * i as f32).cos(), 0.1 * i as f32 - 1.0),
+            intensity: Vec3::splat(if i == 0 { 0.0 } else { 0.1 }),
+        },
+        sampling_weight: if i == 0 { 0.0 } else { 1.0 },
+    };
+    scene.delta_emitters = (0..count).map(point).collect();
+    scene
+}
+
 fn cases() -> Vec<(&'static str, Scene)> {
     use PrimitiveShape::{Disk, Parallelogram, Sphere, Triangle};
     let one =
@@ -74,6 +87,8 @@ fn cases() -> Vec<(&'static str, Scene)> {
         ("parallelograms in few patches", around(40, Parallelogram)),
         ("groups of triangles", around(3000, Triangle)),
         ("a constant environment", with_environment(empty_scene(), false)),
+        ("triangles and points under a sky", with_environment(with_points(around(250, Triangle), 40), false)),
+        ("points", with_points(empty_scene(), 12)),
         ("a map and a parallelogram", rectangle(with_environment(empty_scene(), true))),
     ]
 }

@@ -11,7 +11,7 @@
 
 // Samples of a pixel that all record evidence. Of the later ones, one of RECORDED_SAMPLES does: recording takes time, and by then a
 // cell knows much.
-const uint FIRST_SAMPLES_RECORDED = 4u;
+const uint FIRST_SAMPLES_RECORDED = 32u;
 const uint RECORDED_SAMPLES = 4u;
 
 // Evidence of a connection that may be blocked.
