@@ -38,7 +38,7 @@ struct LightRecord {
 struct LightGroupRecord {
     uint first;   // light
     uint count;   // number of lights; 0: the group is not used
-    float power;  // of its lights over that of all lights
+    float power;  // of its lights over that of all lights; for the host alone
     uint unused;
 };
 

@@ -48,7 +48,8 @@ Met meet(vec3 from, vec3 direction) {
 void main() {
     uint index = gl_GlobalInvocationID.x;
     LightInput i = light_inputs[index];
-    LightSample s = sample_light(random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed), 1u, i.from, 0u);
+    RandomKey key = random_key(uvec2(index, 0u), 0u, 0u, 0u, push.seed);
+    LightSample s = sample_light(key, 1u, i.from, choose_light(key, 1u, 0u));
     light_outputs[index] = LightOutput(s.wi, s.target, s.radiance, s.pdf, s.infinite ? 1u : 0u, s.delta ? 1u : 0u,
                                        meet(i.from, s.wi), meet(i.from, i.direction));
 }

@@ -171,7 +171,7 @@ pub struct LightGroupRecord {
     pub first: u32,
     /// Number of lights; 0 for a group that is not used.
     pub count: u32,
-    /// Power of the group's lights over that of all lights.
+    /// Power of the group's lights over that of all lights, for the host alone.
     pub power: f32,
     /// Unused.
     pub unused: u32,

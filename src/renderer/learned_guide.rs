@@ -151,8 +151,7 @@ impl Renderer {
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
             let length = part.len_bytes() as usize;
-            let is_alike = guide.cells == self.cells && guide.group_powers == self.sets.radiance_grid.group_powers();
-            let mut bytes = match is_alike {
+            let mut bytes = match guide.cells == self.cells && self.has_lights_of(guide) {
                 true => saved.bytes.clone(),
                 false => self.copied_part(part, &saved.bytes, guide, &sources)?,
             };
@@ -191,13 +190,13 @@ impl Renderer {
                 let size = size_of::<LearnedRadiance>();
                 let at = |cells: &Cells| RadianceGrid::learned_bins(&self.settings, cells) as usize * size;
                 let tables =
-                    [(0, 0, bins * size), (at(&guide.cells), at(&self.cells), self.light_groups as usize * size)];
+                    [(0, 0, bins * size), (at(&guide.cells), at(&self.cells), self.light_groups() as usize * size)];
                 self.copied_tables(part, bytes, guide, sources, tables)?
             }
             "bin ends" if sampler == Sampler::SphereInversion => copied(bytes, bins * size_of::<u32>(), sources),
             "radiance nodes" if sampler == Sampler::Product => {
                 let tree = nodes_per_tree(directions) as usize * size_of::<Node>();
-                let group_tree = group_nodes(self.light_groups) as usize * size_of::<Node>();
+                let group_tree = group_nodes(self.light_groups()) as usize * size_of::<Node>();
                 let tables = [(0, 0, tree), (old_count * tree, sources.len() * tree, group_tree)];
                 self.copied_tables(part, bytes, guide, sources, tables)?
             }
@@ -218,12 +217,21 @@ impl Renderer {
         tables: [(usize, usize, usize); 2],
     ) -> Result<Vec<u8>> {
         let mut content = part.read()?;
-        let has_lights = guide.group_powers == self.sets.radiance_grid.group_powers();
-        for (old, new, size) in tables.into_iter().take(if has_lights { 2 } else { 1 }) {
+        for (old, new, size) in tables.into_iter().take(if self.has_lights_of(guide) { 2 } else { 1 }) {
             let copy = copied(&bytes[old..], size, sources);
             content[new..new + copy.len()].copy_from_slice(&copy);
         }
         Ok(content)
+    }
+
+    /// Whether a guide knows the groups of lights of this scene.
+    fn has_lights_of(&self, guide: &GuideState) -> bool {
+        guide.group_powers == self.sets.radiance_grid.group_powers()
+    }
+
+    /// Groups of lights among which each cell learns to choose.
+    pub(super) fn light_groups(&self) -> u32 {
+        self.sets.radiance_grid.group_powers().len() as u32
     }
 
     /// Memory of the device that the guide has between two steps.

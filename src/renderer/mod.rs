@@ -76,8 +76,6 @@ pub struct Renderer {
     learning: Learning,
     film_store: FilmStore,
     cells: Cells,
-    /// Groups of lights among which each cell learns to choose.
-    light_groups: u32,
     sets: Sets,
     back_end: BackEnd,
     needs: MemoryNeeds,
@@ -139,7 +137,7 @@ impl Renderer {
 
     /// Bytes of the guide on the device.
     pub fn guide_bytes(&self) -> u64 {
-        guide_cells::guide_bytes(&self.settings, &self.cells, self.light_groups)
+        guide_cells::guide_bytes(&self.settings, &self.cells, self.light_groups())
     }
 
     /// Samples per pixel that complete steps and dispatches have taken.

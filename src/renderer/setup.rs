@@ -93,7 +93,6 @@ impl Renderer {
             has_background: scene.environment.is_some() && !settings.hide_emitters,
             view: View::new(&scene.camera, settings.width, settings.height),
             cells,
-            light_groups: shading.lights.group_count(),
             guide_samples: SampleRanges::default(),
             samples_done: 0,
             stopped: false,

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3, dvec3, vec3};
 use lodestar::scene::{Primitive, PrimitiveShape};
 use lodestar::settings::DirectionMap;
+use support::primitives::primitive;
 use support::statistics::{chi_square, sidak, sphere};
 use support::twins::direction_map::direction_bin;
 use support::twins::light::{area, pdf_primitive};
@@ -15,21 +16,6 @@ const SIGNIFICANCE: f64 = 0.01;
 const SAMPLES: usize = 1 << 18;
 /// Bins of the histogram along each side of the equal-area square.
 const HISTOGRAM: u32 = 32;
-
-fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> Primitive {
-    Primitive {
-        shape,
-        origin,
-        edge_u,
-        edge_v,
-        normals: None,
-        uvs: Default::default(),
-        flip_normal: false,
-        front_only: false,
-        material: 0,
-        emitter: None,
-    }
-}
 
 fn ball(center: Vec3, radius: f32) -> Primitive {
     primitive(PrimitiveShape::Sphere, center, Vec3::X * radius, Vec3::Z * radius)

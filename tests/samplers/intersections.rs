@@ -10,6 +10,7 @@ use lodestar::generated::kernels::{NONE, Variant, test};
 use lodestar::gpu::BufferKind;
 use lodestar::scene::{Primitive, PrimitiveShape};
 use support::device::Device;
+use support::primitives::primitive;
 use support::statistics::Numbers;
 use support::twins::intersect::{Ray, crossings, traverse};
 
@@ -45,21 +46,6 @@ struct TraceOutput {
     uv: [f32; 2],
     primitive: u32,
     overrun: u32,
-}
-
-fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> Primitive {
-    Primitive {
-        shape,
-        origin,
-        edge_u,
-        edge_v,
-        normals: None,
-        uvs: Default::default(),
-        flip_normal: false,
-        front_only: false,
-        material: 0,
-        emitter: None,
-    }
 }
 
 pub const SHAPES: [PrimitiveShape; 4] =

@@ -11,29 +11,15 @@ use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
 use lodestar::generated::layout::{LearnedRadiance, RadianceSum, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind};
 use lodestar::scene::texture::Texels;
-use lodestar::scene::{DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Image, Primitive, PrimitiveShape, Scene};
+use lodestar::scene::{DeltaEmitter, DeltaKind, Environment, EnvironmentKind, Image, PrimitiveShape, Scene};
 use support::device::Device;
+use support::primitives::primitive;
 use support::statistics::{Numbers, mean_and_error, within_four_sigma};
 use support::twins::radiance_grid::FIXED_POINT_UNITS;
 
 use crate::lights::{LightInput, LightOutput, draw, draw_selected, emitting, empty_scene};
 
 const SAMPLES: usize = 1 << 17;
-
-fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> Primitive {
-    Primitive {
-        shape,
-        origin,
-        edge_u,
-        edge_v,
-        normals: None,
-        uvs: Default::default(),
-        flip_normal: false,
-        front_only: false,
-        material: 0,
-        emitter: None,
-    }
-}
 
 /// Small lights all around the origin, none behind another. They face it.
 fn around(count: usize, shape: PrimitiveShape) -> Scene {

@@ -15,12 +15,9 @@ struct LightSample {
     vec3 radiance;  // radiance that arrives if nothing is in the way; for a delta light, times the solid angle
     float pdf;      // per steradian; for a delta light, the probability of choosing it; 0: no sample
     bool delta;     // whether no ray can hit the light
-    uint group;     // of lights, where cells learn which lights to draw
-    float group_probability;  // with which the group was drawn
-    float leftover;           // number in [0, 1) that the sample leaves unused where cells learn which lights to draw
 };
 
-const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false, 0u, 1.0, 0.0);
+const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false);
 
 uvec4 fetch_light(uint light) {
     return fetch_emitter_texel(scene().first_light + light);
@@ -40,33 +37,35 @@ struct ChosenLight {
     uvec4 record;
     uint group;               // 0 where lights are drawn in proportion to their power
     float group_probability;  // 1 where lights are drawn in proportion to their power
+    uvec4 bits;               // random words of the vertex; x and y are used up
 };
 
-// Draws one of `count` consecutive lights by their alias table.
-ChosenLight choose_of_lights(uvec2 bits, uint first, uint count) {
+// Draws one of `count` consecutive lights by their alias table, which uses up two words.
+void choose_of_lights(inout ChosenLight chosen, uvec2 words, uint first, uint count) {
     uint light, rest;
-    umulExtended(bits.x, count, light, rest);
-    uint index = first + light;
-    uvec4 record = fetch_light(index);
-    uint alias = learns_lights() ? record.y & LIGHT_INDEX_MASK : record.y;
-    if (bits.y >= record.x) {
-        index = alias;
-        record = fetch_light(alias);
+    umulExtended(words.x, count, light, rest);
+    chosen.index = first + light;
+    chosen.record = fetch_light(chosen.index);
+    uint alias = learns_lights() ? chosen.record.y & LIGHT_INDEX_MASK : chosen.record.y;
+    if (words.y >= chosen.record.x) {
+        chosen.index = alias;
+        chosen.record = fetch_light(alias);
     }
-    return ChosenLight(index, record, 0u, 1.0);
 }
 
-// Draws a light for a vertex in a cell of the guide. It uses up bits.xy.
-ChosenLight choose_light(RandomKey key, uint vertex, uvec4 bits, uint cell) {
-    if (!learns_lights()) return choose_of_lights(bits.xy, 0u, scene().light_count);
-    uint group = 0u;
+// Draws a light for a vertex in a cell of the guide.
+ChosenLight choose_light(RandomKey key, uint vertex, uint cell) {
+    ChosenLight chosen = ChosenLight(0u, uvec4(0u), 0u, 1.0, random_bits(key, vertex, RANDOM_EMITTER));
+    if (!learns_lights()) {
+        choose_of_lights(chosen, chosen.bits.xy, 0u, scene().light_count);
+        return chosen;
+    }
     uvec4 more_bits = plain_bits(key, vertex, RANDOM_LIGHT);
-    float probability = descend_to_group(cell, true, group, unit_floats(bits).xy, unit_floats(more_bits).zw);
-    LightGroup lights = light_group(group);
-    ChosenLight chosen = choose_of_lights(more_bits.xy, lights.first, lights.count);
+    vec2 u = unit_floats(chosen.bits).xy;
+    chosen.group_probability = descend_to_group(cell, true, chosen.group, u, unit_floats(more_bits).zw);
+    LightGroup lights = light_group(chosen.group);
+    choose_of_lights(chosen, more_bits.xy, lights.first, lights.count);
     if (lights.count == 0u) chosen.record.w = 0u;
-    chosen.group = group;
-    chosen.group_probability = probability;
     return chosen;
 }
 
@@ -153,7 +152,7 @@ LightSample area_light_sample(uint index, uvec4 light, vec3 from, vec2 u) {
     vec3 wi = d * inversesqrt(max(squared, 1.0e-37));
     float probability = uintBitsToFloat(light.w) * float(patches_per_light());
     float pdf = squared > 0.0 ? probability * pdf_area_light(primitive, s, from) : 0.0;
-    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false, 0u, 1.0, 0.0);
+    return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
 }
 
 // Share of a spot light's intensity at the angle with this cosine to its axis. The share falls linearly with the angle,
@@ -194,7 +193,7 @@ LightSample delta_light_sample(uvec4 light, vec3 from) {
     vec4 intensity = uintBitsToFloat(fetch_emitter_texel(texel + 2u));
     float probability = uintBitsToFloat(light.w);
     if (kind == LIGHT_DIRECTIONAL) {
-        return LightSample(-direction.xyz, vec3(0.0), true, intensity.rgb, probability, true, 0u, 1.0, 0.0);
+        return LightSample(-direction.xyz, vec3(0.0), true, intensity.rgb, probability, true);
     }
     vec3 d = position.xyz - from;
     float squared = max(dot(d, d), 1.0e-37);
@@ -202,7 +201,7 @@ LightSample delta_light_sample(uvec4 light, vec3 from) {
     vec3 radiance = intensity.rgb / squared;
     if (kind == LIGHT_SPOT || kind == LIGHT_PICTURED_SPOT) radiance *= spot_falloff(-dot(wi, direction.xyz), position.w, direction.w, intensity.w);
     if (has_pictured_lights() && kind >= LIGHT_PICTURED_SPOT) radiance *= picture_color(kind, texel, -d, direction.xyz);
-    return LightSample(wi, position.xyz, false, radiance, probability, true, 0u, 1.0, 0.0);
+    return LightSample(wi, position.xyz, false, radiance, probability, true);
 }
 
 bool has_delta_lights() {
@@ -212,25 +211,22 @@ bool has_delta_lights() {
 LightSample environment_light_sample(uvec4 light, uvec4 bits) {
     EnvironmentSample s = sample_environment(bits, light.z & ((1u << LIGHT_KIND_SHIFT) - 1u));
     float pdf = uintBitsToFloat(light.w) * s.pdf;
-    return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), pdf, false, 0u, 1.0, 0.0);
+    return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), pdf, false);
 }
 
-// Sample of a light, as seen from the point `from` in a cell of the guide.
-LightSample sample_light(RandomKey key, uint vertex, vec3 from, uint cell) {
-    uvec4 bits = random_bits(key, vertex, RANDOM_EMITTER);
-    ChosenLight chosen = choose_light(key, vertex, bits, cell);
+// Sample of a light that was drawn, as seen from the point `from`.
+LightSample sample_light(RandomKey key, uint vertex, vec3 from, ChosenLight chosen) {
     uvec4 light = chosen.record;
     uint kind = light.z >> LIGHT_KIND_SHIFT;
     LightSample s = NO_LIGHT_SAMPLE;
-    if (has_light(LIGHT_AREA) && kind == LIGHT_AREA) s = area_light_sample(chosen.index, light, from, unit_floats(bits).zw);
+    if (has_light(LIGHT_AREA) && kind == LIGHT_AREA) {
+        s = area_light_sample(chosen.index, light, from, unit_floats(chosen.bits).zw);
+    }
     if (has_light(LIGHT_ENVIRONMENT) && kind == LIGHT_ENVIRONMENT) {
         s = environment_light_sample(light, random_bits(key, vertex, RANDOM_ENVIRONMENT));
     }
     if (has_delta_lights() && kind >= LIGHT_POINT) s = delta_light_sample(light, from);
     s.pdf *= chosen.group_probability;
-    s.group = chosen.group;
-    s.group_probability = chosen.group_probability;
-    s.leftover = leftover_float(bits);
     return s;
 }
 

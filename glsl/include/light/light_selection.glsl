@@ -22,12 +22,11 @@ bool learns_lights() {
 struct LightGroup {
     uint first;  // light
     uint count;  // of lights; 0 for a group that is not used
-    float power; // of the group over that of all lights
 };
 
 LightGroup light_group(uint group) {
     uvec4 texel = fetch_emitter_texel(scene().first_light_group + group);
-    return LightGroup(texel.x, texel.y, uintBitsToFloat(texel.z));
+    return LightGroup(texel.x, texel.y);
 }
 
 bool has_two_light_levels() {

@@ -14,7 +14,8 @@ struct Connection {
 
 // Samples a light. Multiple importance sampling weighs it against the direction that the path draws itself.
 Connection connect(Path path, Surface surface, Scatterer scatterer, Guide guide) {
-    LightSample light = sample_light(path.key, path.depth, surface.position, scatterer.cell);
+    ChosenLight chosen = choose_light(path.key, path.depth, scatterer.cell);
+    LightSample light = sample_light(path.key, path.depth, surface.position, chosen);
     vec3 wi = light.wi * scatterer.frame;
     float pdf = pdf_direction(scatterer, guide, wi);
     float weight = light.delta ? 1.0 : mis_weight(light.pdf, pdf);
@@ -23,8 +24,8 @@ Connection connect(Path path, Surface surface, Scatterer scatterer, Guide guide)
     if (scatterer.passes) return connection;
     bool scatters = light.pdf > 0.0 && max_component(scattered) > 0.0;
     if (records_lights(path.key.sample_index)) {
-        float found = scatters ? mean_rgb(scattered) * (light.group_probability / light.pdf) : 0.0;
-        connection.evidence = light_evidence(scatterer.cell, light.group, found, light.leftover);
+        float found = scatters ? mean_rgb(scattered) * (chosen.group_probability / light.pdf) : 0.0;
+        connection.evidence = light_evidence(scatterer.cell, chosen.group, found, leftover_float(chosen.bits));
     }
     if (!scatters) return connection;
     connection.light = scattered * (weight / light.pdf);

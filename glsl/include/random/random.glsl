@@ -79,7 +79,7 @@ uvec4 random_bits(RandomKey key, uint vertex, uint block) {
     return (tile_digits(key.reversed_place, key.sample_index - key.first_of_set, of_set) << 19u) | (bits >> 13u);
 }
 
-// Four random words for a block of a vertex, without a pattern. The block has no other random numbers.
+// Four random words for a block of a vertex, without a pattern. Nothing else may draw from the same block.
 uvec4 plain_bits(RandomKey key, uint vertex, uint block) {
     return pcg4d(uvec4(key.pixel, key.sample_index, (vertex << 16u) | block, key.seed));
 }

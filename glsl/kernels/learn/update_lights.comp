@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#include "guide/grid/lane_sum.glsl"
 #include "guide/learners/light_learning.glsl"
 
 struct UpdatePush {
@@ -17,25 +18,13 @@ const float POWER_EVIDENCE = 8.0;
 const float POWER_SHARE = 0.0625;
 const float EVEN_SHARE = 0.0625;
 
-shared float lane_values[WORKGROUP_SIZE];
 shared float weights[256];
-
-// Sum over the lanes that hold groups. The order of the additions is fixed.
-float sum_over_lanes(float value) {
-    barrier();
-    lane_values[gl_LocalInvocationIndex] = value;
-    barrier();
-    float sum = 0.0;
-    for (uint lane = 0u; lane < min(WORKGROUP_SIZE, LIGHT_GROUPS); ++lane) sum += lane_values[lane];
-    return sum;
-}
 
 LearnedRadiance learn(uint cell, uint group) {
     LearnedRadiance before = learned_radiance(learned_light(cell, group));
     float sum, count;
     take_targets(light_sum(cell, group), scene().target_limit, sum, count);
-    float weight = before.weight * DECAY + count;
-    return LearnedRadiance(count > 0.0 ? mix(before.mean, sum / count, count / weight) : before.mean, weight);
+    return updated_mean(before, sum, count);
 }
 
 // Weights of a node's sixteen parts. The first node of a tree of two levels has the sums of the nodes below it.
@@ -63,9 +52,9 @@ void main() {
         expected += learned.weight * power_of_group(group);
         used += power_of_group(group) > 0.0 ? 1.0 : 0.0;
     }
-    found = sum_over_lanes(found);
-    expected = sum_over_lanes(expected);
-    used = sum_over_lanes(used);
+    found = sum_of_lanes(found, LIGHT_GROUPS);
+    expected = sum_of_lanes(expected, LIGHT_GROUPS);
+    used = sum_of_lanes(used, LIGHT_GROUPS);
     float scale = expected > 0.0 ? found / expected : 0.0;
     float estimates = 0.0;
     for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
@@ -75,7 +64,7 @@ void main() {
         weights[group] = estimate;
         estimates += estimate;
     }
-    estimates = sum_over_lanes(estimates);
+    estimates = sum_of_lanes(estimates, LIGHT_GROUPS);
     float factor = estimates > 0.0 ? (1.0 - POWER_SHARE - EVEN_SHARE) / estimates : 0.0;
     for (uint group = gl_LocalInvocationIndex; group < LIGHT_GROUPS; group += WORKGROUP_SIZE) {
         float even = power_of_group(group) > 0.0 ? EVEN_SHARE / used : 0.0;

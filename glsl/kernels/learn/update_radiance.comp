@@ -14,15 +14,6 @@ struct UpdatePush {
 };
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
-// Updated estimate of a bin. The learning rate is alpha = count / (count + decayed earlier count). With DECAY = 1 the
-// estimate is the running mean over all targets.
-LearnedRadiance learn(LearnedRadiance before, float sum, float target_count) {
-    float weight = before.weight * DECAY + target_count;
-    if (target_count == 0.0) return LearnedRadiance(before.mean, weight);
-    float alpha = target_count / weight;
-    return LearnedRadiance(mix(before.mean, sum / target_count, alpha), weight);
-}
-
 void main() {
     uint cell = push.first_cell + gl_WorkGroupID.x;
     float sum_of_means = 0.0;
@@ -30,7 +21,7 @@ void main() {
         uint index = radiance_index(cell, bin);
         float sum, target_count;
         take_targets(index, scene().target_limit, sum, target_count);
-        LearnedRadiance learned = learn(learned_radiance(index), sum, target_count);
+        LearnedRadiance learned = updated_mean(learned_radiance(index), sum, target_count);
         store_learned_radiance(index, learned);
         sum_of_means += learned.mean;
     }

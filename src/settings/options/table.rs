@@ -394,8 +394,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..research(Guiding, "bsdf-share", "SHARE")
     },
     OptionEntry {
-        short: "Probabilities with which lights are drawn",
-        long: "It matters where emitters are sampled.",
+        short: "Probabilities with which emitter sampling draws lights",
         default: "learned with the sampler product, else power",
         setting: setting!(light_selection),
         rules: &[always(When::Word("learned"), Needs::Samplers(PRODUCT), "")],

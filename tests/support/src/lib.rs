@@ -8,6 +8,7 @@ pub mod estimate;
 pub mod floor;
 pub mod guide_cases;
 pub mod mutated;
+pub mod primitives;
 pub mod sampled_directions;
 pub mod scattering_cases;
 pub mod scenes;

@@ -18,7 +18,6 @@ const SLICE: &str = "glsl/include/film/slice.glsl";
 const VERTEX: &str = "glsl/include/path/vertex.glsl";
 const ROULETTE: &str = "glsl/include/path/roulette.glsl";
 const TALLY: &str = "glsl/include/film/tally.glsl";
-const UPDATE_RADIANCE: &str = "glsl/kernels/learn/update_radiance.comp";
 const UPDATE_NORMALIZATION: &str = "glsl/kernels/learn/update_normalization.comp";
 const BLUE_NOISE: &str = "glsl/include/random/blue_noise.glsl";
 const CELLS: &str = "glsl/include/guide/grid/cells.glsl";
@@ -225,7 +224,7 @@ pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "learning rate without decay",
         &[Patch {
-            file: UPDATE_RADIANCE,
+            file: RADIANCE_GRID,
             text: "float alpha = target_count / weight;",
             mutated: "float alpha = target_count / (MUTATED ? before.weight + target_count : weight);",
         }],
@@ -433,8 +432,9 @@ pub const MUTATIONS: &[Mutation] = &[
         "light selection counts the light that it has drawn",
         &[Patch {
             file: LIGHT,
-            text: "chosen.group_probability = probability;",
-            mutated: "chosen.group_probability = MUTATED ? mix(probability, 1.0, 0.02) : probability;",
+            text: "LightGroup lights = light_group(chosen.group);",
+            mutated: "if (MUTATED) chosen.group_probability = mix(chosen.group_probability, 1.0, 0.02);\n    \
+                  LightGroup lights = light_group(chosen.group);",
         }],
     ),
     mutation(

@@ -3,27 +3,17 @@
 #ifndef FLOOR_GLSL
 #define FLOOR_GLSL
 #include "film/frame.glsl"
+#include "guide/grid/lane_sum.glsl"
 #include "guide/grid/radiance_grid.glsl"
-
-shared float lane_sums[WORKGROUP_SIZE];
 
 // Floor of a bin, as a share of the mean of its cell.
 const float FLOOR_SHARE = 1.0 / 64.0;
 // Absolute floor of a bin, as a share of the largest target. It makes a cell without radiance uniform.
 const float FLOOR_ABSOLUTE = 1.0e-12;
 
-// Sum over the workgroup. The order of the additions is fixed.
-float workgroup_sum(float value) {
-    lane_sums[gl_LocalInvocationIndex] = value;
-    barrier();
-    float sum = 0.0;
-    for (uint lane = 0u; lane < WORKGROUP_SIZE; ++lane) sum += lane_sums[lane];
-    return sum;
-}
-
 // Floor of a cell's bins. `sum` is the sum of the estimates of the lane's bins.
 float least_radiance(float sum) {
-    float cell_mean = workgroup_sum(sum) / float(direction_bin_count());
+    float cell_mean = sum_of_lanes(sum, WORKGROUP_SIZE) / float(direction_bin_count());
     return max(cell_mean * FLOOR_SHARE, scene().target_limit * FLOOR_ABSOLUTE);
 }
 
