@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum StepSchedule {
-    /// A quarter of the samples taken so far, at least 1 and at most --spp-per-step: the guide learns early.
+    /// A step as long as all steps before it, up to --spp-per-step samples: the guide learns early.
     Growing,
     /// Always --spp-per-step samples.
     Even,

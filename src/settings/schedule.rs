@@ -2,17 +2,15 @@
 
 use crate::settings::{Sampler, Settings, StepSchedule};
 
-/// Number of parts that the samples taken so far are divided into; a growing step takes one part.
-pub(crate) const PARTS: u32 = 4;
-
 impl Settings {
     /// Samples per pixel of the step that begins after `samples_done`: at most [`Settings::spp_per_step`]. While steps grow, it is
-    /// the largest power of two within a quarter of `samples_done`, at least 1.
+    /// the largest power of two within `samples_done`, at least 1. A longer step costs fewer updates, and lanes that take several
+    /// samples of a pixel wait less for each other.
     pub fn samples_of_step(&self, samples_done: u32) -> u32 {
         if !self.grows() || samples_done >= self.end_of_growth() {
             return self.spp_per_step;
         }
-        (samples_done / PARTS).checked_ilog2().map_or(1, |exponent| 1 << exponent)
+        samples_done.checked_ilog2().map_or(1, |exponent| 1 << exponent)
     }
 
     /// Whether steps grow. Without a guide that learns by steps, every step has the full length.
@@ -27,7 +25,7 @@ impl Settings {
 
     /// Number of samples after which every step has the full length.
     fn end_of_growth(&self) -> u32 {
-        PARTS * self.spp_per_step.next_power_of_two()
+        self.spp_per_step.next_power_of_two()
     }
 }
 
@@ -54,10 +52,10 @@ mod tests {
 
     #[test]
     fn steps_grow_to_their_full_length() {
-        let growing = |spp_per_step| sizes(&settings(Sampler::Product, StepSchedule::Growing, spp_per_step), 20);
-        assert_eq!(growing(8), [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 4, 4, 4, 4, 8, 8, 8, 8]);
-        assert_eq!(growing(3), [1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3]);
-        assert_eq!(growing(1), [1; 20]);
+        let growing = |spp_per_step| sizes(&settings(Sampler::Product, StepSchedule::Growing, spp_per_step), 6);
+        assert_eq!(growing(8), [1, 1, 2, 4, 8, 8]);
+        assert_eq!(growing(3), [1, 1, 2, 3, 3, 3]);
+        assert_eq!(growing(1), [1; 6]);
     }
 
     #[test]

@@ -77,9 +77,9 @@ fn a_terminated_render_is_gone_on_with_to_the_same_bits() {
 #[test]
 fn a_finished_render_can_be_made_longer() {
     let folder = Folder::new();
-    // Steps have two samples after the first 8 samples.
+    // Steps have eight samples after the first 8 samples.
     folder.render(&["--spp", "13", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
-    assert_eq!(samples_in(&folder.path("a.ckpt")), 12);
+    assert_eq!(samples_in(&folder.path("a.ckpt")), 8);
     folder.render(&["--spp", "13", "-o", "thirteen.exr"]);
     fs::remove_file(folder.path("a.exr")).unwrap();
     // The render has its old length and its old output file.

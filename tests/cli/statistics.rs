@@ -66,7 +66,7 @@ fn steps_add_up_to_the_totals() {
     let (totals, steps) = (&stats["totals"], stats["steps"].as_array().unwrap());
     assert_eq!(
         steps.iter().map(|step| number(step, "spp")).collect::<Vec<_>>(),
-        [&[1.0; 8][..], &[2.0; 4], &[4.0]].concat()
+        [1.0, 1.0, 2.0, 4.0, 8.0, 4.0]
     );
     for step in steps {
         assert_eq!(keys(step), STEP);

@@ -11,7 +11,9 @@ use crate::renderer::film_store::pages::FilmPage;
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::settings::Settings;
-use crate::settings::schedule::PARTS;
+
+/// A step is longer than usual only within this part of the samples taken so far, as a divisor.
+const LONGEST_PART: u32 = 4;
 
 /// Which tiles are sampled, and why.
 pub(crate) struct Adaptive {
@@ -53,7 +55,7 @@ impl Adaptive {
     /// tiles are sampled, but no step is longer than a quarter of all steps before.
     pub fn lengthening(&self, samples_done: u32, usual: u32) -> u32 {
         let wanted = self.tiles.all_pixels() / self.sampled_pixels.max(1);
-        let most = samples_done / usual.saturating_mul(PARTS).max(1);
+        let most = samples_done / usual.saturating_mul(LONGEST_PART).max(1);
         wanted.min(most.into()).max(1) as u32
     }
 
