@@ -65,14 +65,14 @@ def test_a_callback_sees_every_step(room_scene):
     def callback(renderer):
         seen.append((renderer.samples, renderer.picture().radiance.mean(), renderer.fraction))
 
-    picture = lodestar.render(room_scene, spp=6, callback=callback)
-    assert [samples for samples, _, _ in seen] == [1, 2, 3, 4, 5, 6]
-    assert seen[-1][1] == picture.radiance.mean() and [fraction for *_, fraction in seen][2::3] == [0.5, 1.0]
+    picture = lodestar.render(room_scene, spp=8, callback=callback)
+    assert [samples for samples, _, _ in seen] == [1, 2, 4, 8]
+    assert seen[-1][1] == picture.radiance.mean() and [fraction for *_, fraction in seen][2:] == [0.5, 1.0]
 
 
 def test_a_callback_ends_the_render(room_scene):
     picture = lodestar.render(room_scene, spp=100, callback=lambda renderer: renderer.samples < 3)
-    assert picture.ending == "stopped" and (picture.samples == 3).all()
+    assert picture.ending == "stopped" and (picture.samples == 4).all()
     # Other answers than False mean nothing.
     assert (lodestar.render(room_scene, spp=2, callback=lambda _: 0).samples == 2).all()
 
@@ -236,9 +236,9 @@ def test_scenes_in_code_have_no_checkpoint(room_scene, tmp_path):
 
 def test_a_step_cut_short_has_no_checkpoint(cornell, tmp_path):
     renderer = lodestar.Renderer(cornell, width=16)
-    for _ in range(8):
+    for _ in range(3):
         renderer.step()
-    renderer.step(1)  # The schedule has two samples here.
+    renderer.step(1)  # The schedule has four samples here.
     with pytest.raises(lodestar.Error, match="take whole steps"):
         renderer.checkpoint(tmp_path / "a.ckpt")
 
