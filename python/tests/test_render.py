@@ -37,7 +37,7 @@ def test_layers_have_their_shapes_and_meanings(room_scene):
         picture.radiance[0, 0, 0] = 1
     assert picture.radiance is picture.radiance
     stats = picture.stats
-    assert stats["totals"]["spp"] == 8 and stats["settings"]["seed"] == 0 and len(stats["steps"]) == 8
+    assert stats["totals"]["spp"] == 8 and stats["settings"]["seed"] == 0 and len(stats["steps"]) == 4
     assert "32 x 24" in repr(picture)
 
 
