@@ -64,10 +64,7 @@ fn steps_add_up_to_the_totals() {
     assert_eq!(keys(&stats), FILE);
     assert_eq!(keys(&stats["totals"]), sorted(STEP.into_iter().chain(TOTALS)));
     let (totals, steps) = (&stats["totals"], stats["steps"].as_array().unwrap());
-    assert_eq!(
-        steps.iter().map(|step| number(step, "spp")).collect::<Vec<_>>(),
-        [1.0, 1.0, 2.0, 4.0, 8.0, 4.0]
-    );
+    assert_eq!(steps.iter().map(|step| number(step, "spp")).collect::<Vec<_>>(), [1.0, 1.0, 2.0, 4.0, 8.0, 4.0]);
     for step in steps {
         assert_eq!(keys(step), STEP);
         check_rates(step);
