@@ -7,10 +7,10 @@ impl Settings {
     /// the largest power of two within `samples_done`, at least 1. A longer step costs fewer updates, and lanes that take several
     /// samples of a pixel wait less for each other.
     pub fn samples_of_step(&self, samples_done: u32) -> u32 {
-        if !self.grows() || samples_done >= self.end_of_growth() {
+        if !self.grows() {
             return self.spp_per_step;
         }
-        samples_done.checked_ilog2().map_or(1, |exponent| 1 << exponent)
+        samples_done.checked_ilog2().map_or(1, |exponent| 1 << exponent).min(self.spp_per_step)
     }
 
     /// Whether steps grow. Without a guide that learns by steps, every step has the full length.
@@ -21,11 +21,6 @@ impl Settings {
     /// Whether there is a guide that learns by steps.
     pub(crate) fn has_grids(&self) -> bool {
         !matches!(self.sampler, Sampler::Bsdf | Sampler::Quadtree)
-    }
-
-    /// Number of samples after which every step has the full length.
-    fn end_of_growth(&self) -> u32 {
-        self.spp_per_step.next_power_of_two()
     }
 }
 

@@ -12,7 +12,7 @@ use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::settings::Settings;
 
-/// A step is longer than usual only within this part of the samples taken so far, as a divisor.
+/// Part of the samples taken so far beyond which no step is lengthened, as a divisor.
 const LONGEST_PART: u32 = 4;
 
 /// Which tiles are sampled, and why.
@@ -52,7 +52,7 @@ impl Adaptive {
     }
 
     /// Factor by which a step is longer than its `usual` samples. The guide so learns from about as many paths as when all
-    /// tiles are sampled, but no step is longer than a quarter of all steps before.
+    /// tiles are sampled, but no step is lengthened beyond a quarter of all steps before.
     pub fn lengthening(&self, samples_done: u32, usual: u32) -> u32 {
         let wanted = self.tiles.all_pixels() / self.sampled_pixels.max(1);
         let most = samples_done / usual.saturating_mul(LONGEST_PART).max(1);
