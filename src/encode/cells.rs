@@ -51,8 +51,18 @@ impl Cells {
             let size = extent / extent.max_element() * longest as f32;
             Self::new(bvh, size.map(|places| (places - 0.01).ceil().max(1.0)).as_uvec3())
         };
-        let first_too_fine = LONGEST_SIDES.partition_point(|&longest| fits(&of_longest(longest)));
-        of_longest(LONGEST_SIDES[first_too_fine.saturating_sub(1)])
+        let mut untried = 0..LONGEST_SIDES.len();
+        let mut finest = None;
+        while !untried.is_empty() {
+            let middle = usize::midpoint(untried.start, untried.end);
+            let cells = of_longest(LONGEST_SIDES[middle]);
+            if fits(&cells) {
+                (untried.start, finest) = (middle + 1, Some(cells));
+            } else {
+                untried.end = middle;
+            }
+        }
+        finest.unwrap_or_else(|| of_longest(LONGEST_SIDES[0]))
     }
 
     /// No cells, for renders that learn nothing.

@@ -380,6 +380,16 @@ pub struct UpdatePush {
     pub first_cell: u32,
 }
 
+/// Push constants of `glsl/kernels/learn/blend_radiance.comp`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub struct BlendPush {
+    /// First cell of the dispatch.
+    pub first_cell: u32,
+    /// One more than the last cell of the dispatch.
+    pub end_cell: u32,
+}
+
 /// Push constants of `glsl/kernels/noise/judge_noise.comp`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -8,8 +8,9 @@ use bytemuck::Zeroable;
 use glam::{UVec3, Vec2, Vec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::encode::cells::Cells;
+use lodestar::generated::constants::LANES_PER_CELL;
 use lodestar::generated::kernels::{STORAGE_BUFFERS, Variant};
-use lodestar::generated::layout::{LearnedRadiance, SceneConstants, UpdatePush};
+use lodestar::generated::layout::{BlendPush, LearnedRadiance, SceneConstants, UpdatePush};
 use lodestar::gpu::{Buffer, BufferKind, KernelSource};
 use lodestar::scene::{Primitive, PrimitiveShape};
 use support::device::Device;
@@ -72,7 +73,18 @@ impl Blend {
         }
     }
 
-    fn dispatch(&self, kernel: &KernelSource, cells: Range<u32>) {
+    fn pool(&self, cells: Range<u32>) {
+        let push = UpdatePush { first_cell: cells.start };
+        self.dispatch(&STORAGE_BUFFERS.pool_radiance, bytemuck::bytes_of(&push), cells.end - cells.start);
+    }
+
+    fn blend(&self, cells: Range<u32>) {
+        let push = BlendPush { first_cell: cells.start, end_cell: cells.end };
+        let groups = (LANES_PER_CELL * (cells.end - cells.start)).div_ceil(Variant::default().workgroup_size);
+        self.dispatch(&STORAGE_BUFFERS.blend_radiance, bytemuck::bytes_of(&push), groups);
+    }
+
+    fn dispatch(&self, kernel: &KernelSource, push: &[u8], groups: u32) {
         let variant = Variant { fallback: FALLBACK, direction_resolution: DIRECTIONS, ..Variant::default() };
         let named = [
             ("Scene", &self.scene),
@@ -80,18 +92,16 @@ impl Blend {
             ("LearnedTable", &self.learned),
             ("RadianceTable", &self.radiance),
         ];
-        let push = UpdatePush { first_cell: cells.start };
-        let count = cells.end - cells.start;
-        self.device.dispatch_renderers(kernel, &variant, &named, bytemuck::bytes_of(&push), count);
+        self.device.dispatch_renderers(kernel, &variant, &named, push, groups);
     }
 
     /// Table `[cell][bin]` after the cells have learned `learned`.
     fn radiance(&self, learned: &[LearnedRadiance]) -> Vec<f32> {
         self.learned.upload(0, learned).expect("uploaded");
         let levels = self.cells.parent_levels();
-        levels.iter().for_each(|level| self.dispatch(&STORAGE_BUFFERS.pool_radiance, level.clone()));
+        levels.iter().for_each(|level| self.pool(level.clone()));
         let from_the_largest = levels.iter().rev().cloned().chain(std::iter::once(0..self.cells.count()));
-        from_the_largest.for_each(|level| self.dispatch(&STORAGE_BUFFERS.blend_radiance, level));
+        from_the_largest.for_each(|level| self.blend(level));
         self.radiance.read(0, self.cells.count() as usize * BINS).expect("read")
     }
 

@@ -10,6 +10,9 @@ const uint SHARE_WORDS = 4u;
 // Number of sums that a step records for a BSDF share.
 const uint SHARE_SUMS = 2u;
 
+// Invocations that blend the radiance of one cell.
+const uint LANES_PER_CELL = 16u;
+
 // Nodes that the memory of all quadtrees provides for each leaf of the spatial tree, at least.
 const uint NODES_PER_LEAF = 8u;
 

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "guide/grid/floor.glsl"
+#include "guide/grid/lane_sum.glsl"
 #include "film/frame.glsl"
 #include "guide/grid/radiance_grid.glsl"
 #include "guide/learners/share_learning.glsl"
@@ -27,7 +28,7 @@ void main() {
     }
     if (learns_share() && gl_LocalInvocationIndex < SHARES_PER_CELL) learn_share(share_index(cell, gl_LocalInvocationIndex));
     if (FALLBACK > 0.0) return;
-    float least = least_radiance(sum_of_means);
+    float least = least_radiance(sum_of_lanes(sum_of_means, WORKGROUP_SIZE));
     for (uint bin = gl_LocalInvocationIndex; bin < direction_bin_count(); bin += WORKGROUP_SIZE) {
         uint index = radiance_index(cell, bin);
         store_radiance(index, max(learned_radiance(index).mean, least));

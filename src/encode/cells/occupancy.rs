@@ -17,7 +17,13 @@ const MARGIN: f32 = 1.0e-3;
 pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
     let occupied: Vec<_> = (0..grid.place_count()).map(|_| AtomicBool::new(false)).collect();
     bvh.primitives.par_iter().for_each(|primitive| {
-        for_touched(grid, primitive, |place| occupied[grid.index(place)].store(true, Ordering::Relaxed));
+        for_touched(grid, primitive, |place| {
+            let occupied = &occupied[grid.index(place)];
+            // Many small primitives share a place, and a core that only reads does not take the memory from the others.
+            if !occupied.load(Ordering::Relaxed) {
+                occupied.store(true, Ordering::Relaxed);
+            }
+        });
     });
     occupied.into_iter().map(AtomicBool::into_inner).collect()
 }
@@ -26,22 +32,26 @@ pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
 fn for_touched(grid: &Grid, primitive: &PrimitiveRecord, mut touch: impl FnMut(UVec3)) {
     let shape = Shape::new(grid, primitive);
     let (min, max) = shape.bounds();
-    let [from, to] = [min - MARGIN, max + MARGIN].map(|corner| grid.clamped(corner));
+    let (from, to) = (grid.clamped(min - MARGIN), grid.clamped(max + MARGIN));
+    if from == to {
+        return touch(from);
+    }
     Grid::places(from, to).filter(|&place| shape.touches(place)).for_each(&mut touch);
 }
 
 /// Primitive in the grid's coordinates, where places are unit cubes.
 enum Shape {
-    /// Bounds, and the plane through the primitive: its normal, and its offset along the normal.
-    Flat { min: Vec3, max: Vec3, normal: Vec3, offset: f32 },
+    /// Bounds, a point, and the edges.
+    Flat { min: Vec3, max: Vec3, origin: Vec3, edges: [Vec3; 2] },
     /// Center and half axes.
     Ellipsoid { center: Vec3, radii: Vec3 },
 }
 
 impl Shape {
+    #[inline]
     fn new(grid: &Grid, p: &PrimitiveRecord) -> Self {
         let origin = grid.coordinates(p.origin.into());
-        let [u, v] = [p.edge_u, p.edge_v].map(|edge| Vec3::from(edge) * grid.per_unit);
+        let (u, v) = (Vec3::from(p.edge_u) * grid.per_unit, Vec3::from(p.edge_v) * grid.per_unit);
         let corners = match p.flags & constants::PRIMITIVE_SHAPE_MASK {
             constants::SHAPE_SPHERE => {
                 return Self::Ellipsoid { center: origin, radii: p.edge_tolerance * grid.per_unit };
@@ -49,10 +59,9 @@ impl Shape {
             constants::SHAPE_TRIANGLE => [origin, origin + u, origin + v, origin],
             _ => [origin - u - v, origin - u + v, origin + u - v, origin + u + v],
         };
-        let [min, max] = [corners.iter().copied().reduce(Vec3::min), corners.iter().copied().reduce(Vec3::max)]
-            .map(|corner| corner.unwrap_or(origin));
-        let normal = u.cross(v).normalize_or_zero();
-        Self::Flat { min, max, normal, offset: normal.dot(origin) }
+        let [a, b, c, d] = corners;
+        let (min, max) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+        Self::Flat { min, max, origin, edges: [u, v] }
     }
 
     fn bounds(&self) -> (Vec3, Vec3) {
@@ -67,7 +76,10 @@ impl Shape {
         let half = Vec3::splat(0.5 + MARGIN);
         let middle = place.as_vec3() + 0.5;
         match *self {
-            Self::Flat { normal, offset, .. } => (normal.dot(middle) - offset).abs() <= normal.abs().dot(half) + MARGIN,
+            Self::Flat { origin, edges: [u, v], .. } => {
+                let normal = u.cross(v).normalize_or_zero();
+                normal.dot(middle - origin).abs() <= normal.abs().dot(half) + MARGIN
+            }
             Self::Ellipsoid { center, radii } => {
                 let away = (middle - center).abs();
                 let [nearest, farthest] = [(away - half).max(Vec3::ZERO), away + half];

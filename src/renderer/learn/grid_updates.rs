@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::encode::cells::Cells;
+use crate::generated::constants::LANES_PER_CELL;
 use crate::generated::kernels::{Kernels, Variant};
-use crate::generated::layout::UpdatePush;
+use crate::generated::layout::{BlendPush, UpdatePush};
 use crate::gpu::{Context, Kernel};
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
@@ -43,34 +44,49 @@ impl GridUpdates {
     /// Moves the radiance grid towards the step's targets (Eq. 7), blends cells with their parents, and computes the marked
     /// normalizers anew.
     pub fn run(&self, context: &Arc<Context>, slicer: &Slicer, sets: &Sets, cells: &Cells) -> Result<()> {
-        let update = |cells, kernels: &[&Kernel]| update(context, slicer, sets, cells, kernels);
+        let update = |cells, kernel: &Kernel| update(context, slicer, sets, cells, kernel);
         let all = 0..cells.count();
         if let Some(lights) = &self.lights {
-            update(all.clone(), &[lights])?;
+            update(all.clone(), lights)?;
         }
         let Some(Parents { pool, blend }) = &self.parents else {
-            return update(all, &[&self.radiance, &self.normalization]);
+            update(all.clone(), &self.radiance)?;
+            return update(all, &self.normalization);
         };
-        update(all.clone(), &[&self.radiance])?;
+        update(all.clone(), &self.radiance)?;
         let levels = cells.parent_levels();
-        levels.iter().try_for_each(|level| update(level.clone(), &[pool]))?;
-        levels.iter().rev().try_for_each(|level| update(level.clone(), &[blend]))?;
-        update(all, &[blend, &self.normalization])
+        levels.iter().try_for_each(|level| update(level.clone(), pool))?;
+        let blend = |level: &Range<u32>| blend_cells(context, slicer, sets, level.clone(), blend);
+        levels.iter().rev().try_for_each(blend)?;
+        blend(&all)?;
+        update(all, &self.normalization)
     }
 }
 
-/// Runs kernels one after the other, each with a workgroup per cell.
-fn update(context: &Arc<Context>, slicer: &Slicer, sets: &Sets, cells: Range<u32>, kernels: &[&Kernel]) -> Result<()> {
-    let sets = sets.without_film();
-    let names: Vec<_> = kernels.iter().map(|kernel| kernel.name()).collect();
-    for range in slicer.ranges(cells) {
+/// Runs a kernel with a workgroup per cell.
+fn update(context: &Arc<Context>, slicer: &Slicer, sets: &Sets, cells: Range<u32>, kernel: &Kernel) -> Result<()> {
+    let submit = |range: Range<u32>| {
         let push = UpdatePush { first_cell: range.start };
-        context.submit(&names.join(" and "), |recorder| {
-            for kernel in kernels {
-                recorder.dispatch(kernel, &sets, bytemuck::bytes_of(&push), [range.end - range.start, 1, 1]);
-                recorder.barrier();
-            }
-        })?;
-    }
+        submit(context, sets, kernel, bytemuck::bytes_of(&push), range.end - range.start)
+    };
+    slicer.ranges(cells).try_for_each(submit)
+}
+
+/// Runs `blend_radiance`, which has workgroups for several cells.
+fn blend_cells(context: &Arc<Context>, slicer: &Slicer, sets: &Sets, cells: Range<u32>, kernel: &Kernel) -> Result<()> {
+    let cells_per_group = Variant::default().workgroup_size / LANES_PER_CELL;
+    let submit = |range: Range<u32>| {
+        let push = BlendPush { first_cell: range.start, end_cell: range.end };
+        let groups = (range.end - range.start).div_ceil(cells_per_group);
+        submit(context, sets, kernel, bytemuck::bytes_of(&push), groups)
+    };
+    slicer.ranges(cells).try_for_each(submit)
+}
+
+fn submit(context: &Arc<Context>, sets: &Sets, kernel: &Kernel, push: &[u8], groups: u32) -> Result<()> {
+    context.submit(kernel.name(), |recorder| {
+        recorder.dispatch(kernel, &sets.without_film(), push, [groups, 1, 1]);
+        recorder.barrier();
+    })?;
     Ok(())
 }

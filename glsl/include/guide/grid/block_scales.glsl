@@ -7,23 +7,26 @@
 // with the mean m and the weight w of every bin in B. B' is the block that B is a quarter of. S(B') counts for as much as K
 // targets. The map as a whole begins with S(B') = 1. This S is the mean of the posterior of a factor on Poisson-like sums under
 // a gamma prior of shape K mean(P) S(B') and rate K mean(P).
+//
+// LANES_PER_CELL lanes share a cell. Each has one of the 4 x 4 blocks, with the four finest blocks in it.
 #ifndef BLOCK_SCALES_GLSL
 #define BLOCK_SCALES_GLSL
 #include "guide/grid/radiance_grid.glsl"
+#include "shared/guide.glsl"
 
 // Sums over the bins of a block.
 struct BlockSums {
     float found;     // w m
     float expected;  // w P
     float prior;     // P
-    float bins;      // number of bins
 };
 
-// Number of blocks along each side of the map, on the finest level.
-const uint FINEST_BLOCKS = 8u;
-// Blocks of each level follow those of the coarser levels: 1, 4, 16 and 64 blocks.
-const uint FIRST_FINEST = 21u;
-const uint BLOCK_COUNT = 85u;
+// Blocks along each side of the map: one block for each lane, and the finest.
+const uint LANE_SIDE = 4u;
+const uint FINEST_SIDE = 8u;
+// Most bins along each side of a finest block.
+const uint BLOCK_SIDE = (DIRECTION_RESOLUTION + FINEST_SIDE - 1u) / FINEST_SIDE;
+const uint BLOCK_BINS = BLOCK_SIDE * BLOCK_SIDE;
 
 // Targets that the scale of the coarser block counts for, in units of FALLBACK. Targets of a block differ more among each other
 // than those of a bin, because few of its directions lead to light.
@@ -32,84 +35,86 @@ const float BLOCK_EVIDENCE = 16.0;
 // Largest scale, above which a sum has overflowed.
 const float LARGEST_SCALE = 1.0e30;
 
-shared BlockSums block_sums[BLOCK_COUNT];
-shared float finest_scales[FINEST_BLOCKS * FINEST_BLOCKS];
+shared float lane_found[WORKGROUP_SIZE];
+shared float lane_expected[WORKGROUP_SIZE];
+shared float lane_prior[WORKGROUP_SIZE];
 
-BlockSums sum_of_bins(uint cell, uint parent, uvec2 block) {
-    BlockSums sums = BlockSums(0.0, 0.0, 0.0, 0.0);
-    // The first bin of a block is the first with bin * FINEST_BLOCKS / DIRECTION_RESOLUTION = block.
-    uvec2 first = (block * DIRECTION_RESOLUTION + FINEST_BLOCKS - 1u) / FINEST_BLOCKS;
-    uvec2 end = ((block + 1u) * DIRECTION_RESOLUTION + FINEST_BLOCKS - 1u) / FINEST_BLOCKS;
-    for (uint y = first.y; y < end.y; ++y) {
-        for (uint x = first.x; x < end.x; ++x) {
-            uint bin = y * DIRECTION_RESOLUTION + x;
-            LearnedRadiance learned = learned_radiance(radiance_index(cell, bin));
-            float prior = learned_radiance(radiance_index(parent, bin)).mean;
-            sums.found += learned.weight * learned.mean;
-            sums.expected += learned.weight * prior;
-            sums.prior += prior;
-            sums.bins += 1.0;
-        }
+// First lane of the invocation's cell.
+uint first_lane() {
+    return gl_LocalInvocationIndex / LANES_PER_CELL * LANES_PER_CELL;
+}
+
+// The lane's block.
+uvec2 lane_block() {
+    uint lane = gl_LocalInvocationIndex % LANES_PER_CELL;
+    return uvec2(lane % LANE_SIDE, lane / LANE_SIDE);
+}
+
+// First bin of a block, where the map has `side` blocks along each side: the first with bin * side / DIRECTION_RESOLUTION = block.
+uvec2 first_bin(uvec2 block, uint side) {
+    return (block * DIRECTION_RESOLUTION + side - 1u) / side;
+}
+
+// Bin with the number `i` of a finest block; NONE if the block has fewer.
+uint bin_of_block(uvec2 block, uint i) {
+    uvec2 at = first_bin(block, FINEST_SIDE) + uvec2(i % BLOCK_SIDE, i / BLOCK_SIDE);
+    uvec2 end = first_bin(block + 1u, FINEST_SIDE);
+    return at.x < end.x && at.y < end.y ? at.y * DIRECTION_RESOLUTION + at.x : NONE;
+}
+
+BlockSums both(BlockSums a, BlockSums b) {
+    return BlockSums(a.found + b.found, a.expected + b.expected, a.prior + b.prior);
+}
+
+void share_sums(BlockSums sums) {
+    barrier();
+    lane_found[gl_LocalInvocationIndex] = sums.found;
+    lane_expected[gl_LocalInvocationIndex] = sums.expected;
+    lane_prior[gl_LocalInvocationIndex] = sums.prior;
+    barrier();
+}
+
+// Sum over what four lanes have shared: the one of block `corner`, and those `step` blocks to the right, below, and both.
+BlockSums sum_of_four(uvec2 corner, uint step) {
+    BlockSums sums = BlockSums(0.0, 0.0, 0.0);
+    for (uint i = 0u; i < 4u; ++i) {
+        uvec2 at = corner + step * uvec2(i % 2u, i / 2u);
+        uint lane = first_lane() + at.y * LANE_SIDE + at.x;
+        sums = both(sums, BlockSums(lane_found[lane], lane_expected[lane], lane_prior[lane]));
     }
     return sums;
 }
 
-BlockSums sum_of_quarters(uint first, uint side, uvec2 block) {
-    BlockSums sums = BlockSums(0.0, 0.0, 0.0, 0.0);
-    for (uint quarter = 0u; quarter < 4u; ++quarter) {
-        uvec2 at = 2u * block + uvec2(quarter & 1u, quarter >> 1u);
-        BlockSums of_quarter = block_sums[first + at.y * side + at.x];
-        sums.found += of_quarter.found;
-        sums.expected += of_quarter.expected;
-        sums.prior += of_quarter.prior;
-        sums.bins += of_quarter.bins;
-    }
-    return sums;
-}
-
-// Scale of a block, from that of the block that it is a quarter of. Sums of huge radiance may be infinite. The block then has the scale of the
-// larger one.
-float scale_within(float scale, BlockSums sums) {
-    float evidence = BLOCK_EVIDENCE * FALLBACK * sums.prior / max(sums.bins, 1.0);
+// Scale of a block, from that of the block that it is a quarter of. The map has `side` blocks along each side. Sums of huge
+// radiance may be infinite. The block then has the scale of the larger one.
+float scale_within(float scale, BlockSums sums, uvec2 block, uint side) {
+    uvec2 size = first_bin(block + 1u, side) - first_bin(block, side);
+    float evidence = BLOCK_EVIDENCE * FALLBACK * sums.prior / float(max(size.x * size.y, 1u));
     float expected = sums.expected + evidence;
     float finer = (sums.found + evidence * scale) / expected;
     return expected > 0.0 && finer < LARGEST_SCALE ? finer : scale;
 }
 
-// Measures the blocks of a cell. All invocations of the workgroup call this function.
-void measure_blocks(uint cell, uint parent) {
-    uint lane = gl_LocalInvocationIndex;
-    barrier();
-    for (uint i = lane; i < FINEST_BLOCKS * FINEST_BLOCKS; i += WORKGROUP_SIZE) {
-        block_sums[FIRST_FINEST + i] = sum_of_bins(cell, parent, uvec2(i % FINEST_BLOCKS, i / FINEST_BLOCKS));
-    }
-    barrier();
-    uint below = FIRST_FINEST;
-    for (uint side = FINEST_BLOCKS / 2u; side > 0u; side /= 2u) {
-        uint first = below - side * side;
-        for (uint i = lane; i < side * side; i += WORKGROUP_SIZE) {
-            block_sums[first + i] = sum_of_quarters(below, 2u * side, uvec2(i % side, i / side));
-        }
-        below = first;
-        barrier();
-    }
-    for (uint i = lane; i < FINEST_BLOCKS * FINEST_BLOCKS; i += WORKGROUP_SIZE) {
-        float scale = 1.0;
-        uint first = 0u;
-        for (uint side = 1u; side <= FINEST_BLOCKS; side *= 2u) {
-            uvec2 at = uvec2(i % FINEST_BLOCKS, i / FINEST_BLOCKS) * side / FINEST_BLOCKS;
-            scale = scale_within(scale, block_sums[first + at.y * side + at.x]);
-            first += side * side;
-        }
-        finest_scales[i] = scale;
-    }
-    barrier();
+// Scale of the lane's block, from the sums over its bins. All invocations of the workgroup call this function.
+float scale_of_lane(BlockSums own) {
+    uvec2 block = lane_block();
+    share_sums(own);
+    BlockSums quarter = sum_of_four(block / 2u * 2u, 1u);
+    share_sums(quarter);
+    BlockSums whole = sum_of_four(uvec2(0u), 2u);
+    float scale = scale_within(1.0, whole, uvec2(0u), 1u);
+    scale = scale_within(scale, quarter, block / 2u, 2u);
+    return scale_within(scale, own, block, LANE_SIDE);
 }
 
-// Scale of the finest block that contains a bin.
-float bin_scale(uint bin) {
-    uvec2 at = uvec2(bin % DIRECTION_RESOLUTION, bin / DIRECTION_RESOLUTION) * FINEST_BLOCKS / DIRECTION_RESOLUTION;
-    return finest_scales[at.y * FINEST_BLOCKS + at.x];
+// Sum over the lanes of the cell. All invocations of the workgroup call this function.
+float sum_of_cell(float value) {
+    barrier();
+    lane_found[gl_LocalInvocationIndex] = value;
+    barrier();
+    float sum = 0.0;
+    for (uint i = 0u; i < LANES_PER_CELL; ++i) sum += lane_found[first_lane() + i];
+    return sum;
 }
 
 #endif

@@ -3,7 +3,6 @@
 #ifndef FLOOR_GLSL
 #define FLOOR_GLSL
 #include "film/frame.glsl"
-#include "guide/grid/lane_sum.glsl"
 #include "guide/grid/radiance_grid.glsl"
 
 // Floor of a bin, as a share of the mean of its cell.
@@ -11,9 +10,9 @@ const float FLOOR_SHARE = 1.0 / 64.0;
 // Absolute floor of a bin, as a share of the largest target. It makes a cell without radiance uniform.
 const float FLOOR_ABSOLUTE = 1.0e-12;
 
-// Floor of a cell's bins. `sum` is the sum of the estimates of the lane's bins.
+// Floor of the bins of a cell whose estimates have the sum `sum`.
 float least_radiance(float sum) {
-    float cell_mean = sum_of_lanes(sum, WORKGROUP_SIZE) / float(direction_bin_count());
+    float cell_mean = sum / float(direction_bin_count());
     return max(cell_mean * FLOOR_SHARE, scene().target_limit * FLOOR_ABSOLUTE);
 }
 
