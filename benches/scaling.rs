@@ -52,7 +52,7 @@ struct Subject {
 
 impl Subject {
     fn new(context: &Arc<Context>, scene: &Scene, size: [u32; 2], sampler: Sampler, grid: u32) -> Self {
-        let settings = Settings { grid, ..settings(scene, size, sampler) };
+        let settings = Settings { grid: Some(grid), ..settings(scene, size, sampler) };
         Self { renderer: renderer(context, scene, &settings, 4), settings }
     }
 

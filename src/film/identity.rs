@@ -133,7 +133,7 @@ mod tests {
     fn every_setting_is_written_down_and_comes_back() {
         let text = serde_json::to_string(&settings()).expect("JSON");
         assert_eq!(serde_json::from_str::<Settings>(&text).expect("settings"), settings());
-        let auto = Settings { grid: AUTO_GRID, ..settings() };
+        let auto = Settings { grid: Some(AUTO_GRID), ..settings() };
         let text_of_auto = serde_json::to_string(&auto).expect("JSON");
         assert!(text_of_auto.contains("\"grid\":\"auto\""), "{text_of_auto}");
         assert_eq!(serde_json::from_str::<Settings>(&text_of_auto).expect("settings"), auto);

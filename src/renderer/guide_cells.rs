@@ -8,16 +8,26 @@ use crate::renderer::sets::normalization_grid::NormalizationGrid;
 use crate::renderer::sets::radiance_grid::RadianceGrid;
 use crate::settings::{AUTO_GRID, Sampler, Settings};
 
-/// Most bytes of a guide whose cells are chosen by the scene.
-const GUIDE_BYTES: u64 = 8 << 20;
+/// Bytes of a guide for each pixel of the film, where the number of cells is chosen for the picture. A picture of more pixels
+/// traces more paths, which can teach more cells, and a step of it takes longer, so that updates of more cells cost as little.
+const BYTES_PER_PIXEL: u64 = 128;
+/// Least and most bytes of such a guide.
+const LEAST_BYTES: u64 = 8 << 20;
+const MOST_BYTES: u64 = 64 << 20;
 
 /// The cells of a render's grids. Each learns to choose among `light_groups` groups of lights.
 pub(super) fn cells_of(settings: &Settings, bvh: &Bvh, light_groups: u32) -> Cells {
     match settings.sampler {
         Sampler::Bsdf | Sampler::Quadtree => Cells::none(bvh),
-        _ if settings.grid != AUTO_GRID => Cells::new(bvh, UVec3::splat(settings.grid)),
-        _ => Cells::fitting(bvh, |cells| guide_bytes(settings, cells, light_groups) <= GUIDE_BYTES),
+        _ if settings.grid() != AUTO_GRID => Cells::new(bvh, UVec3::splat(settings.grid())),
+        _ => Cells::fitting(bvh, |cells| guide_bytes(settings, cells, light_groups) <= bytes_for_picture(settings)),
     }
+}
+
+/// Most bytes of a guide whose cells are chosen for the picture.
+fn bytes_for_picture(settings: &Settings) -> u64 {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    (BYTES_PER_PIXEL * pixels).clamp(LEAST_BYTES, MOST_BYTES)
 }
 
 /// Bytes of both grids.

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Renderer;
+use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::cosine_trees::{Node, nodes_per_tree};
 use crate::encode::lights::group_nodes;
@@ -10,6 +11,7 @@ use crate::film::ranges::SampleRanges;
 use crate::generated::kernels::{SHARE_WORDS, SHARES_PER_CELL};
 use crate::generated::layout::{LearnedRadiance, NormalizationEntry};
 use crate::math::direction_map::bin_center;
+use crate::renderer::guide_cells::cells_of;
 use crate::renderer::persistent::Persistent;
 use crate::renderer::sets::radiance_grid::RadianceGrid;
 use crate::renderer::state::{RenderState, StatePart};
@@ -86,14 +88,20 @@ impl Renderer {
         Ok(LearnedGuide { state, radiance: self.radiance()? })
     }
 
-    /// The guide in the state of another render of this scene. `guide_samples` are the samples of earlier renders that it has
-    /// learned from.
+    /// Cells of a guide of this scene that has learned with other settings: the size of a picture may decide how fine its cells are.
+    pub(crate) fn cells_of_guide(&self, settings: &Settings, bvh: &Bvh) -> Cells {
+        cells_of(settings, bvh, self.light_groups())
+    }
+
+    /// The guide in the state of another render of this scene. `cells` are its cells, and `guide_samples` are the samples of earlier
+    /// renders that it has learned from.
     ///
     /// # Errors
     /// Where the sampler learns no radiance, or the state holds no such guide.
     pub(crate) fn guide_of_state(
         &self,
         settings: Settings,
+        cells: Cells,
         state: RenderState,
         guide_samples: SampleRanges,
     ) -> Result<GuideState> {
@@ -107,9 +115,9 @@ impl Renderer {
             found.ok_or_else(|| Error::Render(format!("the saved state holds no {}", part.name)))
         };
         let parts = self.guide_parts().iter().map(&mut take).collect::<Result<_>>()?;
-        // Settings of the guide and the scene decide the cells and the groups of lights.
+        // Settings of the guide and the scene decide the groups of lights.
         let group_powers = self.sets.radiance_grid.group_powers().to_vec();
-        Ok(GuideState { settings, cells: self.cells.clone(), group_powers, parts, samples })
+        Ok(GuideState { settings, cells, group_powers, parts, samples })
     }
 
     /// Samples of earlier renders that the guide has learned from.
@@ -281,6 +289,7 @@ fn with_defaults(settings: Settings) -> Settings {
     let share = if settings.learns_share() { BsdfShare::Learned } else { BsdfShare::Fixed };
     let selection = if settings.learns_lights() { LightSelection::Learned } else { LightSelection::Power };
     Settings {
+        grid: Some(settings.grid()),
         fallback: Some(settings.fallback()),
         bsdf_share: Some(share),
         light_selection: Some(selection),

@@ -56,7 +56,7 @@ pub fn variant_of_settings(settings: &Settings) -> Variant {
         ReconstructionFilter::Gaussian { stddev } => (kernels::FILTER_GAUSSIAN, stddev),
     };
     // Every cell is taken to hold surfaces.
-    let cell_count = if settings.grid == AUTO_GRID { 1 } else { settings.grid.pow(3) };
+    let cell_count = if settings.grid() == AUTO_GRID { 1 } else { settings.grid().pow(3) };
     Variant {
         sampler: settings.sampler as u32,
         learner: settings.learner as u32,

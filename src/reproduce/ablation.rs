@@ -10,8 +10,7 @@ use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{
-    AUTO_GRID, BsdfShare, GuideSet, Learner, LightSelection, Roulette, SamplePattern, SampleWeights, Sampler,
-    StepSchedule,
+    BsdfShare, GuideSet, Learner, LightSelection, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule,
 };
 
 /// Plain path tracer.
@@ -53,7 +52,7 @@ const ROWS: &[Method] = &[
     Method { learner: Learner::MonteCarlo, ..PRODUCT },
     PRODUCT.with(Changes { directions: Some(32), ..NONE }),
     PRODUCT.with(Changes { fallback: Some(0.0), ..NONE }),
-    PRODUCT.with(Changes { grid: Some(AUTO_GRID), ..NONE }),
+    PRODUCT.with(Changes { grid: Some(8), ..NONE }),
 ];
 
 /// Methods that the ablation compares.
@@ -184,7 +183,7 @@ mod tests {
         assert_eq!(line(false, "| `bsdf`"), "| `bsdf` | 1.000 | 2.828 | 8.000 (staircase) | 1.00 |");
         assert_eq!(line(true, "| `product` "), "| `product` | 0.500 | 1.000 | 1.000 (staircase) | 1.00 |");
         assert!(line(true, "| `product --steps even`").contains("| 0.707 | 1.000 (staircase) |"));
-        assert!(line(true, "| `product --grid auto`").contains("| 0.707 |"));
+        assert!(line(true, "| `product --grid 8`").contains("| 0.707 |"));
         let csv = measurements(&results).csv();
         assert_eq!(csv.lines().count(), 1 + 2 * 2 * ROWS.len());
         assert!(csv.contains("\nkitchen,on,product,0.04,0.04,16,62.5\n"), "{csv}");

@@ -48,7 +48,7 @@ impl Changes {
 
     /// Applies the changes to the settings.
     pub fn apply(&self, settings: &mut Settings) {
-        settings.grid = self.grid.unwrap_or(settings.grid);
+        settings.grid = self.grid.or(settings.grid);
         settings.fallback = self.fallback.or(settings.fallback);
         settings.directions = self.directions.unwrap_or(settings.directions);
         settings.guide_set = self.guide_set.unwrap_or(settings.guide_set);

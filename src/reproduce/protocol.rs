@@ -38,7 +38,7 @@ pub fn settings(base: Base, defaults: Settings, [width, height]: [u32; 2]) -> Se
             guide_set: GuideSet::Diffuse,
             steps: StepSchedule::Even,
             sample_weights: Some(SampleWeights::Even),
-            grid: GRID,
+            grid: Some(GRID),
             fallback: Some(0.0),
             directions: DIRECTIONS,
             bsdf_share: None,

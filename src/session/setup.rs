@@ -96,7 +96,7 @@ impl Session {
 
     /// Does what needs no other rank.
     fn prepare(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Prepared> {
-        let guide = GuideFile::of(&start, options)?;
+        let mut guide = GuideFile::of(&start, options)?;
         let (input, resumed) = start.read()?;
         let input = input.in_folder(watch)?;
         // Files that cannot be written are found before a large scene is read.
@@ -121,7 +121,7 @@ impl Session {
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
         let (renderer, bvh_seconds, pipeline_seconds) =
-            build(scene, &contexts, &plan.settings, &inputs.kernels, watch)?;
+            build(scene, &contexts, &plan.settings, &inputs.kernels, guide.as_mut(), watch)?;
         watch.tell(Event::Ready);
         inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
@@ -272,6 +272,7 @@ fn build(
     contexts: &[Arc<Context>],
     settings: &Settings,
     kernels: &KernelFiles,
+    guide: Option<&mut GuideFile>,
     watch: &Watch<'_>,
 ) -> Result<(Renderer, f64, f64)> {
     watch.tell(Event::Preparing(Preparation::Hierarchy(scene.primitives.len())));
@@ -294,6 +295,9 @@ fn build(
         Ok(renderer)
     };
     let (renderer, pipeline_seconds) = timed(build)?;
+    if let Some(guide) = guide {
+        guide.find_cells(&renderer, &bvh);
+    }
     Ok((renderer, bvh_seconds, pipeline_seconds))
 }
 

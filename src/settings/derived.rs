@@ -1,6 +1,6 @@
 //! Values that follow from several settings.
 
-use super::flat::Settings;
+use super::flat::{AUTO_GRID, Settings};
 use super::paths::{MAX_DEPTH_LIMIT, MOST_KEPT_VERTICES, Roulette, SURE_ROULETTE_DEPTH, UNLIMITED_DEPTH};
 use super::run::SampleWeights;
 use super::sampler::{BsdfShare, Learner, LightSelection, Sampler};
@@ -10,6 +10,8 @@ use crate::{Error, Result};
 
 /// Number of targets that a parent counts for with the sampler `product`.
 const PRODUCT_FALLBACK: f32 = 4.0;
+/// Cells along each axis of the paper's grid.
+const PAPER_GRID: u32 = 8;
 
 impl Settings {
     /// Quantity that Russian roulette compares with. Where none is chosen, `product` uses the expected contribution, because its
@@ -17,6 +19,13 @@ impl Settings {
     pub fn roulette(&self) -> Roulette {
         let knows = self.sampler == Sampler::Product && self.rr_depth < self.max_depth;
         self.roulette.unwrap_or(if knows { Roulette::Contribution } else { Roulette::Throughput })
+    }
+
+    /// Cells along each axis of the grids, or [`AUTO_GRID`]. Where no number is chosen, `product` takes cells as fine as the picture
+    /// can teach, if cells borrow from their parents. Everything else has the paper's grid.
+    pub fn grid(&self) -> u32 {
+        let borrows = self.sampler == Sampler::Product && self.fallback() > 0.0;
+        self.grid.unwrap_or(if borrows { AUTO_GRID } else { PAPER_GRID })
     }
 
     /// Number of targets that the knowledge of a cell's parents counts for. Where none is chosen, `product` borrows from them.

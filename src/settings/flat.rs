@@ -70,10 +70,11 @@ pub struct Settings {
     pub roulette: Option<Roulette>,
     /// Number of directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
-    /// Cells along each axis of the grids, in [1, 32]. [`AUTO_GRID`] takes the finest cubes whose guide fits 8 MiB. Quadtrees
-    /// have at most as many nodes as grids of this size have bins.
+    /// Cells along each axis of the grids, in [1, 32]. [`AUTO_GRID`] takes the finest cubes whose guide has at most 128 bytes for
+    /// each pixel of the film, but at least 8 MiB and at most 64 MiB. Quadtrees have at most as many nodes as grids of this size
+    /// have bins. `None` chooses it as [`Settings::grid`] says.
     #[serde(serialize_with = "number_or_auto", deserialize_with = "from_number_or_auto")]
-    pub grid: u32,
+    pub grid: Option<u32>,
     /// Number of targets that the knowledge of a cell's parents counts for in each of its bins, in [0, 1e6]. With 0 a cell uses
     /// its own knowledge only. `None` chooses it as [`Settings::fallback`] says.
     pub fallback: Option<f32>,
@@ -146,7 +147,7 @@ impl Settings {
             light_selection: None,
             roulette: None,
             expected_directions: EXPECTED_DIRECTIONS,
-            grid: 8,
+            grid: None,
             fallback: None,
             directions: DEFAULTS.direction_resolution,
             normals: DEFAULTS.normal_resolution,
@@ -187,12 +188,17 @@ fn from_on_or_off<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Re
     }
 }
 
-fn number_or_auto<S: Serializer>(&number: &u32, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    if number == AUTO_GRID { serializer.serialize_str("auto") } else { serializer.serialize_u32(number) }
+fn number_or_auto<S: Serializer>(number: &Option<u32>, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    match *number {
+        None => serializer.serialize_none(),
+        Some(AUTO_GRID) => serializer.serialize_str("auto"),
+        Some(number) => serializer.serialize_u32(number),
+    }
 }
 
-fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<u32, D::Error> {
-    number_or_word(deserializer, "auto", AUTO_GRID)
+fn from_number_or_auto<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Option<u32>, D::Error> {
+    let number = Option::<NumberOrWord>::deserialize(deserializer)?;
+    number.map(|number| number.meaning("auto", AUTO_GRID)).transpose()
 }
 
 fn depth_or_unlimited<S: Serializer>(&depth: &u32, serializer: S) -> std::result::Result<S::Ok, S::Error> {
@@ -200,24 +206,24 @@ fn depth_or_unlimited<S: Serializer>(&depth: &u32, serializer: S) -> std::result
 }
 
 fn from_depth_or_unlimited<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<u32, D::Error> {
-    number_or_word(deserializer, "unlimited", UNLIMITED_DEPTH)
+    NumberOrWord::deserialize(deserializer)?.meaning("unlimited", UNLIMITED_DEPTH)
 }
 
-/// Reads a number, or a word that stands for the number `meaning`.
-fn number_or_word<'de, D: Deserializer<'de>>(
-    deserializer: D,
-    wanted: &str,
-    meaning: u32,
-) -> std::result::Result<u32, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged)]
-    enum NumberOrWord {
-        Number(u32),
-        Word(String),
-    }
-    match NumberOrWord::deserialize(deserializer)? {
-        NumberOrWord::Number(number) => Ok(number),
-        NumberOrWord::Word(word) if word == wanted => Ok(meaning),
-        NumberOrWord::Word(word) => Err(serde::de::Error::custom(format!("`{word}` is neither a number nor {wanted}"))),
+/// A number, or a word that stands for one.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum NumberOrWord {
+    Number(u32),
+    Word(String),
+}
+
+impl NumberOrWord {
+    /// The number, where the word `wanted` stands for `meaning`.
+    fn meaning<E: serde::de::Error>(self, wanted: &str, meaning: u32) -> std::result::Result<u32, E> {
+        match self {
+            Self::Number(number) => Ok(number),
+            Self::Word(word) if word == wanted => Ok(meaning),
+            Self::Word(word) => Err(E::custom(format!("`{word}` is neither a number nor {wanted}"))),
+        }
     }
 }

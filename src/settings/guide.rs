@@ -10,9 +10,6 @@ use super::{
 };
 use crate::{Error, Result};
 
-/// Default number of cells along each axis.
-const CELLS: u32 = 8;
-
 /// Guide of a render.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Guide {
@@ -46,8 +43,8 @@ pub struct Grid {
     pub surfaces: GuideSet,
     /// Map between directions and their bins.
     pub map: DirectionMap,
-    /// Number of cells.
-    pub cells: Cells,
+    /// Number of cells; `None` chooses it as [`Settings::grid`] says.
+    pub cells: Option<Cells>,
     /// Number of targets that the knowledge of a cell's parents counts for in each bin; 0 leaves parents out. `None` chooses it
     /// as [`Settings::fallback`] says.
     pub fallback: Option<f32>,
@@ -58,7 +55,7 @@ pub struct Grid {
 /// Number of cells of a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cells {
-    /// The finest cubes whose guide fits 8 MiB.
+    /// As many as the picture can teach, see [`Settings::grid`](crate::settings::Settings#structfield.grid).
     Auto,
     /// A number along each axis.
     PerAxis(u32),
@@ -201,16 +198,16 @@ impl Settings {
             Guide::Quadtree(Quadtree { surfaces, map, cells, directions }) => {
                 (settings.sampler, settings.learner) = (Sampler::Quadtree, Learner::MonteCarlo);
                 (settings.guide_set, settings.map) = (surfaces, map);
-                (settings.grid, settings.directions) = (cells, directions);
+                (settings.grid, settings.directions) = (Some(cells), directions);
             }
             Guide::Grid(Grid { sampler, surfaces, map, cells, fallback, decay }) => {
                 settings.set_grid_sampler(sampler);
                 (settings.guide_set, settings.map) = (surfaces, map);
                 (settings.fallback, settings.decay) = (fallback, decay);
-                settings.grid = match cells {
+                settings.grid = cells.map(|cells| match cells {
                     Cells::Auto => AUTO_GRID,
                     Cells::PerAxis(number) => number,
-                };
+                });
             }
         }
         settings
@@ -229,7 +226,7 @@ impl Settings {
             roulette: self.roulette.filter(|&roulette| roulette != Roulette::Contribution),
             guide_set: defaults.guide_set,
             map: defaults.map,
-            grid: CELLS,
+            grid: None,
             fallback: None,
             directions: defaults.directions,
             normals: defaults.normals,
@@ -358,7 +355,7 @@ impl TryFrom<&Settings> for Guide {
                 normals: settings.normals,
             },
         };
-        let cells = if settings.grid == AUTO_GRID { Cells::Auto } else { Cells::PerAxis(settings.grid) };
+        let cells = settings.grid.map(|grid| if grid == AUTO_GRID { Cells::Auto } else { Cells::PerAxis(grid) });
         let &Settings { guide_set: surfaces, map, fallback, decay, .. } = settings;
         Ok(Self::Grid(Grid { sampler, surfaces, map, cells, fallback, decay }))
     }
@@ -366,8 +363,8 @@ impl TryFrom<&Settings> for Guide {
 
 impl Quadtree {
     fn of(settings: &Settings) -> Self {
-        let &Settings { guide_set: surfaces, map, grid: cells, directions, .. } = settings;
-        Self { surfaces, map, cells, directions }
+        let &Settings { guide_set: surfaces, map, directions, .. } = settings;
+        Self { surfaces, map, cells: settings.grid(), directions }
     }
 }
 
@@ -475,9 +472,11 @@ mod tests {
     fn guides() -> Vec<Guide> {
         let (surfaces, map) = (GuideSet::Authors, DirectionMap::Cylindrical);
         let grids = samplers().into_iter().flat_map(|sampler| {
-            [(Cells::Auto, None), (Cells::PerAxis(5), Some(4.0))].map(|(cells, fallback)| {
-                Guide::Grid(Grid { sampler: sampler.clone(), surfaces, map, cells, fallback, decay: 0.5 })
-            })
+            [(None, Some(4.0)), (Some(Cells::Auto), None), (Some(Cells::PerAxis(5)), Some(4.0))].map(
+                |(cells, fallback)| {
+                    Guide::Grid(Grid { sampler: sampler.clone(), surfaces, map, cells, fallback, decay: 0.5 })
+                },
+            )
         });
         let quadtree = Guide::Quadtree(Quadtree { surfaces, map, cells: 5, directions: 12 });
         grids.chain([Guide::None, quadtree]).collect()
@@ -492,7 +491,7 @@ mod tests {
             settings.validate().expect("a legal guide");
             assert_eq!(Guide::try_from(&settings).expect("a guide"), guide);
         }
-        assert_eq!(guides().len(), 2 * (3 * 7 + 11 * 27) + 2);
+        assert_eq!(guides().len(), 3 * (3 * 7 + 11 * 27) + 2);
     }
 
     #[test]
@@ -517,7 +516,7 @@ mod tests {
             |s| (s.sampler, s.light_selection) = (Sampler::Bsdf, Some(LightSelection::Learned)),
             |s| (s.sampler, s.learner) = (Sampler::Bsdf, Learner::MonteCarlo),
             |s| s.sampler = Sampler::Quadtree,
-            |s| (s.sampler, s.learner, s.grid) = (Sampler::Quadtree, Learner::MonteCarlo, AUTO_GRID),
+            |s| (s.sampler, s.learner, s.grid) = (Sampler::Quadtree, Learner::MonteCarlo, Some(AUTO_GRID)),
             |s| (s.sampler, s.learner, s.fallback) = (Sampler::Quadtree, Learner::MonteCarlo, Some(4.0)),
         ];
         for (at, change) in changes.into_iter().enumerate() {

@@ -27,6 +27,26 @@ fn a_guide_of_other_samples_is_followed_from_the_first_sample() {
     }
 }
 
+/// The size of a picture decides how many cells its guide has.
+#[test]
+fn a_guide_of_a_larger_picture_is_followed() {
+    let folder = Folder::new();
+    let large = ["--width", "320", "--height", "240", "--spp", "8", "--seed", "1", "--checkpoint", "large.ckpt"];
+    folder.render(&large);
+    folder.render(&["--spp", "8", "--seed", "1", "--checkpoint", "small.ckpt"]);
+    let cells = |name| {
+        let parts = Checkpoint::read(&folder.path(name)).unwrap().state.parts;
+        parts.iter().find(|part| part.name == "learned radiance").unwrap().bytes.len()
+    };
+    assert!(cells("large.ckpt") > cells("small.ckpt"), "both guides have the same cells");
+    folder.render(&["--spp", "8", "--seed", "2", "-o", "alone.exr"]);
+    let picture = |name| format!("{:?}", read_picture(&folder.path(name)).unwrap().0);
+    for guide in ["large.ckpt", "small.ckpt"] {
+        folder.render(&["--spp", "8", "--seed", "2", "--guide-from", guide, "-o", "guided.exr"]);
+        assert!(picture("alone.exr") != picture("guided.exr"), "the first step follows no guide");
+    }
+}
+
 /// Fails unless the render is refused in one sentence that has all `words`.
 #[track_caller]
 fn refused(folder: &Folder, arguments: &[&str], words: &[&str]) {
@@ -57,8 +77,20 @@ fn guides_that_do_not_fit_are_refused() {
 fn a_default_that_is_given_is_no_difference() {
     let folder = Folder::new();
     folder.render(&["--spp", "16", "--seed", "1", "--checkpoint", "guide.ckpt"]);
-    let same =
-        ["--fallback", "4", "--bsdf-share", "learned", "--spp", "8", "--guide-from", "guide.ckpt", "-o", "a.exr"];
+    let same = [
+        "--fallback",
+        "4",
+        "--grid",
+        "auto",
+        "--bsdf-share",
+        "learned",
+        "--spp",
+        "8",
+        "--guide-from",
+        "guide.ckpt",
+        "-o",
+        "a.exr",
+    ];
     folder.render(&same);
     refused(&folder, &["--fallback", "3", "--guide-from", "guide.ckpt"], &["guide.ckpt", "another fallback"]);
 }

@@ -124,7 +124,8 @@ fn mean_and_deviation(values: &[f64], expected: f64) -> (f64, f64) {
 /// `expected`.
 fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: impl FnOnce(&mut Settings)) -> (f64, f64) {
     let scene = ours("furnace/scene.xml", defines);
-    let mut settings = Settings { grid: 4, directions: 8, ..settings(&scene, [64, 64], Sampler::RejectionMix, 9) };
+    let mut settings =
+        Settings { grid: Some(4), directions: 8, ..settings(&scene, [64, 64], Sampler::RejectionMix, 9) };
     change(&mut settings);
     let mut renderer = device.renderer(&scene, &settings);
     steps(&mut renderer, &settings, LEARNING_STEPS * 8);
@@ -140,7 +141,7 @@ fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: imp
 /// that each bin gets as many targets per step as with the other learners.
 fn follow_product(s: &mut Settings) {
     if s.learner == Learner::IrradianceSarsa {
-        (s.sampler, s.directions, s.grid) = (Sampler::Product, 16, 2);
+        (s.sampler, s.directions, s.grid) = (Sampler::Product, 16, Some(2));
         s.roulette = Some(Roulette::Throughput);
     }
 }
@@ -184,7 +185,7 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
 #[test]
 fn cells_that_fall_back_on_their_parents_tend_to_the_incident_radiance() {
     let device = Device::new();
-    let fall_back = |s: &mut Settings| (s.grid, s.fallback, s.decay) = (7, Some(20.0), 0.0);
+    let fall_back = |s: &mut Settings| (s.grid, s.fallback, s.decay) = (Some(7), Some(20.0), 0.0);
     let expected = 1.0 - 0.5_f64.powi(LEARNING_STEPS as i32);
     let found = learned(&device, &[], expected, fall_back);
     assert!(is_learned(found, expected), "{found:?}");

@@ -6,7 +6,8 @@ use support::tier;
 
 use crate::device::Device;
 
-const BUDGET: u64 = 8 << 20;
+/// Pixels along each side of a picture, and the most bytes of its guide: 128 for each pixel, but at least 8 MiB and at most 64 MiB.
+const BUDGETS: [(u32, u64); 3] = [(16, 8 << 20), (400, 128 * 400 * 400), (800, 64 << 20)];
 
 /// A chosen grid is as fine as its memory allows. The quick tier has one scene.
 #[test]
@@ -14,13 +15,15 @@ fn a_chosen_grid_is_as_fine_as_its_memory_allows() {
     let device = Device::new();
     for scene in tier::some_of(&["cornell-box/scene.xml", "door-ajar/scene.xml", "furnace/scene.xml"], 1) {
         let scene = ours(scene, &[]);
-        let settings = Settings { fallback: Some(4.0), ..settings(&scene, [16, 16], Sampler::Product, 1) };
-        let bytes = |grid| device.renderer(&scene, &Settings { grid, ..settings.clone() }).guide_bytes();
-        let chosen = bytes(AUTO_GRID);
-        println!("{chosen} bytes, {} of 8 cells a side", bytes(8));
-        assert!(chosen <= BUDGET && chosen > BUDGET / 2, "{chosen}");
-        // The twin must fail: a finer grid does not fit.
-        assert!(bytes(32) > BUDGET);
+        for (side, budget) in BUDGETS {
+            let settings = settings(&scene, [side, side], Sampler::Product, 1);
+            let bytes = |grid| device.renderer(&scene, &Settings { grid, ..settings.clone() }).guide_bytes();
+            let chosen = bytes(None);
+            assert!(chosen <= budget && chosen > budget / 2, "{chosen} bytes for {side} pixels a side");
+            assert_eq!(bytes(Some(AUTO_GRID)), chosen);
+            // The twin must fail: the finest grid fits no picture.
+            assert!(bytes(Some(32)) > budget);
+        }
     }
 }
 

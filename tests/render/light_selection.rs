@@ -42,7 +42,7 @@ fn cells_learn_which_lamps_reach_them() {
                 // Few cells, so that each has made many connections.
                 let common = settings(&scene, [32, 32], Sampler::Product, seed);
                 let settings =
-                    Settings { nee: true, light_selection: Some(selection), max_depth: 2, grid: 2, ..common };
+                    Settings { nee: true, light_selection: Some(selection), max_depth: 2, grid: Some(2), ..common };
                 device.render(&scene, &settings, SPP)
             };
             difference(&picture(seed), &picture(seed + 1))

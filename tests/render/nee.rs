@@ -227,7 +227,7 @@ fn the_guide_learns_what_emitter_sampling_leaves() {
         let settings = Settings {
             nee,
             decay: 0.0,
-            grid: 4,
+            grid: Some(4),
             directions: 8,
             ..settings(&scene, [64, 64], Sampler::RejectionMix, 9)
         };

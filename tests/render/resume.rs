@@ -83,7 +83,7 @@ fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
     let device = Device::validated();
     let scene = scene();
     let plain = settings(&scene, SIZE, Sampler::Product, 21);
-    let settings = Settings { grid: AUTO_GRID, fallback: Some(4.0), ..plain.clone() };
+    let settings = Settings { grid: Some(AUTO_GRID), fallback: Some(4.0), ..plain.clone() };
     let whole = rest(&mut device.renderer(&scene, &settings), &settings);
     let (state, _) = state_after(&device, &scene, &settings, 16);
     let mut renderer = device.renderer(&scene, &settings);
@@ -144,7 +144,7 @@ fn a_state_of_other_settings_is_refused_and_so_is_one_of_a_stopped_step() {
     let scene = scene();
     let settings = settings(&scene, SIZE, Sampler::RejectionMix, 21);
     let state = state_after(&device, &scene, &settings, 8).0;
-    for other in [Settings { grid: 4, ..settings.clone() }, Settings { width: 90, ..settings.clone() }] {
+    for other in [Settings { grid: Some(4), ..settings.clone() }, Settings { width: 90, ..settings.clone() }] {
         let error = device.renderer(&scene, &other).restore(&state).unwrap_err().to_string();
         assert!(error.contains("the saved state holds film radiance: "), "{error}");
     }

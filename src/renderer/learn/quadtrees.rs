@@ -10,7 +10,7 @@ const MOST_NODES: u64 = 1 << 20;
 /// Most nodes of all quadtrees: as many as the grid has bins, at most [`MOST_NODES`].
 pub(crate) fn node_limit(settings: &Settings) -> u64 {
     // The finest grids have more bins than that. A grid whose size the scene chooses has no quadtrees.
-    let cells = u64::from(settings.grid).saturating_pow(3);
+    let cells = u64::from(settings.grid()).saturating_pow(3);
     cells.saturating_mul(settings.directions.pow(2).into()).min(MOST_NODES)
 }
 

@@ -415,17 +415,19 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Cells of the guide along each axis, or auto",
-        long: "auto takes the finest cubes whose guide fits 8 MiB. The trees of the sampler quadtree have at most as many nodes as \
-               a grid of this size has bins.",
+        long: "auto takes the finest cubes whose guide has at most 128 bytes for each pixel of the whole picture, but at least 8 \
+               MiB and at most 64 MiB. The trees of the sampler quadtree have at most as many nodes as a grid of this size has \
+               bins.",
+        default: "auto with the sampler product, unless --fallback is 0; else 8",
         range: Some((1.0, 32.0)),
         setting: Some(Setting {
             get: |settings| match settings.grid {
-                AUTO_GRID => Value::Word("auto".into()),
+                Some(AUTO_GRID) => Value::Word("auto".into()),
                 number => number.value(),
             },
             set: Some(|settings, text| {
                 let number = || text.parse().map_err(|_| "give a whole number or auto".to_owned());
-                settings.grid = if text == "auto" { AUTO_GRID } else { number()? };
+                settings.grid = Some(if text == "auto" { AUTO_GRID } else { number()? });
                 Ok(())
             }),
             words: Vec::new,

@@ -60,7 +60,7 @@ fn check_emission(
         width: SIDE,
         height: SIDE,
         seed: SEED,
-        grid: 4,
+        grid: Some(4),
         nee: false,
         pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)

@@ -35,7 +35,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             width: SIDE,
             height: SIDE,
             seed: SEED,
-            grid: 4,
+            grid: Some(4),
             normals: 8,
             nee: false,
             pattern: SamplePattern::Independent,

@@ -65,7 +65,7 @@ fn test_learner(
         ..Settings::for_scene(&scene)
     };
     (row.set)(&mut settings);
-    (settings.width, settings.height, settings.grid, settings.learner) = (SIDE, SIDE, 1, learner);
+    (settings.width, settings.height, settings.grid, settings.learner) = (SIDE, SIDE, Some(1), learner);
     // The product sampler needs at least 16 bins along each side. They need more samples to be reached.
     let (directions, spp_per_step) = match settings.sampler {
         Sampler::Product => (16, 16 * settings.spp_per_step),

@@ -25,7 +25,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         if settings.sampler != Sampler::Quadtree {
             continue;
         }
-        let limit = (settings.grid.pow(3) * settings.directions.pow(2)) as usize;
+        let limit = (settings.grid().pow(3) * settings.directions.pow(2)) as usize;
         let mut renderer = studio.renderer(subject, &ours("cornell-box/scene.xml", &[]), settings);
         steps(&mut renderer, SPP, SPP);
         let forest = Forest::new(&renderer, limit);

@@ -56,10 +56,10 @@ pub const GUIDED: [(&str, Change); 18] = [
     }),
     ("product on all rough surfaces", |s| (s.sampler, s.guide_set) = (Sampler::Product, GuideSet::All)),
     ("product in cells that fall back on their parents", |s| {
-        (s.sampler, s.grid, s.fallback) = (Sampler::Product, AUTO_GRID, Some(4.0));
+        (s.sampler, s.grid, s.fallback) = (Sampler::Product, Some(AUTO_GRID), Some(4.0));
     }),
     ("rejection-mix in such cells", |s| {
-        (s.sampler, s.grid, s.fallback) = (Sampler::RejectionMix, 13, Some(16.0));
+        (s.sampler, s.grid, s.fallback) = (Sampler::RejectionMix, Some(13), Some(16.0));
     }),
     ("quadtree", |s| (s.sampler, s.learner) = (Sampler::Quadtree, Learner::MonteCarlo)),
     ("quadtree on the cylinder", |s| {

@@ -57,7 +57,7 @@ impl Ground {
     pub fn renderer(&self, sampler: Sampler, fallback: f32) -> Renderer {
         let learner = sampler.default_learner();
         let settings =
-            Settings { learner, grid: GRID, fallback: Some(fallback), ..settings(&self.scene, SIZE, sampler) };
+            Settings { learner, grid: Some(GRID), fallback: Some(fallback), ..settings(&self.scene, SIZE, sampler) };
         let renderer = Renderer::new(&self.context, &self.scene, &self.bvh, &settings).expect("a renderer");
         self.context.take_timings();
         renderer
