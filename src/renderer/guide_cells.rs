@@ -11,7 +11,7 @@ use crate::settings::{AUTO_GRID, Sampler, Settings};
 /// Bytes of a guide for each pixel of the film, where the number of cells is chosen for the picture. A picture of more pixels
 /// traces more paths, which can teach more cells, and a step of it takes longer, so that updates of more cells cost as little.
 const BYTES_PER_PIXEL: u64 = 128;
-/// Least and most bytes of such a guide.
+/// Least and most bytes of such a guide. Between them are powers of two only, because kernels are compiled for a number of cells.
 const LEAST_BYTES: u64 = 8 << 20;
 const MOST_BYTES: u64 = 64 << 20;
 
@@ -27,7 +27,7 @@ pub(super) fn cells_of(settings: &Settings, bvh: &Bvh, light_groups: u32) -> Cel
 /// Most bytes of a guide whose cells are chosen for the picture.
 fn bytes_for_picture(settings: &Settings) -> u64 {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
-    (BYTES_PER_PIXEL * pixels).clamp(LEAST_BYTES, MOST_BYTES)
+    (BYTES_PER_PIXEL * pixels).clamp(LEAST_BYTES, MOST_BYTES).next_power_of_two()
 }
 
 /// Bytes of both grids.

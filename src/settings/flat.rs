@@ -70,9 +70,9 @@ pub struct Settings {
     pub roulette: Option<Roulette>,
     /// Number of directions over which `expected-sarsa` takes its mean, in [1, 4096].
     pub expected_directions: u32,
-    /// Cells along each axis of the grids, in [1, 32]. [`AUTO_GRID`] takes the finest cubes whose guide has at most 128 bytes for
-    /// each pixel of the film, but at least 8 MiB and at most 64 MiB. Quadtrees have at most as many nodes as grids of this size
-    /// have bins. `None` chooses it as [`Settings::grid`] says.
+    /// Cells along each axis of the grids, in [1, 32]. [`AUTO_GRID`] takes the finest cubes whose guide fits 8, 16, 32 or 64
+    /// MiB: the first of these that has 128 bytes for each pixel of the film, or the last. Quadtrees have at most as many nodes as
+    /// grids of this size have bins. `None` chooses it as [`Settings::grid`] says.
     #[serde(serialize_with = "number_or_auto", deserialize_with = "from_number_or_auto")]
     pub grid: Option<u32>,
     /// Number of targets that the knowledge of a cell's parents counts for in each of its bins, in [0, 1e6]. With 0 a cell uses

@@ -55,7 +55,7 @@ pub struct Grid {
 /// Number of cells of a grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cells {
-    /// As many as the picture can teach, see [`Settings::grid`](crate::settings::Settings#structfield.grid).
+    /// Cubes, and the more of them the larger the picture is, as [`Settings::grid`](crate::settings::Settings#structfield.grid) says.
     Auto,
     /// A number along each axis.
     PerAxis(u32),

@@ -60,7 +60,7 @@ fn a_limit_on_file_sizes_is_an_error_and_the_old_file_stays() {
 #[test]
 fn a_full_disk_is_an_error_and_the_old_file_stays() {
     let namespace = ["unshare", "--user", "--map-root-user", "--mount"];
-    let mount = "mount -t tmpfs -o size=4m tmpfs disk";
+    let mount = "mount -t tmpfs -o size=8m tmpfs disk";
     let probe = Command::new(namespace[0]).args(&namespace[1..]).args(["true"]).output();
     if !probe.is_ok_and(|output| output.status.success()) {
         println!("skipped, for the system allows no disks of one's own");

@@ -90,8 +90,7 @@ fn cells_that_fall_back_on_their_parents_go_on_with_the_same_bits() {
     renderer.restore(&state).expect("the same settings");
     assert!(rest(&mut renderer, &settings).0 == whole.0);
     // The twins must fail: each of the settings matters.
-    for other in
-        [Settings { grid: plain.grid, ..settings.clone() }, Settings { fallback: Some(5.0), ..settings.clone() }]
+    for other in [Settings { grid: Some(7), ..settings.clone() }, Settings { fallback: Some(5.0), ..settings.clone() }]
     {
         assert!(rest(&mut device.renderer(&scene, &other), &other).0 != whole.0, "{other:?}");
     }

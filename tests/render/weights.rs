@@ -128,7 +128,7 @@ fn the_variance_layer_is_that_of_the_weighted_mean() {
     let scene = ours("cornell-box/scene.xml", &[]);
     let picture =
         |seed: u32| device.render(&scene, &box_settings(&scene, [32, 32], SampleWeights::Growing, 500 + seed), 20);
-    let pixels = spread_and_claim(&(0..32).map(picture).collect::<Vec<_>>());
+    let pixels = spread_and_claim(&(0..64).map(picture).collect::<Vec<_>>());
     for (fault, is_right) in [(1.0, true), (1.3, false), (1.0 / 1.3, false)] {
         let (ratio, z) = ratio_and_deviation(&pixels, fault);
         println!("claims x {fault:.2}: spread / claim = {ratio:.4}, z = {z:.2}");

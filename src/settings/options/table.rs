@@ -415,9 +415,9 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Cells of the guide along each axis, or auto",
-        long: "auto takes the finest cubes whose guide has at most 128 bytes for each pixel of the whole picture, but at least 8 \
-               MiB and at most 64 MiB. The trees of the sampler quadtree have at most as many nodes as a grid of this size has \
-               bins.",
+        long: "auto takes the finest cubes whose guide fits 8, 16, 32 or 64 MiB: the first of these that has 128 bytes for each \
+               pixel of the whole picture, or the last. The trees of the sampler quadtree have at most as many nodes as a grid of \
+               this size has bins.",
         default: "auto with the sampler product, unless --fallback is 0; else 8",
         range: Some((1.0, 32.0)),
         setting: Some(Setting {
