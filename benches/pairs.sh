@@ -5,7 +5,8 @@
 #   benches/pairs.sh BINARY SCENE.xml 'OPTIONS' 'OPTIONS'... [-- OPTION...]
 #
 # Each argument in quotes is a row. Options after `--` go to all rows. A row prints, relative to the first row: the RMSE at equal
-# samples, the counted rays, and the RMSE at equal rays, which is the first figure times the root of the second.
+# samples; the RMSE relative to the pixels of the pair's mean, without the largest 0.1 % of the terms; the counted rays; and both errors at
+# equal rays, which are those at equal samples times the root of the rays.
 # SPP (64), WIDTH (64), HEIGHT (36) and PAIRS (2) change the renders. The seeds are 1, 2, 3 and so on.
 # Half the mean squared difference of a pair is the variance of one picture. A bias does not show. A mean absolute difference
 # would not do: two pictures that miss the same rare light differ little. Take several pairs: a row's
@@ -36,10 +37,12 @@ rays() { # SEED PICTURE OPTION...
     "$work/stats.json"
 }
 
-# Mean squared difference of two pictures.
+# Mean squared error of a picture against the mean of a pair, and the relative one, trimmed.
 difference() { # A B
-  "$binary" compare --json "$1" "$2" |
-    python3 -c 'import json, sys; print(json.load(sys.stdin)["mse"])'
+  rm -f "$work/mean.exr"
+  "$binary" merge "$1" "$2" -o "$work/mean.exr" >"$work/log" 2>&1 || { cat "$work/log" >&2; return 1; }
+  "$binary" compare --json "$1" "$work/mean.exr" |
+    python3 -c 'import json, sys; errors = json.load(sys.stdin); print(errors["mse"], errors["relmse_trim"])'
 }
 
 # Relative mean squared errors of two pictures against the reference: all terms, and trimmed.
@@ -54,7 +57,7 @@ if [ "$reference_spp" -gt 0 ]; then
   SPP=$reference_spp rays 1000 "$work/reference.exr" "$@" >/dev/null
   printf 'relative RMSE   trimmed   rays   trimmed, at equal rays\n'
 else
-  printf 'RMSE   rays   RMSE at equal rays\n'
+  printf 'RMSE   relative, trimmed   rays   RMSE at equal rays   relative, trimmed, at equal rays\n'
 fi
 first=
 for row in "${rows[@]}"; do
@@ -65,19 +68,16 @@ for row in "${rows[@]}"; do
     if [ "$reference_spp" -gt 0 ]; then
       echo "$(relative "$work/a.exr" "$work/b.exr") $((one + other))"
     else
-      echo "$(difference "$work/a.exr" "$work/b.exr") 0 $((one + other))"
+      echo "$(difference "$work/a.exr" "$work/b.exr") $((one + other))"
     fi
   done >"$work/pairs"
   sums=$(awk '{ mse += $1; trimmed += $2; rays += $3 } END { print mse, trimmed, rays }' "$work/pairs")
   : "${first:=$sums}"
-  awk -v name="$row" -v own="$sums" -v first="$first" 'BEGIN {
+  awk -v name="$row" -v own="$sums" -v first="$first" -v pairs="$((reference_spp == 0))" 'BEGIN {
     split(own, a, " "); split(first, b, " ")
-    error = sqrt(a[1] / b[1]); rays = a[3] / b[3]
-    if (b[2] == 0) {
-      printf "%.3f  %.3f  %.3f  %s\n", error, rays, error * sqrt(rays), name
-    } else {
-      trimmed = sqrt(a[2] / b[2])
-      printf "%.3f  %.3f  %.3f  %.3f  %s\n", error, trimmed, rays, trimmed * sqrt(rays), name
-    }
+    error = sqrt(a[1] / b[1]); trimmed = sqrt(a[2] / b[2]); rays = a[3] / b[3]
+    printf "%.3f  %.3f  %.3f  ", error, trimmed, rays
+    if (pairs) printf "%.3f  ", error * sqrt(rays)
+    printf "%.3f  %s\n", trimmed * sqrt(rays), name
   }'
 done

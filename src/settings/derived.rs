@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::{Error, Result};
 
 /// Number of targets that a parent counts for with the sampler `product`.
-const PRODUCT_FALLBACK: f32 = 4.0;
+const PRODUCT_FALLBACK: f32 = 16.0;
 /// Cells along each axis of the paper's grid.
 const PAPER_GRID: u32 = 8;
 

@@ -79,7 +79,7 @@ fn a_default_that_is_given_is_no_difference() {
     folder.render(&["--spp", "16", "--seed", "1", "--checkpoint", "guide.ckpt"]);
     let same = [
         "--fallback",
-        "4",
+        "16",
         "--grid",
         "auto",
         "--bsdf-share",

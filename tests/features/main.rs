@@ -93,7 +93,7 @@ impl<'a> Job<'a> {
         // The kernels contain the number of cells, so scenes share kernels only where each has one cell.
         let of_scene = Settings::for_scene(&scene);
         let settings = Settings {
-            grid: if tier::is_full() { of_scene.grid } else { Some(1) },
+            grid: Some(if tier::is_full() { 8 } else { 1 }),
             sampler: method.sampler,
             nee: method.nee,
             seed: case.number,

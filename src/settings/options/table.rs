@@ -444,7 +444,7 @@ pub static OPTIONS: &[OptionEntry] = &[
                the parent counts for much in a bin with few targets, and for little in a bin with many. The parent's estimate \
                is first scaled by how bright the cell has found the directions around the bin. With 0 a cell uses its own \
                targets only.",
-        default: "4 with the sampler product, else 0",
+        default: "16 with the sampler product, else 0",
         range: Some((0.0, 1.0e6)),
         setting: setting!(fallback),
         rules: &[
