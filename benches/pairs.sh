@@ -6,7 +6,8 @@
 #
 # Each argument in quotes is a row. Options after `--` go to all rows. A row prints, relative to the first row: the RMSE at equal
 # samples; the RMSE relative to the pixels of the pair's mean, without the largest 0.1 % of the terms; the counted rays; and both errors at
-# equal rays, which are those at equal samples times the root of the rays.
+# equal rays, which are those at equal samples times the root of the rays. An outlier raises the mean of its pair, too, so the relative
+# figure hardly shows it; the RMSE does.
 # SPP (64), WIDTH (64), HEIGHT (36) and PAIRS (2) change the renders. The seeds are 1, 2, 3 and so on.
 # Half the mean squared difference of a pair is the variance of one picture. A bias does not show. A mean absolute difference
 # would not do: two pictures that miss the same rare light differ little. Take several pairs: a row's
