@@ -7,7 +7,8 @@ use lodestar::{Error, Result};
 
 /// Prints a line to standard error. A closed standard error is ignored.
 pub(super) fn report(kind: &str, text: &str) {
-    let _ = writeln!(io::stderr(), "lodestar: {kind}: {text}");
+    // One write, because other processes may write to the same file at the same time.
+    let _ = io::stderr().write_all(format!("lodestar: {kind}: {text}\n").as_bytes());
 }
 
 /// Prints a line to standard error without a prefix. A closed standard error is ignored.
