@@ -15,8 +15,6 @@ use crate::{Error, Result};
 pub(super) struct GuideFile {
     path: PathBuf,
     checkpoint: Checkpoint,
-    /// Cells of the guide, once the scene is prepared.
-    cells: Option<Cells>,
 }
 
 impl GuideFile {
@@ -31,7 +29,7 @@ impl GuideFile {
         if checkpoint.state.samples_done == 0 {
             return Err(Error::checkpoint(path, "its guide has learned nothing yet; give one with samples"));
         }
-        Ok(Some(Self { path, checkpoint, cells: None }))
+        Ok(Some(Self { path, checkpoint }))
     }
 
     /// Refuses the guide of another scene.
@@ -48,15 +46,14 @@ impl GuideFile {
         Err(Error::checkpoint(&self.path, message))
     }
 
-    /// Finds the cells of the guide in the scene of a renderer.
-    pub fn find_cells(&mut self, renderer: &Renderer, bvh: &Bvh) {
-        self.cells = Some(renderer.cells_of_guide(&self.checkpoint.settings, bvh));
+    /// Cells of the guide in the scene of a renderer.
+    pub fn cells(&self, renderer: &Renderer, bvh: &Bvh) -> Cells {
+        renderer.cells_of_guide(&self.checkpoint.settings, bvh)
     }
 
-    /// Begins the session with the guide.
-    pub fn begin(self, session: &mut Session) -> Result<()> {
-        let Self { path, checkpoint: Checkpoint { settings, state, record, .. }, cells } = self;
-        let cells = cells.ok_or_else(|| Error::Render("the cells of the guide are not known yet".into()))?;
+    /// Begins the session with the guide, which has these cells.
+    pub fn begin(self, cells: Cells, session: &mut Session) -> Result<()> {
+        let Self { path, checkpoint: Checkpoint { settings, state, record, .. } } = self;
         let guide = session.renderer.guide_of_state(settings, cells, state, record.guide_samples);
         let begun = guide.and_then(|guide| session.begin_with_guide_state(guide));
         begun.map_err(|error| Error::checkpoint(path, error.to_string()))

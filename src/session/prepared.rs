@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::encode::cells::Cells;
 use crate::renderer::RenderState;
 use crate::session::checkpoint::Record;
 use crate::session::checkpoints::{CheckpointFile, Checkpoints};
@@ -24,7 +25,8 @@ pub(super) struct Prepared {
     /// Names of the devices with their drivers, of all ranks once these are known.
     pub devices: Vec<String>,
     pub earlier: Option<Earlier>,
-    pub guide: Option<GuideFile>,
+    /// Guide that begins the render, with its cells.
+    pub guide: Option<(GuideFile, Cells)>,
     pub checkpoint: Option<CheckpointFile>,
     /// Whether tiles are dealt out to devices by their measured speed.
     pub deals_by_speed: bool,
@@ -43,8 +45,8 @@ impl Prepared {
             watch.tell(Event::Note(&dealt(&devices, &weights)));
         }
         let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
-        if let Some(guide) = guide {
-            guide.begin(&mut session)?;
+        if let Some((guide, cells)) = guide {
+            guide.begin(cells, &mut session)?;
         }
         if let Some(file) = checkpoint {
             session.checkpoints = Some(Checkpoints::new(file, session.template()?, samples_written));

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::denoise::Denoiser;
 use crate::encode::bvh::Bvh;
+use crate::encode::cells::Cells;
 use crate::encode::surfaces::Surfaces;
 use crate::gpu::Context;
 use crate::image::Image;
@@ -96,7 +97,7 @@ impl Session {
 
     /// Does what needs no other rank.
     fn prepare(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Prepared> {
-        let mut guide = GuideFile::of(&start, options)?;
+        let guide = GuideFile::of(&start, options)?;
         let (input, resumed) = start.read()?;
         let input = input.in_folder(watch)?;
         // Files that cannot be written are found before a large scene is read.
@@ -120,8 +121,8 @@ impl Session {
         let context = Arc::clone(&contexts[0]);
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
-        let (renderer, bvh_seconds, pipeline_seconds) =
-            build(scene, &contexts, &plan.settings, &inputs.kernels, guide.as_mut(), watch)?;
+        let (renderer, guide_cells, bvh_seconds, pipeline_seconds) =
+            build(scene, &contexts, &plan.settings, &inputs.kernels, guide.as_ref(), watch)?;
         watch.tell(Event::Ready);
         inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
@@ -148,6 +149,7 @@ impl Session {
             settings,
         };
         let devices = contexts.iter().map(|context| device_name(context)).collect();
+        let guide = guide.zip(guide_cells);
         Ok(Prepared { session, devices, earlier, guide, checkpoint, deals_by_speed: options.deals_by_speed })
     }
 }
@@ -266,15 +268,15 @@ fn open_and_load<'a>(
     })
 }
 
-/// The renderer of a scene, and the seconds that its hierarchy and its kernels took.
+/// The renderer of a scene, the cells of the guide that begins the render, and the seconds that hierarchy and kernels took.
 fn build(
     mut scene: Cow<'_, Scene>,
     contexts: &[Arc<Context>],
     settings: &Settings,
     kernels: &KernelFiles,
-    guide: Option<&mut GuideFile>,
+    guide: Option<&GuideFile>,
     watch: &Watch<'_>,
-) -> Result<(Renderer, f64, f64)> {
+) -> Result<(Renderer, Option<Cells>, f64, f64)> {
     watch.tell(Event::Preparing(Preparation::Hierarchy(scene.primitives.len())));
     let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
     let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
@@ -295,10 +297,8 @@ fn build(
         Ok(renderer)
     };
     let (renderer, pipeline_seconds) = timed(build)?;
-    if let Some(guide) = guide {
-        guide.find_cells(&renderer, &bvh);
-    }
-    Ok((renderer, bvh_seconds, pipeline_seconds))
+    let guide_cells = guide.map(|guide| guide.cells(&renderer, &bvh));
+    Ok((renderer, guide_cells, bvh_seconds, pipeline_seconds))
 }
 
 /// File of the checkpoint, if one is kept. A resumed render keeps the file that it came from.

@@ -34,6 +34,7 @@ BinParts parts_of(uint cell, uint parent, uint bin) {
     return BinParts(learned, prior, learned.weight / (learned.weight + FALLBACK));
 }
 
+// Sums over the bins of the finest block `at`.
 FinestBlock measured_block(uint cell, uint parent, uvec2 at) {
     FinestBlock block = FinestBlock(BlockSums(0.0, 0.0, 0.0), 0.0, 0.0);
     for (uint i = 0u; i < BLOCK_BINS; ++i) {
@@ -49,6 +50,7 @@ FinestBlock measured_block(uint cell, uint parent, uvec2 at) {
     return block;
 }
 
+// Stores the estimates of the bins of the finest block `at`. Bins of a cell that is sampled hold at least `least`.
 void store_block(uint cell, uint parent, uvec2 at, float scale, float least) {
     for (uint i = 0u; i < BLOCK_BINS; ++i) {
         uint bin = bin_of_block(at, i);
@@ -74,20 +76,17 @@ void main() {
     FinestBlock blocks[4];
     BlockSums sums = BlockSums(0.0, 0.0, 0.0);
     for (uint i = 0u; i < 4u; ++i) {
-        blocks[i] = measured_block(cell, parent, 2u * lane_block() + uvec2(i % 2u, i / 2u));
+        blocks[i] = measured_block(cell, parent, finest_block(i));
         sums = both(sums, blocks[i].sums);
     }
     float scale = scale_of_lane(sums);
     float scales[4];
     float estimates = 0.0;
     for (uint i = 0u; i < 4u; ++i) {
-        uvec2 at = 2u * lane_block() + uvec2(i % 2u, i / 2u);
-        scales[i] = scale_within(scale, blocks[i].sums, at, FINEST_SIDE);
+        scales[i] = scale_within(scale, blocks[i].sums, finest_block(i), FINEST_SIDE);
         estimates += blocks[i].own + scales[i] * blocks[i].borrowed;
     }
     float least = least_radiance(sum_of_cell(estimates));
     if (!exists) return;
-    for (uint i = 0u; i < 4u; ++i) {
-        store_block(cell, parent, 2u * lane_block() + uvec2(i % 2u, i / 2u), scales[i], least);
-    }
+    for (uint i = 0u; i < 4u; ++i) store_block(cell, parent, finest_block(i), scales[i], least);
 }

@@ -421,10 +421,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         default: "auto with the sampler product, unless --fallback is 0; else 8",
         range: Some((1.0, 32.0)),
         setting: Some(Setting {
-            get: |settings| match settings.grid {
-                Some(AUTO_GRID) => Value::Word("auto".into()),
-                number => number.value(),
-            },
+            get: |s| if s.grid == Some(AUTO_GRID) { Value::Word("auto".into()) } else { s.grid.value() },
             set: Some(|settings, text| {
                 let number = || text.parse().map_err(|_| "give a whole number or auto".to_owned());
                 settings.grid = Some(if text == "auto" { AUTO_GRID } else { number()? });

@@ -50,6 +50,11 @@ uvec2 lane_block() {
     return uvec2(lane % LANE_SIDE, lane / LANE_SIDE);
 }
 
+// Finest block with the number `i` of the four in the lane's block.
+uvec2 finest_block(uint i) {
+    return 2u * lane_block() + uvec2(i % 2u, i / 2u);
+}
+
 // First bin of a block, where the map has `side` blocks along each side: the first with bin * side / DIRECTION_RESOLUTION = block.
 uvec2 first_bin(uvec2 block, uint side) {
     return (block * DIRECTION_RESOLUTION + side - 1u) / side;
@@ -62,10 +67,12 @@ uint bin_of_block(uvec2 block, uint i) {
     return at.x < end.x && at.y < end.y ? at.y * DIRECTION_RESOLUTION + at.x : NONE;
 }
 
+// Sums over two blocks together.
 BlockSums both(BlockSums a, BlockSums b) {
     return BlockSums(a.found + b.found, a.expected + b.expected, a.prior + b.prior);
 }
 
+// Shows the lane's sums to the other lanes of the workgroup. All invocations call this function.
 void share_sums(BlockSums sums) {
     barrier();
     lane_found[gl_LocalInvocationIndex] = sums.found;
@@ -74,7 +81,7 @@ void share_sums(BlockSums sums) {
     barrier();
 }
 
-// Sum over what four lanes have shared: the one of block `corner`, and those `step` blocks to the right, below, and both.
+// Sum over what four lanes of the cell have shared: the one of block `corner`, and those `step` blocks to the right, below, and both.
 BlockSums sum_of_four(uvec2 corner, uint step) {
     BlockSums sums = BlockSums(0.0, 0.0, 0.0);
     for (uint i = 0u; i < 4u; ++i) {
