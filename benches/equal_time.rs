@@ -9,6 +9,9 @@
 //! The error is that of the paper, the mean absolute error of the displayed image. If the noise of the reference
 //! exceeds a quarter of the smaller error of two methods, their ratio is that of the mean squared errors, minus the
 //! variance of the reference.
+//!
+//! A step or a pass that has begun in time is finished, so a method uses more seconds than asked for. Ratios are of errors after exactly
+//! the time asked for, see [`at_equal_time`].
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -79,14 +82,15 @@ fn main() {
         let curve = measure(&context, name, &reference, seconds, out.as_deref());
         for ((errors, end), ratios) in curve.iter().zip(TURN_ENDS).zip(&mut ratios) {
             let at = format!("{name} at {} s", end * seconds);
+            let at_time = at_equal_time(&curve, end * seconds);
             for ((method, _), e) in METHODS.iter().zip(errors).filter(|((method, _), _)| is_asked(method)) {
                 println!("{at}, {method}: {} spp in {:.2} s, MAE {:.5}, MSE {:.3e}", e.spp, e.seconds, e.mae, e.mse);
             }
             let asked = |(a, b): (usize, usize)| is_asked(METHODS[a].0) && is_asked(METHODS[b].0);
             for (ratios, &(a, b)) in ratios.iter_mut().zip(&RATIOS).filter(|(_, pair)| asked(**pair)) {
-                let (ratio, by) = ratio(&reference, errors[a], errors[b]);
+                let (ratio, by) = ratio(&reference, at_time[a], at_time[b]);
                 println!("{at}: {} / {} = {ratio:.3} ({by})", METHODS[a].0, METHODS[b].0);
-                ratios.push((ratio, errors[a].mae / errors[b].mae));
+                ratios.push((ratio, at_time[a].mae / at_time[b].mae));
             }
         }
         curves.push((*name, curve));
@@ -143,11 +147,12 @@ fn plot(curves: &[(&str, Vec<Vec<Errors>>)]) -> Plot {
     }
 }
 
-/// Plot of the error of `product` over that of other methods, both with emitter sampling or both without: the geometric mean of the
-/// scenes, by mean absolute error.
+/// Plot of the error of `product` over that of other methods at equal time, both with emitter sampling or both without: the geometric
+/// mean of the scenes, by mean absolute error.
 fn plot_of_ratios(curves: &[(&str, Vec<Vec<Errors>>)], seconds: f64) -> Plot {
     let ratio = |turn: usize, (a, b): (usize, usize)| {
-        let logs = curves.iter().map(|(_, curve)| (curve[turn][a].mae / curve[turn][b].mae).ln());
+        let errors = curves.iter().map(|(_, curve)| at_equal_time(curve, TURN_ENDS[turn] * seconds));
+        let logs = errors.map(|errors| (errors[a].mae / errors[b].mae).ln());
         (logs.sum::<f64>() / curves.len() as f64).exp()
     };
     let emitters = |method: usize| METHODS[method].1.is_none_or(|(_, sampled)| sampled);
@@ -249,6 +254,26 @@ fn errors(picture: Option<(Image, u32)>, reference: &Reference) -> Errors {
     let variances = reference.variance.pixels.iter().flatten().map(|&v| f64::from(v));
     let noise = variances.sum::<f64>() / (3 * reference.variance.pixels.len()) as f64;
     Errors { mae: found.mae_ldr, mse: (found.mse - noise).max(0.0), spp, seconds: 0.0 }
+}
+
+/// Errors of all methods on a scene after exactly `seconds`. The mean absolute error lies on the line through the two nearest turns, in
+/// logarithms of time and error. The mean squared error, which may be 0, is the nearest later turn's, and falls with the time.
+fn at_equal_time(curve: &[Vec<Errors>], seconds: f64) -> Vec<Errors> {
+    let of_method = |method: usize| {
+        let mut turns: Vec<Errors> = curve.iter().map(|errors| errors[method]).collect();
+        turns.dedup_by_key(|errors| errors.seconds.to_bits());
+        let later = turns.iter().position(|errors| errors.seconds >= seconds).unwrap_or(turns.len() - 1);
+        let nearest = turns[later];
+        let mae = match turns[later.max(1) - 1..].first_chunk() {
+            Some([a, b]) => {
+                let slope = (b.mae / a.mae).ln() / (b.seconds / a.seconds).ln();
+                a.mae * (seconds / a.seconds).powf(slope)
+            }
+            None => nearest.mae,
+        };
+        Errors { mae, mse: nearest.mse * nearest.seconds / seconds, seconds, ..nearest }
+    };
+    (0..METHODS.len()).map(of_method).collect()
 }
 
 /// Ratio of the error of `a` to that of `b`, and the measure that was used.

@@ -87,8 +87,8 @@ pub enum BsdfShare {
 pub enum LightSelection {
     /// In proportion to the power of each light, everywhere.
     Power,
-    /// In proportion to the light that each cell has found to arrive. A few flat lights, and the environment, are cut into
-    /// patches, which count as lights of their own.
+    /// Seven of eight draws in proportion to the light that a cell's surfaces have scattered from each light, the others by power and
+    /// evenly. A few flat lights, and the environment, are cut into patches, which count as lights of their own.
     Learned,
 }
 

@@ -1,5 +1,6 @@
 // The algorithm at one vertex of a path, where its ray ends: shade_vertex is called once for every edge. The phases are those
-// of a path tracer with emitter sampling; a guide takes part in "3. Direction", "4. Learning" and "5. Roulette".
+// of a path tracer with emitter sampling. A guide takes part in all of them: with emitter sampling, its density weights the light of
+// "1. Emission" and "2. Emitter sampling".
 #ifndef VERTEX_GLSL
 #define VERTEX_GLSL
 #include "path/connection.glsl"

@@ -217,8 +217,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Begin with the guide of this checkpoint of another render",
-        long: "The guide learns on. The other render must have another --seed, or samples before --sample-offset only, and the same settings \
-               of the guide. Size, length and camera paths may differ.",
+        long: "The guide learns on. The other render must have the same scene and camera, the same settings of the guide, and another --seed \
+               or samples before --sample-offset only. Size and length may differ.",
         ..further(Output, "guide-from", "CHECKPOINT")
     },
     OptionEntry {
@@ -523,7 +523,7 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Least share of uniform directions in the guide",
         long: "The inversion samplers seldom sample light that the guide does not know yet, and such a sample is weighted by up to \
-               2/E at every edge. So they have 0.5 where no share is given, and the default below is that of the other samplers. With \
+               2/E at every edge. So they have 0.5 where no share is given, and the default below is that of the rejection samplers. With \
                0.0625, most of their picture is too dark, and a few pixels are far too bright.",
         range: Some((1.0e-4, 1.0)),
         setting: setting!(min_uniform),
