@@ -9,6 +9,7 @@ use lodestar::scene::{LoadOptions, Scene, load};
 use lodestar::settings::{Learner, Sampler, Settings, UNLIMITED_DEPTH};
 use serde_json::Value;
 use support::estimate::Estimate;
+use support::mutated::SHORT_OF_LIGHT;
 use support::scenes::{ours, settings};
 use support::significance::{ALPHA, sidak, two_sided};
 use support::tier;
@@ -182,6 +183,34 @@ fn a_closed_lamp_that_emits_inwards_is_dark() {
     let settings = Settings { nee: true, ..settings(&scene, [48, 48], Sampler::Bsdf, 7) };
     let picture = device.render(&scene, &settings, 64);
     assert!(picture.radiance.iter().flatten().all(|&channel| channel == 0.0));
+}
+
+/// A lamp above a floor, and a shade below the lamp that hides it.
+const SHADED: &str = r#"<scene version="3.0.0"><integrator type="path"/>
+<sensor type="perspective"><float name="fov" value="40"/>
+<transform name="to_world"><lookat origin="0,-3,1" target="0,0,0" up="0,0,1"/></transform></sensor>
+<shape type="rectangle"><transform name="to_world"><scale value="5"/></transform><bsdf type="diffuse"/></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="20"/><rotate x="1" angle="180"/><translate z="100"/></transform>
+<emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="30"/><translate z="GAP"/></transform><bsdf type="diffuse"/></shape></scene>"#;
+
+/// A shade close to a lamp hides the lamp from all points, however far they are. With Mitsuba's shorter shadow rays, light
+/// of a lamp at a distance of 100 gets through a shade 0.05 below it, and none through a shade 0.5 below it.
+#[test]
+fn a_shade_close_to_a_lamp_hides_it_from_afar() {
+    let device = Device::new();
+    let short = device.mutated(SHORT_OF_LIGHT);
+    let light = |device: &Device, height: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("scene.xml"), SHADED.replace("GAP", height)).expect("a file");
+        let scene = load(&folder.path().join("scene.xml"), &LoadOptions::default()).expect("a scene");
+        let settings = Settings { nee: true, ..settings(&scene, [32, 32], Sampler::Bsdf, 7) };
+        gray(&device.render(&scene, &settings, 16)).0
+    };
+    assert_eq!(light(&device, "99.95"), 0.0);
+    assert_eq!(light(&short, "99.5"), 0.0);
+    let (through, open) = (light(&short, "99.95"), light(&device, "101"));
+    assert!(open > 0.0 && (through / open - 1.0).abs() < 0.01, "{through} of {open}");
 }
 
 /// Every sampler with every learner has the mean of the plain sampler within 1 %, at the defaults that each has.

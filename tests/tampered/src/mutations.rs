@@ -52,7 +52,7 @@ const fn mutation(name: &'static str, patches: &'static [Patch]) -> Mutation {
     Mutation { name, patches }
 }
 
-/// All mutations: the faults, then the changes that must not matter.
+/// All mutations: the faults, then what another renderer does, then the changes that must not matter.
 pub const MUTATIONS: &[Mutation] = &[
     mutation(
         "memo keyed by a visitor's normal",
@@ -459,6 +459,16 @@ pub const MUTATIONS: &[Mutation] = &[
             file: GUIDING,
             text: "eval_scatterer(scatterer, bsdf_sample.wi) / ",
             mutated: "eval_scatterer(scatterer, bsdf_sample.wi) / (MUTATED ? 1.25 : 1.0) / ",
+        }],
+    ),
+    // Mitsuba 3 ends its shadow rays so early (its constant `ShadowEpsilon`, 15000 / 2^24).
+    mutation(
+        "shadow rays end before the light",
+        &[Patch {
+            file: LIGHT,
+            text: "ray.direction = d / max(ray.t_max, 1.0e-30);",
+            mutated: "ray.direction = d / max(ray.t_max, 1.0e-30);\n        \
+                  ray.t_max *= MUTATED ? 1.0 - 15000.0 / 16777216.0 : 1.0;",
         }],
     ),
     // The following changes must not matter.
