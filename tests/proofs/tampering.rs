@@ -74,6 +74,8 @@ const FAULTS: &[Fault] = &[
     kernels("missing survival weight", ROULETTE, "bsdf"),
     kernels("roulette by a used random number", ROULETTE, "bsdf"),
     kernels("survivors of roulette with too small a weight", FURNACE, OWN_CELLS),
+    kernels("survivors of roulette give nothing up", ROULETTE, PRODUCT),
+    kernels("ended paths bring less than survivors give up", ROULETTE, PRODUCT),
     kernels("points of a set not scrambled", PATTERNS, "bsdf"),
     kernels("a digit of points on the film lost", PATTERNS, "bsdf"),
     kernels("digits of points of a tile lost", PATTERNS, "bsdf"),

@@ -41,12 +41,16 @@ float survival_of(Path path, Guide guide, DirectionSample next) {
     return path.depth < SURE_ROULETTE_DEPTH ? survival : min(survival, MOST_SURVIVAL);
 }
 
-// Plays Russian roulette. A survivor's weight grows by one over the probability of survival.
-bool survives_roulette(inout Path path, float survival, float u) {
+// Plays Russian roulette. A survivor's weight grows by one over the probability of survival. An ended path brings the
+// `expected` radiance in place of what it would have met.
+bool survives_roulette(inout Path path, float survival, float expected, float u) {
+    bool survives = u < survival;
+    vec3 in_place = light_in_place(path.radiance, path.throughput, expected, survival);
+    path.radiance += survives ? -light_given_up(path.radiance, in_place, survival) : in_place;
     path.throughput /= max(survival, 1.0e-30);
     path.last_vertex.factor /= max(survival, 1.0e-30);
     path.evidence.scattered /= max(survival, 1.0e-30);
-    return u < survival;
+    return survives;
 }
 
 void end_path(inout Path path) {
@@ -115,7 +119,7 @@ float shade_surface(
     path.throughput *= next.weight;
     path.last_vertex.factor = next.weight;
     path.eta *= next.eta;
-    if (max_component(path.throughput) > 0.0 && survives_roulette(path, survival, u.w)) {
+    if (max_component(path.throughput) > 0.0 && survives_roulette(path, survival, expected_radiance(guide, next), u.w)) {
         // 6. The next edge begins.
         path.ray = scatterer.passes ? pass_surface(surface, next.wi) : leave_surface(surface, next.wi);
         path.previous_position = surface.position;

@@ -280,11 +280,28 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "survivors of roulette give nothing up",
+        &[Patch {
+            file: ROULETTE,
+            text: "return min(in_place * (1.0 / max(survival, 1.0e-30) - 1.0), collected);",
+            mutated: "return min(in_place * (MUTATED ? 0.0 : 1.0 / max(survival, 1.0e-30) - 1.0), collected);",
+        }],
+    ),
+    mutation(
+        "ended paths bring less than survivors give up",
+        &[Patch {
+            file: VERTEX,
+            text: "vec3 in_place = light_in_place(path.radiance, path.throughput, expected, survival);",
+            mutated: "vec3 in_place = light_in_place(path.radiance, path.throughput, expected, survival);\n    \
+                  if (MUTATED && !survives) in_place *= 0.8;",
+        }],
+    ),
+    mutation(
         "roulette by a used random number",
         &[Patch {
             file: VERTEX,
-            text: "survives_roulette(path, survival, u.w)",
-            mutated: "survives_roulette(path, survival, MUTATED ? u.x : u.w)",
+            text: "expected_radiance(guide, next), u.w)",
+            mutated: "expected_radiance(guide, next), MUTATED ? u.x : u.w)",
         }],
     ),
     mutation(
@@ -545,8 +562,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "another window of roulette",
         &[Patch {
             file: ROULETTE,
-            text: "const float SAFE_PART = 0.4;",
-            mutated: "const float SAFE_PART = MUTATED ? 1.0 : 0.4;",
+            text: "float safe_part = SAFE_PART;",
+            mutated: "float safe_part = MUTATED ? 1.0 : SAFE_PART;",
         }],
     ),
     mutation(
