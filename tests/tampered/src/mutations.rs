@@ -562,8 +562,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "another window of roulette",
         &[Patch {
             file: ROULETTE,
-            text: "float safe_part = SAFE_PART;",
-            mutated: "float safe_part = MUTATED ? 1.0 : SAFE_PART;",
+            text: "if (NEE) safe_part = SAFE_PART_WITH_LIGHT;",
+            mutated: "if (NEE) safe_part = SAFE_PART_WITH_LIGHT;\n    if (MUTATED) safe_part = 1.0;",
         }],
     ),
     mutation(
