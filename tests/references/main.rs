@@ -56,7 +56,7 @@ const FAULTY_SCENE: &str = "cornell-box";
 const FAULTY_SPP: u32 = 64;
 
 /// Scene in whose reference light leaks. Mitsuba 3's shadow rays end 0.09 % before a light, and a wall stands closer than
-/// that to the lamp of this scene (`docs/differences.md`). The leak is 1 % of the light in the shade.
+/// that to the lamp of this scene (`docs/differences.md`).
 const LEAKING: &str = "bathroom2";
 /// Samples per pixel that show the leak: 0.1 % of the picture's luminance.
 const LEAK_SPP: u32 = 256;

@@ -192,7 +192,7 @@ const SHADED: &str = r#"<scene version="3.0.0"><integrator type="path"/>
 <shape type="rectangle"><transform name="to_world"><scale value="5"/></transform><bsdf type="diffuse"/></shape>
 <shape type="rectangle"><transform name="to_world"><scale value="20"/><rotate x="1" angle="180"/><translate z="100"/></transform>
 <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
-<shape type="rectangle"><transform name="to_world"><scale value="30"/><translate z="GAP"/></transform><bsdf type="diffuse"/></shape></scene>"#;
+<shape type="rectangle"><transform name="to_world"><scale value="30"/><translate z="HEIGHT"/></transform><bsdf type="diffuse"/></shape></scene>"#;
 
 /// A shade close to a lamp hides the lamp from all points, however far they are. With Mitsuba's shorter shadow rays, light
 /// of a lamp at a distance of 100 gets through a shade 0.05 below it, and none through a shade 0.5 below it.
@@ -202,7 +202,7 @@ fn a_shade_close_to_a_lamp_hides_it_from_afar() {
     let short = device.mutated(SHORT_OF_LIGHT);
     let light = |device: &Device, height: &str| {
         let folder = tempfile::tempdir().expect("a folder");
-        std::fs::write(folder.path().join("scene.xml"), SHADED.replace("GAP", height)).expect("a file");
+        std::fs::write(folder.path().join("scene.xml"), SHADED.replace("HEIGHT", height)).expect("a file");
         let scene = load(&folder.path().join("scene.xml"), &LoadOptions::default()).expect("a scene");
         let settings = Settings { nee: true, ..settings(&scene, [32, 32], Sampler::Bsdf, 7) };
         gray(&device.render(&scene, &settings, 16)).0
