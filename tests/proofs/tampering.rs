@@ -10,7 +10,7 @@ use std::thread;
 use lodestar::renderer::sums::{self, AddSums, Sums};
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
-use support::mutated::SHORT_OF_LIGHT;
+use support::mutated::{FAR_OFF, SHORT_OF_LIGHT};
 use support::tier;
 
 use crate::claims::{
@@ -236,12 +236,12 @@ fn no_harmless_change_is_flagged() {
     write_table("harmless.md", "| change | claims | least p |\n|---|---|---|", &rows);
 }
 
-/// Every mutation is used: a mutation that no test uses would prove nothing. `SHORT_OF_LIGHT` shows what another renderer
-/// does, and has tests of its own.
+/// Every mutation is used: a mutation that no test uses would prove nothing. `SHORT_OF_LIGHT` and `FAR_OFF` show what another
+/// renderer does, and have tests of their own.
 #[test]
 fn every_mutation_is_a_fault_or_harmless() {
     let used = FAULTS.iter().map(|fault| &fault.0).chain(HARMLESS.iter().map(|harmless| &harmless.0));
-    let used: Vec<_> = used.filter_map(|subject| subject.mutation).chain([SHORT_OF_LIGHT]).collect();
+    let used: Vec<_> = used.filter_map(|subject| subject.mutation).chain([SHORT_OF_LIGHT, FAR_OFF]).collect();
     let unused: Vec<_> = tampered::MUTATIONS.iter().map(|m| m.name).filter(|name| !used.contains(name)).collect();
     assert!(unused.is_empty(), "{unused:?}");
 }

@@ -9,7 +9,7 @@ use lodestar::scene::{LoadOptions, Scene, load};
 use lodestar::settings::{Learner, Sampler, Settings, UNLIMITED_DEPTH};
 use serde_json::Value;
 use support::estimate::Estimate;
-use support::mutated::SHORT_OF_LIGHT;
+use support::mutated::{FAR_OFF, SHORT_OF_LIGHT};
 use support::scenes::{ours, settings};
 use support::significance::{ALPHA, sidak, two_sided};
 use support::tier;
@@ -194,22 +194,45 @@ const SHADED: &str = r#"<scene version="3.0.0"><integrator type="path"/>
 <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
 <shape type="rectangle"><transform name="to_world"><scale value="30"/><translate z="HEIGHT"/></transform><bsdf type="diffuse"/></shape></scene>"#;
 
+/// Mean of the picture of a scene, with emitter sampling, whose text has HEIGHT where `height` is to stand.
+fn light_of(device: &Device, text: &str, height: &str) -> f64 {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("scene.xml"), text.replace("HEIGHT", height)).expect("a file");
+    let scene = load(&folder.path().join("scene.xml"), &LoadOptions::default()).expect("a scene");
+    let settings = Settings { nee: true, ..settings(&scene, [32, 32], Sampler::Bsdf, 7) };
+    gray(&device.render(&scene, &settings, 16)).0
+}
+
 /// A shade close to a lamp hides the lamp from all points, however far they are. With Mitsuba's shorter shadow rays, light
 /// of a lamp at a distance of 100 gets through a shade 0.05 below it, and none through a shade 0.5 below it.
 #[test]
 fn a_shade_close_to_a_lamp_hides_it_from_afar() {
     let device = Device::new();
     let short = device.mutated(SHORT_OF_LIGHT);
-    let light = |device: &Device, height: &str| {
-        let folder = tempfile::tempdir().expect("a folder");
-        std::fs::write(folder.path().join("scene.xml"), SHADED.replace("HEIGHT", height)).expect("a file");
-        let scene = load(&folder.path().join("scene.xml"), &LoadOptions::default()).expect("a scene");
-        let settings = Settings { nee: true, ..settings(&scene, [32, 32], Sampler::Bsdf, 7) };
-        gray(&device.render(&scene, &settings, 16)).0
-    };
-    assert_eq!(light(&device, "99.95"), 0.0);
-    assert_eq!(light(&short, "99.5"), 0.0);
-    let (through, open) = (light(&short, "99.95"), light(&device, "101"));
+    assert_eq!(light_of(&device, SHADED, "99.95"), 0.0);
+    assert_eq!(light_of(&short, SHADED, "99.5"), 0.0);
+    let (through, open) = (light_of(&short, SHADED, "99.95"), light_of(&device, SHADED, "101"));
+    assert!(open > 0.0 && (through / open - 1.0).abs() < 0.01, "{through} of {open}");
+}
+
+/// A floor far from the origin, a lamp above it, and a sheet between them. The camera is close to the floor, below the sheet.
+const COVERED: &str = r#"<scene version="3.0.0"><integrator type="path"/>
+<sensor type="perspective"><float name="fov" value="40"/><float name="near_clip" value="0.001"/>
+<transform name="to_world"><lookat origin="1000,0,0.04" target="1000,0,0" up="0,1,0"/></transform></sensor>
+<shape type="rectangle"><transform name="to_world"><scale value="5"/><translate x="1000"/></transform><bsdf type="diffuse"/></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="20"/><rotate x="1" angle="180"/><translate x="1000" z="100"/></transform>
+<emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="30"/><translate x="1000" z="HEIGHT"/></transform><bsdf type="diffuse"/></shape></scene>"#;
+
+/// What is close to a surface hides light from it. At a distance of 1000 from the origin Mitsuba's rays start 0.089 off a surface, so
+/// light gets through a sheet 0.05 above it, and none through a sheet 0.5 above it.
+#[test]
+fn a_sheet_close_to_a_floor_hides_light_from_it() {
+    let device = Device::new();
+    let far_off = device.mutated(FAR_OFF);
+    assert_eq!(light_of(&device, COVERED, "0.05"), 0.0);
+    assert_eq!(light_of(&far_off, COVERED, "0.5"), 0.0);
+    let (through, open) = (light_of(&far_off, COVERED, "0.05"), light_of(&device, COVERED, "101"));
     assert!(open > 0.0 && (through / open - 1.0).abs() < 0.01, "{through} of {open}");
 }
 

@@ -295,18 +295,71 @@ fn extreme_inputs_give_sound_outputs() {
     }
 }
 
-/// Whether two samples differ by rounding only. Weights of grazing directions are proportional to their cosines.
-fn is_same(a: &ScatteringOutput, b: &ScatteringOutput) -> bool {
-    let close = |a: f32, b: f32, more: f32| (a - b).abs() <= (1.0e-4 + more) * b.abs().max(1.0e-3);
-    let grazing = (a.wi[2] - b.wi[2]).abs() / b.wi[2].abs().max(1.0e-6);
-    a.lobe == b.lobe
-        && (d3(a.wi) - d3(b.wi)).length() < 1.0e-5
-        && close(a.pdf, b.pdf, 0.0)
-        && close(a.value[0], b.value[0], 0.0)
-        && close(a.weight[0], b.weight[0], 2.0 * grazing)
+/// Rounding errors that the tests grant to a sample, relative to its inputs: eight units in the last place.
+const ROUNDING: f32 = 8.0 / 16_777_216.0;
+
+/// How far apart two results of one input may lie, because rounding of the input would move them as far.
+#[derive(Clone, Copy, Default)]
+struct Tolerance {
+    lobe: bool,
+    wi: f64,
+    pdf: f32,
+    value: f32,
+    weight: f32,
 }
 
-/// Samples of a kind do not depend on the other kinds that the pipeline contains.
+impl Tolerance {
+    /// The larger of this tolerance and the differences of two results.
+    fn including(self, a: &ScatteringOutput, b: &ScatteringOutput) -> Self {
+        Self {
+            lobe: self.lobe || a.lobe != b.lobe,
+            wi: self.wi.max((d3(a.wi) - d3(b.wi)).length()),
+            pdf: self.pdf.max((a.pdf - b.pdf).abs()),
+            value: self.value.max((a.value[0] - b.value[0]).abs()),
+            weight: self.weight.max((a.weight[0] - b.weight[0]).abs()),
+        }
+    }
+}
+
+/// The tolerance of each input: the largest change of its result where one number of the input changes by [`ROUNDING`]. It is
+/// large where a result depends much on the last digits, such as at the rim of a narrow lobe.
+fn tolerances(bench: &Bench, inputs: &[ScatteringInput]) -> Vec<Tolerance> {
+    let exact = bench.map(inputs);
+    let mut all = vec![Tolerance::default(); inputs.len()];
+    for number in 0..9 {
+        for factor in [1.0 - ROUNDING, 1.0 + ROUNDING] {
+            let rounded: Vec<_> = inputs
+                .iter()
+                .map(|&input| {
+                    let mut input = input;
+                    let ScatteringInput { wo, wi, u, .. } = &mut input;
+                    let x = &mut [wo, wi, u][number / 3][number % 3];
+                    *x = if number < 6 { *x * factor } else { (*x * factor).min(LAST) };
+                    input
+                })
+                .collect();
+            for ((tolerance, a), b) in all.iter_mut().zip(&exact).zip(&bench.map(&rounded)) {
+                *tolerance = tolerance.including(a, b);
+            }
+        }
+    }
+    all
+}
+
+/// Whether two samples differ by rounding only. Weights of grazing directions are proportional to their cosines.
+fn is_same(a: &ScatteringOutput, b: &ScatteringOutput, tolerance: &Tolerance) -> bool {
+    let close =
+        |a: f32, b: f32, more: f32, rounding: f32| (a - b).abs() <= (1.0e-4 + more) * b.abs().max(1.0e-3) + rounding;
+    let grazing = (a.wi[2] - b.wi[2]).abs() / b.wi[2].abs().max(1.0e-6);
+    (a.lobe == b.lobe || tolerance.lobe)
+        && (d3(a.wi) - d3(b.wi)).length() < 1.0e-5 + tolerance.wi
+        && close(a.pdf, b.pdf, 0.0, tolerance.pdf)
+        && close(a.value[0], b.value[0], 0.0, tolerance.value)
+        && close(a.weight[0], b.weight[0], 2.0 * grazing, tolerance.weight)
+}
+
+/// Samples of a kind do not depend on the other kinds that the pipeline contains. Compilers may round the arithmetic of two
+/// pipelines differently, which the tolerance grants. The twin, a weight that is 1 % larger, is found in at least 98 % of the samples.
 #[test]
 fn kinds_are_the_same_alone() {
     let all = Bench::new();
@@ -325,10 +378,17 @@ fn kinds_are_the_same_alone() {
             input(substance, numbers.unit_vector(), numbers.unit_vector(), u)
         };
         let inputs: Vec<_> = (0..1024).map(|_| one()).collect();
-        for (i, (a, b)) in inputs.iter().zip(all.map(&inputs).iter().zip(alone.map(&inputs))) {
-            assert!(is_same(a, &b), "{name}: {i:?}\n{a:?}\n{b:?}");
-            let brighter = ScatteringOutput { weight: a.weight.map(|weight| 1.01 * weight), ..*a };
-            assert!(a.weight[0] < 1.0e-3 || a.wi[2].abs() < 1.0e-3 || !is_same(&brighter, &b), "the twin: 1 % more");
+        let (mut twins, mut found) = (0, 0);
+        let results = all.map(&inputs).into_iter().zip(alone.map(&inputs));
+        for ((i, tolerance), (a, b)) in inputs.iter().zip(tolerances(&alone, &inputs)).zip(results) {
+            assert!(is_same(&a, &b, &tolerance), "{name}: {i:?}\n{a:?}\n{b:?}");
+            if a.weight[0] >= 1.0e-3 && a.wi[2].abs() >= 1.0e-3 {
+                let brighter = ScatteringOutput { weight: a.weight.map(|weight| 1.01 * weight), ..a };
+                twins += 1;
+                found += usize::from(!is_same(&brighter, &b, &tolerance));
+            }
         }
+        println!("{name}: the twin is found in {found} of {twins} samples");
+        assert!(100 * found >= 98 * twins, "{name}: the twin is found in {found} of {twins} samples only");
     }
 }

@@ -28,7 +28,8 @@ float coating_probability(Coating c, CoatedDirection wo) {
     float passing = mean_rgb(exp(-2.0 * c.optical_thickness));
     float specular = wo.reflectance;
     float nested = (1.0 - wo.reflectance) * passing;
-    return specular / max(specular + nested, 1.0e-20);
+    // A device may round the quotient above 1.
+    return min(specular / max(specular + nested, 1.0e-20), 1.0);
 }
 
 // Share of the light that passes the coating in both directions.

@@ -15,7 +15,8 @@ vec3 plastic_base(Bsdf b) {
 float plastic_specular_probability(Bsdf b, float reflectance) {
     float specular = reflectance * b.scalars1.y;
     float diffuse = (1.0 - reflectance) * (1.0 - b.scalars1.y);
-    return specular / max(specular + diffuse, 1.0e-20);
+    // A device may round the quotient above 1.
+    return min(specular / max(specular + diffuse, 1.0e-20), 1.0);
 }
 
 BsdfSample sample_bsdf_plastic(Bsdf b, vec3 wo, vec3 u) {

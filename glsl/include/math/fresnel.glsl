@@ -18,8 +18,9 @@ DielectricInterface fresnel_dielectric(float cos_i, float eta) {
     float g = sqrt(max(c * c + (relative - 1.0) * (relative + 1.0), 0.0));
     float s = (c - g) / (c + g);
     float p = (relative * relative * c - g) / (relative * relative * c + g);
-    // Total internal reflection is set explicitly, because a device may round the quotients below 1.
-    float reflectance = g > 0.0 ? 0.5 * (s * s + p * p) : 1.0;
+    // Total internal reflection is set explicitly, because a device may round the quotients below 1. It may round them above 1,
+    // too, and a plastic's density would be negative then.
+    float reflectance = g > 0.0 ? min(0.5 * (s * s + p * p), 1.0) : 1.0;
     return DielectricInterface(reflectance, g / relative, relative);
 }
 

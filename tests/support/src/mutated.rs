@@ -22,6 +22,8 @@ pub const BLIND_TO_GUIDE: &str = "weights blind to the guide";
 pub const COUNTED_TWICE: &str = "light counted whole however it is found";
 /// Mutation: shadow rays end 0.09 % before a light, as those of Mitsuba 3 do. What stands between lets light through.
 pub const SHORT_OF_LIGHT: &str = "shadow rays end before the light";
+/// Mutation: rays start as far off a surface as those of Mitsuba 3 do. What is closer to the surface lets light through.
+pub const FAR_OFF: &str = "rays start far off";
 
 /// Built-in kernel with the mutation.
 pub fn kernel(built_in: &KernelSource, mutation: &str) -> KernelSource {

@@ -28,6 +28,7 @@ const GUIDING: &str = "glsl/include/path/guiding.glsl";
 const IRRADIANCE_SARSA: &str = "glsl/include/guide/learners/irradiance_sarsa.glsl";
 const LEARNING: &str = "glsl/include/guide/learners/learning.glsl";
 const LIGHT: &str = "glsl/include/light/light.glsl";
+const SURFACE: &str = "glsl/include/geometry/surface.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
 const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
@@ -486,6 +487,16 @@ pub const MUTATIONS: &[Mutation] = &[
             text: "ray.direction = d / max(ray.t_max, 1.0e-30);",
             mutated: "ray.direction = d / max(ray.t_max, 1.0e-30);\n        \
                   ray.t_max *= MUTATED ? 1.0 - 15000.0 / 16777216.0 : 1.0;",
+        }],
+    ),
+    // Mitsuba 3 lets rays start so far off (its constant `RayEpsilon`, 1500 / 2^24).
+    mutation(
+        "rays start far off",
+        &[Patch {
+            file: SURFACE,
+            text: "return Ray(s.position + s.epsilon * off, wi, MAX_DISTANCE);",
+            mutated: "float far = max(s.epsilon, 1500.0 / 16777216.0 * (1.0 + max_abs(s.position)));\n    \
+                  return Ray(s.position + (MUTATED ? far : s.epsilon) * off, wi, MAX_DISTANCE);",
         }],
     ),
     // The following changes must not matter.
