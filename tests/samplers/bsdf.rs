@@ -295,7 +295,7 @@ fn extreme_inputs_give_sound_outputs() {
     }
 }
 
-/// Rounding errors that the tests grant to a sample, relative to its inputs: eight units in the last place.
+/// Rounding error that the tests grant to a number of an input, relative to it: eight roundings of 2^-24 each.
 const ROUNDING: f32 = 8.0 / 16_777_216.0;
 
 /// How far apart two results of one input may lie, because rounding of the input would move them as far.
@@ -358,8 +358,23 @@ fn is_same(a: &ScatteringOutput, b: &ScatteringOutput, tolerance: &Tolerance) ->
         && close(a.weight[0], b.weight[0], 2.0 * grazing, tolerance.weight)
 }
 
+/// Results that are not the same as `b`, each with its name: a weight, a density and a value 1 % larger, and a direction turned by 0.001.
+/// Results close to 0 are left out.
+fn twins(b: &ScatteringOutput) -> Vec<(&'static str, ScatteringOutput)> {
+    let more = |x: [f32; 3]| x.map(|x| 1.01 * x);
+    let turned = (d3(b.wi) + 0.001 * d3(b.wi).any_orthonormal_vector()).normalize().as_vec3().into();
+    let is_away = b.wi[2].abs() >= 1.0e-3;
+    let all = [
+        ("weight", b.weight[0] >= 1.0e-3 && is_away, ScatteringOutput { weight: more(b.weight), ..*b }),
+        ("density", b.pdf >= 1.0e-3, ScatteringOutput { pdf: 1.01 * b.pdf, ..*b }),
+        ("value", b.value[0] >= 1.0e-3, ScatteringOutput { value: more(b.value), ..*b }),
+        ("direction", b.lobe != LOBE_NONE, ScatteringOutput { wi: turned, ..*b }),
+    ];
+    all.into_iter().filter(|(_, counts, _)| *counts).map(|(name, _, twin)| (name, twin)).collect()
+}
+
 /// Samples of a kind do not depend on the other kinds that the pipeline contains. Compilers may round the arithmetic of two
-/// pipelines differently, which the tolerance grants. The twin, a weight that is 1 % larger, is found in at least 98 % of the samples.
+/// pipelines differently, which the tolerance grants. Nearly all [`twins`] are found, so the tolerance is not too wide.
 #[test]
 fn kinds_are_the_same_alone() {
     let all = Bench::new();
@@ -378,17 +393,20 @@ fn kinds_are_the_same_alone() {
             input(substance, numbers.unit_vector(), numbers.unit_vector(), u)
         };
         let inputs: Vec<_> = (0..1024).map(|_| one()).collect();
-        let (mut twins, mut found) = (0, 0);
         let results = all.map(&inputs).into_iter().zip(alone.map(&inputs));
-        for ((i, tolerance), (a, b)) in inputs.iter().zip(tolerances(&alone, &inputs)).zip(results) {
-            assert!(is_same(&a, &b, &tolerance), "{name}: {i:?}\n{a:?}\n{b:?}");
-            if a.weight[0] >= 1.0e-3 && a.wi[2].abs() >= 1.0e-3 {
-                let brighter = ScatteringOutput { weight: a.weight.map(|weight| 1.01 * weight), ..a };
-                twins += 1;
-                found += usize::from(!is_same(&brighter, &b, &tolerance));
-            }
+        let tolerances = tolerances(&alone, &inputs);
+        let undecided = tolerances.iter().filter(|tolerance| tolerance.lobe).count();
+        assert!(undecided <= 20, "{name}: rounding decides the lobe of {undecided} of 1024 samples");
+        let mut missed = Vec::new();
+        let mut count = 0;
+        for ((i, tolerance), (a, b)) in inputs.iter().zip(&tolerances).zip(results) {
+            assert!([tolerance.pdf, tolerance.value, tolerance.weight].iter().all(|x| x.is_finite()), "{name}: {i:?}");
+            assert!(is_same(&a, &b, tolerance), "{name}: {i:?}\n{a:?}\n{b:?}");
+            let twins = twins(&b);
+            count += twins.len();
+            missed.extend(twins.iter().filter(|(_, twin)| is_same(twin, &b, tolerance)).map(|(what, _)| *what));
         }
-        println!("{name}: the twin is found in {found} of {twins} samples");
-        assert!(100 * found >= 98 * twins, "{name}: the twin is found in {found} of {twins} samples only");
+        println!("{name}: {} of {count} twins are missed, and rounding decides {undecided} lobes", missed.len());
+        assert!(count > 500 && 100 * missed.len() <= count, "{name}: of {count} twins, {missed:?} are missed");
     }
 }

@@ -69,12 +69,6 @@ struct BsdfSample {
     float eta;    // refractive index on the side of `wi` over that on the side of `wo`; 1 for reflection
 };
 
-// Density where a direction is drawn from the diffuse lobe or, with the probability `share`, from another. `mix` would not do: a
-// device may evaluate it as x + share (y - x), which loses a small y beside a large x.
-float density_of_lobes(float diffuse, float other, float share) {
-    return (1.0 - share) * diffuse + share * other;
-}
-
 const BsdfSample NO_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), LOBE_NONE, vec3(0.0), 1.0);
 
 #endif

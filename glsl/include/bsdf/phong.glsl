@@ -31,7 +31,7 @@ BsdfSample sample_bsdf_phong(Bsdf b, vec3 wo, vec3 u) {
 float pdf_bsdf_phong(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     if (min(wo.z, wi.z) <= 0.0) return 0.0;
     float lobe = (b.scalars0.x + 1.0) * INV_TWO_PI * phong_power(b, wo, wi);
-    return density_of_lobes(diffuse_density, lobe, b.scalars1.y);
+    return density_of_choice(diffuse_density, lobe, b.scalars1.y);
 }
 
 vec3 eval_bsdf_phong(Bsdf b, vec3 wo, vec3 wi) {

@@ -34,7 +34,7 @@ BsdfSample sample_bsdf_rough_plastic(Bsdf b, vec3 wo, vec3 m, vec3 u) {
 float pdf_bsdf_rough_plastic(Bsdf b, vec3 wo, vec3 wi, float diffuse_density, Facet f) {
     if (min(wo.z, wi.z) <= 0.0) return 0.0;
     float specular = plastic_specular_probability(b, 1.0 - layer_transmittance(b, wo.z));
-    return density_of_lobes(diffuse_density, reflected_density(f), specular);
+    return density_of_choice(diffuse_density, reflected_density(f), specular);
 }
 
 vec3 eval_bsdf_rough_plastic(Bsdf b, vec3 wo, vec3 wi, Facet f) {

@@ -47,7 +47,7 @@ float pdf_bsdf_ward(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
     if (min(wo.z, wi.z) <= 0.0) return 0.0;
     WardHalf h = ward_half(b, wo, wi);
     float lobe = 0.25 * h.gauss / max(h.cosine * h.z * h.z * h.z, 1.0e-30);
-    return density_of_lobes(diffuse_density, lobe, b.scalars1.y);
+    return density_of_choice(diffuse_density, lobe, b.scalars1.y);
 }
 
 vec3 eval_bsdf_ward(Bsdf b, vec3 wo, vec3 wi) {

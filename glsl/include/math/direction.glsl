@@ -48,4 +48,10 @@ float pdf_cosine_hemisphere(float cos_theta) {
     return max(cos_theta, 0.0) * INV_PI;
 }
 
+// Density of a direction that is drawn from one distribution or, with the probability `share`, from a second. `mix` would not do: with
+// a share of 1 a device may compute first + (second - first), which is 0 where the second is tiny beside the first.
+float density_of_choice(float first, float second, float share) {
+    return (1.0 - share) * first + share * second;
+}
+
 #endif

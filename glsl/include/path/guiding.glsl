@@ -97,7 +97,7 @@ GuideDensity guide_density_of(Scatterer scatterer, Guide guide, vec3 wi, float d
 // Density of the local direction `wi`: of the BSDF's own samples mixed with the guide's, whose density is given.
 float pdf_mixture(Scatterer scatterer, Guide guide, vec3 wi, GuideDensity density) {
     float pdf = pdf_bsdf(scatterer.bsdf, scatterer.wo, wi, density.over_lobe);
-    if (guides_whole() && is_guided(guide)) pdf = mix(pdf, density.over_whole, guided_share(scatterer.bsdf, guide));
+    if (guides_whole() && is_guided(guide)) pdf = density_of_choice(pdf, density.over_whole, guided_share(scatterer.bsdf, guide));
     return pdf;
 }
 

@@ -173,8 +173,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "another share of a whole function in the density",
         &[Patch {
             file: GUIDING,
-            text: "pdf = mix(pdf, density.over_whole, guided_share(scatterer.bsdf, guide));",
-            mutated: "pdf = mix(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(scatterer.bsdf, guide));",
+            text: "density_of_choice(pdf, density.over_whole, guided_share(scatterer.bsdf, guide))",
+            mutated: "density_of_choice(pdf, density.over_whole, (MUTATED ? 0.8 : 1.0) * guided_share(scatterer.bsdf, guide))",
         }],
     ),
     mutation(
