@@ -224,7 +224,7 @@ const COVERED: &str = r#"<scene version="3.0.0"><integrator type="path"/>
 <emitter type="area"><rgb name="radiance" value="1"/></emitter></shape>
 <shape type="rectangle"><transform name="to_world"><scale value="30"/><translate x="1000" z="HEIGHT"/></transform><bsdf type="diffuse"/></shape></scene>"#;
 
-/// What is close to a surface hides light from it. At a distance of 1000 from the origin Mitsuba's rays start 0.0895 off a surface, so
+/// A sheet close above a floor hides light from it. At a distance of 1000 from the origin Mitsuba's rays start 0.0895 off a surface, so
 /// light gets through a sheet 0.05 above it, and none through a sheet 0.5 above it.
 #[test]
 fn a_sheet_close_to_a_floor_hides_light_from_it() {
