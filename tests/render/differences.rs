@@ -203,16 +203,22 @@ fn light_of(device: &Device, text: &str, height: &str) -> f64 {
     gray(&device.render(&scene, &settings, 16)).0
 }
 
+/// Checks that a scene is dark with what hides the lamp at the height `close`, which is close to a surface. The twin is Mitsuba's way: with
+/// the mutation, the scene is as bright as with nothing in between, and it is dark only with the height `far`.
+fn assert_hidden(text: &str, mutation: &'static str, close: &str, far: &str) {
+    let device = Device::new();
+    let mitsubas = device.mutated(mutation);
+    assert_eq!(light_of(&device, text, close), 0.0);
+    assert_eq!(light_of(&mitsubas, text, far), 0.0);
+    let (through, open) = (light_of(&mitsubas, text, close), light_of(&device, text, "101"));
+    assert!(open > 0.0 && (through / open - 1.0).abs() < 0.01, "{through} of {open}");
+}
+
 /// A shade close to a lamp hides the lamp from all points, however far they are. With Mitsuba's shorter shadow rays, light
 /// of a lamp at a distance of 100 gets through a shade 0.05 below it, and none through a shade 0.5 below it.
 #[test]
 fn a_shade_close_to_a_lamp_hides_it_from_afar() {
-    let device = Device::new();
-    let short = device.mutated(SHORT_OF_LIGHT);
-    assert_eq!(light_of(&device, SHADED, "99.95"), 0.0);
-    assert_eq!(light_of(&short, SHADED, "99.5"), 0.0);
-    let (through, open) = (light_of(&short, SHADED, "99.95"), light_of(&device, SHADED, "101"));
-    assert!(open > 0.0 && (through / open - 1.0).abs() < 0.01, "{through} of {open}");
+    assert_hidden(SHADED, SHORT_OF_LIGHT, "99.95", "99.5");
 }
 
 /// A floor far from the origin, a lamp above it, and a sheet between them. The camera is close to the floor, below the sheet.
@@ -228,12 +234,7 @@ const COVERED: &str = r#"<scene version="3.0.0"><integrator type="path"/>
 /// light gets through a sheet 0.05 above it, and none through a sheet 0.5 above it.
 #[test]
 fn a_sheet_close_to_a_floor_hides_light_from_it() {
-    let device = Device::new();
-    let far_off = device.mutated(FAR_OFF);
-    assert_eq!(light_of(&device, COVERED, "0.05"), 0.0);
-    assert_eq!(light_of(&far_off, COVERED, "0.5"), 0.0);
-    let (through, open) = (light_of(&far_off, COVERED, "0.05"), light_of(&device, COVERED, "101"));
-    assert!(open > 0.0 && (through / open - 1.0).abs() < 0.01, "{through} of {open}");
+    assert_hidden(COVERED, FAR_OFF, "0.05", "0.5");
 }
 
 /// Every sampler with every learner has the mean of the plain sampler within 1 %, at the defaults that each has.
