@@ -28,7 +28,6 @@ const GUIDING: &str = "glsl/include/path/guiding.glsl";
 const IRRADIANCE_SARSA: &str = "glsl/include/guide/learners/irradiance_sarsa.glsl";
 const LEARNING: &str = "glsl/include/guide/learners/learning.glsl";
 const LIGHT: &str = "glsl/include/light/light.glsl";
-const SURFACE: &str = "glsl/include/geometry/surface.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
 const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
@@ -44,6 +43,7 @@ const REFINE_QUADTREES: &str = "glsl/kernels/learn/refine_quadtrees.comp";
 const REJECTION: &str = "glsl/include/guide/samplers/rejection_mix.glsl";
 const SEGMENT: &str = "glsl/include/guide/learners/segment.glsl";
 const SOBOL: &str = "glsl/include/random/sobol.glsl";
+const SURFACE: &str = "glsl/include/geometry/surface.glsl";
 
 /// Patch that gives the file of sets of samples the constant. The file of blue noise includes that file.
 const SOBOL_FINDS_CONSTANT: Patch =
