@@ -68,6 +68,7 @@ fn binding_kind(kind: &DescriptorType, ty: &Type) -> Option<&'static str> {
     match kind {
         DescriptorType::StorageBuffer(_) => Some("StorageBuffer"),
         DescriptorType::UniformBuffer() => Some("UniformBuffer"),
+        DescriptorType::AccelStruct() => Some("AccelerationStructure"),
         DescriptorType::UniformTexelBuffer() => match ty {
             Type::CombinedImageSampler(image) => texel_kind(&image.sampled_image_ty.scalar_ty),
             Type::SampledImage(image) => texel_kind(&image.scalar_ty),

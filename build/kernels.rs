@@ -8,8 +8,10 @@ use super::cores::on_all_cores;
 use super::interface::Interface;
 use super::{spirv, unreadable, write_file};
 
-/// File whose inclusion makes a kernel be built twice, once for each back end.
+/// File whose inclusion makes a kernel be built for texel buffers, too.
 const GEOMETRY_FILE: &str = "glsl/include/geometry/bvh.glsl";
+/// Extension whose name in a kernel's file makes the kernel be built for ray queries, too.
+const RAY_QUERY_EXTENSION: &str = "GL_EXT_ray_query";
 const INCLUDE_FOLDER: &str = "glsl/include";
 const KERNEL_FOLDER: &str = "glsl/kernels";
 /// Folder of the tests' kernels. The published crate does not have it.
@@ -17,13 +19,38 @@ const TEST_FOLDER: &str = "glsl/test";
 /// Name of the kernel that only declares records. It is never dispatched.
 const PROBE: &str = "layout_probe";
 
-/// Kind of buffer from which a kernel reads geometry.
+/// What a kernel reads geometry from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum BackEnd {
     /// Storage buffers.
     Storage,
     /// Texel buffers.
     Texel,
+    /// Storage buffers, and an acceleration structure that the device's ray queries traverse.
+    Query,
+}
+
+impl BackEnd {
+    /// All back ends.
+    pub const ALL: [Self; 3] = [Self::Storage, Self::Texel, Self::Query];
+
+    /// Macros that the GLSL is compiled with.
+    pub fn macros(self) -> &'static [&'static str] {
+        match self {
+            Self::Storage => &[],
+            Self::Texel => &["TEXEL_READS"],
+            Self::Query => &["RAY_QUERIES"],
+        }
+    }
+
+    /// Part of the SPIR-V's file name.
+    fn suffix(self) -> &'static str {
+        match self {
+            Self::Storage => "",
+            Self::Texel => ".texel",
+            Self::Query => ".query",
+        }
+    }
 }
 
 /// SPIR-V module with its interface.
@@ -53,9 +80,14 @@ impl Kernel {
         !self.is_test() && self.name != PROBE
     }
 
+    /// Whether the kernel has a module of its own for this back end.
+    pub fn has(&self, back_end: BackEnd) -> bool {
+        self.modules.contains_key(&back_end)
+    }
+
     /// Back end to use in place of `back_end`. Every kernel has the storage back end.
     pub fn available(&self, back_end: BackEnd) -> BackEnd {
-        if self.modules.contains_key(&back_end) { back_end } else { BackEnd::Storage }
+        if self.has(back_end) { back_end } else { BackEnd::Storage }
     }
 
     /// Module of the back end that is [available](Self::available).
@@ -113,6 +145,9 @@ fn jobs(files: &[String]) -> Result<Vec<Job>, String> {
         if sources.contains(GEOMETRY_FILE) {
             jobs.push(Job { kernel, back_end: BackEnd::Texel, source_bytes });
         }
+        if fs::read_to_string(file).map_err(|e| unreadable(file, &e))?.contains(RAY_QUERY_EXTENSION) {
+            jobs.push(Job { kernel, back_end: BackEnd::Query, source_bytes });
+        }
     }
     jobs.sort_by_key(|job| std::cmp::Reverse(job.source_bytes));
     Ok(jobs)
@@ -139,9 +174,8 @@ fn module(file: &str, back_end: BackEnd) -> Result<Module, String> {
 
 /// File name of the SPIR-V of the kernel `file`.
 pub fn spirv_file(file: &str, back_end: BackEnd) -> String {
-    let suffix = if back_end == BackEnd::Texel { ".texel" } else { "" };
     let folder = if file.starts_with(TEST_FOLDER) { "test." } else { "" };
-    format!("{folder}{}{suffix}.spv", kernel_name(file))
+    format!("{folder}{}{}.spv", kernel_name(file), back_end.suffix())
 }
 
 /// Fingerprint of the GLSL of all kernels except the tests': 64-bit FNV-1a of the files' names and texts, in hexadecimal.

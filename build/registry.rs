@@ -13,6 +13,7 @@ pub fn code(kernels: &[Kernel]) -> Result<String, String> {
     for (back_end, name, doc) in [
         (BackEnd::Texel, "TEXEL_BUFFERS", "The kernels, reading geometry from texel buffers."),
         (BackEnd::Storage, "STORAGE_BUFFERS", "The kernels, reading geometry from storage buffers."),
+        (BackEnd::Query, "RAY_QUERIES", "The kernels, traversing an acceleration structure by ray queries."),
     ] {
         let bindings = sets::union(product.iter().copied(), back_end)?;
         let _ = writeln!(code, "\nconst {name}_SETS: &[SetShape] = {};", sets::shapes(&bindings));
@@ -75,10 +76,15 @@ pub mod test {
 ",
     );
     for kernel in kernels.iter().filter(|kernel| kernel.is_test()) {
-        let sets = sets::shapes(&kernel.module(BackEnd::Texel).interface.bindings);
-        let source = source(kernel, BackEnd::Texel, &sets);
-        let name = kernel.name.to_uppercase();
-        let _ = writeln!(code, "    /// `{}`\n    pub static {name}: KernelSource = {source};", kernel.file);
+        for (back_end, suffix) in [(BackEnd::Texel, ""), (BackEnd::Query, "_BY_QUERY")] {
+            if back_end == BackEnd::Query && !kernel.has(back_end) {
+                continue;
+            }
+            let sets = sets::shapes(&kernel.module(back_end).interface.bindings);
+            let source = source(kernel, back_end, &sets);
+            let name = kernel.name.to_uppercase() + suffix;
+            let _ = writeln!(code, "    /// `{}`\n    pub static {name}: KernelSource = {source};", kernel.file);
+        }
     }
     code + "}\n"
 }

@@ -42,13 +42,13 @@ pub fn shapes(bindings: &Bindings) -> String {
     code + "    ]"
 }
 
-/// Code of a module for each set, with a constant for each of its bindings. It is the same for both back ends.
+/// Code of a module for each set, with a constant for each of its bindings. It is the same for all back ends.
 ///
 /// # Errors
 /// A set without a name is an error, and so are two bindings with one name or two names of one binding.
 pub fn binding_numbers(sets: &BTreeMap<u32, String>, kernels: &[Kernel]) -> Result<String, String> {
     let mut names = BTreeMap::<(u32, u32), String>::new();
-    for back_end in [BackEnd::Storage, BackEnd::Texel] {
+    for back_end in BackEnd::ALL {
         for (place, (_, name)) in union(kernels.iter().filter(|kernel| kernel.is_product()), back_end)? {
             let name = constant_name(&name);
             if let Some(other) = names.insert(place, name.clone())

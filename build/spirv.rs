@@ -20,8 +20,7 @@ mod compiled {
 
     /// Compiles the kernel `file`.
     pub fn of(file: &str, back_end: BackEnd) -> Result<Vec<u8>, String> {
-        let macros: &[&str] = if back_end == BackEnd::Texel { &["TEXEL_READS"] } else { &[] };
-        compile(Path::new(""), file, macros)
+        compile(Path::new(""), file, back_end.macros())
     }
 }
 

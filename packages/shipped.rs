@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use lodestar::generated::kernels::Registry;
+use lodestar::generated::kernels::{BackEnd, Registry};
 
 /// SPIR-V that no render uses: it declares structs, whose layouts the build script checks.
 const PROBE: &str = "layout_probe.spv";
@@ -19,7 +19,7 @@ fn the_shipped_kernels_are_those_that_the_glsl_gives() {
         .filter(|name| name.ends_with(".spv") && name != PROBE)
         .collect();
     let compiled = Registry::built_in();
-    let kernels: Vec<_> = compiled.texel.iter().chain(compiled.storage.iter()).collect();
+    let kernels: Vec<_> = BackEnd::ALL.into_iter().flat_map(|back_end| compiled.kernels(back_end).iter()).collect();
     let names: BTreeSet<String> = kernels.iter().map(|kernel| kernel.file.to_owned()).collect();
     assert_eq!(shipped, names);
     for kernel in kernels {

@@ -57,6 +57,7 @@ class _Keywords(TypedDict, total=False):
     deal_by_speed: bool | None
     slice_ms: float | None
     execution: Literal["auto", "megakernel", "wavefront"] | None
+    traversal: Literal["compute", "query", "auto"] | None
     samples_per_dispatch: int | None
     kernel_dir: _Path | None
     validate: bool | None
@@ -68,6 +69,7 @@ class _ResumeKeywords(TypedDict, total=False):
     deal_by_speed: bool
     slice_ms: float
     execution: str
+    traversal: str
     kernel_dir: _Path
     checkpoint_every: float | str
 

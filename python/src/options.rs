@@ -14,8 +14,8 @@ const OF_FILES: [&str; 3] = ["D", "camera", "environment"];
 /// Options of files and messages that Python has, too. Pictures are saved by their own method.
 const FILES: [&str; 3] = ["checkpoint", "checkpoint-every", "guide-from"];
 /// Options of a resumed render. Its checkpoint has the others.
-const OF_RESUMED: [&str; 8] =
-    ["spp", "time", "device", "deal-by-speed", "slice-ms", "execution", "kernel-dir", "checkpoint-every"];
+const OF_RESUMED: [&str; 9] =
+    ["spp", "time", "device", "deal-by-speed", "slice-ms", "execution", "traversal", "kernel-dir", "checkpoint-every"];
 
 /// Options of a new render.
 pub fn of_render(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {

@@ -39,7 +39,8 @@ fn describe(survey: &Survey) -> String {
         let DeviceInfo { index, name, kind, api_version, driver_name, driver_info, refused, .. } = device;
         let kind = kind_words(*kind);
         // Writing to a string cannot fail.
-        let _ = write!(text, "{index}: {name} ({kind}, Vulkan {api_version}, {driver_name} {driver_info})");
+        let queries = if device.limits.has_ray_queries { ", ray queries" } else { "" };
+        let _ = write!(text, "{index}: {name} ({kind}, Vulkan {api_version}{queries}, {driver_name} {driver_info})");
         text += if survey.default == Some(*index) { " - the default\n" } else { "\n" };
         if let Some(need) = refused {
             let _ = writeln!(text, "   cannot be used: {need}");

@@ -30,7 +30,7 @@ use super::setting_args::SettingArgs;
 pub struct InspectArgs {
     /// The kernel, such as trace [default: all].
     kernel: Option<String>,
-    /// Show this back end only [default: both].
+    /// Show this back end only [default: all].
     #[arg(long, value_enum)]
     back_end: Option<BackEnd>,
     /// Write .spv and .spvasm files and inspect.json to this folder; `specialized` holds the variant, `device` the driver's code.
@@ -136,10 +136,10 @@ fn settings(args: &InspectArgs, mut settings: Settings) -> Result<Settings> {
     Ok(settings)
 }
 
-/// Kernels that `args` ask for. A kernel that both back ends share is listed once.
+/// Kernels that `args` ask for. A kernel that several back ends share is listed once.
 fn chosen<'a>(args: &InspectArgs, registry: &'a Registry) -> Result<Vec<(Vec<BackEnd>, &'a KernelSource)>> {
     let mut chosen: Vec<(Vec<BackEnd>, &KernelSource)> = Vec::new();
-    for back_end in [BackEnd::Texel, BackEnd::Storage] {
+    for back_end in BackEnd::ALL {
         if args.back_end.is_some_and(|wanted| wanted != back_end) {
             continue;
         }

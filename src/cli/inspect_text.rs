@@ -45,12 +45,13 @@ fn push(text: &mut String, more: &str) {
 }
 
 fn header(text: &mut String, kernel: &Inspected) {
-    let reads = match kernel.back_ends.as_slice() {
-        [BackEnd::Texel] => "reads texel buffers",
-        [BackEnd::Storage] => "reads storage buffers",
-        _ => "used by both back ends",
-    };
     let report = &kernel.report;
+    let reads = match &kernel.back_ends[..] {
+        _ if report.file.ends_with(".texel.spv") => "reads texel buffers",
+        _ if report.file.ends_with(".query.spv") => "asks ray queries",
+        all if all.len() == BackEnd::ALL.len() => "used by all back ends",
+        _ => "reads storage buffers",
+    };
     let size = report.interface.workgroup_size.map(|dimension| dimension.to_string()).join(" x ");
     let title = format!("{} ({}, {reads})", report.name, report.file);
     let _ = writeln!(text, "{title}\n{}", "=".repeat(title.len()));

@@ -8,5 +8,6 @@ pub mod lights;
 pub(crate) mod materials;
 pub mod plastic_layer;
 pub(crate) mod plastics;
+pub mod query_geometry;
 pub mod surfaces;
 pub mod textures;

@@ -7,12 +7,13 @@ use crate::film::picture_file::PRECISION;
 use crate::film::ranges::SampleRanges;
 use crate::settings::Settings;
 
-/// Settings that change how long dispatches take and no bit of the picture.
-const FREE_SETTINGS: [&str; 2] = ["slice_milliseconds", "execution"];
+/// Settings that change how fast a render is, and not what it estimates. The traversal may change last bits, as the device may.
+const FREE_SETTINGS: [&str; 3] = ["slice_milliseconds", "execution", "traversal"];
 /// Attributes of a picture that say which samples it holds and how they came about, not what they estimate.
-const FREE_ATTRIBUTES: [&str; 13] = [
+const FREE_ATTRIBUTES: [&str; 14] = [
     FREE_SETTINGS[0],
     FREE_SETTINGS[1],
+    FREE_SETTINGS[2],
     "seed",
     "sample_offset",
     "sample_ranges",

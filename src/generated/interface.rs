@@ -13,6 +13,8 @@ pub enum BindingKind {
     TexelBufferFloat,
     /// Read-only texel buffer of 32-bit unsigned integers, four or one per texel (`usamplerBuffer`).
     TexelBufferUint,
+    /// Acceleration structure, which ray queries traverse.
+    AccelerationStructure,
 }
 
 /// One binding of a descriptor set.

@@ -9,6 +9,7 @@ use gpu_allocator::MemoryLocation;
 use super::backing::{Backing, check_range};
 use super::context::Context;
 use super::fault::failed;
+use super::structure::Structure;
 use crate::generated::interface::BindingKind;
 use crate::{Error, Result};
 
@@ -41,6 +42,12 @@ pub enum BufferKind {
     StorageTexelFloat1,
     /// Storage buffer, also read as texels of four unsigned integers.
     StorageTexelUint,
+    /// Geometry from which the device builds an acceleration structure. No kernel sees it.
+    BuildInput,
+    /// Scratch memory with which the device builds an acceleration structure. No kernel sees it.
+    BuildScratch,
+    /// Acceleration structure.
+    AccelerationStructure,
 }
 
 impl BufferKind {
@@ -53,6 +60,7 @@ impl BufferKind {
                 matches!(self, Self::TexelFloat | Self::StorageTexelFloat1)
             }
             BindingKind::TexelBufferUint => matches!(self, Self::TexelUint | Self::TexelUint1 | Self::StorageTexelUint),
+            BindingKind::AccelerationStructure => self == Self::AccelerationStructure,
         }
     }
 
@@ -69,6 +77,14 @@ impl BufferKind {
             Self::StorageTexelFloat1 | Self::StorageTexelUint => {
                 vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
             }
+            Self::BuildInput => {
+                vk::BufferUsageFlags::ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_KHR
+                    | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
+            }
+            Self::BuildScratch => vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS,
+            Self::AccelerationStructure => {
+                vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
+            }
         };
         own | vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST
     }
@@ -82,7 +98,12 @@ impl BufferKind {
 
     fn texel_format(self) -> Option<vk::Format> {
         match self {
-            Self::Storage | Self::Uniform | Self::Readback => None,
+            Self::Storage
+            | Self::Uniform
+            | Self::Readback
+            | Self::BuildInput
+            | Self::BuildScratch
+            | Self::AccelerationStructure => None,
             Self::TexelFloat => Some(vk::Format::R32G32B32A32_SFLOAT),
             Self::StorageTexelFloat1 => Some(vk::Format::R32_SFLOAT),
             Self::TexelUint | Self::StorageTexelUint => Some(vk::Format::R32G32B32A32_UINT),
@@ -95,9 +116,11 @@ impl BufferKind {
 pub struct Buffer {
     /// Null where kernels see no texels.
     view: vk::BufferView,
+    /// `None` where the buffer holds no acceleration structure.
+    structure: Option<Structure>,
     kind: BufferKind,
     name: String,
-    // Declared last, because the view must be destroyed first.
+    // Declared last, because view and structure must be destroyed first.
     backing: Backing,
 }
 
@@ -108,7 +131,7 @@ impl Buffer {
     /// # Errors
     /// [`Error::Device`] where the device does not allow the size; other errors where it is out of memory or lost.
     pub fn new(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
-        let buffer = Self::allocate(context, name, bytes, kind)?;
+        let buffer = Self::uncleared(context, name, bytes, kind)?;
         context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
         Ok(Arc::new(buffer))
     }
@@ -127,18 +150,19 @@ impl Buffer {
         // A buffer that is overwritten as a whole need not be cleared.
         let is_filled = bytes > 0 && bytes.is_multiple_of(TEXEL_BYTES);
         let buffer = match is_filled {
-            true => Arc::new(Self::allocate(context, name, bytes, kind)?),
+            true => Arc::new(Self::uncleared(context, name, bytes, kind)?),
             false => Self::new(context, name, bytes, kind)?,
         };
         buffer.upload(0, values)?;
         Ok(buffer)
     }
 
-    fn allocate(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Self> {
+    /// Makes a buffer that something must fill before it is read.
+    pub(super) fn uncleared(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Self> {
         let bytes = bytes.max(1).checked_next_multiple_of(TEXEL_BYTES).unwrap_or(u64::MAX);
         check_size(context, name, bytes, kind)?;
         let backing = Backing::new(context, name, bytes, kind.usage(), kind.place())?;
-        let mut buffer = Self { view: vk::BufferView::null(), kind, name: name.into(), backing };
+        let mut buffer = Self { view: vk::BufferView::null(), structure: None, kind, name: name.into(), backing };
         if let Some(format) = kind.texel_format() {
             buffer.create_view(format)?;
         }
@@ -246,6 +270,18 @@ impl Buffer {
         self.backing.context()
     }
 
+    /// The buffer with the acceleration structure that it will hold.
+    pub(super) fn with_structure(mut self, structure: Structure) -> Self {
+        self.structure = Some(structure);
+        self
+    }
+
+    /// Acceleration structure that the buffer holds, for a call during which the caller borrows this value; null where it holds
+    /// none.
+    pub(super) fn structure(&self) -> vk::AccelerationStructureKHR {
+        self.structure.as_ref().map_or(vk::AccelerationStructureKHR::null(), Structure::raw)
+    }
+
     /// View of the buffer's texels, for a call during which the caller borrows this value; null where kernels see no
     /// texels.
     pub(super) fn view(&self) -> vk::BufferView {
@@ -266,7 +302,10 @@ fn check_size(context: &Context, name: &str, bytes: u64, kind: BufferKind) -> Re
     let texels = |texel_bytes| ("texel", limits.max_texel_elements.saturating_mul(texel_bytes));
     let storage = ("storage", limits.max_storage_buffer_bytes);
     let bounds = match kind {
-        BufferKind::Readback => vec![],
+        BufferKind::Readback
+        | BufferKind::BuildInput
+        | BufferKind::BuildScratch
+        | BufferKind::AccelerationStructure => vec![],
         BufferKind::Storage => vec![storage],
         BufferKind::Uniform => vec![("uniform", MAX_UNIFORM_BYTES)],
         BufferKind::TexelFloat | BufferKind::TexelUint => vec![texels(TEXEL_BYTES)],

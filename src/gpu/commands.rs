@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use std::time::Duration;
 
-use ash::vk;
+use ash::{khr, vk};
 
 use super::backing::{Backing, check_range};
 use super::buffer::Buffer;
@@ -152,6 +152,38 @@ impl<'a> Recorder<'a> {
         let region = [vk::BufferCopy { src_offset: at, dst_offset: to_offset, size: bytes }];
         // SAFETY: invariants 1 and 3: both buffers are alive until the submission is done; the ranges are inside them.
         unsafe { self.device().cmd_copy_buffer(self.commands(), from.raw(), to.raw(), &region) }
+    }
+
+    /// Builds an acceleration structure of one geometry, after all earlier writes and before all later reads.
+    ///
+    /// # Safety
+    /// All that `info` names by handles and addresses lives until the submission is done, and is as large as the driver asked for.
+    pub(super) unsafe fn build_structure(
+        &mut self,
+        structures: &khr::acceleration_structure::Device,
+        info: &vk::AccelerationStructureBuildGeometryInfoKHR<'_>,
+        count: u32,
+    ) {
+        let range = [vk::AccelerationStructureBuildRangeInfoKHR::default().primitive_count(count)];
+        let none = vk::DependencyFlags::empty();
+        let build = vk::PipelineStageFlags::ACCELERATION_STRUCTURE_BUILD_KHR;
+        let structure_accesses =
+            vk::AccessFlags::ACCELERATION_STRUCTURE_READ_KHR | vk::AccessFlags::ACCELERATION_STRUCTURE_WRITE_KHR;
+        let before = [vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE | vk::AccessFlags::ACCELERATION_STRUCTURE_WRITE_KHR)
+            .dst_access_mask(structure_accesses | vk::AccessFlags::SHADER_READ)];
+        let after = [vk::MemoryBarrier::default()
+            .src_access_mask(vk::AccessFlags::ACCELERATION_STRUCTURE_WRITE_KHR)
+            .dst_access_mask(vk::AccessFlags::ACCELERATION_STRUCTURE_READ_KHR)];
+        let readers = build | vk::PipelineStageFlags::COMPUTE_SHADER;
+        let (device, commands) = (self.device(), self.commands());
+        // SAFETY: invariant 1: the command buffer is owned by this recorder and being recorded; the rest is the caller's promise.
+        unsafe {
+            let writers = vk::PipelineStageFlags::TRANSFER | build;
+            device.cmd_pipeline_barrier(commands, writers, build, none, &before, &[], &[]);
+            structures.cmd_build_acceleration_structures(commands, &[*info], &[&range]);
+            device.cmd_pipeline_barrier(commands, build, readers, none, &after, &[], &[]);
+        }
     }
 
     fn memory_barrier(&mut self, stages: vk::PipelineStageFlags, accesses: vk::AccessFlags) {

@@ -10,6 +10,7 @@ use super::device_info::{DeviceInfo, compute_queue};
 use super::fault::failed;
 use super::fault_injection::{self, May};
 use super::instance::Instance;
+use super::ray_queries;
 use crate::{Error, Result};
 
 /// Device opened for compute.
@@ -17,6 +18,7 @@ pub(super) struct LogicalDevice {
     raw: ash::Device,
     debug: Option<ext::debug_utils::Device>,
     executables: Option<khr::pipeline_executable_properties::Device>,
+    structures: Option<khr::acceleration_structure::Device>,
     physical: vk::PhysicalDevice,
     queue: Mutex<vk::Queue>,
     queue_family: u32,
@@ -30,14 +32,16 @@ impl LogicalDevice {
     pub(super) fn new(instance: Instance, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Self> {
         let (queue_family, timestamp_bits) = compute_queue(instance.raw(), physical)
             .ok_or_else(|| Error::Device(format!("the Vulkan device {} has no compute queue", info.name)))?;
-        let (raw, tells_executables) = open(&instance, physical, queue_family)?;
+        let has_ray_queries = info.limits.has_ray_queries;
+        let (raw, tells_executables) = open(&instance, physical, queue_family, has_ray_queries)?;
         let debug = instance.has_debug_utils().then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
         let executables =
             tells_executables.then(|| khr::pipeline_executable_properties::Device::new(instance.raw(), &raw));
+        let structures = has_ray_queries.then(|| khr::acceleration_structure::Device::new(instance.raw(), &raw));
         // SAFETY: invariant 1: the device was just created with one queue of this family.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
         let queue = Mutex::new(queue);
-        Ok(Self { raw, debug, executables, physical, queue, queue_family, timestamp_bits, info, instance })
+        Ok(Self { raw, debug, executables, structures, physical, queue, queue_family, timestamp_bits, info, instance })
     }
 
     pub(super) fn raw(&self) -> &ash::Device {
@@ -80,6 +84,11 @@ impl LogicalDevice {
         self.executables.as_ref()
     }
 
+    /// Functions of VK_KHR_acceleration_structure, where the device has ray queries.
+    pub(super) fn structures(&self) -> Option<&khr::acceleration_structure::Device> {
+        self.structures.as_ref()
+    }
+
     /// Names an object of this device for messages and debuggers.
     pub(super) fn name(&self, handle: impl vk::Handle, name: &str) {
         let Some(debug) = &self.debug else { return };
@@ -101,7 +110,12 @@ impl Drop for LogicalDevice {
 }
 
 /// Opens the device. The flag says whether the driver reports on the executables of a pipeline.
-fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) -> Result<(ash::Device, bool)> {
+fn open(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    queue_family: u32,
+    has_ray_queries: bool,
+) -> Result<(ash::Device, bool)> {
     // SAFETY: invariant 1: `physical` comes from the living instance.
     let offered = fault_injection::before(May::RunOutOfMemory)
         .and_then(|()| unsafe { instance.raw().enumerate_device_extension_properties(physical) })
@@ -112,13 +126,16 @@ fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) ->
     let executables = khr::pipeline_executable_properties::NAME;
     let tells_executables = is_offered(executables) && has_executable_info(instance, physical);
     let wanted = [(subset, is_offered(subset)), (executables, tells_executables)];
+    let wanted = wanted.into_iter().chain(ray_queries::EXTENSIONS.map(|name| (name, has_ray_queries)));
     let extensions: Vec<*const c_char> =
-        wanted.into_iter().filter(|(_, is_wanted)| *is_wanted).map(|(name, _)| name.as_ptr()).collect();
+        wanted.filter(|(_, is_wanted)| *is_wanted).map(|(name, _)| name.as_ptr()).collect();
     // SAFETY: invariant 1: `physical` comes from the living instance.
     let supported = unsafe { instance.raw().get_physical_device_features(physical) };
     let features =
         vk::PhysicalDeviceFeatures::default().robust_buffer_access(supported.robust_buffer_access == vk::TRUE);
-    let mut vulkan12 = vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true);
+    let mut vulkan12 =
+        vk::PhysicalDeviceVulkan12Features::default().scalar_block_layout(true).buffer_device_address(has_ray_queries);
+    let mut ray_query_features = ray_queries::Features::enabled();
     let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family).queue_priorities(&[1.0])];
     let mut executable_info =
         vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
@@ -129,6 +146,9 @@ fn open(instance: &Instance, physical: vk::PhysicalDevice, queue_family: u32) ->
         .push_next(&mut vulkan12);
     if tells_executables {
         info = info.push_next(&mut executable_info);
+    }
+    if has_ray_queries {
+        info = ray_query_features.add_to(info);
     }
     // SAFETY: invariant 1: `physical` comes from the living instance, and all that `info` points to are locals.
     let device = fault_injection::before(May::DoBoth)

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::limits::Limits;
 use super::needs::{self, Capabilities, version_text};
+use super::ray_queries;
 
 /// Kinds of device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -69,6 +70,9 @@ impl DeviceInfo {
         if properties.api_version >= vk::API_VERSION_1_2 {
             info.add_details(instance, device);
             capabilities.has_scalar_block_layout = has_scalar_block_layout(instance, device);
+            if let Some(alignment) = ray_queries::scratch_alignment(instance, device) {
+                (info.limits.has_ray_queries, info.limits.scratch_alignment) = (true, alignment);
+            }
         }
         info.refused = needs::lacking(&capabilities, &info.limits);
         info

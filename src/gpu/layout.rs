@@ -10,8 +10,12 @@ use crate::Result;
 use crate::generated::interface::{BindingKind, BindingShape, KernelSource, SetShape};
 
 /// All types that [`descriptor_type`] can return.
-pub(super) const DESCRIPTOR_TYPES: [vk::DescriptorType; 3] =
-    [vk::DescriptorType::STORAGE_BUFFER, vk::DescriptorType::UNIFORM_BUFFER, vk::DescriptorType::UNIFORM_TEXEL_BUFFER];
+pub(super) const DESCRIPTOR_TYPES: [vk::DescriptorType; 4] = [
+    vk::DescriptorType::STORAGE_BUFFER,
+    vk::DescriptorType::UNIFORM_BUFFER,
+    vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
+    vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
+];
 
 /// Vulkan's descriptor type for a kind of binding.
 pub(super) fn descriptor_type(kind: BindingKind) -> vk::DescriptorType {
@@ -19,6 +23,7 @@ pub(super) fn descriptor_type(kind: BindingKind) -> vk::DescriptorType {
         BindingKind::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
         BindingKind::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
         BindingKind::TexelBufferFloat | BindingKind::TexelBufferUint => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
+        BindingKind::AccelerationStructure => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
     }
 }
 

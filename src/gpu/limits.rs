@@ -30,6 +30,10 @@ pub struct Limits {
     pub subgroup_size: u32,
     /// Whether a kernel can ask which invocations of its subgroup are active.
     pub has_subgroup_ballot: bool,
+    /// Whether kernels can let the device traverse acceleration structures (VK_KHR_ray_query).
+    pub has_ray_queries: bool,
+    /// Unit in bytes to which the address of an acceleration structure's scratch memory is rounded.
+    pub scratch_alignment: u32,
     /// Bytes of device-local memory. Drivers on the CPU may report less than there is.
     pub device_local_bytes: u64,
     /// Unit in bytes to which host reads and writes of incoherent memory are rounded.
@@ -55,6 +59,8 @@ impl Limits {
             max_push_constant_bytes: limits.max_push_constants_size,
             subgroup_size: 0,
             has_subgroup_ballot: false,
+            has_ray_queries: false,
+            scratch_alignment: 1,
             device_local_bytes: 0,
             non_coherent_atom_bytes: limits.non_coherent_atom_size,
             timestamp_nanoseconds: limits.timestamp_period,

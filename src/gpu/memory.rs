@@ -29,7 +29,7 @@ impl Memory {
             device: device.raw().clone(),
             physical_device: device.physical(),
             debug_settings: AllocatorDebugSettings::default(),
-            buffer_device_address: false,
+            buffer_device_address: device.info().limits.has_ray_queries,
             allocation_sizes: AllocationSizes::new(BLOCK_BYTES, BLOCK_BYTES),
         })
         .map_err(|error| Error::Vulkan { call: "creating the memory allocator".into(), reason: error.to_string() })?;

@@ -43,7 +43,15 @@ impl DescriptorSet {
     fn write(&self) {
         let whole: Vec<_> = self.buffers.iter().map(|buffer| [whole_buffer(buffer)]).collect();
         let views: Vec<_> = self.buffers.iter().map(|buffer| [buffer.view()]).collect();
-        let writes = self.shape.bindings.iter().enumerate().map(|(place, binding)| {
+        let structures: Vec<_> = self.buffers.iter().map(|buffer| [buffer.structure()]).collect();
+        let mut structures: Vec<_> = structures
+            .iter()
+            .map(|structure| {
+                vk::WriteDescriptorSetAccelerationStructureKHR::default().acceleration_structures(structure)
+            })
+            .collect();
+        let bindings = self.shape.bindings.iter().zip(&mut structures).enumerate();
+        let writes = bindings.map(|(place, (binding, structure))| {
             let write = vk::WriteDescriptorSet::default()
                 .dst_set(self.raw)
                 .dst_binding(binding.binding)
@@ -51,6 +59,7 @@ impl DescriptorSet {
             match binding.kind {
                 BindingKind::StorageBuffer | BindingKind::UniformBuffer => write.buffer_info(&whole[place]),
                 BindingKind::TexelBufferFloat | BindingKind::TexelBufferUint => write.texel_buffer_view(&views[place]),
+                BindingKind::AccelerationStructure => write.descriptor_count(1).push_next(structure),
             }
         });
         let writes: Vec<_> = writes.collect();

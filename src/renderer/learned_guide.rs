@@ -303,10 +303,10 @@ fn with_defaults(settings: Settings) -> Settings {
 fn difference(theirs: &Settings, ours: &Settings) -> Option<(String, String, String)> {
     let Settings { width, height, crop, filter, max_depth, rr_depth, hide_emitters, .. } = *ours;
     let Settings { seed, pattern, noise, sample_offset, spp_per_step, steps, sample_weights, .. } = *ours;
-    let Settings { samples_per_dispatch, slice_milliseconds, execution, .. } = *ours;
+    let Settings { samples_per_dispatch, slice_milliseconds, execution, traversal, .. } = *ours;
     let theirs = Settings { width, height, crop, filter, max_depth, rr_depth, hide_emitters, ..theirs.clone() };
     let theirs = Settings { seed, pattern, noise, sample_offset, spp_per_step, steps, sample_weights, ..theirs };
-    let theirs = with_defaults(Settings { samples_per_dispatch, slice_milliseconds, execution, ..theirs });
+    let theirs = with_defaults(Settings { samples_per_dispatch, slice_milliseconds, execution, traversal, ..theirs });
     let mut pairs = theirs.named().into_iter().zip(with_defaults(ours.clone()).named());
     pairs.find_map(|((name, theirs), (_, ours))| (theirs != ours).then_some((name, theirs, ours)))
 }

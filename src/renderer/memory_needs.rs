@@ -2,12 +2,13 @@
 
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
+use crate::encode::query_geometry::QueryGeometry;
 use crate::encode::surfaces::Shading;
 use crate::gpu::{DeviceInfo, DeviceKind};
 use crate::renderer::film_store::pages::{film_bytes, host_film_bytes};
 use crate::renderer::guide_cells::guide_bytes;
 use crate::renderer::trace::wave_memory::wave_bytes;
-use crate::settings::Settings;
+use crate::settings::{Settings, Traversal};
 use crate::{Error, Result};
 
 /// Bytes of a render's parts on the device.
@@ -28,13 +29,16 @@ struct Part {
 
 impl MemoryNeeds {
     pub fn new(device: &DeviceInfo, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> Self {
-        let bvh_bytes =
-            size_of_val(&bvh.nodes[..]) + size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.attributes[..]);
+        let records = size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.attributes[..]);
+        let hierarchy = match settings.traversal {
+            Traversal::Query => QueryGeometry::estimated_bytes(bvh),
+            _ => size_of_val(&bvh.nodes[..]) as u64,
+        };
         let part = |name, bytes, remedy| Part { name, bytes, remedy };
         Self {
             parts: [
                 part("the film", film_bytes(settings), "smaller with --width, --height or --crop"),
-                part("the BVH", bvh_bytes as u64, "smaller for fewer triangles"),
+                part("the BVH", records as u64 + hierarchy, "smaller for fewer triangles"),
                 part("textures and lights", shading.bytes(), "smaller for smaller images"),
                 part(
                     "the grids",

@@ -26,7 +26,7 @@ use crate::renderer::trace::execution::{self, Plan};
 use crate::renderer::trace::tracer::Tracer;
 use crate::renderer::variants;
 use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::settings::{Settings, Traversal};
 
 impl Renderer {
     /// Uploads the scene, builds the pipelines, and runs each once on nothing: some drivers compile at the first dispatch.
@@ -111,8 +111,12 @@ impl Renderer {
     }
 }
 
-/// Texel buffers where the device allows the sizes that geometry and tables need, else storage buffers.
+/// Ray queries where the settings ask for them; else texel buffers where the device allows the sizes that geometry and tables need;
+/// else storage buffers.
 fn back_end_for(context: &Context, shading: &Shading, bvh: &Bvh, cells: &Cells, settings: &Settings) -> BackEnd {
+    if settings.traversal == Traversal::Query {
+        return BackEnd::Query;
+    }
     let grids = RadianceGrid::texels(settings, cells, shading.lights.group_count())
         .max(NormalizationGrid::texels(settings, cells));
     let texels = BvhSet::texels(bvh).max(grids).max(shading.texels());

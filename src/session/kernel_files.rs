@@ -39,14 +39,15 @@ impl KernelFiles {
     pub fn unused(&self, back_end: BackEnd) -> Vec<String> {
         let used = self.replacement.files_of(back_end);
         let reads = match back_end {
-            BackEnd::Texel => "texel",
-            BackEnd::Storage => "storage",
+            BackEnd::Texel => "texel buffers",
+            BackEnd::Storage => "storage buffers",
+            BackEnd::Query => "an acceleration structure and storage buffers",
         };
         let unused = self.replacement.files.iter().filter(|file| !used.contains(&file.as_str()));
         unused
             .map(|file| {
                 let path = self.folder.join(file);
-                format!("{}: not used, because this render reads {reads} buffers", path.display())
+                format!("{}: not used, because this render reads {reads}", path.display())
             })
             .collect()
     }

@@ -8,7 +8,7 @@ use crate::renderer::exchange::Exchange;
 use crate::scene::{Crop, ReconstructionFilter, Scene};
 use crate::session::files::OutputFiles;
 use crate::session::length::Length;
-use crate::settings::{Execution, Guide, Sampler, Settings, depth_warning};
+use crate::settings::{Execution, Guide, Sampler, Settings, Traversal, depth_warning};
 use crate::{Error, Result};
 
 /// Samples per pixel if neither the caller nor the scene limits the render.
@@ -64,6 +64,7 @@ pub struct Options {
     pub(super) device: DeviceChoice,
     slice_milliseconds: Option<f64>,
     execution: Option<Execution>,
+    traversal: Option<Traversal>,
     pub(super) kernel_folder: Option<PathBuf>,
     /// `None` keeps the picture in memory only.
     pub(super) files: Option<OutputFiles>,
@@ -90,6 +91,7 @@ impl Default for Options {
             device: DeviceChoice::Open(ContextOptions::default()),
             slice_milliseconds: None,
             execution: None,
+            traversal: None,
             kernel_folder: None,
             files: None,
             checkpoint: None,
@@ -233,6 +235,12 @@ impl Options {
         Self { execution: Some(execution), ..self }
     }
 
+    /// Sets the way of finding what a ray hits.
+    #[must_use]
+    pub fn traversal(self, traversal: Traversal) -> Self {
+        Self { traversal: Some(traversal), ..self }
+    }
+
     /// Takes kernels from the `.spv` files of this folder.
     #[must_use]
     pub fn kernel_folder(self, folder: impl AsRef<Path>) -> Self {
@@ -329,10 +337,11 @@ impl Options {
         depth_warning(scene).filter(|_| !is_chosen)
     }
 
-    /// Sets the settings that cannot change a bit of the picture.
+    /// Sets the settings that do not decide what the picture is.
     pub(super) fn set_execution(&self, settings: &mut Settings) {
         settings.slice_milliseconds = self.slice_milliseconds.or(settings.slice_milliseconds);
         settings.execution = self.execution.unwrap_or(settings.execution);
+        settings.traversal = self.traversal.unwrap_or(settings.traversal);
     }
 }
 

@@ -216,7 +216,7 @@ impl Plan {
         Ok(Self { settings, length, earlier: Some(Earlier { file, record, device, state }) })
     }
 
-    /// Sets the settings that cannot change a bit of the picture, and checks all settings.
+    /// Sets the settings that do not decide what the picture is, and checks all settings.
     fn complete(&mut self, options: &Options) -> Result<()> {
         options.set_execution(&mut self.settings);
         self.settings.validate()?;

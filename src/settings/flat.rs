@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::paths::{Roulette, SamplePattern, UNLIMITED_DEPTH, max_depth_from_scene, rr_depth_from_scene};
-use super::run::{Execution, SampleWeights, StepSchedule};
+use super::run::{Execution, SampleWeights, StepSchedule, Traversal};
 use super::sampler::{BsdfShare, GuideSet, Learner, LightSelection, Mix, Sampler};
 use crate::generated::constants::Variant;
 use crate::math::direction_map::DirectionMap;
@@ -101,6 +101,9 @@ pub struct Settings {
     pub slice_milliseconds: Option<f64>,
     /// Kernels that trace the paths.
     pub execution: Execution,
+    /// Way of finding what a ray hits.
+    #[serde(default)]
+    pub traversal: Traversal,
     /// Most workgroups of a dispatch over a queue of a wave. `None` takes a number that suits a large GPU.
     #[serde(skip)]
     #[doc(hidden)]
@@ -160,6 +163,7 @@ impl Settings {
             decay: 0.95,
             slice_milliseconds: None,
             execution: Execution::Auto,
+            traversal: Traversal::Compute,
             queue_groups: None,
             film_page_pixels: None,
             storage_reads: false,

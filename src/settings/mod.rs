@@ -23,7 +23,7 @@ pub use guide::{
     Cells, Grid, GridLearner, GridSampler, Guide, Mixture, ProductDirections, ProductLearner, Quadtree, Share,
 };
 pub use paths::{MAX_DEPTH_LIMIT, Roulette, SamplePattern, UNLIMITED_DEPTH, depth_warning};
-pub use run::{Execution, SampleWeights, StepSchedule};
+pub use run::{Execution, SampleWeights, StepSchedule, Traversal};
 pub use sampler::{BsdfShare, GuideSet, Learner, LightSelection, Mix, Sampler};
 pub use value::{Value, Word};
 

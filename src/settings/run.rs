@@ -26,6 +26,20 @@ pub enum Execution {
     Wavefront,
 }
 
+/// Ways of finding what a ray hits. The picture is the same with each of them, but where rounding decides which of two surfaces
+/// is nearer.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Traversal {
+    /// The project's own traversal, on any device.
+    #[default]
+    Compute,
+    /// Ray queries of the device (VK_KHR_ray_query). Experimental: they were never measured on a GPU with units for rays.
+    Query,
+    /// `query` on a GPU that has ray queries, else `compute`.
+    Auto,
+}
+
 /// Weights of the samples in a pixel's mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]

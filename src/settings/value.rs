@@ -4,7 +4,7 @@ use clap::ValueEnum;
 
 use super::{
     BsdfShare, DirectionMap, Execution, GuideSet, Learner, LightSelection, Mix, Roulette, SamplePattern, SampleWeights,
-    Sampler, StepSchedule,
+    Sampler, StepSchedule, Traversal,
 };
 
 /// Value of one setting.
@@ -91,7 +91,7 @@ macro_rules! words {
 }
 
 words!(BsdfShare, DirectionMap, Execution, GuideSet, Learner, LightSelection, Mix, Roulette, SamplePattern);
-words!(SampleWeights, Sampler, StepSchedule);
+words!(SampleWeights, Sampler, StepSchedule, Traversal);
 
 /// Least similarity of a word to a text that may mean it.
 const SIMILAR: f64 = 0.7;

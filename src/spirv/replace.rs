@@ -24,7 +24,7 @@ pub struct Replacement {
 }
 
 /// Reads every `.spv` file of a folder that has a kernel's name. `lodestar inspect --out` writes such files:
-/// `trace.spv` reads storage buffers, `trace.texel.spv` texel buffers.
+/// `trace.spv` reads storage buffers, `trace.texel.spv` texel buffers, and `trace.query.spv` an acceleration structure.
 ///
 /// # Errors
 /// [`Error::Read`] where the folder or a file cannot be read; [`Error::Kernel`] where a file is no valid SPIR-V or has
@@ -58,7 +58,7 @@ impl Replacement {
     fn replace(&mut self, path: &Path, name: &str, built_in: &KernelSource) -> Result<()> {
         let spirv = fs::read(path).map_err(Error::read(path))?;
         self.check(path, &spirv, built_in)?;
-        for kernels in [&mut self.registry.texel, &mut self.registry.storage] {
+        for kernels in self.registry.all_mut() {
             for kernel in kernels.iter_mut().filter(|kernel| kernel.file == name) {
                 kernel.spirv = Cow::Owned(spirv.clone());
             }
@@ -105,12 +105,13 @@ fn frozen(path: &Path, own: &Interface, given: &Interface) -> Option<String> {
 }
 
 fn built_in(registry: &Registry, file: &str) -> Option<KernelSource> {
-    let mut all = registry.texel.iter().chain(registry.storage.iter());
+    let mut all = BackEnd::ALL.into_iter().flat_map(|back_end| registry.kernels(back_end).iter());
     all.find(|kernel| kernel.file == file).cloned()
 }
 
 fn unknown(path: &Path, registry: &Registry) -> String {
-    let mut names: Vec<_> = registry.texel.iter().chain(registry.storage.iter()).map(|kernel| kernel.file).collect();
+    let all = BackEnd::ALL.into_iter().flat_map(|back_end| registry.kernels(back_end).iter());
+    let mut names: Vec<_> = all.map(|kernel| kernel.file).collect();
     names.sort_unstable();
     names.dedup();
     format!("{}: no kernel has this name, so it is not used; the names are {}", path.display(), names.join(", "))

@@ -63,7 +63,7 @@ fn forget_removed(module: &mut Module) {
 mod tests {
     use super::*;
     use crate::generated::interface::KernelSource;
-    use crate::generated::kernels::{Registry, Variant};
+    use crate::generated::kernels::{BackEnd, Registry, Variant};
     use crate::spirv::tools::{self, ToolFault};
 
     fn words(source: &KernelSource) -> Vec<u32> {
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn what_is_left_is_valid_and_smaller() {
         let registry = Registry::built_in();
-        for source in registry.texel.iter().chain(registry.storage.iter()) {
+        for source in BackEnd::ALL.into_iter().flat_map(|back_end| registry.kernels(back_end).iter()) {
             let before = words(source);
             for variant in variants() {
                 let after = resolve_branches(&before, &variant.entries()).expect("SPIR-V");

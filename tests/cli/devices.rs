@@ -70,6 +70,11 @@ fn the_default_is_marked_and_advice_follows() {
     for device in survey["devices"].as_array().unwrap() {
         let words = if device["kind"] == "cpu" { "(CPU, Vulkan " } else { ", Vulkan " };
         assert!(text.contains(words), "{text}");
+        let has_ray_queries = device["limits"]["has_ray_queries"] == true;
+        assert!(
+            has_ray_queries || !text.contains("ray queries") || survey["devices"].as_array().unwrap().len() > 1,
+            "{text}"
+        );
         let is_old_mesa =
             ["Mesa 22.", "Mesa 23.", "Mesa 24."].iter().any(|old| device["driver_info"].to_string().contains(old));
         if is_old_mesa && device["driver_name"] == "llvmpipe" && device["index"] == survey["default"] {
@@ -104,6 +109,21 @@ fn the_environment_chooses_where_no_option_does() {
     assert_sentence(&with("voodoo"), 1, &["`voodoo`", "there ", &usable(&folder).1]);
     assert_quiet_success(&with(&usable(&folder).0));
     assert_quiet_success(&with(""));
+}
+
+/// Ray queries trace rays where the device has them. Elsewhere they are refused, and `auto` does without.
+#[test]
+fn ray_queries_need_a_device_that_has_them() {
+    let folder = Folder::new();
+    let index = usable(&folder).0;
+    let device = list(&folder).into_iter().find(|device| device["index"].to_string() == index).unwrap();
+    let with =
+        |traversal: &str| folder.command(&TINY).args(["--device", &index, "--traversal", traversal]).output().unwrap();
+    match device["limits"]["has_ray_queries"] == true {
+        true => assert_quiet_success(&with("query")),
+        false => assert_sentence(&with("query"), 1, &["needs ray queries", "take --traversal compute"]),
+    }
+    assert_quiet_success(&with("auto"));
 }
 
 #[test]

@@ -48,14 +48,16 @@ fn instructions_of(histogram: &Value, file: &str) -> u64 {
 }
 
 #[test]
-fn every_kernel_is_there_for_both_back_ends() {
+fn every_kernel_is_there_for_all_back_ends() {
     let folder = Folder::new();
     let report = inspect(&folder, &[]);
     let kernels = report["kernels"].as_array().unwrap();
     let of = |file: &str| kernels.iter().find(|kernel| kernel["file"] == file).unwrap_or_else(|| panic!("no {file}"));
     assert_eq!(of("trace.texel.spv")["back_ends"], serde_json::json!(["texel"]));
     assert_eq!(of("trace.spv")["back_ends"], serde_json::json!(["storage"]));
-    assert_eq!(of("update_radiance.spv")["back_ends"], serde_json::json!(["texel", "storage"]));
+    assert_eq!(of("trace.query.spv")["back_ends"], serde_json::json!(["query"]));
+    assert_eq!(of("wave_shade.spv")["back_ends"], serde_json::json!(["storage", "query"]));
+    assert_eq!(of("update_radiance.spv")["back_ends"], serde_json::json!(["texel", "storage", "query"]));
     for kernel in kernels {
         assert_eq!(
             keys(kernel),

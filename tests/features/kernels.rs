@@ -4,7 +4,7 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-use lodestar::generated::kernels::{Registry, Variant};
+use lodestar::generated::kernels::{Kernels, Registry, Variant};
 use lodestar::gpu::KernelSource;
 
 /// The variant without the features that a group may join. Scenes whose rests are equal may share kernels.
@@ -48,7 +48,7 @@ pub fn joined(a: &Variant, b: &Variant) -> Variant {
 pub fn fixed(variant: &Variant) -> Registry {
     let values: HashMap<u32, u32> = variant.entries().into_iter().collect();
     let mut registry = Registry::built_in();
-    for kernel in registry.texel.iter_mut().chain(registry.storage.iter_mut()) {
+    for kernel in registry.all_mut().into_iter().flat_map(Kernels::iter_mut) {
         *kernel = KernelSource {
             spirv: Cow::Owned(with_constants(&kernel.spirv, &values)),
             specialization_ids: &[],

@@ -32,6 +32,15 @@ impl Device {
         Self { context, mutation: None }
     }
 
+    /// Whether the device has ray queries. Prints a line if not, because the test is then skipped.
+    pub fn has_ray_queries(&self, name: &str) -> bool {
+        let device = self.context.device();
+        if !device.limits.has_ray_queries {
+            println!("{name}: skipped, for {} has no ray queries", device.name);
+        }
+        device.limits.has_ray_queries
+    }
+
     /// Device whose kernels have a mutation of `tests/tampered`.
     pub fn mutated(&self, mutation: &'static str) -> Self {
         Self { context: self.context.clone(), mutation: Some(mutation) }

@@ -29,6 +29,7 @@ mod roulette;
 mod scales;
 mod significance;
 mod teams;
+mod traversal;
 mod variance;
 mod weights;
 mod ztest;

@@ -23,8 +23,8 @@ const CLEAR: f64 = 1.0e-3;
 pub struct TraceInput {
     pub origin: [f32; 3],
     pub direction: [f32; 3],
-    t_max: f32,
-    any_hit: u32,
+    pub t_max: f32,
+    pub any_hit: u32,
 }
 
 impl TraceInput {
@@ -41,10 +41,10 @@ impl TraceInput {
 
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct TraceOutput {
-    t: f32,
-    uv: [f32; 2],
-    primitive: u32,
+pub struct TraceOutput {
+    pub t: f32,
+    pub uv: [f32; 2],
+    pub primitive: u32,
     overrun: u32,
 }
 
@@ -84,7 +84,7 @@ pub fn rays(count: usize, any_hit: bool) -> Vec<TraceInput> {
 }
 
 /// Hierarchy of the primitives. Each primitive's material is its place in the list.
-fn build(primitives: &[Primitive]) -> Bvh {
+pub fn build(primitives: &[Primitive]) -> Bvh {
     let numbered: Vec<_> = (0..).zip(primitives).map(|(material, &p)| Primitive { material, ..p }).collect();
     Bvh::build(&numbered)
 }
@@ -96,7 +96,7 @@ fn trace(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
 }
 
 /// Hits that the device finds in a hierarchy of [`build`], with a stack of `stack_size` entries.
-fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<TraceOutput> {
+pub fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<TraceOutput> {
     let device = Device::new();
     let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
     nodes.upload(0, &bvh.nodes).expect("uploaded");

@@ -20,6 +20,7 @@ mod principled;
 mod product;
 mod quadtree;
 mod random;
+mod ray_queries;
 mod relief;
 mod scattering;
 mod shares;

@@ -1,10 +1,45 @@
-// Traversal of the compressed wide BVH (Ylitie, Karras and Laine 2017): nearest hit and any hit.
+// Nearest hit and any hit of a ray: by traversal of the compressed wide BVH (Ylitie, Karras and Laine 2017), or by the ray queries of
+// the device.
 #ifndef TRAVERSE_GLSL
 #define TRAVERSE_GLSL
 #include "geometry/bvh.glsl"
 #include "geometry/intersect.glsl"
 #include "geometry/normals.glsl"
 
+// Whether a ray meets the front of a flat shape, to which the shading normal points.
+bool meets_front(vec3 direction, uint primitive, uint flags, vec3 edge_u, vec3 edge_v, vec2 uv) {
+    vec3 n = plane_normal(edge_u, edge_v);
+    if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) n = -n;
+    bool interpolates = HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u;
+    if (interpolates) n = interpolated_normal(fetch_attributes(primitive, 0u), uv, n);
+    return dot(n, direction) < 0.0;
+}
+
+// Tests one primitive. A hit nearer than `hit.t` replaces `hit`. Returns whether that happened.
+bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
+    vec4 texel0 = fetch_primitive(primitive, 0u);
+    vec4 texel1 = fetch_primitive(primitive, 1u);
+    vec4 texel2 = fetch_primitive(primitive, 2u);
+    uint flags = floatBitsToUint(texel0.w);
+    uint shape = flags & PRIMITIVE_SHAPE_MASK;
+    float t = hit.t;
+    vec2 uv = hit.uv;
+    bool closer;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) {
+        closer = intersect_sphere(ray, texel0.xyz, texel1.w, t, uv);
+    } else {
+        closer = intersect_flat(ray, texel0, texel1, texel2, shape, t, uv);
+    }
+    if (HAS_FRONT_ONLY && (flags & PRIMITIVE_FRONT_ONLY) != 0u) {
+        closer = closer && meets_front(ray.direction, primitive, flags, texel1.xyz, texel2.xyz, uv);
+    }
+    if (closer) hit = Hit(t, uv, primitive);
+    return closer;
+}
+
+#ifdef RAY_QUERIES
+#include "geometry/ray_query.glsl"
+#else
 // Ray in the form that the box test needs.
 struct NodeRay {
     vec3 origin;
@@ -95,37 +130,6 @@ uint intersect_node(uint node, NodeRay ray, float t_max, out uint child_base, ou
            intersect_children4(bases.w, x.y, x.w, y.y, y.w, z.y, z.w, ray, scale, offset - slack, offset + slack, t_max);
 }
 
-// Whether a ray meets the front of a flat shape, to which the shading normal points.
-bool meets_front(vec3 direction, uint primitive, uint flags, vec3 edge_u, vec3 edge_v, vec2 uv) {
-    vec3 n = plane_normal(edge_u, edge_v);
-    if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) n = -n;
-    bool interpolates = HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u;
-    if (interpolates) n = interpolated_normal(fetch_attributes(primitive, 0u), uv, n);
-    return dot(n, direction) < 0.0;
-}
-
-// Tests one primitive. A hit nearer than `hit.t` replaces `hit`. Returns whether that happened.
-bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
-    vec4 texel0 = fetch_primitive(primitive, 0u);
-    vec4 texel1 = fetch_primitive(primitive, 1u);
-    vec4 texel2 = fetch_primitive(primitive, 2u);
-    uint flags = floatBitsToUint(texel0.w);
-    uint shape = flags & PRIMITIVE_SHAPE_MASK;
-    float t = hit.t;
-    vec2 uv = hit.uv;
-    bool closer;
-    if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        closer = intersect_sphere(ray, texel0.xyz, texel1.w, t, uv);
-    } else {
-        closer = intersect_flat(ray, texel0, texel1, texel2, shape, t, uv);
-    }
-    if (HAS_FRONT_ONLY && (flags & PRIMITIVE_FRONT_ONLY) != 0u) {
-        closer = closer && meets_front(ray.direction, primitive, flags, texel1.xyz, texel2.xyz, uv);
-    }
-    if (closer) hit = Hit(t, uv, primitive);
-    return closer;
-}
-
 bool has_nodes(uint group_mask) {
     return group_mask > 0x00ffffffu;
 }
@@ -202,4 +206,5 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
     return hit;
 }
 
+#endif
 #endif

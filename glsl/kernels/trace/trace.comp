@@ -3,6 +3,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#ifdef RAY_QUERIES
+#extension GL_EXT_ray_query : require
+#endif
 #include "film/slice.glsl"
 #include "path/edge.glsl"
 #include "path/vertex.glsl"

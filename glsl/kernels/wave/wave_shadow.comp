@@ -2,6 +2,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
+#ifdef RAY_QUERIES
+#extension GL_EXT_ray_query : require
+#endif
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "geometry/traverse.glsl"

@@ -1,13 +1,19 @@
-//! Set 1, Bvh: nodes, primitives and their attributes, in texel buffers where the device allows their size.
+//! Set 1, Bvh: nodes, primitives and their attributes, in texel buffers where the device allows their size. With ray queries, an
+//! acceleration structure takes the place of the nodes.
 
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use crate::Result;
 use crate::encode::bvh::Bvh;
-use crate::generated::kernels::bindings::bvh::{BVH_ATTRIBUTES, BVH_NODES, BVH_PRIMITIVES};
+use crate::encode::query_geometry::{MARGIN, QueryGeometry};
+use crate::generated::kernels::bindings::bvh::{
+    BVH_ATTRIBUTES, BVH_ELEMENTS, BVH_NODES, BVH_PRIMITIVES, BVH_STRUCTURE,
+};
 use crate::generated::kernels::{BVH_SET, Kernels};
 use crate::generated::layout::TEXEL_BYTES;
-use crate::gpu::{Buffer, Context, DescriptorSet};
+use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet, StructurePart};
 use crate::renderer::sets::shapes::{buffer_kind, set_over, set_shape};
 
 /// The hierarchy and the geometry of a scene on the device.
@@ -23,8 +29,10 @@ impl BvhSet {
         (bytes / TEXEL_BYTES) as u64
     }
 
-    pub fn new(context: &Arc<Context>, kernels: &Kernels, bvh: &Bvh) -> Result<Self> {
+    /// Uploads the hierarchy, or, where the kernels ask ray queries, has the device build its own, seen from `eye`.
+    pub fn new(context: &Arc<Context>, kernels: &Kernels, bvh: &Bvh, eye: Vec3) -> Result<Self> {
         let shape = set_shape(kernels, BVH_SET);
+        let has = |number: u32| shape.bindings.iter().any(|binding| binding.binding == number);
         let contents: [(u32, &str, &[u8]); 3] = [
             (BVH_NODES, "BVH nodes", bytemuck::cast_slice(&bvh.nodes)),
             (BVH_PRIMITIVES, "primitives", bytemuck::cast_slice(&bvh.primitives)),
@@ -33,7 +41,11 @@ impl BvhSet {
         let upload = |(binding, name, bytes): (u32, &str, &[u8])| {
             Ok((binding, Buffer::with_values(context, name, bytes, buffer_kind(shape, binding))?))
         };
-        let buffers = contents.into_iter().map(upload).collect::<Result<Vec<_>>>()?;
+        let used = contents.into_iter().filter(|(binding, ..)| has(*binding));
+        let mut buffers = used.map(upload).collect::<Result<Vec<_>>>()?;
+        if has(BVH_STRUCTURE) {
+            buffers.extend(query_buffers(context, bvh, eye)?);
+        }
         let numbered: Vec<_> = buffers.iter().map(|(binding, buffer)| (*binding, buffer)).collect();
         Ok(Self { set: set_over(context, "bvh", shape, &numbered)? })
     }
@@ -41,4 +53,18 @@ impl BvhSet {
     pub fn set(&self) -> &DescriptorSet {
         &self.set
     }
+}
+
+/// The acceleration structure and the primitives of its elements, with the numbers of their bindings.
+fn query_buffers(context: &Arc<Context>, bvh: &Bvh, eye: Vec3) -> Result<[(u32, Arc<Buffer>); 2]> {
+    let geometry = QueryGeometry::new(bvh, eye, MARGIN);
+    let elements = Buffer::with_values(context, "elements", &geometry.elements, BufferKind::Storage)?;
+    let parts = [
+        (0, geometry.opaque.len(), StructurePart::OpaqueTriangles(&geometry.opaque)),
+        (1, geometry.front_only.len(), StructurePart::Triangles(&geometry.front_only)),
+        (2, geometry.boxes.len(), StructurePart::Boxes(&geometry.boxes)),
+    ];
+    let parts: Vec<_> = parts.into_iter().filter(|part| part.1 > 0).map(|(index, _, part)| (index, part)).collect();
+    let structure = Buffer::acceleration_structure(context, "the scene", &parts)?;
+    Ok([(BVH_STRUCTURE, structure), (BVH_ELEMENTS, elements)])
 }

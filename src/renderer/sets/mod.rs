@@ -43,7 +43,7 @@ impl Sets {
     ) -> Result<Self> {
         Ok(Self {
             frame: Frame::new(context, kernels, scene, shading, cells, settings)?,
-            bvh: BvhSet::new(context, kernels, bvh)?,
+            bvh: BvhSet::new(context, kernels, bvh, scene.camera.world_from_camera.w_axis.truncate())?,
             radiance_grid: RadianceGrid::new(context, kernels, settings, cells, &shading.lights)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings, cells)?,
         })

@@ -19,6 +19,7 @@ pub(super) fn buffer_kind(shape: &SetShape, binding: u32) -> BufferKind {
         BindingKind::UniformBuffer => BufferKind::Uniform,
         BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
         BindingKind::TexelBufferUint => BufferKind::TexelUint,
+        BindingKind::AccelerationStructure => BufferKind::AccelerationStructure,
     }
 }
 

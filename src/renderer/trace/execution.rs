@@ -1,11 +1,11 @@
-//! The choice between one kernel and waves, made once for a render.
+//! The choices between one kernel and waves, and between own traversal and ray queries, made once for a render.
 
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::surfaces::Shading;
 use crate::gpu::{DeviceInfo, DeviceKind};
 use crate::renderer::memory_needs::MemoryNeeds;
-use crate::settings::{Execution, Settings};
+use crate::settings::{Execution, Settings, Traversal};
 use crate::{Error, Result};
 
 /// Primitives from which on `auto` takes waves: among 18 they were slower, among 28,000 faster.
@@ -17,7 +17,7 @@ pub(crate) struct Plan {
     pub needs: MemoryNeeds,
 }
 
-/// Decides how paths are traced. `auto` falls back on one kernel where a wave's paths do not fit the memory.
+/// Decides how paths and rays are traced. For paths, `auto` falls back on one kernel where a wave's paths do not fit the memory.
 pub(crate) fn resolve(
     device: &DeviceInfo,
     settings: &Settings,
@@ -25,8 +25,9 @@ pub(crate) fn resolve(
     bvh: &Bvh,
     cells: &Cells,
 ) -> Result<Plan> {
+    let traversal = resolve_traversal(device, settings.traversal)?;
     let plan = |execution| {
-        let settings = Settings { execution, ..settings.clone() };
+        let settings = Settings { execution, traversal, ..settings.clone() };
         Plan { needs: MemoryNeeds::new(device, shading, bvh, cells, &settings), settings }
     };
     let plan = match settings.execution {
@@ -43,6 +44,20 @@ pub(crate) fn resolve(
     };
     plan.needs.check(device)?;
     Ok(plan)
+}
+
+/// Decides how rays are traced.
+fn resolve_traversal(device: &DeviceInfo, wanted: Traversal) -> Result<Traversal> {
+    let has_queries = device.limits.has_ray_queries;
+    match wanted {
+        Traversal::Query if !has_queries => Err(Error::Settings(format!(
+            "--traversal query needs ray queries (VK_KHR_ray_query), which {} lacks: take --traversal compute",
+            device.name
+        ))),
+        Traversal::Auto if has_queries && device.kind != DeviceKind::Cpu => Ok(Traversal::Query),
+        Traversal::Query => Ok(Traversal::Query),
+        Traversal::Auto | Traversal::Compute => Ok(Traversal::Compute),
+    }
 }
 
 /// Whether `auto` takes waves: on a GPU, for emitter sampling in a scene that is not tiny, where they were faster. The answer

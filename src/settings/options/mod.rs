@@ -10,4 +10,9 @@ pub use check::{check, check_given};
 pub use document::document;
 pub(super) use entry::defaults;
 pub use entry::{Audience, Category, Needs, OptionEntry, RESEARCH, Rule, Set, Setting, When, check_text};
-pub use table::{OPTIONS, find};
+pub use table::OPTIONS;
+
+/// Entry of the option with this name.
+pub fn find(name: &str) -> Option<&'static OptionEntry> {
+    OPTIONS.iter().find(|option| option.name == name)
+}

@@ -578,6 +578,11 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..further(Device, "execution", "EXECUTION")
     },
     OptionEntry {
+        short: "Own traversal of rays, or the device's ray queries",
+        setting: checked!(traversal),
+        ..further(Device, "traversal", "TRAVERSAL")
+    },
+    OptionEntry {
         short: "Most samples per pixel that one kernel call takes",
         long: "Where the driver cuts a loop short, as old versions of lavapipe do, the render begins again with half as \
                many. Take more on a fast GPU.",
@@ -592,8 +597,3 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry { short: "Turn Vulkan's validation layer on", ..further(Device, "validate", "") },
 ];
-
-/// Entry of the option with this name.
-pub fn find(name: &str) -> Option<&'static OptionEntry> {
-    OPTIONS.iter().find(|option| option.name == name)
-}

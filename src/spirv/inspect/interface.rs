@@ -296,6 +296,7 @@ fn kind(descriptor: &DescriptorType, ty: &Type) -> String {
             Type::SampledImage(image) => texels(&image.scalar_ty),
             _ => "texel buffer".into(),
         },
+        DescriptorType::AccelStruct() => "acceleration structure".into(),
         other => format!("{other:?}"),
     }
 }

@@ -52,6 +52,15 @@ impl Device {
         has_room
     }
 
+    /// Whether the device has ray queries. Prints a line if not, because the test is then skipped.
+    pub fn has_ray_queries(&self, name: &str) -> bool {
+        let device = self.context.device();
+        if !device.limits.has_ray_queries {
+            println!("{name}: skipped, for {} has no ray queries", device.name);
+        }
+        device.limits.has_ray_queries
+    }
+
     pub fn kernel(&self, source: &KernelSource, variant: &Variant) -> Kernel {
         Kernel::new(&self.context, source, &variant.entries()).expect("a pipeline")
     }
@@ -124,6 +133,7 @@ fn kind(binding: BindingKind) -> BufferKind {
         BindingKind::UniformBuffer => BufferKind::Uniform,
         BindingKind::TexelBufferFloat => BufferKind::TexelFloat,
         BindingKind::TexelBufferUint => BufferKind::TexelUint,
+        BindingKind::AccelerationStructure => BufferKind::AccelerationStructure,
     }
 }
 
