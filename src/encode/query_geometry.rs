@@ -4,6 +4,8 @@
 //! its primitive, with a margin for rounding. A triangle becomes a triangle whose edges lie outside the primitive's by the margin, in
 //! its plane; a parallelogram becomes two. Spheres, disks and triangles that are narrower than the margin become boxes.
 
+use std::collections::HashSet;
+
 use glam::{DVec3, Vec3};
 
 use crate::encode::bvh::Bvh;
@@ -33,7 +35,12 @@ impl QueryGeometry {
         let usual = usual_distance(bvh, eye.as_dvec3());
         let mut places: [Vec<u32>; 3] = Default::default();
         let mut geometry = Self::default();
-        for (index, record) in (0..).zip(&bvh.primitives) {
+        let mut known = HashSet::new();
+        for ((index, record), attributes) in (0..).zip(&bvh.primitives).zip(&bvh.attributes) {
+            // The hierarchy has several boxes for some triangles, and a record for each.
+            if !known.insert((bytemuck::bytes_of(record), bytemuck::bytes_of(attributes))) {
+                continue;
+            }
             let margin = margin * reach(record, eye.as_dvec3()).max(usual);
             let front_only = record.flags & constants::PRIMITIVE_FRONT_ONLY != 0;
             for triangle in triangles(record).into_iter().flatten() {

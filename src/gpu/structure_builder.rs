@@ -38,11 +38,14 @@ struct Instance {
 }
 
 impl Buffer {
-    /// Makes an acceleration structure of parts, each with at least one element. The elements of a part have its place in `parts` as
-    /// their custom index (`rayQueryGetIntersectionInstanceCustomIndexEXT`).
+    /// Makes an acceleration structure of parts. Each part has the custom index of its elements
+    /// (`rayQueryGetIntersectionInstanceCustomIndexEXT`), which is below 2^24.
     ///
     /// # Errors
     /// [`Error::Device`] where the device has no ray queries; other errors where it is out of memory or lost.
+    ///
+    /// # Panics
+    /// Where a custom index is too large.
     pub fn acceleration_structure(
         context: &Arc<Context>,
         name: &str,
@@ -51,6 +54,7 @@ impl Buffer {
         let mut instances = Vec::new();
         let mut kept: Vec<Kept> = Vec::new();
         for &(index, part) in parts {
+            assert!(index < 1 << 24, "the custom index {index} has more than 24 bits");
             let buffer = of_part(context, name, part)?;
             instances.push(Instance {
                 transform: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],

@@ -26,7 +26,7 @@ pub enum Execution {
     Wavefront,
 }
 
-/// Ways of finding what a ray hits. The picture is the same with each of them, but where rounding decides which of two surfaces
+/// Ways of finding what a ray hits. The picture is the same with each of them, but where rounding decides which of two primitives
 /// is nearer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
