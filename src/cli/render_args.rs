@@ -148,8 +148,8 @@ pub struct DeviceArgs {
     pub slice_ms: Option<f64>,
     #[arg(long, value_enum, default_value_t = Execution::Auto)]
     pub execution: Execution,
-    #[arg(long, value_enum, default_value_t = Traversal::Compute)]
-    pub traversal: Traversal,
+    #[arg(long, value_enum)]
+    pub traversal: Option<Traversal>,
     #[arg(long)]
     pub kernel_dir: Option<PathBuf>,
     #[arg(long)]
@@ -204,7 +204,7 @@ impl DeviceArgs {
     pub fn add_to(self, options: Options) -> Options {
         let device = ContextOptions { device: device_name(self.device), validate: self.validate };
         let options = options.open_device(device).deal_by_speed(self.deal_by_speed).execution(self.execution);
-        let options = options.traversal(self.traversal);
+        let options = with(options, self.traversal, Options::traversal);
         let options = with(options, self.slice_ms, Options::slice_milliseconds);
         with(options, self.kernel_dir, Options::kernel_folder)
     }

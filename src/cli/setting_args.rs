@@ -69,7 +69,7 @@ fn argument(option: &'static OptionEntry) -> Arg {
 }
 
 /// Options of `lodestar resume` whose default is what the checkpoint holds.
-const KEPT_BY_CHECKPOINT: [&str; 4] = ["output", "tone", "exposure", "spp"];
+const KEPT_BY_CHECKPOINT: [&str; 5] = ["output", "tone", "exposure", "spp", "traversal"];
 /// Options of a picture's settings that `lodestar radiance` refuses, with values that have no meaning for a map.
 const NOT_FOR_MAPS: [&str; 3] = ["steps", "sample-weights", "nee"];
 

@@ -26,6 +26,8 @@ pub struct Bvh {
     pub primitives: Vec<PrimitiveRecord>,
     /// Shading attributes, in the order of `primitives`.
     pub attributes: Vec<AttributeRecord>,
+    /// Index in the scene of each of `primitives`.
+    pub sources: Vec<u32>,
     /// Number of nodes on the longest way from the root to a leaf; a traversal stack needs one entry fewer.
     pub depth: u32,
     /// Lower and upper corner of all primitives; a unit box at the origin where there are none.
@@ -47,7 +49,7 @@ impl Bvh {
         let (primitives, mut attributes): (_, Vec<_>) = records.unzip();
         let depth = depth(&nodes);
         number_lights(&mut attributes);
-        Self { primitives, attributes, nodes, depth, bounds }
+        Self { primitives, attributes, sources: order, nodes, depth, bounds }
     }
 
     /// Whether any primitive is a sphere.

@@ -1,10 +1,12 @@
 //! Geometry for acceleration structures, which devices with ray queries traverse by themselves.
 //!
-//! The device proposes elements that a ray meets, and the kernel's own test of the primitive decides. So an element only has to cover
-//! its primitive, with a margin for rounding. A triangle becomes a triangle whose edges lie outside the primitive's by the margin, in
-//! its plane; a parallelogram becomes two. Spheres, disks and triangles that are narrower than the margin become boxes.
-
-use std::collections::HashSet;
+//! The device proposes elements that a ray meets, and the kernel's own test of the primitive decides whether the ray hits it, and where.
+//! An element has to cover its primitive, with a margin for rounding in the device. The device's own distance to an element decides
+//! only which of two opaque triangles is nearer.
+//!
+//! - A triangle becomes a triangle in its plane whose edges lie outside the primitive's by the margin. A parallelogram becomes two.
+//! - Spheres and disks become boxes, and so do triangles that are narrower than the margin.
+//! - Flat shapes that are huge beside the scene become boxes, too. The device would round the distance to them too coarsely.
 
 use glam::{DVec3, Vec3};
 
@@ -12,9 +14,14 @@ use crate::encode::bvh::Bvh;
 use crate::generated::constants;
 use crate::generated::layout::PrimitiveRecord;
 
-/// Margin as a share of a primitive's reach. Tests of triangles move the corners to the ray's origin first (Woop, Benthin and Wald
-/// 2013), and so err by some 2^-23 of the distance. So the margin covers rays from eight times the reach.
+/// Margin as a share of the reach of rays. Tests of triangles move the corners to the ray's origin first (Woop, Benthin and Wald
+/// 2013), and so err by some 2^-23 of the distance. The margin covers rays that come from up to eight times the reach.
 pub const MARGIN: f64 = 1.0 / (1 << 20) as f64;
+/// Most of the reach, as a multiple of the median distance of primitives from the camera. A ground or sky that is larger does not
+/// swell the elements of a small scene within it.
+const MOST_REACH: f64 = 1000.0;
+/// Longest edge of a triangle for the device, as a multiple of the median distance.
+const LONGEST_EDGE: f64 = 8.0;
 
 /// Elements of an acceleration structure in three parts, and the primitive of each.
 #[derive(Debug, Default)]
@@ -30,25 +37,32 @@ pub struct QueryGeometry {
 }
 
 impl QueryGeometry {
-    /// Elements for the primitives of a hierarchy, seen from `eye`. `margin` is a share of a primitive's reach, usually [`MARGIN`].
+    /// Elements for the primitives of a hierarchy, seen from `eye`. `margin` is a share of the reach, usually [`MARGIN`].
     pub fn new(bvh: &Bvh, eye: Vec3, margin: f64) -> Self {
         let usual = usual_distance(bvh, eye.as_dvec3());
+        let (low, high) = (bvh.bounds.0.min(eye).as_dvec3(), bvh.bounds.1.max(eye).as_dvec3());
+        let reach = (high - low).length().min(MOST_REACH * usual);
         let mut places: [Vec<u32>; 3] = Default::default();
         let mut geometry = Self::default();
-        let mut known = HashSet::new();
-        for ((index, record), attributes) in (0..).zip(&bvh.primitives).zip(&bvh.attributes) {
-            // The hierarchy has several boxes for some triangles, and a record for each.
-            if !known.insert((bytemuck::bytes_of(record), bytemuck::bytes_of(attributes))) {
+        geometry.opaque.reserve(bvh.primitives.len());
+        places[0].reserve(bvh.primitives.len());
+        // The hierarchy has several boxes for some triangles, and a record for each.
+        let mut is_known = vec![false; bvh.sources.iter().max().map_or(0, |&last| last as usize + 1)];
+        for ((index, record), &source) in (0..).zip(&bvh.primitives).zip(&bvh.sources) {
+            if std::mem::replace(&mut is_known[source as usize], true) {
                 continue;
             }
-            let margin = margin * reach(record, eye.as_dvec3()).max(usual);
+            // Coordinates are rounded, too, where a primitive lies far from the origin.
+            let margin = margin * reach.max(largest_coordinate(record));
+            let is_huge = record.flags & constants::PRIMITIVE_LARGE != 0
+                || f64::from(record.edge_tolerance) > LONGEST_EDGE * usual;
             let front_only = record.flags & constants::PRIMITIVE_FRONT_ONLY != 0;
             for triangle in triangles(record).into_iter().flatten() {
                 let (part, list) = match front_only {
                     false => (0, &mut geometry.opaque),
                     true => (1, &mut geometry.front_only),
                 };
-                match grown(triangle, margin) {
+                match grown(triangle, margin).filter(|_| !is_huge) {
                     Some(corners) => {
                         list.push(corners);
                         places[part].push(index);
@@ -73,9 +87,14 @@ impl QueryGeometry {
         geometry
     }
 
+    /// Number of elements that a hierarchy needs at most: two for a parallelogram, one for another primitive.
+    pub fn most_elements(bvh: &Bvh) -> u64 {
+        bvh.primitives.iter().map(|record| 1 + u64::from(shape(record) == constants::SHAPE_PARALLELOGRAM)).sum()
+    }
+
     /// Estimate of the bytes that the structure takes, with what building it takes. Drivers need 60 to 200 bytes for a triangle.
     pub fn estimated_bytes(bvh: &Bvh) -> u64 {
-        300 * bvh.primitives.len() as u64
+        300 * Self::most_elements(bvh)
     }
 }
 
@@ -94,11 +113,10 @@ fn usual_distance(bvh: &Bvh, eye: DVec3) -> f64 {
     if distances.is_empty() { 0.0 } else { *distances.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// Largest coordinate of a primitive, relative to the world's origin and to `eye`. Rounding errs in proportion to both.
-fn reach(record: &PrimitiveRecord, eye: DVec3) -> f64 {
+/// Largest coordinate of a primitive's corners, or a little more.
+fn largest_coordinate(record: &PrimitiveRecord) -> f64 {
     let [origin, u, v] = vectors(record);
-    let extent = u.abs().max_element() + v.abs().max_element();
-    origin.abs().max_element().max((origin - eye).length()) + extent
+    origin.abs().max_element() + u.abs().max_element() + v.abs().max_element()
 }
 
 /// The triangles that a flat shape with straight edges consists of.
@@ -131,18 +149,134 @@ fn grown(corners: [DVec3; 3], margin: f64) -> Option<[[f32; 3]; 3]> {
     let [a, b, c] = corners;
     let lengths = [(c - b).length(), (a - c).length(), (b - a).length()];
     let perimeter: f64 = lengths.iter().sum();
+    // The radius of the inscribed circle. It is NaN where the triangle is a point.
     let radius = (b - a).cross(c - a).length() / perimeter;
-    // A point has no such circle, and its radius is no number.
     if radius.is_nan() || radius <= margin {
         return None;
     }
     let center = (a * lengths[0] + b * lengths[1] + c * lengths[2]) / perimeter;
     let grow = 1.0 + margin / radius;
-    Some(corners.map(|corner| (center + (corner - center) * grow).as_vec3().to_array()))
+    Some(corners.map(|corner| finite(center + (corner - center) * grow)))
 }
 
 fn box_around(points: &[DVec3], margin: f64) -> [[f32; 3]; 2] {
     let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
     let high = points.iter().fold(DVec3::NEG_INFINITY, |high, &point| high.max(point));
-    [low - margin, high + margin].map(|corner| corner.as_vec3().to_array())
+    [low - margin, high + margin].map(finite)
+}
+
+/// The vector in single precision. Coordinates beyond its range become the largest ones.
+fn finite(v: DVec3) -> [f32; 3] {
+    let most = DVec3::splat(f64::from(f32::MAX));
+    v.clamp(-most, most).as_vec3().to_array()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+    use crate::scene::{Primitive, PrimitiveShape};
+
+    fn primitive(shape: PrimitiveShape, origin: Vec3, edge_u: Vec3, edge_v: Vec3) -> Primitive {
+        Primitive {
+            shape,
+            origin,
+            edge_u,
+            edge_v,
+            normals: None,
+            uvs: Default::default(),
+            flip_normal: false,
+            front_only: false,
+            material: 0,
+            emitter: None,
+        }
+    }
+
+    fn geometry(primitives: &[Primitive]) -> (Bvh, QueryGeometry) {
+        let bvh = Bvh::build(primitives);
+        let geometry = QueryGeometry::new(&bvh, vec3(5.5, 0.5, 2.0), MARGIN);
+        (bvh, geometry)
+    }
+
+    /// Distance of a point from the line of an edge, positive on the side of the triangle's interior.
+    fn inside(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+        let normal = (b - a).cross(c - a);
+        normal.cross(b - a).normalize().dot(point - a)
+    }
+
+    #[test]
+    fn edges_lie_outside_by_the_margin() {
+        let corner = vec3(5.1, 0.2, 0.3);
+        let (_, geometry) =
+            geometry(&[primitive(PrimitiveShape::Triangle, corner, vec3(1.0, 0.1, 0.0), vec3(0.3, 0.8, 0.4))]);
+        assert_eq!((geometry.opaque.len(), geometry.boxes.len()), (1, 0));
+        let grown = geometry.opaque[0].map(|corner| Vec3::from(corner).as_dvec3());
+        let own = [corner, corner + vec3(1.0, 0.1, 0.0), corner + vec3(0.3, 0.8, 0.4)].map(Vec3::as_dvec3);
+        for by in 0..3 {
+            let (mut grown, mut own) = (grown, own);
+            // The hierarchy may begin the triangle at another corner.
+            let begin =
+                (0..3).min_by(|&a, &b| own[0].distance(grown[a]).total_cmp(&own[0].distance(grown[b]))).unwrap();
+            grown.rotate_left(begin);
+            (grown.rotate_left(by), own.rotate_left(by));
+            let margin = inside(own[0], grown);
+            assert!(margin > 0.9e-6 && margin < 2.0e-5, "{margin}");
+        }
+    }
+
+    #[test]
+    fn every_shape_has_its_elements() {
+        let (u, v) = (vec3(0.5, 0.0, 0.0), vec3(0.0, 0.5, 0.0));
+        let shape = |shape, x: f32| primitive(shape, vec3(5.0 + x, 3.0, 0.0), u, v);
+        let front = Primitive { front_only: true, ..shape(PrimitiveShape::Triangle, 1.0) };
+        let needle = primitive(PrimitiveShape::Triangle, 5.0 * Vec3::ONE, u, u + 1.0e-7 * v);
+        let point = primitive(PrimitiveShape::Triangle, Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+        let all = [
+            shape(PrimitiveShape::Triangle, 0.0),
+            shape(PrimitiveShape::Parallelogram, 2.0),
+            shape(PrimitiveShape::Disk, 4.0),
+            shape(PrimitiveShape::Sphere, 6.0),
+            front,
+            needle,
+            point,
+        ];
+        let (bvh, geometry) = geometry(&all);
+        assert_eq!((geometry.opaque.len(), geometry.front_only.len(), geometry.boxes.len()), (3, 1, 4));
+        assert_eq!(geometry.elements[..3], [3, 6, 7]);
+        assert_eq!(geometry.elements.len(), 3 + 8);
+        let flags = |element: u32| bvh.primitives[element as usize].flags;
+        assert!(flags(geometry.elements[6]) & constants::PRIMITIVE_FRONT_ONLY != 0);
+        let mut sources: Vec<_> = geometry.elements[3..].iter().map(|&index| bvh.sources[index as usize]).collect();
+        sources.sort_unstable();
+        assert_eq!(sources, [0, 1, 1, 2, 3, 4, 5, 6]);
+        assert_eq!(QueryGeometry::most_elements(&bvh), 8);
+        assert!(geometry.boxes.iter().all(|[low, high]| low.iter().zip(high).all(|(low, high)| low < high)));
+    }
+
+    #[test]
+    fn nothing_has_no_element() {
+        let (_, geometry) = geometry(&[]);
+        assert_eq!(geometry.elements, [3, 3, 3]);
+    }
+
+    /// A triangle with several boxes in the hierarchy is one element, and one that is huge beside the others is a box.
+    #[test]
+    fn split_triangles_occur_once_and_huge_ones_are_boxes() {
+        let small = |i: usize| {
+            let at = vec3(5.0 + 0.01 * i as f32, 0.5, 0.0);
+            primitive(PrimitiveShape::Triangle, at, vec3(0.01, 0.0, 0.0), vec3(0.0, 0.01, 0.0))
+        };
+        let mut all: Vec<_> = (0..100).map(small).collect();
+        all.push(primitive(PrimitiveShape::Triangle, 5.0 * Vec3::X, vec3(3.0, 3.0, 3.0), vec3(3.0, 3.1, 3.0)));
+        let (bvh, geometry) = geometry(&all);
+        assert!(bvh.primitives.len() > all.len(), "no triangle was split");
+        assert_eq!((geometry.opaque.len(), geometry.boxes.len()), (101, 0));
+        all.push(primitive(PrimitiveShape::Triangle, Vec3::ZERO, 1.0e5 * Vec3::X, 1.0e5 * Vec3::Z));
+        let huge = primitive(PrimitiveShape::Parallelogram, Vec3::ZERO, 2.0e38 * Vec3::X, 2.0e38 * Vec3::Z);
+        all.push(huge);
+        let (_, geometry) = self::geometry(&all);
+        assert_eq!((geometry.opaque.len(), geometry.boxes.len()), (101, 3));
+        assert!(geometry.boxes.iter().flatten().flatten().all(|coordinate| coordinate.is_finite()));
+    }
 }

@@ -103,7 +103,7 @@ fn distinct<'a>(values: &[&'a str]) -> Vec<&'a str> {
 mod tests {
     use super::*;
     use crate::scene::{LoadOptions, load};
-    use crate::settings::{AUTO_GRID, Execution, Value, options};
+    use crate::settings::{AUTO_GRID, Execution, Traversal, Value, options};
 
     fn settings() -> Settings {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/furnace/scene.xml");
@@ -174,6 +174,7 @@ mod tests {
         assert_eq!(with(&|_| {}), None);
         assert_eq!(with(&|s| s.slice_milliseconds = Some(3.0)), None);
         assert_eq!(with(&|s| s.execution = Execution::Wavefront), None);
+        assert_eq!(with(&|s| s.traversal = Traversal::Query), None);
         assert_eq!(with(&|s| s.seed = 5).as_deref(), Some("seed (5 there, 0 here)"));
         let two = with(&|s| (s.sample_offset, s.decay) = (Some(8), 0.5));
         assert_eq!(two.as_deref(), Some("decay (0.5 there, 0.95 here), sample_offset (8 there, null here)"));

@@ -46,7 +46,7 @@ pub enum BufferKind {
     BuildInput,
     /// Scratch memory with which the device builds an acceleration structure. No kernel sees it.
     BuildScratch,
-    /// Acceleration structure.
+    /// Acceleration structure. [`Buffer::acceleration_structure`] makes it. The host and copies do not touch it.
     AccelerationStructure,
 }
 
@@ -86,7 +86,15 @@ impl BufferKind {
                 vk::BufferUsageFlags::ACCELERATION_STRUCTURE_STORAGE_KHR | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
             }
         };
-        own | vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST
+        match self {
+            Self::BuildScratch | Self::AccelerationStructure => own,
+            _ => own | vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST,
+        }
+    }
+
+    /// Whether only the building of acceleration structures uses such buffers.
+    fn is_of_structures(self) -> bool {
+        matches!(self, Self::BuildInput | Self::BuildScratch | Self::AccelerationStructure)
     }
 
     fn place(self) -> MemoryLocation {
@@ -130,7 +138,15 @@ impl Buffer {
     ///
     /// # Errors
     /// [`Error::Device`] where the device does not allow the size; other errors where it is out of memory or lost.
+    ///
+    /// # Panics
+    /// Where the kind is one of acceleration structures.
     pub fn new(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
+        assert!(!kind.is_of_structures(), "`{name}` is made with an acceleration structure only");
+        Self::cleared(context, name, bytes, kind)
+    }
+
+    fn cleared(context: &Arc<Context>, name: &str, bytes: u64, kind: BufferKind) -> Result<Arc<Self>> {
         let buffer = Self::uncleared(context, name, bytes, kind)?;
         context.submit(&format!("clearing `{name}`"), |recorder| recorder.fill_zero(&buffer))?;
         Ok(Arc::new(buffer))
@@ -140,7 +156,21 @@ impl Buffer {
     ///
     /// # Errors
     /// All errors of [`Buffer::new`], and [`Error::DeviceLost`].
+    ///
+    /// # Panics
+    /// Where the kind is one of acceleration structures.
     pub fn with_values<T: Pod>(
+        context: &Arc<Context>,
+        name: &str,
+        values: &[T],
+        kind: BufferKind,
+    ) -> Result<Arc<Self>> {
+        assert!(!kind.is_of_structures(), "`{name}` is made with an acceleration structure only");
+        Self::filled(context, name, values, kind)
+    }
+
+    /// Makes a buffer of any kind of these values.
+    pub(super) fn filled<T: Pod>(
         context: &Arc<Context>,
         name: &str,
         values: &[T],
@@ -151,7 +181,7 @@ impl Buffer {
         let is_filled = bytes > 0 && bytes.is_multiple_of(TEXEL_BYTES);
         let buffer = match is_filled {
             true => Arc::new(Self::uncleared(context, name, bytes, kind)?),
-            false => Self::new(context, name, bytes, kind)?,
+            false => Self::cleared(context, name, bytes, kind)?,
         };
         buffer.upload(0, values)?;
         Ok(buffer)
@@ -203,9 +233,10 @@ impl Buffer {
     /// Where the device is lost or out of memory.
     ///
     /// # Panics
-    /// Where the values do not fit.
+    /// Where the values do not fit, or the buffer holds an acceleration structure.
     pub fn upload<T: Pod>(&self, offset_bytes: u64, values: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(values);
+        self.check_reachable();
         check_range(self.len_bytes(), offset_bytes, bytes.len() as u64);
         if let Some(mapped) = self.backing.mapped() {
             return mapped.write(offset_bytes, bytes);
@@ -219,9 +250,10 @@ impl Buffer {
     /// Where the device is lost or out of memory.
     ///
     /// # Panics
-    /// Where the buffer does not hold that many.
+    /// Where the buffer does not hold that many, or holds an acceleration structure.
     pub fn read<T: Pod>(&self, offset_bytes: u64, count: usize) -> Result<Vec<T>> {
         let bytes = (count as u64).saturating_mul(size_of::<T>() as u64);
+        self.check_reachable();
         check_range(self.len_bytes(), offset_bytes, bytes);
         let mut values = vec![T::zeroed(); count];
         let bytes = bytemuck::cast_slice_mut(&mut values);
@@ -268,6 +300,13 @@ impl Buffer {
 
     pub(super) fn context(&self) -> &Arc<Context> {
         self.backing.context()
+    }
+
+    /// Checks that the host and copies may touch the buffer. An acceleration structure with other content could lead the device
+    /// anywhere.
+    pub(super) fn check_reachable(&self) {
+        let is_closed = self.structure.is_some();
+        assert!(!is_closed, "`{}` holds an acceleration structure, which nothing else may touch", self.name);
     }
 
     /// The buffer with the acceleration structure that it will hold.

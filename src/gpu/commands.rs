@@ -128,6 +128,7 @@ impl<'a> Recorder<'a> {
     /// Where the buffer belongs to another context.
     pub fn fill_zero(&mut self, buffer: &'a Buffer) {
         self.check_context(buffer.context(), buffer.name());
+        buffer.check_reachable();
         // SAFETY: invariants 1 and 3: the buffer is alive until the submission is done; its size is a multiple of 4.
         unsafe { self.device().cmd_fill_buffer(self.commands(), buffer.backing().raw(), 0, buffer.len_bytes(), 0) }
     }
@@ -139,6 +140,8 @@ impl<'a> Recorder<'a> {
     pub fn copy(&mut self, from: &'a Buffer, from_offset: u64, to: &'a Buffer, to_offset: u64, bytes: u64) {
         self.check_context(from.context(), from.name());
         self.check_context(to.context(), to.name());
+        from.check_reachable();
+        to.check_reachable();
         self.copy_backing(from.backing(), from_offset, to.backing(), to_offset, bytes);
     }
 

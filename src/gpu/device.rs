@@ -32,8 +32,18 @@ impl LogicalDevice {
     pub(super) fn new(instance: Instance, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Self> {
         let (queue_family, timestamp_bits) = compute_queue(instance.raw(), physical)
             .ok_or_else(|| Error::Device(format!("the Vulkan device {} has no compute queue", info.name)))?;
+        let mut info = info;
+        let opened = open(&instance, physical, queue_family, info.limits.has_ray_queries);
+        let (raw, tells_executables) = match opened {
+            // A driver that fails with ray queries may still render without them.
+            Err(Error::Vulkan { reason, .. }) if info.limits.has_ray_queries => {
+                tracing::warn!("{} does not open with ray queries ({reason}), so it is opened without", info.name);
+                info.limits.has_ray_queries = false;
+                open(&instance, physical, queue_family, false)?
+            }
+            opened => opened?,
+        };
         let has_ray_queries = info.limits.has_ray_queries;
-        let (raw, tells_executables) = open(&instance, physical, queue_family, has_ray_queries)?;
         let debug = instance.has_debug_utils().then(|| ext::debug_utils::Device::new(instance.raw(), &raw));
         let executables =
             tells_executables.then(|| khr::pipeline_executable_properties::Device::new(instance.raw(), &raw));

@@ -70,8 +70,10 @@ impl DeviceInfo {
         if properties.api_version >= vk::API_VERSION_1_2 {
             info.add_details(instance, device);
             capabilities.has_scalar_block_layout = has_scalar_block_layout(instance, device);
-            if let Some(alignment) = ray_queries::scratch_alignment(instance, device) {
-                (info.limits.has_ray_queries, info.limits.scratch_alignment) = (true, alignment);
+            if let Some(structures) = ray_queries::properties(instance, device) {
+                info.limits.has_ray_queries = true;
+                info.limits.max_structure_elements = structures.max_primitive_count;
+                info.limits.scratch_alignment = structures.min_acceleration_structure_scratch_offset_alignment.max(1);
             }
         }
         info.refused = needs::lacking(&capabilities, &info.limits);

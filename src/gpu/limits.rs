@@ -32,6 +32,8 @@ pub struct Limits {
     pub has_subgroup_ballot: bool,
     /// Whether kernels can let the device traverse acceleration structures (VK_KHR_ray_query).
     pub has_ray_queries: bool,
+    /// Most elements of one part of an acceleration structure.
+    pub max_structure_elements: u64,
     /// Unit in bytes to which the address of an acceleration structure's scratch memory is rounded.
     pub scratch_alignment: u32,
     /// Bytes of device-local memory. Drivers on the CPU may report less than there is.
@@ -60,6 +62,7 @@ impl Limits {
             subgroup_size: 0,
             has_subgroup_ballot: false,
             has_ray_queries: false,
+            max_structure_elements: 0,
             scratch_alignment: 1,
             device_local_bytes: 0,
             non_coherent_atom_bytes: limits.non_coherent_atom_size,

@@ -10,6 +10,9 @@ use gpu_allocator::{AllocationError, AllocationSizes, AllocatorDebugSettings, Me
 use super::device::LogicalDevice;
 use crate::{Error, Result};
 
+/// Alignment in bytes of all buffers. Devices read instances of acceleration structures at multiples of it.
+const LEAST_ALIGNMENT: u64 = 16;
+
 /// Size in bytes of a block that small buffers share; larger buffers have their own.
 const BLOCK_BYTES: u64 = 32 << 20;
 
@@ -46,7 +49,8 @@ impl Memory {
         place: MemoryLocation,
     ) -> Result<Allocation> {
         let atom = self.device.info().limits.non_coherent_atom_bytes.max(1);
-        let requirements = needs.size(needs.size.next_multiple_of(atom)).alignment(needs.alignment.max(atom));
+        let requirements =
+            needs.size(needs.size.next_multiple_of(atom)).alignment(needs.alignment.max(atom).max(LEAST_ALIGNMENT));
         let description = AllocationCreateDesc {
             name,
             requirements,

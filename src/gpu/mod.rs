@@ -13,7 +13,7 @@
 //! 2. **Children hold their parents.** Every value with a handle holds an `Arc` of the context that made it, or of the
 //!    logical device, which holds the instance, which holds the loaded library. (The library that the system calls the
 //!    Vulkan loader is trusted to be one.) Rust drops a value's fields after its `Drop` has run, in order of
-//!    declaration, so children are always destroyed first. A descriptor set holds its buffers. Values of two contexts
+//!    declaration, so children are always destroyed first. A descriptor set holds its buffers. An acceleration structure holds the structures whose addresses it contains. Values of two contexts
 //!    are never mixed: each function that takes several asserts that they have one context. Command buffers, fences and
 //!    queries are reused by later submissions. While idle they belong to the context's `IdleSlots`, which holds the
 //!    device. They are reset before their next use, and destroyed after a failure. A pipeline is owned by a `Pipeline`,
@@ -27,7 +27,8 @@
 //! The invariants cover the host's calls. Two guards cover what a kernel does. First, its SPIR-V is either the
 //! compiler's output ([`KernelSource`] is written by `build.rs`) or a file that the user has asked for by name,
 //! validated and of the built-in kernel's interface ([`crate::spirv::replace`]). Second, devices are opened with robust
-//! buffer access, so an index out of range reaches no memory outside the buffer.
+//! buffer access, so an index out of range reaches no memory outside the buffer. Robust access does not cover acceleration structures. So
+//! only their builder writes to them.
 
 #![deny(clippy::undocumented_unsafe_blocks)]
 

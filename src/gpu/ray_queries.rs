@@ -30,9 +30,11 @@ impl Features {
     }
 }
 
-/// Alignment in bytes of the scratch memory with which the device builds acceleration structures; `None` where it has no ray
-/// queries. The device is of version 1.2 or later.
-pub(super) fn scratch_alignment(instance: &ash::Instance, device: vk::PhysicalDevice) -> Option<u32> {
+/// Limits of the device's acceleration structures; `None` where it has no ray queries. The device is of version 1.2 or later.
+pub(super) fn properties(
+    instance: &ash::Instance,
+    device: vk::PhysicalDevice,
+) -> Option<vk::PhysicalDeviceAccelerationStructurePropertiesKHR<'static>> {
     // A driver that cannot answer offers nothing.
     // SAFETY: invariant 1: `device` comes from the living `instance`.
     let offered = unsafe { instance.enumerate_device_extension_properties(device) }.ok()?;
@@ -55,5 +57,5 @@ pub(super) fn scratch_alignment(instance: &ash::Instance, device: vk::PhysicalDe
     let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut structures);
     // SAFETY: as above.
     unsafe { instance.get_physical_device_properties2(device, &mut properties) };
-    Some(structures.min_acceleration_structure_scratch_offset_alignment.max(1))
+    Some(structures)
 }

@@ -92,6 +92,8 @@ fn check_buffers(context: &Arc<Context>, name: &str, shape: &SetShape, buffers: 
     for (binding, buffer) in shape.bindings.iter().zip(buffers) {
         let (expected, given) = (binding.kind, buffer.kind());
         let place = binding.name;
+        let is_whole = expected != BindingKind::AccelerationStructure || buffer.structure() != Default::default();
+        assert!(is_whole, "`{name}.{place}` has no acceleration structure");
         assert!(given.fits(expected), "`{name}.{place}` is {expected:?}, but `{}` is {given:?}", buffer.name());
         assert!(Arc::ptr_eq(context, buffer.context()), "`{}` belongs to another context than `{name}`", buffer.name());
     }

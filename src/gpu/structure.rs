@@ -9,7 +9,7 @@ use super::context::Context;
 /// Something that must live as long as a structure.
 pub(super) type Kept = Arc<dyn Send + Sync>;
 
-/// Acceleration structure within a buffer. The buffer is declared after it, so that the structure is destroyed first.
+/// Acceleration structure within a buffer. `Buffer` declares its backing after this value, so that the structure is destroyed first.
 pub(super) struct Structure {
     raw: vk::AccelerationStructureKHR,
     // Order of dropping: the structure, then the structures that it refers to.
@@ -37,4 +37,3 @@ impl Drop for Structure {
         }
     }
 }
-

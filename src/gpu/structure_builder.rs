@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use ash::vk;
+use ash::{khr, vk};
 use bytemuck::{Pod, Zeroable};
 
 use super::buffer::{Buffer, BufferKind};
@@ -38,75 +38,91 @@ struct Instance {
 }
 
 impl Buffer {
-    /// Makes an acceleration structure of parts. Each part has the custom index of its elements
-    /// (`rayQueryGetIntersectionInstanceCustomIndexEXT`), which is below 2^24.
+    /// Makes an acceleration structure of parts. The elements of a part have its place in `parts` as their custom index
+    /// (`rayQueryGetIntersectionInstanceCustomIndexEXT`). Parts may be empty.
     ///
     /// # Errors
-    /// [`Error::Device`] where the device has no ray queries; other errors where it is out of memory or lost.
+    /// [`Error::Device`] where the device has no ray queries or allows fewer elements; other errors where it is out of memory or lost.
     ///
     /// # Panics
-    /// Where a custom index is too large.
+    /// Where a box's lower corner is not below its upper one.
     pub fn acceleration_structure(
         context: &Arc<Context>,
         name: &str,
-        parts: &[(u32, StructurePart<'_>)],
+        parts: &[StructurePart<'_>],
     ) -> Result<Arc<Self>> {
+        let structures = functions(context)?;
         let mut instances = Vec::new();
         let mut kept: Vec<Kept> = Vec::new();
-        for &(index, part) in parts {
-            assert!(index < 1 << 24, "the custom index {index} has more than 24 bits");
+        for (index, &part) in (0..).zip(parts).filter(|(_, part)| part.count() > 0) {
             let buffer = of_part(context, name, part)?;
             instances.push(Instance {
                 transform: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
                 custom_index_and_mask: index | 0xff << 24,
                 shader_offset_and_flags: 0,
-                address: address_of_structure(context, &buffer)?,
+                address: address_of_structure(structures, &buffer),
             });
             kept.push(buffer);
         }
-        let input = Self::with_values(context, &format!("instances of {name}"), &instances, BufferKind::BuildInput)?;
+        let input = Self::filled(context, &format!("instances of {name}"), &instances, BufferKind::BuildInput)?;
         let data = vk::AccelerationStructureGeometryInstancesDataKHR::default().data(address_of(&input));
         let geometry = vk::AccelerationStructureGeometryKHR::default()
             .geometry_type(vk::GeometryTypeKHR::INSTANCES)
             .geometry(vk::AccelerationStructureGeometryDataKHR { instances: data });
-        build(context, name, vk::AccelerationStructureTypeKHR::TOP_LEVEL, geometry, instances.len(), kept)
+        build(context, name, vk::AccelerationStructureTypeKHR::TOP_LEVEL, geometry, instances.len() as u32, kept)
+    }
+}
+
+impl StructurePart<'_> {
+    fn count(&self) -> usize {
+        match self {
+            Self::OpaqueTriangles(triangles) | Self::Triangles(triangles) => triangles.len(),
+            Self::Boxes(boxes) => boxes.len(),
+        }
     }
 }
 
 /// Structure of the elements of one part.
 fn of_part(context: &Arc<Context>, name: &str, part: StructurePart<'_>) -> Result<Arc<Buffer>> {
-    let upload =
-        |bytes: &[u8]| Buffer::with_values(context, &format!("input of {name}"), bytes, BufferKind::BuildInput);
-    let (input, data, count, is_opaque);
-    match part {
+    let most = context.device().limits.max_structure_elements.min(u64::from(u32::MAX) / 3);
+    if part.count() as u64 > most {
+        return Err(Error::Device(format!(
+            "the acceleration structure `{name}` needs {} elements, but {} allows {most}",
+            part.count(),
+            context.device().name
+        )));
+    }
+    let count = part.count() as u32;
+    let upload = |bytes: &[u8]| Buffer::filled(context, &format!("input of {name}"), bytes, BufferKind::BuildInput);
+    let input;
+    let geometry = vk::AccelerationStructureGeometryKHR::default();
+    let geometry = match part {
         StructurePart::OpaqueTriangles(triangles) | StructurePart::Triangles(triangles) => {
             input = upload(bytemuck::cast_slice(triangles))?;
-            count = triangles.len();
-            is_opaque = matches!(part, StructurePart::OpaqueTriangles(_));
             let triangles = vk::AccelerationStructureGeometryTrianglesDataKHR::default()
                 .vertex_format(vk::Format::R32G32B32_SFLOAT)
                 .vertex_data(address_of(&input))
                 .vertex_stride(CORNER_BYTES)
-                .max_vertex((3 * count).saturating_sub(1) as u32)
+                .max_vertex(3 * count - 1)
                 .index_type(vk::IndexType::NONE_KHR);
-            data = vk::AccelerationStructureGeometryDataKHR { triangles };
+            let data = vk::AccelerationStructureGeometryDataKHR { triangles };
+            geometry.geometry_type(vk::GeometryTypeKHR::TRIANGLES).geometry(data)
         }
         StructurePart::Boxes(boxes) => {
+            let is_ordered = |[low, high]: &[[f32; 3]; 2]| low.iter().zip(high).all(|(low, high)| low <= high);
+            assert!(boxes.iter().all(is_ordered), "a box of `{name}` has corners out of order");
             input = upload(bytemuck::cast_slice(boxes))?;
-            (count, is_opaque) = (boxes.len(), false);
             let aabbs = vk::AccelerationStructureGeometryAabbsDataKHR::default()
                 .data(address_of(&input))
                 .stride(2 * CORNER_BYTES);
-            data = vk::AccelerationStructureGeometryDataKHR { aabbs };
+            let data = vk::AccelerationStructureGeometryDataKHR { aabbs };
+            geometry.geometry_type(vk::GeometryTypeKHR::AABBS).geometry(data)
         }
-    }
-    let kind = match part {
-        StructurePart::Boxes(_) => vk::GeometryTypeKHR::AABBS,
-        _ => vk::GeometryTypeKHR::TRIANGLES,
     };
-    let flags =
-        if is_opaque { vk::GeometryFlagsKHR::OPAQUE } else { vk::GeometryFlagsKHR::NO_DUPLICATE_ANY_HIT_INVOCATION };
-    let geometry = vk::AccelerationStructureGeometryKHR::default().geometry_type(kind).geometry(data).flags(flags);
+    let geometry = geometry.flags(match part {
+        StructurePart::OpaqueTriangles(_) => vk::GeometryFlagsKHR::OPAQUE,
+        _ => vk::GeometryFlagsKHR::NO_DUPLICATE_ANY_HIT_INVOCATION,
+    });
     build(context, name, vk::AccelerationStructureTypeKHR::BOTTOM_LEVEL, geometry, count, Vec::new())
 }
 
@@ -116,13 +132,11 @@ fn build(
     name: &str,
     level: vk::AccelerationStructureTypeKHR,
     geometry: vk::AccelerationStructureGeometryKHR<'_>,
-    count: usize,
+    count: u32,
     kept: Vec<Kept>,
 ) -> Result<Arc<Buffer>> {
-    let Some(structures) = context.logical().structures() else {
-        return Err(Error::Device(format!("{} has no ray queries", context.device().name)));
-    };
-    let (geometries, count) = ([geometry], count as u32);
+    let structures = functions(context)?;
+    let geometries = [geometry];
     let mut info = vk::AccelerationStructureBuildGeometryInfoKHR::default()
         .ty(level)
         .flags(vk::BuildAccelerationStructureFlagsKHR::PREFER_FAST_TRACE)
@@ -156,13 +170,16 @@ fn build(
     Ok(Arc::new(buffer))
 }
 
-fn address_of_structure(context: &Context, buffer: &Buffer) -> Result<u64> {
-    let Some(structures) = context.logical().structures() else {
-        return Err(Error::Device(format!("{} has no ray queries", context.device().name)));
-    };
+/// Functions for acceleration structures, or the error that the device has none.
+fn functions(context: &Context) -> Result<&khr::acceleration_structure::Device> {
+    let name = &context.device().name;
+    context.logical().structures().ok_or_else(|| Error::Device(format!("{name} has no ray queries")))
+}
+
+fn address_of_structure(structures: &khr::acceleration_structure::Device, buffer: &Buffer) -> u64 {
     let info = vk::AccelerationStructureDeviceAddressInfoKHR::default().acceleration_structure(buffer.structure());
     // SAFETY: invariant 1: the structure is alive.
-    Ok(unsafe { structures.get_acceleration_structure_device_address(&info) })
+    unsafe { structures.get_acceleration_structure_device_address(&info) }
 }
 
 fn device_address(buffer: &Buffer) -> u64 {

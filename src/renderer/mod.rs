@@ -65,7 +65,7 @@ use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::renderer::trace::tracer::Tracer;
 use crate::scene::Crop;
-use crate::settings::Settings;
+use crate::settings::{Settings, Traversal};
 
 /// Renders one scene on one device, step by step.
 pub struct Renderer {
@@ -133,6 +133,11 @@ impl Renderer {
     /// The kind of buffers that the kernels read geometry and tables from.
     pub fn back_end(&self) -> BackEnd {
         self.back_end
+    }
+
+    /// The traversal that finds what rays hit, never [`Traversal::Auto`].
+    pub fn traversal(&self) -> Traversal {
+        if self.back_end == BackEnd::Query { Traversal::Query } else { Traversal::Compute }
     }
 
     /// Bytes of the guide on the device.

@@ -398,7 +398,9 @@ impl Session {
     /// the scene. `lodestar merge` needs them.
     pub fn attributes(&self, picture: &Picture) -> Vec<(String, String)> {
         let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
-        let mut attributes = identity::attributes(scene_hash, &self.settings);
+        // Where the device has chosen the traversal, the picture names the one that it has.
+        let settings = Settings { traversal: self.renderer.traversal(), ..self.settings.clone() };
+        let mut attributes = identity::attributes(scene_hash, &settings);
         attributes.extend([
             ("sample_ranges".into(), SampleRanges::of_picture(picture, &self.settings).to_string()),
             ("spp".into(), most_samples(picture).to_string()),

@@ -26,17 +26,17 @@ pub enum Execution {
     Wavefront,
 }
 
-/// Ways of finding what a ray hits. The picture is the same with each of them, but where rounding decides which of two primitives
-/// is nearer.
+/// Ways of finding what a ray hits. The picture is the same with each of them, except where rounding decides which of two
+/// primitives a ray hits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Traversal {
     /// The project's own traversal, on any device.
     #[default]
     Compute,
-    /// Ray queries of the device (VK_KHR_ray_query). Experimental: they were never measured on a GPU with units for rays.
+    /// Ray queries of the device (VK_KHR_ray_query). Experimental: they have never run on a GPU with units for rays.
     Query,
-    /// `query` on a GPU that has ray queries, else `compute`.
+    /// `query` on a GPU that has ray queries and room for the scene, else `compute`.
     Auto,
 }
 

@@ -235,7 +235,8 @@ mod tests {
         let taken = load_one("path_tracer.spv", b"").expect("no kernel");
         assert!(
             taken.warnings[0].contains(
-                "the names are blend_radiance.spv, judge_noise.spv, pool_radiance.spv, refine_quadtrees.spv, trace.spv"
+                "the names are blend_radiance.spv, judge_noise.spv, pool_radiance.spv, refine_quadtrees.spv, \
+                 trace.query.spv, trace.spv"
             ),
             "{:?}",
             taken.warnings

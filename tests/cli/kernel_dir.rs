@@ -15,7 +15,7 @@ use crate::support::{Folder, assert_quiet_success, assert_sentence, attribute};
 /// Arguments of a render. Russian roulette starts at the first bounce, so that it matters here.
 const RENDER: [&str; 8] = ["render", "scene.xml", "--quiet", "--spp", "16", "--rr-depth", "1", "--sampler"];
 
-/// Files of both back ends. Each device reads one of them.
+/// Files of the back ends for the own traversal. Each device reads one of them.
 const FILES: [&str; 2] = ["kernels/trace.spv", "kernels/trace.texel.spv"];
 
 /// Folder with the files that `inspect --out` writes. The program writes them once for all tests.

@@ -94,6 +94,20 @@ fn a_finished_render_can_be_made_longer() {
     assert_sentence(&output, 1, &["a.ckpt: ", "holds 40 samples", "--spp"]);
 }
 
+/// A resumed render keeps the traversal, unless it gets another one.
+#[test]
+fn the_traversal_is_kept() {
+    let folder = Folder::new();
+    let files = ["--checkpoint", "a.ckpt", "-o", "a.exr"];
+    folder.render(&[&["--traversal", "auto", "--spp", "1"], &files[..]].concat());
+    for (more, expected) in [(&[][..], "auto"), (&["--traversal", "compute"][..], "compute")] {
+        let spp = if expected == "auto" { "2" } else { "3" };
+        let arguments = ["resume", "a.ckpt", "--quiet", "--spp", spp, "--stats", "b.json"];
+        assert_quiet_success(&folder.run(&[&arguments[..], more].concat()));
+        assert_eq!(folder.read_json("b.json")["settings"]["traversal"], expected);
+    }
+}
+
 #[test]
 fn time_is_counted_from_where_the_checkpoint_was() {
     let folder = Folder::new();

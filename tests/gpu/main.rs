@@ -8,7 +8,7 @@ use std::{env, thread};
 
 use lodestar::gpu::{
     BindingKind, BindingShape, Buffer, BufferKind, Clock, Context, ContextOptions, DescriptorSet, Kernel, KernelSource,
-    SetShape, list_devices,
+    SetShape, StructurePart, list_devices,
 };
 
 /// Runs a test and fails it for any message of the validation layer, including messages about leaks.
@@ -306,6 +306,43 @@ fn a_missing_barrier_is_reported_with_the_names_of_the_objects() {
         done.expect("a submission");
     });
     assert!(messages.iter().any(|m| m.contains("SYNC-HAZARD") && m.contains("values of the test")), "{messages:?}");
+}
+
+/// Acceleration structures are built where the device has ray queries, also of nothing and of one part, and refused elsewhere.
+#[test]
+fn acceleration_structures_need_ray_queries() {
+    let triangle = [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]];
+    let parts = [
+        StructurePart::OpaqueTriangles(&triangle),
+        StructurePart::Triangles(&[]),
+        StructurePart::Boxes(&[[[0.0; 3], [1.0; 3]]]),
+    ];
+    validated(|context| {
+        for parts in [&parts[..], &parts[1..2], &[]] {
+            let built = Buffer::acceleration_structure(context, "test", parts).map(|buffer| buffer.len_bytes());
+            match context.device().limits.has_ray_queries {
+                true => assert!(built.expect("a structure") > 0),
+                false => assert!(built.expect_err("a refusal").to_string().contains("has no ray queries")),
+            }
+        }
+    });
+}
+
+#[test]
+#[should_panic(expected = "is made with an acceleration structure only")]
+fn a_buffer_of_the_kind_of_structures_panics() {
+    let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a device");
+    let _ = Buffer::new(&context, "test", 64, BufferKind::AccelerationStructure);
+}
+
+/// What a structure holds is an address that the device follows, so nothing else may write there.
+#[test]
+fn nothing_writes_to_a_structure() {
+    let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a device");
+    if let Ok(structure) = Buffer::acceleration_structure(&context, "test", &[]) {
+        let upload = std::panic::AssertUnwindSafe(|| structure.upload(0, &[1_u32]));
+        assert!(std::panic::catch_unwind(upload).is_err());
+    }
 }
 
 #[test]

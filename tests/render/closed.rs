@@ -5,7 +5,7 @@
 
 use glam::{Mat4, Quat, Vec3, vec3};
 use lodestar::scene::{Environment, Primitive, PrimitiveShape, Scene};
-use lodestar::settings::{Sampler, Settings, Traversal};
+use lodestar::settings::{Sampler, Settings};
 use support::scenes::{ours, settings, surface_mut};
 use support::tier;
 
@@ -100,12 +100,11 @@ fn bumpy() -> Scene {
 }
 
 /// Shoots at least `rays` rays. Returns their number, and the number of rays that got out.
-fn shoot(device: &Device, scene: &Scene, rays: u64, traversal: Traversal) -> (u64, u64) {
+fn shoot(device: &Device, scene: &Scene, rays: u64) -> (u64, u64) {
     let settings = Settings {
         max_depth: DEPTH,
         rr_depth: u32::MAX,
         samples_per_dispatch: 2,
-        traversal,
         ..settings(scene, [SIDE, SIDE], Sampler::Bsdf, 17)
     };
     let paths = rays.div_ceil(DEPTH.into());
@@ -125,50 +124,43 @@ fn shoot(device: &Device, scene: &Scene, rays: u64, traversal: Traversal) -> (u6
     (shot, escaped.max(lit))
 }
 
-fn none_escapes(rays: u64, traversal: Traversal) {
-    let device = Device::new();
+fn none_escapes(device: &Device, rays: u64) {
     let mut failures = Vec::new();
     for (name, scene) in convex() {
-        let (shot, escaped) = shoot(&device, &scene, rays, traversal);
-        println!("{name}, {} triangles: {escaped} of {shot} rays escaped", scene.primitives.len());
+        let (shot, escaped) = shoot(device, &scene, rays);
+        let (count, traversal) = (scene.primitives.len(), device.traversal());
+        println!("{name}, {count} triangles: {escaped} of {shot} rays escaped {traversal}");
         if escaped > 0 {
             failures.push(format!("{name}: {escaped} of {shot}"));
         }
     }
     assert_eq!(failures, [""; 0]);
-    let (shot, escaped) = shoot(&device, &bumpy(), rays, traversal);
+    let (shot, escaped) = shoot(device, &bumpy(), rays);
     println!("a bumpy box: {escaped} of {shot} rays escaped");
     assert!(escaped as f64 <= MOST_PAST_RIDGES * shot as f64, "a bumpy box: {escaped} of {shot}");
 }
 
 #[test]
 fn no_ray_leaves_a_closed_mesh() {
-    none_escapes(FEW, Traversal::Compute);
-}
-
-/// No ray leaves a closed mesh where the device traverses it.
-#[test]
-fn no_ray_query_leaves_a_closed_mesh() {
-    if Device::new().has_ray_queries("no_ray_query_leaves_a_closed_mesh") {
-        none_escapes(FEW, Traversal::Query);
-    }
+    Device::of_each_traversal().iter().for_each(|device| none_escapes(device, FEW));
 }
 
 /// No ray of a hundred million leaves a closed mesh, as the renderer promises. The test takes minutes.
 #[test]
 fn none_of_a_hundred_million_rays_leaves_a_closed_mesh() {
     if !tier::is_skipped("no_ray_leaves_a_closed_mesh") {
-        none_escapes(MANY, Traversal::Compute);
+        none_escapes(&Device::new(), MANY);
     }
 }
 
 /// The twin must fail: without one of 12288 triangles, some rays get out.
 #[test]
 fn a_hole_is_found() {
-    let device = Device::new();
     let (name, mut scene) = convex().swap_remove(7);
     scene.primitives.swap_remove(4321);
-    let (shot, escaped) = shoot(&device, &scene, FEW, Traversal::Compute);
-    println!("{name} with a hole: {escaped} of {shot} rays escaped");
-    assert!(escaped > 10);
+    for device in Device::of_each_traversal() {
+        let (shot, escaped) = shoot(&device, &scene, FEW);
+        println!("{name} with a hole: {escaped} of {shot} rays escaped {}", device.traversal());
+        assert!(escaped > 10);
+    }
 }

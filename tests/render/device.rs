@@ -7,13 +7,15 @@ use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::renderer::{Counts, Renderer};
 use lodestar::scene::Scene;
-use lodestar::settings::Settings;
+use lodestar::settings::{Settings, Traversal};
 use support::{mutated, tier};
 
 /// Context whose validation messages fail the test when it is dropped.
 pub struct Device {
     context: Arc<Context>,
     mutation: Option<&'static str>,
+    /// Whether the device's ray queries trace the rays of all renders.
+    by_queries: bool,
 }
 
 impl Device {
@@ -29,7 +31,20 @@ impl Device {
 
     fn open(validate: bool) -> Self {
         let context = Context::new(&ContextOptions { device: None, validate }).expect("a Vulkan device");
-        Self { context, mutation: None }
+        Self { context, mutation: None, by_queries: false }
+    }
+
+    /// The device by each traversal that it has: in compute, and by ray queries.
+    pub fn of_each_traversal() -> Vec<Self> {
+        let device = Self::new();
+        let has_queries = device.has_ray_queries("ray queries");
+        let by_queries = Self { context: device.context.clone(), mutation: None, by_queries: true };
+        if has_queries { vec![device, by_queries] } else { vec![device] }
+    }
+
+    /// Word for the traversal, for messages.
+    pub fn traversal(&self) -> &'static str {
+        if self.by_queries { "by ray queries" } else { "in compute" }
     }
 
     /// Whether the device has ray queries. Prints a line if not, because the test is then skipped.
@@ -43,7 +58,7 @@ impl Device {
 
     /// Device whose kernels have a mutation of `tests/tampered`.
     pub fn mutated(&self, mutation: &'static str) -> Self {
-        Self { context: self.context.clone(), mutation: Some(mutation) }
+        Self { context: self.context.clone(), mutation: Some(mutation), by_queries: self.by_queries }
     }
 
     /// Name of the kernels' mutation.
@@ -52,7 +67,9 @@ impl Device {
     }
 
     pub fn renderer(&self, scene: &Scene, settings: &Settings) -> Renderer {
-        mutated::renderer(&self.context, scene, &Bvh::build(&scene.primitives), settings, self.mutation)
+        let traversal = if self.by_queries { Traversal::Query } else { settings.traversal };
+        let settings = Settings { traversal, ..settings.clone() };
+        mutated::renderer(&self.context, scene, &Bvh::build(&scene.primitives), &settings, self.mutation)
     }
 
     pub fn render(&self, scene: &Scene, settings: &Settings, spp: u32) -> Picture {

@@ -200,27 +200,33 @@ fn cases() -> Vec<Case> {
 
 #[test]
 fn contact_shadows_are_right_at_every_scale() {
-    let device = Device::new();
+    Device::of_each_traversal().iter().for_each(check_contact_shadows);
+}
+
+fn check_contact_shadows(device: &Device) {
     let cases = cases();
     let mut failures = Vec::new();
     for (seed, case) in (1..).zip(&cases) {
-        let z = contact(case).deviations(&device, seed);
+        let z = contact(case).deviations(device, seed);
         println!("{case:?}: {z:.2?}");
         let is_right = |&z: &f64| sidak(two_sided(z), 2 * cases.len()) > ALPHA;
         if !z.iter().all(is_right) {
             failures.push(format!("{case:?}: {z:.2?}"));
         }
     }
-    assert!(failures.is_empty(), "{failures:#?}");
+    assert!(failures.is_empty(), "{}: {failures:#?}", device.traversal());
 }
 
 /// The twin must fail: a ball that floats a twentieth of its radius above the floor, as if rays began that far off it.
 #[test]
 fn a_shadow_that_has_come_off_is_found() {
-    let device = Device::new();
+    Device::of_each_traversal().iter().for_each(find_a_shadow_that_has_come_off);
+}
+
+fn find_a_shadow_that_has_come_off(device: &Device) {
     let mut contact = contact(&Case::new(1.0e-4, Floor::Rectangle, 1.0e5));
     contact.touched -= 0.05 * contact.radius * contact.normal;
-    let [_, close] = contact.deviations(&device, 3);
+    let [_, close] = contact.deviations(device, 3);
     assert!(sidak(two_sided(close), 200) < ALPHA, "{close}");
 }
 
@@ -260,15 +266,18 @@ fn seen(device: &Device, scene: &Scene) -> f64 {
 
 #[test]
 fn no_ray_jumps_a_thin_gap() {
-    let device = Device::new();
+    Device::of_each_traversal().iter().for_each(check_thin_gaps);
+}
+
+fn check_thin_gaps(device: &Device) {
     for scale in [1.0e-6, 1.0e-3, 1.0, 1.0e3, 1.0e6] {
         for gap in [1.0e-4, 1.0e-6] {
-            let mean = seen(&device, &coated_mirror(0.07 * scale, gap * scale, Vec3::ZERO));
+            let mean = seen(device, &coated_mirror(0.07 * scale, gap * scale, Vec3::ZERO));
             println!("scale {scale:e}, gap {gap:e}: {mean:.6}");
             assert!((mean - 1.0).abs() < 2.0e-4, "scale {scale:e}, gap {gap:e}: {mean}");
         }
     }
-    let mean = seen(&device, &coated_mirror(0.07, 1.0e-4, Vec3::new(3.0, -1.0, 2.0)));
+    let mean = seen(device, &coated_mirror(0.07, 1.0e-4, Vec3::new(3.0, -1.0, 2.0)));
     assert!((mean - 1.0).abs() < 2.0e-4, "beside the origin: {mean}");
 }
 
@@ -303,7 +312,10 @@ fn lamp_over_floor(shape: PrimitiveShape, size: f32, height: f32) -> (Scene, f64
 
 #[test]
 fn small_far_lamps_are_as_bright_as_they_are() {
-    let device = Device::new();
+    Device::of_each_traversal().iter().for_each(check_small_far_lamps);
+}
+
+fn check_small_far_lamps(device: &Device) {
     for shape in [PrimitiveShape::Sphere, PrimitiveShape::Disk, PrimitiveShape::Parallelogram, PrimitiveShape::Triangle]
     {
         for (size, height) in [(0.5, 1122.0), (1.0e-4, 10.0), (1.0e-4, 1.0e3), (1.0e-6, 1.0e-3), (10.0, 1.0e6)] {

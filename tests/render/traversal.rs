@@ -24,7 +24,7 @@ fn equal_share(a: &Picture, b: &Picture) -> f64 {
     equal.count() as f64 / a.radiance.len() as f64
 }
 
-/// Nearly all pixels have the bits that the traversal in compute gives them. Another seed has few in common.
+/// Nearly all pixels have the bits that the traversal in compute gives them. With another seed, far fewer have.
 #[test]
 fn pixels_by_ray_queries_have_the_bits_of_compute() {
     let device = Device::validated();

@@ -1,6 +1,6 @@
 //! Ray queries of the device (`glsl/include/geometry/ray_query.glsl`) against the traversal in compute.
 
-use glam::{Vec3, vec3};
+use glam::{EulerRot, Quat, Vec3, vec3};
 use lodestar::encode::bvh::Bvh;
 use lodestar::encode::query_geometry::{MARGIN, QueryGeometry};
 use lodestar::generated::kernels::{NONE, Variant, test};
@@ -15,11 +15,10 @@ use crate::intersections::{SHAPES, TraceInput, TraceOutput, build, primitives, r
 /// Hits in a hierarchy that ray queries find in an acceleration structure of `geometry`.
 fn trace_by_query(device: &Device, bvh: &Bvh, geometry: &QueryGeometry, rays: &[TraceInput]) -> Vec<TraceOutput> {
     let parts = [
-        (0, geometry.opaque.len(), StructurePart::OpaqueTriangles(&geometry.opaque)),
-        (1, geometry.front_only.len(), StructurePart::Triangles(&geometry.front_only)),
-        (2, geometry.boxes.len(), StructurePart::Boxes(&geometry.boxes)),
+        StructurePart::OpaqueTriangles(&geometry.opaque),
+        StructurePart::Triangles(&geometry.front_only),
+        StructurePart::Boxes(&geometry.boxes),
     ];
-    let parts: Vec<_> = parts.into_iter().filter(|part| part.1 > 0).map(|(index, _, part)| (index, part)).collect();
     let structure = Buffer::acceleration_structure(&device.context, "test", &parts).expect("a structure");
     let records = device.uploaded("primitives", &bvh.primitives);
     let attributes = device.uploaded("attributes", &bvh.attributes);
@@ -38,8 +37,11 @@ fn geometry(bvh: &Bvh) -> QueryGeometry {
     QueryGeometry::new(bvh, 3.0 * Vec3::ONE, MARGIN)
 }
 
-/// Numbers of rays whose hits differ: where rounding may decide between two hits at nearly one distance, and all others.
-fn differing(rays: &[TraceInput], ours: &[TraceOutput], theirs: &[TraceOutput]) -> (usize, usize) {
+/// Share of the distance by which two hits differ between which rounding decides.
+const TIE: f32 = 1.0e-6;
+
+/// Numbers of rays whose hits differ: by at most `tie` of the distance, and by more.
+fn differing(rays: &[TraceInput], ours: &[TraceOutput], theirs: &[TraceOutput], tie: f32) -> (usize, usize) {
     let bits = |hit: &TraceOutput| (hit.t.to_bits(), hit.uv.map(f32::to_bits), hit.primitive);
     let mut counts = (0, 0);
     for ((ray, ours), theirs) in rays.iter().zip(ours).zip(theirs) {
@@ -47,7 +49,7 @@ fn differing(rays: &[TraceInput], ours: &[TraceOutput], theirs: &[TraceOutput]) 
             0 => bits(ours) == bits(theirs),
             _ => (ours.primitive == NONE) == (theirs.primitive == NONE),
         };
-        let is_tie = ray.any_hit == 0 && (ours.t - theirs.t).abs() <= 1.0e-6 * (1.0 + ours.t);
+        let is_tie = ray.any_hit == 0 && (ours.t - theirs.t).abs() <= tie * (1.0 + ours.t);
         match (is_equal, is_tie) {
             (true, _) => {}
             (false, true) => counts.0 += 1,
@@ -80,7 +82,7 @@ fn hits_are_those_of_the_traversal_in_compute() {
         let rays = rays(1 << 16, any_hit);
         let ours = trace_with_stack(&bvh, bvh.depth, &rays);
         let differing =
-            |geometry: &QueryGeometry| differing(&rays, &ours, &trace_by_query(&device, &bvh, geometry, &rays));
+            |geometry: &QueryGeometry| differing(&rays, &ours, &trace_by_query(&device, &bvh, geometry, &rays), TIE);
         let counts = differing(&geometry(&bvh));
         println!("any hit {any_hit}: {} of {} rays differ by a tie, {} otherwise", counts.0, rays.len(), counts.1);
         assert!(counts.0 <= 3 && counts.1 == 0, "{counts:?}");
@@ -89,9 +91,13 @@ fn hits_are_those_of_the_traversal_in_compute() {
     }
 }
 
+fn turn() -> Quat {
+    Quat::from_euler(EulerRot::XYZ, 0.3, 0.7, 1.1)
+}
+
 /// Closed mesh of a rotated cube around the origin with 12 n^2 triangles, whose shared corners are rounded apart.
 fn cube(n: u32) -> Vec<Primitive> {
-    let turn = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1);
+    let turn = turn();
     let at = |i: u32| 2.0 * i as f32 / n as f32 - 1.0;
     let mut triangles = Vec::new();
     for (axis, side) in (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]) {
@@ -142,6 +148,64 @@ fn no_ray_passes_between_triangles() {
     assert!(counts[1] > 0);
 }
 
+/// Rays from the walls of a room meet a trinket before the camera, a mesh ten thousand times smaller than the room, as they do in
+/// compute. Rays that begin just off a surface meet what they meet in compute, too.
+#[test]
+fn rays_from_afar_and_rays_that_leave_surfaces_meet_the_same() {
+    let device = Device::new();
+    if !device.has_ray_queries("rays_from_afar_and_rays_that_leave_surfaces_meet_the_same") {
+        return;
+    }
+    let scaled = |p: &Primitive, by: f32| Primitive {
+        origin: by * p.origin,
+        edge_u: by * p.edge_u,
+        edge_v: by * p.edge_v,
+        ..*p
+    };
+    let trinket: Vec<_> = cube(24).iter().map(|p| scaled(p, 1.0e-3)).collect();
+    let room = cube(1);
+    let all: Vec<_> = trinket.iter().copied().chain(room.iter().map(|p| scaled(p, 10.0))).collect();
+    let bvh = build(&all);
+    let mut numbers = Numbers::new(94);
+    let mut from_afar = |index: usize| {
+        let p = &trinket[index % trinket.len()];
+        let along = numbers.between(0.0, 1.0) as f32;
+        let origin = (numbers.unit_vector() * numbers.between(1.0, 9.0)).as_vec3();
+        let target = p.origin + along * p.edge_u;
+        // Near the cube's own edges, rounding decides between the cube and the wall behind it.
+        let face = turn().inverse() * target / 1.0e-3;
+        let is_within = face.abs().to_array().iter().filter(|coordinate| **coordinate > 0.9).count() == 1;
+        let direction = (target - origin).normalize();
+        let is_steep = direction.dot(p.edge_u.cross(p.edge_v).normalize()).abs() > 0.2;
+        (is_within && is_steep).then(|| TraceInput::new(origin, direction))
+    };
+    let mut rays: Vec<_> = (0..1 << 18).filter_map(&mut from_afar).collect();
+    let hits = trace_with_stack(&bvh, bvh.depth, &rays);
+    let leaving = rays.iter().zip(&hits).filter(|(_, hit)| hit.primitive != NONE).map(|(ray, hit)| {
+        let [origin, direction] = [ray.origin, ray.direction].map(Vec3::from);
+        let way = numbers.unit_vector().as_vec3();
+        TraceInput::new(origin + hit.t * (1.0 - 1.0e-6) * direction, if way.dot(direction) < 0.0 { way } else { -way })
+    });
+    let leaving: Vec<_> = leaving.collect();
+    rays.extend(leaving);
+    let ours = trace_with_stack(&bvh, bvh.depth, &rays);
+    // Where a ray from afar hits a face errs by roundings of the way, over the cosine of incidence.
+    let counts = |margin: f64| {
+        let geometry = QueryGeometry::new(&bvh, 4.0e-3 * Vec3::ONE, margin);
+        differing(&rays, &ours, &trace_by_query(&device, &bvh, &geometry, &rays), 10.0 * TIE)
+    };
+    let (counts, without) = (counts(MARGIN), counts(0.0));
+    println!(
+        "{} of {} rays differ by a tie, {} otherwise; {} without the margin",
+        counts.0,
+        rays.len(),
+        counts.1,
+        without.1
+    );
+    assert!(ours.iter().filter(|hit| hit.primitive != NONE).count() > rays.len() / 2);
+    assert!(counts.1 == 0 && without.1 > 0, "{counts:?}, {without:?} without the margin");
+}
+
 /// Structures without any element, of needles that become boxes, and of primitives without area.
 #[test]
 fn nothing_needles_and_points_do_no_harm() {
@@ -161,7 +225,7 @@ fn nothing_needles_and_points_do_no_harm() {
         rays.extend(rays_at_edges(&primitives, if primitives.is_empty() { 0 } else { 4096 }));
         rays.retain(|ray| Vec3::from(ray.direction).is_finite());
         let ours = trace_with_stack(&bvh, bvh.depth, &rays);
-        let counts = differing(&rays, &ours, &trace_by_query(&device, &bvh, &geometry(&bvh), &rays));
+        let counts = differing(&rays, &ours, &trace_by_query(&device, &bvh, &geometry(&bvh), &rays), TIE);
         assert_eq!(counts, (0, 0), "{} primitives", primitives.len());
     }
 }

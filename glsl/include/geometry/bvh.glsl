@@ -1,4 +1,4 @@
-// Set 1, Bvh: nodes and primitives. Only this file indexes the buffers of the set. Two back ends have the same meaning:
+// Set 1, Bvh: nodes and primitives. Only this file and ray_query.glsl read the set. Two back ends have the same meaning:
 // texel buffers, which are faster on devices that emulate loads one component at a time, and storage buffers, for
 // scenes that exceed the limits of texel buffers.
 #ifndef BVH_GLSL

@@ -60,11 +60,10 @@ fn query_buffers(context: &Arc<Context>, bvh: &Bvh, eye: Vec3) -> Result<[(u32, 
     let geometry = QueryGeometry::new(bvh, eye, MARGIN);
     let elements = Buffer::with_values(context, "elements", &geometry.elements, BufferKind::Storage)?;
     let parts = [
-        (0, geometry.opaque.len(), StructurePart::OpaqueTriangles(&geometry.opaque)),
-        (1, geometry.front_only.len(), StructurePart::Triangles(&geometry.front_only)),
-        (2, geometry.boxes.len(), StructurePart::Boxes(&geometry.boxes)),
+        StructurePart::OpaqueTriangles(&geometry.opaque),
+        StructurePart::Triangles(&geometry.front_only),
+        StructurePart::Boxes(&geometry.boxes),
     ];
-    let parts: Vec<_> = parts.into_iter().filter(|part| part.1 > 0).map(|(index, _, part)| (index, part)).collect();
     let structure = Buffer::acceleration_structure(context, "the scene", &parts)?;
     Ok([(BVH_STRUCTURE, structure), (BVH_ELEMENTS, elements)])
 }

@@ -2,9 +2,12 @@
 
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
+use crate::encode::query_geometry::QueryGeometry;
 use crate::encode::surfaces::Shading;
+use crate::generated::layout::TEXEL_BYTES;
 use crate::gpu::{DeviceInfo, DeviceKind};
 use crate::renderer::memory_needs::MemoryNeeds;
+use crate::renderer::sets::bvh::BvhSet;
 use crate::settings::{Execution, Settings, Traversal};
 use crate::{Error, Result};
 
@@ -25,7 +28,7 @@ pub(crate) fn resolve(
     bvh: &Bvh,
     cells: &Cells,
 ) -> Result<Plan> {
-    let traversal = resolve_traversal(device, settings.traversal)?;
+    let traversal = resolve_traversal(device, settings.traversal, bvh)?;
     let plan = |execution| {
         let settings = Settings { execution, traversal, ..settings.clone() };
         Plan { needs: MemoryNeeds::new(device, shading, bvh, cells, &settings), settings }
@@ -42,19 +45,25 @@ pub(crate) fn resolve(
             waves.filter(fits).unwrap_or_else(|| plan(Execution::Megakernel))
         }
     };
-    plan.needs.check(device)?;
-    Ok(plan)
+    let fit = plan.needs.check(device);
+    if fit.is_err() && settings.traversal == Traversal::Auto && traversal == Traversal::Query {
+        let settings = Settings { traversal: Traversal::Compute, ..settings.clone() };
+        return resolve(device, &settings, shading, bvh, cells);
+    }
+    fit.map(|()| plan)
 }
 
-/// Decides how rays are traced.
-fn resolve_traversal(device: &DeviceInfo, wanted: Traversal) -> Result<Traversal> {
+/// Decides how rays are traced. `auto` takes ray queries on a GPU that has them and allows structures and buffers of the scene's size.
+fn resolve_traversal(device: &DeviceInfo, wanted: Traversal, bvh: &Bvh) -> Result<Traversal> {
     let has_queries = device.limits.has_ray_queries;
+    let fits = QueryGeometry::most_elements(bvh) <= device.limits.max_structure_elements
+        && BvhSet::texels(bvh) * TEXEL_BYTES as u64 <= device.limits.max_storage_buffer_bytes;
     match wanted {
         Traversal::Query if !has_queries => Err(Error::Settings(format!(
             "--traversal query needs ray queries (VK_KHR_ray_query), which {} lacks: take --traversal compute",
             device.name
         ))),
-        Traversal::Auto if has_queries && device.kind != DeviceKind::Cpu => Ok(Traversal::Query),
+        Traversal::Auto if has_queries && fits && device.kind != DeviceKind::Cpu => Ok(Traversal::Query),
         Traversal::Query => Ok(Traversal::Query),
         Traversal::Auto | Traversal::Compute => Ok(Traversal::Compute),
     }

@@ -578,7 +578,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         ..further(Device, "execution", "EXECUTION")
     },
     OptionEntry {
-        short: "Own traversal of rays, or the device's ray queries",
+        short: "What finds the surface that a ray hits",
         setting: checked!(traversal),
         ..further(Device, "traversal", "TRAVERSAL")
     },
