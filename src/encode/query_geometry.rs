@@ -219,7 +219,8 @@ mod tests {
             let begin =
                 (0..3).min_by(|&a, &b| own[0].distance(grown[a]).total_cmp(&own[0].distance(grown[b]))).unwrap();
             grown.rotate_left(begin);
-            (grown.rotate_left(by), own.rotate_left(by));
+            grown.rotate_left(by);
+            own.rotate_left(by);
             let margin = inside(own[0], grown);
             assert!(margin > 0.9e-6 && margin < 2.0e-5, "{margin}");
         }

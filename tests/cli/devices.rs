@@ -113,7 +113,7 @@ fn the_environment_chooses_where_no_option_does() {
 fn ray_queries_need_a_device_that_has_them() {
     let folder = Folder::new();
     let index = usable(&folder).0;
-    let device = list(&folder).into_iter().find(|device| device["index"].to_string() == index).unwrap();
+    let device = list(&folder).into_iter().find(|device| device["index"] == index.parse::<u64>().unwrap()).unwrap();
     let with =
         |traversal: &str| folder.command(&TINY).args(["--device", &index, "--traversal", traversal]).output().unwrap();
     match device["limits"]["has_ray_queries"] == true {

@@ -56,7 +56,7 @@ fn the_help_of_resume_has_its_own_defaults() {
     for default in ["[default: the scene's, or 64]", "[default: the scene's name with .exr]", "[default: srgb]"] {
         assert!(render.contains(default) && !resume.contains(default), "{default}:\n{resume}");
     }
-    assert_eq!(resume.matches("[default: as in the checkpoint]").count(), 4, "{resume}");
+    assert_eq!(resume.matches("[default: as in the checkpoint]").count(), 5, "{resume}");
 }
 
 /// Options that a map refuses are not in its help.

@@ -335,7 +335,7 @@ fn a_buffer_of_the_kind_of_structures_panics() {
     let _ = Buffer::new(&context, "test", 64, BufferKind::AccelerationStructure);
 }
 
-/// What a structure holds is an address that the device follows, so nothing else may write there.
+/// An acceleration structure holds addresses that the device follows, so nothing else may write there.
 #[test]
 fn nothing_writes_to_a_structure() {
     let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a device");
