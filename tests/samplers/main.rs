@@ -19,6 +19,7 @@ mod parents;
 mod principled;
 mod product;
 mod quadtree;
+mod query_geometry;
 mod random;
 mod ray_queries;
 mod relief;
