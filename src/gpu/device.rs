@@ -29,10 +29,9 @@ pub(super) struct LogicalDevice {
 }
 
 impl LogicalDevice {
-    pub(super) fn new(instance: Instance, physical: vk::PhysicalDevice, info: DeviceInfo) -> Result<Self> {
+    pub(super) fn new(instance: Instance, physical: vk::PhysicalDevice, mut info: DeviceInfo) -> Result<Self> {
         let (queue_family, timestamp_bits) = compute_queue(instance.raw(), physical)
             .ok_or_else(|| Error::Device(format!("the Vulkan device {} has no compute queue", info.name)))?;
-        let mut info = info;
         let opened = open(&instance, physical, queue_family, info.limits.has_ray_queries);
         let (raw, tells_executables) = match opened {
             // A driver that fails with ray queries may still render without them.

@@ -13,8 +13,8 @@
 //! 2. **Children hold their parents.** Every value with a handle holds an `Arc` of the context that made it, or of the
 //!    logical device, which holds the instance, which holds the loaded library. (The library that the system calls the
 //!    Vulkan loader is trusted to be one.) Rust drops a value's fields after its `Drop` has run, in order of
-//!    declaration, so children are always destroyed first. A descriptor set holds its buffers. An acceleration structure holds the structures whose addresses it contains. Values of two contexts
-//!    are never mixed: each function that takes several asserts that they have one context. Command buffers, fences and
+//!    declaration, so children are always destroyed first. A descriptor set holds its buffers. An acceleration
+//!    structure holds the structures whose addresses it contains. Values of two contexts are never mixed: each function that takes several asserts that they have one context. Command buffers, fences and
 //!    queries are reused by later submissions. While idle they belong to the context's `IdleSlots`, which holds the
 //!    device. They are reset before their next use, and destroyed after a failure. A pipeline is owned by a `Pipeline`,
 //!    which kernels and the context's `Pipelines` share. It does not need the layout that it was built with.

@@ -339,10 +339,12 @@ fn a_buffer_of_the_kind_of_structures_panics() {
 #[test]
 fn nothing_writes_to_a_structure() {
     let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a device");
-    if let Ok(structure) = Buffer::acceleration_structure(&context, "test", &[]) {
-        let upload = std::panic::AssertUnwindSafe(|| structure.upload(0, &[1_u32]));
-        assert!(std::panic::catch_unwind(upload).is_err());
-    }
+    let Ok(structure) = Buffer::acceleration_structure(&context, "test", &[]) else {
+        println!("skipped: {} has no ray queries", context.device().name);
+        return;
+    };
+    let upload = std::panic::AssertUnwindSafe(|| structure.upload(0, &[1_u32]));
+    assert!(std::panic::catch_unwind(upload).is_err());
 }
 
 #[test]
