@@ -7,7 +7,7 @@
 #
 # BINARY has the feature `mpi`. Renders with 1, 2 and 4 ranks of one thread each (LP_NUM_THREADS=1) take turns, for ROUNDS (3) rounds
 # after a first one that is not counted. Each exchange of sums takes DELAYS (0 2000 20000) microseconds longer, as on a slow network
-# (LODESTAR_EXCHANGE=delay@N, which src/renderer/ranks/trial.rs reads). The first table has medians over the rounds:
+# (LODESTAR_EXCHANGE=delay@N, which src/fleet/trial.rs reads). The first table has medians over the rounds:
 #   - seconds of rendering, and those that the model says: the seconds without a delay, and the delay of every exchange;
 #   - seconds of one exchange, of gathering the film, and of the first rank's waiting for the others.
 # SPP (64), WIDTH (256), HEIGHT (144) change the renders. It needs bash, python3, mpirun, and as many idle cores as ranks: where there

@@ -39,6 +39,8 @@ pub mod files;
 #[doc(hidden)]
 pub mod film;
 #[doc(hidden)]
+pub mod fleet;
+#[doc(hidden)]
 pub mod generated;
 #[doc(hidden)]
 pub mod gpu;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lodestar::Result;
-use lodestar::renderer::exchange::Exchange;
+use lodestar::fleet::exchange::Exchange;
 
 /// Variables in which launchers give the number of processes: Open MPI's mpirun, MPICH's, and Slurm's srun.
 const LAUNCHERS: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];
@@ -17,7 +17,7 @@ fn launched() -> Option<usize> {
 /// The exchange with the other ranks, where a launcher has started several processes.
 #[cfg(feature = "mpi")]
 pub fn exchange() -> Result<Option<Arc<dyn Exchange>>> {
-    use lodestar::{Error, renderer::mpi::Mpi};
+    use lodestar::{Error, fleet::mpi::Mpi};
 
     let Some(launched) = launched() else { return Ok(None) };
     let exchange = Mpi::start()?;

@@ -154,7 +154,6 @@ impl Renderer {
                  from the samples that it guides; choose another seed, or a --sample-offset of at least {end}"
             ));
         }
-        self.others.iter_mut().try_for_each(|other| other.begin_with_guide_state(guide))?;
         let centers = self.cells.boxes().into_iter().map(|[low, high]| 0.5 * (low + high));
         let sources: Vec<usize> = centers.map(|center| guide.cells.cell_of(center)).collect();
         for (part, saved) in self.guide_parts().iter().zip(&guide.parts) {
@@ -173,10 +172,6 @@ impl Renderer {
             part.write(&bytes)?;
         }
         self.guide_samples = guide.samples.clone();
-        if self.team.is_some() {
-            // The other ranks take over this guide.
-            self.restore(&self.gathered_state()?)?;
-        }
         Ok(())
     }
 

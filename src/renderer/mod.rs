@@ -6,9 +6,9 @@
 //! | part | file |
 //! |---|---|
 //! | uploads and pipelines | `setup.rs`, `variants.rs`, `memory_needs.rs`, `guide_cells.rs` |
-//! | one step | `step.rs` |
+//! | one step, and its phases | `step.rs`, `phases.rs` |
+//! | work that a fleet has each of its devices do | `shared.rs` |
 //! | descriptor sets | `sets/` |
-//! | several devices and ranks that render one picture | `ranks/` |
 //! | tracing paths | `trace/` |
 //! | learning between two steps | `learn/` |
 //! | the film, and what a step's end does with it | `film_store/` |
@@ -21,10 +21,12 @@ mod learn;
 pub mod learned_guide;
 mod memory_needs;
 mod persistent;
-mod ranks;
+pub(crate) mod phases;
 mod restore;
 mod sets;
 mod setup;
+pub(crate) mod share;
+pub(crate) mod shared;
 mod state;
 mod statistics;
 mod step;
@@ -35,12 +37,6 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-#[cfg(feature = "mpi")]
-#[doc(hidden)]
-pub use ranks::mpi;
-pub use ranks::times::SharingTimes;
-#[doc(hidden)]
-pub use ranks::{exchange, in_memory, sums, team, trial};
 pub use state::{RenderState, StatePart};
 pub use statistics::{Counts, StepReport};
 pub use variants::{variant_for, variant_of_settings};
@@ -56,11 +52,6 @@ use crate::renderer::film_store::FilmStore;
 use crate::renderer::film_store::adaptive::Adaptive;
 use crate::renderer::learn::Learning;
 use crate::renderer::memory_needs::MemoryNeeds;
-use crate::renderer::ranks::command::{Command, lead};
-use crate::renderer::ranks::share::Share;
-use crate::renderer::ranks::sums::AddSums;
-use crate::renderer::ranks::team::Team;
-use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::sets::Sets;
 use crate::renderer::trace::slices::Slicer;
 use crate::renderer::trace::tracer::Tracer;
@@ -87,22 +78,6 @@ pub struct Renderer {
     samples_done: u32,
     stopped: bool,
     at_step_end: bool,
-    /// Renderers of the same scene on other devices of this process. Each traces its share of the film's tiles.
-    others: Vec<Renderer>,
-    /// Share of each device of all ranks in the film's tiles.
-    dealt: Vec<Share>,
-    /// The ranks of the render, where it has several.
-    team: Option<Arc<Team>>,
-    /// Adds up the sums of this process's devices.
-    add_sums: AddSums,
-    /// Time of this device's tracing.
-    trace_clock: Clock,
-    /// Time of adding up sums over devices.
-    exchange_clock: Clock,
-    /// Time of gathering the film from devices.
-    gather_clock: Clock,
-    /// Exchanges of sums.
-    traffic: Traffic,
 }
 
 impl Renderer {
@@ -160,7 +135,6 @@ impl Renderer {
     /// # Errors
     /// Where the device is lost.
     pub fn picture(&self) -> Result<Picture> {
-        lead(self.team.as_deref(), || Command::Film, || self.gather_film())?;
         let picture = self.film_store.picture(&self.sets.frame, &self.settings)?;
         Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
     }

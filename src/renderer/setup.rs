@@ -15,9 +15,6 @@ use crate::gpu::Context;
 use crate::renderer::film_store::FilmStore;
 use crate::renderer::guide_cells::cells_of;
 use crate::renderer::learn::Learning;
-use crate::renderer::ranks::share::Share;
-use crate::renderer::ranks::sums;
-use crate::renderer::ranks::times::{Clock, Traffic};
 use crate::renderer::sets::Sets;
 use crate::renderer::sets::bvh::BvhSet;
 use crate::renderer::sets::normalization_grid::NormalizationGrid;
@@ -97,14 +94,6 @@ impl Renderer {
             samples_done: 0,
             stopped: false,
             at_step_end: true,
-            others: Vec::new(),
-            dealt: vec![Share::ALL],
-            team: None,
-            add_sums: sums::add,
-            trace_clock: Clock::default(),
-            exchange_clock: Clock::default(),
-            gather_clock: Clock::default(),
-            traffic: Traffic::default(),
         };
         renderer.warm_up()?;
         Ok(renderer)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::film::ranges::SampleRanges;
-use crate::renderer::Renderer;
+use crate::fleet::Fleet;
 use crate::session::checkpoint::{Checkpoint, Record};
 use crate::session::history::History;
 use crate::session::identity::Identity;
@@ -102,40 +102,40 @@ impl Checkpoints {
 
     /// Reads the state back before a step of `samples` samples per pixel, if enough time has passed or the step is shorter than
     /// usual. A checkpoint cannot hold a shorter step.
-    pub fn before_step(&mut self, renderer: &Renderer, history: &History, samples: u32) -> Result<()> {
+    pub fn before_step(&mut self, fleet: &Fleet, history: &History, samples: u32) -> Result<()> {
         let is_due = self.last.as_ref().is_none_or(|last| last.taken.elapsed() >= last.cost * READING_SHARE);
-        let is_last = samples < renderer.samples_of_next_step();
-        if is_due || is_last { self.take(renderer, history) } else { Ok(()) }
+        let is_last = samples < fleet.first().samples_of_next_step();
+        if is_due || is_last { self.take(fleet, history) } else { Ok(()) }
     }
 
     /// Writes the file after a step if the interval has passed. Of several failures in a row, only the first is returned. After a
     /// failure the next attempt waits for the whole interval.
-    pub fn after_step(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
+    pub fn after_step(&mut self, fleet: &Fleet, history: &History) -> Result<()> {
         if self.last_write.elapsed() < self.file.every {
             return Ok(());
         }
-        let written = self.take(renderer, history).and_then(|()| self.write());
+        let written = self.take(fleet, history).and_then(|()| self.write());
         let is_news = !self.is_failing;
         (self.last_write, self.is_failing) = (Instant::now(), written.is_err());
         if is_news { written } else { Ok(()) }
     }
 
     /// Writes the last state that a checkpoint can hold, at the end of a render.
-    pub fn finish(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
-        let taken = self.take(renderer, history);
+    pub fn finish(&mut self, fleet: &Fleet, history: &History) -> Result<()> {
+        let taken = self.take(fleet, history);
         taken.and(self.write())
     }
 
     /// Reads the state back, unless it is known already or a step was cut short.
-    fn take(&mut self, renderer: &Renderer, history: &History) -> Result<()> {
-        let samples = renderer.samples_done();
+    fn take(&mut self, fleet: &Fleet, history: &History) -> Result<()> {
+        let samples = fleet.first().samples_done();
         let is_known = self.last.as_ref().is_some_and(|last| last.checkpoint.state.samples_done == samples);
-        if is_known || !renderer.is_at_step_end() {
+        if is_known || !fleet.first().is_at_step_end() {
             return Ok(());
         }
         let begin = Instant::now();
         // The old snapshot stays until the new one is complete, because the device may be lost.
-        let state = renderer.state()?;
+        let state = fleet.state()?;
         let record = Record { history: history.clone(), ..self.template.record.clone() };
         let checkpoint = Checkpoint { record, state, ..self.template.clone() };
         self.last = Some(Snapshot { checkpoint, taken: Instant::now(), cost: begin.elapsed() });

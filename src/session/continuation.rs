@@ -17,13 +17,13 @@ impl Session {
     /// # Errors
     /// Where the scene was made in memory, a step was shorter than the schedule has it, or the file cannot be written.
     pub fn write_checkpoint(&self, file: impl AsRef<Path>) -> Result<()> {
-        if !self.renderer.is_at_step_end() {
+        if !self.fleet.first().is_at_step_end() {
             let message = "the last step was shorter than the guide's schedule has it, and a checkpoint holds whole steps \
                            only; take whole steps";
             return Err(Error::checkpoint(file, message));
         }
         let mut checkpoint = self.template()?;
-        (checkpoint.record.history, checkpoint.state) = (self.history.clone(), self.renderer.state()?);
+        (checkpoint.record.history, checkpoint.state) = (self.history.clone(), self.fleet.state()?);
         checkpoint.write(file.as_ref())
     }
 
@@ -32,7 +32,7 @@ impl Session {
     /// # Errors
     /// Where the sampler learns no radiance, or the device is lost.
     pub fn learned_guide(&self) -> Result<LearnedGuide> {
-        self.renderer.learned_guide()
+        self.fleet.first().learned_guide()
     }
 
     /// Begins with a guide that another render has learned, of this scene or of one that differs little. Each cell takes what the
@@ -47,8 +47,8 @@ impl Session {
 
     /// Begins with a guide, and keeps it in case the render must begin again.
     pub(super) fn begin_with_guide_state(&mut self, guide: GuideState) -> Result<()> {
-        self.renderer.begin_with_guide_state(&guide)?;
-        let samples = self.renderer.guide_samples();
+        self.fleet.begin_with_guide_state(&guide)?;
+        let samples = self.fleet.first().guide_samples();
         self.checkpoints.iter_mut().for_each(|checkpoints| checkpoints.begin_with_guide(samples));
         self.origin.guide = Some(guide);
         Ok(())
@@ -69,7 +69,7 @@ impl Session {
         let scene = SceneSource { path: absolute_path(path)?, options, hash };
         let outputs = self.output.pictures.to_absolute_paths()?;
         let (kernels, history) = (self.subject.kernels.clone(), History::default());
-        let guide_samples = self.renderer.guide_samples().clone();
+        let guide_samples = self.fleet.first().guide_samples().clone();
         let record = Record { length: self.length, outputs, kernels, history, guide_samples };
         let (settings, device) = (self.settings.clone(), self.device_name());
         Ok(Checkpoint { scene, settings, device, record, state: RenderState::default() })

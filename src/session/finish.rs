@@ -30,9 +30,9 @@ impl Session {
             self.rescued = rendered.as_ref().is_err_and(Error::is_loss).then_some(picture);
             written.and(measured)
         });
-        let kept = self.keep(|checkpoints, renderer, history| match is_lost {
+        let kept = self.keep(|checkpoints, fleet, history| match is_lost {
             true => checkpoints.write(),
-            false => checkpoints.finish(renderer, history),
+            false => checkpoints.finish(fleet, history),
         });
         let statistics = self.output.statistics.as_ref();
         let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &self.statistics_with(errors)));
@@ -45,11 +45,11 @@ impl Session {
             // The picture would be wrong, so the files of an earlier moment are kept.
             Err(Error::Render(_) | Error::LoopCut(_)) => return (Ok(None), rendered),
             Err(error) if error.is_loss() => None,
-            _ => Some(self.renderer.picture()),
+            _ => Some(self.fleet.picture()),
         };
         let lost = match (read, rendered) {
             (Some(Ok(picture)), rendered) => {
-                return (Ok(Some(CopiedPicture { picture, samples: self.renderer.samples_done() })), rendered);
+                return (Ok(Some(CopiedPicture { picture, samples: self.fleet.first().samples_done() })), rendered);
             }
             (None, Err(error)) => error,
             (Some(Err(error)), Ok(())) if error.is_loss() => error,
@@ -116,7 +116,7 @@ impl Session {
     /// All numbers about the render so far; `errors` is the error of the last picture.
     pub(super) fn statistics_with(&self, errors: Option<Metrics>) -> Statistics {
         let device = self.context.device().clone();
-        let spp = self.renderer.samples_done().into();
+        let spp = self.fleet.first().samples_done().into();
         let sums =
             StepStatistics::new(spp, self.history.paths, self.pixels(), self.history.seconds, &self.history.counts);
         let mut steps = self.history.steps.clone();
@@ -134,9 +134,9 @@ impl Session {
                 sums: StepStatistics { errors, ..sums },
                 primitives: times.primitive_count,
                 nonfinite_samples: self.history.counts.nonfinite,
-                noise: self.renderer.noise(),
-                sharing: self.renderer.sharing_times(),
-                peak_bytes: self.renderer.peak_device_bytes(),
+                noise: self.fleet.first().noise(),
+                sharing: self.fleet.sharing_times(),
+                peak_bytes: self.fleet.peak_device_bytes(),
                 peak_resident_bytes: peak_resident_bytes(),
             },
             steps,

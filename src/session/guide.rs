@@ -15,7 +15,7 @@ impl Session {
         match self.settings.sampler {
             Sampler::Bsdf => Err("The sampler bsdf learns nothing."),
             Sampler::Quadtree => Err("The sampler quadtree learns flux, not radiance, so there is no map of it."),
-            _ => Ok(self.renderer.cells()),
+            _ => Ok(self.fleet.first().cells()),
         }
     }
 
@@ -25,7 +25,7 @@ impl Session {
     /// Where the device is lost.
     #[doc(hidden)]
     pub fn learned_radiance(&self) -> Result<Vec<f32>> {
-        self.renderer.radiance()
+        self.fleet.first().radiance()
     }
 
     /// Shares of the samples that each cell leaves to BSDFs. Empty where shares are fixed.
@@ -34,6 +34,6 @@ impl Session {
     /// Where the device is lost.
     #[doc(hidden)]
     pub fn bsdf_shares(&self) -> Result<Vec<[f32; 2]>> {
-        self.renderer.bsdf_shares()
+        self.fleet.first().bsdf_shares()
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
-use crate::renderer::Renderer;
+use crate::fleet::Fleet;
 use crate::session::checkpoint::Checkpoint;
 use crate::session::options::Options;
 use crate::session::run::Session;
@@ -46,15 +46,15 @@ impl GuideFile {
         Err(Error::checkpoint(&self.path, message))
     }
 
-    /// Cells of the guide in the scene of a renderer.
-    pub fn cells(&self, renderer: &Renderer, bvh: &Bvh) -> Cells {
-        renderer.cells_of_guide(&self.checkpoint.settings, bvh)
+    /// Cells of the guide in the scene of a fleet.
+    pub fn cells(&self, fleet: &Fleet, bvh: &Bvh) -> Cells {
+        fleet.first().cells_of_guide(&self.checkpoint.settings, bvh)
     }
 
     /// Begins the session with the guide, which has these cells.
     pub fn begin(self, cells: Cells, session: &mut Session) -> Result<()> {
         let Self { path, checkpoint: Checkpoint { settings, state, record, .. } } = self;
-        let guide = session.renderer.guide_of_state(settings, cells, state, record.guide_samples);
+        let guide = session.fleet.first().guide_of_state(settings, cells, state, record.guide_samples);
         let begun = guide.and_then(|guide| session.begin_with_guide_state(guide));
         begun.map_err(|error| Error::checkpoint(path, error.to_string()))
     }

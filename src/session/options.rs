@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::fleet::exchange::Exchange;
 use crate::gpu::{Context, ContextOptions};
-use crate::renderer::exchange::Exchange;
 use crate::scene::{Crop, ReconstructionFilter, Scene};
 use crate::session::files::OutputFiles;
 use crate::session::length::Length;

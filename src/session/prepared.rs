@@ -36,12 +36,12 @@ impl Prepared {
     /// The session with the state and the guide that it begins with.
     pub fn begin(self, watch: &Watch<'_>) -> Result<Session> {
         let Self { mut session, devices, earlier, guide, checkpoint, deals_by_speed } = self;
-        if !session.renderer.leads() {
+        if !session.fleet.leads() {
             return Ok(session);
         }
         warn_of_mix(&devices, watch);
         if deals_by_speed && devices.len() > 1 {
-            let weights = session.renderer.deal_by_speed()?;
+            let weights = session.fleet.deal_by_speed()?;
             watch.tell(Event::Note(&dealt(&devices, &weights)));
         }
         let samples_written = earlier.map(|earlier| session.go_on_from(earlier, watch)).transpose()?;
@@ -64,7 +64,7 @@ impl Session {
             device: &self.device_name(),
             settings: &self.settings,
             length: self.length,
-            samples: self.renderer.samples_done(),
+            samples: self.fleet.first().samples_done(),
             files: &self.output.pictures.paths,
         }));
     }
@@ -77,8 +77,8 @@ impl Session {
         if device != own_device {
             watch.warn(&format!("the render began on {device}; on {own_device}, the last bits may differ"));
         }
-        self.renderer.restore(&state)?;
-        self.renderer.set_guide_samples(guide_samples);
+        self.fleet.restore(&state)?;
+        self.fleet.set_guide_samples(guide_samples);
         let samples = state.samples_done;
         self.origin.checkpoint = Some((state, history.clone()));
         self.history = history;

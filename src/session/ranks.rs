@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::renderer::exchange::Exchange;
-use crate::renderer::team::{Member, Team};
+use crate::fleet::exchange::Exchange;
+use crate::fleet::team::{Member, Team};
 use crate::session::options::Options;
 use crate::session::prepared::Prepared;
 use crate::session::progress::Watch;
@@ -20,7 +20,7 @@ impl Session {
     pub fn serve(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<()> {
         let mut options = options.clone();
         (options.files, options.checkpoint, options.guide_from) = (None, None, None);
-        Self::start(start, &options, watch)?.renderer.serve()
+        Self::start(start, &options, watch)?.fleet.serve()
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) fn join(exchange: &Arc<dyn Exchange>, prepared: Result<Prepared>) -> 
         return Err(Error::Render("this rank cannot render, but the others go on".into()));
     };
     // A rank that fails here must not leave the others waiting.
-    team.close(prepared.session.renderer.join(&team))?;
+    team.close(prepared.session.fleet.join(&team))?;
     prepared.devices = team.members().iter().flat_map(|member| member.devices.clone()).collect();
     Ok(prepared)
 }

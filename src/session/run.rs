@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 use crate::denoise::Denoiser;
 use crate::film::ranges::SampleRanges;
 use crate::film::{Denoised, Picture};
+use crate::fleet::Fleet;
 use crate::gpu::Context;
 use crate::image::{Image, metrics};
 use crate::renderer::learned_guide::GuideState;
-use crate::renderer::{RenderState, Renderer, StepReport};
+use crate::renderer::{RenderState, StepReport};
 use crate::scene::LoadOptions;
 use crate::session::checkpoints::Checkpoints;
 use crate::session::files::PictureFiles;
@@ -42,7 +43,7 @@ use crate::{Error, Result};
 /// ```
 pub struct Session {
     pub(super) context: Arc<Context>,
-    pub(super) renderer: Renderer,
+    pub(super) fleet: Fleet,
     pub(super) settings: Settings,
     pub(super) length: Length,
     pub(super) history: History,
@@ -121,11 +122,11 @@ impl Session {
     /// Where [`Session::step`] fails.
     pub fn step_watched(&mut self, samples: u32, watch: &Watch<'_>) -> Result<Progress> {
         let most = u32::MAX - self.settings.sample_offset.unwrap_or(0);
-        let end = self.renderer.samples_done().saturating_add(samples).min(most);
-        while self.can_step() && self.renderer.samples_done() < end {
-            self.advance(end - self.renderer.samples_done(), None, watch)?;
+        let end = self.fleet.first().samples_done().saturating_add(samples).min(most);
+        while self.can_step() && self.fleet.first().samples_done() < end {
+            self.advance(end - self.fleet.first().samples_done(), None, watch)?;
         }
-        self.origin.cuts.push(self.renderer.samples_done());
+        self.origin.cuts.push(self.fleet.first().samples_done());
         Ok(self.progress())
     }
 
@@ -145,7 +146,7 @@ impl Session {
 
     /// Samples per pixel of the next step by the guide's schedule.
     pub fn samples_of_next_step(&self) -> u32 {
-        self.renderer.samples_of_next_step()
+        self.fleet.first().samples_of_next_step()
     }
 
     /// Renders to the end and writes the files. `on_step` is called after every step; `Break` ends the render.
@@ -181,18 +182,18 @@ impl Session {
     /// # Errors
     /// Where the device is lost and there is no copy.
     pub fn picture(&self) -> Result<Picture> {
-        self.rescued.clone().map_or_else(|| self.renderer.picture(), Ok)
+        self.rescued.clone().map_or_else(|| self.fleet.picture(), Ok)
     }
 
     /// Progress of the render.
     pub fn progress(&self) -> Progress {
-        let samples = self.renderer.samples_done();
+        let samples = self.fleet.first().samples_done();
         Progress {
             samples,
             seconds: self.history.seconds,
             paths: self.history.paths,
             light_hit_rate: self.history.steps.last().map_or(0.0, |step| step.light_hit_rate),
-            noise: self.renderer.noise(),
+            noise: self.fleet.first().noise(),
             fraction: self.length.fraction(samples, self.history.seconds),
             length: self.length,
         }
@@ -244,17 +245,17 @@ impl Session {
     ///
     /// Where the driver ends a loop of a kernel early, the render begins again with fewer samples per dispatch.
     fn advance(&mut self, most: u32, deadline: Option<Instant>, watch: &Watch<'_>) -> Result<()> {
-        let most = most.min(self.origin.samples_to_cut(self.renderer.samples_done()));
+        let most = most.min(self.origin.samples_to_cut(self.fleet.first().samples_done()));
         let step = match self.take_step(most, deadline, watch) {
             Err(Error::LoopCut(_)) if self.settings.samples_per_dispatch > 1 => return self.begin_again(watch),
             step => step.map_err(|error| error.noting(&self.history.last_good_step()))?,
         };
         self.history.steps.push(step);
         watch.tell(Event::Step(&self.progress()));
-        let copied = self.output.safety_copy.after_step(&self.renderer);
+        let copied = self.output.safety_copy.after_step(&self.fleet);
         copied.map_err(|error| error.noting(&self.history.last_good_step()))?;
-        if !self.renderer.is_stopped()
-            && let Err(error) = self.keep(|checkpoints, renderer, history| checkpoints.after_step(renderer, history))
+        if !self.fleet.first().is_stopped()
+            && let Err(error) = self.keep(|checkpoints, fleet, history| checkpoints.after_step(fleet, history))
         {
             if error.is_loss() {
                 return Err(error.noting(&self.history.last_good_step()));
@@ -279,9 +280,9 @@ impl Session {
             Some((state, history)) => (Some(state), history.clone()),
             None => (None, History::default()),
         };
-        self.renderer.begin_again(now, state)?;
+        self.fleet.begin_again(now, state)?;
         if let Some(guide) = &self.origin.guide {
-            self.renderer.begin_with_guide_state(guide)?;
+            self.fleet.begin_with_guide_state(guide)?;
         }
         self.history = History { seconds, ..history };
         self.output.safety_copy.take();
@@ -291,32 +292,32 @@ impl Session {
     }
 
     fn take_step(&mut self, most: u32, deadline: Option<Instant>, watch: &Watch<'_>) -> Result<StepStatistics> {
-        let samples_before = self.renderer.samples_done();
-        let samples = self.renderer.samples_of_next_step().min(most);
-        self.keep(|checkpoints, renderer, history| checkpoints.before_step(renderer, history, samples))?;
+        let samples_before = self.fleet.first().samples_done();
+        let samples = self.fleet.first().samples_of_next_step().min(most);
+        self.keep(|checkpoints, fleet, history| checkpoints.before_step(fleet, history, samples))?;
         let stop = || (watch.stop)() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        let report = self.renderer.step(samples, &stop)?;
+        let report = self.fleet.step(samples, &stop)?;
 
         if let Some(profiler) = &mut self.profiler {
             profiler.note(&report);
         }
         self.history.seconds += report.seconds;
         self.history.counts.add(&report.counts);
-        let spp = self.renderer.samples_done() - samples_before;
+        let spp = self.fleet.first().samples_done() - samples_before;
         let paths = self.paths_of(&report, spp)?;
         self.history.paths += paths;
         let mut step = StepStatistics::new(spp.into(), paths, self.pixels(), report.seconds, &report.counts);
         // Errors are measured after steps 1, 2, 4, 8, ..., because error curves have logarithmic axes.
         if (self.history.steps.len() + 1).is_power_of_two() {
-            step.errors = self.measure(&self.renderer.picture()?)?;
+            step.errors = self.measure(&self.fleet.picture()?)?;
         }
         Ok(step)
     }
 
     /// Calls `act` with the checkpoints, if there are any.
-    pub(super) fn keep(&mut self, act: impl FnOnce(&mut Checkpoints, &Renderer, &History) -> Result<()>) -> Result<()> {
-        let Self { checkpoints, renderer, history, .. } = self;
-        checkpoints.as_mut().map_or(Ok(()), |checkpoints| act(checkpoints, renderer, history))
+    pub(super) fn keep(&mut self, act: impl FnOnce(&mut Checkpoints, &Fleet, &History) -> Result<()>) -> Result<()> {
+        let Self { checkpoints, fleet, history, .. } = self;
+        checkpoints.as_mut().map_or(Ok(()), |checkpoints| act(checkpoints, fleet, history))
     }
 
     /// Number of paths of the step that has just ended. A step that was cut short has sampled some pixels more often than others.
@@ -324,7 +325,7 @@ impl Session {
         if report.complete {
             return Ok(u64::from(spp) * report.pixels);
         }
-        let sample_count = self.renderer.picture()?.sample_count;
+        let sample_count = self.fleet.picture()?.sample_count;
         Ok(sample_count.into_iter().map(u64::from).sum::<u64>() - self.history.paths)
     }
 
@@ -337,21 +338,21 @@ impl Session {
 
     /// Whether another step may follow: no step was stopped, and some pixels are still noisy.
     fn can_step(&self) -> bool {
-        !self.renderer.is_stopped() && self.renderer.sampled_pixels() > 0
+        !self.fleet.first().is_stopped() && self.fleet.first().sampled_pixels() > 0
     }
 
     /// Reason why no step follows.
     fn ending(&self, is_stopped: bool) -> Ending {
         match () {
             () if self.samples_left() == 0 => Ending::Samples,
-            () if self.renderer.sampled_pixels() == 0 => Ending::Noise,
+            () if self.fleet.first().sampled_pixels() == 0 => Ending::Noise,
             () if is_stopped || self.length.seconds.is_none() => Ending::Stopped,
             () => Ending::Time,
         }
     }
 
     fn samples_left(&self) -> u32 {
-        self.length.samples_left(&self.settings, self.renderer.samples_done())
+        self.length.samples_left(&self.settings, self.fleet.first().samples_done())
     }
 
     fn deadline(&self) -> Option<Instant> {
@@ -385,7 +386,7 @@ impl Session {
         if !is_due || self.is_done(watch) {
             return Ok(());
         }
-        let written = self.write_pictures(&self.renderer.picture()?, None, watch);
+        let written = self.write_pictures(&self.fleet.picture()?, None, watch);
         if let (Err(error), true) = (&written, self.output.is_writable) {
             // The render goes on, because the folder may be back or the disk may have room when it ends.
             watch.warn(&format!("{error}; the render goes on"));
@@ -399,7 +400,7 @@ impl Session {
     pub fn attributes(&self, picture: &Picture) -> Vec<(String, String)> {
         let Subject { scene_hash, scene_path, kernels, .. } = &self.subject;
         // Where the device has chosen the traversal, the picture names the one that it has.
-        let settings = Settings { traversal: self.renderer.traversal(), ..self.settings.clone() };
+        let settings = Settings { traversal: self.fleet.first().traversal(), ..self.settings.clone() };
         let mut attributes = identity::attributes(scene_hash, &settings);
         attributes.extend([
             ("sample_ranges".into(), SampleRanges::of_picture(picture, &self.settings).to_string()),

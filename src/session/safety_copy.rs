@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::Result;
 use crate::film::Picture;
-use crate::renderer::Renderer;
+use crate::fleet::Fleet;
 
 /// Longest time between two copies, which is the rendering time that a lost device may cost.
 const EVERY: Duration = Duration::from_secs(10);
@@ -36,12 +36,12 @@ impl SafetyCopy {
     }
 
     /// Copies the picture after a step, if the interval has passed.
-    pub fn after_step(&mut self, renderer: &Renderer) -> Result<()> {
-        if renderer.is_stopped() || self.taken.elapsed() < self.every.max(self.cost * READING_SHARE) {
+    pub fn after_step(&mut self, fleet: &Fleet) -> Result<()> {
+        if fleet.first().is_stopped() || self.taken.elapsed() < self.every.max(self.cost * READING_SHARE) {
             return Ok(());
         }
         let begin = Instant::now();
-        self.last = Some(CopiedPicture { picture: renderer.picture()?, samples: renderer.samples_done() });
+        self.last = Some(CopiedPicture { picture: fleet.picture()?, samples: fleet.first().samples_done() });
         (self.cost, self.taken) = (begin.elapsed(), Instant::now());
         Ok(())
     }

@@ -13,6 +13,7 @@ use crate::denoise::Denoiser;
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::surfaces::Surfaces;
+use crate::fleet::Fleet;
 use crate::gpu::Context;
 use crate::image::Image;
 use crate::renderer::Renderer;
@@ -121,13 +122,13 @@ impl Session {
         let context = Arc::clone(&contexts[0]);
 
         let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
-        let (renderer, guide_cells, bvh_seconds, pipeline_seconds) =
+        let (fleet, guide_cells, bvh_seconds, pipeline_seconds) =
             build(scene, &contexts, &plan.settings, &inputs.kernels, guide.as_ref(), watch)?;
         watch.tell(Event::Ready);
-        inputs.kernels.unused(renderer.back_end()).iter().for_each(|warning| watch.warn(warning));
+        inputs.kernels.unused(fleet.first().back_end()).iter().for_each(|warning| watch.warn(warning));
         let setup_seconds = begin.elapsed().as_secs_f64();
         let times = SetupTimes { load_seconds, bvh_seconds, pipeline_seconds, setup_seconds, primitive_count };
-        let kernels = inputs.kernels.used(renderer.back_end());
+        let kernels = inputs.kernels.used(fleet.first().back_end());
         let source = input.source();
         let subject = Subject { scene_name, scene_path, scene_hash, source, kernels, times };
 
@@ -145,7 +146,7 @@ impl Session {
             history: History::default(),
             origin: Origin::default(),
             context,
-            renderer,
+            fleet,
             settings,
         };
         let devices = contexts.iter().map(|context| device_name(context)).collect();
@@ -268,7 +269,7 @@ fn open_and_load<'a>(
     })
 }
 
-/// The renderer of a scene, the cells of the guide that begins the render, and the seconds that hierarchy and kernels took.
+/// The renderers of a scene, the cells of the guide that begins the render, and the seconds that hierarchy and kernels took.
 fn build(
     mut scene: Cow<'_, Scene>,
     contexts: &[Arc<Context>],
@@ -276,7 +277,7 @@ fn build(
     kernels: &KernelFiles,
     guide: Option<&GuideFile>,
     watch: &Watch<'_>,
-) -> Result<(Renderer, Option<Cells>, f64, f64)> {
+) -> Result<(Fleet, Option<Cells>, f64, f64)> {
     watch.tell(Event::Preparing(Preparation::Hierarchy(scene.primitives.len())));
     let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
     let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
@@ -290,15 +291,11 @@ fn build(
             |context, surfaces| Renderer::with_surfaces(context, &scene, surfaces, &bvh, settings, kernels.registry());
         let others =
             contexts[1..].iter().map(|context| build(context, surfaces.clone())).collect::<Result<Vec<_>>>()?;
-        let mut renderer = build(&contexts[0], surfaces)?;
-        if !others.is_empty() {
-            renderer.share_with(others)?;
-        }
-        Ok(renderer)
+        Fleet::new(build(&contexts[0], surfaces)?, others)
     };
-    let (renderer, pipeline_seconds) = timed(build)?;
-    let guide_cells = guide.map(|guide| guide.cells(&renderer, &bvh));
-    Ok((renderer, guide_cells, bvh_seconds, pipeline_seconds))
+    let (fleet, pipeline_seconds) = timed(build)?;
+    let guide_cells = guide.map(|guide| guide.cells(&fleet, &bvh));
+    Ok((fleet, guide_cells, bvh_seconds, pipeline_seconds))
 }
 
 /// File of the checkpoint, if one is kept. A resumed render keeps the file that it came from.

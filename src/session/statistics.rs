@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::film::noise::NoiseReport;
+use crate::fleet::SharingTimes;
 use crate::gpu::DeviceInfo;
 use crate::image::metrics::Metrics;
-use crate::renderer::{Counts, SharingTimes};
+use crate::renderer::Counts;
 use crate::settings::Settings;
 
 /// All numbers about one render.

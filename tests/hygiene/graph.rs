@@ -13,6 +13,7 @@ const NEVER: &[(&[&str], &[&str], &str)] = &[
     (&["scene", "encode", "math", "image", "film"], &["gpu"], "what runs on the CPU knows nothing of the device"),
     (&["generated", "settings", "spirv"], &["gpu"], "plain data knows nothing of the device"),
     (&["gpu"], &["scene", "renderer", "denoise"], "gpu knows nothing of rendering"),
+    (&["renderer"], &["fleet"], "a renderer is one device"),
     (&["denoise"], &["gpu", "renderer", "session"], "the denoiser knows pictures only"),
     (&["scene", "encode", "math", "image", "film"], &["denoise"], "nothing but a file has a denoised layer"),
     (&["session", "renderer", "film", "reproduce"], &["view"], "a render knows nothing of who watches it"),

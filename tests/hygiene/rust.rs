@@ -35,7 +35,7 @@ const RULES: &[Rule] = &[
     Rule { word: Name::Crate("exr"), only_in: &["image"], reason: "EXR files are read in one place" },
     Rule { word: Name::Crate("tiny_http"), only_in: &["view"], reason: "the page is served in one place" },
     Rule { word: Name::Crate("socket2"), only_in: &["view"], reason: "the page is served in one place" },
-    Rule { word: Name::Crate("mpi"), only_in: &["renderer/ranks/mpi"], reason: "MPI is called in one place" },
+    Rule { word: Name::Crate("mpi"), only_in: &["fleet/mpi"], reason: "MPI is called in one place" },
     Rule { word: Name::Crate("obvhs"), only_in: &["encode"], reason: "the hierarchy is built in one place" },
     Rule { word: Name::Crate("support"), only_in: &[], reason: "twins are for tests only" },
 ];

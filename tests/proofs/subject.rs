@@ -1,8 +1,8 @@
 //! Subject of a proof: the shipped renderer, or a change to its kernels, to its settings, or to the sums that devices share.
 
+use lodestar::fleet::sums::{self, AddSums};
 use lodestar::generated::kernels::test;
 use lodestar::gpu::KernelSource;
-use lodestar::renderer::sums::{self, AddSums};
 use lodestar::settings::Settings;
 use support::device::GROUP;
 use support::guide_cases::GuideKernels;

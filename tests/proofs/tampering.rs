@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use lodestar::renderer::sums::{self, AddSums, Sums};
+use lodestar::fleet::sums::{self, AddSums, Sums};
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use support::mutated::{FAR_OFF, SHORT_OF_LIGHT};

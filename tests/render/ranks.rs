@@ -1,7 +1,8 @@
 //! Several devices render one picture with the bits of one device.
 
-use lodestar::renderer::sums::{self, AddSums, Sums};
-use lodestar::renderer::{Counts, RenderState, Renderer};
+use lodestar::fleet::Fleet;
+use lodestar::fleet::sums::{self, AddSums, Sums};
+use lodestar::renderer::{Counts, RenderState};
 use lodestar::scene::Scene;
 use lodestar::settings::{Execution, Learner, Sampler, Settings};
 use support::scenes::{combinations, ours, settings};
@@ -21,7 +22,7 @@ pub fn scene() -> Scene {
 
 /// Renderers of one scene, each with a device of its own, that share a film.
 struct Ranks {
-    renderer: Renderer,
+    fleet: Fleet,
     _devices: Vec<Device>,
 }
 
@@ -34,19 +35,32 @@ impl Ranks {
     fn with_sums(scene: &Scene, settings: &Settings, ranks: usize, add: AddSums) -> Self {
         let devices: Vec<_> = (0..ranks).map(|_| Device::new()).collect();
         let mut renderers = devices.iter().map(|device| device.renderer(scene, settings));
-        let mut renderer = renderers.next().expect("a device");
-        renderer.share_with_sums(renderers.collect(), add).expect("renderers without samples");
-        assert_eq!(renderer.device_count(), ranks);
-        Self { renderer, _devices: devices }
+        let first = renderers.next().expect("a device");
+        let fleet = Fleet::with_sums(first, renderers.collect(), add).expect("renderers without samples");
+        assert_eq!(fleet.device_count(), ranks);
+        Self { fleet, _devices: devices }
     }
 }
 
 /// Everything that a render leaves: its picture, its state (where its last step was whole) and the counts of its steps.
 pub type Left = (Vec<u32>, RenderState, Vec<Counts>);
 
-pub fn left(renderer: &mut Renderer, settings: &Settings, spp: u32) -> Left {
-    let counts = steps(renderer, settings, spp);
+/// Everything that a renderer without a fleet leaves.
+pub fn left_by_one(scene: &Scene, settings: &Settings, spp: u32) -> Left {
+    let device = Device::new();
+    let mut renderer = device.renderer(scene, settings);
+    let counts = steps(&mut renderer, settings, spp);
     (bits(&renderer.picture().expect("a picture")), renderer.state().expect("a state"), counts)
+}
+
+/// Everything that a fleet leaves.
+pub fn left(fleet: &mut Fleet, settings: &Settings, spp: u32) -> Left {
+    let mut counts = Vec::new();
+    while fleet.first().samples_done() < spp {
+        let samples = settings.spp_per_step.min(spp - fleet.first().samples_done());
+        counts.push(fleet.step(samples, &|| false).expect("a step").counts);
+    }
+    (bits(&fleet.picture().expect("a picture")), fleet.state().expect("a state"), counts)
 }
 
 /// Number of configurations in the quick tier: the first ones.
@@ -82,9 +96,9 @@ fn any_number_of_devices_gives_the_bits_of_one() {
     let all = tier::some_of(&all, IN_QUICK_TIER);
     let ranks: &[usize] = if tier::is_full() { &[2, 3, 4] } else { &[2, 3] };
     for (name, settings) in all {
-        let one = left(&mut Device::new().renderer(&scene, settings), settings, SPP);
+        let one = left_by_one(&scene, settings, SPP);
         for &ranks in ranks {
-            let several = left(&mut Ranks::new(&scene, settings, ranks).renderer, settings, SPP);
+            let several = left(&mut Ranks::new(&scene, settings, ranks).fleet, settings, SPP);
             assert!(several.0 == one.0, "{name}, {ranks} devices: picture");
             assert_eq!(several.2, one.2, "{name}, {ranks} devices: counts");
             for (theirs, ours) in several.1.parts.iter().zip(&one.1.parts) {
@@ -101,16 +115,16 @@ fn any_deal_of_the_tiles_gives_the_same_bits() {
     let scene = scene();
     let all = configurations(&scene);
     for (name, settings) in tier::some_of(&all, IN_QUICK_TIER) {
-        let one = left(&mut Device::new().renderer(&scene, settings), settings, SPP);
+        let one = left_by_one(&scene, settings, SPP);
         for weights in [&[3, 1][..], &[1, 0, 2]] {
             let mut ranks = Ranks::new(&scene, settings, weights.len());
-            ranks.renderer.deal(weights).expect("renderers without samples");
-            assert!(left(&mut ranks.renderer, settings, SPP) == one, "{name}, weights {weights:?}");
+            ranks.fleet.deal(weights).expect("renderers without samples");
+            assert!(left(&mut ranks.fleet, settings, SPP) == one, "{name}, weights {weights:?}");
         }
         // What is traced to measure the speeds must leave nothing behind.
         let mut ranks = Ranks::new(&scene, settings, 2);
-        let weights = ranks.renderer.deal_by_speed().expect("renderers without samples");
-        assert!(left(&mut ranks.renderer, settings, SPP) == one, "{name}, weights by speed {weights:?}");
+        let weights = ranks.fleet.deal_by_speed().expect("renderers without samples");
+        assert!(left(&mut ranks.fleet, settings, SPP) == one, "{name}, weights by speed {weights:?}");
     }
 }
 
@@ -125,9 +139,9 @@ fn wrong_sums_are_found() {
     let faults: [(&str, AddSums); 2] = [("one device's sums are lost", |_, _| {}), ("sums are added twice", add_twice)];
     for sampler in [Sampler::RejectionMix, Sampler::Quadtree] {
         let settings = settings(&scene, SIZE, sampler, 21);
-        let one = left(&mut Device::new().renderer(&scene, &settings), &settings, SPP);
+        let one = left_by_one(&scene, &settings, SPP);
         for (name, add) in faults {
-            let several = left(&mut Ranks::with_sums(&scene, &settings, 2, add).renderer, &settings, SPP);
+            let several = left(&mut Ranks::with_sums(&scene, &settings, 2, add).fleet, &settings, SPP);
             assert!(several.0 != one.0 && several.1 != one.1, "{sampler:?}: {name}, but nothing differs");
         }
     }
@@ -139,13 +153,13 @@ fn a_resumed_render_may_have_another_number_of_devices() {
     let scene = scene();
     for (sampler, learner) in [(Sampler::RejectionMix, Learner::Sarsa), (Sampler::Quadtree, Learner::MonteCarlo)] {
         let settings = Settings { learner, ..settings(&scene, SIZE, sampler, 21) };
-        let whole = left(&mut Device::new().renderer(&scene, &settings), &settings, SPP);
+        let whole = left_by_one(&scene, &settings, SPP);
         for (before, after) in [(1, 3), (3, 2), (2, 1)] {
             let mut first = Ranks::new(&scene, &settings, before);
-            let (_, state, _) = left(&mut first.renderer, &settings, 16);
+            let (_, state, _) = left(&mut first.fleet, &settings, 16);
             let mut second = Ranks::new(&scene, &settings, after);
-            second.renderer.restore(&state).expect("the same settings");
-            let rest = left(&mut second.renderer, &settings, SPP);
+            second.fleet.restore(&state).expect("the same settings");
+            let rest = left(&mut second.fleet, &settings, SPP);
             assert!(rest.0 == whole.0 && rest.1 == whole.1, "{sampler:?}: {before}, then {after} devices");
         }
     }

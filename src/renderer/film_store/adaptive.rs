@@ -86,14 +86,9 @@ impl Adaptive {
         self.going_on.iter().map(|&goes_on| u8::from(goes_on)).collect()
     }
 
-    /// Takes over which tiles another rank has chosen, a byte each, and samples those of `pages`.
+    /// Takes over which tiles another device has chosen, a byte each, and samples those of `pages`.
     pub fn go_on(&mut self, tiles: &[u8], pages: &[FilmPage]) -> Result<()> {
         self.going_on.iter_mut().zip(tiles).for_each(|(goes_on, &tile)| *goes_on = tile != 0);
-        sample(pages, &self.going_on)
-    }
-
-    /// Samples on `pages` of another device the tiles that were chosen last.
-    pub fn sample_on(&self, pages: &[FilmPage]) -> Result<()> {
         sample(pages, &self.going_on)
     }
 

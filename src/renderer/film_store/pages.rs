@@ -12,7 +12,7 @@ use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
 use crate::generated::layout::{FilmFeatures, FilmRadiance, TilePlaces};
 use crate::gpu::{Buffer, BufferKind, Context, DescriptorSet};
 use crate::renderer::persistent::Span;
-use crate::renderer::ranks::share::Share;
+use crate::renderer::share::Share;
 use crate::scene::Crop;
 use crate::settings::Settings;
 

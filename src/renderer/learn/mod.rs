@@ -32,12 +32,4 @@ impl Learning {
             _ => Self::Grids(Box::new(GridUpdates::new(context, kernels, variant, settings)?)),
         })
     }
-
-    /// Samples per pixel that may be taken before the guide must learn within a step.
-    pub fn samples_left(&self, samples_done: u32) -> u32 {
-        match self {
-            Self::Nothing | Self::Grids(_) => u32::MAX,
-            Self::Quadtrees(_) => quadtrees::samples_left(samples_done),
-        }
-    }
 }

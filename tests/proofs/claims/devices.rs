@@ -1,12 +1,13 @@
 //! Claim: two devices that share a film leave the picture and the guide of one device, to the bit. So the sums of learning targets
 //! reach both devices whole, and once.
 
-use lodestar::renderer::{RenderState, Renderer};
+use lodestar::fleet::Fleet;
+use lodestar::renderer::RenderState;
 use lodestar::settings::Settings;
 use support::scenes::ours;
 
 use crate::evidence::Evidence;
-use crate::renders::{Studio, steps};
+use crate::renders::Studio;
 use crate::rows::Scope;
 use crate::subject::Subject;
 
@@ -20,10 +21,10 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         let mut settings = sized.clone();
         (row.set)(&mut settings);
         let studios = [Studio::new(), Studio::new()];
-        let one = left(&mut studios[0].renderer(subject, &scene, settings.clone()), &settings);
-        let [mut first, second] = studios.each_ref().map(|studio| studio.renderer(subject, &scene, settings.clone()));
-        first.share_with_sums(vec![second], subject.add_sums).expect("renderers without samples");
-        let two = left(&mut first, &settings);
+        let one = left(studios[0].renderer(subject, &scene, settings.clone()).into(), &settings);
+        let [first, second] = studios.each_ref().map(|studio| studio.renderer(subject, &scene, settings.clone()));
+        let fleet = Fleet::with_sums(first, vec![second], subject.add_sums).expect("renderers without samples");
+        let two = left(fleet, &settings);
         evidence.hold(format!("picture, {}", row.name), two.0 == one.0, || "two devices differ from one".into());
         for (theirs, ours) in two.1.parts.iter().zip(&one.1.parts) {
             let case = format!("{}, {}", ours.name, row.name);
@@ -33,8 +34,10 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
 }
 
 /// Bits of the picture, and the state.
-fn left(renderer: &mut Renderer, settings: &Settings) -> (Vec<u32>, RenderState) {
-    steps(renderer, settings.spp_per_step, SPP);
-    let bits = renderer.picture().expect("a picture").radiance.iter().flatten().map(|value| value.to_bits()).collect();
-    (bits, renderer.state().expect("a state"))
+fn left(mut fleet: Fleet, settings: &Settings) -> (Vec<u32>, RenderState) {
+    for _ in 0..SPP / settings.spp_per_step {
+        fleet.step(settings.spp_per_step, &|| false).expect("a step");
+    }
+    let bits = fleet.picture().expect("a picture").radiance.iter().flatten().map(|value| value.to_bits()).collect();
+    (bits, fleet.state().expect("a state"))
 }

@@ -16,8 +16,8 @@ use mpi::point_to_point::{Destination, Source};
 use mpi::topology::{Communicator, SimpleCommunicator};
 use signal_hook::consts::SIGTERM;
 
-use crate::renderer::ranks::exchange::{Exchange, Kind};
-use crate::renderer::ranks::sums::Sums;
+use crate::fleet::exchange::{Exchange, Kind};
+use crate::fleet::sums::Sums;
 use crate::{Error, Result};
 
 /// Time in which a call must end once the launcher ends the processes.

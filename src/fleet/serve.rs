@@ -1,11 +1,11 @@
 //! Other ranks than the first one: each does what the first one names until the render ends.
 
 use crate::Result;
-use crate::renderer::Renderer;
-use crate::renderer::ranks::command::Command;
-use crate::renderer::ranks::failure;
+use crate::fleet::Fleet;
+use crate::fleet::command::Command;
+use crate::fleet::failure;
 
-impl Renderer {
+impl Fleet {
     /// Does what the first rank names until the render ends.
     ///
     /// # Errors

@@ -9,8 +9,8 @@ use std::thread;
 use std::time::Duration;
 
 use crate::Result;
-use crate::renderer::ranks::exchange::{Exchange, Kind};
-use crate::renderer::ranks::sums::Sums;
+use crate::fleet::exchange::{Exchange, Kind};
+use crate::fleet::sums::Sums;
 
 /// Environment variable that says what the exchange does besides.
 const VARIABLE: &str = "LODESTAR_EXCHANGE";

@@ -12,12 +12,12 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use crate::renderer::ranks::exchange::{Exchange, Kind};
-use crate::renderer::ranks::failure::{self, Failure};
-use crate::renderer::ranks::sums::Sums;
-use crate::renderer::ranks::times::{Clock, Traffic};
-use crate::renderer::ranks::trial::Trial;
-use crate::renderer::statistics::Counts;
+use crate::fleet::exchange::{Exchange, Kind};
+use crate::fleet::failure::{self, Failure};
+use crate::fleet::sums::Sums;
+use crate::fleet::times::{Clock, Traffic};
+use crate::fleet::trial::Trial;
+use crate::renderer::Counts;
 use crate::{Error, Result};
 
 /// Time in which a rank must answer once the ranks are being ended. Open MPI kills all ranks one second after the first sign.
@@ -118,7 +118,7 @@ impl Team {
     }
 
     /// Names the next work to all other ranks.
-    pub(in crate::renderer) fn command(&self, bytes: &[u8]) -> Result<()> {
+    pub(super) fn command(&self, bytes: &[u8]) -> Result<()> {
         self.is_over.store(false, Ordering::Relaxed);
         if let Some(rank) = self.lost.get() {
             return Err(Error::RankLost { rank: rank.clone(), note: String::new() });
@@ -127,7 +127,7 @@ impl Team {
     }
 
     /// Waits for the next work. Returns none where the render ends.
-    pub(in crate::renderer) fn next_command(&self) -> Result<Option<Vec<u8>>> {
+    pub(super) fn next_command(&self) -> Result<Option<Vec<u8>>> {
         let command = self.receive(0, Kind::Command, &|| {})?;
         self.is_over.store(false, Ordering::Relaxed);
         Ok((command != END).then_some(command))
@@ -147,7 +147,7 @@ impl Team {
     }
 
     /// Whether tracing must stop. The first rank asks `stop` and tells the others, which look for its message.
-    pub(in crate::renderer) fn is_to_stop(&self, stop: &dyn Fn() -> bool) -> bool {
+    pub(super) fn is_to_stop(&self, stop: &dyn Fn() -> bool) -> bool {
         match self.leads() {
             true if stop() => self.tell_stop(),
             true => {}
@@ -162,7 +162,7 @@ impl Team {
     }
 
     /// Tells the other ranks, from the first one, to stop tracing.
-    pub(in crate::renderer) fn tell_stop(&self) {
+    pub(super) fn tell_stop(&self) {
         if self.leads() && !self.is_stopped.swap(true, Ordering::Relaxed) {
             // A rank that cannot be told is missed in the next meeting.
             (1..self.ranks()).for_each(|rank| drop(self.exchange.send(rank, Kind::Stop, &[])));
@@ -171,7 +171,7 @@ impl Team {
 
     /// Hands the first rank what every rank has, and every rank the first one's answer. While the first rank waits for others, it
     /// asks `stop` and tells them.
-    pub(in crate::renderer) fn meet(
+    pub(super) fn meet(
         &self,
         own: Result<Vec<u8>>,
         stop: &dyn Fn() -> bool,
@@ -185,7 +185,7 @@ impl Team {
 
     /// Ends the tracing of a batch of samples, and adds what all ranks have counted to `counts` of the first one. Returns whether all
     /// ranks have taken all samples.
-    pub(in crate::renderer) fn end_batch(
+    pub(super) fn end_batch(
         &self,
         traced: Result<bool>,
         own: &Counts,
@@ -211,7 +211,7 @@ impl Team {
 
     /// Adds up the sums of all ranks, times it and counts its bytes. `own` is what this rank has, or its failure. Ranks first tell
     /// each other where they have targets, and hand over only the blocks of bins in which a rank has some.
-    pub(in crate::renderer) fn add(&self, own: Result<Sums>, clock: &Clock, traffic: &Traffic) -> Result<Sums> {
+    pub(super) fn add(&self, own: Result<Sums>, clock: &Clock, traffic: &Traffic) -> Result<Sums> {
         let (mut sums, touched) = match own {
             Ok(sums) => {
                 let touched = failure::encode(&sums.touched_blocks());

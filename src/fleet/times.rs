@@ -27,7 +27,7 @@ pub struct SharingTimes {
 
 /// Number of exchanges, and bytes of all of them.
 #[derive(Debug, Default)]
-pub(in crate::renderer) struct Traffic {
+pub(super) struct Traffic {
     exchanges: AtomicU64,
     bytes: AtomicU64,
 }
@@ -52,7 +52,7 @@ impl Traffic {
 
 /// Clock that adds up times of work in nanoseconds.
 #[derive(Debug, Default)]
-pub(in crate::renderer) struct Clock(AtomicU64);
+pub(super) struct Clock(AtomicU64);
 
 impl Clock {
     /// Does some work and adds its time.

@@ -1,10 +1,10 @@
 //! Dealing out tiles by the measured speed of the devices.
 
 use crate::Result;
-use crate::renderer::Renderer;
-use crate::renderer::ranks::command::{Command, lead};
-use crate::renderer::ranks::{failure, too_late};
-use crate::renderer::statistics::Counts;
+use crate::fleet::command::{Command, lead};
+use crate::fleet::{Fleet, failure};
+use crate::renderer::Counts;
+use crate::renderer::phases::{Batch, longest_batch};
 
 /// Samples per pixel with which a device's speed is measured.
 const TRIAL_SAMPLES: u32 = 4;
@@ -13,48 +13,39 @@ const MOST_WEIGHT: u32 = 32;
 /// How much longer than in proportion to the speeds a step may last, so that weights stay small.
 const WANTED_LOSS: f64 = 1.03;
 
-impl Renderer {
+impl Fleet {
     /// Traces a few samples with every device of all ranks, and deals out the tiles by the speeds that this has shown. A device that would only
     /// slow the others down gets no tile. The render then begins without samples. Returns the weights of the devices.
     ///
     /// # Errors
     /// Where samples were taken already, or a device is lost.
     pub fn deal_by_speed(&mut self) -> Result<Vec<u32>> {
-        if self.samples_done > 0 {
-            return Err(too_late());
-        }
+        self.check_unsampled()?;
         let team = self.team.clone();
         lead(team.as_deref(), || Command::DealBySpeed, || self.measure_and_deal())
     }
 
     /// Does this rank's part of dealing by speed.
     pub(super) fn measure_and_deal(&mut self) -> Result<Vec<u32>> {
+        let samples = TRIAL_SAMPLES.min(longest_batch(self.first.settings(), 0));
+        let trial = Batch { first: 0, samples, first_of_sets: 0 };
         // Devices reach their speed in the first trial.
-        self.trial_seconds()?;
-        let own = self.trial_seconds()?;
+        self.trace(trial, &mut Counts::default(), &|| false)?;
+        let own = self.seconds_of_devices(trial);
         let seconds = match self.team.clone() {
-            None => own,
+            None => own?,
             Some(team) => {
                 let all = |reports: Vec<Vec<u8>>| {
                     let seconds = reports.iter().map(|report| failure::decode::<Vec<f64>>(report));
                     Ok(failure::encode(&seconds.collect::<Result<Vec<_>>>()?.concat()))
                 };
-                failure::decode(&team.meet(Ok(failure::encode(&own)), &|| false, all)?)?
+                failure::decode(&team.meet(own.map(|own| failure::encode(&own)), &|| false, all)?)?
             }
         };
         let weights = weights(&seconds);
         self.deal(&weights)?;
-        self.start_over(self.settings.samples_per_dispatch, None)?;
+        self.start_over(self.first.settings().samples_per_dispatch, None)?;
         Ok(weights)
-    }
-
-    /// Seconds that each device of this process takes for its share of a trial.
-    fn trial_seconds(&mut self) -> Result<Vec<f64>> {
-        let clocks = |renderer: &Self| renderer.all().map(|device| device.trace_clock.seconds()).collect::<Vec<_>>();
-        let before = clocks(self);
-        let samples = TRIAL_SAMPLES.min(self.longest_batch());
-        self.trace_batch(samples, 0, &mut Counts::default(), &|| false)?;
-        Ok(clocks(self).iter().zip(&before).map(|(after, before)| after - before).collect())
     }
 }
 

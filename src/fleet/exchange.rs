@@ -4,7 +4,7 @@
 //! Sums are added over all ranks at once.
 
 use crate::Result;
-use crate::renderer::ranks::sums::Sums;
+use crate::fleet::sums::Sums;
 
 /// Kinds of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

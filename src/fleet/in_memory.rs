@@ -3,8 +3,8 @@
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-use crate::renderer::ranks::exchange::{Exchange, Kind};
-use crate::renderer::ranks::sums::Sums;
+use crate::fleet::exchange::{Exchange, Kind};
+use crate::fleet::sums::Sums;
 use crate::{Error, Result};
 
 /// One rank's end of an exchange in memory.

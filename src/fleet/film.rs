@@ -1,26 +1,32 @@
 //! Gathering the film: the tiles of all devices are copied into the film of the first one.
 
+use std::ops::Range;
+
 use crate::Result;
-use crate::generated::constants::TILE_PIXELS;
-use crate::renderer::Renderer;
-use crate::renderer::film_store::pages::padded_pixels;
-use crate::renderer::ranks::share::Share;
+use crate::film::Picture;
+use crate::fleet::Fleet;
+use crate::fleet::command::{Command, lead};
+use crate::renderer::share::Share;
+use crate::renderer::shared::Film;
 
-/// Contents of the parts of a device's film.
-type Film = Vec<Vec<u8>>;
+impl Fleet {
+    /// Reads the film of all devices back.
+    ///
+    /// # Errors
+    /// Where a device is lost.
+    pub fn picture(&self) -> Result<Picture> {
+        lead(self.team.as_deref(), || Command::Film, || self.gather_film())?;
+        self.first.picture()
+    }
 
-impl Renderer {
     /// Copies the tiles of all devices of all ranks into the film of the first device of the first rank.
-    pub(in crate::renderer) fn gather_film(&self) -> Result<()> {
-        if self.others.is_empty() && self.team.is_none() {
-            return Ok(());
-        }
-        self.gather_clock.time(|| self.copy_tiles())
+    pub(super) fn gather_film(&self) -> Result<()> {
+        if self.is_alone() { Ok(()) } else { self.gather_clock.time(|| self.copy_tiles()) }
     }
 
     fn copy_tiles(&self) -> Result<()> {
         let film = self.film_of_devices();
-        let Some(team) = &self.team else { return self.write_film(&film?) };
+        let Some(team) = &self.team else { return self.first.write_film(&film?) };
         if !team.leads() {
             let tiles = film.map(|film| self.packed(&film, self.shares()));
             return team.meet(tiles, &|| false, |_| Ok(Vec::new())).map(drop);
@@ -33,7 +39,7 @@ impl Renderer {
             for (rank, tiles) in reports.iter().enumerate().skip(1) {
                 self.unpack(&mut film, &self.dealt[team.devices(rank)], tiles);
             }
-            self.write_film(&film)?;
+            self.first.write_film(&film)?;
             Ok(Vec::new())
         };
         team.meet(own, &|| false, take).map(drop)
@@ -41,12 +47,9 @@ impl Renderer {
 
     /// The film of the first device of this process, with the tiles of its other devices.
     fn film_of_devices(&self) -> Result<Film> {
-        let read = |renderer: &Self| -> Result<Film> {
-            renderer.sets.frame.persistent().iter().map(|part| part.read()).collect()
-        };
-        let mut film = read(self)?;
-        for (&share, other) in self.shares().iter().zip(self.all()).skip(1) {
-            let theirs = read(other).map_err(|error| other.named(error))?;
+        let mut film = self.first.read_film()?;
+        for (&share, other) in self.shares().iter().skip(1).zip(&self.others) {
+            let theirs = other.read_film().map_err(|error| other.named(error))?;
             for (part, theirs) in film.iter_mut().zip(&theirs) {
                 for bytes in self.tiles(part.len(), share) {
                     part[bytes.clone()].copy_from_slice(&theirs[bytes]);
@@ -54,10 +57,6 @@ impl Renderer {
             }
         }
         Ok(film)
-    }
-
-    fn write_film(&self, film: &Film) -> Result<()> {
-        self.sets.frame.persistent().iter().zip(film).try_for_each(|(part, bytes)| part.write(bytes))
     }
 
     /// Bytes of the tiles of `shares`, part by part.
@@ -71,7 +70,7 @@ impl Renderer {
         packed
     }
 
-    /// Copies tiles that [`Renderer::packed`] has packed into a film.
+    /// Copies tiles that [`Fleet::packed`] has packed into a film.
     fn unpack(&self, film: &mut Film, shares: &[Share], mut packed: &[u8]) {
         for part in film {
             let length = part.len();
@@ -85,8 +84,8 @@ impl Renderer {
     }
 
     /// Ranges of the bytes of a share's tiles, in a part of the film with so many bytes.
-    fn tiles(&self, part_bytes: usize, share: Share) -> impl Iterator<Item = std::ops::Range<usize>> + use<> {
-        let tiles = (padded_pixels(&self.settings) / u64::from(TILE_PIXELS)) as u32;
+    fn tiles(&self, part_bytes: usize, share: Share) -> impl Iterator<Item = Range<usize>> + use<> {
+        let tiles = self.first.tile_count();
         let bytes = part_bytes / tiles as usize;
         let own = (0..tiles).filter(move |&tile| share.holds(tile));
         own.map(move |tile| tile as usize * bytes..(tile as usize + 1) * bytes)

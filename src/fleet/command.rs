@@ -3,13 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Result;
-use crate::renderer::ranks::failure;
-use crate::renderer::ranks::team::Team;
-use crate::renderer::state::RenderState;
+use crate::fleet::failure;
+use crate::fleet::team::Team;
+use crate::renderer::RenderState;
 
 /// Work that the first rank names.
 #[derive(Debug, Serialize, Deserialize)]
-pub(in crate::renderer) enum Command {
+pub(super) enum Command {
     /// One step of a render.
     Step { samples: u32 },
     /// Dealing out tiles by the speed of the devices.
@@ -25,7 +25,7 @@ pub(in crate::renderer) enum Command {
 }
 
 /// Does some work on the first rank, and has the other ranks do it, too. A render without other ranks does it alone.
-pub(in crate::renderer) fn lead<T>(
+pub(super) fn lead<T>(
     team: Option<&Team>,
     command: impl FnOnce() -> Command,
     act: impl FnOnce() -> Result<T>,
