@@ -35,8 +35,8 @@ done
 cp "$kernels/fingerprint" "$out/stage/spirv"
 
 manifest=$out/stage/Cargo.toml
-sed -i.old 's/^default = \["shaderc"\]$/default = []/' "$manifest"
-grep -q '^default = \[\]$' "$manifest" || fail "Cargo.toml has no line: default = [\"shaderc\"]"
+sed -i.old 's/^default = \["cli", "shaderc"\]$/default = ["cli"]/' "$manifest"
+grep -q '^default = \["cli"\]$' "$manifest" || fail 'Cargo.toml has no line: default = ["cli", "shaderc"]'
 rm "$manifest.old"
 
 # packages/build.sh builds the unpacked crate, so cargo need not.

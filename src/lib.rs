@@ -26,6 +26,7 @@ pub mod session;
 pub mod settings;
 
 // The hidden modules are for the command line, the tests and the benches. They are no public API and may change in any version.
+#[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
 #[doc(hidden)]
@@ -50,10 +51,12 @@ pub mod image;
 pub mod math;
 #[doc(hidden)]
 pub mod renderer;
+#[cfg(feature = "reproduce")]
 #[doc(hidden)]
 pub mod reproduce;
 #[doc(hidden)]
 pub mod spirv;
+#[cfg(feature = "view")]
 #[doc(hidden)]
 pub mod view;
 

@@ -29,6 +29,7 @@ mod resume;
 mod setting_args;
 mod view;
 mod viewer_args;
+mod words;
 
 use std::ffi::OsString;
 use std::process::ExitCode;

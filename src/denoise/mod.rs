@@ -16,6 +16,7 @@ use std::path::PathBuf;
 
 use library::{Device, Oidn, PhysicalDevice};
 pub use search::FOLDER_VARIABLE;
+use strum::{EnumMessage, IntoStaticStr, VariantArray};
 
 use crate::{Error, Result};
 
@@ -29,7 +30,8 @@ pub struct DenoiseOptions {
 }
 
 /// Kind of device that denoises.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum DeviceKind {
     /// The processor. The bits are the same in each run.
     #[default]

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use strum::{EnumMessage, IntoStaticStr, VariantArray};
+
 use super::interface::{BindingKind, BindingShape, KernelSource, SetShape};
 
 pub use super::constants::*;
@@ -9,7 +11,8 @@ pub use super::constants::*;
 include!(concat!(env!("OUT_DIR"), "/registry.rs"));
 
 /// What kernels read geometry and tables from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 pub enum BackEnd {
     /// Texel buffers, where the device allows them to be as large as a scene needs.

@@ -1,7 +1,22 @@
 //! Tone curves: from linear radiance to display values.
 
+use strum::{EnumMessage, IntoStaticStr, VariantArray};
+
 /// Curve that maps linear values to display values.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Serialize,
+    serde::Deserialize,
+    EnumMessage,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "lowercase")]
 pub enum ToneCurve {
     /// The sRGB transfer function; brighter than 1 is white.

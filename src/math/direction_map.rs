@@ -3,12 +3,26 @@
 //! `glsl/include/math/direction_map.glsl`.
 
 use glam::{DVec2, DVec3, dvec2};
+use strum::{EnumMessage, IntoStaticStr, VariantArray};
 
 use super::{cylindrical, equal_area};
 use crate::generated::constants;
 
 /// Map between directions and the square of their bins. Equal areas of the square are equal solid angles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    serde::Serialize,
+    serde::Deserialize,
+    EnumMessage,
+    IntoStaticStr,
+    VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum DirectionMap {

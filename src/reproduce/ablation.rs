@@ -2,7 +2,6 @@
 //! without emitter sampling.
 
 use super::changes::Changes;
-use super::changes::word;
 use super::methods::Method;
 use super::paper::PaperScene;
 use super::protocol::Base;
@@ -10,7 +9,7 @@ use super::record::Record;
 use super::results::Results;
 use super::sheet::Sheet;
 use crate::settings::{
-    BsdfShare, GuideSet, Learner, LightSelection, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule,
+    BsdfShare, GuideSet, Learner, LightSelection, Roulette, SamplePattern, SampleWeights, Sampler, StepSchedule, Words,
 };
 
 /// Plain path tracer.
@@ -64,9 +63,9 @@ pub fn methods() -> Vec<Method> {
 fn label(row: &Method) -> String {
     let learner = match row.learner == PRODUCT.learner {
         true => String::new(),
-        false => format!(" --learner {}", word(row.learner)),
+        false => format!(" --learner {}", row.learner.word()),
     };
-    format!("{}{learner}{}", word(row.sampler), row.changes.options())
+    format!("{}{learner}{}", row.sampler.word(), row.changes.options())
 }
 
 /// Table of geometric means over the completely measured scenes, with or without emitter sampling.

@@ -1,9 +1,8 @@
 //! Changes that a method makes to its settings, besides sampler, learner and emitter sampling.
 
-use clap::ValueEnum;
-
 use crate::settings::{
     AUTO_GRID, BsdfShare, GuideSet, LightSelection, Roulette, SamplePattern, SampleWeights, Settings, StepSchedule,
+    Words,
 };
 
 /// Replacements of settings. `None` keeps the setting.
@@ -95,8 +94,8 @@ impl Changes {
 }
 
 /// Spelling of a value on the command line.
-pub(super) fn word(value: impl ValueEnum) -> String {
-    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+pub(super) fn word(value: impl Words) -> String {
+    value.word().to_owned()
 }
 
 #[cfg(test)]

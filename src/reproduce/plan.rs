@@ -2,12 +2,15 @@
 
 use std::path::PathBuf;
 
+use strum::{EnumMessage, IntoStaticStr, VariantArray};
+
 use super::methods::Method;
 use super::{ablation, figure1, figure7, paper, resolution, table1, table2};
 use crate::{Error, Result};
 
 /// Table, figure or experiment to reproduce.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 pub enum Target {
     /// Table 1: errors of the main methods on every scene at equal time.
     Table1,

@@ -25,6 +25,6 @@ pub use guide::{
 pub use paths::{MAX_DEPTH_LIMIT, Roulette, SamplePattern, UNLIMITED_DEPTH, depth_warning};
 pub use run::{Execution, SampleWeights, StepSchedule, Traversal};
 pub use sampler::{BsdfShare, GuideSet, Learner, LightSelection, Mix, Sampler};
-pub use value::{Value, Word};
+pub use value::{Value, Word, Words};
 
 pub use crate::math::direction_map::DirectionMap;

@@ -1,6 +1,7 @@
 //! Paths: their length, their random numbers and their Russian roulette.
 
 use serde::{Deserialize, Serialize};
+use strum::{EnumMessage, IntoStaticStr, VariantArray};
 
 use crate::generated::constants;
 use crate::scene::{IntegratorDescription, Scene};
@@ -16,7 +17,8 @@ pub(super) const SURE_ROULETTE_DEPTH: u32 = 128;
 pub(super) const MOST_KEPT_VERTICES: u32 = 32;
 
 /// Distribution of a pixel's samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum SamplePattern {
@@ -31,7 +33,8 @@ pub enum SamplePattern {
 }
 
 /// Quantity that Russian roulette compares with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 #[repr(u32)]
 pub enum Roulette {

@@ -1,9 +1,11 @@
 //! The run: lengths of steps, weights of samples, and the kernels that trace the paths.
 
 use serde::{Deserialize, Serialize};
+use strum::{EnumMessage, IntoStaticStr, VariantArray};
 
 /// Number of samples per pixel between two updates of the guide.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 pub enum StepSchedule {
     /// A step as long as all steps before it, up to --spp-per-step samples: the guide learns early.
@@ -13,7 +15,8 @@ pub enum StepSchedule {
 }
 
 /// Kernels that trace the paths. The picture is the same with each of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 pub enum Execution {
     /// The faster choice, by a rule: `wavefront` on a GPU with --nee on, if the scene has 10,000 primitives or more and the
@@ -28,7 +31,10 @@ pub enum Execution {
 
 /// Ways of finding what a ray hits. The picture is the same with each of them, except where rounding decides which of two
 /// primitives a ray hits.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(
+    Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, EnumMessage, IntoStaticStr, VariantArray,
+)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 pub enum Traversal {
     /// The project's own traversal, on any device.
@@ -41,7 +47,8 @@ pub enum Traversal {
 }
 
 /// Weights of the samples in a pixel's mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumMessage, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 pub enum SampleWeights {
     /// Equal weights.

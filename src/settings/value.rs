@@ -1,6 +1,6 @@
 //! Values of settings as text, as the command line and the pictures' attributes spell them.
 
-use clap::ValueEnum;
+use strum::{EnumMessage, VariantArray};
 
 use super::{
     BsdfShare, DirectionMap, Execution, GuideSet, Learner, LightSelection, Mix, Roulette, SamplePattern, SampleWeights,
@@ -36,6 +36,33 @@ pub struct Word {
     /// Meaning of the word, one sentence or two.
     pub help: String,
 }
+
+/// Type whose values are words: the variants' names in kebab case. Their doc comments are the words' meanings.
+pub trait Words: Copy + EnumMessage + Into<&'static str> + VariantArray {
+    /// Words of all values, in the order of the declaration.
+    fn all_words() -> Vec<Word> {
+        Self::VARIANTS.iter().map(|value| Word { name: value.word().to_owned(), help: value.help() }).collect()
+    }
+
+    /// Value that a word stands for.
+    fn of_word(word: &str) -> Option<Self> {
+        Self::VARIANTS.iter().copied().find(|value| value.word() == word)
+    }
+
+    /// Word that stands for the value.
+    fn word(self) -> &'static str {
+        self.into()
+    }
+
+    /// Meaning of the word: the first paragraph of the doc comment, without the last period.
+    fn help(&self) -> String {
+        let lines = self.get_documentation().unwrap_or_default().lines().map(str::trim);
+        let paragraph = lines.take_while(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+        paragraph.strip_suffix('.').map_or_else(|| paragraph.clone(), str::to_owned)
+    }
+}
+
+impl<T: Copy + EnumMessage + Into<&'static str> + VariantArray> Words for T {}
 
 /// A type that an option's value may have.
 pub(super) trait Choice: Sized {
@@ -76,15 +103,15 @@ macro_rules! words {
     ($($words:ty),*) => {$(
         impl Choice for $words {
             fn words() -> Vec<Word> {
-                words_of::<Self>()
+                Self::all_words()
             }
 
             fn read(text: &str) -> Result<Self, String> {
-                Self::from_str(text, false).map_err(|_| one_of(&Self::words(), text))
+                Self::of_word(text).ok_or_else(|| one_of(&Self::all_words(), text))
             }
 
             fn value(&self) -> Value {
-                self.to_possible_value().map_or(Value::Nothing, |value| Value::Word(value.get_name().to_owned()))
+                Value::Word(self.word().to_owned())
             }
         }
     )*};
@@ -105,12 +132,6 @@ fn one_of(words: &[Word], text: &str) -> String {
         Some(name) => format!("give one of {} (did you mean {name}?)", names.join(", ")),
         None => format!("give one of {}", names.join(", ")),
     }
-}
-
-fn words_of<T: ValueEnum>() -> Vec<Word> {
-    let values = T::value_variants().iter().filter_map(T::to_possible_value);
-    let help = |value: &clap::builder::PossibleValue| value.get_help().map(ToString::to_string).unwrap_or_default();
-    values.map(|value| Word { name: value.get_name().to_owned(), help: help(&value) }).collect()
 }
 
 impl Choice for bool {

@@ -2,6 +2,7 @@
 
 mod book;
 mod faults;
+mod features;
 mod glsl;
 mod graph;
 mod modules;
@@ -52,6 +53,11 @@ fn only_the_declaring_file_names_a_glsl_binding() {
 #[test]
 fn one_file_tells_samplers_apart_and_one_learners() {
     assert_none(switches::violations(&read_glsl()));
+}
+
+#[test]
+fn the_library_compiles_no_crate_of_the_program() {
+    assert_none(features::violations(root()));
 }
 
 #[test]

@@ -33,6 +33,9 @@ const RULES: &[Rule] = &[
     Rule { word: Name::Crate("ash"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
     Rule { word: Name::Crate("gpu_allocator"), only_in: &["gpu"], reason: "Vulkan is called in one place" },
     Rule { word: Name::Crate("exr"), only_in: &["image"], reason: "EXR files are read in one place" },
+    Rule { word: Name::Crate("clap"), only_in: &["cli"], reason: "the library knows no command line" },
+    Rule { word: Name::Crate("indicatif"), only_in: &["cli"], reason: "the library knows no command line" },
+    Rule { word: Name::Crate("plotters"), only_in: &["reproduce"], reason: "only the paper's figures are plotted" },
     Rule { word: Name::Crate("tiny_http"), only_in: &["view"], reason: "the page is served in one place" },
     Rule { word: Name::Crate("socket2"), only_in: &["view"], reason: "the page is served in one place" },
     Rule { word: Name::Crate("mpi"), only_in: &["fleet/mpi"], reason: "MPI is called in one place" },
@@ -126,6 +129,7 @@ fn bad_snippets_are_found() {
         ("src/film/picture.rs", "use crate::image::exr; fn f() { let a = ::exr::prelude::read(); }"),
         ("src/scene/mod.rs", "obvhs::Bvh2::default()"),
         ("src/session/run.rs", "use tiny_http::Server;"),
+        ("src/settings/value.rs", "use clap::ValueEnum;"),
         ("src/math/mod.rs", "use support::twins::fresnel;"),
     ] {
         assert_eq!(found(path, text), 1, "{path}: {text}");

@@ -20,14 +20,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use agreement::{Agreement, Estimate};
-use clap::ValueEnum;
 use lodestar::encode::bvh::Bvh;
 use lodestar::film::Picture;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{Image, exr};
 use lodestar::renderer::Renderer;
 use lodestar::scene::{Bsdf, LoadOptions, MaterialKind, ReconstructionFilter, Scene, load};
-use lodestar::settings::{SamplePattern, Sampler, Settings};
+use lodestar::settings::{SamplePattern, Sampler, Settings, Words};
 use support::{mutated, tier};
 
 /// A scene, and the samples per pixel of the short test without and with emitter sampling.
@@ -196,7 +195,7 @@ const METHODS: [(Sampler, bool); 4] =
     [(Sampler::Bsdf, false), (Sampler::Bsdf, true), (Sampler::RejectionMix, false), (Sampler::RejectionMix, true)];
 
 fn name(sampler: Sampler) -> String {
-    sampler.to_possible_value().map_or_else(String::new, |value| value.get_name().into())
+    sampler.word().to_owned()
 }
 
 /// Settings with which the references were rendered.

@@ -1,11 +1,9 @@
 //! Checks of settings against the table of options.
 
-use clap::ValueEnum;
-
 use super::entry::{Needs, OptionEntry, Rule, When};
 use super::table::OPTIONS;
 use crate::settings::Settings;
-use crate::settings::value::Value;
+use crate::settings::value::{Value, Words};
 use crate::{Error, Result};
 
 /// Refuses values that are out of range and combinations that cannot be rendered.
@@ -88,8 +86,8 @@ impl Needs {
     /// Remark that says how `settings` break the condition.
     fn remark(self, value: &Value, settings: &Settings) -> String {
         match self {
-            Self::Samplers(_) => format!("; the sampler here is {}", word(&settings.sampler)),
-            Self::Learners(_) => format!("; the learner here is {}", word(&settings.learner)),
+            Self::Samplers(_) => format!("; the sampler here is {}", settings.sampler.word()),
+            Self::Learners(_) => format!("; the learner here is {}", settings.learner.word()),
             Self::Without(..) => String::new(),
             Self::Value(..) => format!(", but it is {value}"),
         }
@@ -112,14 +110,9 @@ impl Rule {
     }
 }
 
-/// Word that the command line takes for `value`.
-fn word<T: ValueEnum>(value: &T) -> String {
-    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-}
-
 /// Noun and names: "sampler a", "samplers a and b", "samplers a, b and c".
-fn listed<T: ValueEnum>(noun: &str, values: &[T]) -> String {
-    let names: Vec<_> = values.iter().map(word).collect();
+fn listed<T: Words>(noun: &str, values: &[T]) -> String {
+    let names: Vec<_> = values.iter().map(|value| value.word()).collect();
     match names.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{noun}s {} and {last}", rest.join(", ")),
         _ => format!("{noun} {}", names.concat()),
