@@ -48,7 +48,11 @@ pub mod gpu;
 #[doc(hidden)]
 pub mod image;
 #[doc(hidden)]
+pub mod inputs;
+#[doc(hidden)]
 pub mod math;
+#[doc(hidden)]
+pub mod quoted;
 #[doc(hidden)]
 pub mod renderer;
 #[cfg(feature = "reproduce")]

@@ -3,7 +3,6 @@
 //! The data window is the rendered window; the display window is the whole film. Compression is lossless. Colors are linear
 //! sRGB, and the header says so.
 
-use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
@@ -19,7 +18,7 @@ use glam::Mat4;
 use super::layers::{Layers, Samples};
 use super::{Image, date};
 use crate::files::write_whole;
-use crate::{Error, Result};
+use crate::{Error, Result, inputs, quoted};
 
 /// Prefix of every attribute that Lodestar writes.
 const ATTRIBUTE_PREFIX: &str = "lodestar.";
@@ -219,7 +218,7 @@ fn display_size(path: &Path) -> Result<[u32; 2]> {
 
 /// Reads the headers without the pixels.
 fn read_meta(path: &Path) -> Result<MetaData> {
-    let file = BufReader::new(File::open(path).map_err(Error::read(path))?);
+    let file = BufReader::new(inputs::open(path)?.0);
     MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))
 }
 
@@ -248,7 +247,7 @@ fn attributes_of<'a>(parts: impl Iterator<Item = &'a LayerAttributes>) -> Attrib
 }
 
 fn read_parts(path: &Path) -> Result<Vec<Part>> {
-    parts_of(path, BufReader::new(File::open(path).map_err(Error::read(path))?))
+    parts_of(path, BufReader::new(inputs::open(path)?.0))
 }
 
 fn parts_of(path: &Path, mut file: impl Read + Seek) -> Result<Vec<Part>> {
@@ -281,7 +280,9 @@ fn read_error(path: &Path, error: ::exr::error::Error) -> Error {
             path,
             format!("it is a kind of EXR image that is not supported ({what}); save it as a flat one"),
         ),
-        other => Error::image(path, format!("it is not a whole EXR image ({other}); write it again")),
+        other => {
+            Error::image(path, format!("it is not a whole EXR image ({}); write it again", quoted::message(&other)))
+        }
     }
 }
 

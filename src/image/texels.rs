@@ -1,22 +1,18 @@
 //! Texture images: JPEG, PNG, TGA, BMP, HDR, PFM and EXR, read in the precision of the file.
 
-use std::fs::File;
-use std::io::{BufReader, Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
 
 use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::{exr, pfm};
-use crate::{Error, Result};
+use crate::{Error, Result, inputs, quoted};
 
 /// Limit on the decoded size in bytes, because a damaged header may ask for any size.
 const MAX_DECODED_BYTES: u64 = 2 << 30;
 const MAX_SIDE: u32 = 1 << 16;
 /// Limit on the file's size in bytes: no image within [`MAX_DECODED_BYTES`] takes more on the disk.
 const MAX_FILE_BYTES: u64 = 2 << 30;
-
-/// Beginning of the text that stands for a file in a repository whose large files were not fetched.
-const GIT_LFS_POINTER: &[u8] = b"version https://git-lfs";
 
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
@@ -48,11 +44,7 @@ pub enum FileTexels {
 /// [`Error::Image`] where the file is cut short, decodes to more than 2 GiB or has an unsupported format;
 /// [`Error::Read`] where it cannot be read.
 pub fn read(path: &Path) -> Result<TexelImage> {
-    let bytes = read_bytes(path)?;
-    if bytes.starts_with(GIT_LFS_POINTER) {
-        return Err(Error::image(path, "the file is a git-lfs pointer, not the image; fetch it with `git lfs pull`"));
-    }
-    decode(path, &bytes)
+    decode(path, &inputs::read(path, MAX_FILE_BYTES)?)
 }
 
 /// Reads an image in memory. `path` is its name, for messages.
@@ -82,24 +74,13 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
     convert(path, image)
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>> {
-    let file = File::open(path).map_err(Error::read(path))?;
-    let size = file.metadata().map_err(Error::read(path))?.len();
-    if size > MAX_FILE_BYTES {
-        return Err(Error::image(path, format!("a file of {size} bytes is refused; the limit is {MAX_FILE_BYTES}")));
-    }
-    let mut bytes = Vec::with_capacity(size as usize);
-    BufReader::new(file).take(MAX_FILE_BYTES).read_to_end(&mut bytes).map_err(Error::read(path))?;
-    Ok(bytes)
-}
-
 fn of_floats(image: super::Image) -> TexelImage {
     let texels = image.pixels.into_iter().map(|[red, green, blue]| [red, green, blue, 1.0]).collect();
     TexelImage { width: image.width, height: image.height, texels: FileTexels::Linear(texels) }
 }
 
 fn decode_error(path: &Path, error: &ImageError) -> Error {
-    let message = error.to_string().replace('\n', " ");
+    let message = quoted::message(error);
     match error {
         ImageError::Limits(_) => {
             Error::image(path, "it is larger than 65536 texels a side or 2 GiB; save a smaller one")

@@ -28,7 +28,7 @@ use crate::session::files::PictureFiles;
 use crate::session::history::History;
 use crate::session::length::Length;
 use crate::settings::Settings;
-use crate::{Error, Result};
+use crate::{Error, Result, inputs};
 
 /// First bytes of a checkpoint. They contain line breaks, which a transfer as text would change.
 pub const MAGIC: [u8; 8] = *b"LDSTR\r\n\x1a";
@@ -165,12 +165,8 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn open(path: &'a Path) -> Result<Self> {
-        let file = File::open(path).map_err(Error::read(path))?;
-        let metadata = file.metadata().map_err(Error::read(path))?;
-        if !metadata.is_file() {
-            return Err(Error::checkpoint(path, "it is not a regular file; give a checkpoint"));
-        }
-        Ok(Self { path, file: BufReader::new(file), bytes_left: metadata.len() })
+        let (file, bytes_left) = inputs::open(path)?;
+        Ok(Self { path, file: BufReader::new(file), bytes_left })
     }
 
     fn header(&mut self) -> Result<Header> {

@@ -10,7 +10,10 @@ use crate::generated::kernels::{BackEnd, Registry, Variant};
 use crate::spirv::inspect::Interface;
 use crate::spirv::module::Module;
 use crate::spirv::tools::{self, ToolFault};
-use crate::{Error, Result};
+use crate::{Error, Result, inputs};
+
+/// Largest file in bytes. Built-in kernels have a hundredth of it.
+const MAX_BYTES: u64 = 64 << 20;
 
 /// Registry in which some kernels came from files.
 #[derive(Debug, Clone)]
@@ -56,7 +59,7 @@ impl Replacement {
     }
 
     fn replace(&mut self, path: &Path, name: &str, built_in: &KernelSource) -> Result<()> {
-        let spirv = fs::read(path).map_err(Error::read(path))?;
+        let spirv = inputs::read(path, MAX_BYTES)?;
         self.check(path, &spirv, built_in)?;
         for kernels in self.registry.all_mut() {
             for kernel in kernels.iter_mut().filter(|kernel| kernel.file == name) {

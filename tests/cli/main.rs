@@ -24,6 +24,7 @@ mod reproduce;
 mod resume;
 mod signals;
 mod statistics;
+mod strangers;
 mod streams;
 mod support;
 mod writes;

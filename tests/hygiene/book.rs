@@ -28,7 +28,7 @@ pub fn read_pages(root: &Path) -> Vec<Page> {
     let page = |source: Source| Page { path: source.path, text: source.text };
     let in_root = |name: &str| Page { path: name.into(), text: std::fs::read_to_string(root.join(name)).unwrap() };
     let pages = read_all(root, BOOK.trim_end_matches('/'), "md").into_iter().map(page);
-    pages.chain(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(in_root)).collect()
+    pages.chain(["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md"].map(in_root)).collect()
 }
 
 /// Links that lead nowhere, pages that the book lacks, and pages that do not say whom they are for. `exists` tells

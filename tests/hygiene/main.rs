@@ -5,6 +5,7 @@ mod faults;
 mod features;
 mod glsl;
 mod graph;
+mod inputs;
 mod modules;
 mod prose;
 mod rust;
@@ -27,6 +28,13 @@ fn files_use_what_is_theirs_to_use() {
     let sources = source::read_all(root(), "src", "rs");
     assert!(!sources.is_empty());
     assert_none(rust::violations(&sources));
+}
+
+#[test]
+fn one_file_opens_what_others_have_made() {
+    let sources = source::read_all(root(), "src", "rs");
+    assert_none(inputs::violations(&sources));
+    assert_none(inputs::stale_exceptions(&sources));
 }
 
 #[test]

@@ -18,6 +18,7 @@ mod obj;
 mod ours;
 mod pbrt;
 mod refuses;
+mod strangers;
 mod sunsky;
 mod textures;
 

@@ -9,7 +9,7 @@ use gltf::Document;
 use gltf::buffer::Source;
 use serde_json::Value as Json;
 
-use crate::{Error, Result};
+use crate::{Error, Result, inputs, quoted};
 
 /// Largest file in bytes, and largest buffer.
 const MAX_BYTES: u64 = 4 << 30;
@@ -59,19 +59,18 @@ pub(super) struct Asset {
 impl Asset {
     /// Reads the file and its buffers.
     pub fn open(path: &Path) -> Result<Self> {
-        let bytes = read_file(path)?;
+        let bytes = inputs::read(path, MAX_BYTES)?;
         let error = |error: gltf::Error| Error::scene(path, None, format!("it is no glTF 2.0 file: {}", brief(&error)));
         let (json, blob) = match bytes.starts_with(MAGIC) {
             true => chunks(path, &bytes)?,
             false => (bytes, None),
         };
-        let raw: Json = serde_json::from_slice(&json)
-            .map_err(|error| Error::scene(path, None, format!("it is no glTF 2.0 file: {error}")))?;
+        let invalid = |error| Error::scene(path, None, format!("it is no glTF 2.0 file: {}", quoted::message(&error)));
+        let raw: Json = serde_json::from_slice(&json).map_err(invalid)?;
         check_required(path, &raw)?;
         // Extensions that only this reader knows are no reason for the crate to refuse a file.
         let raw = without_required(raw);
-        let root: gltf::json::Root = serde_json::from_value(raw)
-            .map_err(|error| Error::scene(path, None, format!("it is no glTF 2.0 file: {error}")))?;
+        let root: gltf::json::Root = serde_json::from_value(raw).map_err(invalid)?;
         check_attributes(path, &root)?;
         check_images(path, &root)?;
         let document = Document::from_json(root).map_err(error)?;
@@ -150,7 +149,7 @@ impl Asset {
             Some(Err(reason)) => Err(self.error(format!("a data URI is damaged: {reason}"))),
             None => {
                 let path = self.path.parent().unwrap_or(Path::new(".")).join(self.file_name(uri)?);
-                read_file(&path).map_err(|error| self.error(format!("a file that it names: {error}")))
+                inputs::read(&path, MAX_BYTES).map_err(|error| self.error(format!("a file that it names: {error}")))
             }
         }
     }
@@ -158,9 +157,11 @@ impl Asset {
     /// Name of the file that a relative URI names.
     pub fn file_name(&self, uri: &str) -> Result<String> {
         if uri.split_once(':').is_some_and(|(scheme, _)| scheme.len() > 1 && !scheme.contains(['/', '.'])) {
-            return Err(self.error(format!("the address `{uri}` is not read; put the file beside the scene")));
+            return Err(
+                self.error(format!("the address {} is not read; put the file beside the scene", quoted::word(uri)))
+            );
         }
-        percent_decoded(uri).ok_or_else(|| self.error(format!("the address `{uri}` is damaged")))
+        percent_decoded(uri).ok_or_else(|| self.error(format!("the address {} is damaged", quoted::word(uri))))
     }
 }
 
@@ -187,18 +188,6 @@ fn percent_decoded(text: &str) -> Option<String> {
         }
     }
     String::from_utf8(bytes).ok()
-}
-
-fn read_file(path: &Path) -> Result<Vec<u8>> {
-    let size = path.metadata().map_err(Error::read(path))?.len();
-    if size > MAX_BYTES {
-        return Err(Error::scene(path, None, format!("a file of {size} bytes is refused; the limit is {MAX_BYTES}")));
-    }
-    let bytes = std::fs::read(path).map_err(Error::read(path))?;
-    match bytes.starts_with(b"version https://git-lfs") {
-        true => Err(Error::scene(path, None, "it is a git-lfs pointer, not the file; fetch it with `git lfs pull`")),
-        false => Ok(bytes),
-    }
 }
 
 /// JSON and binary chunk of a `.glb` file.
@@ -278,9 +267,9 @@ fn without_required(mut raw: Json) -> Json {
 fn brief(error: &gltf::Error) -> String {
     match error {
         gltf::Error::Validation(faults) => match faults.first() {
-            Some((path, fault)) => format!("{path}: {fault}"),
+            Some((path, fault)) => quoted::message(&format!("{path}: {fault}")),
             None => "it is not valid".to_owned(),
         },
-        other => other.to_string().replace('\n', " "),
+        other => quoted::message(other),
     }
 }

@@ -12,7 +12,7 @@ mod words;
 
 use std::path::Path;
 
-use crate::{Error, Result};
+use crate::{Error, Result, inputs};
 
 use curves::CurveFormat;
 pub(super) use triangles::{MAX_TRIANGLES, Mesh};
@@ -54,16 +54,5 @@ pub(super) fn parse_ply(path: &Path, bytes: &[u8]) -> Result<Mesh> {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {
-    let size = path.metadata().map_err(Error::read(path))?.len();
-    if size > MAX_FILE_BYTES {
-        let message = format!("a mesh file of {size} bytes is refused; the limit is {MAX_FILE_BYTES}");
-        return Err(Error::scene(path, None, message));
-    }
-    let bytes = std::fs::read(path).map_err(Error::read(path))?;
-    match bytes.starts_with(b"version https://git-lfs") {
-        true => {
-            Err(Error::scene(path, None, "the file is a git-lfs pointer, not the mesh; fetch it with `git lfs pull`"))
-        }
-        false => Ok(bytes),
-    }
+    inputs::read(path, MAX_FILE_BYTES)
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::triangles::{MAX_TRIANGLES, Mesh, TOO_FEW_VERTICES, add_polygon};
 use super::words::Words;
-use crate::{Error, Result};
+use crate::{Error, Result, quoted};
 
 /// Reads the mesh in the OBJ file at `path`, which holds `text`.
 pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Mesh> {
@@ -258,7 +258,7 @@ impl<'a> Lines<'a> {
         let mut corner = [None; 3];
         for (kind, index) in word.split('/').enumerate() {
             if kind == 3 {
-                return Err(format!("`{word}` has too many indices"));
+                return Err(format!("{} has too many indices", quoted::word(&word)));
             }
             if kind == 0 || !index.is_empty() {
                 corner[kind] = Some(self.index(kind, index).ok_or_else(|| self.not_an_index(kind, index, &word))?);
@@ -278,10 +278,10 @@ impl<'a> Lines<'a> {
     fn not_an_index(&self, kind: usize, index: &str, word: &str) -> String {
         let digits = index.strip_prefix(['-', '+']).unwrap_or(index);
         if digits.is_empty() || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
-            return format!("`{word}` is not a vertex of a face");
+            return format!("{} is not a vertex of a face", quoted::word(word));
         }
         let total = self.totals.map_or(0, |totals| totals[kind]);
-        format!("{} index {index} is out of range; the file has {total}", KINDS[kind])
+        format!("{} index {} is out of range; the file has {total}", KINDS[kind], quoted::word(index))
     }
 }
 

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 
 use super::triangles::{Mesh, add_polygon};
 use super::words::Words;
-use crate::{Error, Result};
+use crate::{Error, Result, quoted};
 
 /// Reads the mesh in the PLY file at `path`, which holds `bytes`.
 pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Mesh> {
@@ -76,7 +76,7 @@ fn read_header(bytes: &[u8]) -> Result<(Vec<Element>, Source<'_>), Fault> {
                 return Ok((elements, Source { encoding, words }));
             }
             [] | b"comment" | b"obj_info" => {}
-            word => return Err(fault(format!("`{}` is not a keyword of PLY headers", text(word)))),
+            word => return Err(fault(format!("{} is not a keyword of PLY headers", quoted::bytes(word)))),
         }
     }
     Err((Some(words.line()), "the header does not end: is the file cut short?".to_string()))
@@ -87,13 +87,13 @@ fn read_format(words: &mut Words) -> Result<Encoding, String> {
         b"ascii" => Ok(Encoding::Text),
         b"binary_little_endian" => Ok(Encoding::LittleEndian),
         b"binary_big_endian" => Ok(Encoding::BigEndian),
-        word => Err(format!("the PLY format `{}` is not supported", text(word))),
+        word => Err(format!("the PLY format {} is not supported", quoted::bytes(word))),
     }
 }
 
 fn read_element(words: &mut Words) -> Result<Element, String> {
     let (name, count) = (text(words.next()), text(words.next()));
-    let count = count.parse().map_err(|_| format!("`{count}` is not a number of elements"))?;
+    let count = count.parse().map_err(|_| format!("{} is not a number of elements", quoted::word(&count)))?;
     Ok(Element { name, count, properties: Vec::new() })
 }
 
@@ -116,7 +116,7 @@ fn scalar(word: &[u8]) -> Result<Scalar, String> {
         b"uint" | b"uint32" => Scalar::U32,
         b"float" | b"float32" => Scalar::F32,
         b"double" | b"float64" => Scalar::F64,
-        _ => return Err(format!("`{}` is not a type of a PLY property", text(word))),
+        _ => return Err(format!("{} is not a type of a PLY property", quoted::bytes(word))),
     })
 }
 
@@ -145,7 +145,7 @@ impl Source<'_> {
             let word = self.words.next();
             if !word.is_empty() {
                 let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-                return number.map(Some).ok_or_else(|| format!("`{}` is not a number", text(word)));
+                return number.map(Some).ok_or_else(|| format!("{} is not a number", quoted::bytes(word)));
             }
             if !self.words.next_line() {
                 return Ok(None);
@@ -257,7 +257,11 @@ impl Element {
 
     fn number(&self, source: &mut Source, scalar: Scalar) -> Result<f64, String> {
         source.number(scalar)?.ok_or_else(|| {
-            format!("the file ends too early: its header promises {} of the element `{}`", self.count, self.name)
+            format!(
+                "the file ends too early: its header promises {} of the element {}",
+                self.count,
+                quoted::word(&self.name)
+            )
         })
     }
 

@@ -1,14 +1,14 @@
 //! Mitsuba's `serialized` meshes, versions 3 and 4: several compressed meshes, then a table of their offsets.
 
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Take};
 use std::path::Path;
 
 use flate2::bufread::ZlibDecoder;
 use glam::Vec2;
 
 use super::triangles::{MAX_TRIANGLES, Mesh};
-use crate::{Error, Result};
+use crate::scene::inflate;
+use crate::{Error, Result, inputs};
 
 const MAGIC: u64 = 0x041c;
 /// Flags: attributes that the mesh has, and whether its numbers are doubles. The flag for flat shading (0x10) is
@@ -20,11 +20,11 @@ const DOUBLES: u32 = 0x2000;
 
 /// Reads mesh number `index` of the file at `path`, and no other.
 pub(super) fn read(path: &Path, index: usize) -> Result<Mesh> {
-    let file = File::open(path).map_err(Error::read(path))?;
-    read_mesh(BufReader::new(file), index).map_err(|message| Error::scene(path, None, message))
+    let (file, length) = inputs::open(path)?;
+    read_mesh(BufReader::new(file), length, index).map_err(|message| Error::scene(path, None, message))
 }
 
-fn read_mesh<R: BufRead + Seek>(mut file: R, index: usize) -> Result<Mesh, String> {
+fn read_mesh<R: BufRead + Seek>(mut file: R, length: u64, index: usize) -> Result<Mesh, String> {
     let version = version(&mut file).ok_or("this is not a serialized mesh: its first bytes are wrong")?;
     if version != 3 && version != 4 {
         return Err(format!("version {version} of serialized meshes is not supported; write 3 or 4"));
@@ -36,7 +36,8 @@ fn read_mesh<R: BufRead + Seek>(mut file: R, index: usize) -> Result<Mesh, Strin
             return Err(format!("the table of meshes is wrong: no mesh begins at the offset of number {index}"));
         }
     }
-    Stream { bytes: BufReader::new(ZlibDecoder::new(file)), doubles: false }.mesh(version)
+    let content = ZlibDecoder::new(file).take(inflate::most_bytes(length));
+    Stream { bytes: BufReader::new(content), doubles: false }.mesh(version)
 }
 
 /// Version in a mesh's header; `None` where it is no serialized mesh.
@@ -74,7 +75,7 @@ fn number(bytes: &[u8]) -> u64 {
 
 /// Decompressed content of a mesh.
 struct Stream<R> {
-    bytes: R,
+    bytes: BufReader<Take<R>>,
     doubles: bool,
 }
 
@@ -150,6 +151,9 @@ impl<R: Read> Stream<R> {
     }
 
     fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
-        take(&mut self.bytes).map_err(|error| format!("the mesh ends too early or is damaged: {error}"))
+        take(&mut self.bytes).map_err(|error| match self.bytes.get_ref().limit() {
+            0 => inflate::TOO_LONG.to_owned(),
+            _ => format!("the mesh ends too early or is damaged: {error}"),
+        })
     }
 }

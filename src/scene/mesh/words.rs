@@ -1,5 +1,7 @@
 //! Words and numbers of a text mesh, line by line.
 
+use crate::quoted;
+
 /// Position within a text.
 #[derive(Clone)]
 pub(super) struct Words<'a> {
@@ -74,7 +76,7 @@ impl<'a> Words<'a> {
 pub(super) fn parse_float(word: &[u8]) -> Result<f32, String> {
     let parse = || std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
     let number = short_decimal(word).or_else(parse).filter(|number| number.is_finite());
-    number.ok_or_else(|| format!("`{}` is not a finite number", String::from_utf8_lossy(word)))
+    number.ok_or_else(|| format!("{} is not a finite number", quoted::bytes(word)))
 }
 
 /// Most digits of a decimal whose mantissa and power of ten are both exact as a double.

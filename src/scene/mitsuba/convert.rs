@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::ffi::OsStr;
 use std::fs;
-use std::io::{self, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::description::Description;
@@ -13,7 +13,7 @@ use super::folders::FoundFile;
 use super::transform;
 use crate::scene::mesh::{Mesh, ply_writer};
 use crate::scene::{Camera, FilmDescription, FovAxis, Scene};
-use crate::{Error, Result, files};
+use crate::{Error, Result, files, inputs};
 
 /// Version of the format that is written.
 const VERSION: &str = "3.0.0";
@@ -184,8 +184,8 @@ impl Writer<'_> {
             // A scene beside its own files: nothing is to be copied.
             None if target.canonicalize().is_ok_and(|target| target == source) => {}
             None => {
-                let mut reader = fs::File::open(&source).map_err(Error::read(&source))?;
-                files::write_whole(&target, |file| io::copy(&mut reader, file).map(drop))?;
+                let (reader, length) = inputs::open(&source)?;
+                files::write_whole(&target, |file| io::copy(&mut reader.take(length), file).map(drop))?;
             }
         }
         let relative = self.relative(&name);

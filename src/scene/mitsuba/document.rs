@@ -7,19 +7,19 @@ use std::sync::Arc;
 
 use roxmltree::Node;
 
+use super::budget::{self, Budget};
 use super::element::{Element, Location, OBJECT_TAGS, PARAMETER_TAGS};
 use super::faults::Faults;
 use super::fit::View;
 use super::folders::Folders;
 use super::transform;
 use crate::scene::mesh::Mesh;
-use crate::{Error, Result};
+use crate::scene::text::{self, Decoded};
+use crate::{Error, Result, inputs, quoted};
 
-/// Largest scene file in bytes. The bulk of a scene lies in meshes, so a larger file is a mistake.
-const MAX_FILE_BYTES: u64 = 64 << 20;
+pub(super) use super::budget::MAX_ELEMENT_DEPTH;
+
 const MAX_INCLUDE_DEPTH: usize = 16;
-/// Deepest nesting of elements: far above any nesting of plugins, far below the limit of recursion.
-pub(super) const MAX_ELEMENT_DEPTH: usize = 64;
 
 const TRANSFORM_TAGS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
 
@@ -51,6 +51,7 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document
         parameters: defines.iter().cloned().collect(),
         known: HashSet::new(),
         open_files: Vec::new(),
+        budget: Budget::default(),
     };
     let elements = reader.read_file(path)?;
     for (name, _) in defines {
@@ -75,29 +76,32 @@ struct Reader {
     known: HashSet<String>,
     /// Canonical paths of the includes being read, from the outermost.
     open_files: Vec<PathBuf>,
+    budget: Budget,
 }
 
 /// Data that all nodes of one file share.
 struct File {
     path: Arc<Path>,
     /// Byte offsets at which lines start. Asking roxmltree for each node's line would take quadratic time.
-    line_starts: Vec<usize>,
+    line_starts: Vec<u32>,
 }
 
 impl File {
     fn location(&self, node: Node) -> Location {
-        let line = self.line_starts.partition_point(|&start| start <= node.range().start);
+        let line = self.line_starts.partition_point(|&start| start as usize <= node.range().start);
         Location { file: self.path.clone(), line: Some(line as u32) }
     }
 }
 
 impl Reader {
     fn read_file(&mut self, path: &Path) -> Result<Vec<Element>> {
-        let text = read_text(path)?;
+        let Decoded { text, .. } = self.read_text(path)?;
         let canonical = path.canonicalize().map_err(Error::read(path))?;
         self.open_files.push(canonical);
-        let document = roxmltree::Document::parse(&text).map_err(|error| xml_error(path, &text, &error))?;
-        let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        let options = roxmltree::ParsingOptions { nodes_limit: budget::MOST_NODES, ..Default::default() };
+        let document = roxmltree::Document::parse_with_options(&text, options);
+        let document = document.map_err(|error| xml_error(path, &text, &error))?;
+        let line_starts = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at as u32 + 1)).collect();
         let file = File { path: Arc::from(path), line_starts };
         let root = document.root_element();
         let mut elements = Vec::new();
@@ -117,6 +121,19 @@ impl Reader {
         Ok(elements)
     }
 
+    /// Text of a file, whose elements and attributes are within the limits.
+    fn read_text(&mut self, path: &Path) -> Result<Decoded> {
+        let mut decoded = text::decode(inputs::read(path, budget::MOST_BYTES)?).map_err(|(bytes, at)| {
+            let message = "the text is neither UTF-8, nor UTF-16 or Latin-1 that is marked as such";
+            Error::scene(path, Some(line_at(&bytes, at)), message)
+        })?;
+        blank_document_type(&mut decoded.text);
+        self.budget
+            .count(&decoded)
+            .map_err(|(at, message)| Error::scene(path, Some(line_at(decoded.text.as_bytes(), at)), message))?;
+        Ok(decoded)
+    }
+
     fn read_children(&mut self, parent: Node, file: &File, depth: usize, into: &mut Vec<Element>) -> Result<()> {
         for node in parent.children() {
             if node.is_element() {
@@ -132,16 +149,13 @@ impl Reader {
     fn skip_text(&mut self, text: &str, location: &Location) {
         let word = text.split(|c: char| c.is_whitespace() || INVISIBLE.contains(&c)).find(|word| !word.is_empty());
         if let Some(word) = word {
-            let word: String = word.chars().take(20).collect();
-            self.warnings.push(format!("{location}: the text `{word}` between elements is ignored"));
+            let word = quoted::word(word);
+            self.warnings.push(format!("{location}: text between elements is ignored: {word}"));
         }
     }
 
     fn read_node(&mut self, node: Node, file: &File, depth: usize, into: &mut Vec<Element>) -> Result<()> {
         let location = file.location(node);
-        if depth > MAX_ELEMENT_DEPTH {
-            return Err(location.error(format!("elements are nested more than {MAX_ELEMENT_DEPTH} deep")));
-        }
         let mut element = Element {
             tag: node.tag_name().name().to_string(),
             attributes: self.read_attributes(node, &location)?,
@@ -188,6 +202,7 @@ impl Reader {
             let value = self.parameters.get(name).ok_or_else(|| {
                 location.error(format!("${name} is not defined: give it a <default> above, or -D {name}=VALUE"))
             })?;
+            self.budget.expand(value.len()).map_err(|message| location.error(message))?;
             result.push_str(value);
             result.push_str(rest);
             self.known.insert(name.to_string());
@@ -223,6 +238,7 @@ impl Reader {
         if self.open_files.len() >= MAX_INCLUDE_DEPTH {
             return Err(element.error(format!("`{name}`: includes are nested more than {MAX_INCLUDE_DEPTH} deep")));
         }
+        self.budget.include().map_err(|message| element.error(message))?;
         self.read_file(&path)
     }
 }
@@ -242,17 +258,15 @@ fn check_tag(element: &Element, depth: usize) -> Result<()> {
     Err(element.error(format!("the element <{tag}> is not supported")))
 }
 
-fn read_text(path: &Path) -> Result<String> {
-    let size = path.metadata().map_err(Error::read(path))?.len();
-    if size > MAX_FILE_BYTES {
-        let message = format!("a scene file of {size} bytes is refused; the limit is {MAX_FILE_BYTES}");
-        return Err(Error::scene(path, None, message));
+/// Replaces a `<!DOCTYPE>` that only names the document's type by spaces, as Mitsuba skips it. One that defines something is left to the
+/// parser, which refuses it.
+fn blank_document_type(text: &mut String) {
+    let Some(begin) = text.find("<!DOCTYPE") else { return };
+    let Some(length) = text[begin..].find(['>', '[']) else { return };
+    if text[begin + length..].starts_with('>') {
+        let blank: String = text[begin..=begin + length].chars().map(|c| if c == '\n' { c } else { ' ' }).collect();
+        text.replace_range(begin..=begin + length, &blank);
     }
-    let bytes = std::fs::read(path).map_err(Error::read(path))?;
-    String::from_utf8(bytes).map_err(|error| {
-        let line = line_at(error.as_bytes(), error.utf8_error().valid_up_to());
-        Error::scene(path, Some(line), "the text is not UTF-8")
-    })
 }
 
 /// Line of a byte, counted from 1.
@@ -262,10 +276,34 @@ fn line_at(text: &[u8], offset: usize) -> u32 {
 
 fn xml_error(path: &Path, text: &str, error: &roxmltree::Error) -> Error {
     use roxmltree::Error as Xml;
-    let line = match error {
+    let (end, word) = (line_at(text.as_bytes(), text.len()), quoted::word);
+    let malformed = |message: &str| format!("malformed XML: {message}");
+    let (line, message) = match error {
         // These errors carry no position: the missing text is missing at the end.
-        Xml::UnclosedRootNode | Xml::UnexpectedEndOfStream | Xml::NoRootNode => line_at(text.as_bytes(), text.len()),
-        _ => error.pos().row,
+        Xml::UnclosedRootNode | Xml::UnexpectedEndOfStream | Xml::NoRootNode => (end, malformed(&error.to_string())),
+        Xml::NodesLimitReached => (end, budget::too_many_elements()),
+        Xml::DtdDetected => {
+            let line = line_at(text.as_bytes(), text.find("<!DOCTYPE").unwrap_or(0));
+            (
+                line,
+                "the definitions of a <!DOCTYPE> are not read; write out what they define, and delete them".to_owned(),
+            )
+        }
+        // These quote words of the file, of any length.
+        Xml::UnexpectedCloseTag(expected, actual, at) => {
+            (at.row, malformed(&format!("{} is closed by {}", word(expected), word(actual))))
+        }
+        Xml::DuplicatedAttribute(name, at) => {
+            (at.row, malformed(&format!("the attribute {} stands twice", word(name))))
+        }
+        Xml::DuplicatedNamespace(name, at) => {
+            (at.row, malformed(&format!("the namespace {} stands twice", word(name))))
+        }
+        Xml::UnknownNamespace(name, at) => (at.row, malformed(&format!("the namespace {} is not known", word(name)))),
+        Xml::UnknownEntityReference(name, at) => {
+            (at.row, malformed(&format!("the entity {} is not known", word(name))))
+        }
+        _ => (error.pos().row, malformed(&quoted::message(error))),
     };
-    Error::scene(path, Some(line), format!("malformed XML: {error}"))
+    Error::scene(path, Some(line), message)
 }

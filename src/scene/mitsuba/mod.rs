@@ -1,5 +1,6 @@
 //! Mitsuba's scene format: XML of any version to a [`Scene`](super::Scene).
 
+mod budget;
 mod color;
 mod color_blocks;
 mod color_matching;

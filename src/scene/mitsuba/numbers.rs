@@ -1,7 +1,7 @@
 //! Numbers as Mitsuba writes them: finite, separated by spaces or commas.
 
 use super::element::Element;
-use crate::Result;
+use crate::{Result, quoted};
 
 /// Parses all numbers of `text`. Errors point at `element`.
 pub(super) fn list(element: &Element, text: &str) -> Result<Vec<f64>> {
@@ -16,8 +16,8 @@ pub(super) fn one(element: &Element, text: &str) -> Result<f64> {
     match text.trim().parse::<f64>() {
         // The device uses f32, so the number must be finite as an f32.
         Ok(value) if (value as f32).is_finite() => Ok(value),
-        Ok(_) => Err(element.error(format!("`{text}` is not a finite number"))),
-        Err(_) => Err(element.error(format!("`{text}` is not a number"))),
+        Ok(_) => Err(element.error(format!("{} is not a finite number", quoted::word(text)))),
+        Err(_) => Err(element.error(format!("{} is not a number", quoted::word(text)))),
     }
 }
 
@@ -26,7 +26,7 @@ pub(super) fn one_or_three(element: &Element, text: &str) -> Result<[f64; 3]> {
     match list(element, text)?[..] {
         [gray] => Ok([gray; 3]),
         [x, y, z] => Ok([x, y, z]),
-        _ => Err(element.error(format!("`{text}` should be one number or three"))),
+        _ => Err(element.error(format!("{} should be one number or three", quoted::word(text)))),
     }
 }
 
@@ -34,7 +34,7 @@ pub(super) fn one_or_three(element: &Element, text: &str) -> Result<[f64; 3]> {
 pub(super) fn three(element: &Element, text: &str) -> Result<[f64; 3]> {
     match list(element, text)?[..] {
         [x, y, z] => Ok([x, y, z]),
-        _ => Err(element.error(format!("`{text}` should be three numbers"))),
+        _ => Err(element.error(format!("{} should be three numbers", quoted::word(text)))),
     }
 }
 

@@ -3,7 +3,8 @@
 use super::element::Element;
 use super::folders::Folders;
 use super::{color_matching, numbers};
-use crate::{Error, Result};
+use crate::scene::text;
+use crate::{Result, inputs, quoted};
 
 /// Uses of a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,9 +61,9 @@ pub(super) fn uniform(value: f64, spectrum_use: SpectrumUse) -> [f64; 3] {
 /// Parses pairs such as `400:0.1, 500:0.2`.
 fn parse_pairs(element: &Element, text: &str) -> Result<Vec<[f64; 2]>> {
     let pair = |word: &str| {
-        let (wavelength, value) = word
-            .split_once(':')
-            .ok_or_else(|| element.error(format!("`{word}` in a <spectrum> should be wavelength:value")))?;
+        let (wavelength, value) = word.split_once(':').ok_or_else(|| {
+            element.error(format!("{} in a <spectrum> should be wavelength:value", quoted::word(word)))
+        })?;
         Ok([numbers::one(element, wavelength)?, numbers::one(element, value)?])
     };
     let words = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
@@ -74,15 +75,14 @@ fn read_file(element: &Element, name: &str, folders: &Folders) -> Result<Vec<[f6
     let path = folders
         .find(name, &element.location.file)
         .ok_or_else(|| element.error(format!("the spectrum file `{name}` does not exist")))?;
-    if path.metadata().map_err(Error::read(&path))?.len() > MAX_FILE_BYTES {
-        return Err(element.error(format!("the spectrum file `{name}` is larger than {MAX_FILE_BYTES} bytes")));
-    }
-    let text = std::fs::read_to_string(&path).map_err(Error::read(&path))?;
+    let text = inputs::read(&path, MAX_FILE_BYTES)?;
+    let text = std::str::from_utf8(text::without_mark(&text))
+        .map_err(|_| element.error(format!("the spectrum file `{name}` is no text in UTF-8")))?;
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     lines
         .map(|line| match numbers::list(element, line)?[..] {
             [wavelength, value] => Ok([wavelength, value]),
-            _ => Err(element.error(format!("`{line}` in `{name}` should be a wavelength and a value"))),
+            _ => Err(element.error(format!("each line of `{name}` should be a wavelength and a value"))),
         })
         .collect()
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::color_space::ColorSpace;
 use super::files::Files;
-use super::parameters::{Parameter, Parameters};
+use super::parameters::{MAX_PARAMETERS, Parameter, Parameters};
 use super::read_form;
 use super::tokens::{Place, brief};
 use super::transforms::Current;
@@ -36,7 +36,7 @@ pub(super) struct State {
     material: MaterialUse,
     light: Option<Rc<Entity>>,
     /// Parameters by `Attribute`, for each of [`TARGETS`].
-    attributes: [Rc<Vec<Parameter>>; TARGETS.len()],
+    attributes: [Rc<Vec<Rc<Parameter>>>; TARGETS.len()],
 }
 
 /// Scene that grows by each directive.
@@ -61,6 +61,7 @@ pub(super) struct Builder {
     known_warnings: HashSet<&'static str>,
     texture_count: usize,
     entity_count: usize,
+    vertex_count: usize,
     /// Triangles of the forms in memory, at most [`MAX_TRIANGLES`].
     triangle_count: usize,
 }
@@ -94,6 +95,7 @@ impl Builder {
             known_warnings: HashSet::new(),
             texture_count: 0,
             entity_count: 0,
+            vertex_count: 0,
             triangle_count: 0,
         }
     }
@@ -224,9 +226,14 @@ impl Builder {
                 TARGETS.join(", ")
             )));
         };
-        let old = mem::take(&mut self.state.attributes[index]);
+        let (old, place) = (mem::take(&mut self.state.attributes[index]), parameters.place.clone());
         let mut list = parameters.into_list();
         list.extend(old.iter().filter(|old| !list.iter().any(|new| new.name == old.name)).cloned().collect::<Vec<_>>());
+        if list.len() > MAX_PARAMETERS {
+            return Err(
+                place.error(format!("the attributes of `{target}` are more than {MAX_PARAMETERS}; leave some out"))
+            );
+        }
         self.state.attributes[index] = Rc::new(list);
         Ok(())
     }
@@ -313,6 +320,13 @@ impl Builder {
             return Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles")));
         }
         self.triangle_count += form.triangle_count();
+        self.vertex_count += form.vertex_count();
+        if self.vertex_count > 3 * MAX_TRIANGLES {
+            let most = 3 * MAX_TRIANGLES;
+            return Err(
+                entity.error(format!("with this shape the scene has more than {most} vertices; leave out unused ones"))
+            );
+        }
         self.warnings.extend(entity.parameters.unread());
         entity.parameters.keep_only(&["alpha"]);
         let State { is_reversed, ref material, ref light, .. } = self.state;

@@ -7,7 +7,7 @@ use super::builder::Builder;
 use super::parameters::Parameters;
 use super::tokens::{Place, Token, Tokens, brief};
 use super::transforms::Current;
-use crate::Result;
+use crate::{Result, quoted};
 
 /// Deepest nesting of included files.
 const MAX_DEPTH: usize = 64;
@@ -140,7 +140,9 @@ fn transform(builder: &mut Builder, word: &str, tokens: &mut Tokens, place: &Pla
             }
         },
         _ => {
-            return Err(place.error(format!("`{}` is not a directive of pbrt-v4; check its spelling", brief(word))));
+            return Err(
+                place.error(format!("{} is not a directive of pbrt-v4; check its spelling", quoted::word(word)))
+            );
         }
     };
     builder.transform_by(&by, place)

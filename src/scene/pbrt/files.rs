@@ -1,16 +1,21 @@
 //! Files that a scene names: found beside the scene's main file, read within limits.
 
-use std::fs::File;
+use std::collections::HashSet;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 
 use super::tokens::Place;
-use crate::{Error, Result};
+use crate::scene::{inflate, text};
+use crate::{Error, Result, inputs};
 
-/// Largest file in bytes, after decompression, too.
+/// Largest file in bytes.
 const MAX_BYTES: u64 = 4 << 30;
+/// Most bytes of all files, after decompression, too.
+const MOST_BYTES: u64 = 16 << 30;
+/// Most bytes of files that have been read before: a file that includes another many times would make any number of few.
+const MOST_REPEATED_BYTES: u64 = 256 << 20;
 
 /// First bytes of a file that is compressed by gzip.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
@@ -19,12 +24,16 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 pub(super) struct Files {
     folder: PathBuf,
     bytes_left: u64,
+    repeated_left: u64,
+    /// Files that have been read.
+    known: HashSet<PathBuf>,
 }
 
 impl Files {
     /// Files of the scene whose main file is at `main`.
     pub fn new(main: &Path) -> Self {
-        Self { folder: main.parent().unwrap_or(Path::new("")).to_path_buf(), bytes_left: 4 * MAX_BYTES }
+        let folder = main.parent().unwrap_or(Path::new("")).to_path_buf();
+        Self { folder, bytes_left: MOST_BYTES, repeated_left: MOST_REPEATED_BYTES, known: HashSet::new() }
     }
 
     /// Path of the file that the scene calls `name`. As in pbrt, names are relative to the folder of the main file.
@@ -44,61 +53,45 @@ impl Files {
     /// Text of a file, which may be compressed by gzip. Bytes that are no UTF-8, as in old comments, are replaced.
     pub fn text(&mut self, path: &Path) -> Result<String> {
         let bytes = self.bytes(path)?;
-        Ok(String::from_utf8(bytes).unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned()))
+        Ok(text::decode(bytes).map_or_else(|(bytes, _)| String::from_utf8_lossy(&bytes).into_owned(), |text| text.text))
     }
 
     /// Content of a file, decompressed where it is compressed by gzip.
     pub fn bytes(&mut self, path: &Path) -> Result<Vec<u8>> {
-        let metadata = path.metadata().map_err(Error::read(path))?;
-        if !metadata.is_file() {
-            return Err(Error::scene(path, None, "it is not a file"));
-        }
-        let limit = MAX_BYTES.min(self.bytes_left);
-        let mut file = File::open(path).map_err(Error::read(path))?;
-        let mut bytes = Vec::new();
-        let read = |file: &mut dyn Read, bytes: &mut Vec<u8>| -> Result<()> {
-            file.take(limit + 1).read_to_end(bytes).map_err(Error::read(path))?;
-            match bytes.len() as u64 > limit {
-                true => Err(Error::scene(
-                    path,
-                    None,
-                    format!("with it the scene's files have more bytes than the limit of {limit}"),
-                )),
-                false => Ok(()),
-            }
-        };
-        read(&mut file, &mut bytes)?;
+        let fault = |message: String| Error::scene(path, None, message);
+        let mut bytes = inputs::read(path, MAX_BYTES)?;
         if bytes.starts_with(&GZIP) {
+            let limit = inflate::most_bytes(bytes.len() as u64).min(MOST_BYTES);
             let mut content = Vec::new();
-            read(&mut MultiGzDecoder::new(&bytes[..]), &mut content)?;
+            MultiGzDecoder::new(&bytes[..]).take(limit + 1).read_to_end(&mut content).map_err(Error::read(path))?;
+            if content.len() as u64 > limit {
+                return Err(fault(inflate::TOO_LONG.to_owned()));
+            }
             bytes = content;
         }
-        if bytes.starts_with(b"version https://git-lfs") {
-            return Err(Error::scene(
-                path,
-                None,
-                "it is a git-lfs pointer, not the file; fetch it with `git lfs pull`",
-            ));
+        let length = bytes.len() as u64;
+        self.bytes_left = (self.bytes_left.checked_sub(length))
+            .ok_or_else(|| fault(format!("with it the scene's files have more than {MOST_BYTES} bytes")))?;
+        if !self.known.insert(path.canonicalize().map_err(Error::read(path))?) {
+            self.repeated_left = self.repeated_left.checked_sub(length).ok_or_else(|| {
+                let message = format!("files that are read again and again have more than {MOST_REPEATED_BYTES} bytes");
+                fault(format!("{message}; use ObjectBegin and ObjectInstance for what repeats"))
+            })?;
         }
-        self.bytes_left -= bytes.len() as u64;
         Ok(bytes)
     }
 }
 
 /// Beginning of a file, decompressed where it is compressed by gzip, and whether it is.
 pub(super) fn beginning(path: &Path, length: u64) -> Result<(Vec<u8>, bool)> {
-    let metadata = path.metadata().map_err(Error::read(path))?;
-    if !metadata.is_file() {
-        return Err(Error::scene(path, None, "it is not a file"));
+    let begin = |reader: &mut dyn Read| -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        reader.take(length).read_to_end(&mut bytes).map_err(Error::read(path))?;
+        Ok(bytes)
+    };
+    let bytes = begin(&mut inputs::open(path)?.0)?;
+    match bytes.starts_with(&GZIP) {
+        true => Ok((begin(&mut MultiGzDecoder::new(inputs::open(path)?.0))?, true)),
+        false => Ok((bytes, false)),
     }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(Error::read(path))?;
-    file.take(length).read_to_end(&mut bytes).map_err(Error::read(path))?;
-    if !bytes.starts_with(&GZIP) {
-        return Ok((bytes, false));
-    }
-    let mut content = Vec::new();
-    let file = File::open(path).map_err(Error::read(path))?;
-    MultiGzDecoder::new(file).take(length).read_to_end(&mut content).map_err(Error::read(path))?;
-    Ok((content, true))
 }

@@ -35,6 +35,14 @@ impl Form {
         }
     }
 
+    /// Number of vertices in memory.
+    pub fn vertex_count(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.positions.len(),
+            Self::Ply { .. } | Self::Sphere { .. } | Self::Disk { .. } => 0,
+        }
+    }
+
     /// Whether vertices have normals, so that the surface is smooth.
     pub fn has_normals(&self) -> bool {
         match self {

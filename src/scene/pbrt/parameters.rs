@@ -65,6 +65,9 @@ impl Parameter {
     }
 }
 
+/// Most parameters of one directive, and of all `Attribute` directives for one kind. pbrt's plugins have up to 30.
+pub(super) const MAX_PARAMETERS: usize = 256;
+
 /// Parameters of one directive, and of the `Attribute` directives that apply to it.
 #[derive(Debug, Clone)]
 pub(super) struct Parameters {
@@ -74,7 +77,7 @@ pub(super) struct Parameters {
     pub owner: String,
     own: Vec<(Parameter, Cell<bool>)>,
     /// Parameters that hold where the directive does not give its own.
-    defaults: Rc<Vec<Parameter>>,
+    defaults: Rc<Vec<Rc<Parameter>>>,
 }
 
 impl Parameters {
@@ -86,19 +89,22 @@ impl Parameters {
             if own.iter().any(|(other, _)| other.name == parameter.name) {
                 return Err(parameter.error(format!("of {owner} is given twice")));
             }
+            if own.len() == MAX_PARAMETERS {
+                return Err(place.error(format!("{owner} has more than {MAX_PARAMETERS} parameters; leave some out")));
+            }
             own.push((parameter, Cell::new(false)));
         }
         Ok(Self { place, owner, own, defaults: Rc::default() })
     }
 
     /// The parameters with others that hold where these are silent.
-    pub fn with_defaults(self, defaults: &Rc<Vec<Parameter>>) -> Self {
+    pub fn with_defaults(self, defaults: &Rc<Vec<Rc<Parameter>>>) -> Self {
         Self { defaults: Rc::clone(defaults), ..self }
     }
 
-    /// The parameters alone.
-    pub fn into_list(self) -> Vec<Parameter> {
-        self.own.into_iter().map(|(parameter, _)| parameter).collect()
+    /// The parameters alone, which many directives can share.
+    pub fn into_list(self) -> Vec<Rc<Parameter>> {
+        self.own.into_iter().map(|(parameter, _)| Rc::new(parameter)).collect()
     }
 
     pub fn error(&self, message: impl Into<String>) -> crate::Error {
@@ -112,7 +118,7 @@ impl Parameters {
                 is_read.set(true);
                 Some(parameter)
             }
-            None => self.defaults.iter().find(|parameter| parameter.name == name),
+            None => self.defaults.iter().find(|parameter| parameter.name == name).map(Rc::as_ref),
         }
     }
 

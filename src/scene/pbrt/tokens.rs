@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::{Error, Result};
+use crate::{Error, Result, quoted};
 
 /// Line of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -42,8 +42,8 @@ pub(super) enum Token<'a> {
 impl fmt::Display for Token<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Word(word) => write!(f, "`{}`", brief(word)),
-            Self::Quoted(text) => write!(f, "\"{}\"", brief(text)),
+            Self::Word(word) => f.write_str(&quoted::word(word)),
+            Self::Quoted(text) => write!(f, "the text {}", quoted::word(text)),
             Self::Open => f.write_str("`[`"),
             Self::Close => f.write_str("`]`"),
         }
@@ -52,7 +52,7 @@ impl fmt::Display for Token<'_> {
 
 /// Beginning of a text, for messages.
 pub(super) fn brief(text: &str) -> String {
-    const LENGTH: usize = 60;
+    const LENGTH: usize = 40;
     let plain = |c: char| if c.is_control() { ' ' } else { c };
     match text.char_indices().nth(LENGTH) {
         None => text.chars().map(plain).collect(),

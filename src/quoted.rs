@@ -1,0 +1,60 @@
+//! Words of files, as messages quote them. A scene may name any file that its reader may read, and a message may go to others, so a
+//! message quotes one short word of a file and never a line.
+
+/// Most characters of a word that a message quotes.
+const MOST_CHARACTERS: usize = 40;
+
+/// The word between backticks if it is short and printable, or else a phrase that says how long it is.
+pub fn word(word: &str) -> String {
+    match is_quotable(word) {
+        true => format!("`{word}`"),
+        false => {
+            let count = word.chars().count();
+            let what = if word.chars().any(char::is_control) { "a word with control characters" } else { "a word" };
+            format!("{what} of {count} characters")
+        }
+    }
+}
+
+/// A word of a file that may be no text.
+pub fn bytes(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => word(text),
+        Err(_) => format!("a word of {} bytes that are no text", bytes.len()),
+    }
+}
+
+/// The message of another library, in one line. What it quotes is replaced by dots, unless all of it is short and printable.
+pub fn message(error: &impl std::fmt::Display) -> String {
+    let text = error.to_string();
+    let is_quote = |c: char| matches!(c, '"' | '`' | '\'');
+    let line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    match (text.find(is_quote), text.rfind(is_quote)) {
+        (Some(begin), Some(end)) if !is_quotable(&text[begin + 1..end.max(begin + 1)]) => {
+            line(&format!("{}...{}", &text[..=begin], &text[end..]))
+        }
+        _ => line(&text),
+    }
+}
+
+fn is_quotable(word: &str) -> bool {
+    word.chars().count() <= MOST_CHARACTERS && !word.chars().any(char::is_control)
+}
+
+#[test]
+fn long_words_and_strange_ones_are_described() {
+    assert_eq!(word("root:x:0"), "`root:x:0`");
+    assert_eq!(word(&"\u{e4}".repeat(40)), format!("`{}`", "\u{e4}".repeat(40)));
+    assert_eq!(word(&"x".repeat(3000)), "a word of 3000 characters");
+    assert_eq!(word("A=1\0B=2"), "a word with control characters of 7 characters");
+    assert_eq!(bytes(b"1.5"), "`1.5`");
+    assert_eq!(bytes(&[0xff; 9]), "a word of 9 bytes that are no text");
+}
+
+#[test]
+fn messages_of_others_quote_as_little() {
+    assert_eq!(message(&"expected `,` at\n line 3"), "expected `,` at line 3");
+    let long = format!("invalid type: string \"{}\", expected u32", "x\"'".repeat(20));
+    assert_eq!(message(&long), "invalid type: string \"...\", expected u32");
+    assert_eq!(message(&"one ' only"), "one ' only");
+}
