@@ -16,7 +16,7 @@ use ::exr::prelude::{
 use glam::Mat4;
 
 use super::layers::{Layers, Samples};
-use super::{Image, date};
+use super::{Image, date, primaries};
 use crate::files::write_whole;
 use crate::{Error, Result, inputs, quoted};
 
@@ -28,8 +28,15 @@ pub const LARGEST_HALF: f32 = 65_504.0;
 const MAX_PIXEL_COUNT: usize = 1 << 28;
 
 /// Primaries and white point of sRGB and of Rec. 709.
-const SRGB: Chromaticities =
-    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
+const SRGB: Chromaticities = {
+    let [red, green, blue, white] = primaries::SRGB;
+    Chromaticities {
+        red: Vec2(red[0], red[1]),
+        green: Vec2(green[0], green[1]),
+        blue: Vec2(blue[0], blue[1]),
+        white: Vec2(white[0], white[1]),
+    }
+};
 
 /// Facts in the header of a file, besides windows and channels.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -118,16 +125,27 @@ fn io_error(error: ::exr::error::Error) -> io::Error {
     }
 }
 
-/// Reads the color of any flat EXR image: channels `R`, `G`, `B`; else the first prefix that has all three; else `Y`.
+/// Reads the color of any flat EXR image: channels `R`, `G`, `B`; else the first prefix that has all three; else `Y`, or the only channel.
+/// Colors of other primaries become linear sRGB.
 ///
 /// The image covers the data window. The display window is ignored.
 pub fn read_rgb(path: &Path) -> Result<Image> {
-    rgb_of(path, &read_parts(path)?)
+    let (mut image, to_srgb) = rgb_of(path, file_of(path, BufReader::new(inputs::open(path)?.0))?)?;
+    if let Some(matrix) = to_srgb {
+        image.pixels.iter_mut().for_each(|pixel| *pixel = transformed(&matrix, *pixel));
+    }
+    Ok(image)
 }
 
-/// Reads the color of an EXR image in memory, as [`read_rgb`] does. `path` is its name, for messages.
-pub fn decode_rgb(path: &Path, bytes: &[u8]) -> Result<Image> {
-    rgb_of(path, &parts_of(path, Cursor::new(bytes))?)
+/// Reads the color of an EXR image in memory, as [`read_rgb`] does, in the file's own primaries. The second value is the matrix that takes
+/// them to linear sRGB; `None` where they are that. `path` is its name, for messages.
+pub fn decode_rgb(path: &Path, bytes: &[u8]) -> Result<(Image, Option<[[f32; 3]; 3]>)> {
+    rgb_of(path, file_of(path, Cursor::new(bytes))?)
+}
+
+/// Color by a matrix of rows.
+pub fn transformed(matrix: &[[f32; 3]; 3], color: [f32; 3]) -> [f32; 3] {
+    matrix.map(|row| row[0] * color[0] + row[1] * color[1] + row[2] * color[2])
 }
 
 /// EXR file of a picture, in memory and not compressed. `path` is its name, for messages.
@@ -145,11 +163,22 @@ pub fn encode_rgb(path: &Path, image: &Image) -> Result<Vec<u8>> {
     Ok(bytes.into_inner())
 }
 
-fn rgb_of(path: &Path, parts: &[Part]) -> Result<Image> {
+fn rgb_of(path: &Path, (parts, chromaticities): File) -> Result<(Image, Option<[[f32; 3]; 3]>)> {
     let found = parts.iter().find_map(|part| Some((part, color_channels(part)?)));
-    let (part, channels) = found
-        .ok_or_else(|| Error::image(path, "it has neither channels R, G, B nor a channel Y; give a color picture"))?;
-    assemble(path, part, channels)
+    let (part, channels) = found.ok_or_else(|| {
+        Error::image(
+            path,
+            "it has neither channels R, G, B nor a channel Y, nor a single channel; give a color picture",
+        )
+    })?;
+    // Gray has no primaries.
+    let is_gray = std::ptr::eq(channels[0], channels[1]);
+    let to_srgb = chromaticities.filter(|_| !is_gray).map(|chromaticities| {
+        let Chromaticities { red, green, blue, white } = chromaticities;
+        primaries::to_srgb(&[red, green, blue, white].map(|Vec2(x, y)| [x, y]))
+    });
+    let to_srgb = to_srgb.transpose().map_err(|message| Error::image(path, message))?.flatten();
+    Ok((assemble(path, part, channels)?, to_srgb))
 }
 
 /// Reads the layer that is stored as channels `<prefix>.*`. A layer has three channels (`R`, `G`, `B` or `X`, `Y`, `Z`)
@@ -246,11 +275,14 @@ fn attributes_of<'a>(parts: impl Iterator<Item = &'a LayerAttributes>) -> Attrib
     attributes
 }
 
+/// Parts of a file, and its primaries where it names them.
+type File = (Vec<Part>, Option<Chromaticities>);
+
 fn read_parts(path: &Path) -> Result<Vec<Part>> {
-    parts_of(path, BufReader::new(inputs::open(path)?.0))
+    Ok(file_of(path, BufReader::new(inputs::open(path)?.0))?.0)
 }
 
-fn parts_of(path: &Path, mut file: impl Read + Seek) -> Result<Vec<Part>> {
+fn file_of(path: &Path, mut file: impl Read + Seek) -> Result<File> {
     check_size(path, &mut file).and_then(|()| file.rewind().map_err(Error::read(path)))?;
     let parts = ::exr::prelude::read()
         .no_deep_data()
@@ -259,7 +291,7 @@ fn parts_of(path: &Path, mut file: impl Read + Seek) -> Result<Vec<Part>> {
         .all_layers()
         .all_attributes()
         .from_buffered(file)
-        .map(|image| image.layer_data.into_vec());
+        .map(|image| (image.layer_data.into_vec(), image.attributes.chromaticities));
     parts.map_err(|error| read_error(path, error))
 }
 
@@ -307,7 +339,11 @@ fn color_channels(part: &Part) -> Option<[&Channel; 3]> {
     // The empty prefix comes first: in the file's order, `R` comes after layers whose names start with earlier letters.
     let mut prefixes = std::iter::once("").chain(prefixes);
     let color = prefixes.find_map(|prefix| three(&channels, ["R", "G", "B"].map(|name| format!("{prefix}{name}"))));
-    color.or_else(|| gray_channel(&channels).map(|channel| [channel; 3]))
+    let only = || match channels[..] {
+        [(_, only)] => Some(only),
+        _ => None,
+    };
+    color.or_else(|| gray_channel(&channels).or_else(only).map(|channel| [channel; 3]))
 }
 
 /// The channel `Y`, unless it is the luminance of a picture that stores color as differences to it.

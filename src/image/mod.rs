@@ -9,6 +9,8 @@ pub mod layers;
 pub mod metrics;
 mod pfm;
 pub mod png;
+mod primaries;
+mod radiance;
 pub mod report;
 pub mod texels;
 pub mod tone;

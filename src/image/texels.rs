@@ -5,7 +5,7 @@ use std::path::Path;
 
 use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::{exr, pfm};
+use super::{exr, pfm, radiance};
 use crate::{Error, Result, inputs, quoted};
 
 /// Limit on the decoded size in bytes, because a damaged header may ask for any size.
@@ -25,6 +25,22 @@ pub struct TexelImage {
     pub height: u32,
     /// `width * height` texels, row by row.
     pub texels: FileTexels,
+    /// Matrix, row by row, that takes the file's colors to linear sRGB; `None` where they are that. Numbers, such as normals, are not colors.
+    pub to_srgb: Option<[[f32; 3]; 3]>,
+}
+
+impl TexelImage {
+    /// The image with its colors in linear sRGB.
+    pub fn in_srgb(mut self) -> Self {
+        if let (Some(matrix), FileTexels::Linear(texels)) = (self.to_srgb.take(), &mut self.texels) {
+            for texel in texels {
+                let [red, green, blue, alpha] = *texel;
+                let [red, green, blue] = exr::transformed(&matrix, [red, green, blue]);
+                *texel = [red, green, blue, alpha];
+            }
+        }
+        self
+    }
 }
 
 /// Texels as red, green, blue and alpha. Gray stands in all three color channels.
@@ -53,14 +69,20 @@ pub fn read(path: &Path) -> Result<TexelImage> {
 /// [`Error::Image`] as in [`read`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
     if bytes.starts_with(&EXR_MAGIC) {
-        return Ok(of_floats(exr::decode_rgb(path, bytes)?));
+        let (image, to_srgb) = exr::decode_rgb(path, bytes)?;
+        return Ok(TexelImage { to_srgb, ..of_floats(image) });
     }
     if pfm::is_pfm(bytes) {
         return Ok(of_floats(pfm::decode(path, bytes)?));
     }
+    let bytes = &radiance::usual(bytes)[..];
     let format = ::image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));
     let format = format.ok().filter(ImageFormat::reading_enabled).ok_or_else(|| {
-        Error::image(path, "its image format is not supported; save it as JPEG, PNG, TGA, BMP, HDR, PFM or EXR")
+        let what = match ::image::guess_format(bytes) {
+            Ok(format) => format!("it is a {format:?} image, which is not supported"),
+            Err(_) => "its image format is not supported".to_owned(),
+        };
+        Error::image(path, format!("{what}; save it as JPEG, PNG, TGA, BMP, HDR, PFM or EXR"))
     })?;
     if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
         return Err(Error::image(path, "the JPEG image is cut short; write it again"));
@@ -76,7 +98,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
 
 fn of_floats(image: super::Image) -> TexelImage {
     let texels = image.pixels.into_iter().map(|[red, green, blue]| [red, green, blue, 1.0]).collect();
-    TexelImage { width: image.width, height: image.height, texels: FileTexels::Linear(texels) }
+    TexelImage { width: image.width, height: image.height, texels: FileTexels::Linear(texels), to_srgb: None }
 }
 
 fn decode_error(path: &Path, error: &ImageError) -> Error {
@@ -105,7 +127,7 @@ fn convert(path: &Path, image: DynamicImage) -> Result<TexelImage> {
             FileTexels::Bytes(image.into_rgba8().into_raw().chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect())
         }
     };
-    Ok(TexelImage { width, height, texels })
+    Ok(TexelImage { width, height, texels, to_srgb: None })
 }
 
 fn floats(image: DynamicImage) -> Vec<[f32; 4]> {

@@ -107,7 +107,7 @@ fn ply_files_that_lie() {
     refuse("ply", text("4 0 1 2 3", "4294967295 0 1 2 3").as_bytes(), "", &["mesh:33: ", "0.5 is not"]);
     refuse("ply", text("4 0 1 2 3", "4 0 1 2 4").as_bytes(), "", &["mesh:33: ", "vertex index 4"]);
     refuse("ply", text("4 0 1 2 3", "4 0 1 2 -3").as_bytes(), "", &["mesh:33: ", "-3"]);
-    refuse("ply", text("4 0 1 2 3", "2 0 1").as_bytes(), "", &["three vertices"]);
+    refuse("ply", text("4 0 1 2 3", "2 0 1").as_bytes(), "", &["the 1 faces of the mesh are points or lines"]);
     refuse("ply", text("1 0 0 255", "1 nan 0 255").as_bytes(), "", &["mesh:27: ", "`NaN`"]);
     refuse("ply", text("float x", "real x").as_bytes(), "", &["mesh:8: ", "`real`"]);
     refuse("ply", text("property float x\n", "").as_bytes(), "", &["lacks x"]);

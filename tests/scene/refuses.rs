@@ -160,12 +160,12 @@ fn meshes() {
     refuse_mesh(&format!("{vertices}f 1 2 -4\n"), &["mesh.obj:4: ", "vertex index -4"]);
     refuse_mesh(&format!("{vertices}vn 0 0 1\nf 1//1 2//1 3//2\n"), &["mesh.obj:5: ", "normal index 2"]);
     refuse_mesh(&format!("{vertices}vt 0 0\nf 1/1 2/1 3/9\n"), &["mesh.obj:5: ", "texture coordinate index 9"]);
-    refuse_mesh(&format!("{vertices}f 1 2 3\nf 1 2"), &["mesh.obj:5: ", "three vertices"]);
     refuse_mesh(&format!("{vertices}f 1 2 3x\n"), &["mesh.obj:4: ", "`3x`"]);
     refuse_mesh("v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", &["mesh.obj:2: ", "`nan`"]);
     refuse_mesh("v 0 0 0\nv 1 0 1e99\nv 0 1 0\nf 1 2 3\n", &["mesh.obj:2: ", "`1e99`"]);
     refuse_mesh("v 0 0 0\nv 1 0\n", &["mesh.obj:2: ", "3 numbers"]);
-    refuse_mesh(vertices, &["mesh.obj: ", "no faces"]);
+    refuse_mesh(vertices, &["mesh.obj: ", "3 points, but no faces"]);
+    refuse_mesh("# nothing\n", &["mesh.obj: ", "no faces: is the file cut short?"]);
 }
 
 /// One message lists every fault once, in the order of the lines.

@@ -4,12 +4,11 @@ use gltf::Accessor;
 use gltf::accessor::{DataType, Dimensions};
 
 use super::asset::Asset;
+use super::usual::MAX_ZEROS;
 use crate::Result;
 
 /// Most elements of one accessor.
 const MAX_COUNT: usize = 1 << 28;
-/// Most elements of an accessor without a buffer, whose elements are zero.
-const MAX_ZEROS: usize = 1 << 22;
 
 /// Place of elements in a buffer.
 struct Source<'a> {
@@ -53,6 +52,7 @@ impl Asset {
         if count > most {
             return Err(fault(&format!("it has {count} elements, too many values; no more than {most} are read")));
         }
+        self.count_zeros(accessor.view().as_ref(), count).map_err(|message| fault(&message))?;
         if let Some(view) = accessor.view() {
             // The last element must lie in the buffer, before memory is set aside for all.
             let stride = view.stride().unwrap_or(accessor.size());

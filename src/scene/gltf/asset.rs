@@ -1,6 +1,6 @@
 //! A glTF file with its buffers, and the warnings about it.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
@@ -9,10 +9,15 @@ use gltf::Document;
 use gltf::buffer::Source;
 use serde_json::Value as Json;
 
+use super::usual::Usual;
+use crate::scene::text;
 use crate::{Error, Result, inputs, quoted};
 
 /// Largest file in bytes, and largest buffer.
 const MAX_BYTES: u64 = 4 << 30;
+
+/// Most elements of all accessors without data, each counted as often as it is used.
+const MOST_ZEROS: usize = 1 << 24;
 
 /// First bytes of a `.glb` file.
 const MAGIC: &[u8] = b"glTF";
@@ -53,6 +58,10 @@ pub(super) struct Asset {
     pub path: PathBuf,
     pub document: Document,
     buffers: Vec<Vec<u8>>,
+    /// Index and length of the buffer of zeros, which the file does not have.
+    zeros: Option<(usize, usize)>,
+    /// Number of elements without data that may still be made.
+    zeros_left: Cell<usize>,
     warnings: RefCell<Vec<String>>,
 }
 
@@ -63,19 +72,23 @@ impl Asset {
         let error = |error: gltf::Error| Error::scene(path, None, format!("it is no glTF 2.0 file: {}", brief(&error)));
         let (json, blob) = match bytes.starts_with(MAGIC) {
             true => chunks(path, &bytes)?,
-            false => (bytes, None),
+            false => (text::without_mark(&bytes).to_vec(), None),
         };
         let invalid = |error| Error::scene(path, None, format!("it is no glTF 2.0 file: {}", quoted::message(&error)));
         let raw: Json = serde_json::from_slice(&json).map_err(invalid)?;
         check_required(path, &raw)?;
-        // Extensions that only this reader knows are no reason for the crate to refuse a file.
-        let raw = without_required(raw);
-        let root: gltf::json::Root = serde_json::from_value(raw).map_err(invalid)?;
+        let Usual { json, zeros, is_animated } = Usual::of(raw).map_err(|message| Error::scene(path, None, message))?;
+        let root: gltf::json::Root = serde_json::from_value(json).map_err(invalid)?;
         check_attributes(path, &root)?;
         check_images(path, &root)?;
         let document = Document::from_json(root).map_err(error)?;
-        let mut asset = Self { path: path.to_path_buf(), document, buffers: Vec::new(), warnings: RefCell::default() };
+        let (path, warnings) = (path.to_path_buf(), RefCell::default());
+        let mut asset =
+            Self { path, document, buffers: Vec::new(), zeros, zeros_left: Cell::new(MOST_ZEROS), warnings };
         asset.warn_of_extensions();
+        if is_animated {
+            asset.warn("animations are ignored; nodes stand where the file puts them");
+        }
         asset.buffers = asset.read_buffers(blob)?;
         Ok(asset)
     }
@@ -83,6 +96,14 @@ impl Asset {
     /// Bytes of a buffer from `offset` on; `None` where the range leaves the buffer.
     pub fn bytes(&self, buffer: usize, offset: usize, length: usize) -> Option<&[u8]> {
         self.buffers.get(buffer)?.get(offset..offset.checked_add(length)?)
+    }
+
+    /// Counts elements of an accessor that have no data. The error says that they are too many.
+    pub fn count_zeros(&self, view: Option<&gltf::buffer::View>, count: usize) -> Result<(), String> {
+        let is_own = view.is_some_and(|view| self.zeros.is_none_or(|(zeros, _)| zeros != view.buffer().index()));
+        let left = if is_own { Some(self.zeros_left.get()) } else { self.zeros_left.get().checked_sub(count) };
+        self.zeros_left.set(left.ok_or_else(|| format!("with it more than {MOST_ZEROS} elements have no data"))?);
+        Ok(())
     }
 
     /// Bytes of a part of a buffer.
@@ -117,13 +138,13 @@ impl Asset {
                 self.warn(format!("the extension {name} is not supported; what it describes is ignored"));
             }
         }
-        if self.document.animations().next().is_some() {
-            self.warn("animations are ignored; nodes stand where the file puts them");
-        }
     }
 
     fn read_buffers(&self, mut blob: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
         let read = |buffer: gltf::Buffer| {
+            if let Some((_, length)) = self.zeros.filter(|(zeros, _)| *zeros == buffer.index()) {
+                return Ok(vec![0; length]);
+            }
             let bytes = match buffer.source() {
                 Source::Bin => blob.take().ok_or_else(|| self.error("it lacks its binary part: is it cut short?"))?,
                 Source::Uri(uri) => self.uri(uri)?,
@@ -169,7 +190,10 @@ impl Asset {
 pub(super) fn data_uri(uri: &str) -> Option<Result<Vec<u8>, String>> {
     let content = uri.strip_prefix("data:")?;
     Some(match content.split_once(',') {
-        Some((kind, data)) if kind.ends_with(";base64") => STANDARD.decode(data).map_err(|error| error.to_string()),
+        Some((kind, data)) if kind.ends_with(";base64") => match percent_decoded(data) {
+            Some(data) => STANDARD.decode(data).map_err(|error| error.to_string()),
+            None => Err("a code that begins with % is wrong".to_owned()),
+        },
         _ => Err("it has no base64 content".to_owned()),
     })
 }
@@ -192,6 +216,9 @@ fn percent_decoded(text: &str) -> Option<String> {
 
 /// JSON and binary chunk of a `.glb` file.
 fn chunks(path: &Path, bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>)> {
+    // What follows the declared length does not belong to the file.
+    let declared = bytes.get(8..12).and_then(|length| Some(u32::from_le_bytes(length.try_into().ok()?) as usize));
+    let bytes = declared.and_then(|length| bytes.get(..length)).unwrap_or(bytes);
     let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
     if word(4) != Some(2) {
         return Err(Error::scene(path, None, "it is a .glb file, but not of version 2; save it as glTF 2.0"));
@@ -201,7 +228,11 @@ fn chunks(path: &Path, bytes: &[u8]) -> Result<(Vec<u8>, Option<Vec<u8>>)> {
         let chunk = bytes.get(at + 8..(at + 8).saturating_add(length as usize));
         let chunk = chunk.ok_or_else(|| Error::scene(path, None, "it ends within a chunk: is it cut short?"))?;
         match &kind.to_le_bytes() {
-            b"JSON" if json.is_none() => json = Some(chunk.to_vec()),
+            // Some writers fill the chunk up with zeros instead of spaces.
+            b"JSON" if json.is_none() => {
+                let end = chunk.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+                json = Some(chunk[..end].to_vec());
+            }
             b"BIN\0" if binary.is_none() => binary = Some(chunk.to_vec()),
             _ => {}
         }
@@ -254,13 +285,6 @@ fn check_images(path: &Path, root: &gltf::json::Root) -> Result<()> {
             Err(Error::scene(path, None, message))
         }
     }
-}
-
-fn without_required(mut raw: Json) -> Json {
-    if let Some(root) = raw.as_object_mut() {
-        root.remove("extensionsRequired");
-    }
-    raw
 }
 
 /// The first reason of an error, in one line.

@@ -84,7 +84,8 @@ fn more_things_than_fit_are_refused() {
 
 #[test]
 fn more_texels_than_fit_are_refused() {
-    let image = |width, height| TexelImage { width, height, texels: crate::image::texels::FileTexels::Bytes(vec![]) };
+    let texels = || crate::image::texels::FileTexels::Bytes(vec![]);
+    let image = |width, height| TexelImage { width, height, texels: texels(), to_srgb: None };
     let mut budget = Budget::default();
     for _ in 0..4 {
         assert_eq!(budget.take(&image(1 << 14, 1 << 14)), Ok(()));

@@ -105,6 +105,10 @@ impl Cameras {
         self.sensors.push((name.to_owned(), with(sensor, "film", Value::Object(film))));
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.sensors.is_empty()
+    }
+
     /// All cameras with the keys of their entries. The `id` of a camera is its name, or else `camera` with a number: always one
     /// that no other camera has, and that is not among the `ids` of other objects.
     pub fn into_objects(self, mut ids: HashSet<String>) -> Vec<(String, Dictionary)> {

@@ -13,6 +13,7 @@ mod meshes;
 mod nodes;
 mod skins;
 mod specular_glossiness;
+mod usual;
 
 use std::path::Path;
 
@@ -52,6 +53,9 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let entry = |(id, object): (String, Dictionary)| (id, Value::Object(object));
     let lights = lights.into_iter().enumerate().map(|(index, light)| (format!("light{index}"), light));
     let (shapes, meshes) = meshes.finish();
+    if shapes.is_empty() && cameras.is_empty() {
+        return Err(asset.error("its scene has neither triangles nor a camera; points and lines are not rendered"));
+    }
     let objects = materials.take_objects().into_iter().chain(lights).map(entry).chain(shapes).collect::<Vec<_>>();
     let ids = objects.iter().map(|(id, _)| id.clone()).collect();
     let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];

@@ -1,6 +1,6 @@
 //! Nodes of the default scene with their transforms.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::{DMat4, DQuat, DVec3};
 use gltf::{Accessor, Node};
@@ -32,9 +32,18 @@ pub(super) fn placed(asset: &Asset) -> Result<Vec<Placed<'_>>> {
     if document.scenes().len() > 1 {
         asset.warn("it has several scenes; the default one is rendered");
     }
-    let scene = scene.ok_or_else(|| asset.error("it has no scene; save it with one"))?;
     let mut found = Found { asset, list: Vec::new(), count: 0 };
-    scene.nodes().try_for_each(|node| found.add(&node, DMat4::IDENTITY, 0))?;
+    match scene {
+        Some(scene) => scene.nodes().try_for_each(|node| found.add(&node, DMat4::IDENTITY, 0))?,
+        None => {
+            // A file may be a library of nodes.
+            asset.warn("it has no scene; all its nodes are rendered");
+            let children: HashSet<usize> =
+                document.nodes().flat_map(|node| node.children()).map(|node| node.index()).collect();
+            let mut roots = document.nodes().filter(|node| !children.contains(&node.index()));
+            roots.try_for_each(|node| found.add(&node, DMat4::IDENTITY, 0))?;
+        }
+    }
     Ok(found.list)
 }
 
@@ -57,7 +66,9 @@ impl<'a> Found<'a> {
             return Ok(());
         }
         let columns = node.transform().matrix().map(|column| column.map(f64::from));
-        let world_from_node = world_from_parent * DMat4::from_cols_array_2d(&columns);
+        // Some writers round the last entry of a matrix, which is 1.
+        let scale = Some(columns[3][3]).filter(|last| (last - 1.0).abs() < 1.0e-4).unwrap_or(1.0);
+        let world_from_node = world_from_parent * (DMat4::from_cols_array_2d(&columns) * scale.recip());
         if !world_from_node.is_finite() {
             return Err(self.asset.error(format!("the transform of node {} is not finite", node.index())));
         }

@@ -10,8 +10,10 @@ mod triangles;
 mod tubes;
 mod words;
 
+use std::borrow::Cow;
 use std::path::Path;
 
+use crate::scene::text;
 use crate::{Error, Result, inputs};
 
 use curves::CurveFormat;
@@ -36,16 +38,34 @@ pub(super) enum MeshFormat {
 /// Reads the mesh file at `path`.
 pub(super) fn read(path: &Path, format: MeshFormat) -> Result<Mesh> {
     let mesh = match format {
-        MeshFormat::Obj => obj::parse(path, &bytes(path)?)?,
+        MeshFormat::Obj => obj::parse(path, &plain_text(&bytes(path)?))?,
         MeshFormat::Ply => ply::parse(path, &bytes(path)?)?,
         MeshFormat::Serialized(index) => serialized::read(path, index)?,
-        MeshFormat::Curves(curves) => curves::parse(path, &bytes(path)?, &curves)?,
+        MeshFormat::Curves(curves) => curves::parse(path, &plain_text(&bytes(path)?), &curves)?,
         MeshFormat::Memory(_) => Mesh::default(),
     };
     if mesh.triangles.is_empty() {
-        return Err(Error::scene(path, None, "the mesh has no faces: is the file cut short?"));
+        let message = match (mesh.positions.len(), mesh.left_out) {
+            (0, _) => "the mesh has no faces: is the file cut short?".to_owned(),
+            (points, 0) => format!(
+                "the mesh has {points} points, but no faces, of which lodestar renders triangles; save it with faces"
+            ),
+            (_, faces) => format!(
+                "the {faces} faces of the mesh are points or lines; save it with faces of three corners or more"
+            ),
+        };
+        return Err(Error::scene(path, None, message));
     }
     Ok(mesh)
+}
+
+/// Warning about the faces of a file that were left out.
+pub(super) fn warning(path: &Path, mesh: &Mesh) -> Option<String> {
+    let count = mesh.left_out;
+    let are = if count == 1 { "a face is a point or a line and is" } else { "faces are points or lines and are" };
+    (count > 0).then(|| {
+        format!("{}: {}{are} left out", path.display(), if count == 1 { String::new() } else { format!("{count} ") })
+    })
 }
 
 /// Reads the mesh of the PLY file at `path`, which holds `bytes`.
@@ -55,4 +75,13 @@ pub(super) fn parse_ply(path: &Path, bytes: &[u8]) -> Result<Mesh> {
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {
     inputs::read(path, MAX_FILE_BYTES)
+}
+
+/// Text of a mesh without a byte order mark. Where lines end as on old Macs, by CR alone, they end by LF.
+fn plain_text(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let bytes = text::without_mark(bytes);
+    match bytes.contains(&b'\r') && !bytes.contains(&b'\n') {
+        true => bytes.iter().map(|&byte| if byte == b'\r' { b'\n' } else { byte }).collect(),
+        false => bytes.into(),
+    }
 }

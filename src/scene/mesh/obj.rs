@@ -7,7 +7,9 @@
 use std::io::{self, BufRead, Read, Write};
 use std::path::Path;
 
-use super::triangles::{MAX_TRIANGLES, Mesh, TOO_FEW_VERTICES, add_polygon};
+use glam::Vec3;
+
+use super::triangles::{Cutter, MAX_TRIANGLES, Mesh};
 use super::words::Words;
 use crate::{Error, Result, quoted};
 
@@ -81,6 +83,8 @@ struct Lines<'a> {
     /// Positions, texture coordinates and normals read so far.
     counts: Totals,
     faces: usize,
+    /// Number of faces that are points or lines.
+    left_out: usize,
     /// Whether corners of rewritten faces have an index of each kind.
     has: [bool; 3],
     /// Totals of the file, for the second pass only. Then no line counts as plain, and a corner without an index gets
@@ -100,6 +104,7 @@ impl<'a> Lines<'a> {
             taken: 0,
             counts: [0; 3],
             faces: 0,
+            left_out: 0,
             has: [false; 3],
             totals,
             polygon: Vec::new(),
@@ -114,11 +119,14 @@ impl<'a> Lines<'a> {
         let (models, _) = read.map_err(|error| self.fault.take().unwrap_or_else(|| error.to_string()))?;
         // There is one model, because names of objects and materials were skipped.
         let mesh = models.into_iter().next().ok_or("there is no mesh")?.mesh;
+        let positions: Vec<Vec3> = bytemuck::cast_slice(&mesh.positions).to_vec();
+        let (triangles, left_out) = triangles(&mesh, &positions)?;
         Ok(Mesh {
             uvs: bytemuck::cast_slice(self.complete(1, &mesh.texcoords, &mesh)?).to_vec(),
             normals: bytemuck::cast_slice(self.complete(2, &mesh.normals, &mesh)?).to_vec(),
-            triangles: triangles(&mesh)?,
-            positions: bytemuck::cast_slice(&mesh.positions).to_vec(),
+            triangles,
+            positions,
+            left_out: left_out + self.left_out,
             ..Mesh::default()
         })
     }
@@ -236,7 +244,8 @@ impl<'a> Lines<'a> {
             }
         }
         if self.polygon.len() < 3 {
-            return Err(TOO_FEW_VERTICES.to_string());
+            self.left_out += 1;
+            return Ok(());
         }
         self.rewritten.push(b'f');
         for corner in &self.polygon {
@@ -356,15 +365,17 @@ fn is_plain_face(corners: &[u8]) -> bool {
     true
 }
 
-fn triangles(mesh: &tobj::Mesh) -> Result<Vec<[u32; 3]>, String> {
+/// Triangles of a mesh, and the number of faces that are none.
+fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> Result<(Vec<[u32; 3]>, usize), String> {
     if mesh.face_arities.is_empty() {
-        return Ok(bytemuck::cast_slice(&mesh.indices).to_vec());
+        return Ok((bytemuck::cast_slice(&mesh.indices).to_vec(), 0));
     }
-    let (mut triangles, mut rest) = (Vec::with_capacity(mesh.face_arities.len()), &mesh.indices[..]);
+    let (mut triangles, mut cutter) = (Vec::with_capacity(mesh.face_arities.len()), Cutter::default());
+    let mut rest = &mesh.indices[..];
     for &arity in &mesh.face_arities {
         let (polygon, others) = rest.split_at(arity as usize);
-        add_polygon(&mut triangles, polygon)?;
+        cutter.add(&mut triangles, polygon, positions)?;
         rest = others;
     }
-    Ok(triangles)
+    Ok((triangles, cutter.left_out))
 }

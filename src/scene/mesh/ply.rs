@@ -1,11 +1,12 @@
 //! Polygon files (PLY), as text or binary of either byte order. Unneeded properties are skipped. Counts in the file are
 //! not trusted: memory grows only with the data that arrives.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::triangles::{Mesh, add_polygon};
+use super::triangles::{Cutter, Mesh};
 use super::words::Words;
 use crate::{Error, Result, quoted};
 
@@ -210,8 +211,8 @@ const VERTEX_NUMBERS: [&[&str]; 11] = [
     &["nx"],
     &["ny"],
     &["nz"],
-    &["u", "s", "texture_u"],
-    &["v", "t", "texture_v"],
+    &["u", "s", "texture_u", "texture_s"],
+    &["v", "t", "texture_v", "texture_t"],
     &["r", "red"],
     &["g", "green"],
     &["b", "blue"],
@@ -322,10 +323,13 @@ fn finite(number: f64) -> Result<f32, String> {
 fn read_faces(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result<(), String> {
     let place = element.place(&["vertex_indices", "vertex_index"], true);
     let place = place.ok_or("the element `face` lacks its list `vertex_indices`")?;
+    let wedges = element.place(&["texcoord"], true);
     let vertex_count = mesh.positions.len();
-    let mut polygon = Vec::new();
+    let (mut polygon, mut uvs, mut cutter) = (Vec::new(), Vec::new(), Cutter::default());
+    let mut seams = Seams::new(vertex_count);
     for _ in 0..element.count {
         polygon.clear();
+        uvs.clear();
         element.read(source, |own, number| {
             if own == place {
                 let index = whole(number, "the index of a vertex")?;
@@ -333,10 +337,75 @@ fn read_faces(element: &Element, source: &mut Source, mesh: &mut Mesh) -> Result
                     return Err(format!("vertex index {index} is out of range; {vertex_count} come before the faces"));
                 }
                 polygon.push(index);
+            } else if Some(own) == wedges {
+                uvs.push(finite(number)?);
             }
             Ok(())
         })?;
-        add_polygon(&mut mesh.triangles, &polygon)?;
+        if wedges.is_some() {
+            seams.split(&mut polygon, &uvs, mesh)?;
+        }
+        cutter.add(&mut mesh.triangles, &polygon, &mesh.positions)?;
+    }
+    mesh.left_out += cutter.left_out;
+    if !mesh.uvs.is_empty() {
+        mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
     }
     Ok(())
+}
+
+/// Vertices of a mesh whose faces give the texture coordinates of their corners. A vertex whose faces disagree is kept once for each
+/// coordinate, so that textures have seams there.
+struct Seams {
+    /// Index of the vertex with a texture coordinate, by the file's vertex and the bits of the coordinate.
+    known: HashMap<(u32, [u32; 2]), u32>,
+    /// Whether the vertices of the file have a coordinate already.
+    is_taken: Vec<bool>,
+}
+
+impl Seams {
+    fn new(vertex_count: usize) -> Self {
+        Self { known: HashMap::new(), is_taken: vec![false; vertex_count] }
+    }
+
+    /// Replaces the vertices of a polygon by those with its texture coordinates.
+    fn split(&mut self, polygon: &mut [u32], uvs: &[f32], mesh: &mut Mesh) -> Result<(), String> {
+        let (uvs, rest) = uvs.as_chunks::<2>();
+        // A face without a texture gives none.
+        if uvs.is_empty() && rest.is_empty() {
+            return Ok(());
+        }
+        if uvs.len() != polygon.len() || !rest.is_empty() {
+            let (numbers, corners) = (2 * uvs.len() + rest.len(), polygon.len());
+            return Err(format!(
+                "`texcoord` has {numbers} numbers for a face of {corners} corners; it needs two for each"
+            ));
+        }
+        mesh.uvs.resize(mesh.positions.len(), Vec2::ZERO);
+        for (index, &uv) in polygon.iter_mut().zip(uvs) {
+            let key = (*index, uv.map(f32::to_bits));
+            *index = match self.known.get(&key) {
+                Some(&known) => known,
+                None => {
+                    let own = self.add(*index as usize, Vec2::from_array(uv), mesh);
+                    self.known.insert(key, own);
+                    own
+                }
+            };
+        }
+        Ok(())
+    }
+
+    /// Vertex of the file, or a copy of it where it has another texture coordinate.
+    fn add(&mut self, vertex: usize, uv: Vec2, mesh: &mut Mesh) -> u32 {
+        if !std::mem::replace(&mut self.is_taken[vertex], true) {
+            mesh.uvs[vertex] = uv;
+            return vertex as u32;
+        }
+        mesh.positions.push(mesh.positions[vertex]);
+        mesh.normals.extend(mesh.normals.get(vertex).copied());
+        mesh.colors.extend(mesh.colors.get(vertex).copied());
+        mesh.uvs.push(uv);
+        mesh.positions.len() as u32 - 1
+    }
 }

@@ -1,12 +1,10 @@
 //! Triangle meshes, as every reader of mesh files makes them.
 
+use earcut::Earcut;
 use glam::{Vec2, Vec3};
 
 /// Most triangles of a scene, copies of instances included. Devices can address this many at three texels each.
 pub(in crate::scene) const MAX_TRIANGLES: usize = 1 << 25;
-
-/// Message about a face that is a point or a line.
-pub(in crate::scene) const TOO_FEW_VERTICES: &str = "a face needs at least three vertices";
 
 /// One mesh. Vertices that differ in any attribute are kept apart, as in Mitsuba, so that smooth normals do not cross
 /// texture seams.
@@ -23,15 +21,131 @@ pub(in crate::scene) struct Mesh {
     pub has_byte_colors: bool,
     /// Largest distance from the surface that the mesh stands for, in radii of its tubes; 0 where the mesh is the surface.
     pub deviation: f32,
+    /// Number of faces of the file that are points or lines, which are left out.
+    pub left_out: usize,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Cuts a polygon into triangles around its first vertex.
-pub(in crate::scene) fn add_polygon<T: Copy>(triangles: &mut Vec<[T; 3]>, polygon: &[T]) -> Result<(), String> {
-    if polygon.len() < 3 {
-        return Err(TOO_FEW_VERTICES.to_string());
+/// Most corners of a concave polygon. The time that its cutting takes grows with their square.
+const MOST_CORNERS: usize = 1 << 16;
+
+/// Cutter of polygons into triangles.
+#[derive(Default)]
+pub(in crate::scene) struct Cutter {
+    earcut: Earcut<f32>,
+    corners: Vec<[f32; 2]>,
+    indices: Vec<u32>,
+    /// Number of faces that were points or lines, and were left out.
+    pub left_out: usize,
+}
+
+impl Cutter {
+    /// Adds the triangles of a polygon of vertices. A convex one is cut around its first vertex, and a concave one by its ears. A face that
+    /// is a point or a line is left out.
+    ///
+    /// # Errors
+    /// Where a concave polygon has more than [`MOST_CORNERS`].
+    pub fn add(&mut self, triangles: &mut Vec<[u32; 3]>, polygon: &[u32], positions: &[Vec3]) -> Result<(), String> {
+        match polygon {
+            [] | [_] | [_, _] => self.left_out += 1,
+            [a, b, c] => triangles.push([*a, *b, *c]),
+            _ if self.is_concave(polygon, positions) => {
+                if polygon.len() > MOST_CORNERS {
+                    return Err(format!("a concave face has more than {MOST_CORNERS} corners; cut it into triangles"));
+                }
+                self.earcut.earcut(self.corners.iter().copied(), &[], &mut self.indices);
+                // The cutter's triangles all turn counterclockwise, and so does the polygon in the plane of its corners.
+                let (found, _) = self.indices.as_chunks::<3>();
+                triangles.extend(found.iter().map(|&[a, b, c]| {
+                    let [pa, pb, pc] = [a, b, c].map(|at| Vec2::from_array(self.corners[at as usize]));
+                    let turns_left = (pb - pa).perp_dot(pc - pa) >= 0.0;
+                    let [a, b, c] = [a, b, c].map(|at| polygon[at as usize]);
+                    if turns_left { [a, b, c] } else { [a, c, b] }
+                }));
+            }
+            _ => triangles.extend(polygon[1..].windows(2).map(|pair| [polygon[0], pair[0], pair[1]])),
+        }
+        Ok(())
     }
-    triangles.extend(polygon[1..].windows(2).map(|pair| [polygon[0], pair[0], pair[1]]));
-    Ok(())
+
+    /// Whether some corner of a polygon turns against the others. Then `corners` are those of its projection along an axis, in which it
+    /// turns counterclockwise.
+    fn is_concave(&mut self, polygon: &[u32], positions: &[Vec3]) -> bool {
+        let count = polygon.len();
+        // A position may be missing where the file is faulty, which is told later.
+        let at = |index: usize| positions.get(polygon[index % count] as usize).copied().unwrap_or_default();
+        let first = at(0);
+        let normal: Vec3 = (1..count - 1).map(|i| (at(i) - first).cross(at(i + 1) - first)).sum();
+        let turn = |i: usize| (at(i + 1) - at(i)).cross(at(i + 2) - at(i + 1)).dot(normal);
+        // Rounding must not make a flat corner a concave one.
+        let least = -1.0e-5 * normal.length_squared();
+        if !normal.is_finite() || (0..count).all(|i| turn(i) >= least) {
+            return false;
+        }
+        let [x, y, z] = normal.abs().to_array();
+        let plane = |p: Vec3| match (x >= y && x >= z, y >= z) {
+            (true, _) if normal.x > 0.0 => [p.y, p.z],
+            (true, _) => [p.z, p.y],
+            (_, true) if normal.y > 0.0 => [p.z, p.x],
+            (_, true) => [p.x, p.z],
+            _ if normal.z > 0.0 => [p.x, p.y],
+            _ => [p.y, p.x],
+        };
+        self.corners.clear();
+        self.corners.extend((0..count).map(|index| plane(at(index))));
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Area of the triangles along `z`, which counts those that turn the other way as negative.
+    fn area(triangles: &[[u32; 3]], positions: &[Vec3]) -> f32 {
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|index| positions[index as usize]);
+            0.5 * (b - a).cross(c - a)
+        };
+        triangles.iter().map(|t| area(t).dot(Vec3::new(1.0, 2.0, 3.0).normalize()).abs()).sum()
+    }
+
+    /// An L of six corners, begun at each of them, turned both ways, in a plane that leans.
+    #[test]
+    fn concave_polygons_keep_their_area() {
+        let flat = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let normal = Vec3::new(1.0, 2.0, 3.0).normalize();
+        let (x, y) = normal.any_orthonormal_pair();
+        let positions = flat.map(|[a, b]| Vec3::splat(7.0) + a * x + b * y);
+        for first in 0..6 {
+            for backward in [false, true] {
+                let mut polygon: Vec<u32> = (0..6).map(|i| (first + i) % 6).collect();
+                if backward {
+                    polygon.reverse();
+                }
+                let (mut triangles, mut cutter) = (Vec::new(), Cutter::default());
+                cutter.add(&mut triangles, &polygon, &positions).unwrap();
+                assert_eq!((triangles.len(), cutter.left_out), (4, 0));
+                assert!((area(&triangles, &positions) - 3.0).abs() < 1e-5, "{first}: {}", area(&triangles, &positions));
+                for [a, b, c] in triangles.iter().map(|t| t.map(|index| positions[index as usize])) {
+                    let turn = (b - a).cross(c - a).dot(normal);
+                    assert!(if backward { turn < 0.0 } else { turn > 0.0 }, "{first}: {turn}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn convex_polygons_are_fans_and_lines_are_left_out() {
+        let positions = [[0.0, 0.0], [2.0, 0.0], [3.0, 1.0], [1.0, 2.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+        let (mut triangles, mut cutter) = (Vec::new(), Cutter::default());
+        cutter.add(&mut triangles, &[0, 1, 2, 3], &positions).unwrap();
+        cutter.add(&mut triangles, &[0, 1], &positions).unwrap();
+        cutter.add(&mut triangles, &[], &positions).unwrap();
+        // Corners on one line, or all in one place, are no reason to cut otherwise.
+        cutter.add(&mut triangles, &[0, 0, 0, 0], &positions).unwrap();
+        assert_eq!(triangles, [[0, 1, 2], [0, 2, 3], [0, 0, 0], [0, 0, 0]]);
+        assert_eq!(cutter.left_out, 2);
+    }
 }

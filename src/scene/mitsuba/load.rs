@@ -184,11 +184,8 @@ impl<'a> Builder<'a> {
 
     fn read_environment_map(&mut self, element: &Element, file: EnvironmentMapFile) -> Result<Environment> {
         let EnvironmentMapFile { file, scale, to_world, sampling_weight } = file;
-        let (image, has_negatives) = texture_images::decode_environment(&file)?;
-        if has_negatives {
-            let message = "the environment's image has negative radiance, which counts as 0";
-            self.warnings.push(format!("{}: {message}", element.location));
-        }
+        let (image, notes) = texture_images::decode_environment(&file)?;
+        self.warnings.extend(notes.into_iter().map(|note| format!("{}: {note}", element.location)));
         if !is_large_enough(&image) {
             return Err(element.error("the image of an envmap must have at least 2 x 3 pixels"));
         }
@@ -203,7 +200,9 @@ impl<'a> Builder<'a> {
         let environment = match choice {
             EnvironmentChoice::Constant => Environment::constant(Vec3::ONE),
             EnvironmentChoice::File(path) => {
-                let (image, _) = texture_images::decode_environment(&FoundFile { path: path.clone(), bytes: None })?;
+                let file = FoundFile { path: path.clone(), bytes: None };
+                let (image, notes) = texture_images::decode_environment(&file)?;
+                self.warnings.extend(notes.into_iter().map(|note| format!("{}: {note}", path.display())));
                 if !is_large_enough(&image) {
                     return Err(Error::image(path, "an environment must have at least 2 x 3 pixels"));
                 }
@@ -375,6 +374,9 @@ impl<'a> Builder<'a> {
         images.extend(decoded);
         self.warnings.extend(warnings);
         self.warnings.extend(curves::warning(&self.shapes, &meshes));
+        let mut left_out: Vec<_> = meshes.iter().filter_map(|(file, mesh)| mesh::warning(&file.path, mesh)).collect();
+        left_out.sort();
+        self.warnings.extend(left_out);
         let mut materials = self.materials.finish();
         let image = images.len() as u32;
         let emitters = self.emitters;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::folders::FoundFile;
 use super::textures::ImageRequest;
+use crate::image::exr;
 use crate::image::texels::{self, FileTexels, TexelImage};
 use crate::math::srgb::linear_from_srgb;
 use crate::scene::shrink::shrink;
@@ -58,10 +59,9 @@ pub(super) fn decode(requests: &[ImageRequest]) -> Decoded {
     Decoded { images, warnings, faults }
 }
 
-/// Image of an environment, in linear radiance, and whether the file has negative values. Values that are no radiance become
-/// black.
-pub(super) fn decode_environment(file: &FoundFile) -> Result<(Image, bool)> {
-    let TexelImage { width, height, texels } = read(file)?;
+/// Image of an environment, in linear radiance, and what is to be said about values that are no radiance.
+pub(super) fn decode_environment(file: &FoundFile) -> Result<(Image, Vec<&'static str>)> {
+    let TexelImage { width, height, texels, .. } = read(file)?.in_srgb();
     let linear = match texels {
         FileTexels::Bytes(data) => {
             data.into_iter().map(|texel| decode_srgb(texel.map(|c| f32::from(c) / 255.0))).collect()
@@ -69,10 +69,21 @@ pub(super) fn decode_environment(file: &FoundFile) -> Result<(Image, bool)> {
         FileTexels::Encoded(data) => data.into_iter().map(decode_srgb).collect(),
         FileTexels::Linear(data) => data,
     };
-    let has_negatives = linear.iter().any(|texel| texel[..3].iter().any(|&channel| channel < 0.0));
-    let light = |c: f32| if c.is_finite() { c.max(0.0) } else { 0.0 };
+    let any = |is: fn(f32) -> bool| linear.iter().any(|texel| texel[..3].iter().any(|&channel| is(channel)));
+    let notes = [
+        (any(|c| c < 0.0), "the environment's image has negative radiance, which counts as 0"),
+        (any(|c| c == f32::INFINITY), "the environment's image has infinite radiance, which counts as 65504"),
+        (any(f32::is_nan), "the environment's image has values that are no numbers, which count as 0"),
+    ];
+    let notes = notes.into_iter().filter(|(is_so, _)| *is_so).map(|(_, note)| note).collect();
+    let light = |c: f32| match c {
+        // Writers of half floats make radiance above the largest one infinite: mostly that of the sun.
+        f32::INFINITY => exr::LARGEST_HALF,
+        c if c.is_nan() => 0.0,
+        c => c.max(0.0),
+    };
     let texels = linear.into_iter().map(|[red, green, blue, _]| [light(red), light(green), light(blue), 1.0]).collect();
-    Ok((Image { name: file.path.display().to_string(), width, height, texels: Texels::Floats(texels) }, has_negatives))
+    Ok((Image { name: file.path.display().to_string(), width, height, texels: Texels::Floats(texels) }, notes))
 }
 
 fn read(file: &FoundFile) -> Result<TexelImage> {
@@ -83,6 +94,7 @@ fn read(file: &FoundFile) -> Result<TexelImage> {
 }
 
 fn image(request: &ImageRequest, file: TexelImage, warnings: &mut Vec<String>) -> Result<Image> {
+    let file = if request.raw { file } else { file.in_srgb() };
     let mut texels = match file.texels {
         FileTexels::Bytes(data) => Texels::Bytes { srgb: !request.raw, data },
         FileTexels::Encoded(data) if !request.raw => Texels::Floats(data.into_iter().map(decode_srgb).collect()),

@@ -82,7 +82,7 @@ impl<'a> Images<'a> {
     pub fn raster_of(&mut self, image: &ImageFile, entity: &Entity) -> Result<Raster> {
         let fault = |error| entity.error(format!("the image `{}`: {error}", brief(&image.name)));
         Ok(match &image.source {
-            Source::File(path) => Raster::of(&texels::read(path).map_err(fault)?, image.encoding),
+            Source::File(path) => Raster::of(&texels::read(path).map_err(fault)?.in_srgb(), image.encoding),
             Source::Memory(texels) => Raster::of(texels, image.encoding),
         })
     }
