@@ -28,7 +28,8 @@ pub fn bytes(bytes: &[u8]) -> String {
 pub fn message(error: &impl std::fmt::Display) -> String {
     let text = error.to_string();
     let is_quote = |c: char| matches!(c, '"' | '`' | '\'');
-    let line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let is_space = |c: char| c.is_whitespace() || c.is_control();
+    let line = |text: &str| text.split(is_space).filter(|word| !word.is_empty()).collect::<Vec<_>>().join(" ");
     match (text.find(is_quote), text.rfind(is_quote)) {
         (Some(begin), Some(end)) if !is_quotable(&text[begin + 1..end.max(begin + 1)]) => {
             line(&format!("{}...{}", &text[..=begin], &text[end..]))
@@ -57,4 +58,5 @@ fn messages_of_others_quote_as_little() {
     let long = format!("invalid type: string \"{}\", expected u32", "x\"'".repeat(20));
     assert_eq!(message(&long), "invalid type: string \"...\", expected u32");
     assert_eq!(message(&"one ' only"), "one ' only");
+    assert_eq!(message(&"a\0b"), "a b");
 }

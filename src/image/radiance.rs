@@ -27,12 +27,13 @@ pub(super) fn usual(bytes: &[u8]) -> Cow<'_, [u8]> {
 /// Length of a header in bytes: up to an empty line, and the line with the size that follows it.
 fn header_length(bytes: &[u8]) -> Option<usize> {
     let (mut length, mut is_last) = (0, false);
-    for line in bytes.split_inclusive(|&byte| byte == b'\n') {
+    for (index, line) in bytes.split_inclusive(|&byte| byte == b'\n').enumerate() {
         length += line.len();
         if is_last {
             return line.ends_with(b"\n").then_some(length);
         }
-        is_last = matches!(line, b"\n" | b"\r\n");
+        // What is left of the first line may be empty, too.
+        is_last = index > 0 && matches!(line, b"\n" | b"\r\n");
     }
     None
 }

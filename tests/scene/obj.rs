@@ -1,6 +1,6 @@
 //! OBJ files: meshes written as text in many ways and read back, and lines that `tobj` alone reads differently.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use lodestar::scene::{Primitive, Scene};
 use proptest::prelude::*;
 
@@ -91,6 +91,13 @@ impl Writer<'_> {
     }
 }
 
+/// Whether no corner turns back, so that the polygon is cut as a fan.
+fn is_convex(polygon: &[Corner]) -> bool {
+    let at = |i: usize| polygon[i % polygon.len()].0.as_dvec3();
+    let normal: DVec3 = (1..polygon.len() - 1).map(|i| (at(i) - at(0)).cross(at(i + 1) - at(0))).sum();
+    (0..polygon.len()).all(|i| (at(i + 1) - at(i)).cross(at(i + 2) - at(i + 1)).dot(normal) >= 0.0)
+}
+
 /// Text of a random mesh, and its triangles with area.
 fn random_mesh(seed: &[u32], kinds: [u32; 2]) -> (String, Vec<[Corner; 3]>) {
     let mut writer = Writer { words: seed.iter().copied().cycle(), text: String::new() };
@@ -102,7 +109,14 @@ fn random_mesh(seed: &[u32], kinds: [u32; 2]) -> (String, Vec<[Corner; 3]>) {
         let other = writer.one_of(&others);
         writer.text += other;
         writer.text += "f";
-        let polygon: Vec<_> = (0..3 + writer.below(4)).map(|_| writer.corner(kinds, &rows)).collect();
+        let begin = writer.text.len();
+        let polygon = (0..8).find_map(|tries| {
+            writer.text.truncate(begin);
+            let count = if tries == 7 { 3 } else { 3 + writer.below(4) };
+            let polygon: Vec<_> = (0..count).map(|_| writer.corner(kinds, &rows)).collect();
+            (count == 3 || is_convex(&polygon)).then_some(polygon)
+        });
+        let polygon = polygon.expect("a triangle at last");
         let end = writer.one_of(&["\n", "\r\n", " # remark\n"]);
         writer.text += end;
         triangles.extend((2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]));

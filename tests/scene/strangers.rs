@@ -25,7 +25,7 @@ fn names_that_grow() {
     let default = |i: u32| format!("<default name=\"a{i}\" value=\"{}\"/>\n", format!("$a{}", i - 1).repeat(10));
     let defaults: String = (1..10).map(default).collect();
     let text = with_sensor(&format!("<default name=\"a0\" value=\"xxxxxxxxxx\"/>{defaults}"));
-    refuse(&[("scene.xml", &text)], &["scene.xml:9: ", "replace $names have more than 67108864 bytes"]);
+    refuse(&[("scene.xml", &text)], &["scene.xml:8: ", "replace $names have more than 67108864 bytes"]);
 }
 
 /// Fourteen files include the next eight times each: 8^14 files.
@@ -47,8 +47,8 @@ fn attributes_without_end() {
     let attributes: String = (0..100_000).map(|i| format!(" a{i}=\"\"")).collect();
     let text = with_sensor(&format!("<bsdf{attributes}/>"));
     refuse(&[("scene.xml", &text)], &["scene.xml:2: ", "more than 64 attributes"]);
-    let spaces: String = (0..100).map(|i| format!(" xmlns:n{i}=\"u\"")).collect();
-    let text = with_sensor(&format!("<bsdf{}/><bsdf{}/>", &spaces[..700], &spaces[700..]));
+    let spaces: String = (0..50).map(|i| format!(" xmlns:n{i}=\"u\"")).collect();
+    let text = with_sensor(&format!("<bsdf{spaces}/><bsdf{spaces}/>"));
     refuse(&[("scene.xml", &text)], &["scene.xml:2: ", "more than 64 namespaces"]);
 }
 
@@ -61,7 +61,7 @@ fn a_file_longer_than_the_old_limit_is_read() {
     assert_eq!(Folder::new(&[("scene.xml", &text)]).load(&[]).unwrap().primitives.len(), 1);
 }
 
-/// As in Mitsuba, a document type that defines nothing is skipped.
+/// A document type that defines nothing is skipped, as in Mitsuba.
 #[test]
 fn a_document_type_is_skipped() {
     let text =

@@ -290,7 +290,8 @@ impl<'a> Lines<'a> {
             return format!("{} is not a vertex of a face", quoted::word(word));
         }
         let total = self.totals.map_or(0, |totals| totals[kind]);
-        format!("{} index {} is out of range; the file has {total}", KINDS[kind], quoted::word(index))
+        let index = if index.len() <= 40 { index } else { "of many digits" };
+        format!("{} index {index} is out of range; the file has {total}", KINDS[kind])
     }
 }
 

@@ -20,6 +20,8 @@ use crate::{Error, Result, inputs, quoted};
 pub(super) use super::budget::MAX_ELEMENT_DEPTH;
 
 const MAX_INCLUDE_DEPTH: usize = 16;
+/// Most warnings after which text between elements is no longer told.
+const MOST_WARNINGS: usize = 1000;
 
 const TRANSFORM_TAGS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
 
@@ -113,7 +115,7 @@ impl Reader {
             // An include may hold a single object.
             self.read_node(root, &file, 0, &mut elements)?;
         } else {
-            let message = format!("not a Mitsuba scene: the root element is <{}>", root.tag_name().name());
+            let message = format!("not a Mitsuba scene: the root element is {}", tag_name(root.tag_name().name()));
             return Err(file.location(root).error(message));
         }
         self.is_old = outer_is_old;
@@ -148,7 +150,7 @@ impl Reader {
     /// Skips text between elements, as Mitsuba does. Visible text gets a warning.
     fn skip_text(&mut self, text: &str, location: &Location) {
         let word = text.split(|c: char| c.is_whitespace() || INVISIBLE.contains(&c)).find(|word| !word.is_empty());
-        if let Some(word) = word {
+        if let Some(word) = word.filter(|_| self.warnings.len() < MOST_WARNINGS) {
             let word = quoted::word(word);
             self.warnings.push(format!("{location}: text between elements is ignored: {word}"));
         }
@@ -175,7 +177,11 @@ impl Reader {
             _ => {}
         }
         if self.faults.keep(check_tag(&element, depth)).is_none() {
-            return Ok(());
+            // Each fault takes more memory than the element.
+            return match self.faults.is_full() {
+                true => std::mem::take(&mut self.faults).into_result(),
+                false => Ok(()),
+            };
         }
         self.warnings.extend(transform::warning(&element)?);
         self.read_children(node, file, depth, &mut element.children)?;
@@ -248,6 +254,14 @@ fn is_old(version: &str) -> bool {
     version.split('.').next().and_then(|major| major.trim().parse::<u32>().ok()).is_some_and(|major| major < 2)
 }
 
+/// Name of an element, as messages quote it.
+fn tag_name(tag: &str) -> String {
+    match tag.len() <= 40 {
+        true => format!("<{tag}>"),
+        false => quoted::word(tag),
+    }
+}
+
 /// Refuses unknown elements. `depth` is 1 directly in `<scene>`.
 fn check_tag(element: &Element, depth: usize) -> Result<()> {
     let tag = element.tag.as_str();
@@ -255,7 +269,7 @@ fn check_tag(element: &Element, depth: usize) -> Result<()> {
     if known.iter().any(|tags| tags.contains(&tag)) || (tag == "alias" && depth == 1) {
         return Ok(());
     }
-    Err(element.error(format!("the element <{tag}> is not supported")))
+    Err(element.error(format!("the element {} is not supported", tag_name(tag))))
 }
 
 /// Replaces a `<!DOCTYPE>` that only names the document's type by spaces, as Mitsuba skips it. One that defines something is left to the

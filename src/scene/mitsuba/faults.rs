@@ -4,6 +4,9 @@ use std::collections::HashSet;
 
 use crate::{Error, Result};
 
+/// Most faults that are kept while a file is read. A message lists fewer.
+const MOST_KEPT: usize = 1000;
+
 /// Faults found so far. Two references to one faulty object give one fault.
 #[derive(Debug, Default)]
 pub(in crate::scene) struct Faults {
@@ -22,6 +25,11 @@ impl Faults {
     /// Value of `result`; an error is added to the list.
     pub fn keep<T>(&mut self, result: Result<T>) -> Option<T> {
         result.map_err(|error| self.add(error)).ok()
+    }
+
+    /// Whether there are so many that more help nobody.
+    pub fn is_full(&self) -> bool {
+        self.list.len() >= MOST_KEPT
     }
 
     /// Adds an error.

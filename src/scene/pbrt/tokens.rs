@@ -43,7 +43,10 @@ impl fmt::Display for Token<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Word(word) => f.write_str(&quoted::word(word)),
-            Self::Quoted(text) => write!(f, "the text {}", quoted::word(text)),
+            Self::Quoted(text) => match quoted::word(text) {
+                word if word.starts_with('`') => write!(f, "\"{text}\""),
+                word => f.write_str(&word),
+            },
             Self::Open => f.write_str("`[`"),
             Self::Close => f.write_str("`]`"),
         }
