@@ -1,7 +1,7 @@
 //! Triangle meshes, as every reader of mesh files makes them.
 
 use earcut::Earcut;
-use glam::{Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Most triangles of a scene, copies of instances included. Devices can address this many at three texels each.
 pub(in crate::scene) const MAX_TRIANGLES: usize = 1 << 25;
@@ -33,8 +33,8 @@ const MOST_CORNERS: usize = 1 << 16;
 /// Cutter of polygons into triangles.
 #[derive(Default)]
 pub(in crate::scene) struct Cutter {
-    earcut: Earcut<f32>,
-    corners: Vec<[f32; 2]>,
+    earcut: Earcut<f64>,
+    corners: Vec<[f64; 2]>,
     indices: Vec<u32>,
     /// Number of faces that were points or lines, and were left out.
     pub left_out: usize,
@@ -58,7 +58,7 @@ impl Cutter {
                 // The cutter's triangles all turn counterclockwise, and so does the polygon in the plane of its corners.
                 let (found, _) = self.indices.as_chunks::<3>();
                 triangles.extend(found.iter().map(|&[a, b, c]| {
-                    let [pa, pb, pc] = [a, b, c].map(|at| Vec2::from_array(self.corners[at as usize]));
+                    let [pa, pb, pc] = [a, b, c].map(|at| DVec2::from_array(self.corners[at as usize]));
                     let turns_left = (pb - pa).perp_dot(pc - pa) >= 0.0;
                     let [a, b, c] = [a, b, c].map(|at| polygon[at as usize]);
                     if turns_left { [a, b, c] } else { [a, c, b] }
@@ -74,9 +74,11 @@ impl Cutter {
     fn is_concave(&mut self, polygon: &[u32], positions: &[Vec3]) -> bool {
         let count = polygon.len();
         // A position may be missing where the file is faulty, which is told later.
-        let at = |index: usize| positions.get(polygon[index % count] as usize).copied().unwrap_or_default();
+        let at = |index: usize| {
+            positions.get(polygon[index % count] as usize).map(|position| position.as_dvec3()).unwrap_or_default()
+        };
         let first = at(0);
-        let normal: Vec3 = (1..count - 1).map(|i| (at(i) - first).cross(at(i + 1) - first)).sum();
+        let normal: DVec3 = (1..count - 1).map(|i| (at(i) - first).cross(at(i + 1) - first)).sum();
         let turn = |i: usize| (at(i + 1) - at(i)).cross(at(i + 2) - at(i + 1)).dot(normal);
         // Rounding must not make a flat corner a concave one.
         let least = -1.0e-5 * normal.length_squared();
@@ -84,7 +86,7 @@ impl Cutter {
             return false;
         }
         let [x, y, z] = normal.abs().to_array();
-        let plane = |p: Vec3| match (x >= y && x >= z, y >= z) {
+        let plane = |p: DVec3| match (x >= y && x >= z, y >= z) {
             (true, _) if normal.x > 0.0 => [p.y, p.z],
             (true, _) => [p.z, p.y],
             (_, true) if normal.y > 0.0 => [p.z, p.x],
@@ -102,7 +104,7 @@ impl Cutter {
 mod tests {
     use super::*;
 
-    /// Area of the triangles along `z`, which counts those that turn the other way as negative.
+    /// Area of the triangles, seen along the normal of their plane.
     fn area(triangles: &[[u32; 3]], positions: &[Vec3]) -> f32 {
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|index| positions[index as usize]);
