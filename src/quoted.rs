@@ -1,8 +1,8 @@
 //! Words of files, as messages quote them. A scene may name any file that its reader may read, and a message may go to others, so a
 //! message quotes one short word of a file and never a line.
 
-/// Most characters of a word that a message quotes.
-const MOST_CHARACTERS: usize = 40;
+/// Most characters of a word that a message quotes: a number has as many, and a line of a list of passwords has more.
+const MOST_CHARACTERS: usize = 24;
 
 /// The word between backticks if it is short and printable, or else a phrase that says how long it is.
 pub fn word(word: &str) -> String {
@@ -45,7 +45,7 @@ fn is_quotable(word: &str) -> bool {
 #[test]
 fn long_words_and_strange_ones_are_described() {
     assert_eq!(word("root:x:0"), "`root:x:0`");
-    assert_eq!(word(&"\u{e4}".repeat(40)), format!("`{}`", "\u{e4}".repeat(40)));
+    assert_eq!(word(&"\u{e4}".repeat(24)), format!("`{}`", "\u{e4}".repeat(24)));
     assert_eq!(word(&"x".repeat(3000)), "a word of 3000 characters");
     assert_eq!(word("A=1\0B=2"), "a word with control characters of 7 characters");
     assert_eq!(bytes(b"1.5"), "`1.5`");

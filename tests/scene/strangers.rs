@@ -152,6 +152,10 @@ fn check_silence(message: &str, secret: &[u8]) {
     let message = message.as_bytes();
     let told = secret.windows(MOST + 1).find(|window| message.windows(MOST + 1).any(|found| found == *window));
     assert_eq!(told, None, "{}", String::from_utf8_lossy(message));
+    let line = secret
+        .split(|&byte| byte == b'\n')
+        .find(|line| line.len() > 24 && message.windows(line.len()).any(|found| found == *line));
+    assert_eq!(line, None, "{}", String::from_utf8_lossy(message));
     assert!(!message.iter().any(|&byte| byte < b' ' && byte != b'\n'), "{}", String::from_utf8_lossy(message));
 }
 
