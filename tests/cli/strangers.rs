@@ -9,7 +9,7 @@ use crate::support::{Folder, assert_sentence, wait_until};
 /// Runs the program to its end, which must come soon, within an address space of 2 GiB.
 fn run(folder: &Folder, arguments: &[&str]) -> Output {
     let words = ["-c", "ulimit -v 2097152; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_lodestar")];
-    let mut command = folder.command(&[]);
+    let command = folder.command(&[]);
     let mut shell = Command::new("sh");
     shell.args(words).args(arguments).current_dir(folder.path(""));
     command.get_envs().for_each(|(name, value)| match value {

@@ -62,12 +62,12 @@ use textures::Textures;
 pub(super) fn read(path: &Path) -> Result<Description> {
     let mut builder = Builder::new(path);
     let read = directives::read_file(&mut builder, path);
-    builder.faults.keep(read);
+    let is_whole = builder.faults.keep(read).is_some();
     if let Some(place) = builder.open_block() {
         let error = place.error("an object without an ObjectEnd: is the file cut short?");
         builder.faults.add(error);
     }
-    if !builder.has_world() {
+    if is_whole && !builder.has_world() {
         builder.faults.add(Error::scene(path, None, "it has no WorldBegin; pbrt renders only files that have one"));
     }
     let Builder { mut files, mut faults, mut warnings, mut world, .. } = builder;
