@@ -16,6 +16,8 @@ MAGIC = b"\x76\x2f\x31\x01"
 TYPES = {0: np.dtype("<u4"), 1: np.dtype("<f2"), 2: np.dtype("<f4")}
 # Lines per chunk of the compressions that are read: none, ZIPS, ZIP.
 LINES = {0: 1, 2: 1, 3: 16}
+# ZIP makes at most this many bytes of one.
+MOST_RATIO = 1032
 
 
 class Picture(NamedTuple):
@@ -43,6 +45,8 @@ def _header(data: bytes) -> tuple[dict[str, bytes], int]:
         name, at = _name(data, at)
         _, at = _name(data, at)
         size = struct.unpack_from("<i", data, at)[0]
+        if size < 0:
+            raise ValueError(f"the attribute {name} has a negative size")
         attributes[name] = data[at + 4 : at + 4 + size]
         at += 4 + size
     return attributes, at + 1
@@ -61,7 +65,12 @@ def _unpack(chunk: bytes, size: int) -> bytes:
     """Content of a ZIP chunk: halves interleaved, differences summed."""
     if len(chunk) == size:
         return chunk
-    data = np.frombuffer(zlib.decompress(chunk), np.uint8).astype(np.int64)
+    # One byte more than the header says is enough to see that the chunk is another one.
+    unpacking = zlib.decompressobj()
+    content = unpacking.decompress(chunk, size + 1)
+    if len(content) != size or not unpacking.eof:
+        raise ValueError(f"a chunk has {len(content)} bytes or more in place of {size}, or its end is missing")
+    data = np.frombuffer(content, np.uint8).astype(np.int64)
     data[1:] -= 128
     data = np.cumsum(data).astype(np.uint8)
     half = (len(data) + 1) // 2
@@ -75,12 +84,13 @@ def read(path: Path) -> Picture:
     data = Path(path).read_bytes()
     if data[:4] != MAGIC:
         raise ValueError(f"{path} is not an EXR file")
-    if struct.unpack_from("<I", data, 4)[0] & 0x1A00:
-        raise ValueError(f"{path} has tiles, depth or several parts; only scanline files are read")
     try:
-        return _read_lines(data)
+        has_lines = not struct.unpack_from("<I", data, 4)[0] & 0x1A00
+        if has_lines:
+            return _read_lines(data)
     except (IndexError, KeyError, ValueError, struct.error, zlib.error) as fault:
         raise ValueError(f"{path} is cut short, or is compressed otherwise than by ZIP ({fault!r})") from fault
+    raise ValueError(f"{path} has tiles, depth or several parts; only scanline files are read")
 
 
 def _read_lines(data: bytes) -> Picture:
@@ -90,10 +100,17 @@ def _read_lines(data: bytes) -> Picture:
     display = struct.unpack("<4i", attributes["displayWindow"])
     width, height = right - left + 1, bottom - top + 1
     lines, compression = LINES[attributes["compression"][0]], attributes["compression"][0]
-    arrays = {name: np.empty((height, width), dtype) for name, dtype in channels}
     bytes_per_line = sum(dtype.itemsize for _, dtype in channels) * width
+    # A header may announce any size, but the file must hold it.
+    if width < 1 or height < 1 or bytes_per_line * height > MOST_RATIO * len(data) or height > len(data):
+        raise ValueError(f"{width} x {height} pixels do not fit the file")
+    arrays = {name: np.empty((height, width), dtype) for name, dtype in channels}
     for offset in struct.unpack_from(f"<{-(-height // lines)}Q", data, at):
+        if offset > len(data):
+            raise ValueError("a chunk is outside of the file")
         y, size = struct.unpack_from("<2i", data, offset)
+        if not top <= y <= bottom or not 0 <= size <= len(data) - offset - 8:
+            raise ValueError("a chunk has no place in the picture or in the file")
         count = min(lines, bottom - y + 1)
         chunk = data[offset + 8 : offset + 8 + size]
         content = _unpack(chunk, bytes_per_line * count) if compression else chunk
