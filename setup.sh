@@ -32,7 +32,7 @@
 #                            its path. It is compiled from source: about 90 s of processor time.
 set -eu
 
-MIN_RUST=1.88
+MIN_RUST=1.89
 # Folder where cargo looks for shaderc; see .cargo/config.toml.
 SHADERC_FOLDER="$(cd "$(dirname "$0")" && pwd)/.shaderc"
 
@@ -384,6 +384,9 @@ provide_slurm() {
 # --- The denoiser --------------------------------------------------------------------------------------------------------
 
 OIDN_PACKAGE=pyoidn==2.5.1.0
+# SHA-256 of its wheels for Linux (x86_64) and macOS (x86_64, arm64). pip refuses a file with another hash.
+OIDN_HASHES="32ad13368f8de1ef63001942ad05b02a00cd732d1206d97f352d3a3f606d823e
+  c9d366e448c7a99ef54b936806ef2e6ae1e1383b0a3ba08f5509a39553fa03c2 ed803c20333d37873678d69abf1e3546e89dbaf4639408b7c92173e11b6355cb"
 
 # Unpacks the libraries of the Python package. A wheel has copies where a library's folder has links, so each copy is replaced by
 # a link.
@@ -392,7 +395,10 @@ unpack_oidn() { # DIR
     fail "Python with pip is missing; install it (Debian: python3-pip), or unpack a release of Open Image Denoise 2 and set LODESTAR_OIDN"
   download=$(mktemp -d)
   trap 'rm -rf "$download"' EXIT
-  python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: --dest "$download" "$OIDN_PACKAGE" >&2 ||
+  # shellcheck disable=SC2086 # Hashes are words.
+  echo "$OIDN_PACKAGE" $(printf -- '--hash=sha256:%s ' $OIDN_HASHES) >"$download/requirements.txt"
+  python3 -m pip download --quiet --disable-pip-version-check --no-deps --only-binary :all: --dest "$download" --require-hashes \
+    -r "$download/requirements.txt" >&2 ||
     fail "cannot download $OIDN_PACKAGE, which contains Open Image Denoise; unpack a release of it and set LODESTAR_OIDN"
   python3 -m zipfile -e "$download"/*.whl "$download/unpacked"
   libraries="$download/unpacked/pyoidn/oidn/lib"
