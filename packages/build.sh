@@ -5,6 +5,7 @@
 #          lodestar-render-VERSION.crate
 #          lodestar-VERSION-x86_64-linux.tar.gz
 #          lodestar_VERSION-1_amd64.deb
+#          lodestar_render-VERSION-*.whl
 #        --compare  first compare the crate's kernels with freshly compiled ones
 #
 # It needs cargo-zigbuild and zig (`pip install cargo-zigbuild ziglang`) and cargo-deb (`cargo install cargo-deb`).
@@ -47,10 +48,20 @@ if ((compare)); then
   SHADERC_LIB_DIR=${SHADERC_LIB_DIR:-$root/.shaderc} cargo test --release --quiet --features shaderc --test shipped
 fi
 say "building the program from the crate"
+CARGO_ENCODED_RUSTFLAGS=$("$root/packages/remap.sh")
+export CARGO_ENCODED_RUSTFLAGS
 CARGO_PROFILE_RELEASE_DEBUG=0 CARGO_PROFILE_RELEASE_STRIP=symbols \
   cargo zigbuild --release --quiet --locked --target "$TARGET.$GLIBC" --bin lodestar
 program=$CARGO_TARGET_DIR/$TARGET/release/lodestar
-unset CARGO_TARGET_DIR
+"$root/packages/remap.sh" --check "$program" || fail "the program tells where it was built"
+say "building the wheel"
+(cd "$root" && CARGO_ENCODED_RUSTFLAGS=$("$root/packages/remap.sh") pip wheel --quiet --no-deps ./python -w "$out")
+wheel=$(echo "$out"/lodestar_render-*.whl)
+unzip -p "$wheel" '*.so' >"$out/wheel.so"
+(cd "$root" && packages/remap.sh --check "$out/wheel.so") || fail "the wheel tells where it was built"
+rm "$out/wheel.so"
+unzip -l "$wheel" | grep -q licenses/LICENSES-OF-DEPENDENCIES.txt || fail "the wheel lacks the licenses of what it links"
+unset CARGO_TARGET_DIR CARGO_ENCODED_RUSTFLAGS
 
 needed=$(objdump --dynamic-syms "$program" | grep -o 'GLIBC_[0-9.]*' | sort --version-sort --unique | tail -1)
 highest=$(printf '%s\n' "$needed" "GLIBC_$GLIBC" | sort --version-sort | tail -1)

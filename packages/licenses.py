@@ -18,7 +18,9 @@ def cargo(*arguments):
     return subprocess.run(["cargo", *arguments], check=True, capture_output=True, text=True).stdout
 
 
-def main(manifest, target):
+def texts(manifest, target):
+    """Lines of all texts."""
+    lines = []
     place = ["--locked", "--manifest-path", manifest]
     packages = json.loads(cargo("metadata", "--format-version=1", "--filter-platform", target, *place))["packages"]
     tree = ["--edges", "normal", "--prefix", "none", "--target", target, "--format", "{p}"]
@@ -28,15 +30,17 @@ def main(manifest, target):
         name, version = package["name"], package["version"]
         if (name, "v" + version) not in linked:
             continue
-        print(f"{name} {version}: {package['license']}; {', '.join(package['authors']) or package['repository']}")
+        lines.append(f"{name} {version}: {package['license']}; {', '.join(package['authors']) or package['repository']}")
         for file in sorted(Path(package["manifest_path"]).parent.iterdir()):
             if file.is_file() and file.name.upper().startswith(NAMES):
                 text = "\n".join(line.rstrip() for line in file.read_text(errors="replace").strip().splitlines())
                 crates_by_text.setdefault(text, []).append(name)
     for text, crates in crates_by_text.items():
-        print(f"\n{'=' * 100}\n{', '.join(dict.fromkeys(crates))}\n{'=' * 100}\n{text}")
+        lines.append(f"\n{'=' * 100}\n{', '.join(dict.fromkeys(crates))}\n{'=' * 100}\n{text}")
+    return "\n".join(lines) + "\n"
 
 
-if len(sys.argv) != 3:
-    sys.exit("licenses.py: usage: packages/licenses.py MANIFEST TARGET")
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit("licenses.py: usage: packages/licenses.py MANIFEST TARGET")
+    sys.stdout.write(texts(*sys.argv[1:]))
