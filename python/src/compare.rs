@@ -8,7 +8,7 @@ use crate::arrays::numbers;
 use crate::errors::raised;
 use crate::picture::Picture;
 use crate::scene::path_of;
-use crate::shared::from_json;
+use crate::shared::{detached, from_json};
 
 /// Measures the error of a picture against a reference of the same size.
 ///
@@ -27,7 +27,7 @@ use crate::shared::from_json;
 pub fn compare(picture: &Bound<'_, PyAny>, reference: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
     let py = picture.py();
     let (picture, reference) = (image(picture)?, image(reference)?);
-    let measured = py.detach(|| metrics::compare(&picture, &reference)).map_err(raised)?;
+    let measured = detached(py, || metrics::compare(&picture, &reference))?.map_err(raised)?;
     let measured = from_json(py, &measured)?;
     // JSON has no number that is not finite: the mean ratio to a black reference.
     if measured.bind(py).get_item("mean_ratio")?.is_none() {
@@ -52,5 +52,5 @@ fn image(value: &Bound<'_, PyAny>) -> PyResult<Image> {
         };
     }
     let path = path_of(value)?;
-    value.py().detach(|| exr::read_rgb(&path)).map_err(raised)
+    detached(value.py(), || exr::read_rgb(&path))?.map_err(raised)
 }

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyList;
 
 use crate::errors::refused;
-use crate::shared::from_json;
+use crate::shared::{detached, from_json};
 
 /// The Vulkan devices of this machine, one dictionary each: `index`, `name`, `kind`, `driver_name`, `limits` and more. `default`
 /// says whether the device renders if none is chosen, and `refused` what keeps it from use, or None.
@@ -17,7 +17,7 @@ use crate::shared::from_json;
 #[pyfunction]
 pub fn devices(py: Python<'_>) -> PyResult<Py<PyAny>> {
     let wanted = std::env::var("LODESTAR_DEVICE").ok().filter(|device| !device.trim().is_empty());
-    let found = py.detach(|| survey(wanted.as_deref()));
+    let found = detached(py, || survey(wanted.as_deref()))?;
     if found.devices.is_empty() {
         return Err(refused(found.advice.join("; ")));
     }

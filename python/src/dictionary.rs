@@ -72,9 +72,11 @@ fn other(value: &Bound<'_, PyAny>) -> PyResult<Value> {
         let rows = rows.ok_or_else(|| refused(format!("its `matrix` has the shape {shape:?}, not 4 x 4")))?;
         return Ok(Value::Transform(Transform { operations: vec![Operation::Matrix(rows)] }));
     }
+    if is_numpy_bool(value)? {
+        return Ok(Value::Boolean(value.is_truthy()?));
+    }
     let (shape, values) = numbers(value)?;
     match (&shape[..], &values[..]) {
-        ([], [_]) if is_numpy_bool(value)? => Ok(Value::Boolean(value.is_truthy()?)),
         ([], &[number]) => Ok(Value::Number(number)),
         _ => Ok(Value::Array(Array { shape, values })),
     }

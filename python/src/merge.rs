@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use crate::errors::{raised, warn};
 use crate::picture::Picture;
 use crate::scene::path_of;
+use crate::shared::detached;
 
 /// Averages pictures of one scene with disjoint samples, every pixel by its sample counts.
 ///
@@ -35,12 +36,12 @@ pub fn merge(py: Python<'_>, pictures: Vec<Bound<'_, PyAny>>) -> PyResult<Pictur
             }
             Err(_) => {
                 let path = path_of(part)?;
-                let (picture, attributes) = py.detach(|| film::read_picture(&path)).map_err(raised)?;
+                let (picture, attributes) = detached(py, || film::read_picture(&path))?.map_err(raised)?;
                 PartialPicture { path, picture, attributes }
             }
         });
     }
-    let (picture, attributes) = py.detach(|| film::merge::merge(&parts)).map_err(raised)?;
+    let (picture, attributes) = detached(py, || film::merge::merge(&parts))?.map_err(raised)?;
     let is_whole = |part: &&PartialPicture| part.picture.sums.is_empty();
     if let Some(part) = parts.iter().find(is_whole).filter(|_| !parts.iter().all(|part| is_whole(&part))) {
         let message = "it carries no sums, so the last bits depend on how the samples are divided; render it with sample_offset (0 for the first part)";

@@ -11,6 +11,7 @@ use pyo3::types::PyBytes;
 
 use crate::arrays::frozen;
 use crate::errors::{raised, refused};
+use crate::shared::detached;
 
 /// A picture with its layers. Arrays have the shape (height, width) or (height, width, 3), rows from the top, and cannot be written
 /// to; `picture.radiance.copy()` can.
@@ -58,7 +59,7 @@ impl Picture {
     /// Reads an EXR file that Lodestar has written, with all layers.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let (picture, attributes) = py.detach(|| film::read_picture(&path)).map_err(raised)?;
+        let (picture, attributes) = detached(py, || film::read_picture(&path))?.map_err(raised)?;
         Ok(Self::new(picture, attributes, None, None))
     }
 
@@ -166,7 +167,7 @@ impl Picture {
             }
             () => Err(Error::Settings(format!("{}: the name must end in .exr or .png", path.display()))),
         };
-        py.detach(write).map_err(raised)
+        detached(py, write)?.map_err(raised)
     }
 
     /// The picture as a PNG file in memory.
@@ -174,7 +175,7 @@ impl Picture {
     fn png<'py>(&self, py: Python<'py>, tone: &str, exposure: f32) -> PyResult<Bound<'py, PyBytes>> {
         let tone = tone_of(tone)?;
         let mut bytes = Vec::new();
-        let encoded = py.detach(|| png::encode(&mut bytes, &self.picture.image(), tone, exposure));
+        let encoded = detached(py, || png::encode(&mut bytes, &self.picture.image(), tone, exposure))?;
         encoded.map_err(|error| refused(format!("no PNG can be made of this picture: {error}")))?;
         Ok(PyBytes::new(py, &bytes))
     }

@@ -17,7 +17,7 @@ use crate::errors::{raised, warn};
 use crate::guide::Guide;
 use crate::picture::Picture;
 use crate::scene::{Choices, SceneFile, Subject, path_of};
-use crate::shared::{from_json, settings_of};
+use crate::shared::{detached, from_json, is_forked, settings_of};
 use crate::{options, scene};
 
 /// Time between two looks at Python's signals.
@@ -25,7 +25,8 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// A render that its `Renderer` and its guides share.
 pub struct Shared {
-    session: Mutex<Session>,
+    /// The session, until the end.
+    session: Option<Mutex<Session>>,
     subject: Subject,
     /// Surfaces that pixels show, as far as they were asked for.
     points: Mutex<HashMap<(u32, u32), SurfacePoint>>,
@@ -33,8 +34,15 @@ pub struct Shared {
 
 impl Shared {
     /// Calls `act` with the session. The interpreter is released first: the thread that has the session may wait for it.
-    fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Session) -> T + Send) -> T {
-        py.detach(|| act(&mut lock(&self.session)))
+    fn with<T: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut Session) -> T + Send) -> PyResult<T> {
+        detached(py, || act(&mut self.session()))
+    }
+
+    fn session(&self) -> MutexGuard<'_, Session> {
+        match &self.session {
+            Some(session) => lock(session),
+            None => unreachable!("only `drop` takes the session"),
+        }
     }
 
     /// Surface that the center of a pixel shows.
@@ -43,7 +51,7 @@ impl Shared {
             if let Some(&known) = lock(&self.points).get(&pixel) {
                 return Ok(known);
             }
-            let session = lock(&self.session);
+            let session = self.session();
             let scene = self.subject.scene()?;
             let bvh = Bvh::build(&scene.primitives);
             let place = MappedScene { context: session.context(), scene: &scene, bvh: &bvh };
@@ -51,7 +59,16 @@ impl Shared {
             lock(&self.points).insert(pixel, point);
             Ok(point)
         };
-        py.detach(find).map_err(raised)
+        detached(py, find)?.map_err(raised)
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        if is_forked() {
+            // The device belongs to the parent process. To free it here would wait for threads that are not here.
+            std::mem::forget(self.session.take());
+        }
     }
 }
 
@@ -112,13 +129,13 @@ impl Renderer {
             };
             Session::start(start, options, &watch)
         };
-        let session = py.detach(start).map_err(raised)?;
+        let session = detached(py, start)?.map_err(raised)?;
         // A scene that was loaded before has shown its warnings already.
         let mut warnings = std::mem::take(&mut *lock(&warnings));
         let known = subject.scene.as_ref().map_or(&[][..], |scene| &scene.warnings);
         warnings.retain(|warning| !known.contains(warning));
         warn(py, &warnings)?;
-        Ok(Self(Arc::new(Shared { session: Mutex::new(session), subject, points: Mutex::default() })))
+        Ok(Self(Arc::new(Shared { session: Some(Mutex::new(session)), subject, points: Mutex::default() })))
     }
 
     /// Calls `act` with the session and a watch that stops at an exception of a signal handler. Returns the exception, too.
@@ -128,7 +145,7 @@ impl Renderer {
         act: impl FnOnce(&mut Session, &Watch<'_>) -> T + Send,
     ) -> PyResult<(T, Option<PyErr>)> {
         let warnings = Mutex::new(Vec::new());
-        let (outcome, exception) = py.detach(|| {
+        let (outcome, exception) = detached(py, || {
             let (exception, looked) = (RefCell::new(None), Cell::new(Instant::now()));
             let stop = || {
                 if exception.borrow().is_some() {
@@ -142,9 +159,9 @@ impl Renderer {
                 exception.borrow().is_some()
             };
             let watch = Watch { stop: &stop, events: &|event| keep_warning(event, &warnings) };
-            let outcome = act(&mut lock(&self.0.session), &watch);
+            let outcome = act(&mut self.0.session(), &watch);
             (outcome, exception.into_inner())
-        });
+        })?;
         warn(py, &lock(&warnings))?;
         Ok((outcome, exception))
     }
@@ -163,7 +180,8 @@ impl Renderer {
             }
             if let Some(callback) = callback {
                 let answer = callback.call1((this,))?;
-                if answer.is_instance_of::<pyo3::types::PyBool>() && !answer.is_truthy()? {
+                // A function without an answer returns None.
+                if !answer.is_none() && !answer.is_truthy()? {
                     return Ok(true);
                 }
             }
@@ -185,21 +203,21 @@ impl Renderer {
             let attributes = session.attributes(&picture);
             Ok((picture, attributes, session.statistics()))
         };
-        let (picture, attributes, statistics) = self.0.with(py, read).map_err(raised)?;
+        let (picture, attributes, statistics) = self.0.with(py, read)?.map_err(raised)?;
         Ok(Picture::new(picture, attributes, Some(from_json(py, &statistics)?), ending))
     }
 
     /// Reason why the render has ended.
-    fn ending(&self, py: Python<'_>, is_stopped: bool) -> &'static str {
-        let progress = self.0.with(py, |session| session.progress());
+    fn ending(&self, py: Python<'_>, is_stopped: bool) -> PyResult<&'static str> {
+        let progress = self.0.with(py, |session| session.progress())?;
         let has_all = progress.length.spp.is_some_and(|spp| progress.samples >= spp);
-        match () {
+        Ok(match () {
             () if has_all => "samples",
             () if is_stopped => "stopped",
             () if progress.length.seconds.is_some_and(|limit| progress.seconds >= limit) => "time",
             () if progress.noise.is_some() => "noise",
             () => "stopped",
-        }
+        })
     }
 }
 
@@ -232,7 +250,7 @@ impl Renderer {
         let renderer = Self::begin(py, Subject::of(scene, Choices { camera, environment })?, &options, None)?;
         if let Some(guide) = guide {
             let learned = guide.get().learned();
-            renderer.0.with(py, |session| session.begin_with_guide(learned)).map_err(raised)?;
+            renderer.0.with(py, |session| session.begin_with_guide(learned))?.map_err(raised)?;
         }
         Ok(renderer)
     }
@@ -265,7 +283,7 @@ impl Renderer {
     /// Parameters
     /// ----------
     /// callback : callable
-    ///     Function of the renderer, called after every step. The answer False ends the render.
+    ///     Function of the renderer, called after every step. An answer that is false ends the render; None does not.
     #[pyo3(signature = (callback = None))]
     fn run(slf: &Bound<'_, Self>, callback: Option<&Bound<'_, PyAny>>) -> PyResult<Picture> {
         let (py, this) = (slf.py(), slf.get());
@@ -281,7 +299,7 @@ impl Renderer {
             Err(error) if !is_stopped || !this.has_samples(py)? => return Err(error),
             Err(_) => finished?,
         }
-        let ending = this.ending(py, is_stopped);
+        let ending = this.ending(py, is_stopped)?;
         this.picture_with(py, Some(ending))
     }
 
@@ -293,70 +311,70 @@ impl Renderer {
     /// Writes a checkpoint of the render so far, from which `lodestar.resume` goes on to the same bits. The scene must have been
     /// read from a file, and every step must have had the length of the guide's schedule (`step()`).
     fn checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        self.0.with(py, |session| session.write_checkpoint(&path)).map_err(raised)
+        self.0.with(py, |session| session.write_checkpoint(&path))?.map_err(raised)
     }
 
     /// The guide as it has been learned so far. Later steps do not change it.
     #[getter]
     fn guide(&self, py: Python<'_>) -> PyResult<Guide> {
-        let learned = self.0.with(py, |session| session.learned_guide()).map_err(raised)?;
+        let learned = self.0.with(py, |session| session.learned_guide())?.map_err(raised)?;
         Ok(Guide::new(learned, Arc::clone(&self.0)))
     }
 
     /// Samples per pixel so far.
     #[getter]
-    fn samples(&self, py: Python<'_>) -> u32 {
+    fn samples(&self, py: Python<'_>) -> PyResult<u32> {
         self.0.with(py, |session| session.progress().samples)
     }
 
     /// Seconds of rendering so far, without loading.
     #[getter]
-    fn seconds(&self, py: Python<'_>) -> f64 {
+    fn seconds(&self, py: Python<'_>) -> PyResult<f64> {
         self.0.with(py, |session| session.progress().seconds)
     }
 
     /// Share of the render that is done, in [0, 1]: the larger one of its shares of the samples and of the time.
     #[getter]
-    fn fraction(&self, py: Python<'_>) -> f64 {
+    fn fraction(&self, py: Python<'_>) -> PyResult<f64> {
         self.0.with(py, |session| session.progress().fraction)
     }
 
     /// Share of the last step's scattered rays that hit an emitter, in [0, 1]. It grows as the guide learns.
     #[getter]
-    fn light_hit_rate(&self, py: Python<'_>) -> f64 {
+    fn light_hit_rate(&self, py: Python<'_>) -> PyResult<f64> {
         self.0.with(py, |session| session.progress().light_hit_rate)
     }
 
     /// Settings of the render by name.
     #[getter]
     fn settings(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let settings = self.0.with(py, |session| session.settings().clone());
+        let settings = self.0.with(py, |session| session.settings().clone())?;
         settings_of(py, &settings)
     }
 
     /// All numbers about the render so far, as `--stats` writes them.
     #[getter]
     fn stats(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let statistics = self.0.with(py, |session| session.statistics());
+        let statistics = self.0.with(py, |session| session.statistics())?;
         from_json(py, &statistics)
     }
 
     /// Name of the device that renders.
     #[getter]
-    fn device(&self, py: Python<'_>) -> String {
+    fn device(&self, py: Python<'_>) -> PyResult<String> {
         self.0.with(py, |session| session.context().device().name.clone())
     }
 
-    fn __repr__(&self, py: Python<'_>) -> String {
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let (samples, device) =
-            self.0.with(py, |session| (session.progress().samples, session.context().device().name.clone()));
-        format!("<lodestar.Renderer: {samples} samples per pixel on {device}>")
+            self.0.with(py, |session| (session.progress().samples, session.context().device().name.clone()))?;
+        Ok(format!("<lodestar.Renderer: {samples} samples per pixel on {device}>"))
     }
 }
 
 impl Renderer {
     fn has_samples(&self, py: Python<'_>) -> PyResult<bool> {
-        let picture = self.0.with(py, |session| session.picture()).map_err(raised)?;
+        let picture = self.0.with(py, |session| session.picture())?.map_err(raised)?;
         Ok(picture.sample_count.iter().any(|&count| count > 0))
     }
 }
@@ -384,7 +402,7 @@ impl Renderer {
 /// guide : Guide
 ///     A guide that another render has learned, to begin with. The seeds must differ.
 /// callback : callable
-///     Function of the `Renderer`, called after every step. The answer False ends the render.
+///     Function of the `Renderer`, called after every step. An answer that is false ends the render; None does not.
 /// **settings
 ///     Every other option of `lodestar render`, with underscores: `lodestar.options()` lists them.
 ///
@@ -438,7 +456,7 @@ pub fn resume(
     let checkpoint = path_of(checkpoint)?;
     let moved = scene.map(scene::path_of).transpose()?;
     let options = options::of_resumed(settings)?;
-    let source = py.detach(|| lodestar::session::checkpoint::Checkpoint::read(&checkpoint)).map_err(raised)?.scene;
+    let source = detached(py, || lodestar::session::saved::SavedCheckpoint::open(&checkpoint))?.map_err(raised)?.scene;
     let path = moved.clone().unwrap_or_else(|| source.path.into());
     let subject = Subject { scene: None, file: Some(SceneFile { path, options: source.options }) };
     Renderer::begin(py, subject, &options, Some((checkpoint, moved)))

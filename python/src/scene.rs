@@ -11,7 +11,7 @@ use pyo3::types::{PyDict, PyMapping};
 
 use crate::dictionary::scene_dictionary;
 use crate::errors::{raised, refused, warn};
-use crate::shared::from_json;
+use crate::shared::{detached, from_json};
 
 /// A scene in memory: read once, rendered as often as you like. `lodestar.load` makes it.
 #[pyclass(frozen, module = "lodestar")]
@@ -126,7 +126,7 @@ pub fn path_of(value: &Bound<'_, PyAny>) -> PyResult<PathBuf> {
 fn from_dictionary(value: &Bound<'_, PyAny>) -> PyResult<Scene> {
     let py = value.py();
     let dictionary = scene_dictionary(value)?;
-    let scene = py.detach(|| lodestar::Scene::from_dictionary(&dictionary)).map_err(raised)?;
+    let scene = detached(py, || lodestar::Scene::from_dictionary(&dictionary))?.map_err(raised)?;
     warn(py, &scene.warnings)?;
     Ok(Scene { scene: Arc::new(scene), file: None })
 }
@@ -179,7 +179,7 @@ pub fn load(
         let file = SceneFile { path: scene_file(path)?, options };
         Ok((file.read()?, file))
     };
-    let (scene, file) = py.detach(|| read(&path)).map_err(raised)?;
+    let (scene, file) = detached(py, || read(&path))?.map_err(raised)?;
     warn(py, &scene.warnings)?;
     Ok(Scene { scene: Arc::new(scene), file: Some(file) })
 }
@@ -213,13 +213,13 @@ impl Scene {
     /// Fingerprint of everything in the scene that a render reads, a text. Scenes with one fingerprint render to the same bits.
     #[getter]
     fn fingerprint(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| lodestar::scene::fingerprint(&self.scene)).map_err(raised)
+        detached(py, || lodestar::scene::fingerprint(&self.scene))?.map_err(raised)
     }
 
     /// Shapes, materials, lights, textures and images of the scene, as `lodestar info --json` prints them.
     #[getter]
     fn summary(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let summary = py.detach(|| summarize(&self.scene));
+        let summary = detached(py, || summarize(&self.scene))?;
         from_json(py, &summary)
     }
 

@@ -73,8 +73,49 @@ def test_a_callback_sees_every_step(room_scene):
 def test_a_callback_ends_the_render(room_scene):
     picture = lodestar.render(room_scene, spp=100, callback=lambda renderer: renderer.samples < 3)
     assert picture.ending == "stopped" and (picture.samples == 4).all()
-    # Other answers than False mean nothing.
-    assert (lodestar.render(room_scene, spp=2, callback=lambda _: 0).samples == 2).all()
+
+
+@pytest.mark.parametrize("answer", [False, np.False_, np.bool_(0), 0, ""])
+def test_an_answer_that_is_false_ends_the_render(room_scene, answer):
+    assert (lodestar.render(room_scene, spp=8, callback=lambda _: answer).samples == 1).all()
+
+
+@pytest.mark.parametrize("answer", [None, True, np.True_, 1, "on"])
+def test_other_answers_go_on(room_scene, answer):
+    assert (lodestar.render(room_scene, spp=2, callback=lambda _: answer).samples == 2).all()
+
+
+CHILD = """
+import multiprocessing, sys
+import lodestar
+from conftest import room
+
+def work(_):
+    try:
+        lodestar.render(room(), spp=1)
+    except lodestar.Error as error:
+        return str(error)
+    return "rendered"
+
+if __name__ == "__main__":
+    if sys.argv[2] == "after":
+        lodestar.render(room(), spp=1)
+    with multiprocessing.get_context(sys.argv[1]).Pool(1) as pool:
+        print(pool.map(work, [0])[0])
+"""
+
+
+@pytest.mark.parametrize("method, order, answer", [
+    ("fork", "after", 'multiprocessing.set_start_method("spawn")'),
+    ("fork", "before", "rendered"),
+    ("spawn", "after", "rendered"),
+])
+def test_a_forked_child_is_told_what_to_do(tmp_path, method, order, answer):
+    script = tmp_path / "child.py"
+    script.write_text(CHILD)
+    environment = {**os.environ, "PYTHONPATH": str(pathlib.Path(__file__).parent)}
+    run = subprocess.run([sys.executable, script, method, order], env=environment, capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0 and answer in run.stdout, run.stdout + run.stderr
 
 
 def test_an_exception_of_a_callback_comes_through(room_scene):

@@ -58,6 +58,30 @@ def mesh_scene(tmp_path, as_file, **more):
     return scene
 
 
+@pytest.mark.parametrize("kind, word", [
+    ("?", "booleans"), ("c8", "complex numbers"), ("M8[s]", "dates or times"), ("U4", "texts"), ("S4", "texts"), ("O", "objects"),
+])
+def test_arrays_that_are_no_numbers_are_refused(tmp_path, kind, word):
+    for name in ("vertices", "faces", "uvs"):
+        scene = mesh_scene(tmp_path, False)
+        array = np.asarray(scene["mesh"][name]).astype("i8").astype(kind)
+        with pytest.raises(lodestar.Error, match=f"scene.mesh.{name}: .*its values are {word}, not numbers"):
+            lodestar.load({**scene, "mesh": {**scene["mesh"], name: array}})
+    pixels = np.ones((2, 2, 3)).astype("i8").astype(kind)
+    with pytest.raises(TypeError, match=word):
+        lodestar.compare(pixels, np.ones((2, 2, 3)))
+
+
+def test_whole_numbers_are_taken_where_they_are_exact(tmp_path):
+    scene = mesh_scene(tmp_path, False)
+    whole = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    prints = {lodestar.load({**scene, "mesh": {**scene["mesh"], "vertices": whole.astype(kind)}}).fingerprint
+              for kind in ("i1", "u8", "i8", "f2", "f4", "f8")}
+    assert len(prints) == 1
+    with pytest.raises(lodestar.Error, match="above 2\\^53"):
+        lodestar.load({**scene, "mesh": {**scene["mesh"], "vertices": whole + 2**60}})
+
+
 @pytest.mark.parametrize("more", [{}, {"face_normals": True}, {"flip_normals": True}])
 def test_a_mesh_of_arrays_is_that_of_its_file(tmp_path, more):
     more = {"to_world": lodestar.ScalarTransform4f().translate([0.1, 0.2, 0.3]).scale(1.5), **more}
