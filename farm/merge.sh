@@ -12,6 +12,8 @@ for ((part = 0; part < $2; part++)); do
   parts+=("${picture%.exr}.parts/$(printf %06d "$part").exr")
 done
 if [[ ${#parts[@]} -eq 1 ]]; then
-  exec cp "${parts[0]}" "$picture"
+  # The picture appears as a whole.
+  cp "${parts[0]}" "$picture.$$.part"
+  exec mv "$picture.$$.part" "$picture"
 fi
 exec "${LODESTAR:-lodestar}" merge "${parts[@]}" -o "$picture"

@@ -5,7 +5,8 @@
 #
 # PART counts from 0. The part holds SPP samples per pixel: PART * SPP and the following ones. Its picture is
 # PICTURE.parts/NUMBER.exr. A part that was interrupted goes on from its checkpoint, and one that is complete ends at once, so a
-# farm may run a part again.
+# farm may run a part again. A checkpoint that another scene, another SPP or other OPTIONS have left there is refused: remove the
+# folder PICTURE.parts, or name another picture.
 #
 # Variables: SPP (256) samples per pixel of each part, a multiple of --spp-per-step; OPTIONS, options of `lodestar render` with
 # blanks between them; GUIDE, a checkpoint of another render of the scene, with whose guide the part begins; LODESTAR (lodestar),
@@ -20,7 +21,5 @@ read -ra options <<<"${OPTIONS:-}"
 
 mkdir -p "$parts"
 name=$parts/$(printf %06d "$part")
-if [[ -e $name.ckpt ]]; then
-  exec "$lodestar" resume "$name.ckpt"
-fi
+# With a checkpoint of this very part, the command goes on from there.
 exec "$lodestar" render "$scene" "${options[@]}" --spp "$spp" --sample-offset $((part * spp)) --checkpoint "$name.ckpt" -o "$name.exr"

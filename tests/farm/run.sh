@@ -107,10 +107,28 @@ check "Kubernetes' commands, without Kubernetes" "$work/pods.exr"
 ! same "$work/pods.exr" "$work/whole.exr" || { echo "a part was left out, but nothing differs" >&2; exit 1; }
 echo "planted fault: a part that is left out is found"
 
+# A part that another command has left is refused, and stays as it is.
+refused() { # WHAT SCENE PICTURE PART
+  local before
+  before=$(sha256sum "${3%.exr}.parts"/*)
+  if "$root/farm/part.sh" "$2" "$3" "$4" >"$work/log" 2>&1 || ! grep -q "another render" "$work/log"; then
+    echo "a part of $1 is not refused: $(cat "$work/log")" >&2
+    exit 1
+  fi
+  [[ $(sha256sum "${3%.exr}.parts"/*) == "$before" ]] || { echo "a part of $1 has changed a file" >&2; exit 1; }
+}
+refused "another scene" "$root/scenes/furnace/scene.xml" "$work/pods.exr" 1
+SPP=24 refused "another SPP" "$scene" "$work/pods.exr" 1
+OPTIONS="$OPTIONS --seed 9" refused "another seed" "$scene" "$work/pods.exr" 1
+OPTIONS="$OPTIONS --max-depth 3" refused "another depth" "$scene" "$work/pods.exr" 0
+echo "parts of other commands: refused"
+
 # Guided parts begin with one guide. Its samples are not theirs.
 "$LODESTAR" render "$scene" --width 40 --height 24 --spp 16 --seed 1 --checkpoint "$work/guide.ckpt" --quiet -o "$work/guide.exr"
 for part in 0 1; do
   GUIDE=$work/guide.ckpt OPTIONS="--width 40 --height 24 --quiet" "$root/farm/part.sh" "$scene" "$work/guided.exr" "$part"
 done
 "$root/farm/merge.sh" "$work/guided.exr" 2 >"$work/log" 2>&1
+"$root/farm/merge.sh" "$work/guided.exr" 1
+cmp "$work/guided.exr" "$work/guided.parts/000000.exr"
 echo "guided parts: merged"
