@@ -1,22 +1,27 @@
 //! Whole-file writes: a reader sees the old file or the new one, never a part of it.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::fs::{self, File, TryLockError};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 use crate::{Error, Result};
 
-/// Age after which a temporary file counts as abandoned: a process that still writes would have touched it.
+/// Age after which a temporary file that is empty, or whose folder knows no locks, counts as abandoned: a process that still
+/// writes would have touched it.
 const ABANDONED_AFTER: Duration = Duration::from_secs(10);
+/// Endings of the pictures that a render writes.
+pub const PICTURE_ENDINGS: [&str; 2] = ["exr", "png"];
 
 /// Number of temporary files made so far; it makes each temporary name unique within the process.
 static TEMPORARY_COUNT: AtomicU32 = AtomicU32::new(0);
 
-/// Writes `path` under a temporary name in the same folder and renames it once everything has reached the disk.
+/// Writes `path` under a temporary name in the same folder and renames it once everything has reached the disk. The folder is
+/// then synced too, so that a power failure after the return does not bring the older file back.
 ///
-/// On failure the temporary file is removed and an older file of that name is left as it was.
+/// On failure the temporary file is removed and an older file of that name is left as it was. Only where the folder cannot be
+/// synced is the new file in place already.
 pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
     let fill = || {
         let (temporary, file) = Temporary::create(path)?;
@@ -24,7 +29,7 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::
         write(&mut writer)?;
         writer.flush()?;
         writer.get_ref().sync_all()?;
-        drop(writer);
+        // The lock ends with the file, so it lasts until the file has its name.
         temporary.rename()
     };
     fill().map_err(Error::write(path))
@@ -54,8 +59,25 @@ pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
+/// Whether a render writes pictures whose names end as that of `path` does.
+pub fn is_picture(path: &Path) -> bool {
+    PICTURE_ENDINGS.iter().any(|ending| has_extension(path, ending))
+}
+
+/// File that a write to `path` replaces, as an absolute path without links and `..`.
+///
+/// # Errors
+/// Where the folder does not exist or may not be read.
+pub fn written_file(path: &Path) -> io::Result<PathBuf> {
+    match (path.canonicalize(), path.file_name()) {
+        (Ok(file), _) => Ok(file),
+        (Err(_), Some(name)) => Ok(folder_of(path).canonicalize()?.join(name)),
+        (Err(error), None) => Err(error),
+    }
+}
+
 /// Folder that holds the file at `path`.
-fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
@@ -74,8 +96,7 @@ fn explained(error: io::Error, target: &Path) -> io::Error {
     }
 }
 
-/// Removes abandoned temporary files of `target` whose processes have ended. Failures are ignored, because such a file
-/// does no harm.
+/// Removes temporary files of `target` whose processes have ended. Failures are ignored, because such a file does no harm.
 fn remove_abandoned(target: &Path) {
     let (Some(name), Ok(entries)) = (target.file_name(), fs::read_dir(folder_of(target))) else { return };
     let prefix = format!(".{}.", name.to_string_lossy());
@@ -83,9 +104,7 @@ fn remove_abandoned(target: &Path) {
         let name = entry.file_name();
         let owner = name.to_str().and_then(|name| name.strip_prefix(&prefix)?.strip_suffix(".part")?.split_once('-'));
         let is_gone = owner.is_some_and(|(id, _)| id.parse().is_ok_and(is_gone));
-        // A process on another machine that shares the disk is not listed here, so the file must be old too.
-        let age = entry.metadata().and_then(|metadata| metadata.modified()).ok().and_then(|time| time.elapsed().ok());
-        if is_gone && age.is_some_and(|age| age >= ABANDONED_AFTER) {
+        if is_gone && is_abandoned(&entry.path()) {
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -94,6 +113,29 @@ fn remove_abandoned(target: &Path) {
 /// Whether the process with this number is known to have ended. Always false where there is no `/proc`.
 fn is_gone(process: u32) -> bool {
     Path::new("/proc/self").exists() && !Path::new(&format!("/proc/{process}")).exists()
+}
+
+/// Whether nobody writes the temporary file at `path`. A process on another machine that shares the disk is not listed here, but
+/// it holds the file's lock. A file without content may wait for its lock, so it must be old.
+fn is_abandoned(path: &Path) -> bool {
+    let Ok(file) = File::options().write(true).open(path) else { return false };
+    let Ok(metadata) = file.metadata() else { return false };
+    let is_old = || metadata.modified().is_ok_and(|time| time.elapsed().is_ok_and(|age| age >= ABANDONED_AFTER));
+    match file.try_lock() {
+        Ok(()) => metadata.len() > 0 || is_old(),
+        Err(TryLockError::WouldBlock) => false,
+        Err(TryLockError::Error(_)) => is_old(),
+    }
+}
+
+/// Makes the names in the folder of `path` reach the disk. Folders that cannot be opened, and systems that cannot sync a folder,
+/// are left alone.
+fn sync_folder(path: &Path) -> io::Result<()> {
+    let Ok(folder) = File::options().read(true).open(folder_of(path)) else { return Ok(()) };
+    match folder.sync_all() {
+        Err(error) if !matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Err(error),
+        _ => Ok(()),
+    }
 }
 
 /// Temporary file that is removed when dropped, unless it was renamed to its target.
@@ -112,13 +154,15 @@ impl Temporary {
         let path = target.with_file_name(name);
         let file = File::options().write(true).create_new(true).open(&path);
         let file = file.map_err(|error| explained(error, &target))?;
+        // The lock tells others that the file is being written. Where the disk knows no locks, the file's age does.
+        let _ = file.try_lock();
         Ok((Self { path, target, renamed: false }, file))
     }
 
     fn rename(mut self) -> io::Result<()> {
         fs::rename(&self.path, &self.target)?;
         self.renamed = true;
-        Ok(())
+        sync_folder(&self.target)
     }
 }
 
@@ -145,6 +189,7 @@ fn target_of(path: &Path) -> io::Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::time::SystemTime;
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
@@ -224,21 +269,70 @@ mod tests {
         let own = std::process::id();
         // Linux gives no process number above 2^22.
         let gone = (1 << 22) + 1;
-        let old = std::time::SystemTime::now() - Duration::from_secs(3600);
-        for (name, modified) in [
-            (format!(".a.txt.{gone}-0.part"), old),
-            (format!(".a.txt.{gone}-1.part"), std::time::SystemTime::now()),
-            (format!(".a.txt.{own}-7.part"), old),
-            (format!(".b.txt.{gone}-0.part"), old),
-            (".a.txt.notes.part".into(), old),
-        ] {
-            File::create(folder.path().join(name)).unwrap().set_modified(modified).unwrap();
+        let old = SystemTime::now() - Duration::from_secs(3600);
+        let make = |name: &str, content: &str, modified| {
+            fs::write(folder.path().join(name), content).unwrap();
+            File::options().write(true).open(folder.path().join(name)).unwrap().set_modified(modified).unwrap();
+        };
+        let now = SystemTime::now();
+        let gone = |number: u32| format!(".a.txt.{gone}-{number}.part");
+        make(&gone(0), "", old);
+        make(&gone(1), "content", now);
+        let kept = [
+            gone(2),
+            gone(3),
+            format!(".a.txt.{own}-7.part"),
+            ".a.txt.notes.part".into(),
+            gone(0).replace("a.txt", "b.txt"),
+        ];
+        for (name, content) in kept.iter().zip(["", "content", "content", "content", "content"]) {
+            make(name, content, if name == &gone(2) { now } else { old });
         }
+        // A process on another machine writes this file.
+        let locked = File::options().write(true).open(folder.path().join(gone(3))).unwrap();
+        locked.lock().unwrap();
         check_writable(&folder.path().join("a.txt")).unwrap();
-        let left = [format!(".a.txt.{gone}-1.part"), format!(".a.txt.{own}-7.part"), ".a.txt.notes.part".into()];
-        let mut left: Vec<_> = left.into_iter().chain([format!(".b.txt.{gone}-0.part")]).collect();
-        left.sort();
-        assert_eq!(names(folder.path()), left);
+        let mut kept = kept.to_vec();
+        kept.sort();
+        assert_eq!(names(folder.path()), kept);
+        drop(locked);
+        check_writable(&folder.path().join("a.txt")).unwrap();
+        assert!(!folder.path().join(gone(3)).exists());
+    }
+
+    #[test]
+    fn a_file_that_is_written_is_locked() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_whole(&path, |_| {
+            let part = fs::read_dir(folder.path())?.next().expect("a temporary file")?.path();
+            let locked = File::options().write(true).open(part)?.try_lock();
+            assert!(matches!(locked, Err(TryLockError::WouldBlock)));
+            Ok(())
+        })
+        .unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_dots_are_resolved() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().canonicalize().unwrap();
+        fs::create_dir(root.join("inner")).unwrap();
+        fs::write(root.join("target"), "").unwrap();
+        std::os::unix::fs::symlink(root.join("target"), root.join("inner/link")).unwrap();
+        std::os::unix::fs::symlink(root.join("absent"), root.join("inner/dangling")).unwrap();
+        for (path, expected) in [
+            ("inner/../new", Some("new")),
+            ("inner/link", Some("target")),
+            // A write replaces a link that leads nowhere.
+            ("inner/dangling", Some("inner/dangling")),
+            ("missing/new", None),
+            ("..", None),
+        ] {
+            let found = written_file(&root.join(path)).ok().filter(|found| found.starts_with(&root));
+            assert_eq!(found, expected.map(|name| root.join(name)), "{path}");
+        }
     }
 
     #[cfg(unix)]

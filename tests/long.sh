@@ -19,7 +19,8 @@ export LODESTAR_FULL=1
 # Parts in the order of their days. Parts of one kind do not follow each other, so that a week has many kinds.
 PARTS=(references-1 features-1 render-1 samplers kills features-2 python
   render-2 claims features-3 agreement unoptimized faults features-4
-  references-2 pictures features-5 render-3 closed shaderc features-6)
+  references-2 pictures features-5 render-3 closed shaderc features-6
+  files fuzz)
 
 # Modules of tests/render in two parts. The third part has all others.
 RENDER_1=(analytic:: blue_noise:: cells:: choices:: determinism:: differences::)
@@ -91,6 +92,10 @@ run() { # PART
     kills) suite cli -- kills ;;
     # 120 device faults.
     faults) suite cli -- faults ;;
+    # Every operation on files fails or is the last one, and checkpoints of strangers.
+    files) suite cli -- torture forged ;;
+    # Ten minutes of each target of fuzz/.
+    fuzz) tests/fuzz.sh ;;
     # A build without optimization.
     unoptimized) test_unoptimized ;;
     # A build with another shaderc.

@@ -1,5 +1,6 @@
 //! Signals that ask a render to stop.
 
+use std::fs;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -7,7 +8,7 @@ use std::thread;
 use std::time::Duration;
 
 use lodestar::{Error, Result};
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
 /// Number that shells add to a signal's number to form an exit code.
@@ -17,8 +18,8 @@ const ECHO: Duration = Duration::from_millis(500);
 /// Interval at which a thread looks for the first signal, to measure that time.
 const WATCH: Duration = Duration::from_millis(100);
 
-/// Catches SIGINT (Ctrl-C) and SIGTERM. The first signal stops the render, which still writes its files. A later signal ends the
-/// process at once.
+/// Catches SIGINT (Ctrl-C), SIGTERM and SIGHUP (a terminal or a connection that was closed). The first signal stops the render, which
+/// still writes its files. A later signal ends the process at once.
 pub struct Interrupt {
     /// Number of the last signal; 0 before the first one.
     signal: Arc<AtomicUsize>,
@@ -29,7 +30,8 @@ impl Interrupt {
     pub fn catch() -> Result<Self> {
         let failed = |error| Error::Render(format!("signals cannot be caught: {error}"));
         let (signal, is_final) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-        for number in [SIGINT, SIGTERM] {
+        let hangup = catches_hangups(&fs::read_to_string("/proc/self/status").unwrap_or_default()).then_some(SIGHUP);
+        for number in [SIGINT, SIGTERM].into_iter().chain(hangup) {
             flag::register_conditional_shutdown(number, EXIT_CODE_BASE + number, Arc::clone(&is_final))
                 .and_then(|_| flag::register_usize(number, Arc::clone(&signal), number as usize))
                 .map_err(failed)?;
@@ -56,6 +58,32 @@ impl Interrupt {
         match self.signal.load(Ordering::Relaxed) {
             0 => ExitCode::SUCCESS,
             number => ExitCode::from((EXIT_CODE_BASE as usize + number) as u8),
+        }
+    }
+}
+
+/// Whether SIGHUP may be caught, from the text of `/proc/self/status`. `nohup` starts a program with SIGHUP ignored, and the program
+/// must leave it so. Where the system does not tell, SIGHUP stays as it is.
+fn catches_hangups(status: &str) -> bool {
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    ignored.is_some_and(|mask| mask >> (SIGHUP - 1) & 1 == 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hangups_that_are_ignored_are_not_caught() {
+        for (status, caught) in [
+            ("Name:\tlodestar\nSigIgn:\t0000000000000000\nSigCgt:\t0000000000000001\n", true),
+            ("SigIgn:\t0000000000001000\n", true),
+            ("SigIgn:\t0000000000001001\n", false),
+            ("SigIgn:\tunknown\n", false),
+            ("", false),
+        ] {
+            assert_eq!(catches_hangups(status), caught, "{status}");
         }
     }
 }

@@ -259,7 +259,7 @@ pub fn output_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match () {
         () if text == "-" => Err("no picture goes to standard output; name a file that ends in .exr or .png".into()),
-        () if ["exr", "png"].iter().any(|extension| files::has_extension(&path, extension)) => Ok(path),
+        () if files::is_picture(&path) => Ok(path),
         () => Err("the name must end in .exr or .png".into()),
     }
 }

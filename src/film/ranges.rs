@@ -67,6 +67,16 @@ impl SampleRanges {
         Self(joined)
     }
 
+    /// Whether the ranges are as this type keeps them: sorted, disjoint, not empty, and within 32 bits. Ranges of a file may be
+    /// otherwise.
+    pub fn is_sound(&self) -> bool {
+        let of_one = |range: &SeededRange| range.samples.start < range.samples.end && range.samples.end <= 1 << 32;
+        let of_two = |pair: &[SeededRange]| {
+            (pair[0].seed, pair[0].samples.end) <= (pair[1].seed, pair[1].samples.start) || pair[0].seed < pair[1].seed
+        };
+        self.0.iter().all(of_one) && self.0.windows(2).all(of_two)
+    }
+
     /// Seed and number of the first sample; parts are sorted by it.
     pub fn first(&self) -> Option<(u32, u64)> {
         self.0.first().map(|range| (range.seed, range.samples.start))
@@ -125,6 +135,26 @@ mod tests {
         }
         for text in ["", "0:0", "0:8..4", "0:0..4294967297", "-1:0..4", "0:0..4,0:8..12", "0:0..8, 0:4..12"] {
             assert!(text.parse::<SampleRanges>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn ranges_of_a_file_are_checked() {
+        let of = |ranges: &[(u32, u64, u64)]| {
+            let ranges = ranges.iter().map(|&(seed, start, end)| SeededRange { seed, samples: start..end });
+            SampleRanges(ranges.collect())
+        };
+        for sound in [&[][..], &[(7, 0, 64), (7, 128, 1 << 32)], &[(1, 8, 16), (2, 0, 8)]] {
+            assert!(of(sound).is_sound(), "{sound:?}");
+        }
+        for other in [
+            &[(0, 8, 8)][..],
+            &[(0, 8, 4)],
+            &[(0, 0, (1 << 32) + 1)],
+            &[(0, 0, 8), (0, 4, 12)],
+            &[(1, 0, 8), (0, 0, 8)],
+        ] {
+            assert!(!of(other).is_sound(), "{other:?}");
         }
     }
 

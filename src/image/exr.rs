@@ -63,7 +63,7 @@ pub fn write_layers(path: &Path, layers: Layers, header: &FileHeader) -> Result<
     });
     let layer = Layer::new(
         size(width, height),
-        layer_attributes(offset, header),
+        layer_attributes(offset, header)?,
         Encoding::SMALL_LOSSLESS,
         AnyChannels::sort(channels.collect()),
     );
@@ -89,13 +89,21 @@ fn matrix(matrix: Mat4) -> Matrix4x4 {
     matrix.to_cols_array()
 }
 
-fn layer_attributes(offset: [u32; 2], header: &FileHeader) -> LayerAttributes {
+/// Refuses a fixed date that no header can hold, before a render that would end without its file.
+///
+/// # Errors
+/// Where the variable `SOURCE_DATE_EPOCH` is no date.
+pub fn check_date() -> Result<()> {
+    date::now().map(drop)
+}
+
+fn layer_attributes(offset: [u32; 2], header: &FileHeader) -> Result<LayerAttributes> {
     let [x, y] = offset.map(|offset| offset as i32);
     let software = concat!("lodestar ", env!("CARGO_PKG_VERSION"));
     let mut all = LayerAttributes {
         layer_position: Vec2(x, y),
         software_name: Some(text(software)),
-        capture_date: Some(text(&date::now())),
+        capture_date: Some(text(&date::now()?)),
         // The date is in UTC.
         utc_offset: Some(0.0),
         world_to_camera: header.camera_from_world.map(matrix),
@@ -105,7 +113,7 @@ fn layer_attributes(offset: [u32; 2], header: &FileHeader) -> LayerAttributes {
     for (name, value) in &header.attributes {
         all.other.insert(text(&format!("{ATTRIBUTE_PREFIX}{name}")), AttributeValue::Text(text(value)));
     }
-    all
+    Ok(all)
 }
 
 /// Text in UTF-8, unchecked: the checked constructor refuses characters outside Latin-1, and scenes may be named in any

@@ -18,6 +18,9 @@ use crate::renderer::state::{RenderState, StatePart};
 use crate::settings::{BsdfShare, LightSelection, Sampler, Settings};
 use crate::{Error, Result};
 
+/// Most bytes of a part after its content.
+const MOST_PADDING: u64 = 1 << 16;
+
 /// The radiance that a guide has learned, cell by cell and direction by direction.
 #[derive(Debug, Clone)]
 pub struct LearnedGuide {
@@ -112,12 +115,51 @@ impl Renderer {
         let mut take = |part: &Persistent| {
             let found = saved.iter().position(|saved| saved.name == part.name);
             let found = found.map(|found| saved.swap_remove(found));
-            found.ok_or_else(|| Error::Render(format!("the saved state holds no {}", part.name)))
+            let found = found.filter(|found| found.bytes.len() as u64 >= self.least_bytes(part.name, &cells));
+            found.ok_or_else(|| Error::Render(format!("the saved state lacks {} of this guide", part.name)))
         };
         let parts = self.guide_parts().iter().map(&mut take).collect::<Result<_>>()?;
         // Settings of the guide and the scene decide the groups of lights.
         let group_powers = self.sets.radiance_grid.group_powers().to_vec();
         Ok(GuideState { settings, cells, group_powers, parts, samples })
+    }
+
+    /// Parts of a guide that was learned with these settings and in these cells: their names, and the most bytes of each.
+    ///
+    /// # Errors
+    /// Where the sampler learns no radiance, or settings of the guides differ.
+    pub(crate) fn most_bytes_of_guide(&self, settings: &Settings, cells: &Cells) -> Result<Vec<(&'static str, u64)>> {
+        check_learns_radiance(settings)?;
+        check_same_guide(settings, &self.settings)?;
+        // Larger cells are fewer than those that they are made of, and buffers end with bytes that are never read.
+        let most = |part: &Persistent| part.len_bytes().max(2 * self.least_bytes(part.name, cells) + MOST_PADDING);
+        Ok(self.guide_parts().iter().map(|part| (part.name, most(part))).collect())
+    }
+
+    /// Bytes that are copied from one part of a guide in these cells.
+    fn least_bytes(&self, part: &str, cells: &Cells) -> u64 {
+        let Settings { sampler, directions, .. } = self.settings;
+        let bins = directions.pow(2) as usize;
+        let normals = self.settings.normal_resolution().pow(2) as usize;
+        let per_cell = match part {
+            "radiance" => {
+                let shares = if self.settings.learns_share() { (SHARE_WORDS * SHARES_PER_CELL) as usize } else { 0 };
+                (bins + shares) * size_of::<f32>()
+            }
+            "learned radiance" => {
+                let lights = u64::from(cells.count()) * u64::from(self.light_groups());
+                let means = RadianceGrid::learned_bins(&self.settings, cells) + lights;
+                return means * size_of::<LearnedRadiance>() as u64;
+            }
+            "bin ends" if sampler == Sampler::SphereInversion => bins * size_of::<u32>(),
+            "radiance nodes" if sampler == Sampler::Product => {
+                (nodes_per_tree(directions) + group_nodes(self.light_groups())) as usize * size_of::<Node>()
+            }
+            "normalizers" => normals * size_of::<NormalizationEntry>(),
+            "marked normalizers" => return (u64::from(cells.count()) * normals as u64).div_ceil(8),
+            _ => 0,
+        };
+        u64::from(cells.count()) * per_cell as u64
     }
 
     /// Samples of earlier renders that the guide has learned from.

@@ -28,19 +28,23 @@ impl Renderer {
         }
     }
 
+    /// Names of the parts of a state, and their lengths in bytes.
+    pub fn state_shape(&self) -> Vec<(String, u64)> {
+        let of_device = self.persistent().into_iter().map(|part| (part.name.to_owned(), part.len_bytes()));
+        of_device.chain(self.host_part().map(|part| (part.name, part.bytes.len() as u64))).collect()
+    }
+
     /// Goes on from the state of a renderer of the same scene and settings: from here on both do the same to the last bit.
     ///
     /// # Errors
     /// Where the state does not fit the settings, or the device is lost.
     pub fn restore(&mut self, state: &RenderState) -> Result<()> {
-        let persistent = self.persistent();
-        let shape = |parts: &[(&str, u64)]| {
+        let shape = |parts: &[(String, u64)]| {
             parts.iter().map(|(name, bytes)| format!("{name}: {bytes} bytes")).collect::<Vec<_>>().join(", ")
         };
-        let host_part = self.host_part();
-        let of_host = host_part.iter().map(|part| (&part.name[..], part.bytes.len() as u64));
-        let ours: Vec<_> = persistent.iter().map(|part| (part.name, part.len_bytes())).chain(of_host).collect();
-        let theirs: Vec<_> = state.parts.iter().map(|part| (&part.name[..], part.bytes.len() as u64)).collect();
+        let ours = self.state_shape();
+        let theirs: Vec<_> = state.parts.iter().map(|part| (part.name.clone(), part.bytes.len() as u64)).collect();
+        let persistent = self.persistent();
         if ours != theirs {
             let (theirs, ours) = (shape(&theirs), shape(&ours));
             return Err(Error::Render(format!("the saved state holds {theirs}, but this render has {ours}")));

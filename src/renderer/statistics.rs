@@ -46,15 +46,15 @@ impl Counts {
 
     /// Adds another's numbers.
     pub fn add(&mut self, other: &Self) {
-        self.rays += other.rays;
-        self.scattered_rays += other.scattered_rays;
-        self.shadow_rays += other.shadow_rays;
-        self.light_hits += other.light_hits;
-        self.guided_samples += other.guided_samples;
-        self.tries += other.tries;
-        self.invalid_samples += other.invalid_samples;
-        self.nonfinite += other.nonfinite;
-        self.overruns += other.overruns;
+        self.rays = self.rays.saturating_add(other.rays);
+        self.scattered_rays = self.scattered_rays.saturating_add(other.scattered_rays);
+        self.shadow_rays = self.shadow_rays.saturating_add(other.shadow_rays);
+        self.light_hits = self.light_hits.saturating_add(other.light_hits);
+        self.guided_samples = self.guided_samples.saturating_add(other.guided_samples);
+        self.tries = self.tries.saturating_add(other.tries);
+        self.invalid_samples = self.invalid_samples.saturating_add(other.invalid_samples);
+        self.nonfinite = self.nonfinite.saturating_add(other.nonfinite);
+        self.overruns = self.overruns.saturating_add(other.overruns);
     }
 
     /// Share of the scattered rays that met light (the paper's Fig. 7a).

@@ -11,15 +11,16 @@
 //! | rest   | the parts, one after the other                                                                |
 //!
 //! The file is written whole or not at all. Hashes detect every altered byte. A file of another version is refused, because
-//! another version may render other bits.
+//! another version may render other bits. `saved.rs` reads the file.
 
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_128;
 
+use crate::Result;
 use crate::files::write_whole;
 use crate::film::ranges::SampleRanges;
 use crate::renderer::{RenderState, StatePart};
@@ -28,13 +29,13 @@ use crate::session::files::PictureFiles;
 use crate::session::history::History;
 use crate::session::length::Length;
 use crate::settings::Settings;
-use crate::{Error, Result, inputs};
 
 /// First bytes of a checkpoint. They contain line breaks, which a transfer as text would change.
 pub const MAGIC: [u8; 8] = *b"LDSTR\r\n\x1a";
 /// Number of bytes before the header: its magic, length and hash.
-const PREFIX_BYTES: u64 = 32;
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+pub(super) const PREFIX_BYTES: u64 = 32;
+/// Version of this program, which checkpoints name.
+pub(super) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// State of a render that can be resumed.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,29 +82,23 @@ pub struct SceneSource {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Header {
-    version: String,
-    scene: SceneSource,
-    settings: Settings,
-    device: String,
-    record: Record,
-    samples_done: u32,
-    parts: Vec<PartEntry>,
+pub(super) struct Header {
+    pub version: String,
+    pub scene: SceneSource,
+    pub settings: Settings,
+    pub device: String,
+    pub record: Record,
+    pub samples_done: u32,
+    pub parts: Vec<PartEntry>,
 }
 
-/// Fields that the header of every version has.
-#[derive(Deserialize)]
-struct AnyHeader {
-    version: String,
-}
-
-#[derive(Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PartEntry {
-    name: String,
-    bytes: u64,
+pub(super) struct PartEntry {
+    pub name: String,
+    pub bytes: u64,
     /// XXH3-128 of the part's bytes, in hexadecimal.
-    hash: String,
+    pub hash: String,
 }
 
 impl Checkpoint {
@@ -128,7 +123,7 @@ impl Checkpoint {
         let entry = |part: &StatePart| PartEntry {
             name: part.name.clone(),
             bytes: part.bytes.len() as u64,
-            hash: hash_text(&part.bytes),
+            hash: hash_text(xxh3_128(&part.bytes)),
         };
         Header {
             version: VERSION.into(),
@@ -140,86 +135,11 @@ impl Checkpoint {
             parts: self.state.parts.iter().map(entry).collect(),
         }
     }
-
-    /// Reads a checkpoint of this version.
-    ///
-    /// # Errors
-    /// [`Error::Read`], or [`Error::Checkpoint`] if the file is no checkpoint, is of another version, was cut short or was
-    /// altered.
-    pub fn read(path: &Path) -> Result<Self> {
-        let mut reader = Reader::open(path)?;
-        let Header { scene, settings, device, record, samples_done, parts, .. } = reader.header()?;
-        settings.validate().map_err(|error| Error::checkpoint(path, error.to_string()))?;
-        reader.check_length(&parts)?;
-        let parts = parts.into_iter().map(|entry| reader.part(entry)).collect::<Result<_>>()?;
-        Ok(Self { scene, settings, device, record, state: RenderState { samples_done, parts } })
-    }
 }
 
-/// Reader of a checkpoint file, which knows how many bytes are left.
-struct Reader<'a> {
-    path: &'a Path,
-    file: BufReader<File>,
-    bytes_left: u64,
-}
-
-impl<'a> Reader<'a> {
-    fn open(path: &'a Path) -> Result<Self> {
-        let (file, bytes_left) = inputs::open(path)?;
-        Ok(Self { path, file: BufReader::new(file), bytes_left })
-    }
-
-    fn header(&mut self) -> Result<Header> {
-        let prefix = self.take(PREFIX_BYTES.min(self.bytes_left))?;
-        if prefix.len() as u64 != PREFIX_BYTES || !prefix.starts_with(&MAGIC) {
-            return Err(Error::checkpoint(self.path, "it is no checkpoint; give one that lodestar has written"));
-        }
-        let [length, hash] = [&prefix[8..16], &prefix[16..]];
-        let length = length.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte));
-        let header = self.take(length)?;
-        if xxh3_128(&header).to_le_bytes() != *hash {
-            return Err(self.damaged());
-        }
-        let unreadable = |error| Error::checkpoint(self.path, format!("its header cannot be read ({error})"));
-        let AnyHeader { version } = serde_json::from_slice(&header).map_err(unreadable)?;
-        if version != VERSION {
-            let message = format!(
-                "version {version} wrote it, and version {VERSION} may render other bits; resume it with version {version}"
-            );
-            return Err(Error::checkpoint(self.path, message));
-        }
-        let unknown = |_| {
-            let message = "another build has written it, whose settings differ from this one's; go on with that build";
-            Error::checkpoint(self.path, message)
-        };
-        serde_json::from_slice(&header).map_err(unknown)
-    }
-
-    fn check_length(&self, parts: &[PartEntry]) -> Result<()> {
-        let bytes = parts.iter().fold(0u64, |sum, part| sum.saturating_add(part.bytes));
-        if bytes == self.bytes_left { Ok(()) } else { Err(self.damaged()) }
-    }
-
-    fn part(&mut self, entry: PartEntry) -> Result<StatePart> {
-        let bytes = self.take(entry.bytes)?;
-        if hash_text(&bytes) == entry.hash { Ok(StatePart { name: entry.name, bytes }) } else { Err(self.damaged()) }
-    }
-
-    /// The next `count` bytes. Memory is allocated only if the file has that many bytes left.
-    fn take(&mut self, count: u64) -> Result<Vec<u8>> {
-        self.bytes_left = self.bytes_left.checked_sub(count).ok_or_else(|| self.damaged())?;
-        let mut bytes = vec![0; count as usize];
-        self.file.read_exact(&mut bytes).map_err(Error::read(self.path))?;
-        Ok(bytes)
-    }
-
-    fn damaged(&self) -> Error {
-        Error::checkpoint(self.path, "it was cut short or altered after it was written; go on from another copy")
-    }
-}
-
-fn hash_text(bytes: &[u8]) -> String {
-    format!("{:032x}", xxh3_128(bytes))
+/// A hash as the header has it.
+pub(super) fn hash_text(hash: u128) -> String {
+    format!("{hash:032x}")
 }
 
 #[cfg(test)]
@@ -227,6 +147,7 @@ mod tests {
     use super::*;
     use std::fs;
 
+    use crate::Error;
     use crate::scene::load;
 
     fn example() -> Checkpoint {
@@ -235,11 +156,12 @@ mod tests {
         let defines = vec![("albedo".into(), "0.5".into())];
         let options = LoadOptions { defines, ..LoadOptions::default() };
         let part = |name: &str, bytes: &[u8]| StatePart { name: name.into(), bytes: bytes.to_vec() };
+        let settings = Settings { width: 1, height: 1, crop: None, ..Settings::for_scene(&scene) };
         let length = Length { spp: None, seconds: Some(1.0 / 3.0) };
         let history = History { seconds: 5e-324, paths: u64::MAX, ..History::default() };
         Checkpoint {
             scene: SceneSource { path: "/scenes/küche.xml".into(), options, hash: "00ff".into() },
-            settings: Settings::for_scene(&scene),
+            settings,
             device: "a device".into(),
             record: Record {
                 length,
@@ -248,10 +170,7 @@ mod tests {
                 history,
                 guide_samples: "7:0..64".parse().unwrap(),
             },
-            state: RenderState {
-                samples_done: 7,
-                parts: vec![part("a", &[1, 2, 3, 4]), part("b", &[]), part("c", &[5])],
-            },
+            state: RenderState { samples_done: 7, parts: vec![part("a", &[4; 63]), part("b", &[]), part("c", &[5])] },
         }
     }
 
@@ -282,7 +201,7 @@ mod tests {
     fn no_cut_goes_unnoticed() {
         let (_folder, path) = written();
         let whole = fs::read(&path).unwrap();
-        for length in 0..whole.len() {
+        for length in 1..whole.len() {
             refused(&path, &whole[..length]);
         }
         refused(&path, &[&whole[..], &[0]].concat());
@@ -301,28 +220,97 @@ mod tests {
         }
     }
 
+    /// Bytes of a checkpoint with this header and these parts, whose hashes are right.
+    fn with_header(header: &[u8], parts: &[u8]) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend((header.len() as u64).to_le_bytes());
+        bytes.extend(xxh3_128(header).to_le_bytes());
+        bytes.extend(header);
+        bytes.extend(parts);
+        bytes
+    }
+
     #[test]
     fn settings_of_another_build_are_refused_in_one_sentence() {
         let (_folder, path) = written();
         let header = format!(r#"{{"version":"{VERSION}","settings":{{"candidates":2}}}}"#);
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend((header.len() as u64).to_le_bytes());
-        bytes.extend(xxh3_128(header.as_bytes()).to_le_bytes());
-        bytes.extend(header.as_bytes());
-        let text = refused(&path, &bytes);
+        let text = refused(&path, &with_header(header.as_bytes(), &[]));
         assert!(text.contains("another build has written it") && !text.contains("column"), "{text}");
     }
 
     #[test]
     fn another_version_is_named_whatever_its_header_holds() {
         let (_folder, path) = written();
-        let header = br#"{"version":"9.8.7","anything":[]}"#;
-        let mut bytes = MAGIC.to_vec();
-        bytes.extend((header.len() as u64).to_le_bytes());
-        bytes.extend(xxh3_128(header).to_le_bytes());
-        bytes.extend(header);
-        let text = refused(&path, &bytes);
+        let text = refused(&path, &with_header(br#"{"version":"9.8.7","anything":[]}"#, &[]));
         assert!(text.contains("version 9.8.7") && text.contains(VERSION), "{text}");
+        let text = refused(&path, &with_header(br#"{"version":"9\u001b[2J"}"#, &[]));
+        assert!(text.contains("header cannot be read") && !text.contains('\u{1b}'), "{text}");
+    }
+
+    /// A change of the example, and a word of the sentence that refuses it.
+    type Forged = (fn(&mut Header), &'static str);
+
+    /// Values under a right hash are still checked.
+    #[test]
+    fn forged_values_are_refused() {
+        let forged: [Forged; 11] = [
+            (|header| header.settings.width = 1 << 14, "64 bytes per pixel"),
+            (
+                |header| header.settings.crop = Some(crate::scene::Crop { x: 1, y: 0, width: 1, height: 1 }),
+                "crop window",
+            ),
+            (|header| header.parts[0].bytes = u64::MAX, "cut short or altered"),
+            (|header| header.parts[0].bytes += 1, "cut short or altered"),
+            (|header| header.parts[0].bytes -= 1, "cut short or altered"),
+            (|header| header.parts[0].hash.clear(), "cut short or altered"),
+            (|header| header.device = "a\u{1b}[2Jdevice".into(), "control characters"),
+            (|header| header.record.kernels.push("\n".into()), "control characters"),
+            (|header| (header.samples_done, header.settings.sample_offset) = (2, Some(u32::MAX)), "sample numbers"),
+            (|header| header.record.history.seconds = -1.0, "negative"),
+            (|header| header.record.length.seconds = Some(-1.0), "negative"),
+        ];
+        let (_folder, path) = written();
+        let parts = [&[4; 63][..], &[5]].concat();
+        let bytes = |change: fn(&mut Header)| {
+            let mut header = example().header();
+            change(&mut header);
+            with_header(&serde_json::to_vec(&header).unwrap(), &parts)
+        };
+        for (change, word) in forged {
+            let text = refused(&path, &bytes(change));
+            assert!(text.contains(word), "{text}");
+        }
+        let text = serde_json::to_string(&example().header()).unwrap();
+        for (what, forged) in
+            [("\"samples\":{\"start\":0,\"end\":64}", "\"samples\":{\"start\":0,\"end\":18446744073709551615}")]
+        {
+            assert!(text.contains(what), "{text}");
+            let sentence = refused(&path, &with_header(text.replace(what, forged).as_bytes(), &parts));
+            assert!(sentence.contains("sample numbers"), "{sentence}");
+        }
+        fs::write(&path, bytes(|_| {})).unwrap();
+        assert_eq!(Checkpoint::read(&path).unwrap(), example());
+    }
+
+    /// A file may announce more than the memory holds, and a disk may hold such a file in no space.
+    #[test]
+    fn memory_is_not_taken_for_what_does_not_fit() {
+        let (_folder, path) = written();
+        let huge = 1 << 40;
+        let sparse = |prefix: &[u8]| {
+            fs::write(&path, prefix).unwrap();
+            File::options().write(true).open(&path).unwrap().set_len(huge).unwrap();
+        };
+        // A header of a terabyte is not read into memory; its first byte that is no JSON ends it.
+        let mut prefix = MAGIC.to_vec();
+        prefix.extend((huge - PREFIX_BYTES).to_le_bytes());
+        sparse(&prefix);
+        let mut header = example().header();
+        header.parts[0].bytes = huge;
+        let bytes = with_header(&serde_json::to_vec(&header).unwrap(), &[]);
+        assert!(Checkpoint::read(&path).is_err());
+        sparse(&bytes);
+        assert!(Checkpoint::read(&path).unwrap_err().to_string().contains("cut short"));
     }
 
     #[test]

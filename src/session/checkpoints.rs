@@ -6,52 +6,50 @@ use std::time::{Duration, Instant};
 use crate::film::ranges::SampleRanges;
 use crate::fleet::Fleet;
 use crate::session::checkpoint::{Checkpoint, Record};
+use crate::session::checkpoint_lock::CheckpointLock;
 use crate::session::history::History;
-use crate::session::identity::Identity;
+use crate::session::progress::Watch;
 use crate::settings::Settings;
-use crate::{Error, Result, files};
+use crate::{Result, files};
 
 /// A checkpoint's file and the interval at which it is written.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct CheckpointFile {
     pub path: PathBuf,
     pub every: Duration,
+    /// Keeps other renders away from the file.
+    lock: Option<CheckpointLock>,
 }
 
 impl CheckpointFile {
-    /// The file at `path`, written every `seconds` seconds.
-    pub fn new(path: &Path, seconds: f64) -> Self {
-        // An interval that is too long for a `Duration` never ends.
-        Self { path: path.to_path_buf(), every: Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX) }
-    }
-
-    /// Fails where the file cannot be written.
-    pub fn check_writable(&self) -> Result<()> {
-        files::check_writable(&self.path)
-    }
-
-    /// Fails if the file exists, so that a new render never overwrites the checkpoint of an older one.
-    pub fn check_absent(&self, identity: &Identity) -> Result<()> {
-        if !self.path.exists() {
-            return Ok(());
+    /// The file at `path`, written every `seconds` seconds. No other render may keep its checkpoint there meanwhile.
+    ///
+    /// # Errors
+    /// Where another render does so, or the file cannot be written.
+    pub fn take(path: &Path, seconds: f64, watch: &Watch<'_>) -> Result<Self> {
+        files::check_writable(path)?;
+        let lock = CheckpointLock::take(path)?;
+        if lock.is_none() {
+            watch.warn(&format!(
+                "{}: its disk keeps no locks; see that no other render has this checkpoint",
+                path.display()
+            ));
         }
-        let file = self.path.display();
-        let Checkpoint { scene, settings, state, .. } = Checkpoint::read(&self.path).map_err(|error| {
-            Error::checkpoint(
-                &self.path,
-                format!("the file exists and is no checkpoint that can be resumed; give another name ({error})"),
-            )
-        })?;
-        let message = match Identity::of_render(&scene.hash, &settings).difference(identity) {
-            Some(difference) => {
-                format!("it is the checkpoint of another render: {difference}; give another name or remove it")
-            }
-            None => format!(
-                "it holds {} samples per pixel of this render already: `lodestar resume {file}` goes on with them; remove the file to begin anew",
-                state.samples_done
-            ),
-        };
-        Err(Error::checkpoint(&self.path, message))
+        // An interval that is too long for a `Duration` never ends.
+        let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        Ok(Self { path: path.to_path_buf(), every, lock })
+    }
+
+    /// Lets other renders go on with the file.
+    fn release(&mut self) {
+        self.lock = None;
+    }
+
+    fn write(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        if self.lock.is_none() {
+            self.lock = CheckpointLock::take(&self.path)?;
+        }
+        checkpoint.write(&self.path)
     }
 }
 
@@ -120,10 +118,13 @@ impl Checkpoints {
         if is_news { written } else { Ok(()) }
     }
 
-    /// Writes the last state that a checkpoint can hold, at the end of a render.
-    pub fn finish(&mut self, fleet: &Fleet, history: &History) -> Result<()> {
-        let taken = self.take(fleet, history);
-        taken.and(self.write())
+    /// Writes the last state that a checkpoint can hold, at the end of a render. Other renders may then go on with the file. Of a
+    /// lost device, the last state is the one that was read back before.
+    pub fn finish(&mut self, fleet: &Fleet, history: &History, is_lost: bool) -> Result<()> {
+        let taken = if is_lost { Ok(()) } else { self.take(fleet, history) };
+        let written = taken.and(self.write());
+        self.file.release();
+        written
     }
 
     /// Reads the state back, unless it is known already or a step was cut short.
@@ -142,12 +143,12 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// Writes the last state that was read back. The device is not used, because it may be lost.
-    pub fn write(&mut self) -> Result<()> {
+    /// Writes the last state that was read back.
+    fn write(&mut self) -> Result<()> {
         let Some(Snapshot { checkpoint, .. }) = &self.last else { return Ok(()) };
         let samples = Some(checkpoint.state.samples_done);
         if self.samples_written != samples {
-            checkpoint.write(&self.file.path)?;
+            self.file.write(checkpoint)?;
             self.samples_written = samples;
         }
         Ok(())

@@ -73,6 +73,7 @@ impl PictureFiles {
             exposure: wanted.exposure.or_else(|| Some(earlier?.exposure)).unwrap_or_default(),
             half: wanted.half || earlier.is_some_and(|earlier| earlier.half),
         };
+        exr::check_date()?;
         files.paths.iter().try_for_each(|path| files::check_writable(path))?;
         Ok(files)
     }
@@ -89,6 +90,33 @@ impl PictureFiles {
     pub(super) fn to_absolute_paths(&self) -> Result<Self> {
         let paths = self.paths.iter().map(|path| absolute_path(path).map(PathBuf::from)).collect::<Result<_>>()?;
         Ok(Self { paths, ..self.clone() })
+    }
+
+    /// Refuses files of a checkpoint that its user may not expect: a checkpoint may come from somebody else. Names must be those of
+    /// pictures, and lie in the checkpoint's folder, in the current folder, or below one of them, with all links followed.
+    pub(super) fn check_place(&self, checkpoint: &Path) -> Result<()> {
+        let refuse = |path: &Path, fault: &str| {
+            let message = format!("its picture is {path:?}, {fault} name the picture with -o");
+            Err(Error::checkpoint(checkpoint, message))
+        };
+        let own = files::written_file(checkpoint).map(|file| files::folder_of(&file).to_path_buf());
+        // Everything is below the root, so the root vouches for nothing.
+        let current = std::env::current_dir().and_then(|folder| folder.canonicalize());
+        let folders: Vec<_> = own.into_iter().chain(current).filter(|folder| folder.parent().is_some()).collect();
+        for path in &self.paths {
+            if !files::is_picture(path) {
+                return refuse(path, "but a picture's name ends in .exr or .png;");
+            }
+            // A folder that does not exist is told when the file is tried.
+            let Ok(written) = files::written_file(path) else { continue };
+            if !files::is_picture(&written) {
+                return refuse(&written, "but a picture's name ends in .exr or .png;");
+            }
+            if !folders.iter().any(|folder| written.starts_with(folder)) {
+                return refuse(&written, "outside of the checkpoint's folder and the current one; go on there, or");
+            }
+        }
+        Ok(())
     }
 
     /// Refuses files that hold the picture of another scene than the one with this hash at the path `scene`. A scene that was

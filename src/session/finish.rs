@@ -30,10 +30,7 @@ impl Session {
             self.rescued = rendered.as_ref().is_err_and(Error::is_loss).then_some(picture);
             written.and(measured)
         });
-        let kept = self.keep(|checkpoints, fleet, history| match is_lost {
-            true => checkpoints.write(),
-            false => checkpoints.finish(fleet, history),
-        });
+        let kept = self.keep(|checkpoints, fleet, history| checkpoints.finish(fleet, history, is_lost));
         let statistics = self.output.statistics.as_ref();
         let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &self.statistics_with(errors)));
         rendered.and(written).and(kept).and(statistics)

@@ -4,17 +4,18 @@ use std::path::PathBuf;
 
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
+use crate::film::ranges::SampleRanges;
 use crate::fleet::Fleet;
-use crate::session::checkpoint::Checkpoint;
 use crate::session::options::Options;
 use crate::session::run::Session;
+use crate::session::saved::SavedCheckpoint;
 use crate::session::start::Start;
 use crate::{Error, Result};
 
 /// A checkpoint whose guide begins a render.
 pub(super) struct GuideFile {
     path: PathBuf,
-    checkpoint: Checkpoint,
+    checkpoint: SavedCheckpoint,
 }
 
 impl GuideFile {
@@ -25,11 +26,17 @@ impl GuideFile {
             let message = "a render that goes on from its checkpoint has a guide already; leave --guide-from out";
             return Err(Error::Settings(message.into()));
         }
-        let checkpoint = Checkpoint::read(&path)?;
+        let checkpoint = SavedCheckpoint::open(&path)?;
         if checkpoint.state.samples_done == 0 {
             return Err(Error::checkpoint(path, "its guide has learned nothing yet; give one with samples"));
         }
         Ok(Some(Self { path, checkpoint }))
+    }
+
+    /// Samples that the guide has learned from.
+    pub fn samples(&self) -> SampleRanges {
+        let SavedCheckpoint { settings, record, state, .. } = &self.checkpoint;
+        record.guide_samples.clone().union(SampleRanges::of_render(settings, state.samples_done))
     }
 
     /// Refuses the guide of another scene.
@@ -53,9 +60,16 @@ impl GuideFile {
 
     /// Begins the session with the guide, which has these cells.
     pub fn begin(self, cells: Cells, session: &mut Session) -> Result<()> {
-        let Self { path, checkpoint: Checkpoint { settings, state, record, .. } } = self;
-        let guide = session.fleet.first().guide_of_state(settings, cells, state, record.guide_samples);
-        let begun = guide.and_then(|guide| session.begin_with_guide_state(guide));
-        begun.map_err(|error| Error::checkpoint(path, error.to_string()))
+        let Self { path, checkpoint: SavedCheckpoint { settings, state, record, .. } } = self;
+        let begin = || {
+            let most = session.fleet.first().most_bytes_of_guide(&settings, &cells)?;
+            let state = state.read(|name, bytes| most.iter().any(|&(part, most)| part == name && bytes <= most))?;
+            let guide = session.fleet.first().guide_of_state(settings, cells, state, record.guide_samples)?;
+            session.begin_with_guide_state(guide)
+        };
+        begin().map_err(|error| match error {
+            error @ Error::Checkpoint { .. } => error,
+            error => Error::checkpoint(path, error.to_string()),
+        })
     }
 }

@@ -25,7 +25,7 @@ impl History {
         match self.steps.len() {
             0 => "no step had ended".to_owned(),
             count => {
-                let samples: u64 = self.steps.iter().map(|step| step.spp).sum();
+                let samples = self.steps.iter().fold(0, |sum: u64, step| sum.saturating_add(step.spp));
                 format!("the last good step is number {count}, which ended at {samples} samples per pixel")
             }
         }

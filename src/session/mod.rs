@@ -7,7 +7,7 @@
 //! | other ranks of the render | `ranks.rs` |
 //! | the steps, and when they end | `run.rs` |
 //! | the files at the end | `finish.rs`, `files.rs` |
-//! | checkpoints | `checkpoint.rs` (the file), `checkpoints.rs` (when it is written), `film/identity.rs` (which render it belongs to) |
+//! | checkpoints | `checkpoint.rs` (the file), `saved.rs` (its reader), `checkpoints.rs` (when it is written), `checkpoint_lock.rs` (by whom), `film/identity.rs` (which render it belongs to) |
 //! | copies of the picture in case the device is lost | `safety_copy.rs` |
 //! | statistics and times | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
 //! | what later renders begin with, on demand | `continuation.rs`, `guide_file.rs` |
@@ -16,6 +16,7 @@
 
 #[doc(hidden)]
 pub mod checkpoint;
+mod checkpoint_lock;
 mod checkpoints;
 mod continuation;
 mod files;
@@ -37,6 +38,8 @@ pub mod radiance_map;
 mod ranks;
 mod run;
 mod safety_copy;
+#[doc(hidden)]
+pub mod saved;
 mod setup;
 mod start;
 #[doc(hidden)]

@@ -1,22 +1,19 @@
 //! A session before its first step: what it begins with, once the other ranks are known.
 
-use std::path::PathBuf;
-
 use crate::encode::cells::Cells;
-use crate::renderer::RenderState;
 use crate::session::checkpoint::Record;
 use crate::session::checkpoints::{CheckpointFile, Checkpoints};
 use crate::session::guide_file::GuideFile;
 use crate::session::progress::{Beginning, Event, Watch};
 use crate::session::run::Session;
+use crate::session::saved::SavedState;
 use crate::{Error, Result};
 
 /// The part of a render that a checkpoint holds.
 pub(super) struct Earlier {
-    pub file: PathBuf,
     pub record: Record,
     pub device: String,
-    pub state: RenderState,
+    pub state: SavedState,
 }
 
 /// A session that the other ranks do not know yet.
@@ -77,6 +74,7 @@ impl Session {
         if device != own_device {
             watch.warn(&format!("the render began on {device}; on {own_device}, the last bits may differ"));
         }
+        let state = state.read_as(&self.fleet.first().state_shape())?;
         self.fleet.restore(&state)?;
         self.fleet.set_guide_samples(guide_samples);
         let samples = state.samples_done;

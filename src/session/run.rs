@@ -305,7 +305,7 @@ impl Session {
         self.history.counts.add(&report.counts);
         let spp = self.fleet.first().samples_done() - samples_before;
         let paths = self.paths_of(&report, spp)?;
-        self.history.paths += paths;
+        self.history.paths = self.history.paths.saturating_add(paths);
         let mut step = StepStatistics::new(spp.into(), paths, self.pixels(), report.seconds, &report.counts);
         // Errors are measured after steps 1, 2, 4, 8, ..., because error curves have logarithmic axes.
         if (self.history.steps.len() + 1).is_power_of_two() {
@@ -326,7 +326,7 @@ impl Session {
             return Ok(u64::from(spp) * report.pixels);
         }
         let sample_count = self.fleet.picture()?.sample_count;
-        Ok(sample_count.into_iter().map(u64::from).sum::<u64>() - self.history.paths)
+        Ok(sample_count.into_iter().map(u64::from).sum::<u64>().saturating_sub(self.history.paths))
     }
 
     fn is_done(&self, watch: &Watch<'_>) -> bool {

@@ -13,12 +13,13 @@ use crate::denoise::Denoiser;
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::surfaces::Surfaces;
+use crate::film::ranges::SampleRanges;
 use crate::fleet::Fleet;
 use crate::gpu::Context;
 use crate::image::Image;
 use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
-use crate::session::checkpoint::Checkpoint;
+use crate::session::checkpoint::Record;
 use crate::session::checkpoints::CheckpointFile;
 use crate::session::files::{OutputFiles, PictureFiles, read_reference};
 use crate::session::guide_file::GuideFile;
@@ -33,10 +34,11 @@ use crate::session::progress::{Event, Preparation, Watch};
 use crate::session::ranks;
 use crate::session::run::{Origin, Output, Session, Subject, device_name};
 use crate::session::safety_copy::SafetyCopy;
+use crate::session::saved::SavedCheckpoint;
 use crate::session::start::{Resumed, SceneInput, Start};
 use crate::session::statistics::SetupTimes;
 use crate::settings::{Execution, Settings};
-use crate::{Error, Result, files};
+use crate::{Error, Result};
 
 /// Settings and length of a render whose scene is known, and the part of it that a checkpoint holds.
 struct Plan {
@@ -49,7 +51,6 @@ struct Plan {
 struct Inputs {
     wanted: OutputFiles,
     pictures: PictureFiles,
-    checkpoint: Option<CheckpointFile>,
     kernels: KernelFiles,
     /// The picture that errors are measured against.
     reference: Option<Image>,
@@ -99,11 +100,11 @@ impl Session {
     /// Does what needs no other rank.
     fn prepare(start: Start<'_>, options: &Options, watch: &Watch<'_>) -> Result<Prepared> {
         let guide = GuideFile::of(&start, options)?;
-        let (input, resumed) = start.read()?;
-        let input = input.in_folder(watch)?;
         // Files that cannot be written are found before a large scene is read.
+        let checkpoint = start.kept_file(options, watch)?;
+        let (input, resumed) = start.read(checkpoint.as_ref())?;
+        let input = input.in_folder(watch)?;
         options.files.as_ref().map_or(Ok(()), OutputFiles::check_writable)?;
-        options.checkpoint.as_deref().map_or(Ok(()), files::check_writable)?;
         let denoise = options.files.as_ref().and_then(|files| files.denoise.as_ref());
         let denoiser = denoise.map(Denoiser::open).transpose()?;
         let begin = Instant::now();
@@ -112,9 +113,11 @@ impl Session {
         warn_once(&scene.warnings, watch);
         let scene_hash = scene::fingerprint(&scene)?;
         guide.iter().try_for_each(|guide| guide.check_scene(&scene_hash))?;
-        let plan = Plan::new(&scene, &scene_hash, resumed, options, watch)?;
+        let plan = Plan::new(&scene, &scene_hash, resumed, guide.as_ref(), options, watch)?;
+        // A render that goes on has its guide already.
+        let guide = guide.filter(|_| plan.earlier.is_none());
         let scene_path = input.absolute_path().unwrap_or_else(|| PathBuf::from(&scene.name));
-        let inputs = Inputs::new(&plan, &scene, &scene_hash, options, watch)?;
+        let inputs = Inputs::new(&plan, &scene, options, watch)?;
         if !inputs.wanted.overwrite {
             inputs.pictures.check_scene(&scene_path, &scene_hash)?;
         }
@@ -133,7 +136,7 @@ impl Session {
         let subject = Subject { scene_name, scene_path, scene_hash, source, kernels, times };
 
         let Plan { settings, length, earlier } = plan;
-        let Inputs { wanted, pictures, checkpoint, reference, .. } = inputs;
+        let Inputs { wanted, pictures, reference, .. } = inputs;
         let session = Self {
             length,
             subject,
@@ -173,12 +176,14 @@ impl Plan {
         scene: &Scene,
         scene_hash: &str,
         resumed: Option<Resumed>,
+        guide: Option<&GuideFile>,
         options: &Options,
         watch: &Watch<'_>,
     ) -> Result<Self> {
         let mut plan = match resumed {
             None => Self::anew(scene, options)?,
-            Some(resumed) => Self::resumed(resumed, options, scene_hash)?,
+            Some(resumed) if resumed.is_asked => Self::resumed(resumed, options, scene_hash)?,
+            Some(found) => Self::anew(scene, options)?.going_on(found, scene_hash, guide, watch)?,
         };
         plan.complete(options)?;
         if plan.earlier.is_none() {
@@ -193,8 +198,49 @@ impl Plan {
         Ok(Self { settings, length, earlier: None })
     }
 
-    fn resumed((file, checkpoint): Resumed, options: &Options, scene_hash: &str) -> Result<Self> {
-        let Checkpoint { scene, settings, device, record, state } = checkpoint;
+    /// This new render, which goes on from the checkpoint that it has found in its file. It must be the checkpoint of this render.
+    fn going_on(self, found: Resumed, scene_hash: &str, guide: Option<&GuideFile>, watch: &Watch<'_>) -> Result<Self> {
+        let Self { mut settings, length, .. } = self;
+        let Resumed { file, checkpoint: SavedCheckpoint { scene, settings: theirs, device, record, state }, .. } =
+            found;
+        // Where a driver ends loops early, a render goes on with a half, a quarter, ... of the samples per dispatch.
+        let halves = std::iter::successors(Some(settings.samples_per_dispatch), |samples| Some(samples / 2));
+        if halves.take_while(|&samples| samples > 0).any(|samples| samples == theirs.samples_per_dispatch) {
+            settings.samples_per_dispatch = theirs.samples_per_dispatch;
+        }
+        let (there, here) = (Identity::of_render(&scene.hash, &theirs), Identity::of_render(scene_hash, &settings));
+        let named = |ranges: &SampleRanges| if ranges.first().is_some() { ranges.to_string() } else { "none".into() };
+        let guide_samples = guide.map(GuideFile::samples).unwrap_or_default();
+        let of_guide = (guide_samples != record.guide_samples).then(|| {
+            let [there, here] = [&record.guide_samples, &guide_samples].map(named);
+            format!("samples of the guide that it began with ({there} there, {here} here)")
+        });
+        let differences: Vec<_> = there.difference(&here).into_iter().chain(of_guide).collect();
+        let done = state.samples_done;
+        if !differences.is_empty() {
+            let differences = differences.join(", ");
+            let message =
+                format!("it is the checkpoint of another render: {differences}; give another name or remove it");
+            return Err(Error::checkpoint(file, message));
+        }
+        if length.spp.is_some_and(|spp| spp < done) {
+            let message = format!(
+                "it holds {done} samples per pixel of this render already, and --spp asks for less; give another name or \
+                 remove it"
+            );
+            return Err(Error::checkpoint(file, message));
+        }
+        let file = file.display();
+        watch.tell(Event::Note(&format!(
+            "{file} holds {done} samples per pixel of this render; it goes on with them (remove the file to begin anew)"
+        )));
+        // The caller names the pictures.
+        let record = Record { outputs: PictureFiles::none(), ..record };
+        Ok(Self { settings, length, earlier: Some(Earlier { record, device, state }) })
+    }
+
+    fn resumed(resumed: Resumed, options: &Options, scene_hash: &str) -> Result<Self> {
+        let Resumed { file, checkpoint: SavedCheckpoint { scene, settings, device, record, state }, .. } = resumed;
         if scene.hash != scene_hash {
             let message = format!(
                 "the scene has changed since the render began: scene_hash ({} there, {scene_hash} here); undo the changes \
@@ -214,7 +260,10 @@ impl Plan {
             let message = format!("it holds {} samples per pixel already; ask for more with --spp", state.samples_done);
             return Err(Error::checkpoint(file, message));
         }
-        Ok(Self { settings, length, earlier: Some(Earlier { file, record, device, state }) })
+        if options.leads() && options.files.as_ref().is_none_or(|files| files.pictures.is_empty()) {
+            record.outputs.check_place(&file)?;
+        }
+        Ok(Self { settings, length, earlier: Some(Earlier { record, device, state }) })
     }
 
     /// Sets the settings that do not decide what the picture is, and checks all settings.
@@ -231,24 +280,17 @@ impl Plan {
 }
 
 impl Inputs {
-    fn new(plan: &Plan, scene: &Scene, scene_hash: &str, options: &Options, watch: &Watch<'_>) -> Result<Self> {
+    fn new(plan: &Plan, scene: &Scene, options: &Options, watch: &Watch<'_>) -> Result<Self> {
         let earlier = plan.earlier.as_ref().map(|earlier| &earlier.record.outputs);
         let pictures = match &options.files {
             Some(wanted) => PictureFiles::new(wanted, earlier, &scene.name)?,
             None => earlier.cloned().unwrap_or_else(PictureFiles::none),
         };
-        let checkpoint = if options.leads() { checkpoint_file(plan.earlier.as_ref(), options) } else { None };
-        if let Some(file) = &checkpoint {
-            file.check_writable()?;
-            if plan.earlier.is_none() {
-                file.check_absent(&Identity::of_render(scene_hash, &plan.settings))?;
-            }
-        }
         let kernels = KernelFiles::load(options.kernel_folder.as_deref())?;
         kernels.warnings().iter().for_each(|warning| watch.warn(warning));
         let wanted = options.files.clone().unwrap_or_default();
         let reference = wanted.reference.as_deref().map(|path| read_reference(path, &plan.settings)).transpose()?;
-        Ok(Self { wanted, pictures, checkpoint, kernels, reference })
+        Ok(Self { wanted, pictures, kernels, reference })
     }
 }
 
@@ -296,12 +338,6 @@ fn build(
     let (fleet, pipeline_seconds) = timed(build)?;
     let guide_cells = guide.map(|guide| guide.cells(&fleet, &bvh));
     Ok((fleet, guide_cells, bvh_seconds, pipeline_seconds))
-}
-
-/// File of the checkpoint, if one is kept. A resumed render keeps the file that it came from.
-fn checkpoint_file(earlier: Option<&Earlier>, options: &Options) -> Option<CheckpointFile> {
-    let path = earlier.map(|earlier| &earlier.file).or(options.checkpoint.as_ref())?;
-    Some(CheckpointFile::new(path, options.checkpoint_every))
 }
 
 fn output(

@@ -3,10 +3,12 @@
 use std::borrow::Cow;
 use std::path::PathBuf;
 
-use crate::Result;
 use crate::scene::{self, LoadOptions, Scene};
-use crate::session::checkpoint::Checkpoint;
+use crate::session::checkpoints::CheckpointFile;
+use crate::session::options::Options;
 use crate::session::progress::{Event, Preparation, Watch};
+use crate::session::saved::SavedCheckpoint;
+use crate::{Error, Result, inputs};
 
 /// The beginning of a render.
 #[derive(Debug, Clone)]
@@ -45,21 +47,53 @@ pub enum SceneInput<'a> {
     },
 }
 
-/// A checkpoint to go on from, and its file.
-pub(super) type Resumed = (PathBuf, Checkpoint);
+/// A checkpoint to go on from.
+pub(super) struct Resumed {
+    pub file: PathBuf,
+    pub checkpoint: SavedCheckpoint,
+    /// Whether the caller has asked to go on. Otherwise the checkpoint was found where a new render keeps its own.
+    pub is_asked: bool,
+}
 
 impl<'a> Start<'a> {
-    /// The scene to read, and for a resumed render its checkpoint.
-    pub(super) fn read(self) -> Result<(SceneInput<'a>, Option<Resumed>)> {
+    /// File of the checkpoint that the render keeps, if it keeps one. A resumed render keeps the file that it came from.
+    pub(super) fn kept_file(&self, options: &Options, watch: &Watch<'_>) -> Result<Option<CheckpointFile>> {
+        let path = match self {
+            Self::Anew(_) => options.checkpoint.as_ref(),
+            Self::Resume { checkpoint, .. } => Some(checkpoint),
+        };
+        let Some(path) = path.filter(|_| options.leads()) else { return Ok(None) };
+        if matches!(self, Self::Resume { .. }) {
+            // A file that is missing is not one that cannot be written.
+            inputs::open(path)?;
+        }
+        CheckpointFile::take(path, options.checkpoint_every, watch).map(Some)
+    }
+
+    /// The scene to read, and the checkpoint of a render that goes on. `kept` is the file of the checkpoint that the render keeps.
+    pub(super) fn read(self, kept: Option<&CheckpointFile>) -> Result<(SceneInput<'a>, Option<Resumed>)> {
         match self {
-            Self::Anew(input) => Ok((input, None)),
+            Self::Anew(input) => {
+                let file = kept.map(|kept| kept.path.clone()).filter(|file| file.exists());
+                Ok((input, file.map(Resumed::found).transpose()?))
+            }
             Self::Resume { checkpoint: file, moved_scene } => {
-                let checkpoint = Checkpoint::read(&file)?;
+                let checkpoint = SavedCheckpoint::open(&file)?;
                 let path = moved_scene.unwrap_or_else(|| checkpoint.scene.path.clone().into());
                 let input = SceneInput::File { path, options: checkpoint.scene.options.clone() };
-                Ok((input, Some((file, checkpoint))))
+                Ok((input, Some(Resumed { file, checkpoint, is_asked: true })))
             }
         }
+    }
+}
+
+impl Resumed {
+    fn found(file: PathBuf) -> Result<Self> {
+        let checkpoint = SavedCheckpoint::open(&file).map_err(|error| {
+            let message = "the file exists and is no checkpoint that can be resumed; give another name";
+            Error::checkpoint(&file, format!("{message} ({error})"))
+        })?;
+        Ok(Self { file, checkpoint, is_asked: false })
     }
 }
 

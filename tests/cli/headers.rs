@@ -160,9 +160,21 @@ fn the_date_can_be_fixed() {
     let has = |bytes: &[u8], text: &[u8]| bytes.windows(text.len()).any(|found| found == text);
     let fixed = merge("c.exr", Some("1709210096"));
     assert!(has(&fixed, b"2024:02:29 12:34:56"));
+    assert!(has(&merge("d.exr", Some("-1")), b"1969:12:31 23:59:59"));
     let now = merge("e.exr", None);
     assert!(has(&now, b"capDate") && !has(&now, b"2024:02:29 12:34:56"));
     assert_eq!(read(&folder, "c.exr").0, read(&folder, "e.exr").0);
+}
+
+/// A date that no header can hold is refused before the render.
+#[test]
+fn what_is_no_date_is_refused() {
+    let folder = Folder::new();
+    for date in ["tomorrow", "253402300800"] {
+        let output = folder.command(&["render", "scene.xml"]).env("SOURCE_DATE_EPOCH", date).output().unwrap();
+        assert_sentence(&output, 1, &["SOURCE_DATE_EPOCH", date, "years 0 to 9999"]);
+        assert_eq!(folder.names(), ["scene.xml"]);
+    }
 }
 
 /// The number of samples in the header is that of the pixels, also where a step was cut short.

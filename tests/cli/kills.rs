@@ -63,8 +63,9 @@ fn kills_lose_the_last_interval_at_most_and_no_file() {
         let (killed, (code, said)) = (SystemTime::now(), running.wait());
         assert_eq!((code, said), (None, String::new()), "kill {kill}");
 
-        let strangers =
-            |name: &String| !["a.ckpt", "a.exr", "scene.xml"].contains(&&name[..]) && !name.ends_with(".part");
+        // The lock's file locks nothing any more, and the next render removes it.
+        let known = ["a.ckpt", "a.exr", "scene.xml", ".a.ckpt.lock"];
+        let strangers = |name: &String| !known.contains(&&name[..]) && !name.ends_with(".part");
         assert_eq!(folder.names().into_iter().filter(strangers).collect::<Vec<_>>(), [""; 0], "kill {kill}");
         if picture.exists() {
             read_picture(&picture).unwrap();
@@ -89,4 +90,5 @@ fn kills_lose_the_last_interval_at_most_and_no_file() {
     assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--spp", &spp, "-o", "a.exr", "--quiet"]));
     folder.render(&["--spp", &spp, "--width", "64", "--height", "48", "-o", "whole.exr"]);
     assert_same_picture(&picture, &folder.path("whole.exr"));
+    assert!(!folder.path(".a.ckpt.lock").exists());
 }

@@ -194,19 +194,116 @@ fn another_scene_is_refused_with_both_hashes() {
 }
 
 #[test]
-fn a_checkpoint_is_not_written_over_by_a_new_render() {
+fn a_checkpoint_is_not_written_over_by_another_render() {
     let folder = Folder::new();
-    let render = ["render", "scene.xml", "--spp", "8", "--quiet", "-o", "a.exr", "--checkpoint", "a.ckpt"];
+    let render = ["render", "scene.xml", "--quiet", "-o", "a.exr", "--checkpoint", "a.ckpt"];
     let again = |more: &[&str]| folder.run(&[&render[..], more].concat());
-    assert_quiet_success(&again(&[]));
+    assert_quiet_success(&again(&["--spp", "16"]));
     let before = fs::read(folder.path("a.ckpt")).unwrap();
-    assert_sentence(&again(&[]), 1, &["a.ckpt: ", "8 samples", "lodestar resume a.ckpt"]);
-    let other = again(&["--seed", "3", "--max-depth", "5", "-D", "gray=0.25"]);
+    let other = again(&["--spp", "16", "--seed", "3", "--max-depth", "5", "-D", "gray=0.25"]);
     assert_sentence(&other, 1, &["max_depth (unlimited there, 5 here)", "seed (0 there, 3 here)", "scene_hash ("]);
-    assert_eq!(fs::read(folder.path("a.ckpt")).unwrap(), before);
+    let moved = again(&["--spp", "16", "--sample-offset", "64"]);
+    assert_sentence(&moved, 1, &["a.ckpt: ", "another render", "sample_offset (null there, 64 here)"]);
+    assert_sentence(&again(&["--spp", "8"]), 1, &["a.ckpt: ", "16 samples", "--spp asks for less"]);
+    let guided = |more: &[&str]| {
+        let guide = ["--spp", "16", "--seed", "3", "--guide-from", "a.ckpt", "--checkpoint", "b.ckpt", "-o", "b.exr"];
+        folder.run(&[&["render", "scene.xml", "--quiet"], &guide[..], more].concat())
+    };
+    assert_quiet_success(&guided(&[]));
+    // The guide stands in the checkpoint, so it is not taken again.
+    assert_quiet_success(&guided(&[]));
+    let without = ["render", "scene.xml", "--spp", "16", "--seed", "3", "--checkpoint", "b.ckpt", "-o", "b.exr"];
+    assert_sentence(&folder.run(&without), 1, &["b.ckpt: ", "samples of the guide", "0:0..16 there, none here"]);
+    assert!(fs::read(folder.path("a.ckpt")).unwrap() == before);
     folder.write("a.ckpt", "notes");
-    assert_sentence(&again(&[]), 1, &["a.ckpt: ", "no checkpoint", "another name"]);
+    assert_sentence(&again(&["--spp", "16"]), 1, &["a.ckpt: ", "no checkpoint", "another name"]);
     assert_eq!(fs::read_to_string(folder.path("a.ckpt")).unwrap(), "notes");
+}
+
+/// A farm starts a command again that was interrupted. The command goes on, to files that it names itself.
+#[test]
+fn the_same_command_goes_on_with_its_checkpoint() {
+    let folder = Folder::new();
+    let render = ["render", "scene.xml", "--checkpoint", "a.ckpt", "-o"];
+    let run = |more: &[&str]| folder.run(&[&render[..], more].concat());
+    assert_quiet_success(&run(&["a.exr", "--spp", "16", "--quiet"]));
+    let output = run(&["b.exr", "--spp", "40"]);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("a.ckpt holds 16 samples per pixel of this render"), "{said}");
+    assert_eq!(samples_in(&folder.path("a.ckpt")), 40);
+    folder.render(&["--spp", "40", "-o", "forty.exr"]);
+    assert_same_picture(&folder.path("b.exr"), &folder.path("forty.exr"));
+    folder.render(&["--spp", "16", "-o", "sixteen.exr"]);
+    assert_same_picture(&folder.path("a.exr"), &folder.path("sixteen.exr"));
+    // A render that is complete ends at once.
+    let stats = folder.render(&["--checkpoint", "a.ckpt", "-o", "c.exr", "--spp", "40"]);
+    assert_eq!(stats["totals"]["spp"], 40);
+    assert_same_picture(&folder.path("c.exr"), &folder.path("forty.exr"));
+}
+
+/// Two renders that keep one checkpoint would overwrite each other's work.
+#[test]
+fn one_render_at_a_time_has_a_checkpoint() {
+    let folder = Folder::new();
+    let render = [&["render", "scene.xml", "--checkpoint", "a.ckpt", "-o", "a.exr"][..], &LARGE].concat();
+    let words = ["a.ckpt: another render keeps its checkpoint in this file"];
+    let mut first = folder.start(&render);
+    first.wait_for_line("/1000000 spp");
+    assert_sentence(&folder.run(&render), 1, &words);
+    wait_until(|| folder.path("a.ckpt").exists().then_some(()).or_else(|| Some(first.signal("INT"))));
+    let (code, said) = first.wait();
+    assert_eq!(code, Some(130), "{said}");
+
+    let resume = ["resume", "a.ckpt", "--spp", "1000000", "--quiet"];
+    let second = folder.start(&resume);
+    wait_until(|| folder.path(".a.ckpt.lock").exists().then_some(()));
+    wait_until(|| {
+        let output = folder.run(&["resume", "a.ckpt", "--spp", "1000000"]);
+        String::from_utf8_lossy(&output.stderr).contains(words[0]).then_some(())
+    });
+    second.signal("KILL");
+    second.wait();
+    // The lock ends with its process.
+    let samples = samples_in(&folder.path("a.ckpt"));
+    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet", "--spp", &samples.to_string()]));
+    assert_eq!(folder.names(), ["a.ckpt", "a.exr", "scene.xml"]);
+}
+
+/// One of several renders that begin at one moment has the checkpoint.
+#[test]
+fn renders_that_begin_at_once_do_not_share_a_checkpoint() {
+    let folder = Folder::new();
+    let names = ["a.exr", "b.exr", "c.exr"];
+    let start = |name| {
+        folder.start(&[&["render", "scene.xml", "--quiet", "--checkpoint", "a.ckpt", "-o", name][..], &LARGE].concat())
+    };
+    let mut running: Vec<_> = names.map(start).into();
+    let mut said = Vec::new();
+    while running.len() > 1 {
+        let at = wait_until(|| running.iter_mut().position(|process| !process.is_running()));
+        said.push(running.remove(at).wait());
+    }
+    for (code, sentence) in said {
+        assert_eq!(code, Some(1));
+        assert!(sentence.contains("a.ckpt: another render keeps its checkpoint"), "{sentence}");
+    }
+    running.remove(0).signal("KILL");
+}
+
+/// What a killed process has left beside the checkpoint goes with the next render.
+#[cfg(target_os = "linux")]
+#[test]
+fn parts_of_killed_processes_are_removed() {
+    let folder = Folder::new();
+    folder.render(&["--spp", "8", "--checkpoint", "a.ckpt", "-o", "a.exr"]);
+    let mut ended = std::process::Command::new("true").spawn().unwrap();
+    ended.wait().unwrap();
+    let id = ended.id();
+    for name in ["a.ckpt", "a.exr"] {
+        folder.write(&format!(".{name}.{id}-7.part"), "half of it");
+    }
+    assert_quiet_success(&folder.run(&["resume", "a.ckpt", "--quiet", "--spp", "16"]));
+    assert_eq!(folder.names(), ["a.ckpt", "a.exr", "scene.xml", "stats.json"]);
 }
 
 #[test]

@@ -43,6 +43,29 @@ fn a_termination_is_answered_with_the_picture_so_far() {
     is_answered("TERM", 1, 143);
 }
 
+/// A closed terminal or connection ends a render with its picture.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_hangup_is_answered_with_the_picture_so_far() {
+    is_answered("HUP", 1, 129);
+}
+
+/// `nohup` starts a program with SIGHUP ignored.
+#[test]
+fn a_hangup_is_ignored_under_nohup() {
+    let folder = Folder::new();
+    let mut process = Command::new("nohup");
+    process.arg(env!("CARGO_BIN_EXE_lodestar")).args(OUTPUTS).args(["--spp", "1000000"]);
+    let mut running = folder.start_process(&mut process);
+    running.wait_for_line("/1000000 spp");
+    running.signal("HUP");
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(running.is_running());
+    running.signal("TERM");
+    assert_eq!(running.wait().0, Some(143));
+    assert!(folder.path("a.exr").exists());
+}
+
 /// Two signals in short succession count as one. `timeout` sends two: one to the process and one to its group.
 #[test]
 fn a_signal_sent_twice_is_one() {

@@ -67,9 +67,15 @@ impl Folder {
     /// Command that runs the program in this folder.
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
-        command.args(arguments).current_dir(self.0.path());
-        command.env("XDG_CACHE_HOME", SHARED_CACHE).env_remove("LODESTAR_DEVICE");
+        command.args(arguments);
+        self.prepare(&mut command);
         command
+    }
+
+    /// Lets a command run in this folder.
+    fn prepare(&self, command: &mut Command) {
+        command.current_dir(self.0.path());
+        command.env("XDG_CACHE_HOME", SHARED_CACHE).env_remove("LODESTAR_DEVICE");
     }
 
     /// Runs the program to its end.
@@ -91,7 +97,13 @@ impl Folder {
 
     /// Starts the program.
     pub fn start(&self, arguments: &[&str]) -> Running {
-        let mut child = self.command(arguments).stderr(Stdio::piped()).spawn().unwrap();
+        self.start_process(&mut self.command(arguments))
+    }
+
+    /// Starts a command in this folder.
+    pub fn start_process(&self, command: &mut Command) -> Running {
+        self.prepare(command);
+        let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
         let stderr = BufReader::new(child.stderr.take().unwrap());
         Running { child, stderr }
     }

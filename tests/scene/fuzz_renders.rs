@@ -29,7 +29,7 @@ fn checkpoint_file() -> Vec<u8> {
     let options = LoadOptions { defines: vec![("a".into(), "1".into())], ..LoadOptions::default() };
     let checkpoint = Checkpoint {
         scene: SceneSource { path: "/a.xml".into(), options, hash: "00ff".into() },
-        settings: Settings::for_scene(&scene),
+        settings: Settings { width: 1, height: 1, ..Settings::for_scene(&scene) },
         device: "a device".into(),
         record: Record {
             length,
@@ -38,7 +38,7 @@ fn checkpoint_file() -> Vec<u8> {
             history,
             guide_samples: SampleRanges::default(),
         },
-        state: RenderState { samples_done: 8, parts: vec![part("a", &[1, 2, 3]), part("b", &[4; 40])] },
+        state: RenderState { samples_done: 8, parts: vec![part("a", &[1, 2, 3]), part("b", &[4; 64])] },
     };
     let folder = Folder::new(&[]);
     checkpoint.write(&folder.path("a.ckpt")).unwrap();

@@ -206,7 +206,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "File to resume the render from after an interruption",
-        long: "`lodestar resume FILE` continues the render after a signal, a fault or a power cut.",
+        long: "`lodestar resume FILE`, or the same command again, continues the render after a signal, a fault or a power cut. The \
+               checkpoint of another render is refused.",
         ..common(Output, "checkpoint", "FILE")
     },
     OptionEntry {
