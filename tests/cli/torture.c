@@ -2,7 +2,8 @@
 //
 // TORTURE_FOLDER is the folder, by its absolute path without links, in which the process runs. TORTURE_AT is the number of the operation, counted from 1. TORTURE_DEED is
 // `once` (it fails with EIO), `on` (it and all later ones fail with ENOSPC) or `kill`. TORTURE_LOG is a file, outside of the folder,
-// that gets a line for each operation.
+// that gets a line for each operation. The deed `hold` disturbs nothing, but the opening of scene.xml waits until there is a file
+// TORTURE_RELEASE.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -60,6 +61,13 @@ static int fails(const char *what) {
     return 1;
 }
 
+static void hold(const char *path) {
+    const char *deed = getenv("TORTURE_DEED"), *release = getenv("TORTURE_RELEASE");
+    if (!deed || !release || strcmp(deed, "hold") != 0 || !strstr(path, "scene.xml")) return;
+    fails("hold");
+    while (access(release, F_OK) != 0) usleep(10000);
+}
+
 static int mode_of(int flags, va_list rest) { return flags & (O_CREAT | O_TMPFILE) ? va_arg(rest, int) : 0; }
 
 #define OPEN(name) \
@@ -69,6 +77,7 @@ static int mode_of(int flags, va_list rest) { return flags & (O_CREAT | O_TMPFIL
         va_start(rest, flags); \
         int mode = mode_of(flags, rest); \
         va_end(rest); \
+        if (is_below(path)) hold(path); \
         if (is_below(path) && fails(#name)) return -1; \
         return real(path, flags, mode); \
     }

@@ -37,7 +37,7 @@ const RENDER: [&str; 18] = [
 ];
 
 /// The library that counts and fails operations; `None` where there is no C compiler.
-fn library() -> Option<&'static Path> {
+pub fn library() -> Option<&'static Path> {
     static BUILT: OnceLock<Option<PathBuf>> = OnceLock::new();
     let build = || {
         let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli/torture.c");
