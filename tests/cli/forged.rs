@@ -122,7 +122,7 @@ fn forged_states_do_no_harm() {
                 // Some words of a part, or all of them, are anything, all ones, or infinite.
                 let share = [1, 16, 256][random(&mut state) as usize % 3];
                 for word in part.bytes.chunks_exact_mut(4) {
-                    if random(&mut state) % share == 0 {
+                    if random(&mut state).is_multiple_of(share) {
                         let word_of = [random(&mut state) as u32, u32::MAX, 0x7f80_0000, 0];
                         word.copy_from_slice(&word_of[random(&mut state) as usize % 4].to_le_bytes());
                     }
