@@ -27,14 +27,15 @@ trap 'exit 1' HUP INT TERM
 look() { # LOG
   url=
   while [ -z "$url" ]; do
-    url=$(sed -n 's|.*"address":"\(http://[^/]*\)/.*|\1|p' "$1" | head -n 1)
+    url=$(sed -n 's|.*"address":"\(http://[^"]*\)".*|\1|p' "$1" | head -n 1)
     sleep 0.05
   done
+  header="X-Lodestar-Token: ${url#*#}" url=${url%%/#*}
   last=0
-  curl -sN "$url/events" 2>/dev/null | sed -un 's/.*"shot":\([0-9]*\),.*/\1/p' | while read -r shot; do
+  curl -sN -H "$header" "$url/events" 2>/dev/null | sed -un 's/.*"shot":\([0-9]*\),.*/\1/p' | while read -r shot; do
     if [ "$shot" != "$last" ]; then
       last=$shot
-      curl -s -o "$work/layer" "$url/layer?name=radiance" && curl -s -o "$work/pixel" "$url/pixel?x=20&y=20" || break
+      curl -s -H "$header" -o "$work/layer" "$url/layer?name=radiance" && curl -s -H "$header" -o "$work/pixel" "$url/pixel?x=20&y=20" || break
       echo "$shot" >"$work/shots"
     fi
   done

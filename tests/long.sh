@@ -20,7 +20,7 @@ export LODESTAR_FULL=1
 PARTS=(references-1 features-1 render-1 samplers kills features-2 python
   render-2 claims features-3 agreement unoptimized faults features-4
   references-2 pictures features-5 render-3 closed shaderc features-6
-  files fuzz)
+  files page fuzz)
 
 # Modules of tests/render in two parts. The third part has all others.
 RENDER_1=(analytic:: blue_noise:: cells:: choices:: determinism:: differences::)
@@ -96,6 +96,8 @@ run() { # PART
     files) suite cli -- torture forged ;;
     # Ten minutes of each target of fuzz/.
     fuzz) tests/fuzz.sh ;;
+    # 300,000 requests of strangers to the page's server.
+    page) suite view -- hostile && suite page_memory ;;
     # A build without optimization.
     unoptimized) test_unoptimized ;;
     # A build with another shaderc.

@@ -66,7 +66,7 @@ fn render_watched(start: Start<'_>, options: &Options, console: &Console, viewer
     let watch = Watch { stop: &|| interrupt.is_raised() || viewers.is_stopped(), events: &show };
     let mut session = Session::start(start, options, &watch)?;
     let finished = session.run_watched(&watch, |session| viewers.after_step(session, &watch));
-    viewers.finish(&session);
+    viewers.finish(&session, &watch);
     let printed = session.profile().map_or(Ok(()), |profile| print_line(profile.table().trim_end()));
     finished.and(printed)?;
     Ok(interrupt.exit_code())

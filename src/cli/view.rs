@@ -18,7 +18,8 @@ const INTERVAL: Duration = Duration::from_millis(200);
 /// Shows an EXR picture in a browser.
 ///
 /// The page shows every layer of the picture, with exposure, tone curves and false colors, and the values of its pixels. When
-/// the file changes, the page shows it anew. Ctrl-C ends the program.
+/// the file changes, the page shows it anew. Nobody sees anything without the token at the end of the printed address.
+/// Ctrl-C ends the program.
 #[derive(Debug, clap::Args)]
 pub struct ViewArgs {
     /// The picture.

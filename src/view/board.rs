@@ -1,10 +1,10 @@
 //! Board between a render and its viewers: the render pins its progress and copies of the picture on it, viewers pin requests.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
+use tokio::sync::watch;
 
 use crate::view::guide::{GuideCells, GuideCopy};
 use crate::view::shot::Shot;
@@ -85,8 +85,6 @@ pub(super) struct Pinned {
     pub shot: Option<Arc<Shot>>,
     pub cells: Option<Arc<GuideCells>>,
     pub guide: Option<Arc<GuideCopy>>,
-    /// Number of changes so far.
-    pub revision: u64,
     pub is_paused: bool,
 }
 
@@ -103,15 +101,13 @@ pub(super) enum Order {
 #[derive(Default)]
 pub(super) struct Board {
     pinned: Mutex<Pinned>,
-    changed: Condvar,
+    changed: watch::Sender<()>,
     /// Requests that the render looks at between two steps.
     pub wants_shot: AtomicBool,
     pub wants_guide: AtomicBool,
     pub wants_file: AtomicBool,
-    /// Number of requests that are being answered, without those for events.
+    /// Number of holders' requests that are being answered, without those for events.
     pub answering: AtomicUsize,
-    /// Number of pages that receive events.
-    pub listening: AtomicUsize,
     wants_stop: AtomicBool,
     /// Whether viewers shall leave.
     is_closed: AtomicBool,
@@ -124,17 +120,13 @@ impl Board {
 
     /// Changes what is pinned, and wakes whoever waits for a change.
     pub fn change(&self, change: impl FnOnce(&mut Pinned)) {
-        let mut pinned = self.lock();
-        change(&mut pinned);
-        pinned.revision += 1;
-        self.changed.notify_all();
+        change(&mut self.lock());
+        self.changed.send_replace(());
     }
 
-    /// Waits until there is a newer revision than `seen`, at most for `patience`.
-    pub fn wait(&self, seen: u64, patience: Duration) -> MutexGuard<'_, Pinned> {
-        let pinned = self.lock();
-        let is_old = |pinned: &mut Pinned| pinned.revision <= seen && !self.is_closed();
-        self.changed.wait_timeout_while(pinned, patience, is_old).unwrap_or_else(PoisonError::into_inner).0
+    /// Receiver that is told about every change from now on.
+    pub fn changes(&self) -> watch::Receiver<()> {
+        self.changed.subscribe()
     }
 
     /// Follows an order of a viewer.
@@ -196,16 +188,14 @@ mod tests {
     }
 
     #[test]
-    fn waiting_ends_with_a_change_and_with_the_board() {
+    fn changes_and_the_end_are_told() {
         let board = Board::default();
-        let long = Duration::from_secs(3600);
-        std::thread::scope(|scope| {
-            let waiting = scope.spawn(|| board.wait(0, long).revision);
-            board.change(|_| {});
-            assert_eq!(waiting.join().unwrap(), 1);
-            let waiting = scope.spawn(|| board.wait(1, long).revision);
-            board.close();
-            waiting.join().unwrap();
-        });
+        let mut changes = board.changes();
+        assert!(!changes.has_changed().unwrap());
+        board.change(|_| {});
+        assert!(changes.has_changed().unwrap());
+        changes.mark_unchanged();
+        board.close();
+        assert!(changes.has_changed().unwrap() && board.is_closed());
     }
 }

@@ -6,25 +6,37 @@
 //! | part | file |
 //! |---|---|
 //! | what render and viewers share | `board.rs`, `shot.rs` |
-//! | the render's side | `viewers.rs` |
-//! | the server of the page | `server.rs`, `guard.rs` (who may ask), `routes.rs` (answers) |
+//! | the render's side | `viewers.rs`, `file.rs` (a picture file instead of a render) |
+//! | the server of the page | `server.rs`, `limits.rs` (what it bounds), `guests.rs` (who is connected), `stream.rs` (slow readers) |
+//! | requests | `guard.rs` (who may ask), `routes.rs` (answers), `content.rs`, `events.rs`, `workers.rs` (what takes time) |
 //! | one pixel, and what the guide has learned there | `pixel.rs`, `guide.rs` |
-//! | layers of a picture | `planes.rs` |
+//! | layers of a picture | `planes.rs`, `denoiser.rs` |
+//! | names of files | `names.rs` |
 //! | the page | `page/` |
 //! | tev's protocol | `tev.rs` (packets), `display.rs` (when they are sent) |
 
 mod board;
+mod content;
+mod denoiser;
 mod display;
+mod events;
+mod file;
 mod guard;
+mod guests;
 mod guide;
+mod limits;
+mod names;
 mod pixel;
 mod planes;
 mod routes;
 mod server;
 mod shot;
+mod stream;
 #[doc(hidden)]
 pub mod tev;
 mod viewers;
+mod workers;
 
-pub use server::{FileView, check_address};
+pub use file::FileView;
+pub use server::check_address;
 pub use viewers::{ViewOptions, Viewers};

@@ -2,34 +2,38 @@
 //!
 //! | request | answer |
 //! |---|---|
-//! | `GET /` and the page's files | the page |
+//! | `GET /` and the page's files | the page, for everybody |
 //! | `GET /events` | the render's state as server-sent events |
 //! | `GET /layer?name=NAME` | a layer as half floats, with a header `X-Frame` of its size |
 //! | `GET /cells` | the guide's cell of every pixel, as 32-bit integers, and the mean radiance of every cell |
 //! | `GET /pixel?x=X&y=Y` | everything about a pixel |
-//! | `POST /pause`, `/go-on`, `/stop`, `/write` | an order, with the token in the header `X-Lodestar-Token` |
+//! | `POST /pause`, `/go-on`, `/stop`, `/write` | an order |
+//!
+//! All but the page's files needs the token in the header `X-Lodestar-Token`. No request has a body.
 
 use std::collections::HashMap;
-use std::io::{Cursor, Write};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::thread;
-use std::time::Duration;
 
+use hyper::body::Body;
+use hyper::header::{HOST, HeaderMap, ORIGIN};
+use hyper::{Method, Request};
 use serde::Serialize;
-use tiny_http::{Header, Method, Request, Response, StatusCode};
 
-use crate::view::board::{Board, CurvePoint, Order, State};
+use crate::Result;
+use crate::view::board::{Board, CurvePoint, Order};
+use crate::view::content::{Answer, Answering, bytes, claiming, empty, framed, json, last, text};
+use crate::view::denoiser;
+use crate::view::events::Listeners;
 use crate::view::guard::{Asking, Guard};
+use crate::view::guests::Visit;
+use crate::view::limits::{ANSWERS, DENOISED_ANSWERS, Limits, STRANGER_REQUESTS, WORKERS};
 use crate::view::pixel::{PixelFacts, cells_of_pixels};
-use crate::view::shot::{Content, Shot};
+use crate::view::shot::{Content, DENOISED, Shot};
+use crate::view::workers::{Failure, Workers};
 
-/// Shortest time between two events.
-const EVENT_INTERVAL: Duration = Duration::from_millis(150);
-/// Time after which an event is sent although nothing has changed. It finds pages that have left.
-const HEARTBEAT: Duration = Duration::from_secs(5);
 /// Header of the token.
-const TOKEN: &str = "X-Lodestar-Token";
+const TOKEN: &str = "x-lodestar-token";
 
 /// Files of the page: path, type and content.
 const FILES: &[(&str, &str, &str)] = &[
@@ -42,27 +46,15 @@ const FILES: &[(&str, &str, &str)] = &[
     ("/icon.svg", "image/svg+xml", include_str!("page/icon.svg")),
 ];
 
-/// Headers of every answer. The page may load nothing from elsewhere, and no other page may show or read it.
-const HEADERS: &[(&str, &str)] = &[
-    (
-        "Content-Security-Policy",
-        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self'; \
-         base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    ),
-    ("X-Content-Type-Options", "nosniff"),
-    ("Referrer-Policy", "no-referrer"),
-    ("Cross-Origin-Resource-Policy", "same-origin"),
-    ("Cross-Origin-Opener-Policy", "same-origin"),
-    ("Cache-Control", "no-store"),
-];
-
 /// Desk at which requests are answered.
 pub(super) struct Desk {
-    pub board: Arc<Board>,
-    pub guard: Guard,
+    board: Arc<Board>,
+    guard: Guard,
+    pub listeners: Listeners,
+    workers: Workers,
+    /// Worker of the denoised layer, which takes longer than all others.
+    denoiser: Workers,
 }
-
-type Answer = Response<Cursor<Vec<u8>>>;
 
 /// Size and values of a layer, in the header `X-Frame`.
 #[derive(Serialize)]
@@ -82,53 +74,93 @@ struct Frame<'a> {
 }
 
 impl Desk {
-    /// Answers a request. A page that leaves is no error.
-    pub fn answer(&self, request: Request) {
-        let header = |name: &str| {
-            let found =
-                request.headers().iter().find(|header| header.field.as_str().as_str().eq_ignore_ascii_case(name));
-            found.map(|header| header.value.as_str())
-        };
+    /// Desk of a render.
+    pub fn new(board: Arc<Board>, guard: Guard, limits: Limits) -> Result<Self> {
+        Ok(Self {
+            guard,
+            listeners: Listeners::new(Arc::clone(&board), limits.listeners),
+            workers: Workers::start("view worker", WORKERS, ANSWERS)?,
+            denoiser: Workers::start("view denoiser", 1, DENOISED_ANSWERS)?,
+            board,
+        })
+    }
+
+    /// Address of the page with the token.
+    pub fn url(&self) -> String {
+        self.guard.url()
+    }
+
+    /// Answers a request.
+    pub async fn answer(self: &Arc<Self>, request: Request<impl Body>, visit: &Visit) -> Answer {
+        let headers = request.headers();
         let asking = Asking {
-            host: header("Host"),
-            origin: header("Origin"),
-            site: header("Sec-Fetch-Site"),
-            token: header(TOKEN),
+            host: only(headers, HOST.as_str()),
+            origin: only(headers, ORIGIN.as_str()),
+            site: only(headers, "sec-fetch-site"),
+            token: only(headers, TOKEN),
         };
-        let url = request.url().to_owned();
-        let (path, query) = url.split_once('?').unwrap_or((&url, ""));
-        let query: HashMap<&str, &str> = query.split('&').filter_map(|pair| pair.split_once('=')).collect();
-        let may_look = self.guard.may_look(&asking);
-        if may_look && *request.method() == Method::Get && path == "/events" {
-            self.board.listening.fetch_add(1, Ordering::Relaxed);
-            self.send_events(request);
-            self.board.listening.fetch_sub(1, Ordering::Relaxed);
-            return;
-        }
-        self.board.answering.fetch_add(1, Ordering::Relaxed);
-        let answer = match request.method() {
-            _ if !may_look => text(403, "This server answers only its own page."),
-            Method::Get => self.look(path, &query),
-            Method::Post => self.change(path, &asking),
+        let path = request.uri().path();
+        let refusal = if !self.guard.is_from_own_page(&asking) {
+            text(403, "This server answers only its own page.")
+        } else if !request.body().is_end_stream() {
+            text(413, "This server takes no content.")
+        } else if self.guard.has_token(&asking) {
+            return self.serve(request, visit).await;
+        } else if let Some(file) = file(path).filter(|_| *request.method() == Method::GET) {
+            let count = visit.ask_as_stranger();
+            return if count < STRANGER_REQUESTS { file } else { last(file) };
+        } else if asking.token.is_some() {
+            text(
+                403,
+                "The address has the token of another render: open the one that this render has printed on its terminal.",
+            )
+        } else {
+            text(403, "This needs the token of the address that the render has printed on its terminal.")
+        };
+        last(refusal)
+    }
+
+    /// Answers a request that has the token.
+    async fn serve(self: &Arc<Self>, request: Request<impl Body>, visit: &Visit) -> Answer {
+        let may_stay = visit.show_token();
+        let (path, query) = (request.uri().path(), request.uri().query().unwrap_or_default());
+        let answer = match (request.method(), path) {
+            (&Method::GET, "/events") if may_stay => self.listeners.listen(),
+            (&Method::GET, "/events") => text(503, "Too many pages are open; close some."),
+            (&Method::GET, "/layer" | "/cells" | "/pixel") => self.work(path, query).await,
+            (&Method::GET, _) => file(path).unwrap_or_else(|| text(404, "There is no such page.")),
+            (&Method::POST, _) => self.follow(path),
             _ => text(405, "This server knows GET and POST."),
         };
-        let _ = request.respond(answer);
-        self.board.answering.fetch_sub(1, Ordering::Relaxed);
+        if may_stay { answer } else { last(answer) }
     }
 
-    fn look(&self, path: &str, query: &HashMap<&str, &str>) -> Answer {
-        if let Some((_, kind, content)) = FILES.iter().find(|(file, _, _)| *file == path) {
-            return bytes(content.as_bytes().to_vec(), kind);
-        }
+    /// Answers what takes time.
+    async fn work(self: &Arc<Self>, path: &str, query: &str) -> Answer {
+        let answering = Answering::new(&self.board);
+        let (desk, path, query) = (Arc::clone(self), path.to_owned(), query.to_owned());
+        let is_denoised = path == "/layer" && Query::new(&query).layer() == DENOISED;
+        let workers = if is_denoised { &self.denoiser } else { &self.workers };
+        let made = workers.run(move || desk.make(&path, &Query::new(&query))).await;
+        let (answer, permit) = match made {
+            Ok((answer, permit)) => (answer, Some(permit)),
+            Err(Failure::Busy) => (text(503, "Too many pages ask at once."), None),
+            Err(Failure::Panicked) => {
+                (text(500, "This answer failed; the terminal says why. The render goes on."), None)
+            }
+        };
+        claiming(answer, (permit, Some(answering)))
+    }
+
+    fn make(&self, path: &str, query: &Query<'_>) -> Answer {
         match path {
-            "/layer" => self.layer(query.get("name").copied().unwrap_or("radiance")),
+            "/layer" => self.layer(query.layer()),
             "/cells" => self.cells(),
-            "/pixel" => self.pixel(query),
-            _ => text(404, "There is no such page."),
+            _ => self.pixel(query),
         }
     }
 
-    fn change(&self, path: &str, asking: &Asking<'_>) -> Answer {
+    fn follow(&self, path: &str) -> Answer {
         let order = match path {
             "/pause" => Order::Pause,
             "/go-on" => Order::GoOn,
@@ -136,9 +168,6 @@ impl Desk {
             "/write" => Order::Write,
             _ => return text(404, "There is no such order."),
         };
-        if !self.guard.may_change(asking) {
-            return text(403, "This order needs the token of the printed address.");
-        }
         self.board.give(order);
         empty()
     }
@@ -151,7 +180,9 @@ impl Desk {
 
     fn layer(&self, name: &str) -> Answer {
         let Some(shot) = self.shot() else { return empty() };
-        let Some(plane) = shot.plane(name) else { return text(404, "The picture has no such layer.") };
+        let Some(plane) = shot.plane(name) else {
+            return text(404, if name == DENOISED { denoiser::MISSING } else { "The picture has no such layer." });
+        };
         let noise = self.noise(&shot);
         let ([width, height], (halves, factor)) = (shot.size(), plane.halves());
         let frame = Frame {
@@ -197,10 +228,11 @@ impl Desk {
         framed(words, &serde_json::json!({ "width": width, "height": height, "count": cells.cells.count() }))
     }
 
-    fn pixel(&self, query: &HashMap<&str, &str>) -> Answer {
+    fn pixel(&self, query: &Query<'_>) -> Answer {
         self.board.wants_guide.store(true, Ordering::Relaxed);
-        let number = |name: &str| query.get(name).and_then(|text| text.parse().ok());
-        let (Some(x), Some(y)) = (number("x"), number("y")) else { return text(400, "Write it as /pixel?x=1&y=2.") };
+        let (Some(x), Some(y)) = (query.number("x"), query.number("y")) else {
+            return text(400, "Write it as /pixel?x=1&y=2.");
+        };
         let pinned = self.board.lock();
         let (shot, cells, copy) = (pinned.shot.clone(), pinned.cells.clone(), pinned.guide.clone());
         drop(pinned);
@@ -210,78 +242,35 @@ impl Desk {
             None => text(404, "The picture has no such pixel."),
         }
     }
+}
 
-    /// Sends the state now and whenever it changes, until the page leaves or the render ends.
-    fn send_events(&self, request: Request) {
-        self.board.wants_shot.store(true, Ordering::Relaxed);
-        let mut page = request.into_writer();
-        let mut head = "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\n".to_owned();
-        HEADERS.iter().for_each(|(name, value)| head += &format!("{name}: {value}\r\n"));
-        head += "\r\n";
-        let mut send = |text: &str| page.write_all(text.as_bytes()).and_then(|()| page.flush());
-        let mut is_there = send(&head).is_ok();
-        let mut seen = None;
-        while is_there {
-            let pinned = match seen {
-                None => self.board.lock(),
-                Some(seen) => self.board.wait(seen, HEARTBEAT),
-            };
-            let (state, revision, is_last) = (pinned.state.clone(), pinned.revision, self.board.is_closed());
-            drop(pinned);
-            is_there = send(&event(&state)).is_ok() && !is_last;
-            seen = Some(revision);
-            thread::sleep(EVENT_INTERVAL);
-        }
+/// Names and values of a request's query.
+struct Query<'a>(HashMap<&'a str, &'a str>);
+
+impl<'a> Query<'a> {
+    fn new(query: &'a str) -> Self {
+        Self(query.split('&').filter_map(|pair| pair.split_once('=')).collect())
+    }
+
+    fn number(&self, name: &str) -> Option<u32> {
+        self.0.get(name)?.parse().ok()
+    }
+
+    /// Layer that is asked for.
+    fn layer(&self) -> &'a str {
+        self.0.get("name").copied().unwrap_or("radiance")
     }
 }
 
-fn event(state: &State) -> String {
-    format!("data: {}\n\n", serde_json::to_string(state).unwrap_or_default())
+/// The only header of a name; an empty text where there are several, or where it is no text.
+fn only<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
+    let mut values = headers.get_all(name).iter();
+    let first = values.next()?;
+    Some(first.to_str().ok().filter(|_| values.next().is_none()).unwrap_or_default())
 }
 
-/// Refuses a request because there are too many.
-pub(super) fn refuse_for_now(request: Request) {
-    let _ = request.respond(text(503, "Too many pages are open; close some."));
-}
-
-/// Answer with the headers that every answer has.
-fn answer(status: u16, content: Vec<u8>, more: &[(&str, &str)]) -> Answer {
-    let mut response = Response::from_data(content).with_status_code(StatusCode(status));
-    for (name, value) in HEADERS.iter().chain(more) {
-        if let Ok(header) = Header::from_bytes(*name, *value) {
-            response.add_header(header);
-        }
-    }
-    // Browsers need the length to know that a layer is whole.
-    response.with_chunked_threshold(usize::MAX)
-}
-
-fn bytes(content: Vec<u8>, kind: &str) -> Answer {
-    answer(200, content, &[("Content-Type", kind)])
-}
-
-fn framed(content: Vec<u8>, frame: &impl Serialize) -> Answer {
-    let frame = ascii(&serde_json::to_string(frame).unwrap_or_default());
-    answer(200, content, &[("Content-Type", "application/octet-stream"), ("X-Frame", &frame)])
-}
-
-/// JSON in ASCII, as headers need it.
-fn ascii(json: &str) -> String {
-    let mut units = [0; 2];
-    let mut escaped =
-        |c: char| c.encode_utf16(&mut units).iter().map(|unit| format!("\\u{unit:04x}")).collect::<String>();
-    json.chars().map(|c| if c.is_ascii() { c.to_string() } else { escaped(c) }).collect()
-}
-
-fn json(value: &impl Serialize) -> Answer {
-    bytes(serde_json::to_vec(value).unwrap_or_default(), "application/json")
-}
-
-fn text(status: u16, sentence: &str) -> Answer {
-    answer(status, format!("{sentence}\n").into_bytes(), &[("Content-Type", "text/plain; charset=utf-8")])
-}
-
-/// Answer that there is nothing yet, or nothing to say.
-fn empty() -> Answer {
-    answer(204, Vec::new(), &[])
+/// A file of the page.
+fn file(path: &str) -> Option<Answer> {
+    let (_, kind, content) = FILES.iter().find(|(file, _, _)| *file == path)?;
+    Some(bytes(*content, kind))
 }

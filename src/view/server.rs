@@ -1,34 +1,40 @@
-//! Server of the page. Every request is answered by a thread of its own, so that a page that hangs delays nobody.
+//! Server of the page: one thread that waits for everybody at once, and a few workers.
 
-use std::net::{SocketAddr, TcpListener, ToSocketAddrs};
-use std::path::{Path, PathBuf};
+use std::convert::Infallible;
+use std::future::{Future, poll_fn};
+use std::io;
+use std::net::{SocketAddr, ToSocketAddrs};
+use std::pin::pin;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::task::Poll;
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant, SystemTime};
 
-use crate::image::exr;
-use crate::image::layers::{Layers, Samples};
-use crate::view::board::{Board, Phase};
-use crate::view::guard::Guard;
-use crate::view::routes::{Desk, refuse_for_now};
-use crate::view::shot::{Content, Shot};
+use hyper::Request;
+use hyper::body::Incoming;
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::runtime::{Builder, Runtime};
+use tokio::sync::watch;
+use tokio::task::yield_now;
+use tokio::time::{Instant, sleep};
+
+use crate::view::board::Board;
+use crate::view::guard::{Guard, Token};
+use crate::view::guests::{Guests, Visit};
+use crate::view::limits::{
+    ACCEPT_PAUSE, FAREWELL, FAREWELL_INTERVAL, HEADER_BYTES, HEADERS, Limits, PATIENCE, REQUEST_TIME,
+};
+use crate::view::routes::Desk;
+use crate::view::stream::Patient;
 use crate::{Error, Result};
-
-/// Time after which a page that takes no data is dropped.
-const PATIENCE: Duration = Duration::from_secs(10);
-/// Time that pages have at the end to receive the last state.
-const FAREWELL: Duration = Duration::from_secs(2);
-/// Interval at which the server looks whether they have it.
-const FAREWELL_INTERVAL: Duration = Duration::from_millis(10);
-/// Most requests at one time. Further ones are refused.
-const MOST_REQUESTS: usize = 64;
 
 /// A running server.
 pub(super) struct Server {
     board: Arc<Board>,
     desk: Arc<Desk>,
-    http: Arc<tiny_http::Server>,
+    ended: watch::Sender<bool>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -47,21 +53,29 @@ pub fn check_address(text: &str) -> Result<String, String> {
 impl Server {
     /// Serves `board` at `address`.
     pub fn start(address: &str, board: Arc<Board>) -> Result<Self> {
-        let failed = |error: &dyn std::fmt::Display| {
+        let failed = |error: io::Error| {
             Error::Settings(format!("no page can be served at {address}: {error}; give another address or port"))
         };
-        let (listener, address_used) = listen(address).map_err(|error| failed(&error))?;
-        let desk = Arc::new(Desk { board: Arc::clone(&board), guard: Guard::new(address_used)? });
-        let http = Arc::new(tiny_http::Server::from_listener(listener, None).map_err(|error| failed(&error))?);
-        let (of_thread, served) = (Arc::clone(&http), Arc::clone(&desk));
-        let serve = move || serve(&of_thread, &served);
-        let thread = thread::Builder::new().name("view".into()).spawn(serve).map_err(|error| failed(&error))?;
-        Ok(Self { board, desk, http, thread: Some(thread) })
+        let token = Token::find()?;
+        let runtime = Builder::new_current_thread().enable_io().enable_time().build().map_err(failed)?;
+        let (listener, address_used) = listen(address, &runtime).map_err(failed)?;
+        let limits = Limits::of_process();
+        let desk = Arc::new(Desk::new(Arc::clone(&board), Guard::new(address_used, token), limits)?);
+        let (ended, end) = watch::channel(false);
+        let served = Arc::clone(&desk);
+        let serve = move || {
+            give_way();
+            runtime.block_on(serve(listener, served, Guests::new(limits), end));
+            // A worker may still be busy. Nobody waits for it.
+            Runtime::shutdown_background(runtime);
+        };
+        let thread = thread::Builder::new().name("view".into()).spawn(serve).map_err(failed)?;
+        Ok(Self { board, desk, ended, thread: Some(thread) })
     }
 
     /// Address of the page with the token.
     pub fn url(&self) -> String {
-        self.desk.guard.url()
+        self.desk.url()
     }
 }
 
@@ -69,11 +83,7 @@ impl Drop for Server {
     /// Sends the last state to every page before the server ends, because the program may end right after it.
     fn drop(&mut self) {
         self.board.close();
-        let end = Instant::now() + FAREWELL;
-        while self.board.listening.load(Ordering::Relaxed) > 0 && Instant::now() < end {
-            thread::sleep(FAREWELL_INTERVAL);
-        }
-        self.http.unblock();
+        self.ended.send_replace(true);
         if let Some(thread) = self.thread.take() {
             // A panic of the thread has been printed already.
             let _ = thread.join();
@@ -81,140 +91,132 @@ impl Drop for Server {
     }
 }
 
-/// Socket at `address`. Whoever connects inherits its limits of time.
-fn listen(address: &str) -> std::io::Result<(TcpListener, SocketAddr)> {
+/// Socket at `address`.
+fn listen(address: &str, runtime: &Runtime) -> io::Result<(TcpListener, SocketAddr)> {
     let addresses: Vec<SocketAddr> = address.to_socket_addrs()?.collect();
-    let listener = TcpListener::bind(&addresses[..])?;
-    let socket = socket2::SockRef::from(&listener);
-    socket.set_write_timeout(Some(PATIENCE))?;
+    let listener = std::net::TcpListener::bind(&addresses[..])?;
+    listener.set_nonblocking(true)?;
     let address = listener.local_addr()?;
-    Ok((listener, address))
+    let _context = runtime.enter();
+    Ok((TcpListener::from_std(listener)?, address))
 }
 
-fn serve(http: &tiny_http::Server, desk: &Arc<Desk>) {
-    let running = Arc::new(AtomicUsize::new(0));
-    for request in http.incoming_requests() {
-        if running.load(Ordering::Relaxed) >= MOST_REQUESTS {
-            refuse_for_now(request);
-            continue;
-        }
-        running.fetch_add(1, Ordering::Relaxed);
-        let (desk, counted) = (Arc::clone(desk), Arc::clone(&running));
-        let answer = move || {
-            desk.answer(request);
-            counted.fetch_sub(1, Ordering::Relaxed);
-        };
-        if thread::Builder::new().name("view request".into()).spawn(answer).is_err() {
-            running.fetch_sub(1, Ordering::Relaxed);
-        }
-    }
+/// Lowers the priority of this thread, so that a flood of requests takes little time from the render. Only Linux has priorities of
+/// threads.
+fn give_way() {
+    #[cfg(target_os = "linux")]
+    // Where it is forbidden, the thread keeps its priority.
+    let _ = rustix::process::setpriority_process(None, crate::view::limits::NICENESS);
 }
 
-/// A page that shows a picture file. The picture is read again when the file changes.
-pub struct FileView {
-    server: Server,
-    path: PathBuf,
-    changed: Option<SystemTime>,
-    shots: u64,
-}
-
-impl FileView {
-    /// Serves the picture in the file `path` at `address`.
-    ///
-    /// # Errors
-    /// Where the file is no EXR picture, or the address cannot be used.
-    pub fn start(path: &Path, address: &str) -> Result<Self> {
-        let layers = read(path)?;
-        let server = Server::start(address, Arc::new(Board::default()))?;
-        let mut view = Self { server, path: path.to_path_buf(), changed: changed(path), shots: 0 };
-        view.show(layers);
-        Ok(view)
-    }
-
-    /// Address of the page.
-    pub fn url(&self) -> String {
-        self.server.url()
-    }
-
-    /// Reads the picture again if its file has changed. A file that cannot be read is tried again when it changes.
-    pub fn refresh(&mut self) {
-        let now = changed(&self.path);
-        if now.is_some() && now != self.changed {
-            self.changed = now;
-            if let Ok(layers) = read(&self.path) {
-                self.show(layers);
+/// Lets everybody in until the end, and gives holders of the token time to receive the last state.
+async fn serve(listener: TcpListener, desk: Arc<Desk>, guests: Arc<Guests>, end: watch::Receiver<bool>) {
+    let told = Arc::clone(&desk);
+    tokio::spawn(async move { told.listeners.tell().await });
+    let mut ending = end.clone();
+    let mut is_over = pin!(ending.wait_for(|ended| *ended));
+    loop {
+        let next = poll_fn(|context| match is_over.as_mut().poll(context) {
+            Poll::Ready(_) => Poll::Ready(None),
+            Poll::Pending => listener.poll_accept(context).map(Some),
+        });
+        match next.await {
+            None => break,
+            Some(Ok((stream, address))) => {
+                guests.enter(address.ip(), |visit| {
+                    tokio::spawn(attend(stream, visit, Arc::clone(&desk), end.clone())).abort_handle()
+                });
+                // Whoever has made room gives the file back before the next one is accepted.
+                yield_now().await;
+            }
+            Some(Err(error)) if error.kind() == io::ErrorKind::ConnectionAborted => {}
+            // The process or the system has too many open files, or too little memory for one more.
+            Some(Err(_)) => {
+                guests.send_one_away();
+                sleep(ACCEPT_PAUSE).await;
             }
         }
     }
-
-    fn show(&mut self, layers: Layers) {
-        self.shots += 1;
-        let attributes = exr::read_attributes(&self.path).unwrap_or_default();
-        let text = |name: &str| attributes.iter().find(|(found, _)| found == name).map(|(_, value)| value.clone());
-        let samples = text("spp").and_then(|spp| spp.parse().ok()).unwrap_or(0);
-        let seconds = text("seconds").and_then(|seconds| seconds.parse().ok()).unwrap_or(0.0);
-        let shot = Shot::new(self.shots, samples, seconds, Content::Read(layers));
-        self.server.board.change(|pinned| {
-            let state = &mut pinned.state;
-            (state.phase, state.shot) = (Phase::File, self.shots);
-            (state.samples, state.seconds, state.fraction) = (samples, seconds, 1.0);
-            state.scene = self.path.display().to_string();
-            state.device = text("device").unwrap_or_default();
-            state.sampler = text("sampler").unwrap_or_default();
-            state.no_guide =
-                Some("A file has no guide. Watch the render with --view to see what the guide learns.".into());
-            pinned.shot = Some(Arc::new(shot));
-        });
+    drop(listener);
+    guests.send_strangers_away();
+    let last = Instant::now() + FAREWELL;
+    while guests.holders() > 0 && Instant::now() < last {
+        sleep(FAREWELL_INTERVAL).await;
     }
 }
 
-/// Layers of a picture that lodestar has written, or the color of another one.
-fn read(path: &Path) -> Result<Layers> {
-    exr::read_layers(path).map(|(layers, _)| layers).or_else(|_| {
-        let image = exr::read_rgb(path)?;
-        let (width, height) = (image.width, image.height);
-        let channel = |c: usize| Samples::Floats(image.pixels.iter().map(|pixel| pixel[c]).collect());
-        let channels = ["R", "G", "B"].into_iter().enumerate().map(|(c, name)| (name.to_owned(), channel(c)));
-        Ok(Layers { width, height, offset: [0, 0], full_size: [width, height], channels: channels.collect() })
-    })
-}
-
-fn changed(path: &Path) -> Option<SystemTime> {
-    std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok()
+/// Answers the requests of one connection. At the end, the answer under way is the last one.
+async fn attend(stream: TcpStream, visit: Visit, desk: Arc<Desk>, mut end: watch::Receiver<bool>) {
+    // Events are small, and shall not wait for more.
+    let _ = stream.set_nodelay(true);
+    let visit = Arc::new(visit);
+    let service = service_fn(|request: Request<Incoming>| {
+        let (desk, visit) = (Arc::clone(&desk), Arc::clone(&visit));
+        async move { Ok::<_, Infallible>(desk.answer(request, &visit).await) }
+    });
+    let mut builder = http1::Builder::new();
+    builder.timer(TokioTimer::new()).header_read_timeout(REQUEST_TIME).max_headers(HEADERS).max_buf_size(HEADER_BYTES);
+    let mut connection = pin!(builder.serve_connection(TokioIo::new(Patient::new(stream, PATIENCE)), service));
+    let mut is_over = pin!(end.wait_for(|ended| *ended));
+    let mut is_ending = false;
+    let served = poll_fn(|context| {
+        if !is_ending && is_over.as_mut().poll(context).is_ready() {
+            is_ending = true;
+            connection.as_mut().graceful_shutdown();
+        }
+        connection.as_mut().poll(context)
+    });
+    // Whoever sends no HTTP, leaves or takes too long is no error of ours.
+    let _ = served.await;
 }
 
 #[cfg(test)]
 mod tests {
     use std::io::{Read, Write};
     use std::net::TcpStream;
+    use std::time::Duration;
 
     use super::*;
+    use crate::image::layers::{Layers, Samples};
+    use crate::view::board::Phase;
+    use crate::view::shot::{Content, Shot};
 
-    /// A write to a page that takes no data fails after the limit, because a connection has the limit of its listener.
-    #[test]
-    fn connections_inherit_the_limit_of_time() {
-        let (listener, address) = listen("127.0.0.1:0").unwrap();
-        let _page = TcpStream::connect(address).unwrap();
-        let (connection, _) = listener.accept().unwrap();
-        assert_eq!(connection.write_timeout().unwrap(), Some(PATIENCE));
+    /// Server of a new board, with its address and its token.
+    fn server() -> (Arc<Board>, Server, String, String) {
+        let board = Arc::new(Board::default());
+        let server = Server::start("127.0.0.1:0", Arc::clone(&board)).unwrap();
+        let url = server.url();
+        let (host, token) = url.trim_start_matches("http://").split_once("/#").unwrap();
+        (board, server, host.to_owned(), token.to_owned())
+    }
+
+    /// Connection that has sent a request with the token.
+    fn ask(host: &str, token: &str, request: &str) -> TcpStream {
+        let mut page = TcpStream::connect(host).unwrap();
+        page.set_read_timeout(Some(Duration::from_secs(30))).unwrap();
+        write!(page, "{request} HTTP/1.1\r\nHost: {host}\r\nX-Lodestar-Token: {token}\r\n\r\n").unwrap();
+        page
+    }
+
+    /// Bytes of an answer until it contains a word.
+    fn read_until(page: &mut TcpStream, word: &str) -> String {
+        let mut text = String::new();
+        while !text.contains(word) {
+            let mut bytes = [0; 4096];
+            let count = page.read(&mut bytes).unwrap();
+            assert!(count > 0, "the connection has ended: {text}");
+            text += &String::from_utf8_lossy(&bytes[..count]);
+        }
+        text
     }
 
     /// A page has the last state before the server ends, also where the state changes at the last moment.
     #[test]
     fn the_last_state_reaches_pages() {
         for _ in 0..5 {
-            let board = Arc::new(Board::default());
-            let server = Server::start("127.0.0.1:0", Arc::clone(&board)).unwrap();
-            let url = server.url();
-            let host = url.trim_start_matches("http://").split('/').next().unwrap();
-            let mut page = TcpStream::connect(host).unwrap();
-            write!(page, "GET /events HTTP/1.1\r\nHost: {host}\r\n\r\n").unwrap();
-            let mut text = String::new();
-            while !text.contains("data: ") {
-                let mut bytes = [0; 4096];
-                let count = page.read(&mut bytes).unwrap();
-                text += std::str::from_utf8(&bytes[..count]).unwrap();
-            }
+            let (board, server, host, token) = server();
+            let mut page = ask(&host, &token, "GET /events");
+            let text = read_until(&mut page, "data: ");
             assert!(!text.contains("\"ended\""), "{text}");
 
             board.change(|pinned| pinned.state.phase = Phase::Ended);
@@ -225,6 +227,37 @@ mod tests {
             let _ = page.read_to_string(&mut rest);
             assert!(rest.contains("\"ended\""), "{rest}");
         }
+    }
+
+    /// A page that takes no data delays the end by the farewell only.
+    #[test]
+    fn the_end_waits_for_nobody_longer_than_the_farewell() {
+        let (board, server, host, token) = server();
+        let hung = ask(&host, &token, "GET /events");
+        board.change(|pinned| pinned.state.message = "long ".repeat(4 << 20));
+        thread::sleep(Duration::from_millis(500));
+        let begin = std::time::Instant::now();
+        drop(server);
+        let waited = begin.elapsed();
+        assert!(waited > FAREWELL / 2, "the page was hung: {waited:?}");
+        assert!(waited < FAREWELL + Duration::from_secs(2), "{waited:?}");
+        drop(hung);
+    }
+
+    /// A panic while an answer is made ends that answer only.
+    #[test]
+    fn a_panic_ends_one_answer() {
+        let (board, _server, host, token) = server();
+        let channel = |name: &str, pixels| (name.to_owned(), Samples::Floats(vec![0.0; pixels]));
+        let channels = vec![channel("R", 4), channel("G", 1), channel("B", 4)];
+        let layers = Layers { width: 2, height: 2, offset: [0, 0], full_size: [2, 2], channels };
+        board.change(|pinned| pinned.shot = Some(Arc::new(Shot::new(1, 1, 1.0, Content::Read(layers)))));
+        for _ in 0..4 {
+            read_until(&mut ask(&host, &token, "GET /layer?name=radiance"), "500 Internal Server Error");
+        }
+        read_until(&mut ask(&host, &token, "POST /stop"), "204 No Content");
+        assert!(board.is_stopped());
+        assert_eq!(board.answering.load(std::sync::atomic::Ordering::Relaxed), 0);
     }
 
     #[test]

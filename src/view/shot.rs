@@ -3,13 +3,13 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use crate::denoise::Denoiser;
 use crate::film::Picture;
 use crate::image::layers::Layers;
+use crate::view::denoiser::LazyDenoiser;
 use crate::view::planes::{self, Plane};
 
 /// Name of the layer that a denoiser makes.
-const DENOISED: &str = "denoised";
+pub(super) const DENOISED: &str = "denoised";
 
 /// A picture at one moment.
 pub(super) struct Shot {
@@ -21,7 +21,7 @@ pub(super) struct Shot {
     pub seconds: f64,
     pub content: Content,
     noise: OnceLock<Option<f64>>,
-    denoiser: Option<Arc<Denoiser>>,
+    denoiser: Option<Arc<LazyDenoiser>>,
     /// The denoised radiance. It is made when it is asked for first.
     denoised: OnceLock<Option<Plane>>,
 }
@@ -41,7 +41,7 @@ impl Shot {
     }
 
     /// Lets the page ask for a layer `denoised` of a rendered picture.
-    pub fn with_denoiser(self, denoiser: Option<Arc<Denoiser>>) -> Self {
+    pub fn with_denoiser(self, denoiser: Option<Arc<LazyDenoiser>>) -> Self {
         Self { denoiser, ..self }
     }
 
@@ -71,15 +71,14 @@ impl Shot {
     /// Names of the layers that the page offers: those of the shot, and the one that the denoiser makes.
     pub fn offered_layers(&self) -> Vec<String> {
         let mut names = self.layers();
-        names.extend(self.denoiser.as_ref().map(|_| DENOISED.to_owned()));
+        names.extend(self.denoiser.iter().filter(|denoiser| denoiser.may_exist()).map(|_| DENOISED.to_owned()));
         names
     }
 
     /// The layer `name`. The layer `denoised` is made when it is asked for first, which takes a moment.
     pub fn plane(&self, name: &str) -> Option<Plane> {
         if let (Content::Rendered(picture), Some(denoiser), DENOISED) = (&self.content, &self.denoiser, name) {
-            let denoise = || Some(Plane::of_color(&denoiser.denoise_picture(picture).ok()?.pixels));
-            return self.denoised.get_or_init(denoise).clone();
+            return self.denoised.get_or_init(|| denoiser.denoise(picture)).clone();
         }
         let [width, height] = self.size();
         self.part(name, 0..width as usize * height as usize)

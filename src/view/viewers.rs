@@ -7,14 +7,16 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::Result;
-use crate::denoise::{DenoiseOptions, Denoiser};
+use crate::denoise::DenoiseOptions;
 use crate::film::Picture;
 use crate::session::statistics::StepStatistics;
 use crate::session::{Ending, Event, Progress, Session, Watch};
 use crate::settings::{Settings, options};
 use crate::view::board::{Board, CurvePoint, Phase, Pinned, State};
+use crate::view::denoiser::LazyDenoiser;
 use crate::view::display::Display;
 use crate::view::guide::{GuideCells, GuideCopy, MOST_BYTES};
+use crate::view::names::{file_name, scene_name, without_folders};
 use crate::view::server::Server;
 use crate::view::shot::{Content, Shot};
 
@@ -34,7 +36,7 @@ pub struct ViewOptions {
     pub page: Option<String>,
     /// Address of a display server that speaks tev's protocol.
     pub display_server: Option<String>,
-    /// The denoiser of the page's layer `denoised`. Where there is none, the page has no such layer.
+    /// The denoiser of the page's layer `denoised`. It is loaded when a page asks for that layer first.
     pub denoiser: DenoiseOptions,
 }
 
@@ -43,7 +45,7 @@ pub struct Viewers {
     page: Option<(Arc<Board>, Server)>,
     display: Option<Display>,
     copies: Mutex<Copies>,
-    denoiser: Option<Arc<Denoiser>>,
+    denoiser: Option<Arc<LazyDenoiser>>,
 }
 
 /// Copies so far.
@@ -68,7 +70,7 @@ impl Viewers {
             page: options.page.as_ref().map(serve).transpose()?,
             display: options.display_server.as_deref().map(Display::start).transpose()?,
             copies: Mutex::new(Copies { next: Instant::now(), shots: 0, guides: 0 }),
-            denoiser: options.page.as_ref().and_then(|_| Denoiser::open(&options.denoiser).ok().map(Arc::new)),
+            denoiser: options.page.as_ref().map(|_| Arc::new(LazyDenoiser::new(options.denoiser.clone()))),
         })
     }
 
@@ -87,7 +89,7 @@ impl Viewers {
         let Some((board, _)) = &self.page else { return };
         match event {
             Event::Preparing(preparation) => board.change(|pinned| {
-                pinned.state.message = format!("{preparation}");
+                pinned.state.message = without_folders(&preparation.to_string());
             }),
             Event::Begun(beginning) => board.change(|pinned| {
                 let state = &mut pinned.state;
@@ -95,17 +97,17 @@ impl Viewers {
                     state.phase = Phase::Rendering;
                 }
                 state.message.clear();
-                state.scene = beginning.scene.display().to_string();
+                state.scene = scene_name(beginning.scene);
                 state.device = beginning.device.to_owned();
                 state.sampler = sampler_word(beginning.settings);
                 state.samples_lights = beginning.settings.nee;
-                state.files = beginning.files.iter().map(|file| file.display().to_string()).collect();
+                state.files = beginning.files.iter().map(|file| file_name(file)).collect();
                 (state.wanted_samples, state.wanted_seconds) = (beginning.length.spp, beginning.length.seconds);
             }),
             Event::Written(path) => board.change(|pinned| {
-                pinned.state.message = format!("Written: {}", path.display());
+                pinned.state.message = format!("Written: {}", file_name(path));
             }),
-            Event::Warning(message) => board.change(|pinned| message.clone_into(&mut pinned.state.message)),
+            Event::Warning(message) => board.change(|pinned| pinned.state.message = without_folders(message)),
             Event::Ended(ending, progress) => board.change(|pinned| end(pinned, ending, progress)),
             _ => {}
         }
@@ -119,6 +121,7 @@ impl Viewers {
         }
         loop {
             self.hand_over(session);
+            self.warn(watch.events);
             let Some((board, _)) = &self.page else { return ControlFlow::Continue(()) };
             if board.wants_file.swap(false, Ordering::Relaxed)
                 && let Err(error) = session.write_now(watch)
@@ -139,6 +142,13 @@ impl Viewers {
                 return ControlFlow::Continue(());
             }
             thread::sleep(PAUSED_INTERVAL);
+        }
+    }
+
+    /// Tells what viewers cannot do, once.
+    fn warn(&self, events: &dyn Fn(Event<'_>)) {
+        if let Some(warning) = self.display.as_ref().and_then(Display::warning) {
+            events(Event::Warning(&warning));
         }
     }
 
@@ -194,7 +204,7 @@ impl Viewers {
     }
 
     /// Shows the last picture and says goodbye. Pages that are open have 2 seconds to fetch it.
-    pub fn finish(self, session: &Session) {
+    pub fn finish(&self, session: &Session, watch: &Watch<'_>) {
         let number = self.copies.lock().map_or(0, |copies| copies.shots) + 1;
         let was_watched = number > 1 || self.page.as_ref().is_some_and(|(b, _)| b.wants_shot.load(Ordering::Relaxed));
         if (was_watched || self.display.is_some())
@@ -211,9 +221,10 @@ impl Viewers {
             // A page asks for the pixel and the cells right after the picture.
             thread::sleep(PAUSED_INTERVAL);
         }
-        if let Some(display) = self.display {
+        if let Some(display) = &self.display {
             display.finish();
         }
+        self.warn(watch.events);
     }
 }
 

@@ -67,6 +67,11 @@ impl Browser {
 
     /// Sends a command and returns its result.
     fn send(&mut self, tab: Option<&Tab>, method: &str, parameters: Value) -> Value {
+        self.try_to_send(tab, method, parameters).unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    /// Sends a command and returns its result, or the error of the browser.
+    fn try_to_send(&mut self, tab: Option<&Tab>, method: &str, parameters: Value) -> Result<Value, Value> {
         self.next += 1;
         let mut message = json!({ "id": self.next, "method": method, "params": parameters });
         if let Some(Tab(session)) = tab {
@@ -78,8 +83,8 @@ impl Browser {
         loop {
             let answer = self.messages.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("no answer to {method}"));
             if answer["id"] == self.next {
-                assert!(answer["error"].is_null(), "{method}: {answer}");
-                return answer["result"].clone();
+                let failed = !answer["error"].is_null();
+                return if failed { Err(answer) } else { Ok(answer["result"].clone()) };
             }
         }
     }
@@ -111,18 +116,19 @@ impl Browser {
 
     /// Value of a JavaScript expression, or of the promise that it is.
     pub fn value(&mut self, tab: &Tab, expression: &str) -> Value {
-        let parameters = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
-        let answer = self.send(Some(tab), "Runtime.evaluate", parameters);
+        let answer = self.send(Some(tab), "Runtime.evaluate", evaluation(expression));
         assert!(answer["exceptionDetails"].is_null(), "{expression}: {answer}");
         answer["result"]["value"].clone()
     }
 
-    /// Waits until an expression is true. An expression that fails counts as false.
+    /// Waits until an expression is true. An expression that fails counts as false, and so does a page that is being loaded.
     #[track_caller]
     pub fn wait(&mut self, tab: &Tab, expression: &str) {
         let begin = Instant::now();
         let tried = format!("(() => {{ try {{ return Boolean({expression}) }} catch {{ return false }} }})()");
-        while self.value(tab, &tried) != json!(true) {
+        let is_true =
+            |answer: Result<Value, Value>| answer.is_ok_and(|answer| answer["result"]["value"] == json!(true));
+        while !is_true(self.try_to_send(Some(tab), "Runtime.evaluate", evaluation(&tried))) {
             if begin.elapsed() > PATIENCE {
                 let text = self.value(tab, "document.body?.innerText");
                 panic!("not true within {PATIENCE:?}: {expression}; the page says {text}");
@@ -157,6 +163,11 @@ impl Browser {
         let path = PathBuf::from(folder).join(format!("{name}.png"));
         fs::write(path, base64(shot["data"].as_str().unwrap())).unwrap();
     }
+}
+
+/// Parameters of an evaluation.
+fn evaluation(expression: &str) -> Value {
+    json!({ "expression": expression, "awaitPromise": true, "returnByValue": true })
 }
 
 impl Drop for Browser {

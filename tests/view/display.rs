@@ -1,11 +1,11 @@
 //! tev's protocol: a server of ours reads the packets byte by byte, as tev's `IpcPacket` does.
 
 use std::collections::BTreeMap;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::net::TcpStream;
 
 use crate::browser::PATIENCE;
-use crate::program::{Program, layers, listener, render};
+use crate::program::{Program, SCENE, layers, listener, render};
 
 /// Packet that is being read.
 struct Packet(Vec<u8>, usize);
@@ -122,17 +122,44 @@ fn a_display_server_has_all_layers_at_the_end() {
     }
 }
 
-/// A server that is missing, hangs or closes the connection costs neither the render nor its picture.
+/// A server that is missing or closes the connection costs neither the render nor its picture. It is told once.
 #[test]
 fn a_dead_display_server_stops_no_render() {
     let (gone, missing) = listener();
     drop(gone);
     let (closing, closing_address) = listener();
     let close = std::thread::spawn(move || drop(closing.accept()));
-    for address in [&missing, &closing_address] {
+    for (address, sentence) in [(&missing, "cannot be reached"), (&closing_address, "takes no pictures")] {
         let mut program = Program::start_silent(&render(&["--spp", "8", "--display-server", address]));
         assert_eq!(program.wait(), Some(0));
         assert_eq!(layers(&program.path("a.exr")).words("samples.N").unwrap()[0], 8);
+        let messages = program.messages();
+        let warnings: Vec<_> = messages.lines().filter(|line| line.contains("display server")).collect();
+        // The system takes the bytes of a small picture also where the other side has closed the connection meanwhile.
+        let is_told = warnings.len() == 1 && warnings[0].contains(address) && warnings[0].contains(sentence);
+        assert!(is_told || (sentence == "takes no pictures" && warnings.is_empty()), "{messages}");
     }
     close.join().unwrap();
+}
+
+/// A server that takes no data, or sends noise for ever, delays the end for a few seconds and takes no memory.
+#[test]
+fn a_display_server_that_hangs_or_floods_stops_no_render() {
+    let (hung, hung_address) = listener();
+    let (noisy, noisy_address) = listener();
+    std::thread::spawn(move || {
+        let (mut stream, _) = noisy.accept().unwrap();
+        while stream.write_all(&[0x55; 4096]).is_ok() {}
+    });
+    for address in [&hung_address, &noisy_address] {
+        let begin = std::time::Instant::now();
+        // All layers together are larger than the buffers of the system.
+        let size = ["--width", "512", "--height", "512", "--spp", "4"];
+        let arguments = [&["render", SCENE, "--quiet", "-o", "a.exr", "--display-server", address][..], &size].concat();
+        let mut program = Program::start_silent(&arguments);
+        assert_eq!(program.wait(), Some(0));
+        assert_eq!(layers(&program.path("a.exr")).words("samples.N").unwrap()[0], 4);
+        println!("{address}: {:?}", begin.elapsed());
+    }
+    drop(hung);
 }

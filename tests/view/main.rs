@@ -1,7 +1,8 @@
-//! Views of a render: the page in a real browser, its server as other programs see it, and tev's protocol.
+//! Views of a render: the page in a real browser, its server as other programs and strangers see it, and tev's protocol.
 
 mod browser;
 mod display;
+mod hostile;
 mod page;
 mod program;
 mod server;

@@ -52,7 +52,7 @@ fn click(browser: &mut Browser, tab: &Tab, [x, y]: [u32; 2]) -> ([f64; 3], [f64;
         &format!(
             "(async () => {{
                 const {{ diskDirection, diskPoint }} = await import('/guide.js');
-                const {{ surface }} = await (await fetch('/pixel?x={x}&y={y}')).json();
+                const {{ surface }} = await (await lodestar.ask('/pixel?x={x}&y={y}')).json();
                 const canvas = document.getElementById('hemisphere'), {{ width }} = canvas;
                 const data = canvas.getContext('2d').getImageData(0, 0, width, width).data;
                 const named = document.getElementById('guide').dataset.brightest.split(',').map(Number);
@@ -164,7 +164,9 @@ fn the_page_shows_steers_and_ends_a_render() {
         format!("fetch('http://{address}{path}', {options}).then((a) => a.type, () => 'refused')")
     };
     let headers = json!({ "method": "POST", "headers": { "X-Lodestar-Token": token } });
-    assert_eq!(browser.value(&foreign, &reach("/pixel?x=1&y=1", json!({}))), "refused");
+    let own = json!({ "headers": { "X-Lodestar-Token": token } });
+    assert_eq!(browser.value(&foreign, &reach("/pixel?x=1&y=1", own)), "refused");
+    assert_eq!(browser.value(&foreign, &reach("/page.js", json!({}))), "refused");
     assert_eq!(browser.value(&foreign, &reach("/stop", headers)), "refused");
     browser.value(&foreign, &reach("/stop", json!({ "method": "POST", "mode": "no-cors" })));
     assert!(program.is_running() && program.state()["phase"] == "rendering");
@@ -189,4 +191,41 @@ fn the_page_shows_steers_and_ends_a_render() {
         assert!(names.as_str().unwrap().split(',').any(|found| found == name), "{names} lacks {name}");
     }
     assert_eq!(browser.value(&tab, "document.getElementById('orders').hidden"), json!(true));
+}
+
+/// The token stays in the address when the page is loaded again or its links are used. Without it, the page says what is missing.
+#[test]
+fn the_page_says_where_its_token_is() {
+    let Some(mut browser) = browser() else { return };
+    let program = Program::start_view();
+    let shown = "document.getElementById('picture').dataset.shot > 0";
+    let tab = browser.open(&program.url, [1280, 800]);
+    browser.wait(&tab, shown);
+    browser.value(&tab, "document.querySelector('.skip').click()");
+    assert_eq!(browser.value(&tab, "document.activeElement.id"), json!("picture"));
+    assert_eq!(browser.value(&tab, "location.hash.slice(1)"), json!(program.address().1));
+    browser.value(&tab, "window.isOld = true; location.reload()");
+    browser.wait(&tab, &format!("!window.isOld && {shown}"));
+    assert_eq!(browser.value(&tab, "document.cookie + localStorage.length + sessionStorage.length"), json!("00"));
+
+    let bare = format!("http://{}/", program.address().0);
+    let message = "document.getElementById('message').textContent";
+    let printed = "printed on its terminal";
+    for (hash, sentences) in [
+        ("", ["This address lacks", printed]),
+        ("#0123", ["token of another render", printed]),
+        ("#LODESTAR_VIEW_TOKEN", ["Write the value of LODESTAR_VIEW_TOKEN", "in this address"]),
+    ] {
+        let url = format!("{bare}{hash}");
+        let tab = browser.open(&url, [1280, 800]);
+        browser.wait(&tab, &phase("locked"));
+        let said = browser.value(&tab, message).to_string();
+        assert!(sentences.iter().all(|sentence| said.contains(sentence)), "{said}");
+        let enabled = "['pause', 'write', 'stop'].some((id) => !document.getElementById(id).disabled)";
+        assert_eq!(browser.value(&tab, enabled), json!(false));
+        browser.photograph(&tab, &format!("view-locked-{}", hash.len()));
+        // The right address in the same tab opens the page.
+        browser.value(&tab, &format!("location.hash = '{}'", program.address().1));
+        browser.wait(&tab, shown);
+    }
 }

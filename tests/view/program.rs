@@ -7,16 +7,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use lodestar::image::exr;
 use lodestar::image::layers::Layers;
+use lodestar::image::{Image, exr};
 use serde_json::Value;
 
 use crate::browser::PATIENCE;
 
 /// Folder of caches that all tests of the program share.
 const CACHE: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/cache");
+/// Name of the picture of [`Program::start_view`].
+pub const PICTURE: &str = "shown.exr";
 /// Scene whose light is known.
-const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box/scene.xml");
+pub const SCENE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box/scene.xml");
 
 /// A running program. It is killed when this is dropped.
 pub struct Program {
@@ -69,13 +71,72 @@ impl Program {
         let folder = tempfile::tempdir().unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
         command.args(arguments).current_dir(folder.path());
-        command.env("XDG_CACHE_HOME", CACHE).env_remove("LODESTAR_DEVICE");
+        command.env("XDG_CACHE_HOME", CACHE).env_remove("LODESTAR_DEVICE").env_remove("LODESTAR_VIEW_TOKEN");
         if let Some(folder) = denoiser {
             command.env("LODESTAR_OIDN", folder);
         }
+        Self::start_command(command, folder)
+    }
+
+    /// Starts the page of a small picture. Its process does nothing else.
+    pub fn start_view() -> Self {
+        Self::start_view_in("unlimited", None)
+    }
+
+    /// Starts the page of a small picture in a process that may open so many files.
+    pub fn start_view_with_files(most: u32) -> Self {
+        Self::start_view_in(&most.to_string(), None)
+    }
+
+    /// Starts the page of a small picture with a token of the user.
+    pub fn start_view_with_token(token: &str) -> Self {
+        Self::start_view_in("unlimited", Some(token))
+    }
+
+    fn start_view_in(files: &str, token: Option<&str>) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(PICTURE);
+        let image = Image { width: 64, height: 64, pixels: vec![[0.25, 0.5, 1.0]; 64 * 64] };
+        fs::write(&path, exr::encode_rgb(&path, &image).unwrap()).unwrap();
+        let mut command = Command::new("sh");
+        command.args(["-c", "[ \"$1\" = unlimited ] || ulimit -n \"$1\"; exec \"$0\" view \"$2\""]);
+        command.arg(env!("CARGO_BIN_EXE_lodestar")).args([files, PICTURE]).current_dir(folder.path());
+        command.env("LODESTAR_VIEW_TOKEN", token.unwrap_or_default());
+        Self::start_command(command, folder).with_address()
+    }
+
+    fn start_command(mut command: Command, folder: tempfile::TempDir) -> Self {
         let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
         let stderr = BufReader::new(child.stderr.take().unwrap());
         Self { child, url: String::new(), stderr, folder }
+    }
+
+    /// Sends a signal by its name.
+    pub fn signal(&self, name: &str) {
+        let status = Command::new("kill").args([&format!("-{name}"), &self.child.id().to_string()]).status();
+        assert!(status.unwrap().success());
+    }
+
+    /// Memory of the process in MiB: `VmHWM`, the most so far, or `VmRSS`, that of now.
+    pub fn memory(&self, kind: &str) -> f64 {
+        let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix(kind)?.strip_prefix(':')).unwrap();
+        line.split_whitespace().next().unwrap().parse::<f64>().unwrap() / 1024.0
+    }
+
+    /// Lets the process open so many files more than it has open.
+    pub fn limit_files_to_those_open_and(&self, more: usize) {
+        let id = self.child.id();
+        let most = fs::read_dir(format!("/proc/{id}/fd")).unwrap().count() + more;
+        let status = Command::new("prlimit").args(["--pid", &id.to_string(), &format!("--nofile={most}:")]).status();
+        assert!(status.unwrap().success());
+    }
+
+    /// Rest of the messages of a program that has ended.
+    pub fn messages(&mut self) -> String {
+        let mut text = String::new();
+        self.stderr.read_to_string(&mut text).unwrap();
+        text
     }
 
     /// Address and token.
@@ -122,10 +183,10 @@ impl Program {
 
     /// Connection that receives events.
     pub fn listen(&self) -> TcpStream {
-        let address = self.address().0;
+        let (address, token) = self.address();
         let mut stream = TcpStream::connect(address).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        write!(stream, "GET /events HTTP/1.1\r\nHost: {address}\r\n\r\n").unwrap();
+        write!(stream, "GET /events HTTP/1.1\r\nHost: {address}\r\nX-Lodestar-Token: {token}\r\n\r\n").unwrap();
         stream
     }
 

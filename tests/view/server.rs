@@ -5,7 +5,9 @@ use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use crate::program::{Program, endless, layers, render, size};
+use serde_json::json;
+
+use crate::program::{PICTURE, Program, endless, layers, render, size};
 
 #[test]
 fn foreign_requests_are_refused() {
@@ -16,19 +18,90 @@ fn foreign_requests_are_refused() {
     let status = |request: &str, headers: &[&str]| program.ask(request, headers).0;
     assert_eq!(status("GET /", &[&host]), 200);
     assert_eq!(status("GET /", &["Host: evil.example"]), 403);
-    assert_eq!(status("GET /events", &[&host, "Origin: http://evil.example"]), 403);
-    assert_eq!(status("GET /layer?name=radiance", &[&host, "Sec-Fetch-Site: cross-site"]), 403);
-    assert_eq!(status("POST /stop", &[&host]), 403);
-    assert_eq!(status("POST /stop", &[&host, "X-Lodestar-Token: 0123456789abcdef0123456789abcdef"]), 403);
+    assert_eq!(status("GET /", &[]), 403);
+    assert_eq!(status("GET /events", &[&host, &token, "Origin: http://evil.example"]), 403);
+    assert_eq!(status("GET /events", &[&host, &token, "Origin: \u{ff}"]), 403, "an origin that is no text");
+    assert_eq!(status("GET /pixel?x=1&y=1", &[&host, &host, &token]), 403, "two hosts");
+    assert_eq!(status("GET /layer?name=radiance", &[&host, &token, "Sec-Fetch-Site: cross-site"]), 403);
     assert_eq!(status("POST /stop", &[&host, &token, "Origin: http://evil.example"]), 403);
     assert_eq!(status("GET /stop", &[&host, &token]), 404);
-    assert_eq!(status("GET /../Cargo.toml", &[&host]), 404);
-    assert_eq!(status("DELETE /", &[&host]), 405);
-    assert_eq!(status("GET /pixel?x=96&y=0", &[&host]), if program.state()["shot"] == 0 { 204 } else { 404 });
+    assert_eq!(status("GET /../Cargo.toml", &[&host, &token]), 404);
+    assert_eq!(status("DELETE /", &[&host, &token]), 405);
+    assert_eq!(status("GET /pixel?x=96&y=0", &[&host, &token]), if program.state()["shot"] == 0 { 204 } else { 404 });
     assert_eq!(program.state()["phase"], "rendering");
     assert_eq!(status("POST /stop", &[&host, &token]), 204, "the token of the printed address");
     assert_eq!(program.wait(), Some(0));
     assert!(size(&program.path("a.exr")) > 1000);
+}
+
+/// Whoever lacks the token learns nothing about the render.
+#[test]
+fn reading_needs_the_token() {
+    let mut program = Program::start(&endless());
+    program.wait_for(|state| state["shot"].as_u64() > Some(0));
+    let (address, token) = program.address();
+    let host = format!("Host: {address}");
+    let wrong = [String::new(), "0123456789abcdef0123456789abcdef".to_owned(), token[1..].to_owned()];
+    for request in
+        ["GET /events", "GET /layer?name=radiance", "GET /cells", "GET /pixel?x=1&y=1", "POST /stop", "GET /a"]
+    {
+        let (status, told) = program.ask(request, &[&host]);
+        let told = String::from_utf8_lossy(&told);
+        assert!(
+            status == 403 && told.contains("the address that the render has printed"),
+            "{request}: {status} {told}"
+        );
+        for wrong in &wrong {
+            let token = format!("X-Lodestar-Token: {wrong}");
+            let (status, told) = program.ask(request, &[&host, &token]);
+            assert!(status == 403 && told.starts_with(b"The address has the token of another render"), "{request}");
+            assert_eq!(program.ask(request, &[&host, &token, &token]).0, 403, "{request}");
+        }
+    }
+    // No secret is in the page's files.
+    for file in ["/", "/page.js", "/picture.js", "/guide.js", "/curve.js", "/style.css", "/icon.svg"] {
+        let (status, content) = program.ask(&format!("GET {file}"), &[&host]);
+        assert!(status == 200 && !String::from_utf8_lossy(&content).contains(token), "{file}");
+    }
+    assert!(program.is_running() && program.state()["phase"] == "rendering");
+}
+
+/// Holders of the token see names of files, but no folders of the machine.
+#[test]
+fn no_folders_are_told() {
+    let program = Program::start(&endless());
+    program.wait_for(|state| state["samples"].as_u64() > Some(0));
+    assert_eq!(program.ask_as_page("POST /write").0, 204);
+    let state = program.wait_for(|state| state["message"].as_str().is_some_and(|text| text.starts_with("Written")));
+    assert_eq!((&state["scene"], &state["files"][0]), (&json!("cornell-box/scene.xml"), &json!("a.exr")));
+    assert_eq!(state["message"], "Written: a.exr");
+    let folder = env!("CARGO_MANIFEST_DIR");
+    assert!(!state.to_string().contains(folder), "{state}");
+
+    let program = Program::start_view();
+    let state = program.state().to_string();
+    assert!(state.contains(PICTURE) && !state.contains(&program.path("").display().to_string()), "{state}");
+}
+
+/// The user's own token opens the page of a wall display. It is not printed.
+#[test]
+fn the_users_token_is_taken() {
+    let token = "wall-display-of-hall-7";
+    let mut program = Program::start_view_with_token(token);
+    let address = program.address().0.to_owned();
+    assert_eq!(program.address().1, "LODESTAR_VIEW_TOKEN");
+    let host = format!("Host: {address}");
+    let status =
+        |token: &str| program.ask("GET /layer?name=radiance", &[&host, &format!("X-Lodestar-Token: {token}")]).0;
+    assert_eq!((status(token), status("LODESTAR_VIEW_TOKEN")), (200, 403));
+    program.signal("TERM");
+    assert_eq!(program.wait(), Some(0));
+
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_lodestar"));
+    let output = command.args(render(&["--view"])).env("LODESTAR_VIEW_TOKEN", "too-short").output().unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    let is_one_sentence = error.lines().count() == 1 && error.contains("LODESTAR_VIEW_TOKEN is no token: it needs 16");
+    assert!(!output.status.success() && is_one_sentence && !error.contains("too-short"), "{error}");
 }
 
 /// A render has the same bits without viewers, and with viewers that ask for everything all the time, hang or leave.
@@ -46,7 +119,7 @@ fn bits_do_not_depend_on_viewers() {
             let mut layers = 0;
             while !is_over.load(Ordering::Relaxed) {
                 for path in ["/layer?name=radiance", "/layer?name=normal", "/cells", "/pixel?x=40&y=80"] {
-                    layers += u32::from(try_to_ask(watched_by_page.address().0, path).unwrap_or(0) == 200);
+                    layers += u32::from(try_to_ask(watched_by_page.address(), path).unwrap_or(0) == 200);
                 }
             }
             layers
@@ -65,10 +138,10 @@ fn bits_do_not_depend_on_viewers() {
 }
 
 /// Status of the answer to a request. The program may have ended.
-fn try_to_ask(address: &str, path: &str) -> std::io::Result<u16> {
+fn try_to_ask((address, token): (&str, &str), path: &str) -> std::io::Result<u16> {
     let mut stream = TcpStream::connect(address)?;
     stream.set_read_timeout(Some(crate::browser::PATIENCE))?;
-    write!(stream, "GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n")?;
+    write!(stream, "GET {path} HTTP/1.1\r\nHost: {address}\r\nX-Lodestar-Token: {token}\r\nConnection: close\r\n\r\n")?;
     let mut answer = Vec::new();
     stream.read_to_end(&mut answer)?;
     Ok(answer.get(9..12).and_then(|digits| std::str::from_utf8(digits).ok()?.parse().ok()).unwrap_or(0))
@@ -93,7 +166,32 @@ fn a_pause_ends_no_render_and_files_are_written_on_the_way() {
     assert!(u64::from(more) > paused["samples"].as_u64().unwrap());
 }
 
-/// The layer `denoised` is offered where there is a denoiser. It has less noise than the radiance, and the file does not contain it.
+/// The library of the denoiser is loaded when a page asks for the layer first. A library that only leaves a mark when it is loaded
+/// stands for Open Image Denoise.
+#[test]
+fn the_denoisers_library_is_loaded_when_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mark, source] = ["loaded", "mark.c"].map(|name| folder.path().join(name));
+    let code = format!(
+        "#include <stdio.h>\n__attribute__((constructor)) static void load(void) {{ fclose(fopen(\"{}\", \"w\")); }}\n",
+        mark.display()
+    );
+    std::fs::write(&source, code).unwrap();
+    let library = folder.path().join("libOpenImageDenoise.so.2");
+    let built = std::process::Command::new("cc").args(["-shared", "-fPIC", "-o"]).arg(&library).arg(&source).status();
+    assert!(built.unwrap().success());
+
+    let program = Program::start_with_denoiser(&endless(), folder.path());
+    let state = program.wait_for(|state| state["shot"].as_u64() > Some(0));
+    assert_eq!(program.ask_as_page("GET /layer?name=radiance").0, 200);
+    assert!(state["shot"].as_u64() > Some(0) && !mark.exists(), "the library is loaded unasked");
+    let (status, told) = program.ask_as_page("GET /layer?name=denoised");
+    assert!(status == 404 && told.starts_with(b"Open Image Denoise cannot be used"), "{status}");
+    assert!(mark.exists(), "the library is not loaded");
+    assert_eq!(program.ask_as_page("GET /layer?name=radiance").0, 200);
+}
+
+/// The layer `denoised` has less noise than the radiance, and the file does not contain it.
 #[test]
 fn the_page_offers_the_denoised_picture() {
     let empty = tempfile::tempdir().unwrap();

@@ -196,7 +196,8 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Watch the render in a browser",
         long: "The address of a page is printed. The page shows the picture, its layers and what the guide learns, and can pause or end \
-               the render. Without ADDRESS:PORT it has a free port that only this machine can reach.",
+               the render. The address ends in a token, without which nobody sees anything; LODESTAR_VIEW_TOKEN sets one. Without \
+               ADDRESS:PORT the page has a free port that only this machine can reach.",
         ..common(Output, "view", "ADDRESS:PORT")
     },
     OptionEntry {

@@ -6,17 +6,24 @@ import { Layer, Stage, short } from "./picture.js";
 
 const find = (id) => document.getElementById(id);
 const token = location.hash.slice(1);
+/** Name that the printed address has in place of a token that the user has chosen. */
+const VARIABLE = "LODESTAR_VIEW_TOKEN";
+const MISSING = "This address lacks the render’s token: open the one that the render has printed on its terminal.";
 const PHASES = {
   preparing: "Preparing", rendering: "Rendering", pausing: "Pausing after this step", paused: "Paused",
-  stopping: "Stopping", ended: "Ended", file: "File", lost: "No connection",
+  stopping: "Stopping", ended: "Ended", file: "File", lost: "No connection", locked: "No token",
 };
 /** Colors with which a layer is shown first. */
 const CURVES = { variance: "false", samples: "false", depth: "false", hits: "false", normal: "signed" };
+/** Time after which a connection that has ended is tried again. */
+const RETRY = 2000;
 /** Time in which the second click on the button that stops must come. */
 const SURE = 4000;
 
 let state = { phase: "preparing", shot: 0, guide: 0 };
 let [layer, pixel, fetching, stopAsked] = [null, null, false, 0];
+/** Sentence about a layer that cannot be shown, until another one is chosen. */
+let failure = "";
 const choices = {};
 const stage = new Stage(find("picture"), pick, hover);
 
@@ -24,6 +31,9 @@ const stage = new Stage(find("picture"), pick, hover);
 function say(text) {
   find("said").textContent = text;
 }
+
+/** Asks the server. Browsers send the part of the address after # to nobody, so the token goes in a header. */
+const ask = (path, options) => fetch(path, { ...options, headers: { "X-Lodestar-Token": token } });
 
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 const plain = (name) => name.split("/").slice(-2).join("/").replace(/\/scene\.xml$/, "").replace(/\.(xml|exr)$/, "");
@@ -38,11 +48,11 @@ const share = (value) => `${short(100 * value)} %`;
 const million = (value) => (value > 0 ? `${short(value / 1e6)} M` : "none yet");
 
 function showState() {
-  const { phase } = state, isOver = ["ended", "file", "lost", "stopping"].includes(phase);
+  const { phase } = state, isOver = ["ended", "file", "lost", "locked", "stopping"].includes(phase);
   const name = find("phase");
   if (name.dataset.phase !== phase) [name.dataset.phase, name.textContent] = [phase, PHASES[phase] ?? phase];
-  const said = state.message ?? "";
-  if (find("message").textContent !== said) find("message").textContent = capital(said);
+  const said = capital(failure || (state.message ?? ""));
+  if (find("message").textContent !== said) find("message").textContent = said;
   if (state.scene) {
     find("scene").textContent = plain(state.scene);
     find("scene").title = state.scene;
@@ -51,8 +61,8 @@ function showState() {
   find("orders").hidden = phase === "file";
   find("progress").value = state.fraction ?? 0;
   find("pause").textContent = phase === "paused" || phase === "pausing" ? "Go on" : "Pause";
-  for (const id of ["pause", "write", "stop"]) find(id).disabled = isOver || !token || (phase === "preparing" && id !== "stop");
-  find("orders").title = token ? "" : "This address lacks its token, so this page can look but not give orders.";
+  for (const id of ["pause", "write", "stop"]) find(id).disabled = isOver || (phase === "preparing" && id !== "stop");
+  if (phase === "locked") find("waiting").textContent = "Nothing is shown without the token.";
   find("cells").disabled = Boolean(state.no_guide);
   find("guide-part").hidden = phase === "file";
   const of = (value, wanted) => (wanted ? `${value} of ${wanted}` : value);
@@ -84,7 +94,7 @@ async function refresh(isForced = false) {
   if (fetching || document.hidden || !state.shot || !(isOld || isForced)) return;
   fetching = true;
   try {
-    const answer = await fetch(`/layer?name=${encodeURIComponent(name)}`);
+    const answer = await ask(`/layer?name=${encodeURIComponent(name)}`);
     if (answer.status === 200) {
       layer = new Layer(JSON.parse(answer.headers.get("X-Frame")), await answer.arrayBuffer());
       showLayers(layer.layers);
@@ -92,6 +102,12 @@ async function refresh(isForced = false) {
       await Promise.all([refreshPixel(), refreshCells()]);
       find("picture").dataset.shot = layer.shot;
       find("picture").dataset.samples = layer.samples;
+    } else if (answer.status === 404) {
+      // The layer cannot be made, and is offered no longer.
+      failure = (await answer.text()).trim();
+      say(failure);
+      find("layer").value = layer && layer.layer !== name ? layer.layer : find("layer").options[0].value;
+      if (layer) layer.shot = 0;
     }
   } catch {
     // The server has left; its events say so, too.
@@ -99,7 +115,7 @@ async function refresh(isForced = false) {
     fetching = false;
   }
   showState();
-  if (layer && (layer.shot < state.shot || find("layer").value !== layer.layer)) refresh();
+  if (layer && !failure && (layer.shot < state.shot || find("layer").value !== layer.layer)) refresh();
 }
 
 function showLayers(names) {
@@ -128,7 +144,7 @@ function showPicture() {
 async function refreshPixel() {
   if (!pixel) return;
   const [x, y] = pixel;
-  const answer = await fetch(`/pixel?x=${x}&y=${y}`);
+  const answer = await ask(`/pixel?x=${x}&y=${y}`);
   if (answer.status !== 200) return;
   const seen = await answer.json();
   if (pixel[0] !== x || pixel[1] !== y) return;
@@ -149,7 +165,7 @@ async function refreshPixel() {
 
 async function refreshCells() {
   if (!find("cells").checked) return stage.showCells(null);
-  const answer = await fetch("/cells");
+  const answer = await ask("/cells");
   if (answer.status !== 200) return;
   const { width, height, count } = JSON.parse(answer.headers.get("X-Frame")), buffer = await answer.arrayBuffer();
   const ofPixels = new Uint32Array(buffer, 0, width * height), means = new Float32Array(buffer, 4 * width * height, count);
@@ -177,33 +193,63 @@ async function pick(at) {
 
 async function order(name) {
   try {
-    const answer = await fetch(`/${name}`, { method: "POST", headers: { "X-Lodestar-Token": token } });
+    const answer = await ask(`/${name}`, { method: "POST" });
     if (!answer.ok) say(await answer.text());
   } catch {
     say("The render cannot be reached.");
   }
 }
 
-function listen() {
-  const events = new EventSource("/events");
-  events.onmessage = async (event) => {
-    const guide = state.guide;
-    state = JSON.parse(event.data);
-    showState();
-    if (state.guide !== guide && !fetching) {
-      refreshPixel().catch(() => {});
-      refreshCells().catch(() => {});
-    }
-    await refresh();
-  };
-  events.onerror = () => {
-    if (state.phase === "ended") return events.close();
-    state = { ...state, phase: "lost", message: "The program has ended or cannot be reached." };
-    showState();
-  };
+/** Shows a state of the render and fetches what is new. */
+async function take(next) {
+  const { guide } = state;
+  state = next;
+  showState();
+  if (state.guide !== guide && !fetching) {
+    refreshPixel().catch(() => {});
+    refreshCells().catch(() => {});
+  }
+  await refresh();
 }
 
-find("layer").addEventListener("change", () => refresh());
+/** Shows that nothing comes from the server. */
+function lose(phase, message) {
+  state = { ...state, phase, message };
+  showState();
+}
+
+/** Reads events until the connection ends. EventSource cannot send the token. */
+async function readEvents(body) {
+  const reader = body.pipeThrough(new TextDecoderStream()).getReader();
+  let text = "";
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) return;
+    const events = (text + value).split("\n\n");
+    text = events.pop();
+    // Only the last state counts.
+    const last = events.at(-1);
+    if (last) take(JSON.parse(last.slice("data: ".length))).catch(() => {});
+  }
+}
+
+async function listen() {
+  if (!token) return lose("locked", MISSING);
+  if (token === VARIABLE) return lose("locked", `Write the value of ${VARIABLE} in place of its name in this address.`);
+  try {
+    const answer = await ask("/events");
+    if (answer.status === 403) return lose("locked", (await answer.text()).trim());
+    if (answer.ok) await readEvents(answer.body);
+    else lose("lost", (await answer.text()).trim());
+  } catch {
+    // The server has left.
+  }
+  if (state.phase === "ended") return;
+  if (state.phase !== "lost") lose("lost", "The program has ended or cannot be reached.");
+  setTimeout(listen, RETRY);
+}
+
+find("layer").addEventListener("change", () => { failure = ""; refresh(); });
 find("curve").addEventListener("change", () => { choice().curve = find("curve").value; showPicture(); });
 find("exposure").addEventListener("input", () => { choice().stops = Number(find("exposure").value); showPicture(); });
 find("cells").addEventListener("change", () => refreshCells().catch(() => {}));
@@ -223,9 +269,12 @@ find("stop").addEventListener("click", () => {
   setTimeout(() => { button.textContent = "Stop and save"; button.classList.remove("asking"); }, SURE);
 });
 document.addEventListener("visibilitychange", () => refresh());
+// The link to the picture must not take the token's place in the address, and a new token begins the page anew.
+document.querySelector(".skip").addEventListener("click", (event) => { event.preventDefault(); find("picture").focus(); });
+window.addEventListener("hashchange", () => location.reload());
 drawRamp(find("ramp"));
 showState();
 listen();
 
 // For tests: where pixels lie on the screen.
-window.lodestar = { pointOf: (at) => { const box = find("picture").getBoundingClientRect(), [x, y] = stage.pointOf(at); return [box.x + x, box.y + y]; } };
+window.lodestar = { ask, pointOf: (at) => { const box = find("picture").getBoundingClientRect(), [x, y] = stage.pointOf(at); return [box.x + x, box.y + y]; } };

@@ -9,6 +9,7 @@ pub mod floor;
 pub mod guide_cases;
 pub mod mutated;
 pub mod primitives;
+pub mod requests;
 pub mod sampled_directions;
 pub mod scattering_cases;
 pub mod scenes;
