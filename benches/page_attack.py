@@ -15,7 +15,7 @@ import signal
 import sys
 
 # Connections that each attack keeps open, and seconds between two new ones.
-OPEN, PAUSE = 60, 0.02
+OPEN, PAUSE = 60, 0.1
 
 
 def attacks(host):

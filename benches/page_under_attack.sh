@@ -50,9 +50,12 @@ measure() { # WAY SPP
       children+=("$attacker")
     fi
   fi
-  : >"$work/memory"
+  : >"$work/memory" >"$work/shares"
   while kill -0 "$program" 2>/dev/null; do
     awk '/^VmHWM/ { print $2 / 1024 }' "/proc/$program/status" >>"$work/memory" 2>/dev/null || true
+    # Processor time of the page's threads, and of all threads.
+    awk '{ t = $14 + $15; all += t; if ($2 ~ /^\(view/) page += t } END { if (all) printf "%.3f\n", 100 * page / all }' \
+      <(cat /proc/"$program"/task/*/stat 2>/dev/null | sed 's/ worker)/)/; s/ denoiser)/)/; s/^\([0-9]*\) (\([^ )]*\)[^)]*)/\1 (\2)/') >>"$work/shares" || true
     if [ "$way" = attacked ] && ! grep -q '"event":"end"' "$log"; then
       asked=$((asked + 1))
       if curl -s -m 10 -o "$work/page" "${url%%#*}" &&
@@ -73,7 +76,7 @@ measure() { # WAY SPP
   children=()
   awk '/"event":"step"/ { match($0, /"time":[0-9.]+/); t = substr($0, RSTART + 7, RLENGTH - 7); if (!n++) first = t; last = t }
     END { printf "%.3f ", last - first }' "$log" >>"$work/$way.times"
-  tail -n 1 "$work/memory" >>"$work/$way.times"
+  echo "$(tail -n 1 "$work/memory") $(tail -n 1 "$work/shares")" >>"$work/$way.times"
 }
 
 # Whether two pictures have the same chunks. Their headers differ, for example in the seconds.
@@ -114,10 +117,10 @@ for _ in $(seq "$rounds"); do
 done
 
 echo "$spp samples of cornell-box, $width x $width pixels, $rounds rounds on $(nproc) cores"
-printf '%-10s %10s %8s %12s\n' way seconds ratio 'memory MiB'
+printf '%-10s %10s %8s %12s %18s\n' way seconds ratio 'memory MiB' "page's share, %"
 for way in alone view attacked; do
   awk -v way="$way" -v s="$(median "$way" 1)" -v of="$(median view 1)" -v m="$(median "$way" 2)" \
-    'BEGIN { printf "%-10s %10.2f %8.4f %12.1f\n", way, s, s / (of > 0 ? of : 1), m }'
+    -v p="$(median "$way" 3)" 'BEGIN { printf "%-10s %10.2f %8.4f %12.1f %18.3f\n", way, s, s / (of > 0 ? of : 1), m, p }'
 done
 cat "$work/owner"
 echo "connections of the attacks: $(cat "$work/attacks")"
