@@ -19,7 +19,8 @@ pub fn without_folders(sentence: &str) -> String {
         let Some(begin) = word.find(MAIN_SEPARATOR) else { return word.to_owned() };
         // A path begins the word, or follows an opening quote or parenthesis; `a/b` is no absolute path.
         let is_absolute = word[..begin].chars().all(|c| !c.is_alphanumeric() && !matches!(c, '.' | '~' | '_' | '-'));
-        match word.trim_end_matches(MAIN_SEPARATOR).rfind(MAIN_SEPARATOR).filter(|_| is_absolute) {
+        let path = word.trim_end_matches(|c: char| c == MAIN_SEPARATOR || c.is_ascii_punctuation());
+        match path.rfind(MAIN_SEPARATOR).filter(|_| is_absolute) {
             Some(end) => format!("{}{}", &word[..begin], &word[end + 1..]),
             None => word.to_owned(),
         }

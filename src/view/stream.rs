@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn whoever_takes_no_data_is_dropped_and_whoever_is_slow_is_not() {
-        let patience = Duration::from_millis(600);
+        let patience = Duration::from_secs(1);
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         let address = listener.local_addr().unwrap();
@@ -102,15 +102,15 @@ mod tests {
         let slow = std::thread::spawn(move || {
             let (mut page, _) = listener.accept().unwrap();
             let mut bytes = vec![0; 8 << 20];
-            // It reads what has come, five times as long as the patience lasts.
-            for _ in 0..10 {
-                std::thread::sleep(patience / 2);
+            // It reads what has come, three times as long as the patience lasts.
+            for _ in 0..30 {
+                std::thread::sleep(patience / 10);
                 let _ = page.read(&mut bytes).unwrap();
             }
         });
         let begin = std::time::Instant::now();
         let (written, error) = runtime.block_on(async { write_all(connect().await).await });
-        assert!(begin.elapsed() > 4 * patience && written > hung.0, "{written} bytes, {error:?}");
+        assert!(begin.elapsed() > 2 * patience && written > hung.0, "{written} bytes, {error:?}");
         slow.join().unwrap();
     }
 }
