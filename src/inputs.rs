@@ -2,7 +2,7 @@
 //! length that a file has when it is opened. So a pipe, a device or a file of the system that never ends cannot hold up a render.
 
 use std::fs::{self, File, FileType, Metadata, OpenOptions};
-use std::io::{self, Read};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::{Error, Result};
@@ -10,16 +10,46 @@ use crate::{Error, Result};
 /// Beginning of the text that stands for a file in a repository whose large files were not fetched.
 const GIT_LFS_POINTER: &[u8] = b"version https://git-lfs";
 
+/// An open file, which ends at the length that it had when it was opened.
+#[derive(Debug)]
+pub struct Input {
+    file: File,
+    length: u64,
+    at: u64,
+}
+
+impl Input {
+    /// The file itself, for readers that keep to its length on their own.
+    pub fn into_file(self) -> File {
+        self.file
+    }
+}
+
+impl Read for Input {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let left = usize::try_from(self.length.saturating_sub(self.at)).unwrap_or(usize::MAX);
+        let most = buffer.len().min(left);
+        // A file of the system may wait even for nothing.
+        let count = if most == 0 { 0 } else { self.file.read(&mut buffer[..most])? };
+        self.at += count as u64;
+        Ok(count)
+    }
+}
+
+impl Seek for Input {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.at = self.file.seek(to)?;
+        Ok(self.at)
+    }
+}
+
 /// Opens a file whose content is read piece by piece. The second value is its length in bytes.
 ///
 /// # Errors
-/// [`Error::Read`] where there is no such file, it is no regular file, or it is empty, as many files of the system pretend to be.
-pub fn open(path: &Path) -> Result<(File, u64)> {
-    let opened = open_regular(path).and_then(|(file, length)| match length {
-        0 => Err(io::Error::other("it is empty; is it cut short?")),
-        _ => Ok((file, length)),
-    });
-    opened.map_err(Error::read(path))
+/// [`Error::Read`] where there is no such file, or it is no regular file.
+pub fn open(path: &Path) -> Result<(Input, u64)> {
+    let (file, length) = open_regular(path).map_err(Error::read(path))?;
+    Ok((Input { file, length, at: 0 }, length))
 }
 
 /// Reads a whole file of up to `limit` bytes.
@@ -121,7 +151,7 @@ mod tests {
             "{}",
             error(&file)
         );
-        assert!(open(&empty).unwrap_err().to_string().ends_with("cannot be read: it is empty; is it cut short?"));
+        assert_eq!(open(&empty).unwrap().1, 0);
         let socket = folder.path().join("socket");
         let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
         for (path, kind) in [(Path::new("/dev/zero"), "a device"), (&socket, "a socket"), (folder.path(), "a folder")] {
@@ -134,12 +164,31 @@ mod tests {
         }
     }
 
+    #[test]
+    fn an_open_file_ends_where_it_ended_when_it_was_opened() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, "content").unwrap();
+        let (mut input, _) = open(&path).unwrap();
+        fs::write(&path, "content and more").unwrap();
+        let mut text = String::new();
+        input.read_to_string(&mut text).unwrap();
+        assert_eq!(text, "content");
+        input.seek(SeekFrom::Start(3)).unwrap();
+        text.clear();
+        input.read_to_string(&mut text).unwrap();
+        assert_eq!(text, "tent");
+        input.seek(SeekFrom::End(0)).unwrap();
+        assert_eq!(input.read_to_string(&mut text).unwrap(), 0);
+    }
+
     /// Files of the system have no length. What they would give is never read.
     #[cfg(target_os = "linux")]
     #[test]
     fn nothing_is_read_beyond_the_length() {
         let environment = Path::new("/proc/self/environ");
         assert_eq!(read(environment, 1 << 20).unwrap(), b"");
-        assert!(open(environment).is_err());
+        let mut bytes = Vec::new();
+        assert_eq!(open(environment).unwrap().0.read_to_end(&mut bytes).unwrap(), 0);
     }
 }

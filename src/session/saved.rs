@@ -161,8 +161,8 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     fn open(path: &'a Path) -> Result<Self> {
-        let (file, length) = inputs::open(path)?;
-        Ok(Self { path, file, begin: 0, length })
+        let (input, length) = inputs::open(path)?;
+        Ok(Self { path, file: input.into_file(), begin: 0, length })
     }
 
     /// Reads the header. Its memory is that of its values, whatever length the file announces.
