@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use super::description::Description;
 use super::load_options::LoadOptions;
-use super::mitsuba::convert::{Target, write_description, write_xml};
-use super::mitsuba::description::{Description, ROOT};
+use super::mitsuba::convert::{Target, write};
 use super::mitsuba::dictionary::Dictionary;
+use super::mitsuba::entries;
+use super::plugins::load::build;
 use super::read;
-use super::whole::Scene;
 use crate::{Error, Result};
 
 /// Report of a conversion.
@@ -32,14 +33,7 @@ pub fn convert(input: &Path, defines: &[(String, String)], output: &Path, overwr
     if output.canonicalize().is_ok_and(is_input) {
         return Err(Error::Settings(format!("{}: a scene cannot replace itself; name another file", output.display())));
     }
-    let options = LoadOptions { defines: defines.to_vec(), ..LoadOptions::default() };
-    let scene = read::load(input, &options)?;
-    let target = Target { output, overwrite, fitted: &scene };
-    let file_count = match read::describer(input) {
-        Some(describe) => write_description(describe(input)?, &target)?,
-        None => write_xml(input, defines, &target)?,
-    };
-    Ok(Converted { file_count, warnings: scene.warnings })
+    write_description(read::describe(input, defines)?, output, overwrite)
 }
 
 /// Writes a scene that a dictionary describes, as [`convert`] writes a file. Its meshes become binary PLY files.
@@ -47,8 +41,11 @@ pub fn convert(input: &Path, defines: &[(String, String)], output: &Path, overwr
 /// # Errors
 /// Where the scene cannot be rendered, a file exists, or a file cannot be written.
 pub fn convert_dictionary(scene: &Dictionary, output: &Path, overwrite: bool) -> Result<Converted> {
-    let read = Scene::from_dictionary(scene)?;
-    let description = Description { path: ROOT.into(), scene: scene.clone(), ..Description::default() };
-    let file_count = write_description(description, &Target { output, overwrite, fitted: &read })?;
-    Ok(Converted { file_count, warnings: read.warnings })
+    write_description(entries::read(scene)?, output, overwrite)
+}
+
+fn write_description(mut description: Description, output: &Path, overwrite: bool) -> Result<Converted> {
+    let scene = build(&mut description, &LoadOptions::default(), &|_| {})?;
+    let file_count = write(&description, &Target { output, overwrite, fitted: &scene })?;
+    Ok(Converted { file_count, warnings: scene.warnings })
 }

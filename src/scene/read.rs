@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
+use super::description::Description;
 use super::load_options::LoadOptions;
-use super::mitsuba::description::Description;
-use super::mitsuba::load::{self as xml, Watch};
+use super::mitsuba::dictionary::Dictionary;
+use super::mitsuba::{entries, xml};
+use super::plugins::load::{Watch, build};
 use super::whole::Scene;
 use crate::{Error, Result};
 
@@ -18,23 +20,34 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 ///
 /// All faults of the scene are collected, so that one error lists them ([`Error::Several`]).
 pub fn load_with_progress(path: &Path, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
-    let Some(describe) = describer(path) else { return xml::read(path, options, progress) };
-    if let Some((name, _)) = options.defines.first() {
-        let message = format!("-D {name}: only Mitsuba's XML has values that -D replaces; leave it out");
-        return Err(Error::scene(path, None, message));
-    }
-    describe(path)?.into_scene(options, progress)
+    build(&mut describe(path, &options.defines)?, options, progress)
 }
 
-/// Reader that describes a scene in Mitsuba's terms.
-pub(super) type Describe = fn(&Path) -> Result<Description>;
-
-/// Reader of the format that the extension of `path` tells; `None` for Mitsuba's XML.
-pub(super) fn describer(path: &Path) -> Option<Describe> {
+/// Description of the scene at `path`. `defines` replace the `<default>`s of XML.
+pub(super) fn describe(path: &Path, defines: &[(String, String)]) -> Result<Description> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str() {
-        Some("gltf" | "glb") => Some(super::gltf::read),
-        Some("pbrt") => Some(super::pbrt::read),
-        _ => None,
+    let front_end = match extension.to_str() {
+        Some("gltf" | "glb") => super::gltf::read,
+        Some("pbrt") => super::pbrt::read,
+        _ => return xml::read(path, defines),
+    };
+    match defines.first() {
+        None => front_end(path),
+        Some((name, _)) => {
+            let message = format!("-D {name}: only Mitsuba's XML has values that -D replaces; leave it out");
+            Err(Error::scene(path, None, message))
+        }
+    }
+}
+
+impl Scene {
+    /// Reads a scene from a dictionary of the type `scene`. Files that it names are relative to the current folder. A shape of the
+    /// type `mesh` has the arrays `vertices` and `faces`, and may have `normals`, `uvs` and `colors`, all in rows.
+    ///
+    /// # Errors
+    /// Where an entry asks for something unsupported, or a file cannot be read. Messages name entries such as `scene.box.bsdf`.
+    pub fn from_dictionary(dictionary: &Dictionary) -> Result<Self> {
+        let scene = build(&mut entries::read(dictionary)?, &LoadOptions::default(), &|_| {})?;
+        Ok(Self { name: entries::ROOT.into(), ..scene })
     }
 }

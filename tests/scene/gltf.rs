@@ -150,6 +150,19 @@ fn cameras_are_chosen_by_name_and_by_index() {
     assert!(error.contains("there is no camera `Side`") && error.contains("0 (`Front`), 1 (`Flat`)"), "{error}");
 }
 
+/// Messages about a model say what it calls its things, not how XML writes them.
+#[test]
+fn messages_have_the_words_of_models() {
+    let mut model = square();
+    model["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1, "aspectRatio": 2.0}}]);
+    for _ in 0..2 {
+        push(&mut model["nodes"], json!({"camera": 0}));
+    }
+    model["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    let warnings = read(&model).unwrap().warnings.join("\n");
+    assert!(warnings.contains("a second camera; the first is used"), "{warnings}");
+}
+
 #[test]
 fn an_environment_replaces_the_scenes_own() {
     let options = LoadOptions { environment: Some(EnvironmentChoice::Constant), ..LoadOptions::default() };

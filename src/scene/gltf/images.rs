@@ -14,8 +14,9 @@ use super::asset::{Asset, data_uri};
 use super::budget::Budget;
 use crate::Result;
 use crate::image::texels::{self, FileTexels, TexelImage};
-use crate::scene::values::{color, matrix, object, with};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{color, matrix, nested, object};
+use crate::scene::description::object::{ImageFile, Object, Value};
 
 /// Use of a texture by a material.
 #[derive(Clone)]
@@ -85,7 +86,8 @@ pub(super) struct Images<'a> {
     /// Name of each image by its index.
     names: HashMap<usize, String>,
     decoded: HashMap<usize, Rc<TexelImage>>,
-    files: Vec<(String, Vec<u8>)>,
+    /// Images in memory, by name.
+    files: HashMap<String, Arc<[u8]>>,
     budget: Budget,
 }
 
@@ -100,18 +102,13 @@ impl<'a> Images<'a> {
             beside: asset.document.images().filter_map(name).collect(),
             names: HashMap::new(),
             decoded: HashMap::new(),
-            files: Vec::new(),
+            files: HashMap::new(),
             budget: Budget::default(),
         }
     }
 
-    /// Image files in memory.
-    pub fn finish(self) -> HashMap<String, Arc<[u8]>> {
-        self.files.into_iter().map(|(name, content)| (name, content.into())).collect()
-    }
-
     /// Texture of an image as it is.
-    pub fn bitmap(&mut self, texture: &TextureUse<'a>, coding: Coding) -> Result<Dictionary> {
+    pub fn bitmap(&mut self, texture: &TextureUse<'a>, coding: Coding) -> Result<Object> {
         let image = self.image(texture)?;
         let name = self.name(&image)?;
         Ok(self.texture(texture, name, coding))
@@ -119,12 +116,7 @@ impl<'a> Images<'a> {
 
     /// Texture of numbers, one for each texel, made from an image's bytes red, green, blue and alpha. `tag` tells textures that are
     /// made from one image apart.
-    pub fn numbers(
-        &mut self,
-        texture: &TextureUse<'a>,
-        tag: &str,
-        number: impl Fn([u8; 4]) -> u8,
-    ) -> Result<Dictionary> {
+    pub fn numbers(&mut self, texture: &TextureUse<'a>, tag: &str, number: impl Fn([u8; 4]) -> u8) -> Result<Object> {
         self.made(texture, tag, Coding::Linear, |texel, _, _| [number(texel); 3])
     }
 
@@ -136,10 +128,10 @@ impl<'a> Images<'a> {
         tag: &str,
         coding: Coding,
         color: impl Fn([u8; 4], f32, f32) -> [u8; 3],
-    ) -> Result<Dictionary> {
+    ) -> Result<Object> {
         let source = self.image(texture)?;
         let name = self.new_name(&format!("image{}-{tag}", source.index()), "png");
-        if !self.files.iter().any(|(known, _)| *known == name) {
+        if !self.files.contains_key(&name) {
             let image = self.decode(&source)?;
             self.take(&image)?;
             let (width, height) = (image.width as usize, image.height as usize);
@@ -151,7 +143,7 @@ impl<'a> Images<'a> {
                 })
                 .collect::<Vec<_>>();
             let png = texels::encode_png(Path::new(&name), image.width, image.height, &texels)?;
-            self.files.push((name.clone(), png));
+            self.files.insert(name.clone(), png.into());
         }
         Ok(self.texture(texture, name, coding))
     }
@@ -188,7 +180,7 @@ impl<'a> Images<'a> {
             _ => {
                 let content = self.content(image)?;
                 let name = self.new_name(&format!("image{}", image.index()), extension(&content));
-                self.files.push((name.clone(), content));
+                self.files.insert(name.clone(), content.into());
                 name
             }
         };
@@ -228,7 +220,7 @@ impl<'a> Images<'a> {
         self.budget.take(image).map_err(|message| self.asset.error(message))
     }
 
-    fn texture(&self, texture: &TextureUse, name: String, coding: Coding) -> Dictionary {
+    fn texture(&self, texture: &TextureUse, name: String, coding: Coding) -> Object {
         let sampler = texture.texture.sampler();
         let wrap = |mode| match mode {
             WrappingMode::ClampToEdge => "clamp",
@@ -241,13 +233,17 @@ impl<'a> Images<'a> {
             self.asset.warn(format!("texture {index} has the wrap modes `{s}` and `{t}`; `{s}` is used for both"));
         }
         let filter = if sampler.mag_filter() == Some(MagFilter::Nearest) { "nearest" } else { "bilinear" };
+        let file = match self.files.get(&name) {
+            Some(bytes) => Value::Image(ImageFile { name, bytes: Arc::clone(bytes) }),
+            None => Value::Text(name),
+        };
         let entries = [
-            ("filename", Value::Text(name)),
+            ("filename", file),
             ("raw", Value::Boolean(coding == Coding::Linear)),
             ("wrap_mode", Value::Text(wrap(sampler.wrap_s()).into())),
             ("filter_type", Value::Text(filter.into())),
         ];
-        let bitmap = object("bitmap", entries);
+        let bitmap = object(Kind::Texture, "bitmap", entries);
         match texture.to_uv {
             None => bitmap,
             Some(to_uv) => {
@@ -255,17 +251,17 @@ impl<'a> Images<'a> {
                 let column = |column: DVec3| column.truncate().extend(0.0).extend(0.0);
                 let last = w.truncate().extend(0.0).extend(1.0);
                 let columns = DMat4::from_cols(column(x), column(y), glam::DVec4::Z, last);
-                with(bitmap, "to_uv", matrix(&columns))
+                bitmap.with("to_uv", matrix(&columns))
             }
         }
     }
 }
 
 /// Texture multiplied by a color.
-pub(super) fn scaled(texture: Dictionary, factor: [f32; 3]) -> Dictionary {
+pub(super) fn scaled(texture: Object, factor: [f32; 3]) -> Object {
     match factor == [1.0; 3] {
         true => texture,
-        false => object("scale", [("scale", color(factor)), ("texture", Value::Object(texture))]),
+        false => object(Kind::Texture, "scale", [("scale", color(factor)), ("texture", nested(texture))]),
     }
 }
 

@@ -4,13 +4,14 @@ use std::collections::HashSet;
 
 use glam::{DMat3, DMat4, DVec3};
 use gltf::camera::Projection;
-use gltf::khr_lights_punctual::{Kind, Light};
+use gltf::khr_lights_punctual::{Kind as LightKind, Light};
 
 use super::asset::Asset;
 use super::nodes::Placed;
 use crate::Result;
-use crate::scene::values::{color, matrix, number, object, with};
-use crate::scene::{Array, Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{color, matrix, nested, number, object};
+use crate::scene::description::object::{Object, Value};
 
 /// Height of the film in pixels; its width follows from the camera's aspect ratio.
 const FILM_HEIGHT: f32 = 720.0;
@@ -25,7 +26,7 @@ fn turned(matrix: &DMat4) -> DMat4 {
 }
 
 /// Emitter of a light.
-pub(super) fn light(asset: &Asset, placed: &Placed, light: &Light) -> Result<Dictionary> {
+pub(super) fn light(asset: &Asset, placed: &Placed, light: &Light) -> Result<Object> {
     let brightness = color(light.color().map(|channel| channel * light.intensity()));
     let world = placed.world_from_node;
     let axis = world.z_axis.truncate().normalize_or_zero();
@@ -35,11 +36,15 @@ pub(super) fn light(asset: &Asset, placed: &Placed, light: &Light) -> Result<Dic
     if light.range().is_some() {
         asset.warn("the `range` of lights is ignored: light reaches as far as it does in nature");
     }
-    let vector = |vector: DVec3| Value::Array(Array { shape: vec![3], values: vector.to_array().into() });
+    let vector = |vector: DVec3| Value::Vector(vector.to_array());
     Ok(match light.kind() {
-        Kind::Point => object("point", [("position", vector(world.w_axis.truncate())), ("intensity", brightness)]),
-        Kind::Directional => object("directional", [("direction", vector(-axis)), ("irradiance", brightness)]),
-        Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+        LightKind::Point => {
+            object(Kind::Emitter, "point", [("position", vector(world.w_axis.truncate())), ("intensity", brightness)])
+        }
+        LightKind::Directional => {
+            object(Kind::Emitter, "directional", [("direction", vector(-axis)), ("irradiance", brightness)])
+        }
+        LightKind::Spot { inner_cone_angle, outer_cone_angle } => {
             let outer = outer_cone_angle.clamp(1.0e-4, std::f32::consts::FRAC_PI_2);
             let pose = turned(&rigid(&world));
             let entries = [
@@ -48,7 +53,7 @@ pub(super) fn light(asset: &Asset, placed: &Placed, light: &Light) -> Result<Dic
                 ("cutoff_angle", number(outer.to_degrees())),
                 ("beam_width", number(inner_cone_angle.clamp(0.0, outer).to_degrees())),
             ];
-            object("spot", entries)
+            object(Kind::Emitter, "spot", entries)
         }
     })
 }
@@ -57,7 +62,7 @@ pub(super) fn light(asset: &Asset, placed: &Placed, light: &Light) -> Result<Dic
 #[derive(Default)]
 pub(super) struct Cameras {
     /// Sensor of each camera with the camera's name, which may be empty.
-    sensors: Vec<(String, Dictionary)>,
+    sensors: Vec<(String, Object)>,
 }
 
 impl Cameras {
@@ -76,7 +81,7 @@ impl Cameras {
                     ("near_clip", number(near)),
                     ("far_clip", number(perspective.zfar().filter(|far| *far > near).unwrap_or(FAR.max(2.0 * near)))),
                 ];
-                (object("perspective", entries), perspective.aspect_ratio().unwrap_or(ASPECT))
+                (object(Kind::Sensor, "perspective", entries), perspective.aspect_ratio().unwrap_or(ASPECT))
             }
             Projection::Orthographic(orthographic) => {
                 let (half, height) = (orthographic.xmag().abs(), orthographic.ymag().abs());
@@ -87,7 +92,7 @@ impl Cameras {
                     ("near_clip", number(near)),
                     ("far_clip", number(orthographic.zfar().max(2.0 * near))),
                 ];
-                (object("orthographic", entries), half / height)
+                (object(Kind::Sensor, "orthographic", entries), half / height)
             }
         };
         let aspect = if aspect.is_finite() && aspect > 0.0 { aspect.clamp(0.01, 100.0) } else { ASPECT };
@@ -96,13 +101,14 @@ impl Cameras {
             asset.warn(format!("the camera {label} gives no aspect ratio; {aspect:.3} is used"));
         }
         let film = object(
+            Kind::Film,
             "hdrfilm",
             [
                 ("width", Value::Integer((FILM_HEIGHT * aspect).round().max(1.0) as i64)),
                 ("height", Value::Integer(FILM_HEIGHT as i64)),
             ],
         );
-        self.sensors.push((name.to_owned(), with(sensor, "film", Value::Object(film))));
+        self.sensors.push((name.to_owned(), sensor.with("film", nested(film))));
     }
 
     pub fn is_empty(&self) -> bool {
@@ -111,8 +117,8 @@ impl Cameras {
 
     /// All cameras with the keys of their entries. The `id` of a camera is its name, or else `camera` with a number: always one
     /// that no other camera has, and that is not among the `ids` of other objects.
-    pub fn into_objects(self, mut ids: HashSet<String>) -> Vec<(String, Dictionary)> {
-        let is_own = |(name, _): &(String, Dictionary)| !name.is_empty() && ids.insert(name.clone());
+    pub fn into_objects(self, mut ids: HashSet<String>) -> Vec<(String, Object)> {
+        let is_own = |(name, _): &(String, Object)| !name.is_empty() && ids.insert(name.clone());
         let are_own: Vec<bool> = self.sensors.iter().map(is_own).collect();
         let mut number = 0;
         let mut objects = Vec::with_capacity(self.sensors.len());
@@ -126,7 +132,7 @@ impl Cameras {
                     id = format!("camera{number}");
                 }
             }
-            objects.push((format!("sensor{index}"), with(sensor, "id", Value::Text(id))));
+            objects.push((format!("sensor{index}"), sensor.with_id(id)));
         }
         objects
     }

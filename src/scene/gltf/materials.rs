@@ -9,8 +9,9 @@ use super::asset::Asset;
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
 use super::specular_glossiness;
 use crate::Result;
-use crate::scene::values::{color, number, object, with};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{color, nested, number, object, two_sided};
+use crate::scene::description::object::{Object, Value};
 
 /// Index of refraction of a material that gives none.
 const DEFAULT_IOR: f32 = 1.5;
@@ -36,7 +37,7 @@ pub(super) struct Covering {
     /// `id` of the material.
     pub id: String,
     /// `area` emitter, where the material emits.
-    pub emitter: Option<Dictionary>,
+    pub emitter: Option<Object>,
     /// Set of texture coordinates that the textures use.
     pub uv_set: u32,
     /// Factor of the vertex colors, where the material shows them.
@@ -47,12 +48,12 @@ pub(super) struct Covering {
 #[derive(Default)]
 pub(super) struct Materials {
     known: HashMap<(Option<usize>, Coloring), Covering>,
-    objects: Vec<(String, Dictionary)>,
+    objects: Vec<(String, Object)>,
 }
 
 impl Materials {
     /// Materials with their ids.
-    pub fn take_objects(self) -> Vec<(String, Dictionary)> {
+    pub fn take_objects(self) -> Vec<(String, Object)> {
         self.objects
     }
 
@@ -117,18 +118,18 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// The BSDF, the emitter and the factor of vertex colors.
-    fn read(&mut self, coloring: Coloring) -> Result<(Dictionary, Option<Dictionary>, Option<[f32; 3]>)> {
+    fn read(&mut self, coloring: Coloring) -> Result<(Object, Option<Object>, Option<[f32; 3]>)> {
         self.warn_of_textures();
         let metallic = self.material.pbr_metallic_roughness();
         let base_texture = self.info(metallic.base_color_texture());
         let mut base = BaseColor { factor: metallic.base_color_factor(), texture: base_texture };
-        let (mut bsdf, mut transmits) = (Dictionary::default(), false);
+        let (mut bsdf, transmits);
         let mut color_factor = None;
         if self.material.unlit() {
             let emitted = self.color(&base, coloring, &mut color_factor)?;
-            let black = object("diffuse", [("reflectance", color([0.0; 3]))]);
+            let black = object(Kind::Bsdf, "diffuse", [("reflectance", color([0.0; 3]))]);
             self.warn("it is unlit (KHR_materials_unlit): it emits its color and reflects nothing");
-            let emitter = object("area", [("radiance", emitted)]);
+            let emitter = object(Kind::Emitter, "area", [("radiance", emitted)]);
             return Ok((self.masked(two_sided(black), &base)?, Some(emitter), color_factor));
         }
         if let Some(specular) = self.material.pbr_specular_glossiness() {
@@ -138,15 +139,16 @@ impl<'a> Reader<'_, 'a> {
             if coloring == Coloring::Vertices {
                 self.warn("vertex colors cannot stand beside KHR_materials_pbrSpecularGlossiness; they are ignored");
             }
+            transmits = false;
             bsdf = specular_glossiness::principled(self.images, &specular, &base, gloss.as_ref())?;
         } else {
             let shown = self.color(&base, coloring, &mut color_factor)?;
-            bsdf.entries = object("principled", [("base_color", shown)]).entries;
+            bsdf = object(Kind::Bsdf, "principled", [("base_color", shown)]);
             let texture = self.info(metallic.metallic_roughness_texture());
             let roughness =
                 self.number(texture.as_ref(), "roughness", metallic.roughness_factor(), |texel| texel[1])?;
             let metal = self.number(texture.as_ref(), "metallic", metallic.metallic_factor(), |texel| texel[2])?;
-            bsdf = with(with(bsdf, "roughness", roughness), "metallic", metal);
+            bsdf = bsdf.with("roughness", roughness).with("metallic", metal);
             bsdf = self.extended(bsdf);
             (bsdf, transmits) = self.transmission(bsdf)?;
         }
@@ -190,12 +192,12 @@ impl<'a> Reader<'_, 'a> {
             (None, Coloring::Vertices) => {
                 *color_factor = Some(factor);
                 let name = Value::Text("vertex_color".into());
-                return Ok(Value::Object(object("mesh_attribute", [("name", name)])));
+                return Ok(nested(object(Kind::Texture, "mesh_attribute", [("name", name)])));
             }
             _ => {}
         }
         match &base.texture {
-            Some(texture) => Ok(Value::Object(scaled(self.images.bitmap(texture, Coding::Srgb)?, factor))),
+            Some(texture) => Ok(nested(scaled(self.images.bitmap(texture, Coding::Srgb)?, factor))),
             None => Ok(color(factor)),
         }
     }
@@ -217,7 +219,7 @@ impl<'a> Reader<'_, 'a> {
     ) -> Result<Value> {
         let factor = factor.clamp(0.0, 1.0);
         match texture.filter(|_| factor > 0.0) {
-            Some(texture) => Ok(Value::Object(scaled(self.images.numbers(texture, tag, channel)?, [factor; 3]))),
+            Some(texture) => Ok(nested(scaled(self.images.numbers(texture, tag, channel)?, [factor; 3]))),
             None => Ok(number(factor)),
         }
     }
@@ -227,7 +229,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// Adds what extensions say of the reflection.
-    fn extended(&self, mut bsdf: Dictionary) -> Dictionary {
+    fn extended(&self, mut bsdf: Object) -> Object {
         let mut eta = self.ior();
         if let Some(specular) = self.material.specular()
             && self.material.transmission().is_none()
@@ -240,7 +242,7 @@ impl<'a> Reader<'_, 'a> {
             let root = (eta - 1.0) / (eta + 1.0) * (specular.specular_factor() * mean).max(0.0).sqrt();
             eta = ((1.0 + root.min(0.9)) / (1.0 - root.min(0.9))).max(LEAST_IOR);
         }
-        bsdf = with(bsdf, "eta", number(eta));
+        bsdf = bsdf.with("eta", number(eta));
         let read = |extension: &str, key: &str| {
             let value = self.material.extension_value(extension)?.get(key)?.as_f64()?;
             Some((value as f32).clamp(0.0, 1.0))
@@ -249,7 +251,7 @@ impl<'a> Reader<'_, 'a> {
             let roughness = read("KHR_materials_clearcoat", "clearcoatRoughnessFactor").unwrap_or(0.0);
             // The gloss that has the coat's roughness in Burley's model: alpha = 0.1 + gloss (0.001 - 0.1).
             let gloss = ((0.1 - roughness * roughness) / 0.099).clamp(0.0, 1.0);
-            bsdf = with(with(bsdf, "clearcoat", number(strength)), "clearcoat_gloss", number(gloss));
+            bsdf = bsdf.with("clearcoat", number(strength)).with("clearcoat_gloss", number(gloss));
         }
         let sheen = self.material.extension_value("KHR_materials_sheen");
         if let Some(sheen) = sheen.and_then(|sheen| sheen.get("sheenColorFactor")?.as_array()) {
@@ -258,13 +260,13 @@ impl<'a> Reader<'_, 'a> {
             if channels.iter().any(|&channel| channel != channels[0]) {
                 self.warn("the color of KHR_materials_sheen is taken for white");
             }
-            bsdf = with(bsdf, "sheen", number(strength));
+            bsdf = bsdf.with("sheen", number(strength));
         }
         if let Some(strength) = read("KHR_materials_anisotropy", "anisotropyStrength").filter(|&value| value > 0.0) {
             if read("KHR_materials_anisotropy", "anisotropyRotation").is_some_and(|rotation| rotation != 0.0) {
                 self.warn("the rotation of KHR_materials_anisotropy is ignored");
             }
-            bsdf = with(bsdf, "anisotropic", number(strength));
+            bsdf = bsdf.with("anisotropic", number(strength));
         }
         bsdf
     }
@@ -284,7 +286,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// Adds the transmission of a body. Returns whether there is any.
-    fn transmission(&mut self, bsdf: Dictionary) -> Result<(Dictionary, bool)> {
+    fn transmission(&mut self, bsdf: Object) -> Result<(Object, bool)> {
         if !self.is_solid() {
             return Ok((bsdf, false));
         }
@@ -294,11 +296,11 @@ impl<'a> Reader<'_, 'a> {
         if absorbs {
             self.warn("the absorption within it (KHR_materials_volume) is not rendered");
         }
-        Ok((with(bsdf, "spec_trans", share), true))
+        Ok((bsdf.with("spec_trans", share), true))
     }
 
     /// Mixes in the transmission of a sheet without thickness.
-    fn thin_transmission(&mut self, surface: Dictionary, base: &BaseColor<'a>) -> Result<Dictionary> {
+    fn thin_transmission(&mut self, surface: Object, base: &BaseColor<'a>) -> Result<Object> {
         if self.is_solid() {
             return Ok(surface);
         }
@@ -307,15 +309,16 @@ impl<'a> Reader<'_, 'a> {
             self.warn("light goes straight through it: the roughness of a thin transmission is not rendered");
         }
         let tint = self.color(base, Coloring::None, &mut None)?;
-        let sheet = object("thindielectric", [("int_ior", number(self.ior())), ("specular_transmittance", tint)]);
-        if share == number(1.0) {
+        let sheet =
+            object(Kind::Bsdf, "thindielectric", [("int_ior", number(self.ior())), ("specular_transmittance", tint)]);
+        if matches!(share, Value::Float(1.0)) {
             return Ok(sheet);
         }
-        let parts = [("weight", share), ("opaque", Value::Object(surface)), ("sheet", Value::Object(sheet))];
-        Ok(object("blendbsdf", parts))
+        let parts = [("weight", share), ("opaque", nested(surface)), ("sheet", nested(sheet))];
+        Ok(object(Kind::Bsdf, "blendbsdf", parts))
     }
 
-    fn with_normals(&mut self, bsdf: Dictionary) -> Result<Dictionary> {
+    fn with_normals(&mut self, bsdf: Object) -> Result<Object> {
         let Some(normals) = self.material.normal_texture() else { return Ok(bsdf) };
         let texture = self.keep(TextureUse::of_normals(&normals));
         let scale = normals.scale();
@@ -328,10 +331,10 @@ impl<'a> Reader<'_, 'a> {
                 self.images.made(&texture, &tag, Coding::Linear, scaled)?
             }
         };
-        Ok(object("normalmap", [("normalmap", Value::Object(bitmap)), ("surface", Value::Object(bsdf))]))
+        Ok(object(Kind::Bsdf, "normalmap", [("normalmap", nested(bitmap)), ("surface", nested(bsdf))]))
     }
 
-    fn emitter(&mut self) -> Result<Option<Dictionary>> {
+    fn emitter(&mut self) -> Result<Option<Object>> {
         let strength = self.material.emissive_strength().unwrap_or(1.0);
         let factor = self.material.emissive_factor().map(|channel| (channel * strength).max(0.0));
         let texture = self.info(self.material.emissive_texture());
@@ -342,21 +345,21 @@ impl<'a> Reader<'_, 'a> {
             self.warn("it emits from its front only, though it is double-sided");
         }
         let radiance = match texture {
-            Some(texture) => Value::Object(scaled(self.images.bitmap(&texture, Coding::Srgb)?, factor)),
+            Some(texture) => nested(scaled(self.images.bitmap(&texture, Coding::Srgb)?, factor)),
             None => color(factor),
         };
-        Ok(Some(object("area", [("radiance", radiance)])))
+        Ok(Some(object(Kind::Emitter, "area", [("radiance", radiance)])))
     }
 
     /// Surface with holes, where the alpha mode makes any.
-    fn masked(&mut self, surface: Dictionary, base: &BaseColor<'a>) -> Result<Dictionary> {
+    fn masked(&mut self, surface: Object, base: &BaseColor<'a>) -> Result<Object> {
         let factor = base.factor[3].clamp(0.0, 1.0);
         let opacity = match (self.material.alpha_mode(), &base.texture) {
             (AlphaMode::Opaque, _) => return Ok(surface),
             (AlphaMode::Blend, None) if factor == 1.0 => return Ok(surface),
             (AlphaMode::Blend, None) => number(factor),
             (AlphaMode::Blend, Some(texture)) => {
-                Value::Object(scaled(self.images.numbers(texture, "alpha", |texel| texel[3])?, [factor; 3]))
+                nested(scaled(self.images.numbers(texture, "alpha", |texel| texel[3])?, [factor; 3]))
             }
             (AlphaMode::Mask, texture) => {
                 let cutoff = self.material.alpha_cutoff().unwrap_or(0.5);
@@ -366,17 +369,13 @@ impl<'a> Reader<'_, 'a> {
                     Some(texture) => {
                         let tag = format!("cutoff{}", cutoff / factor.max(1.0e-6));
                         let kept = |texel: [u8; 4]| is_kept(f32::from(texel[3]) / 255.0);
-                        Value::Object(self.images.numbers(texture, &tag, kept)?)
+                        nested(self.images.numbers(texture, &tag, kept)?)
                     }
                 }
             }
         };
-        Ok(object("mask", [("opacity", opacity), ("surface", Value::Object(surface))]))
+        Ok(object(Kind::Bsdf, "mask", [("opacity", opacity), ("surface", nested(surface))]))
     }
-}
-
-fn two_sided(bsdf: Dictionary) -> Dictionary {
-    object("twosided", [("surface", Value::Object(bsdf))])
 }
 
 /// The name with every character that is neither a letter nor a digit replaced by `_`.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 use gltf::mesh::Mode;
@@ -14,18 +15,17 @@ use super::materials::{Coloring, Covering, Materials};
 use super::nodes::{Placed, Transforms, transforms};
 use super::skins::{self, Vertices};
 use crate::Result;
-use crate::scene::Value;
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{matrix, nested, object};
+use crate::scene::description::object::{MESH, Object, Value};
 use crate::scene::mesh::Mesh;
-use crate::scene::mitsuba::element::MESH_INDEX;
-use crate::scene::values::{matrix, object, reference, with};
 
 /// Meshes in memory, and shapes.
 #[derive(Default)]
 pub(super) struct Meshes {
-    meshes: Vec<Mesh>,
-    /// Index of each mesh that several nodes may share.
-    known: HashMap<Key, usize>,
-    shapes: Vec<(String, Value)>,
+    /// Meshes that several nodes may share.
+    known: HashMap<Key, Arc<Mesh>>,
+    shapes: Vec<(String, Object)>,
     made: Made,
     /// Transforms of all nodes, once a skin has asked for them.
     transforms: Option<Rc<Transforms>>,
@@ -35,9 +35,9 @@ pub(super) struct Meshes {
 type Key = (usize, usize, bool, u32, Option<[u32; 3]>);
 
 impl Meshes {
-    /// Shapes as entries of a scene, and meshes.
-    pub fn finish(self) -> (Vec<(String, Value)>, Vec<Mesh>) {
-        (self.shapes, self.meshes)
+    /// Shapes with their keys.
+    pub fn finish(self) -> Vec<(String, Object)> {
+        self.shapes
     }
 
     /// Makes a shape of each primitive of the node's mesh and each instance of the node.
@@ -66,37 +66,37 @@ impl Meshes {
             shapes.map_err(|message| asset.error(format!("mesh {}: {message}", mesh.index())))?;
             let is_posed = skin.is_some() || primitive.morph_targets().next().is_some();
             // Meshes in a pose, which belong to this node alone.
-            let mut posed: HashMap<Key, usize> = HashMap::new();
+            let mut posed: HashMap<Key, Arc<Mesh>> = HashMap::new();
             for instance in &placed.instances {
                 let is_mirrored = skin.is_none() && instance.determinant() < 0.0;
                 let colors = covering.color_factor.map(|factor| factor.map(f32::to_bits));
                 let key = (mesh.index(), primitive.index(), is_mirrored, covering.uv_set, colors);
                 let known = if is_posed { &posed } else { &self.known };
-                let index = match known.get(&key).copied() {
-                    Some(index) => index,
+                let made = match known.get(&key) {
+                    Some(known) => Arc::clone(known),
                     None => {
                         let made = self.mesh(asset, placed, mesh, &primitive, &covering, is_mirrored, pose)?;
-                        let Some(made) = made else { break };
-                        self.meshes.push(made);
+                        let Some(made) = made.map(Arc::new) else { break };
                         let known = if is_posed { &mut posed } else { &mut self.known };
-                        known.insert(key, self.meshes.len() - 1);
-                        self.meshes.len() - 1
+                        known.insert(key, Arc::clone(&made));
+                        made
                     }
                 };
-                let has_normals = !self.meshes[index].normals.is_empty();
+                let has_normals = !made.normals.is_empty();
                 let mut shape = object(
+                    Kind::Shape,
                     "mesh",
-                    [("face_normals", Value::Boolean(!has_normals)), ("bsdf", Value::Object(reference(&covering.id)))],
+                    [("face_normals", Value::Boolean(!has_normals)), ("bsdf", Value::Reference(covering.id.clone()))],
                 );
-                shape.entries.push((MESH_INDEX.to_owned(), Value::Integer(index as i64)));
+                shape = shape.with(MESH, Value::Mesh(made));
                 if skin.is_none() {
-                    shape = with(shape, "to_world", matrix(instance));
+                    shape = shape.with("to_world", matrix(instance));
                 }
                 if let Some(emitter) = &covering.emitter {
-                    shape = with(shape, "emitter", Value::Object(emitter.clone()));
+                    shape = shape.with("emitter", nested(emitter.clone()));
                 }
                 let key = format!("shape{}_{}", self.shapes.len(), super::materials::plain(&name));
-                self.shapes.push((key, Value::Object(shape)));
+                self.shapes.push((key, shape));
             }
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! glTF 2.0: `.gltf` and `.glb` files to a description in Mitsuba's terms.
+//! glTF 2.0: `.gltf` and `.glb` files to a description.
 //!
 //! The conventions agree: right-handed, `+y` up, texture coordinates from the image's top left corner. Photometric units (candela,
 //! lux, nits) count as radiometric ones, one for one.
@@ -17,8 +17,7 @@ mod usual;
 
 use std::path::Path;
 
-use super::mitsuba::description::Description;
-use super::{Dictionary, Value};
+use super::description::Description;
 use crate::Result;
 use asset::Asset;
 use images::Images;
@@ -50,23 +49,14 @@ pub(super) fn read(path: &Path) -> Result<Description> {
             cameras.add(&asset, placed, &camera);
         }
     }
-    let entry = |(id, object): (String, Dictionary)| (id, Value::Object(object));
     let lights = lights.into_iter().enumerate().map(|(index, light)| (format!("light{index}"), light));
-    let (shapes, meshes) = meshes.finish();
+    let shapes = meshes.finish();
     if shapes.is_empty() && cameras.is_empty() {
         return Err(asset.error("its scene has neither triangles nor a camera; points and lines are not rendered"));
     }
-    let objects = materials.take_objects().into_iter().chain(lights).map(entry).chain(shapes).collect::<Vec<_>>();
+    let objects = materials.take_objects().into_iter().chain(lights).chain(shapes).collect::<Vec<_>>();
     let ids = objects.iter().map(|(id, _)| id.clone()).collect();
-    let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];
-    entries.extend(cameras.into_objects(ids).into_iter().map(entry));
-    entries.extend(objects);
-    let files = images.finish();
-    Ok(Description {
-        path: path.to_path_buf(),
-        scene: Dictionary { entries },
-        meshes,
-        files,
-        warnings: asset.into_warnings(),
-    })
+    let objects = cameras.into_objects(ids).into_iter().chain(objects).collect();
+    drop(images);
+    Ok(Description::of_objects(path, objects, asset.into_warnings()))
 }

@@ -6,8 +6,9 @@ use super::images::{BaseColor, Coding, Images, TextureUse, scaled, texel};
 use crate::Result;
 use crate::image::tone::srgb;
 use crate::math::srgb::linear_from_srgb;
-use crate::scene::values::{color, number, object};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{color, nested, number, object};
+use crate::scene::description::object::Object;
 
 /// Reflectance of a dielectric at normal incidence, for an index of refraction of 1.5.
 const DIELECTRIC: f32 = 0.04;
@@ -42,29 +43,28 @@ pub(super) fn principled<'a>(
     material: &PbrSpecularGlossiness<'a>,
     base: &BaseColor<'a>,
     gloss: Option<&TextureUse<'a>>,
-) -> Result<Dictionary> {
+) -> Result<Object> {
     let [red, green, blue, _] = base.factor;
     let (diffuse_factor, specular_factor) = ([red, green, blue], material.specular_factor());
     let roughness = match gloss {
         Some(texture) => {
             let factor = material.glossiness_factor();
             let rough = |texel: [u8; 4]| (255.0 - f32::from(texel[3]) * factor).round() as u8;
-            Value::Object(images.numbers(texture, &format!("roughness{factor}"), rough)?)
+            nested(images.numbers(texture, &format!("roughness{factor}"), rough)?)
         }
         None => number(1.0 - material.glossiness_factor().clamp(0.0, 1.0)),
     };
     let Some(carrier) = base.texture.as_ref().or(gloss) else {
         let (base_color, metal) = metallic(diffuse_factor, specular_factor);
         let entries = [("base_color", color(base_color)), ("metallic", number(metal)), ("roughness", roughness)];
-        return Ok(object("principled", entries));
+        return Ok(object(Kind::Bsdf, "principled", entries));
     };
     let Some(gloss) = gloss else {
         // The specular color is even, so the share of metal is that of the mean color.
         let (_, metal) = metallic(diffuse_factor, specular_factor);
         let base_color = scaled(images.bitmap(carrier, Coding::Srgb)?, diffuse_factor);
-        let entries =
-            [("base_color", Value::Object(base_color)), ("metallic", number(metal)), ("roughness", roughness)];
-        return Ok(object("principled", entries));
+        let entries = [("base_color", nested(base_color)), ("metallic", number(metal)), ("roughness", roughness)];
+        return Ok(object(Kind::Bsdf, "principled", entries));
     };
     let specular = images.texels(gloss)?;
     let is_diffuse = base.texture.is_some();
@@ -87,7 +87,6 @@ pub(super) fn principled<'a>(
     let tag = |what: &str| format!("{what}-{other}-{factors}");
     let base_color = images.made(carrier, &tag("base"), Coding::Srgb, colors)?;
     let metal = images.made(carrier, &tag("metal"), Coding::Linear, metals)?;
-    let entries =
-        [("base_color", Value::Object(base_color)), ("metallic", Value::Object(metal)), ("roughness", roughness)];
-    Ok(object("principled", entries))
+    let entries = [("base_color", nested(base_color)), ("metallic", nested(metal)), ("roughness", roughness)];
+    Ok(object(Kind::Bsdf, "principled", entries))
 }

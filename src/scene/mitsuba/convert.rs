@@ -5,12 +5,14 @@ use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::description::Description;
-use super::document::{self, Document};
-use super::element::{Element, MESH, MESH_INDEX};
-use super::folders::FoundFile;
-use super::transform;
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::object::{Entry, MESH, Object, Spectrum, Value};
+use crate::scene::description::origin::{Origin, snake_case};
+use crate::scene::description::transform::{Operation, Transform};
+use crate::scene::description::{Alias, Description};
+use crate::scene::folders::FoundFile;
 use crate::scene::mesh::{Mesh, ply_writer};
 use crate::scene::{Camera, FilmDescription, FovAxis, Scene};
 use crate::{Error, Result, files, inputs};
@@ -28,18 +30,9 @@ pub(in crate::scene) struct Target<'a> {
     pub fitted: &'a Scene,
 }
 
-/// Writes the file at `input`, which is in XML. Returns the number of files beside the scene.
-pub(in crate::scene) fn write_xml(input: &Path, defines: &[(String, String)], target: &Target) -> Result<usize> {
-    write(&document::read(input, defines)?, target)
-}
-
-/// Writes a description. Meshes in memory become binary PLY files, and images in memory become files. Returns the number of
-/// files beside the scene.
-pub(in crate::scene) fn write_description(description: Description, target: &Target) -> Result<usize> {
-    write(&description.into_document(": ")?, target)
-}
-
-fn write(document: &Document, target: &Target) -> Result<usize> {
+/// Writes a description that was read without a fault. Meshes in memory become binary PLY files, and images in memory become
+/// files. Returns the number of files beside the scene.
+pub(in crate::scene) fn write(description: &Description, target: &Target) -> Result<usize> {
     let &Target { output, overwrite, fitted } = target;
     if !files::has_extension(output, "xml") {
         return Err(Error::Settings(format!("{}: the name of a scene must end in .xml", output.display())));
@@ -49,16 +42,24 @@ fn write(document: &Document, target: &Target) -> Result<usize> {
         let message = "it exists already; name another file, or replace it with --overwrite";
         return Err(Error::Settings(format!("{}: {message}", taken.display())));
     }
-    let mut writer = Writer { document, folder, copies: HashMap::new(), names: HashSet::new(), text: String::new() };
-    let has = |tag: &str| document.elements.iter().any(|element| element.tag == tag);
+    let (copies, meshes, names) = (HashMap::new(), HashMap::new(), HashSet::new());
+    let mut writer = Writer { description, folder, copies, meshes, names, text: String::new() };
     // Mitsuba renders no scene without these.
-    if !has("integrator") {
+    if !description.has(Kind::Integrator) {
         writer.text += "    <integrator type=\"path\"/>\n";
     }
-    if !has("sensor") {
+    if !description.has(Kind::Sensor) {
         writer.text += &fitted_sensor(fitted);
     }
-    writer.elements(&document.elements, 1)?;
+    for entry in &description.entries {
+        // The id names an object of the scene.
+        let name = if matches!(entry.value, Value::Object(_)) { "" } else { &*entry.name };
+        writer.entry(name, entry, &description.origin_of(entry), 1)?;
+    }
+    for Alias { id, name, .. } in &description.aliases {
+        writer.open(1, "alias", &[("id", id), ("as", name)]);
+        writer.text += "/>\n";
+    }
     let text = format!("<scene version=\"{VERSION}\">\n{}</scene>\n", writer.text);
     files::write_whole(output, |file| file.write_all(text.as_bytes()))?;
     Ok(writer.names.len())
@@ -67,7 +68,7 @@ fn write(document: &Document, target: &Target) -> Result<usize> {
 /// Text of the camera that was fitted to a scene, with its film.
 fn fitted_sensor(scene: &Scene) -> String {
     let Camera { world_from_camera, fov, fov_axis, near_clip, far_clip, .. } = &scene.camera;
-    let rows = world_from_camera.transpose().to_cols_array().map(|value| format!("{value:?}")).join(" ");
+    let rows = joined(&world_from_camera.transpose().to_cols_array());
     let axis = match fov_axis {
         FovAxis::X => "x",
         FovAxis::Y => "y",
@@ -95,87 +96,146 @@ fn fitted_sensor(scene: &Scene) -> String {
 
 /// Writer of one scene, with what it has written.
 struct Writer<'a> {
-    document: &'a Document,
+    description: &'a Description,
     /// Folder of the files that the scene names.
     folder: PathBuf,
     /// Names in the folder by the canonical path of the copied file.
     copies: HashMap<PathBuf, String>,
+    /// Names in the folder of the meshes in memory, by their addresses.
+    meshes: HashMap<*const Mesh, String>,
     /// Names in the folder, in lower case.
     names: HashSet<String>,
     text: String,
 }
 
 impl Writer<'_> {
-    fn elements(&mut self, elements: &[Element], depth: usize) -> Result<()> {
-        elements.iter().try_for_each(|element| self.element(element, depth))
-    }
-
-    fn element(&mut self, element: &Element, depth: usize) -> Result<()> {
-        let indent = "    ".repeat(depth);
-        // Mitsuba 3 does not normalize the axis of a rotation, as 0.6 does, so the rotation becomes a matrix.
-        if element.is_old && transform::warning(element)?.is_some() {
-            let rows = transform::parse_rotate(element)?.transpose().to_cols_array();
-            let rows = rows.map(|value| format!("{value:?}")).join(" ");
-            self.text += &format!("{indent}<matrix value=\"{rows}\"/>\n");
-            return Ok(());
-        }
-        self.text += &format!("{indent}<{}", element.tag);
-        let is_mesh = element.attribute("type") == Some(MESH);
-        for (name, value) in &element.attributes {
-            let value = match name.as_str() {
-                // The id names an object of the scene.
-                "name" if depth == 1 && element.is_object() => continue,
-                "name" => element.key().unwrap_or_default(),
-                "type" if is_mesh => "ply".to_owned(),
-                "filename" => self.copy(element, value)?,
-                "value" if element.attribute("name") == Some("filename") => self.copy(element, value)?,
-                _ => value.clone(),
-            };
-            self.attribute(name, &value);
-        }
-        if element.children.is_empty() {
+    fn object(&mut self, name: &str, object: &Object, depth: usize) -> Result<()> {
+        let plugin = if object.plugin == MESH { "ply" } else { &object.plugin };
+        let id = object.id.as_deref().unwrap_or_default();
+        let tag = object.kind.name();
+        self.open(depth, tag, &[("name", name), ("type", plugin), ("id", id)]);
+        if object.entries.is_empty() {
             self.text += "/>\n";
             return Ok(());
         }
         self.text += ">\n";
-        for child in &element.children {
-            match is_mesh && child.attribute("name") == Some(MESH_INDEX) {
-                true => self.mesh(child, depth + 1)?,
-                false => self.element(child, depth + 1)?,
-            }
+        for entry in &object.entries {
+            self.entry(&snake_case(&entry.name), entry, &object.origin_of(entry), depth + 1)?;
         }
-        self.text += &format!("{indent}</{}>\n", element.tag);
+        self.text += &format!("{}</{tag}>\n", "    ".repeat(depth));
         Ok(())
+    }
+
+    fn entry(&mut self, name: &str, entry: &Entry, origin: &Origin, depth: usize) -> Result<()> {
+        let (tag, value) = match &entry.value {
+            Value::Object(object) => return self.object(name, object, depth),
+            Value::Reference(id) => {
+                self.open(depth, "ref", &[("name", name), ("id", id)]);
+                self.text += "/>\n";
+                return Ok(());
+            }
+            Value::Transform(transform) => {
+                self.transform(name, transform, depth);
+                return Ok(());
+            }
+            // The scene was read, so nothing needs what was faulty.
+            Value::Fault(_) => return Ok(()),
+            Value::Spectrum(Spectrum::File(file)) => {
+                let file = self.copy_named(file, origin)?;
+                self.open(depth, "spectrum", &[("name", name), ("filename", &file)]);
+                self.text += "/>\n";
+                return Ok(());
+            }
+            Value::Boolean(value) => ("boolean", value.to_string()),
+            Value::Integer(value) => ("integer", value.to_string()),
+            Value::Float(value) => ("float", format!("{value:?}")),
+            Value::Text(file) if name == "filename" => ("string", self.copy_named(file, origin)?),
+            Value::Text(text) => ("string", text.clone()),
+            Value::Image(image) => {
+                let source = FoundFile { path: PathBuf::from(&image.name), bytes: Some(image.bytes.clone()) };
+                ("string", self.copy(source)?)
+            }
+            Value::Mesh(mesh) => ("string", self.mesh(mesh)?),
+            Value::Point(numbers) => ("point", joined(numbers)),
+            Value::Vector(numbers) => ("vector", joined(numbers)),
+            Value::Array(numbers) => ("vector", joined(numbers)),
+            Value::Rgb(color) | Value::Spectrum(Spectrum::Rgb(color)) => ("rgb", joined(color)),
+            Value::Srgb(color) => ("srgb", joined(color)),
+            Value::Spectrum(Spectrum::Uniform(value)) => ("spectrum", format!("{value:?}")),
+            Value::Spectrum(Spectrum::Points(points)) => {
+                let pairs = points.iter().map(|[wavelength, value]| format!("{wavelength:?}:{value:?}"));
+                ("spectrum", pairs.collect::<Vec<_>>().join(", "))
+            }
+        };
+        let name = if matches!(entry.value, Value::Mesh(_)) { "filename" } else { name };
+        self.open(depth, tag, &[("name", name)]);
+        self.attribute("value", &value);
+        self.text += "/>\n";
+        Ok(())
+    }
+
+    fn transform(&mut self, name: &str, transform: &Transform, depth: usize) {
+        self.open(depth, "transform", &[("name", name)]);
+        self.text += ">\n";
+        for operation in &transform.operations {
+            let (tag, attributes) = match operation {
+                Operation::Translate(by) => ("translate", vec![("value", joined(by))]),
+                Operation::Scale(by) => ("scale", vec![("value", joined(by))]),
+                Operation::Rotate { axis, degrees } => {
+                    ("rotate", vec![("value", joined(axis)), ("angle", joined(&[*degrees]))])
+                }
+                Operation::LookAt { origin, target, up } => {
+                    let points = [("origin", origin), ("target", target), ("up", up)];
+                    ("lookat", points.map(|(name, point)| (name, joined(point))).into())
+                }
+                Operation::Matrix(rows) => ("matrix", vec![("value", joined(rows))]),
+            };
+            self.open(depth + 1, tag, &[]);
+            attributes.iter().for_each(|(name, value)| self.attribute(name, value));
+            self.text += "/>\n";
+        }
+        self.text += &format!("{}</transform>\n", "    ".repeat(depth));
+    }
+
+    /// Begins an element with those attributes that are not empty.
+    fn open(&mut self, depth: usize, tag: &str, attributes: &[(&str, &str)]) {
+        self.text += &format!("{}<{tag}", "    ".repeat(depth));
+        attributes.iter().filter(|(_, value)| !value.is_empty()).for_each(|(name, value)| self.attribute(name, value));
     }
 
     fn attribute(&mut self, name: &str, value: &str) {
         self.text += &format!(" {name}=\"{}\"", escaped(value));
     }
 
-    /// Writes a mesh that lies in memory, and the parameter that names its file.
-    fn mesh(&mut self, index: &Element, depth: usize) -> Result<()> {
-        let number = index.required("value")?;
-        let mesh: Option<&Mesh> = number.parse().ok().and_then(|index: usize| self.document.meshes.get(index));
-        let mesh = mesh.ok_or_else(|| index.error(format!("there is no mesh {number}")))?;
-        let name = self.new_name(OsStr::new(&format!("mesh-{number}.ply")));
+    /// Writes a mesh that lies in memory, once, and returns the name of its file.
+    fn mesh(&mut self, mesh: &Arc<Mesh>) -> Result<String> {
+        if let Some(name) = self.meshes.get(&Arc::as_ptr(mesh)) {
+            return Ok(self.relative(name));
+        }
+        let name = self.new_name(OsStr::new(&format!("mesh-{}.ply", self.meshes.len())));
         let path = self.make_folder()?.join(&name);
         files::write_whole(&path, |file| ply_writer::write(mesh, file))?;
-        let value = self.relative(&name);
-        self.text += &"    ".repeat(depth);
-        self.text += &format!("<string name=\"filename\" value=\"{}\"/>\n", escaped(&value));
-        Ok(())
+        self.meshes.insert(Arc::as_ptr(mesh), name.clone());
+        Ok(self.relative(&name))
     }
 
-    /// Copies the file that an element names, once, and returns its name relative to the scene.
-    fn copy(&mut self, element: &Element, name: &str) -> Result<String> {
+    /// Copies the file of that name, and returns its name relative to the scene.
+    fn copy_named(&mut self, name: &str, origin: &Origin) -> Result<String> {
         // The scene has been read, so a file that is not there is one that nothing needs.
-        let found = self.document.folders.find_any(name, &element.location.file);
-        let Some(FoundFile { path: source, bytes }) = found else { return Ok(name.to_owned()) };
+        match self.description.folders.find(name, &origin.file).and_then(|path| path.canonicalize().ok()) {
+            Some(path) => self.copy(FoundFile { path, bytes: None }),
+            None => Ok(name.to_owned()),
+        }
+    }
+
+    /// Copies a file once, and returns its name relative to the scene.
+    fn copy(&mut self, file: FoundFile) -> Result<String> {
+        let FoundFile { path: source, bytes } = file;
         if let Some(name) = self.copies.get(&source) {
             return Ok(self.relative(name));
         }
         let name = match &bytes {
-            Some(bytes) => self.new_name(OsStr::new(&image_name(name, bytes))),
+            Some(bytes) => self.new_name(OsStr::new(&image_name(&source.to_string_lossy(), bytes))),
             None => self.new_name(source.file_name().unwrap_or_default()),
         };
         let target = self.make_folder()?.join(&name);
@@ -230,6 +290,11 @@ fn image_name(name: &str, bytes: &[u8]) -> String {
         _ => "",
     };
     if stem.to_lowercase().ends_with(extension) { stem } else { stem + extension }
+}
+
+/// Numbers with spaces between them, each in the fewest digits that read back as the same number.
+fn joined<T: std::fmt::Debug>(numbers: &[T]) -> String {
+    numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ")
 }
 
 /// Text as it stands between the quotes of an attribute.

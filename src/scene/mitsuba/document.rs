@@ -8,12 +8,12 @@ use std::sync::Arc;
 use roxmltree::Node;
 
 use super::budget::{self, Budget};
-use super::element::{Element, Location, OBJECT_TAGS, PARAMETER_TAGS};
-use super::faults::Faults;
-use super::fit::View;
-use super::folders::Folders;
-use super::transform;
-use crate::scene::mesh::Mesh;
+use super::element::Element;
+use super::values::rotation_warning;
+use crate::scene::description::kinds::{Kind, Type};
+use crate::scene::description::origin::Origin;
+use crate::scene::faults::Faults;
+use crate::scene::folders::Folders;
 use crate::scene::text::{self, Decoded};
 use crate::{Error, Result, inputs, quoted};
 
@@ -23,7 +23,8 @@ const MAX_INCLUDE_DEPTH: usize = 16;
 /// Most warnings after which text between elements is no longer told.
 const MOST_WARNINGS: usize = 1000;
 
-const TRANSFORM_TAGS: [&str; 5] = ["lookat", "matrix", "rotate", "scale", "translate"];
+/// Elements that are neither objects nor parameters.
+const OTHER_TAGS: [&str; 6] = ["lookat", "matrix", "ref", "rotate", "scale", "translate"];
 
 /// Invisible characters that count as space between elements: the zero-width space and the byte order mark.
 const INVISIBLE: [char; 2] = ['\u{200b}', '\u{feff}'];
@@ -34,13 +35,9 @@ pub(super) struct Document {
     pub elements: Vec<Element>,
     /// Folders in which files are searched.
     pub folders: Folders,
-    /// Meshes in memory. Elements of the type `mesh` name them by their index.
-    pub meshes: Vec<Mesh>,
     pub warnings: Vec<String>,
     /// Elements that are not supported.
     pub faults: Faults,
-    /// Direction of a camera that is fitted to the scene.
-    pub view: View,
 }
 
 /// Reads the file at `path` with all its includes.
@@ -63,7 +60,7 @@ pub(super) fn read(path: &Path, defines: &[(String, String)]) -> Result<Document
         }
     }
     let Reader { folders, warnings, faults, .. } = reader;
-    Ok(Document { elements, folders, meshes: Vec::new(), warnings, faults, view: View::Mitsuba })
+    Ok(Document { elements, folders, warnings, faults })
 }
 
 struct Reader {
@@ -89,9 +86,9 @@ struct File {
 }
 
 impl File {
-    fn location(&self, node: Node) -> Location {
+    fn location(&self, node: Node) -> Origin {
         let line = self.line_starts.partition_point(|&start| start as usize <= node.range().start);
-        Location { file: self.path.clone(), line: Some(line as u32) }
+        Origin::line(&self.path, line as u32)
     }
 }
 
@@ -148,7 +145,7 @@ impl Reader {
     }
 
     /// Skips text between elements, as Mitsuba does. Visible text gets a warning.
-    fn skip_text(&mut self, text: &str, location: &Location) {
+    fn skip_text(&mut self, text: &str, location: &Origin) {
         let word = text.split(|c: char| c.is_whitespace() || INVISIBLE.contains(&c)).find(|word| !word.is_empty());
         if let Some(word) = word.filter(|_| self.warnings.len() < MOST_WARNINGS) {
             let word = quoted::word(word);
@@ -183,13 +180,13 @@ impl Reader {
                 false => Ok(()),
             };
         }
-        self.warnings.extend(transform::warning(&element)?);
+        self.warnings.extend(rotation_warning(&element));
         self.read_children(node, file, depth, &mut element.children)?;
         into.push(element);
         Ok(())
     }
 
-    fn read_attributes(&mut self, node: Node, location: &Location) -> Result<Vec<(String, String)>> {
+    fn read_attributes(&mut self, node: Node, location: &Origin) -> Result<Vec<(String, String)>> {
         node.attributes()
             .map(|attribute| {
                 let value = self.substitute(attribute.value(), location)?;
@@ -199,7 +196,7 @@ impl Reader {
     }
 
     /// Replaces every `$name` in `text`.
-    fn substitute(&mut self, text: &str, location: &Location) -> Result<String> {
+    fn substitute(&mut self, text: &str, location: &Origin) -> Result<String> {
         let mut parts = text.split('$');
         let mut result = parts.next().unwrap_or_default().to_string();
         for part in parts {
@@ -265,11 +262,11 @@ fn tag_name(tag: &str) -> String {
 /// Refuses unknown elements. `depth` is 1 directly in `<scene>`.
 fn check_tag(element: &Element, depth: usize) -> Result<()> {
     let tag = element.tag.as_str();
-    let known = [&OBJECT_TAGS[..], &PARAMETER_TAGS, &TRANSFORM_TAGS, &["ref"]];
-    if known.iter().any(|tags| tags.contains(&tag)) || (tag == "alias" && depth == 1) {
-        return Ok(());
+    let is_known = Kind::named(tag).is_some() || Type::named(tag).is_some() || OTHER_TAGS.contains(&tag);
+    match is_known || (tag == "alias" && depth == 1) {
+        true => Ok(()),
+        false => Err(element.error(format!("the element {} is not supported", tag_name(tag)))),
     }
-    Err(element.error(format!("the element {} is not supported", tag_name(tag))))
 }
 
 /// Replaces a `<!DOCTYPE>` that only names the document's type by spaces, as Mitsuba skips it. One that defines something is left to the

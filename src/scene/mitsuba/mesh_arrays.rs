@@ -3,8 +3,8 @@
 use glam::{Vec2, Vec3};
 
 use super::dictionary::{Array, Dictionary, Value};
-use super::element::Location;
 use crate::Result;
+use crate::scene::description::origin::Origin;
 use crate::scene::mesh::{MAX_TRIANGLES, Mesh};
 
 /// Arrays of a mesh by their key.
@@ -22,7 +22,7 @@ pub(super) fn split_mesh(dictionary: &Dictionary) -> (Arrays<'_>, Dictionary) {
 }
 
 /// Mesh of a dictionary's arrays.
-pub(super) fn mesh(arrays: &Arrays, location: &Location) -> Result<Mesh> {
+pub(super) fn mesh(arrays: &Arrays, location: &Origin) -> Result<Mesh> {
     let rows = |key: &str| arrays.iter().find(|(found, _)| *found == key).map(|(_, value)| *value);
     let needs = |key: &str| rows(key).ok_or_else(|| location.error(format!("a `mesh` needs its array `{key}`")));
     let positions: Vec<Vec3> = of_rows::<3>("vertices", needs("vertices")?, location)?.map(Vec3::from).collect();
@@ -45,7 +45,7 @@ pub(super) fn mesh(arrays: &Arrays, location: &Location) -> Result<Mesh> {
     Ok(Mesh { positions, normals, uvs, colors, triangles, ..Mesh::default() })
 }
 
-fn check_count(key: &str, count: usize, vertices: usize, location: &Location) -> Result<()> {
+fn check_count(key: &str, count: usize, vertices: usize, location: &Origin) -> Result<()> {
     if count == vertices {
         return Ok(());
     }
@@ -57,7 +57,7 @@ fn check_count(key: &str, count: usize, vertices: usize, location: &Location) ->
 fn of_rows<'a, const N: usize>(
     key: &str,
     value: &'a Value,
-    location: &Location,
+    location: &Origin,
 ) -> Result<impl Iterator<Item = [f32; N]> + 'a> {
     let values = table::<N>(key, value, location)?;
     if let Some(wrong) = values.iter().position(|&value| !(value as f32).is_finite()) {
@@ -66,7 +66,7 @@ fn of_rows<'a, const N: usize>(
     Ok(values.chunks_exact(N).map(|row| std::array::from_fn(|column| row[column] as f32)))
 }
 
-fn faces(value: &Value, vertices: usize, location: &Location) -> Result<Vec<[u32; 3]>> {
+fn faces(value: &Value, vertices: usize, location: &Origin) -> Result<Vec<[u32; 3]>> {
     let values = table::<3>("faces", value, location)?;
     if values.is_empty() || values.len() / 3 > MAX_TRIANGLES {
         let count = values.len() / 3;
@@ -82,7 +82,7 @@ fn faces(value: &Value, vertices: usize, location: &Location) -> Result<Vec<[u32
 }
 
 /// Values of an array with `N` columns.
-fn table<'a, const N: usize>(key: &str, value: &'a Value, location: &Location) -> Result<&'a [f64]> {
+fn table<'a, const N: usize>(key: &str, value: &'a Value, location: &Origin) -> Result<&'a [f64]> {
     match value {
         Value::Array(Array { shape, values }) if shape.len() == 2 && shape[1] == N => Ok(values),
         Value::Array(Array { shape, .. }) => {

@@ -1,37 +1,12 @@
-//! Mitsuba's scene format: XML of any version to a [`Scene`](super::Scene).
+//! Mitsuba's formats: XML and dictionaries, which become a description, and the writer of XML.
 
 mod budget;
-mod color;
-mod color_blocks;
-mod color_matching;
 pub(in crate::scene) mod convert;
-mod curves;
-mod cylinder;
-pub(in crate::scene) mod description;
 pub mod dictionary;
 mod document;
-pub(in crate::scene) mod element;
-mod emission;
-mod emitter_plugin;
-pub(in crate::scene) mod faults;
-mod fit;
-mod flatten;
-mod folders;
-mod integrator;
-pub mod load;
-mod materials;
+mod element;
+pub(in crate::scene) mod entries;
 mod mesh_arrays;
-mod numbers;
 mod old_files;
-mod plugins;
-mod projector;
-mod properties;
-mod scope;
-mod sensor;
-mod shape;
-pub(in crate::scene) mod spectrum;
-mod sunsky;
-mod texture_images;
-mod textures;
-mod transform;
-mod vertex_colors;
+mod values;
+pub(in crate::scene) mod xml;

@@ -8,8 +8,9 @@ use super::rasters::Encoding;
 use super::textures::Textures;
 use super::world::Entity;
 use crate::Result;
-use crate::scene::values::object;
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{nested, object};
+use crate::scene::description::object::{Object, Value};
 
 /// Light of a shape, up to the area on which its radiance may depend.
 pub(super) struct AreaLight {
@@ -75,7 +76,7 @@ impl AreaLight {
     }
 
     /// Emitter of a shape with this area.
-    pub fn emitter(&self, area: f64, textures: &mut Textures) -> Result<Dictionary> {
+    pub fn emitter(&self, area: f64, textures: &mut Textures) -> Result<Object> {
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
         let of_power = |mean: f64| match self.power {
             Some(power) if mean * area > 0.0 => power / (mean * sides * area * std::f64::consts::PI),
@@ -91,14 +92,14 @@ impl AreaLight {
                 let factor = factor * of_power(*luminance);
                 match texture {
                     Value::Object(texture) if factor != 1.0 => {
-                        let entries = [("scale", Value::Number(factor)), ("texture", Value::Object(texture))];
-                        Value::Object(object("scale", entries))
+                        let entries = [("scale", Value::Float(factor)), ("texture", Value::Object(texture))];
+                        nested(object(Kind::Texture, "scale", entries))
                     }
                     texture => texture,
                 }
             }
         };
-        Ok(object("area", [("radiance", radiance)]))
+        Ok(object(Kind::Emitter, "area", [("radiance", radiance)]))
     }
 }
 

@@ -14,8 +14,8 @@ use super::tokens::{Place, brief};
 use super::transforms::Current;
 use super::world::{Entity, Instance, MaterialUse, NamedTexture, Object, Shape, World};
 use crate::Result;
+use crate::scene::faults::Faults;
 use crate::scene::mesh::MAX_TRIANGLES;
-use crate::scene::mitsuba::faults::Faults;
 
 /// Deepest nesting of `AttributeBegin`.
 const MAX_DEPTH: usize = 1024;

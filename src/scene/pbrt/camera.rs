@@ -6,8 +6,9 @@ use super::tokens::brief;
 use super::transforms::rigid;
 use super::world::Entity;
 use crate::Result;
-use crate::scene::values::{matrix, object, with};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{matrix, object};
+use crate::scene::description::object::{Object, Value};
 
 /// Distance of the near plane: pbrt's rays begin at the camera.
 const NEAR: f64 = 1.0e-6;
@@ -19,7 +20,7 @@ const SQUARE: f64 = 1.0e-3;
 const FOCUS: f64 = 1.0e6;
 
 /// Sensor of a camera for a film of `width` x `height` pixels, without its film.
-pub(super) fn sensor(entity: &Entity, width: i64, height: i64) -> Result<Dictionary> {
+pub(super) fn sensor(entity: &Entity, width: i64, height: i64) -> Result<Object> {
     // Exposure is a matter of the film, and nothing moves.
     entity.parameters.ignore(&["shutteropen", "shutterclose"]);
     let (pose, scale) = rigid(&entity.to_world.inverse)
@@ -68,7 +69,7 @@ impl Window {
     }
 }
 
-fn perspective(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Result<Dictionary> {
+fn perspective(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Result<Object> {
     let parameters = &entity.parameters;
     let fov = parameters.number("fov", 90.0)?;
     let lens = parameters.number("lensradius", 0.0)?;
@@ -83,11 +84,11 @@ fn perspective(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Re
     let mut sensor = posed(plugin, pose);
     if window.is_default {
         // The angle belongs to the shorter side.
-        sensor = with(sensor, "fov", Value::Number(fov));
-        sensor = with(sensor, "fov_axis", Value::Text("smaller".into()));
+        sensor = sensor.with("fov", Value::Float(fov));
+        sensor = sensor.with("fov_axis", Value::Text("smaller".into()));
     } else {
         let half = 0.5 * (window.right - window.left) * (0.5 * fov.to_radians()).tan();
-        sensor = with(sensor, "fov", Value::Number((2.0 * half.atan()).to_degrees()));
+        sensor = sensor.with("fov", Value::Float((2.0 * half.atan()).to_degrees()));
         let across = 0.5 + window.left / (window.right - window.left);
         let down = 0.5 - window.top / (window.top - window.bottom);
         let is_centered = across.abs() < SQUARE && down.abs() < SQUARE;
@@ -95,18 +96,18 @@ fn perspective(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Re
             return Err(entity.error("a `screenwindow` beside the center is not supported with a `lensradius`"));
         }
         if !is_centered {
-            sensor = with(sensor, "principal_point_offset_x", Value::Number(across));
-            sensor = with(sensor, "principal_point_offset_y", Value::Number(down));
+            sensor = sensor.with("principal_point_offset_x", Value::Float(across));
+            sensor = sensor.with("principal_point_offset_y", Value::Float(down));
         }
     }
     if lens > 0.0 {
-        sensor = with(sensor, "aperture_radius", Value::Number(lens * scale));
-        sensor = with(sensor, "focus_distance", Value::Number(focus * scale));
+        sensor = sensor.with("aperture_radius", Value::Float(lens * scale));
+        sensor = sensor.with("focus_distance", Value::Float(focus * scale));
     }
     Ok(sensor)
 }
 
-fn orthographic(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Result<Dictionary> {
+fn orthographic(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Result<Object> {
     let parameters = &entity.parameters;
     if parameters.number("lensradius", 0.0)? > 0.0 {
         return Err(entity.error("an `orthographic` camera with a lens is not supported; remove `lensradius`"));
@@ -118,7 +119,7 @@ fn orthographic(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> R
     Ok(posed("orthographic", &pose))
 }
 
-fn posed(plugin: &str, pose: &DMat4) -> Dictionary {
-    let entries = [("to_world", matrix(pose)), ("near_clip", Value::Number(NEAR)), ("far_clip", Value::Number(FAR))];
-    object(plugin, entries)
+fn posed(plugin: &'static str, pose: &DMat4) -> Object {
+    let entries = [("to_world", matrix(pose)), ("near_clip", Value::Float(NEAR)), ("far_clip", Value::Float(FAR))];
+    object(Kind::Sensor, plugin, entries)
 }

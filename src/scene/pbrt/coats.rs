@@ -1,20 +1,21 @@
 //! Coated materials, which pbrt simulates by random walks between two layers. Mitsuba's plastics and coatings are closed forms.
 
 use super::coat_loss::Loss;
-use super::maker::{Maker, two_sided};
+use super::maker::Maker;
 use super::metals;
 use super::nodes::{Node, rgb};
 use super::roughness::{self, Facets};
 use crate::Result;
-use crate::scene::values::{object, with};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{nested, object, two_sided};
+use crate::scene::description::object::{Object, Value};
 
 /// Albedo for which the loss in a coat is computed where a texture gives the albedo.
 const MEAN_ALBEDO: f64 = 0.5;
 
 /// Reads a `coateddiffuse`: a dielectric layer over a diffuse base. Internal reflections are kept, and the light that the coat
 /// absorbs is taken from the base.
-pub(super) fn diffuse(maker: &mut Maker) -> Result<Dictionary> {
+pub(super) fn diffuse(maker: &mut Maker) -> Result<Object> {
     let entity = maker.entity;
     let facets = roughness::read(maker, "")?;
     let eta = maker.index("eta", 1.5)?;
@@ -28,26 +29,26 @@ pub(super) fn diffuse(maker: &mut Maker) -> Result<Dictionary> {
     };
     let reflectance = maker.value(&node)?;
     if eta == 1.0 {
-        return Ok(two_sided(object("diffuse", [("reflectance", reflectance)])));
+        return Ok(two_sided(object(Kind::Bsdf, "diffuse", [("reflectance", reflectance)])));
     }
     let plugin = if alpha > 0.0 { "roughplastic" } else { "plastic" };
     maker.warn(&format!("it is read as a `{plugin}`, whose layers are simulated by a formula"));
     let entries = [
-        ("int_ior", Value::Number(eta)),
-        ("ext_ior", Value::Number(1.0)),
+        ("int_ior", Value::Float(eta)),
+        ("ext_ior", Value::Float(1.0)),
         ("nonlinear", Value::Boolean(true)),
         ("diffuse_reflectance", reflectance),
     ];
-    let mut plastic = object(plugin, entries);
+    let mut plastic = object(Kind::Bsdf, plugin, entries);
     if alpha > 0.0 {
-        plastic = with(plastic, "alpha", Value::Number(alpha));
-        plastic = with(plastic, "distribution", Value::Text("ggx".into()));
+        plastic = plastic.with("alpha", Value::Float(alpha));
+        plastic = plastic.with("distribution", Value::Text("ggx".into()));
     }
     Ok(two_sided(plastic))
 }
 
 /// Reads a `coatedconductor`: a dielectric layer over a conductor.
-pub(super) fn conductor(maker: &mut Maker) -> Result<Dictionary> {
+pub(super) fn conductor(maker: &mut Maker) -> Result<Object> {
     let coat = roughness::read(maker, "interface.")?;
     let facets = roughness::read(maker, "conductor.")?;
     let eta = maker.index("interface.eta", 1.5)?;
@@ -63,12 +64,12 @@ pub(super) fn conductor(maker: &mut Maker) -> Result<Dictionary> {
     };
     maker.warn(&format!("it is read as a `coating`, without reflections between the layers{roughness}"));
     let entries = [
-        ("int_ior", Value::Number(eta)),
-        ("ext_ior", Value::Number(1.0)),
+        ("int_ior", Value::Float(eta)),
+        ("ext_ior", Value::Float(1.0)),
         ("sigma_a", rgb([thickness; 3])),
-        ("metal", Value::Object(metal)),
+        ("metal", nested(metal)),
     ];
-    Ok(two_sided(object("coating", entries)))
+    Ok(two_sided(object(Kind::Bsdf, "coating", entries)))
 }
 
 /// Reads the thickness of a coat, which absorbs that share of light per unit of the inverse cosine.

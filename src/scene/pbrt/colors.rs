@@ -9,7 +9,7 @@ use super::named_spectra;
 use super::parameters::{Parameter, Values};
 use super::tokens::brief;
 use crate::Result;
-use crate::scene::mitsuba::spectrum;
+use crate::scene::spectrum;
 
 /// Second radiation constant in nm K (CODATA).
 const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e7;

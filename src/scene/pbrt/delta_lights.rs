@@ -9,21 +9,17 @@ use super::nodes::rgb;
 use super::tokens::brief;
 use super::world::Entity;
 use crate::Result;
-use crate::scene::values::{matrix, object};
-use crate::scene::{Array, Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{matrix, object};
+use crate::scene::description::object::{Object, Value};
 
 /// Emitter of a light. `exposure` is a factor of all light.
-pub(super) fn light(
-    entity: &Entity,
-    exposure: f64,
-    files: &mut Files,
-    warnings: &mut Vec<String>,
-) -> Result<Dictionary> {
+pub(super) fn light(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<String>) -> Result<Object> {
     match entity.kind.as_str() {
         "point" => {
             let position = world_point(entity, point(entity, "from", DVec3::ZERO)?);
             let intensity = color(entity, "I", exposure * power(entity, 4.0 * PI)?, files)?;
-            Ok(object("point", [("position", vector(position)), ("intensity", rgb(intensity))]))
+            Ok(object(Kind::Emitter, "point", [("position", vector(position)), ("intensity", rgb(intensity))]))
         }
         "spot" => spot(entity, exposure, files, warnings),
         "distant" => {
@@ -33,7 +29,11 @@ pub(super) fn light(
             let illuminance = entity.parameters.number("illuminance", -1.0)?;
             let factor = if illuminance > 0.0 { exposure * illuminance } else { exposure };
             let irradiance = color(entity, "L", factor, files)?;
-            Ok(object("directional", [("direction", vector(direction)), ("irradiance", rgb(irradiance))]))
+            Ok(object(
+                Kind::Emitter,
+                "directional",
+                [("direction", vector(direction)), ("irradiance", rgb(irradiance))],
+            ))
         }
         other @ ("goniometric" | "projection") => {
             Err(entity.error(format!("the light `{other}` is not supported; use a `spot`")))
@@ -42,7 +42,7 @@ pub(super) fn light(
     }
 }
 
-fn spot(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<String>) -> Result<Dictionary> {
+fn spot(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<String>) -> Result<Object> {
     let parameters = &entity.parameters;
     let (from, to) = (point(entity, "from", DVec3::ZERO)?, point(entity, "to", DVec3::Z)?);
     let (cone, delta) = (parameters.positive("coneangle", 30.0)?, parameters.number("conedeltaangle", 5.0)?);
@@ -66,10 +66,10 @@ fn spot(entity: &Entity, exposure: f64, files: &mut Files, warnings: &mut Vec<St
     let entries = [
         ("to_world", matrix(&pose)),
         ("intensity", rgb(intensity)),
-        ("cutoff_angle", Value::Number(cone)),
-        ("beam_width", Value::Number(beam)),
+        ("cutoff_angle", Value::Float(cone)),
+        ("beam_width", Value::Float(beam)),
     ];
-    Ok(object("spot", entries))
+    Ok(object(Kind::Emitter, "spot", entries))
 }
 
 /// Factor that gives a light its `power`, where it is given. `emitted` is the power of a light of intensity 1.
@@ -100,5 +100,5 @@ fn world_point(entity: &Entity, point: DVec3) -> DVec3 {
 }
 
 fn vector(vector: DVec3) -> Value {
-    Value::Array(Array { shape: vec![3], values: vector.to_array().into() })
+    Value::Vector(vector.to_array())
 }

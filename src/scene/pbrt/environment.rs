@@ -16,11 +16,12 @@ use super::world::Entity;
 use crate::Result;
 use crate::image::exr;
 use crate::image::texels;
-use crate::scene::values::{matrix, object};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{matrix, object};
+use crate::scene::description::object::{Object, Value};
 
 /// Emitter of the sum of a scene's infinite lights; `None` where there are none. `exposure` is a factor of all light.
-pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textures) -> Result<Option<Dictionary>> {
+pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textures) -> Result<Option<Object>> {
     let (mut radiance, mut map) = ([0.0; 3], None);
     for entity in lights {
         match light(entity, exposure, textures)? {
@@ -33,7 +34,7 @@ pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textur
     }
     // The other lights are added to the map's texels, and a scale of 0 would hide them.
     let Some(Map { mut raster, scale, to_world }) = map.filter(|map| map.scale > 0.0) else {
-        let constant = || object("constant", [("radiance", rgb(radiance))]);
+        let constant = || object(Kind::Emitter, "constant", [("radiance", rgb(radiance))]);
         return Ok((!lights.is_empty()).then(constant));
     };
     if radiance != [0.0; 3] {
@@ -42,8 +43,9 @@ pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textur
     }
     let name = textures.images.new_name("environment", "exr");
     textures.images.add_file(name.clone(), exr::encode_rgb(std::path::Path::new(&name), &raster.to_image())?);
-    let entries = [("filename", Value::Text(name)), ("scale", Value::Number(scale)), ("to_world", matrix(&to_world))];
-    Ok(Some(object("envmap", entries)))
+    let entries =
+        [("filename", textures.images.value(name)), ("scale", Value::Float(scale)), ("to_world", matrix(&to_world))];
+    Ok(Some(object(Kind::Emitter, "envmap", entries)))
 }
 
 /// Infinite light.

@@ -3,8 +3,9 @@
 use super::tokens::brief;
 use super::world::{Entity, World};
 use crate::Result;
-use crate::scene::values::{object, with};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{nested, object};
+use crate::scene::description::object::{Object, Value};
 
 /// pbrt's default size of a film.
 const SIZE: [i64; 2] = [1280, 720];
@@ -19,7 +20,7 @@ pub(super) struct Film {
     pub height: i64,
     /// Factor of all light: exposure time times sensitivity over 100.
     pub exposure: f64,
-    object: Dictionary,
+    object: Object,
 }
 
 impl Film {
@@ -34,7 +35,7 @@ impl Film {
                 Self { width, height, exposure: 1.0, object: sized(SIZE) }
             }
         };
-        film.object = with(film.object, "rfilter", Value::Object(filter));
+        film.object = film.object.with("rfilter", nested(filter));
         if let Some(camera) = &world.camera {
             let time = camera.parameters.number("shutterclose", 1.0)? - camera.parameters.number("shutteropen", 0.0)?;
             if time <= 0.0 {
@@ -48,13 +49,13 @@ impl Film {
     }
 
     /// The film for a sensor.
-    pub fn into_object(self) -> Dictionary {
+    pub fn into_object(self) -> Object {
         self.object
     }
 }
 
-fn sized([width, height]: [i64; 2]) -> Dictionary {
-    object("hdrfilm", [("width", Value::Integer(width)), ("height", Value::Integer(height))])
+fn sized([width, height]: [i64; 2]) -> Object {
+    object(Kind::Film, "hdrfilm", [("width", Value::Integer(width)), ("height", Value::Integer(height))])
 }
 
 fn film(entity: &Entity, warnings: &mut Vec<String>) -> Result<Film> {
@@ -84,7 +85,7 @@ fn film(entity: &Entity, warnings: &mut Vec<String>) -> Result<Film> {
     let mut object = sized([width, height]);
     if let Some([x0, y0, x1, y1]) = window(entity, width, height)? {
         let crop = [("crop_offset_x", x0), ("crop_offset_y", y0), ("crop_width", x1 - x0), ("crop_height", y1 - y0)];
-        object = crop.into_iter().fold(object, |film, (key, value)| with(film, key, Value::Integer(value)));
+        object = crop.into_iter().fold(object, |film, (key, value)| film.with(key, Value::Integer(value)));
     }
     Ok(Film { width, height, exposure, object })
 }
@@ -112,11 +113,11 @@ fn window(entity: &Entity, width: i64, height: i64) -> Result<Option<[i64; 4]>> 
     }
 }
 
-fn gaussian(stddev: f64) -> Dictionary {
-    object("gaussian", [("stddev", Value::Number(stddev))])
+fn gaussian(stddev: f64) -> Object {
+    object(Kind::Rfilter, "gaussian", [("stddev", Value::Float(stddev))])
 }
 
-fn rfilter(entity: &Entity, warnings: &mut Vec<String>) -> Result<Dictionary> {
+fn rfilter(entity: &Entity, warnings: &mut Vec<String>) -> Result<Object> {
     let parameters = &entity.parameters;
     let radius = |default: f64| -> Result<f64> {
         let (x, y) = (parameters.positive("xradius", default)?, parameters.positive("yradius", default)?);
@@ -139,9 +140,9 @@ fn rfilter(entity: &Entity, warnings: &mut Vec<String>) -> Result<Dictionary> {
             if radius != BOX_RADIUS {
                 warn(format!("a box filter has the radius {BOX_RADIUS}, not {radius}"));
             }
-            Ok(object("box", []))
+            Ok(object(Kind::Rfilter, "box", []))
         }
-        "triangle" => Ok(object("tent", [("radius", Value::Number(radius(2.0)?))])),
+        "triangle" => Ok(object(Kind::Rfilter, "tent", [("radius", Value::Float(radius(2.0)?))])),
         other @ ("mitchell" | "sinc") => {
             parameters.ignore(&["xradius", "yradius", "B", "C", "tau"]);
             warn(format!("the filter `{other}` is not supported; `gaussian` is used"));
@@ -152,7 +153,7 @@ fn rfilter(entity: &Entity, warnings: &mut Vec<String>) -> Result<Dictionary> {
 }
 
 /// Sampler for a sensor; `None` where the scene gives none.
-pub(super) fn sampler(world: &World) -> Result<Option<Dictionary>> {
+pub(super) fn sampler(world: &World) -> Result<Option<Object>> {
     let Some(entity) = &world.sampler else { return Ok(None) };
     let parameters = &entity.parameters;
     parameters.ignore(&["seed", "randomization", "jitter", "dimensions"]);
@@ -165,11 +166,11 @@ pub(super) fn sampler(world: &World) -> Result<Option<Dictionary>> {
         }
         _ => parameters.integer("pixelsamples", range)?.unwrap_or(16),
     };
-    Ok(Some(object("independent", [("sample_count", Value::Integer(count))])))
+    Ok(Some(object(Kind::Sampler, "independent", [("sample_count", Value::Integer(count))])))
 }
 
 /// Integrator. Depths count edges, of which a path has one more than scatterings.
-pub(super) fn integrator(world: &World, warnings: &mut Vec<String>) -> Result<Dictionary> {
+pub(super) fn integrator(world: &World, warnings: &mut Vec<String>) -> Result<Object> {
     let mut depth = DEPTH;
     if let Some(entity) = &world.integrator {
         let parameters = &entity.parameters;
@@ -207,5 +208,5 @@ pub(super) fn integrator(world: &World, warnings: &mut Vec<String>) -> Result<Di
         }
         depth = parameters.integer("maxdepth", 0..=i64::from(i32::MAX) - 1)?.unwrap_or(DEPTH);
     }
-    Ok(object("path", [("max_depth", Value::Integer(depth + 1))]))
+    Ok(object(Kind::Integrator, "path", [("max_depth", Value::Integer(depth + 1))]))
 }

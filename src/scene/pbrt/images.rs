@@ -14,6 +14,7 @@ use super::world::Entity;
 use crate::Result;
 use crate::image::exr;
 use crate::image::texels::{self, FileTexels, TexelImage};
+use crate::scene::description::object::{self, Value};
 
 /// Most texels of all images that are computed from textures.
 const MAX_TEXELS: usize = 1 << 27;
@@ -41,9 +42,12 @@ impl<'a> Images<'a> {
         Self { files, warnings, made, names, luminances, texel_count: 0, name_count: 0, told }
     }
 
-    /// Files in memory.
-    pub fn finish(self) -> HashMap<String, Arc<[u8]>> {
-        self.made
+    /// Value of a parameter that names an image file, which may lie in memory.
+    pub fn value(&self, name: String) -> Value {
+        match self.made.get(&name) {
+            Some(bytes) => Value::Image(object::ImageFile { name, bytes: Arc::clone(bytes) }),
+            None => Value::Text(name),
+        }
     }
 
     /// Warns of a kind of thing, once, at the place where it is met first.

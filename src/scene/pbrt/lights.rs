@@ -5,8 +5,8 @@ use super::textures::Textures;
 use super::tokens::brief;
 use super::world::{Entity, World};
 use super::{delta_lights, environment};
-use crate::scene::Value;
-use crate::scene::mitsuba::faults::Faults;
+use crate::scene::description::object::Object;
+use crate::scene::faults::Faults;
 
 /// Emitters of a scene's lights. `exposure` is a factor of all light.
 pub(super) fn of_scene(
@@ -15,7 +15,7 @@ pub(super) fn of_scene(
     names: &Names,
     textures: &mut Textures,
     faults: &mut Faults,
-) -> Vec<(String, Value)> {
+) -> Vec<(String, Object)> {
     let (infinite, others): (Vec<&Entity>, Vec<&Entity>) =
         world.lights.iter().partition(|light| light.kind == "infinite");
     let label = |light: &Entity| names.label(&light.parameters.place, &format!("light `{}`", brief(&light.kind)));

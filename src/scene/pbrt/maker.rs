@@ -5,8 +5,7 @@ use super::nodes::Node;
 use super::textures::Textures;
 use super::world::Entity;
 use crate::Result;
-use crate::scene::values::object;
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::object::Value;
 
 /// Maker of the BSDF of one material.
 pub(super) struct Maker<'m, 't, 'w> {
@@ -54,9 +53,4 @@ impl Maker<'_, '_, '_> {
             false => Err(parameter.error(format!("must be greater than 0, not {index}"))),
         }
     }
-}
-
-/// The BSDF on both sides of the surface, as all of pbrt's that transmit nothing.
-pub(super) fn two_sided(bsdf: Dictionary) -> Dictionary {
-    object("twosided", [("surface", Value::Object(bsdf))])
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::coats;
-use super::maker::{Maker, two_sided};
+use super::maker::Maker;
 use super::metals;
 use super::names::Names;
 use super::nodes::{Node, rgb};
@@ -16,9 +16,10 @@ use super::tokens::{Place, brief};
 use super::transmission;
 use super::world::{Entity, MaterialUse};
 use crate::Result;
-use crate::scene::mitsuba::faults;
-use crate::scene::values::{object, reference, with};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{nested, object, two_sided};
+use crate::scene::description::object::{Object, Value};
+use crate::scene::faults;
 
 /// Deepest nesting of mixed materials.
 const MAX_DEPTH: usize = 16;
@@ -54,7 +55,7 @@ pub(super) struct Materials<'l> {
     known: HashMap<*const Entity, Option<Cover>>,
     default: Option<Cover>,
     masked: HashMap<(String, String), Cover>,
-    objects: Vec<(String, Value)>,
+    objects: Vec<(String, Object)>,
 }
 
 impl<'l> Materials<'l> {
@@ -64,7 +65,7 @@ impl<'l> Materials<'l> {
     }
 
     /// Objects of the materials used.
-    pub fn finish(self) -> Vec<(String, Value)> {
+    pub fn finish(self) -> Vec<(String, Object)> {
         self.objects
     }
 
@@ -89,7 +90,7 @@ impl<'l> Materials<'l> {
     fn default_cover(&mut self) -> Cover {
         if self.default.is_none() {
             let id = self.names.id("default");
-            let diffuse = two_sided(object("diffuse", [("reflectance", rgb([0.5; 3]))]));
+            let diffuse = two_sided(object(Kind::Bsdf, "diffuse", [("reflectance", rgb([0.5; 3]))]));
             self.add("the default material".to_owned(), &id, diffuse);
             self.default = Some(Cover { id, is_textured: false });
         }
@@ -170,7 +171,7 @@ impl<'l> Materials<'l> {
         }
         let id = self.names.id(&format!("{} with alpha", cover.id));
         let opacity = textures.number_value(&node)?;
-        let mask = object("mask", [("opacity", opacity), ("surface", Value::Object(reference(&cover.id)))]);
+        let mask = object(Kind::Bsdf, "mask", [("opacity", opacity), ("surface", Value::Reference(cover.id.clone()))]);
         self.add(self.names.label(&alpha.place, "alpha"), &id, mask);
         let is_textured = cover.is_textured || !matches!(node, Node::Constant(_));
         let masked = Cover { id, is_textured };
@@ -178,25 +179,25 @@ impl<'l> Materials<'l> {
         Ok(masked)
     }
 
-    fn add(&mut self, label: String, id: &str, bsdf: Dictionary) {
-        self.objects.push((label, Value::Object(with(bsdf, "id", Value::Text(id.to_owned())))));
+    fn add(&mut self, label: String, id: &str, bsdf: Object) {
+        self.objects.push((label, bsdf.with_id(id.to_owned())));
     }
 }
 
-fn bsdf(maker: &mut Maker) -> Result<Dictionary> {
+fn bsdf(maker: &mut Maker) -> Result<Object> {
     let entity = maker.entity;
     match entity.kind.as_str() {
-        "diffuse" => Ok(two_sided(object("diffuse", [("reflectance", maker.color("reflectance", 0.5)?)]))),
+        "diffuse" => Ok(two_sided(object(Kind::Bsdf, "diffuse", [("reflectance", maker.color("reflectance", 0.5)?)]))),
         "diffusetransmission" => transmission::diffuse(maker),
         "conductor" => conductor(maker),
         "dielectric" => dielectric(maker),
         "thindielectric" => {
             let eta = maker.index("eta", 1.5)?;
-            Ok(object("thindielectric", [("int_ior", Value::Number(eta)), ("ext_ior", Value::Number(1.0))]))
+            Ok(object(Kind::Bsdf, "thindielectric", [("int_ior", Value::Float(eta)), ("ext_ior", Value::Float(1.0))]))
         }
         "coateddiffuse" => coats::diffuse(maker),
         "coatedconductor" => coats::conductor(maker),
-        "interface" | "" | "none" => Ok(object("null", [])),
+        "interface" | "" | "none" => Ok(object(Kind::Bsdf, "null", [])),
         other @ ("hair" | "measured" | "subsurface") => {
             Err(entity.error(format!("the material `{other}` is not supported; use another one")))
         }
@@ -207,32 +208,36 @@ fn bsdf(maker: &mut Maker) -> Result<Dictionary> {
     }
 }
 
-fn conductor(maker: &mut Maker) -> Result<Dictionary> {
+fn conductor(maker: &mut Maker) -> Result<Object> {
     let facets = roughness::read(maker, "")?;
     let entries = metals::metal(maker, ["eta", "k"], 1.0)?;
     Ok(two_sided(metals::faceted(maker, "conductor", "roughconductor", facets, entries)?))
 }
 
-fn dielectric(maker: &mut Maker) -> Result<Dictionary> {
+fn dielectric(maker: &mut Maker) -> Result<Object> {
     let facets = roughness::read(maker, "")?;
     let eta = maker.index("eta", 1.5)?;
     if eta == 1.0 {
         // Light goes straight on.
-        return Ok(object("null", []));
+        return Ok(object(Kind::Bsdf, "null", []));
     }
-    let entries = vec![("int_ior", Value::Number(eta)), ("ext_ior", Value::Number(1.0))];
+    let entries = vec![("int_ior", Value::Float(eta)), ("ext_ior", Value::Float(1.0))];
     metals::faceted(maker, "dielectric", "roughdielectric", facets, entries)
 }
 
-fn mixture(maker: &mut Maker, [first, second]: &[Cover; 2]) -> Result<Dictionary> {
+fn mixture(maker: &mut Maker, [first, second]: &[Cover; 2]) -> Result<Object> {
     let amount = maker.textures.number(&maker.entity.parameters, "amount", 0.5)?;
     maker.is_textured |= first.is_textured || second.is_textured;
-    let part = |cover: &Cover| Value::Object(reference(&cover.id));
-    Ok(object("blendbsdf", [("weight", maker.number(&amount)?), ("first", part(first)), ("second", part(second))]))
+    let part = |cover: &Cover| Value::Reference(cover.id.clone());
+    Ok(object(
+        Kind::Bsdf,
+        "blendbsdf",
+        [("weight", maker.number(&amount)?), ("first", part(first)), ("second", part(second))],
+    ))
 }
 
 /// The BSDF with a normal map or a displacement around it.
-fn with_relief(maker: &mut Maker, bsdf: Dictionary) -> Result<Dictionary> {
+fn with_relief(maker: &mut Maker, bsdf: Object) -> Result<Object> {
     let parameters = &maker.entity.parameters;
     if let Some(name) = parameters.text("normalmap")? {
         if parameters.has("displacement") {
@@ -240,8 +245,8 @@ fn with_relief(maker: &mut Maker, bsdf: Dictionary) -> Result<Dictionary> {
         }
         let map = maker.textures.bitmap(name, Encoding::Linear, &parameters.place)?;
         maker.is_textured = true;
-        let map = maker.textures.image_texture(&map)?.unwrap_or_default();
-        return Ok(object("normalmap", [("normalmap", Value::Object(map)), ("surface", Value::Object(bsdf))]));
+        let Some(map) = maker.textures.image_texture(&map)? else { return Ok(bsdf) };
+        return Ok(object(Kind::Bsdf, "normalmap", [("normalmap", nested(map)), ("surface", nested(bsdf))]));
     }
     if !parameters.has("displacement") {
         return Ok(bsdf);
@@ -250,7 +255,7 @@ fn with_relief(maker: &mut Maker, bsdf: Dictionary) -> Result<Dictionary> {
     match maker.textures.image_texture(&node)? {
         Some(map) => {
             maker.is_textured = true;
-            Ok(object("bumpmap", [("heights", Value::Object(map)), ("surface", Value::Object(bsdf))]))
+            Ok(object(Kind::Bsdf, "bumpmap", [("heights", nested(map)), ("surface", nested(bsdf))]))
         }
         None => {
             if !matches!(node, Node::Constant(_)) {

@@ -7,8 +7,9 @@ use super::nodes::{Node, rgb};
 use super::parameters::Parameter;
 use super::roughness::Facets;
 use crate::Result;
-use crate::scene::values::{object, with};
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::object;
+use crate::scene::description::object::{Object, Value};
 
 /// Parameters of a plugin.
 pub(super) type Entries = Vec<(&'static str, Value)>;
@@ -61,20 +62,20 @@ fn reflecting(maker: &mut Maker, reflectance: &Parameter, outside: f64) -> Resul
 /// Smooth or rough BSDF with its parameters.
 pub(super) fn faceted(
     maker: &mut Maker,
-    smooth: &str,
-    rough: &str,
+    smooth: &'static str,
+    rough: &'static str,
     facets: Facets,
     entries: Entries,
-) -> Result<Dictionary> {
+) -> Result<Object> {
     let (plugin, mut bsdf) = match facets {
-        Facets::Smooth => (smooth, object(smooth, [])),
-        Facets::Even(alpha) => (rough, object(rough, [("alpha", maker.number(&alpha)?)])),
+        Facets::Smooth => (smooth, object(Kind::Bsdf, smooth, [])),
+        Facets::Even(alpha) => (rough, object(Kind::Bsdf, rough, [("alpha", maker.number(&alpha)?)])),
         Facets::Uneven([u, v]) => {
-            (rough, object(rough, [("alpha_u", maker.number(&u)?), ("alpha_v", maker.number(&v)?)]))
+            (rough, object(Kind::Bsdf, rough, [("alpha_u", maker.number(&u)?), ("alpha_v", maker.number(&v)?)]))
         }
     };
     if plugin == rough {
-        bsdf = with(bsdf, "distribution", Value::Text("ggx".into()));
+        bsdf = bsdf.with("distribution", Value::Text("ggx".into()));
     }
-    Ok(entries.into_iter().fold(bsdf, |bsdf, (key, value)| with(bsdf, key, value)))
+    Ok(entries.into_iter().fold(bsdf, |bsdf, (key, value)| bsdf.with(key, value)))
 }

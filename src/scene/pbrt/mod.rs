@@ -1,4 +1,4 @@
-//! pbrt-v4: `.pbrt` files to a description in Mitsuba's terms.
+//! pbrt-v4: `.pbrt` files to a description.
 //!
 //! A scene keeps its numbers. pbrt's world is left-handed, so that a camera has its `+x` to the right; Mitsuba's cameras have
 //! theirs to the left. Materials that transmit nothing scatter on both sides. `v` runs from an image's bottom in pbrt, from its
@@ -43,9 +43,10 @@ mod world;
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::mitsuba::description::Description;
-use super::values::{matrix, object, reference, with};
-use super::{Dictionary, Value};
+use super::description::{self, Description};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{matrix, nested, object};
+use crate::scene::description::object::Value;
 use crate::{Error, Result};
 use builder::Builder;
 use film::Film;
@@ -54,6 +55,7 @@ use materials::Materials;
 use names::Names;
 use shapes::Shapes;
 use textures::Textures;
+use world::Object;
 
 /// Reads the file at `path` and those that it includes.
 ///
@@ -71,21 +73,23 @@ pub(super) fn read(path: &Path) -> Result<Description> {
         builder.faults.add(Error::scene(path, None, "it has no WorldBegin; pbrt renders only files that have one"));
     }
     let Builder { mut files, mut faults, mut warnings, mut world, .. } = builder;
-    let (shapes, objects) = (std::mem::take(&mut world.shapes), std::mem::take(&mut world.objects));
+    let (shapes, groups_of_shapes) = (std::mem::take(&mut world.shapes), std::mem::take(&mut world.objects));
     let names = Names::new(path);
     let film = faults.keep(Film::read(&world, &mut warnings));
     let exposure = film.as_ref().map_or(1.0, |film| film.exposure);
-    let mut entries = vec![("type".to_owned(), Value::Text("scene".into()))];
+    let mut objects = Vec::new();
     let integrator = faults.keep(film::integrator(&world, &mut warnings));
-    entries.extend(integrator.map(|object| names.entry("integrator".to_owned(), "integrator", object)));
+    objects.extend(integrator.map(|object| names.entry("integrator".to_owned(), "integrator", object)));
     if let (Some(camera), Some(film)) = (&world.camera, film) {
         let sensor = faults.keep(camera::sensor(camera, film.width, film.height));
         let sampler = faults.keep(film::sampler(&world)).flatten();
         let parts = [("film", Some(film.into_object())), ("sampler", sampler)];
         let parts = parts.into_iter().filter_map(|(key, part)| Some((key, part?)));
-        let add = |sensor| parts.fold(sensor, |sensor, (key, part)| with(sensor, key, Value::Object(part)));
+        let add = |sensor: description::object::Object| {
+            parts.fold(sensor, |sensor, (key, part)| sensor.with(key, nested(part)))
+        };
         let label = names.label(&camera.parameters.place, "camera");
-        entries.extend(sensor.map(|sensor| names.entry(label, "camera", add(sensor))));
+        objects.extend(sensor.map(|sensor| names.entry(label, "camera", add(sensor))));
     }
     let of_film = [&world.camera, &world.film, &world.filter, &world.sampler, &world.integrator];
     warnings.extend(of_film.into_iter().flatten().flat_map(|entity| entity.parameters.unread()));
@@ -95,17 +99,17 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let mut made = Shapes::new(&names, exposure);
     let mut placed = Vec::new();
     let mut groups = HashMap::new();
-    for object in objects {
+    for Object { name, place, shapes } in groups_of_shapes {
         let mut members = Vec::new();
-        for shape in object.shapes {
+        for shape in shapes {
             members.extend(faults.keep(made.objects(shape, &mut materials, &mut textures)).into_iter().flatten());
         }
-        let what = format!("object `{}`", tokens::brief(&object.name));
-        let id = names.id(&object.name);
-        let group = object_of_type("shapegroup", &id);
-        let group = members.into_iter().fold(group, |group, (key, member)| with(group, &key, member));
-        placed.push((names.label(&object.place, &what), Value::Object(group)));
-        groups.insert(object.name, id);
+        let what = format!("object `{}`", tokens::brief(&name));
+        let id = names.id(&name);
+        let group = object(Kind::Shape, "shapegroup", []).with_id(id.clone());
+        let group = members.into_iter().fold(group, |group, (key, member)| group.with(key, nested(member)));
+        placed.push((names.label(&place, &what), group));
+        groups.insert(name, id);
     }
     for shape in shapes {
         placed.extend(faults.keep(made.objects(shape, &mut materials, &mut textures)).into_iter().flatten());
@@ -116,17 +120,17 @@ pub(super) fn read(path: &Path) -> Result<Description> {
             faults.add(instance.place.error(format!("there is no object `{name}`; define it by ObjectBegin")));
             continue;
         };
-        let entries = [("group", Value::Object(reference(id))), ("to_world", matrix(&instance.to_world.matrix))];
-        placed.push(names.entry(names.label(&instance.place, "instance"), "instance", object("instance", entries)));
+        let entries = [("group", Value::Reference(id.clone())), ("to_world", matrix(&instance.to_world.matrix))];
+        placed.push(names.entry(
+            names.label(&instance.place, "instance"),
+            "instance",
+            object(Kind::Shape, "instance", entries),
+        ));
     }
-    entries.extend(materials.finish());
-    entries.extend(lights);
-    entries.extend(placed);
-    let (meshes, files) = (made.finish(), textures.finish());
+    objects.extend(materials.finish());
+    objects.extend(lights);
+    objects.extend(placed);
     faults.into_result()?;
-    Ok(Description { path: path.to_path_buf(), scene: Dictionary { entries }, meshes, files, warnings })
-}
-
-fn object_of_type(kind: &str, id: &str) -> Dictionary {
-    object(kind, [("id", Value::Text(id.to_owned()))])
+    drop(textures);
+    Ok(Description::of_objects(path, objects, warnings))
 }

@@ -5,8 +5,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::tokens::Place;
-use crate::scene::values::with;
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::object::Object;
 
 /// Maker of the names of a scene's objects.
 pub(super) struct Names {
@@ -37,9 +36,9 @@ impl Names {
     }
 
     /// Entry of the scene for an object with that label, whose id is new.
-    pub fn entry(&self, label: String, wanted_id: &str, object: Dictionary) -> (String, Value) {
+    pub fn entry(&self, label: String, wanted_id: &str, object: Object) -> (String, Object) {
         let id = self.id(wanted_id);
-        (label, Value::Object(with(object, "id", Value::Text(id))))
+        (label, object.with_id(id))
     }
 }
 

@@ -10,8 +10,8 @@ use super::tokens::brief;
 use super::world::Entity;
 use crate::Result;
 use crate::image::texels::TexelImage;
-use crate::scene::values::{matrix, object};
-use crate::scene::{Array, Value};
+use crate::scene::description::make::matrix;
+use crate::scene::description::object::Value;
 
 /// Texture reduced as far as it can be. Numbers are gray colors.
 #[derive(Debug, Clone)]
@@ -53,7 +53,7 @@ pub(super) enum Source {
 
 /// Color in linear sRGB.
 pub(super) fn rgb(color: [f64; 3]) -> Value {
-    Value::Object(object("rgb", [("value", Value::Array(Array { shape: vec![3], values: color.to_vec() }))]))
+    Value::Rgb(color)
 }
 
 /// Reads the mapping from the surface's coordinates to the texture's.

@@ -1,5 +1,7 @@
 //! Shapes as objects, with their meshes.
 
+use std::sync::Arc;
+
 use glam::{DMat4, DVec3, Vec2, Vec3};
 
 use super::area_lights::AreaLight;
@@ -11,10 +13,10 @@ use super::textures::Textures;
 use super::transforms::{is_mirrored, rigid};
 use super::world::{Entity, Shape};
 use crate::Result;
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{matrix, nested, object};
+use crate::scene::description::object::{MESH, Object, Value};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
-use crate::scene::mitsuba::element::MESH_INDEX;
-use crate::scene::values::{matrix, object, reference, with};
-use crate::scene::{Dictionary, Value};
 
 /// Most different areas of the triangles of one light whose `power` is given: each makes an emitter of its own.
 const MAX_AREAS: usize = 4096;
@@ -24,7 +26,6 @@ const GAP: f64 = 1.0e-4;
 /// Shapes as objects.
 pub(super) struct Shapes<'l> {
     names: &'l Names,
-    meshes: Vec<Mesh>,
     /// Factor of all light.
     exposure: f64,
     triangle_count: usize,
@@ -41,12 +42,7 @@ struct Placed<'s> {
 
 impl<'l> Shapes<'l> {
     pub fn new(names: &'l Names, exposure: f64) -> Self {
-        Self { names, meshes: Vec::new(), exposure, triangle_count: 0 }
-    }
-
-    /// Meshes of the shapes.
-    pub fn finish(self) -> Vec<Mesh> {
-        self.meshes
+        Self { names, exposure, triangle_count: 0 }
     }
 
     /// Objects of a shape: one, or several where it emits from both sides or where triangles differ in radiance.
@@ -55,7 +51,7 @@ impl<'l> Shapes<'l> {
         shape: Shape,
         materials: &mut Materials,
         textures: &mut Textures,
-    ) -> Result<Vec<(String, Value)>> {
+    ) -> Result<Vec<(String, Object)>> {
         let Shape { form, entity, is_reversed, material, light } = shape;
         let cover = materials.cover(&material, entity.parameters.get("alpha"), textures)?;
         if let (Some(alpha), Some(_)) = (entity.parameters.get("alpha"), &light)
@@ -81,7 +77,7 @@ impl<'l> Shapes<'l> {
             .collect()
     }
 
-    fn object(&mut self, placed: Placed, emitter: Option<Dictionary>) -> Result<Dictionary> {
+    fn object(&mut self, placed: Placed, emitter: Option<Object>) -> Result<Object> {
         let Placed { entity, form, mut to_world, is_reversed, cover } = placed;
         let mirrored = is_mirrored(&to_world);
         let has_normals = form.has_normals();
@@ -90,13 +86,15 @@ impl<'l> Shapes<'l> {
         let mut flips = is_reversed ^ (mirrored && !has_normals);
         let mut shape = match form {
             Form::Mesh(mesh) => {
-                let index = self.keep(mesh, entity)?;
-                let shape = object("mesh", [("face_normals", Value::Boolean(!has_normals))]);
-                with(shape, MESH_INDEX, Value::Integer(index))
+                self.count(&mesh, entity)?;
+                let shape = object(Kind::Shape, "mesh", [("face_normals", Value::Boolean(!has_normals))]);
+                shape.with(MESH, Value::Mesh(Arc::new(mesh)))
             }
-            Form::Ply { name, .. } => {
-                object("ply", [("filename", Value::Text(name)), ("face_normals", Value::Boolean(!has_normals))])
-            }
+            Form::Ply { name, .. } => object(
+                Kind::Shape,
+                "ply",
+                [("filename", Value::Text(name)), ("face_normals", Value::Boolean(!has_normals))],
+            ),
             Form::Sphere { radius } => {
                 flips = is_reversed ^ mirrored;
                 if cover.is_textured {
@@ -104,34 +102,33 @@ impl<'l> Shapes<'l> {
                     to_world *= DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
                     flips = !flips;
                 }
-                object("sphere", [("radius", Value::Number(radius))])
+                object(Kind::Shape, "sphere", [("radius", Value::Float(radius))])
             }
             Form::Disk { radius, height } => {
                 flips = is_reversed;
                 to_world *=
                     DMat4::from_translation(DVec3::Z * height) * DMat4::from_scale(DVec3::new(radius, radius, 1.0));
-                object("disk", [])
+                object(Kind::Shape, "disk", [])
             }
         };
-        shape = with(shape, "flip_normals", Value::Boolean(flips));
+        shape = shape.with("flip_normals", Value::Boolean(flips));
         if to_world != DMat4::IDENTITY {
-            shape = with(shape, "to_world", matrix(&to_world));
+            shape = shape.with("to_world", matrix(&to_world));
         }
-        shape = with(shape, "bsdf", Value::Object(reference(&cover.id)));
+        shape = shape.with("bsdf", Value::Reference(cover.id.clone()));
         if let Some(emitter) = emitter {
-            shape = with(shape, "emitter", Value::Object(emitter));
+            shape = shape.with("emitter", nested(emitter));
         }
         Ok(shape)
     }
 
-    /// Keeps a mesh and returns its index.
-    fn keep(&mut self, mesh: Mesh, entity: &Entity) -> Result<i64> {
+    /// Counts the triangles of a mesh.
+    fn count(&mut self, mesh: &Mesh, entity: &Entity) -> Result<()> {
         self.triangle_count += mesh.triangles.len();
-        if self.triangle_count > MAX_TRIANGLES {
-            return Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles")));
+        match self.triangle_count > MAX_TRIANGLES {
+            true => Err(entity.error(format!("with this shape the scene has more than {MAX_TRIANGLES} triangles"))),
+            false => Ok(()),
         }
-        self.meshes.push(mesh);
-        Ok(self.meshes.len() as i64 - 1)
     }
 }
 
@@ -180,7 +177,7 @@ fn lit<'s>(
     placed: Placed<'s>,
     light: &AreaLight,
     textures: &mut Textures,
-) -> Result<Vec<(Placed<'s>, Option<Dictionary>)>> {
+) -> Result<Vec<(Placed<'s>, Option<Object>)>> {
     let size = diagonal(&placed.form);
     let mut parts = Vec::new();
     for (part, area) in by_area(placed, light)? {

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::rc::Rc;
-use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
@@ -15,8 +14,9 @@ use super::rasters::{Encoding, Raster, Sampling};
 use super::tokens::{Place, brief};
 use super::world::{Entity, NamedTexture, World};
 use crate::Result;
-use crate::scene::values::{object, with};
-use crate::scene::{Array, Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::{nested, object};
+use crate::scene::description::object::{Object, Value};
 
 /// Deepest nesting of textures.
 const MAX_DEPTH: usize = 64;
@@ -32,11 +32,6 @@ pub(super) struct Textures<'a> {
 impl<'a> Textures<'a> {
     pub fn new(world: &'a World, images: Images<'a>) -> Self {
         Self { world, images, known: HashMap::new() }
-    }
-
-    /// Files in memory.
-    pub fn finish(self) -> HashMap<String, Arc<[u8]>> {
-        self.images.finish()
     }
 
     /// Color of a material: a constant or a texture.
@@ -234,30 +229,29 @@ impl<'a> Textures<'a> {
     pub fn color_value(&mut self, node: &Node) -> Result<Value> {
         Ok(match node {
             Node::Constant(color) => rgb(*color),
-            other => Value::Object(self.texture(other, false)?),
+            other => nested(self.texture(other, false)?),
         })
     }
 
     /// Value of a parameter that is a number.
     pub fn number_value(&mut self, node: &Node) -> Result<Value> {
         Ok(match node {
-            Node::Constant([number, ..]) => Value::Number(*number),
-            other => Value::Object(self.texture(other, true)?),
+            Node::Constant([number, ..]) => Value::Float(*number),
+            other => nested(self.texture(other, true)?),
         })
     }
 
     /// Texture of Mitsuba's.
-    fn texture(&mut self, node: &Node, is_number: bool) -> Result<Dictionary> {
+    fn texture(&mut self, node: &Node, is_number: bool) -> Result<Object> {
         let (name, sampling, is_raw, factor) = match node {
             Node::Constant(color) => {
-                let value = Value::Array(Array { shape: vec![3], values: color.to_vec() });
-                return Ok(object("rawconstant", [("value", value)]));
+                return Ok(object(Kind::Texture, "rawconstant", [("value", Value::Vector(*color))]));
             }
             Node::Checkerboard { colors: [even, odd], to_uv } => {
                 // Mitsuba exchanges the colors where they give a number.
                 let (first, second) = if is_number { (odd, even) } else { (even, odd) };
                 let entries = [("color0", rgb(*first)), ("color1", rgb(*second)), ("to_uv", planar(to_uv))];
-                return Ok(object("checkerboard", entries));
+                return Ok(object(Kind::Texture, "checkerboard", entries));
             }
             Node::Image { image, factor } => {
                 (image.name.clone(), image.sampling, image.encoding == Encoding::Linear, *factor)
@@ -265,18 +259,18 @@ impl<'a> Textures<'a> {
             Node::Raster { raster, sampling } => (self.images.name(raster)?, *sampling, true, 1.0),
         };
         let entries = [
-            ("filename", Value::Text(name)),
+            ("filename", self.images.value(name)),
             ("raw", Value::Boolean(is_raw)),
             ("wrap_mode", Value::Text(sampling.wrap.into())),
             ("filter_type", Value::Text(sampling.filter.into())),
         ];
-        let mut bitmap = object("bitmap", entries);
+        let mut bitmap = object(Kind::Texture, "bitmap", entries);
         if sampling.to_uv != DMat3::IDENTITY {
-            bitmap = with(bitmap, "to_uv", planar(&sampling.to_uv));
+            bitmap = bitmap.with("to_uv", planar(&sampling.to_uv));
         }
         Ok(match factor == 1.0 {
             true => bitmap,
-            false => object("scale", [("scale", Value::Number(factor)), ("texture", Value::Object(bitmap))]),
+            false => object(Kind::Texture, "scale", [("scale", Value::Float(factor)), ("texture", nested(bitmap))]),
         })
     }
 
@@ -291,7 +285,7 @@ impl<'a> Textures<'a> {
     }
 
     /// The texture of Mitsuba's of an image.
-    pub fn image_texture(&mut self, node: &Node) -> Result<Option<Dictionary>> {
+    pub fn image_texture(&mut self, node: &Node) -> Result<Option<Object>> {
         match node {
             Node::Image { .. } | Node::Raster { .. } => self.texture(node, true).map(Some),
             Node::Constant(_) | Node::Checkerboard { .. } => Ok(None),

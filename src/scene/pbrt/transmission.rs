@@ -6,8 +6,9 @@ use super::color_space::luminance;
 use super::maker::Maker;
 use super::nodes::Node;
 use crate::Result;
-use crate::scene::values::object;
-use crate::scene::{Dictionary, Value};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::make::object;
+use crate::scene::description::object::{Object, Value};
 
 /// Roughness at which Burley's diffuse reflection is nearest to Lambert's.
 const ROUGHNESS: f64 = 0.5;
@@ -15,7 +16,7 @@ const ROUGHNESS: f64 = 0.5;
 const EVEN: f64 = 0.01;
 
 /// Reads a `diffusetransmission`: light is reflected or passes through, diffusely on both sides.
-pub(super) fn diffuse(maker: &mut Maker) -> Result<Dictionary> {
+pub(super) fn diffuse(maker: &mut Maker) -> Result<Object> {
     let entity = maker.entity;
     let parameters = &entity.parameters;
     let scale = parameters.number("scale", 1.0)?;
@@ -41,7 +42,7 @@ pub(super) fn diffuse(maker: &mut Maker) -> Result<Dictionary> {
     let entries = [
         ("base_color", maker.value(&sum)?),
         ("diff_trans", maker.number(&share)?),
-        ("roughness", Value::Number(ROUGHNESS)),
+        ("roughness", Value::Float(ROUGHNESS)),
     ];
-    Ok(object("principledthin", entries))
+    Ok(object(Kind::Bsdf, "principledthin", entries))
 }

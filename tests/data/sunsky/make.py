@@ -1,4 +1,4 @@
-"""Writes what Mitsuba 3 makes of `sunsky`: values.json beside this file, and src/scene/mitsuba/sunsky/sun_radiance.rs, the sun's
+"""Writes what Mitsuba 3 makes of `sunsky`: values.json beside this file, and src/scene/plugins/sunsky/sun_radiance.rs, the sun's
 radiance. Run with Mitsuba 3.9.1 installed: python3 make.py
 
 In Mitsuba's RGB variants the sun is a disk of one radiance. It is linear in the turbidity between whole numbers, and in the
@@ -12,7 +12,7 @@ import numpy as np
 
 mi.set_variant("scalar_rgb")
 FOLDER = pathlib.Path(__file__).parent
-TABLE = FOLDER / "../../../src/scene/mitsuba/sunsky/sun_radiance.rs"
+TABLE = FOLDER / "../../../src/scene/plugins/sunsky/sun_radiance.rs"
 ELEVATIONS = range(2, 90, 3)
 
 HEAD = '''//! Radiance of the sun's disk at the default aperture, as Mitsuba 3.9.1 has it in its RGB variants (Hosek and Wilkie 2013). Written by

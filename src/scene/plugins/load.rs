@@ -1,0 +1,513 @@
+//! Reader of descriptions: plugins to a [`Scene`].
+
+use std::cmp::Reverse;
+use std::collections::{HashMap, HashSet};
+use std::fmt;
+use std::mem;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::{Mat3, Vec3};
+use rayon::prelude::*;
+
+use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
+use super::flatten::Common;
+use super::materials::{Materials, conserve_energy};
+use super::projector::Projector;
+use super::properties::Properties;
+use super::scope::{Scope, Whole};
+use super::shape::{self, Geometry, MeshFile, Shape};
+use super::sunsky::BakedSky;
+use super::texture_images::Decoded;
+use super::textures::Textures;
+use super::{curves, cylinder, fit, integrator, sensor, texture_images, vertex_colors};
+use crate::scene::description::Description;
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::object::{Entry, Object, Value};
+use crate::scene::description::origin::Format;
+use crate::scene::faults::Faults;
+use crate::scene::folders::FoundFile;
+use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
+use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
+use crate::scene::texel_pages;
+use crate::scene::{
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene,
+};
+use crate::{Error, Result};
+
+/// Callback for the progress of reading a scene.
+pub(in crate::scene) type Watch<'a> = dyn Fn(LoadProgress) + Sync + 'a;
+
+/// Progress of reading a scene. Prints as `reading meshes 120/295`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LoadProgress {
+    /// Number of mesh files read so far.
+    pub meshes_read: usize,
+    /// Number of mesh files that the scene names.
+    pub mesh_count: usize,
+}
+
+impl fmt::Display for LoadProgress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "reading meshes {}/{}", self.meshes_read, self.mesh_count)
+    }
+}
+
+/// Scene that is described. Its warnings and faults are taken from the description.
+///
+/// Only `sample_count` of the sampler is read, because samplers differ in their patterns alone. Parameters that cannot
+/// change the picture (such as a film's `file_format`) are skipped in silence; other unknown ones end up in
+/// [`Scene::warnings`].
+pub(in crate::scene) fn build(description: &mut Description, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+    let (warnings, faults) = (mem::take(&mut description.warnings), mem::take(&mut description.faults));
+    let description = &*description;
+    let scope = Rc::new(Whole::new(description)?);
+    let mut builder = Builder {
+        materials: Materials::new(Rc::clone(&scope)),
+        textures: Textures::new(Rc::clone(&scope)),
+        description,
+        scope,
+        emitters: Vec::new(),
+        lit: HashSet::new(),
+        environment: None,
+        delta_emitters: Vec::new(),
+        projectors: Vec::new(),
+        images: Vec::new(),
+        shapes: Vec::new(),
+        groups: HashMap::new(),
+        sensors: Vec::new(),
+        integrators: Vec::new(),
+        loose_emitters: Vec::new(),
+        warnings,
+        faults,
+    };
+    for entry in &description.entries {
+        let added = builder.add(entry);
+        builder.faults.keep(added);
+    }
+    builder.finish(options, progress)
+}
+
+/// Most shapes of a scene. A few instances of a large group can ask for more than any memory holds.
+const MAX_SHAPES: usize = 1 << 20;
+
+/// Scene as far as it has been read.
+struct Builder<'a> {
+    description: &'a Description,
+    scope: Scope<'a>,
+    materials: Materials<'a>,
+    textures: Textures<'a>,
+    emitters: Vec<AreaEmitter>,
+    /// Addresses of the `area` emitters that shapes have.
+    lit: HashSet<*const Object>,
+    environment: Option<Environment>,
+    delta_emitters: Vec<DeltaEmitter>,
+    projectors: Vec<Projector>,
+    images: Vec<Image>,
+    shapes: Vec<Shape>,
+    /// Shapes of each group, by the address of the `shapegroup`.
+    groups: HashMap<*const Object, Rc<Vec<Shape>>>,
+    sensors: Vec<&'a Object>,
+    integrators: Vec<&'a Object>,
+    /// `area` emitters that stand directly in the scene, for shapes to refer to.
+    loose_emitters: Vec<&'a Object>,
+    warnings: Vec<String>,
+    faults: Faults,
+}
+
+impl<'a> Builder<'a> {
+    /// Adds what stands directly in the scene.
+    fn add(&mut self, entry: &'a Entry) -> Result<()> {
+        let origin = || self.description.origin_of(entry);
+        let object = match &entry.value {
+            Value::Object(object) if object.kind != Kind::Spectrum => object,
+            Value::Fault(fault) if fault.of.is_none() => return Err(origin().error(&fault.message)),
+            Value::Reference(_) => return Err(origin().error("a reference has no effect here; put it into an object")),
+            _ => {
+                let message = format!("the parameter `{}` of the scene is unknown; ignored", entry.name);
+                self.warnings.push(format!("{}: {message}", origin()));
+                return Ok(());
+            }
+        };
+        match object.kind {
+            Kind::Integrator => self.integrators.push(object),
+            Kind::Sensor => self.sensors.push(object),
+            Kind::Emitter => self.add_emitter(object)?,
+            Kind::Shape => self.add_shape(object)?,
+            // A BSDF that no shape uses is checked too, so that unsupported plugins are reported.
+            Kind::Bsdf => self.materials.check(object, &mut self.textures, &mut self.warnings)?,
+            // Textures are read where another object refers to them.
+            Kind::Texture => {}
+            Kind::Sampler | Kind::Film | Kind::Rfilter => {
+                if object.id.is_none() {
+                    let [what, scene, sensor] =
+                        [object.kind.name(), "scene", "sensor"].map(|name| object.origin.word(name));
+                    let message = format!("a {what} in {scene} has no effect; put it into the {sensor}");
+                    self.warnings.push(format!("{}: {message}", object.origin));
+                }
+            }
+            kind => {
+                let [what, scene] = [kind.name(), "scene"].map(|name| object.origin.word(name));
+                let plugin = &object.plugin;
+                return Err(object.error(format!("{what} plugin `{plugin}` is not supported in {scene}")));
+            }
+        }
+        Ok(())
+    }
+
+    fn add_emitter(&mut self, object: &'a Object) -> Result<()> {
+        if object.plugin == "area" {
+            self.loose_emitters.push(object);
+            return Ok(());
+        }
+        let read = emitter_plugin::parse(object, &self.scope, &mut self.textures, &mut self.warnings)?;
+        let environment = match read {
+            SceneEmitter::Delta(emitter) => {
+                self.delta_emitters.push(emitter);
+                return Ok(());
+            }
+            SceneEmitter::Projector(projector) => {
+                self.projectors.push(projector);
+                return Ok(());
+            }
+            SceneEmitter::Dark => return Ok(()),
+            SceneEmitter::Environment(environment) => environment,
+            SceneEmitter::Map(file) => self.read_environment_map(object, file)?,
+            SceneEmitter::Sky(BakedSky { image, to_world }, sampling_weight) => {
+                let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale: 1.0, to_world };
+                self.images.push(image);
+                Environment { kind, sampling_weight }
+            }
+        };
+        match self.environment.replace(environment) {
+            Some(_) => {
+                let plugin = &object.plugin;
+                Err(object.error(format!("emitter plugin `{plugin}`: a second environment; a scene may have only one")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn read_environment_map(&mut self, object: &Object, file: EnvironmentMapFile) -> Result<Environment> {
+        let EnvironmentMapFile { file, scale, to_world, sampling_weight } = file;
+        let (image, notes) = texture_images::decode_environment(&file)?;
+        self.warnings.extend(notes.into_iter().map(|note| format!("{}: {note}", object.origin)));
+        if !is_large_enough(&image) {
+            return Err(object.error("the image of an envmap must have at least 2 x 3 pixels"));
+        }
+        let kind = EnvironmentKind::Map { image: self.images.len() as u32, scale, to_world };
+        self.images.push(image);
+        Ok(Environment { kind, sampling_weight })
+    }
+
+    /// Replaces the environment by the user's choice.
+    fn replace_environment(&mut self, choice: &EnvironmentChoice) -> Result<()> {
+        self.images.clear();
+        let environment = match choice {
+            EnvironmentChoice::Constant => Environment::constant(Vec3::ONE),
+            EnvironmentChoice::File(path) => {
+                let file = FoundFile { path: path.clone(), bytes: None };
+                let (image, notes) = texture_images::decode_environment(&file)?;
+                self.warnings.extend(notes.into_iter().map(|note| format!("{}: {note}", path.display())));
+                if !is_large_enough(&image) {
+                    return Err(Error::image(path, "an environment must have at least 2 x 3 pixels"));
+                }
+                self.images.push(image);
+                let kind = EnvironmentKind::Map { image: 0, scale: 1.0, to_world: Mat3::IDENTITY };
+                Environment { kind, sampling_weight: 1.0 }
+            }
+        };
+        self.environment = Some(environment);
+        Ok(())
+    }
+
+    fn add_shape(&mut self, object: &'a Object) -> Result<()> {
+        match &*object.plugin {
+            "shapegroup" => self.group(object).map(drop),
+            "instance" => self.add_instance(object),
+            _ => {
+                let shape = self.parse_shape(object)?;
+                self.shapes.extend(shape);
+                Ok(())
+            }
+        }
+    }
+
+    /// Reads a shape; `None` where its geometry, its material or its emitter has a fault.
+    fn parse_shape(&mut self, object: &'a Object) -> Result<Option<Shape>> {
+        let mut properties = Properties::new(object, &self.scope)?;
+        let mut common = Common { material: 0, ..Common::default() };
+        let geometry = self.faults.keep(shape::parse_geometry(&mut properties, &mut common));
+        let emitter = properties.object(Kind::Emitter)?;
+        let material = match properties.object(Kind::Bsdf)? {
+            Some(bsdf) => {
+                let shape_id = object.id.as_deref();
+                let kept = self.materials.keep(bsdf, shape_id, &mut self.textures, &mut self.warnings);
+                self.faults.keep(kept)
+            }
+            None => Some(self.materials.keep_default(emitter.is_some())),
+        };
+        if let Some(kind) = geometry.as_ref().and_then(curves::kind) {
+            self.faults.keep(curves::check_emitter(kind, emitter));
+        }
+        if let Some(emitter) = emitter {
+            self.lit.insert(std::ptr::from_ref(emitter));
+            let (scope, textures) = (&self.scope, &mut self.textures);
+            let area = emitter_plugin::parse_area(emitter, scope, textures, &mut self.warnings);
+            if let Some(area) = self.faults.keep(area).flatten() {
+                common.emitter = Some(self.emitters.len() as u32);
+                self.emitters.push(area);
+            }
+        }
+        let (Some(geometry), Some(material)) = (geometry, material) else { return Ok(None) };
+        properties.finish(&mut self.warnings)?;
+        common.material = material;
+        Ok(Some(Shape { geometry, common, origin: object.origin.clone() }))
+    }
+
+    /// Shapes of a `shapegroup`, which is not placed in the scene by itself.
+    fn group(&mut self, object: &'a Object) -> Result<Rc<Vec<Shape>>> {
+        if let Some(group) = self.groups.get(&std::ptr::from_ref(object)) {
+            return Ok(group.clone());
+        }
+        let mut properties = Properties::new(object, &self.scope)?;
+        let members = properties.objects(Kind::Shape);
+        properties.finish(&mut self.warnings)?;
+        let mut shapes = Vec::new();
+        for member in members {
+            let member = self.member(member);
+            shapes.extend(self.faults.keep(member).flatten());
+        }
+        let group = Rc::new(shapes);
+        self.groups.insert(object, group.clone());
+        Ok(group)
+    }
+
+    fn member(&mut self, object: &'a Object) -> Result<Option<Shape>> {
+        if let plugin @ ("shapegroup" | "instance") = &*object.plugin {
+            return Err(object.error(format!("shape plugin `{plugin}` cannot stand inside a `shapegroup`")));
+        }
+        let shape = self.parse_shape(object)?;
+        match shape.as_ref().and_then(|shape| shape.common.emitter) {
+            Some(_) => {
+                let scene = object.origin.word("scene");
+                Err(object.error(format!("a shape in a `shapegroup` cannot emit; put it into the {scene} itself")))
+            }
+            None => Ok(shape),
+        }
+    }
+
+    fn add_instance(&mut self, object: &'a Object) -> Result<()> {
+        let mut properties = Properties::new(object, &self.scope)?;
+        let to_world = properties.take_to_world()?;
+        let group = properties.object(Kind::Shape)?.filter(|shape| shape.plugin == "shapegroup");
+        let group = group.ok_or_else(|| {
+            let reference = object.origin.word("ref");
+            object.error(format!("shape plugin `instance` needs a {reference} to a `shapegroup`"))
+        })?;
+        properties.finish(&mut self.warnings)?;
+        let group = self.group(group)?;
+        if self.shapes.len() + group.len() > MAX_SHAPES {
+            return Err(object.error(format!("more than {MAX_SHAPES} shapes, including the shapes of instances")));
+        }
+        let copy = |shape: &Shape| shape.instantiated(to_world, object);
+        self.shapes.extend(group.iter().map(copy).collect::<Result<Vec<_>>>()?);
+        Ok(())
+    }
+
+    fn integrator(&mut self) -> Result<IntegratorDescription> {
+        let Some(object) = self.first(&self.integrators.clone()) else {
+            return Ok(IntegratorDescription::default());
+        };
+        integrator::parse(object, &self.scope, &mut self.warnings)
+    }
+
+    /// First of several objects of which one is used; the others get a warning.
+    fn first(&mut self, objects: &[&'a Object]) -> Option<&'a Object> {
+        for other in objects.iter().skip(1) {
+            let word = other.origin.word(other.kind.name());
+            self.warnings.push(format!("{}: a second {word}; the first is used", other.origin));
+        }
+        objects.first().copied()
+    }
+
+    /// Sensor that the user has chosen, or else the first; `None` for a fitted one.
+    fn chosen_sensor(&mut self, choice: Option<&CameraChoice>) -> Result<Option<&'a Object>> {
+        let sensors = self.sensors.clone();
+        let name = match choice {
+            None => return Ok(self.first(&sensors)),
+            Some(CameraChoice::Fit) => return Ok(None),
+            Some(CameraChoice::Named(name)) => name,
+        };
+        let named = sensors.iter().find(|sensor| sensor.id.as_ref() == Some(name));
+        let found = named.or_else(|| sensors.get(name.parse::<usize>().ok()?));
+        found.copied().map(Some).ok_or_else(|| {
+            let of = |(index, sensor): (usize, &&Object)| match &sensor.id {
+                Some(id) => format!("{index} (`{id}`)"),
+                None => index.to_string(),
+            };
+            let known = sensors.iter().enumerate().map(of).collect::<Vec<_>>().join(", ");
+            let list = if known.is_empty() { "none".to_owned() } else { known };
+            Error::scene(
+                &self.description.path,
+                None,
+                format!("there is no camera `{name}`; the scene's cameras are: {list}; or use `fit`"),
+            )
+        })
+    }
+
+    fn finish(mut self, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
+        let Description { ref path, format, .. } = *self.description;
+        let integrator = self.integrator();
+        let integrator = self.faults.keep(integrator).unwrap_or_default();
+        if let Some(choice) = &options.environment {
+            self.replace_environment(choice)?;
+        }
+        let sensor = self.chosen_sensor(options.camera.as_ref())?;
+        let sensor = sensor.map(|sensor| sensor::parse(sensor, &self.scope, &mut self.warnings));
+        let sensor = sensor.and_then(|sensor| self.faults.keep(sensor));
+        for emitter in self.loose_emitters.iter().filter(|&&emitter| !self.lit.contains(&std::ptr::from_ref(emitter))) {
+            self.warnings.push(format!("{}: no shape refers to this `area` emitter; it is dark", emitter.origin));
+        }
+        let mut images = self.images;
+        let (textures, requests) = self.textures.finish(images.len() as u32);
+        let shapes = &self.shapes;
+        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
+        let Decoded { images: decoded, warnings, faults } = decoded;
+        let (mut meshes, of_meshes) = meshes;
+        let given = self.scope.meshes.iter().enumerate();
+        meshes.extend(given.map(|(index, mesh)| (MeshFile::in_memory(index), Arc::clone(mesh))));
+        faults.into_iter().chain(of_meshes).for_each(|fault| self.faults.add(fault));
+        self.faults.into_result()?;
+        images.extend(decoded);
+        self.warnings.extend(warnings);
+        self.warnings.extend(curves::warning(&self.shapes, &meshes));
+        let mut left_out: Vec<_> = meshes.iter().filter_map(|(file, mesh)| mesh::warning(&file.path, mesh)).collect();
+        left_out.sort();
+        self.warnings.extend(left_out);
+        let mut materials = self.materials.finish();
+        let image = images.len() as u32;
+        let emitters = self.emitters;
+        let context = vertex_colors::Context {
+            materials: &materials,
+            emitters: &emitters,
+            textures: &textures,
+            meshes: &meshes,
+            image,
+        };
+        if let Some(colors) = vertex_colors::make(&mut self.shapes, &context, &mut self.warnings)? {
+            images.push(colors);
+            if texel_pages::place(&images.iter().map(texel_pages::word_count).collect::<Vec<_>>()).is_none() {
+                return Err(Error::scene(path, None, "the images and vertex colors fit no device; use smaller images"));
+            }
+        }
+        let mut delta_emitters = self.delta_emitters;
+        delta_emitters.extend(self.projectors.into_iter().map(|projector| projector.finish(&textures, &images)));
+        conserve_energy(&mut materials, &textures, &images, &mut self.warnings);
+        let primitives = flatten_all(&self.shapes, &meshes)?;
+        let is_dark = emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
+        if is_dark && format == Format::Foreign {
+            let message = "the scene has no light; --environment constant lights it evenly";
+            self.warnings.push(format!("{}: {message}", path.display()));
+        }
+        let sensor = match sensor {
+            Some(sensor) => sensor,
+            None => fit::sensor(path, &primitives, format, &mut self.warnings)?,
+        };
+        Ok(Scene {
+            name: scene_name(path),
+            camera: sensor.camera,
+            film: sensor.film,
+            integrator,
+            sample_count: sensor.sample_count,
+            primitives,
+            materials,
+            emitters,
+            environment: self.environment,
+            delta_emitters,
+            textures,
+            images,
+            warnings: self.warnings,
+        })
+    }
+}
+
+/// Whether an image can be an environment.
+fn is_large_enough(image: &Image) -> bool {
+    image.width >= 2 && image.height >= 3
+}
+
+/// Reads every mesh once, in parallel. Returns the faults of files in the order of the scene.
+fn read_meshes(shapes: &[Shape], progress: &Watch) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
+    let files = shapes.iter().filter_map(|shape| match &shape.geometry {
+        Geometry::Mesh(file, _) if !file.is_in_memory() => Some(file),
+        _ => None,
+    });
+    let mut seen = HashSet::new();
+    let mut files: Vec<_> = files.filter(|file| seen.insert(*file)).enumerate().collect();
+    // The largest come first, so that none is left over when all else is done.
+    files.sort_by_cached_key(|(_, file)| Reverse(file.path.metadata().map_or(0, |metadata| metadata.len())));
+    let (mesh_count, read_count) = (files.len(), AtomicUsize::new(0));
+    let read = |(place, file): (usize, &MeshFile)| {
+        let mesh = mesh::read(&file.path, file.format);
+        progress(LoadProgress { meshes_read: 1 + read_count.fetch_add(1, Ordering::Relaxed), mesh_count });
+        (place, mesh.map(|mesh| (file.clone(), Arc::new(mesh))))
+    };
+    // `par_bridge` hands files out one by one, so this order holds.
+    let mut results: Vec<_> = files.into_iter().par_bridge().map(read).collect();
+    results.sort_by_key(|(place, _)| *place);
+    let (mut meshes, mut faults) = (HashMap::new(), Vec::new());
+    for (_, result) in results {
+        match result {
+            Ok((file, mesh)) => drop(meshes.insert(file, mesh)),
+            Err(fault) => faults.push(fault),
+        }
+    }
+    (meshes, faults)
+}
+
+/// Makes all primitives, in the order of the shapes.
+fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result<Vec<Primitive>> {
+    check_size(shapes, meshes)?;
+    let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
+    let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
+    let mut ends = Vec::with_capacity(placed.len());
+    let mut count = 0;
+    for shape in &placed {
+        count += shape.len();
+        ends.push(count);
+    }
+    let primitive = |index: usize| {
+        let shape = ends.partition_point(|&end| end <= index);
+        placed[shape].primitive(index + placed[shape].len() - ends[shape])
+    };
+    Ok((0..count).into_par_iter().map(primitive).collect())
+}
+
+/// Refuses scenes larger than any device could hold, before memory is allocated.
+fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result<()> {
+    let mut triangles = 0;
+    for shape in shapes {
+        triangles += match &shape.geometry {
+            Geometry::Mesh(file, _) => meshes.get(file).map_or(0, |mesh| mesh.triangles.len()),
+            Geometry::Cylinder => cylinder::UNIT.triangles.len(),
+            _ => 0,
+        };
+        if triangles > MAX_TRIANGLES {
+            let message =
+                format!("with this shape the scene has {triangles} triangles; no more than {MAX_TRIANGLES} fit");
+            return Err(shape.origin.error(message));
+        }
+    }
+    Ok(())
+}
+
+/// Name of the scene: the file's stem, or its folder's name where the stem is `scene`.
+fn scene_name(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    let canonical = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let folder = canonical.parent().and_then(Path::file_name).filter(|_| stem == "scene");
+    folder.unwrap_or(stem).to_string_lossy().into_owned()
+}

@@ -1,0 +1,162 @@
+//! Readers of the plugins that scatter by themselves.
+
+use glam::Vec3;
+
+use super::parameters::{DEFAULT_REFLECTANCE, Parameters};
+use super::{ior, lobes, principled};
+use crate::Result;
+use crate::scene::bsdf::{Bsdf, Distribution};
+use crate::scene::texture::Textured;
+
+/// Plugins that [`parse`] reads.
+pub(super) const SUPPORTED: [&str; 15] = [
+    "diffuse",
+    "roughdiffuse",
+    "dielectric",
+    "thindielectric",
+    "roughdielectric",
+    "conductor",
+    "roughconductor",
+    "roughconductorGGX",
+    "plastic",
+    "roughplastic",
+    "pplastic",
+    "principled",
+    "principledthin",
+    "phong",
+    "ward",
+];
+
+/// Mitsuba's default materials of dielectrics and plastics.
+const DEFAULT_GLASS: &str = "bk7";
+const DEFAULT_PLASTIC: &str = "polypropylene";
+
+/// Reads the parameters of a plugin in [`SUPPORTED`]; `None` for any other.
+pub(super) fn parse(parameters: &mut Parameters) -> Result<Option<Bsdf>> {
+    let bsdf = match parameters.properties.plugin() {
+        "diffuse" => Bsdf::Diffuse { reflectance: albedo(parameters)? },
+        "roughdiffuse" => rough_diffuse(parameters)?,
+        "dielectric" => dielectric(parameters, false)?,
+        "thindielectric" => dielectric(parameters, true)?,
+        "roughdielectric" => rough_dielectric(parameters)?,
+        "conductor" => conductor(parameters)?,
+        "roughconductor" => rough_conductor(parameters)?,
+        "roughconductorGGX" => rough_conductor_ggx(parameters)?,
+        "plastic" => plastic(parameters)?,
+        "roughplastic" => rough_plastic(parameters)?,
+        "pplastic" => polarized_plastic(parameters)?,
+        "principled" => Bsdf::Principled(principled::principled(parameters)?),
+        "principledthin" => Bsdf::PrincipledThin(principled::thin(parameters)?),
+        "phong" => lobes::phong(parameters)?,
+        "ward" => lobes::ward(parameters)?,
+        _ => return Ok(None),
+    };
+    Ok(Some(bsdf))
+}
+
+/// Reads the albedo of a diffuse surface. Mitsuba 0.6 knows it as `diffuseReflectance`, too.
+fn albedo(parameters: &mut Parameters) -> Result<Textured<Vec3>> {
+    let name = match parameters.properties.has("reflectance") {
+        true => "reflectance",
+        false => "diffuse_reflectance",
+    };
+    parameters.reflectance(name, DEFAULT_REFLECTANCE)
+}
+
+/// Reads a `roughdiffuse`, a plugin of Mitsuba 0.6 that Mitsuba 3 lacks.
+fn rough_diffuse(parameters: &mut Parameters) -> Result<Bsdf> {
+    Ok(Bsdf::RoughDiffuse {
+        reflectance: albedo(parameters)?,
+        alpha: parameters.scalar("alpha", 0.2)?,
+        fast_approximation: parameters.properties.boolean("use_fast_approx")?.unwrap_or(false),
+    })
+}
+
+fn dielectric(parameters: &mut Parameters, thin: bool) -> Result<Bsdf> {
+    let eta = ior::relative(&mut parameters.properties, DEFAULT_GLASS)?;
+    let specular_reflectance = parameters.reflectance("specular_reflectance", 1.0)?;
+    let specular_transmittance = parameters.reflectance("specular_transmittance", 1.0)?;
+    Ok(match thin {
+        true => Bsdf::ThinDielectric { eta, specular_reflectance, specular_transmittance },
+        false => Bsdf::Dielectric { eta, specular_reflectance, specular_transmittance },
+    })
+}
+
+fn rough_dielectric(parameters: &mut Parameters) -> Result<Bsdf> {
+    let eta = ior::relative(&mut parameters.properties, DEFAULT_GLASS)?;
+    if eta == 1.0 {
+        return Err(parameters.owner().error("`int_ior` and `ext_ior` of a rough dielectric must differ"));
+    }
+    Ok(Bsdf::RoughDielectric {
+        microfacets: parameters.microfacets()?,
+        eta,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+        specular_transmittance: parameters.reflectance("specular_transmittance", 1.0)?,
+    })
+}
+
+fn conductor(parameters: &mut Parameters) -> Result<Bsdf> {
+    let (eta, k) = parameters.conductor()?;
+    Ok(Bsdf::Conductor { eta, k, specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)? })
+}
+
+fn rough_conductor(parameters: &mut Parameters) -> Result<Bsdf> {
+    let (eta, k) = parameters.conductor()?;
+    Ok(Bsdf::RoughConductor {
+        microfacets: parameters.microfacets()?,
+        eta,
+        k,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+    })
+}
+
+/// Reads a `roughconductorGGX`, an old name of a `roughconductor` whose distribution is `ggx`.
+fn rough_conductor_ggx(parameters: &mut Parameters) -> Result<Bsdf> {
+    let location = parameters.properties.location("distribution");
+    if parameters.properties.take("distribution").is_some() {
+        return Err(location.error("the distribution of a `roughconductorGGX` is `ggx`; leave `distribution` out"));
+    }
+    let mut bsdf = rough_conductor(parameters)?;
+    if let Bsdf::RoughConductor { microfacets, .. } = &mut bsdf {
+        microfacets.distribution = Distribution::Ggx;
+    }
+    Ok(bsdf)
+}
+
+fn plastic(parameters: &mut Parameters) -> Result<Bsdf> {
+    // Sampling rates of lobes change the noise only.
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
+    Ok(Bsdf::Plastic {
+        eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
+        diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+        nonlinear: parameters.properties.boolean("nonlinear")?.unwrap_or(false),
+    })
+}
+
+fn rough_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
+    parameters.properties.ignore_sampling(&["specular_sampling_weight"]);
+    let (distribution, alpha) = parameters.uniform_microfacets()?;
+    Ok(Bsdf::RoughPlastic {
+        distribution,
+        alpha,
+        eta: ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?,
+        diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+        nonlinear: parameters.properties.boolean("nonlinear")?.unwrap_or(false),
+    })
+}
+
+/// Reads a `pplastic`. What it adds for polarized light has no counterpart here.
+fn polarized_plastic(parameters: &mut Parameters) -> Result<Bsdf> {
+    let eta = ior::relative(&mut parameters.properties, DEFAULT_PLASTIC)?;
+    if eta == 1.0 {
+        return Err(parameters.owner().error("`int_ior` and `ext_ior` of a `pplastic` must differ"));
+    }
+    Ok(Bsdf::PolarizedPlastic {
+        microfacets: parameters.microfacets()?,
+        eta,
+        diffuse_reflectance: parameters.reflectance("diffuse_reflectance", DEFAULT_REFLECTANCE)?,
+        specular_reflectance: parameters.reflectance("specular_reflectance", 1.0)?,
+    })
+}

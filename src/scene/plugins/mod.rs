@@ -1,0 +1,25 @@
+//! Readers of plugins: from a description to a [`Scene`](super::Scene). Parameters and defaults are Mitsuba's.
+
+mod color;
+mod color_blocks;
+mod curves;
+mod cylinder;
+mod emission;
+mod emitter_plugin;
+mod fit;
+mod flatten;
+mod integrator;
+pub mod load;
+mod materials;
+pub(in crate::scene) mod names;
+mod parameter;
+mod projector;
+mod properties;
+mod scope;
+mod sensor;
+mod shape;
+mod sunsky;
+mod texture_images;
+mod textures;
+mod transform;
+mod vertex_colors;

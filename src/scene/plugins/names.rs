@@ -1,0 +1,34 @@
+//! Kinds of plugins by their names, which dictionaries give alone.
+
+use super::{emitter_plugin, integrator, materials, shape, textures};
+use crate::scene::description::kinds::Kind;
+use crate::scene::description::object::MESH;
+
+/// Names of plugins that other files do not list, by their kind.
+const OTHERS: [(Kind, &[&str]); 10] = [
+    (
+        Kind::Sensor,
+        &["perspective", "thinlens", "orthographic", "batch", "distant", "irradiancemeter", "radiancemeter"],
+    ),
+    (Kind::Film, &["hdrfilm", "ldrfilm", "specfilm"]),
+    (Kind::Rfilter, &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"]),
+    (Kind::Sampler, &["independent", "stratified", "multijitter", "orthogonal", "ldsampler"]),
+    (Kind::Shape, &[MESH, "merge", "sdfgrid"]),
+    (Kind::Emitter, &["timed_sunsky"]),
+    (Kind::Texture, &["volume"]),
+    (Kind::Bsdf, &["bsdf_mixture", "circular", "hair", "measured", "polarizer", "retarder"]),
+    (Kind::Medium, &["homogeneous", "heterogeneous"]),
+    (Kind::Spectrum, &["d65", "irregular", "regular", "srgb", "uniform"]),
+];
+
+/// Kind of the plugin `name`; `None` for an unknown plugin.
+pub(in crate::scene) fn kind_of(name: &str) -> Option<Kind> {
+    match () {
+        () if shape::SUPPORTED.contains(&name) => Some(Kind::Shape),
+        () if emitter_plugin::SUPPORTED.contains(&name) => Some(Kind::Emitter),
+        () if textures::SUPPORTED.contains(&name) => Some(Kind::Texture),
+        () if integrator::is_known(name) => Some(Kind::Integrator),
+        () if materials::is_known(name) => Some(Kind::Bsdf),
+        () => OTHERS.iter().find(|(_, names)| names.contains(&name)).map(|(kind, _)| *kind),
+    }
+}

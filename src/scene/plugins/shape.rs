@@ -1,0 +1,228 @@
+//! Reader of `<shape>`. Parameters are read first; primitives are made when all mesh files are read.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
+
+use super::flatten::{self, Common, MeshOptions, PlacedMesh};
+use super::properties::Properties;
+use super::{cylinder, transform};
+use crate::Result;
+use crate::scene::description::object::{MESH, Object};
+use crate::scene::description::origin::Origin;
+use crate::scene::mesh::curves::CurveFormat;
+use crate::scene::mesh::rings::Kind;
+use crate::scene::mesh::{Mesh, MeshFormat};
+use crate::scene::{Primitive, PrimitiveShape};
+
+pub(super) const SUPPORTED: [&str; 12] = [
+    "obj",
+    "ply",
+    "serialized",
+    "rectangle",
+    "cube",
+    "sphere",
+    "cylinder",
+    "disk",
+    "linearcurve",
+    "bsplinecurve",
+    "shapegroup",
+    "instance",
+];
+
+/// Largest relative deviation of a transform from a similarity: scene files are printed with six digits.
+const SIMILARITY: f64 = 1e-3;
+
+/// Shape that is ready to be flattened.
+#[derive(Clone)]
+pub(super) struct Shape {
+    pub geometry: Geometry,
+    pub common: Common,
+    pub origin: Origin,
+}
+
+/// Kinds of shape.
+#[derive(Clone)]
+pub(super) enum Geometry {
+    Mesh(MeshFile, MeshOptions),
+    Rectangle,
+    Disk,
+    Cube,
+    Sphere,
+    Cylinder,
+}
+
+/// Mesh: the canonical path of its file, and the file's format. A mesh in memory has no path.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct MeshFile {
+    pub path: PathBuf,
+    pub format: MeshFormat,
+}
+
+impl MeshFile {
+    /// The mesh in memory with this index.
+    pub fn in_memory(index: usize) -> Self {
+        Self { path: PathBuf::new(), format: MeshFormat::Memory(index) }
+    }
+
+    /// Whether the mesh is in memory already.
+    pub fn is_in_memory(&self) -> bool {
+        matches!(self.format, MeshFormat::Memory(_))
+    }
+}
+
+/// Reads the parameters of a shape's plugin, and its transform into `common`.
+pub(super) fn parse_geometry(properties: &mut Properties, common: &mut Common) -> Result<Geometry> {
+    common.to_world = properties.take_to_world()?;
+    common.flip_normals = properties.boolean("flip_normals")?.unwrap_or(false);
+    let mesh_format = match properties.plugin() {
+        "obj" => Some(MeshFormat::Obj),
+        "ply" => Some(MeshFormat::Ply),
+        "serialized" => Some(parse_shape_index(properties)?),
+        MESH => match properties.mesh(MESH) {
+            Some(index) => return parse_mesh_in_memory(properties, index),
+            None => None,
+        },
+        _ => None,
+    };
+    if let Some(format) = mesh_format {
+        return parse_mesh(properties, format);
+    }
+    // The other shapes have flat faces, or none.
+    properties.ignore(&["face_normals"]);
+    match properties.plugin() {
+        "rectangle" => Ok(Geometry::Rectangle),
+        "disk" => Ok(Geometry::Disk),
+        "cube" => Ok(Geometry::Cube),
+        "linearcurve" => parse_curves(properties, Kind::Linear, common),
+        "bsplinecurve" => parse_curves(properties, Kind::BSpline, common),
+        "sphere" => {
+            common.to_world = parse_sphere(properties, common.to_world)?;
+            Ok(Geometry::Sphere)
+        }
+        "cylinder" => {
+            common.to_world = cylinder::parse(properties, common.to_world)?;
+            Ok(Geometry::Cylinder)
+        }
+        _ => Err(properties.owner().unsupported(&SUPPORTED)),
+    }
+}
+
+/// Reads a shape whose mesh lies in memory already: of a dictionary, a glTF model or a pbrt scene.
+fn parse_mesh_in_memory(properties: &mut Properties, index: usize) -> Result<Geometry> {
+    let face_normals = properties.boolean("face_normals")?.unwrap_or(false);
+    let flip_uvs = properties.boolean("flip_tex_coords")?.unwrap_or(false);
+    Ok(Geometry::Mesh(MeshFile::in_memory(index), MeshOptions { face_normals, flip_uvs }))
+}
+
+fn parse_mesh(properties: &mut Properties, format: MeshFormat) -> Result<Geometry> {
+    let flips_uvs = match format {
+        MeshFormat::Serialized(_) => Some(false),
+        _ => properties.boolean("flip_tex_coords")?,
+    };
+    let options = MeshOptions {
+        face_normals: properties.boolean("face_normals")?.unwrap_or(false),
+        flip_uvs: flips_uvs.unwrap_or(format == MeshFormat::Obj),
+    };
+    Ok(Geometry::Mesh(MeshFile { path: properties.file("filename", "mesh file")?.0.path, format }, options))
+}
+
+fn parse_shape_index(properties: &mut Properties) -> Result<MeshFormat> {
+    let index = properties.integer("shape_index", 0..=i64::from(u32::MAX))?;
+    Ok(MeshFormat::Serialized(index.unwrap_or(0) as usize))
+}
+
+/// Reads the parameters of a shape of curves. The transform is taken from `common`, because it moves the control points
+/// but does not scale their radii.
+fn parse_curves(properties: &mut Properties, kind: Kind, common: &mut Common) -> Result<Geometry> {
+    if common.flip_normals {
+        let message = format!("a `{}` has no `flip_normals`, because it is seen from outside only", kind.plugin());
+        return Err(properties.owner().error(message + "; leave it out"));
+    }
+    common.front_only = true;
+    let to_world = std::mem::replace(&mut common.to_world, DMat4::IDENTITY);
+    // Weight of Mitsuba's derivatives with respect to the shape.
+    properties.ignore(&["silhouette_sampling_weight"]);
+    let format = MeshFormat::Curves(CurveFormat::new(kind, &to_world));
+    let options = MeshOptions { face_normals: false, flip_uvs: false };
+    Ok(Geometry::Mesh(MeshFile { path: properties.file("filename", "curve file")?.0.path, format }, options))
+}
+
+/// Transform from the unit sphere to the world.
+fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
+    let object = properties.owner();
+    let center = properties.point("center")?.unwrap_or(DVec3::ZERO);
+    let radius = f64::from(properties.positive_float("radius", 1.0)?);
+    let result = to_world * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius));
+    if !transform::is_similarity(&result, SIMILARITY) {
+        return Err(object.error("the `to_world` of a sphere must not scale unevenly or shear"));
+    }
+    if transform::axes(&result)[0].as_vec3().length_squared() < f32::MIN_POSITIVE {
+        return Err(object.error("a sphere needs a radius greater than 0"));
+    }
+    Ok(result)
+}
+
+impl Shape {
+    /// Copy of a group's shape, for an `instance`.
+    pub fn instantiated(&self, to_world: DMat4, instance: &Object) -> Result<Self> {
+        if matches!(self.geometry, Geometry::Sphere) && !transform::is_similarity(&to_world, SIMILARITY) {
+            return Err(instance.error("an instance with a sphere must not be scaled unevenly or sheared"));
+        }
+        let common = Common { instance_to_world: to_world, ..self.common };
+        Ok(Self { common, origin: instance.origin.clone(), ..self.clone() })
+    }
+}
+
+/// Shape whose primitives can be made one by one.
+pub(super) enum Placed<'a> {
+    Mesh(Box<PlacedMesh<'a>>),
+    Few(Vec<Primitive>),
+}
+
+/// Places a shape; `meshes` holds every mesh that a shape names.
+pub(super) fn place<'a>(shape: &Shape, meshes: &'a HashMap<MeshFile, Arc<Mesh>>) -> Result<Placed<'a>> {
+    let common = &shape.common;
+    let mesh = |mesh, options: &_| PlacedMesh::new(mesh, options, common).map(|mesh| Placed::Mesh(Box::new(mesh)));
+    let placed = match &shape.geometry {
+        Geometry::Mesh(file, options) => match meshes.get(file) {
+            Some(found) => mesh(found, options),
+            None => Some(Placed::Few(Vec::new())),
+        },
+        Geometry::Rectangle => few(flatten::flat(PrimitiveShape::Parallelogram, common), common),
+        Geometry::Disk => few(flatten::flat(PrimitiveShape::Disk, common), common),
+        Geometry::Cube => few(flatten::cube(common), common),
+        Geometry::Sphere => few(vec![flatten::sphere(common)], common),
+        Geometry::Cylinder => mesh(&cylinder::UNIT, &MeshOptions { face_normals: false, flip_uvs: false }),
+    };
+    placed.ok_or_else(|| {
+        shape.origin.error("the shape's `to_world` takes it out of the range of single-precision numbers")
+    })
+}
+
+fn few<'a>(primitives: Vec<Primitive>, common: &Common) -> Option<Placed<'a>> {
+    let instantiated = |p: Primitive| flatten::instantiated(p, &common.instance_to_world);
+    let primitives: Vec<_> = primitives.into_iter().filter_map(instantiated).collect();
+    let is_finite = |p: &Primitive| p.origin.is_finite() && p.edge_u.cross(p.edge_v).length_squared().is_finite();
+    primitives.iter().all(is_finite).then_some(Placed::Few(primitives))
+}
+
+impl Placed<'_> {
+    /// Number of primitives.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.len(),
+            Self::Few(primitives) => primitives.len(),
+        }
+    }
+
+    /// Makes primitive number `index`.
+    pub fn primitive(&self, index: usize) -> Primitive {
+        match self {
+            Self::Mesh(mesh) => mesh.triangle(index),
+            Self::Few(primitives) => primitives[index],
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! Colors of vertices as one image for the whole scene: the texture `mesh_attribute` becomes a bitmap.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::color_blocks::ColorBlocks;
+use super::shape::{Geometry, MeshFile, Shape};
+use crate::Result;
+use crate::scene::mesh::Mesh;
+use crate::scene::texel_pages::PAGE_WORDS;
+use crate::scene::texture::{Image, Pattern, Texels};
+use crate::scene::{AreaEmitter, Bsdf, Material, MaterialKind, SurfaceMaterial, Texture, Textured};
+
+/// Most triangles whose vertices have colors: their blocks fill half of the largest buffer.
+const MAX_BLOCKS: u64 = PAGE_WORDS / 16;
+
+/// Scene as far as the colors of vertices depend on it.
+pub(super) struct Context<'a> {
+    pub materials: &'a [Material],
+    pub emitters: &'a [AreaEmitter],
+    pub textures: &'a [Texture],
+    pub meshes: &'a HashMap<MeshFile, Arc<Mesh>>,
+    /// Index that the image of the colors will have.
+    pub image: u32,
+}
+
+/// Makes the image of the colors, and gives each shape that shows them its blocks; `None` where no texture does.
+pub(super) fn make(shapes: &mut [Shape], context: &Context, warnings: &mut Vec<String>) -> Result<Option<Image>> {
+    let (mut firsts, mut colored): (HashMap<MeshFile, u32>, Vec<&Mesh>) = (HashMap::new(), Vec::new());
+    let (mut users, mut count) = (Vec::new(), 0_u64);
+    for (at, shape) in shapes.iter().enumerate() {
+        if !context.shows_colors(shape)? {
+            continue;
+        }
+        let (file, mesh) = context.mesh(shape)?;
+        let first = match firsts.get(file) {
+            Some(&first) => first,
+            None => {
+                let first = count as u32;
+                check(shape, file, mesh, warnings)?;
+                count += mesh.triangles.len() as u64;
+                if count > MAX_BLOCKS {
+                    let message = format!("no more than {MAX_BLOCKS} triangles can have vertex colors");
+                    return Err(shape.origin.error(message));
+                }
+                firsts.insert(file.clone(), first);
+                colored.push(mesh);
+                first
+            }
+        };
+        users.push((at, first));
+    }
+    if users.is_empty() {
+        // A group that no instance shows may have the texture.
+        let is_named = context.textures.iter().any(|texture| context.is_colors(texture));
+        return Ok(is_named.then(|| image(&[], 1, 1)));
+    }
+    let columns = (count as f64).sqrt().ceil().max(1.0) as u32;
+    let rows = (count as u32).div_ceil(columns);
+    for (at, first) in users {
+        shapes[at].common.colors = Some(ColorBlocks { first, columns, rows });
+    }
+    Ok(Some(image(&colored, columns, rows)))
+}
+
+fn image(meshes: &[&Mesh], columns: u32, rows: u32) -> Image {
+    let (width, height) = (2 * columns, 2 * rows);
+    let mut texels = vec![[0.0, 0.0, 0.0, 1.0]; width as usize * height as usize];
+    let triangles = meshes.iter().flat_map(|mesh| mesh.triangles.iter().map(move |triangle| (mesh, triangle)));
+    for (block, (mesh, triangle)) in triangles.enumerate() {
+        let [a, b, c] = triangle.map(|vertex| mesh.colors[vertex as usize]);
+        let (column, row) = (block % columns as usize, block / columns as usize);
+        let upper = 2 * row * width as usize + 2 * column;
+        let lower = upper + width as usize;
+        for (at, color) in [(upper, a), (upper + 1, b), (lower, c), (lower + 1, b + c - a)] {
+            texels[at] = color.extend(1.0).to_array();
+        }
+    }
+    Image { name: "vertex colors".to_string(), width, height, texels: Texels::Floats(texels) }
+}
+
+/// Checks the colors of a mesh.
+fn check(shape: &Shape, file: &MeshFile, mesh: &Mesh, warnings: &mut Vec<String>) -> Result<()> {
+    let path = file.path.display();
+    if mesh.colors.iter().any(|color| !color.is_finite() || color.min_element() < 0.0) {
+        return Err(shape.origin.error(format!("a vertex color of `{path}` is negative or no number")));
+    }
+    if mesh.colors.iter().any(|color| color.max_element() > 1.0) {
+        let message = format!("`{path}` has vertex colors above 1, which create light as a reflectance");
+        warnings.push(format!("{}: {message}", shape.origin));
+    }
+    if mesh.has_byte_colors {
+        let message = format!("the vertex colors of `{path}` are whole numbers; the largest stands for 1");
+        warnings.push(format!("{}: {message}. Mitsuba 3 takes them as they are", shape.origin));
+    }
+    Ok(())
+}
+
+impl<'a> Context<'a> {
+    /// Whether a shape's material or emitter shows vertex colors. An error where they stand beside something that needs
+    /// other texture coordinates.
+    fn shows_colors(&self, shape: &Shape) -> Result<bool> {
+        let mut surfaces = Vec::new();
+        let mut weights = Vec::new();
+        self.collect(shape.common.material, &mut surfaces, &mut weights);
+        let emitted = shape.common.emitter.and_then(|emitter| self.emitters[emitter as usize].radiance.texture);
+        let mut used: Vec<u32> = weights.into_iter().flatten().chain(emitted).collect();
+        for surface in &surfaces {
+            used.extend(SurfaceMaterial::clone(surface).textures_mut().into_iter().map(|texture| *texture));
+        }
+        let is_colors = |&texture: &u32| self.is_colors(&self.textures[texture as usize]);
+        if !used.iter().any(is_colors) {
+            return Ok(false);
+        }
+        if !used.iter().all(is_colors) {
+            return Err(shape.origin.error("vertex colors beside other textures on one shape are not supported"));
+        }
+        if surfaces.iter().any(|surface| is_anisotropic(&surface.bsdf)) {
+            return Err(shape.origin.error("vertex colors on an anisotropic material are not supported"));
+        }
+        Ok(true)
+    }
+
+    /// Whether a texture shows vertex colors.
+    fn is_colors(&self, texture: &Texture) -> bool {
+        matches!(texture.pattern, Pattern::Bitmap { image, .. } if image == self.image)
+    }
+
+    /// Collects the surfaces and the textures of blending weights of a material.
+    fn collect(&self, material: u32, surfaces: &mut Vec<&'a SurfaceMaterial>, weights: &mut Vec<Option<u32>>) {
+        match &self.materials[material as usize].kind {
+            MaterialKind::Surface(surface) => surfaces.push(surface),
+            MaterialKind::Blend { weight, materials } => {
+                weights.push(weight.texture);
+                materials.iter().for_each(|&part| self.collect(part, surfaces, weights));
+            }
+            MaterialKind::Sides { front, back } => {
+                [front, back].into_iter().for_each(|&part| self.collect(part, surfaces, weights));
+            }
+        }
+    }
+
+    /// Mesh of a shape that shows vertex colors.
+    fn mesh<'s>(&self, shape: &'s Shape) -> Result<(&'s MeshFile, &'a Mesh)> {
+        let found = match &shape.geometry {
+            Geometry::Mesh(file, _) => self.meshes.get(file).map(|mesh| (file, &**mesh)),
+            _ => None,
+        };
+        found.filter(|(_, mesh)| !mesh.colors.is_empty()).ok_or_else(|| {
+            shape.origin.error("texture plugin `mesh_attribute` needs a `ply` with vertex colors (red, green, blue)")
+        })
+    }
+}
+
+/// Whether a scattering function depends on the direction of the texture coordinates.
+fn is_anisotropic(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::RoughConductor { microfacets, .. } | Bsdf::RoughDielectric { microfacets, .. } => {
+            microfacets.alpha_u != microfacets.alpha_v
+        }
+        Bsdf::Principled(principled) => principled.anisotropic != Textured::constant(0.0),
+        _ => false,
+    }
+}
