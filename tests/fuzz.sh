@@ -25,10 +25,11 @@ if ! RUSTFLAGS="${flags[*]}" cargo build --release --quiet --manifest-path fuzz/
 fi
 mkdir -p fuzz/artifacts
 for target in "${targets[@]}"; do
-  corpus=target/fuzz-corpus/$target dictionary=()
+  corpus=target/fuzz-corpus/$target dictionary=() seeds=()
   mkdir -p "$corpus"
+  [[ ! -d fuzz/corpus/$target ]] || seeds=("fuzz/corpus/$target")
   [[ ! -f fuzz/$target.dict ]] || dictionary=(-dict="fuzz/$target.dict")
   echo "fuzzing $target for ${LODESTAR_FUZZ_SECONDS:-600} s"
-  "$CARGO_TARGET_DIR/$host/release/$target" "$corpus" "fuzz/corpus/$target" "${dictionary[@]}" -max_total_time="${LODESTAR_FUZZ_SECONDS:-600}" \
-    -timeout=20 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix="fuzz/artifacts/$target-" -print_final_stats=1 2>&1 | tail -25
+  "$CARGO_TARGET_DIR/$host/release/$target" "$corpus" "${seeds[@]}" "${dictionary[@]}" \
+    -max_total_time="${LODESTAR_FUZZ_SECONDS:-600}" -timeout=20 -rss_limit_mb=2048 -max_len=65536 -artifact_prefix="fuzz/artifacts/$target-" -print_final_stats=1 2>&1 | tail -25
 done
