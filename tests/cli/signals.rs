@@ -15,7 +15,16 @@ const OUTPUTS: [&str; 8] = ["render", "scene.xml", "-o", "a.exr", "-o", "b.png",
 fn is_answered(signal: &str, count: u32, code: i32) {
     let folder = Folder::new();
     let size = ["--spp", "1000000", "--width", "64", "--height", "64"];
-    let mut running = folder.start(&[&OUTPUTS[..], &size].concat());
+    let arguments = [&OUTPUTS[..], &size].concat();
+    let mut running = match signal {
+        // Whoever runs the tests may ignore this signal, as `nohup` does, and a child would ignore it, too.
+        "HUP" => {
+            let mut process = Command::new("env");
+            process.args(["--default-signal=HUP", env!("CARGO_BIN_EXE_lodestar")]);
+            folder.start_process(process.args(arguments))
+        }
+        _ => folder.start(&arguments),
+    };
     running.wait_for_line("/1000000 spp");
     let begin = Instant::now();
     (0..count).for_each(|_| running.signal(signal));
