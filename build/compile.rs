@@ -7,8 +7,9 @@ use std::path::Path;
 /// Folder that includes are relative to.
 const INCLUDE_FOLDER: &str = "glsl/include";
 
-/// Compiles `file`, a path relative to the folder `root`, with everything that it includes. Returns the SPIR-V.
-pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, String> {
+/// Compiles `file`, a path relative to the folder `root`, with everything that it includes. The files that were written for it
+/// lie in `written`. Returns the SPIR-V.
+pub fn compile(root: &Path, file: &str, macros: &[&str], written: &Path) -> Result<Vec<u8>, String> {
     let source = fs::read_to_string(root.join(file)).map_err(|e| format!("{file}: cannot be read: {e}"))?;
     let compiler = shaderc::Compiler::new().map_err(|e| e.to_string())?;
     let mut options = shaderc::CompileOptions::new().map_err(|e| e.to_string())?;
@@ -21,17 +22,18 @@ pub fn compile(root: &Path, file: &str, macros: &[&str]) -> Result<Vec<u8>, Stri
     for name in macros {
         options.add_macro_definition(name, Some("1"));
     }
-    options.set_include_callback(|name, _, _, _| resolve_include(root, name));
+    options.set_include_callback(|name, _, _, _| resolve_include(root, written, name));
     let artifact = compiler
         .compile_into_spirv(&source, shaderc::ShaderKind::Compute, file, "main", Some(&options))
         .map_err(|e| diagnostics(root, &e.to_string()))?;
     Ok(artifact.as_binary_u8().to_vec())
 }
 
-fn resolve_include(root: &Path, name: &str) -> Result<shaderc::ResolvedInclude, String> {
-    let path = format!("{INCLUDE_FOLDER}/{name}");
-    let content = fs::read_to_string(root.join(&path)).map_err(|_| format!("no file {name} under {INCLUDE_FOLDER}"))?;
-    Ok(shaderc::ResolvedInclude { resolved_name: path, content })
+fn resolve_include(root: &Path, written: &Path, name: &str) -> Result<shaderc::ResolvedInclude, String> {
+    let resolved_name = format!("{INCLUDE_FOLDER}/{name}");
+    let content = fs::read_to_string(root.join(&resolved_name)).or_else(|_| fs::read_to_string(written.join(name)));
+    let content = content.map_err(|_| format!("no file {name} under {INCLUDE_FOLDER}, and none is written"))?;
+    Ok(shaderc::ResolvedInclude { resolved_name, content })
 }
 
 /// Converts messages of the form `file:line: error: text` to the form of rustc's messages.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use super::declarations::{SharedConstant, SpecializationConstant, shared_constants, specialization_constants};
+use super::glsl::declarations::{SharedConstant, SpecializationConstant, shared_constants, specialization_constants};
 
 /// Suffix of the names of constants that number the descriptor sets.
 const SET_SUFFIX: &str = "_SET";

@@ -1,23 +1,21 @@
 //! SPIR-V and reflection of all kernels, on all cores.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::Path;
 
 use super::cores::on_all_cores;
+use super::glsl::files::{below, read, read_all, write_file};
+use super::glsl::{FOLDER as INCLUDE_FOLDER, Includes};
 use super::interface::Interface;
-use super::{spirv, unreadable, write_file};
+use super::spirv;
 
-/// File whose inclusion makes a kernel be built for texel buffers, too.
-const GEOMETRY_FILE: &str = "glsl/include/geometry/bvh.glsl";
+/// Name of the file whose inclusion makes a kernel be built for texel buffers, too.
+const GEOMETRY_FILE: &str = "geometry/bvh.glsl";
 /// Extension whose name in a kernel's file makes the kernel be built for ray queries, too.
 const RAY_QUERY_EXTENSION: &str = "GL_EXT_ray_query";
-const INCLUDE_FOLDER: &str = "glsl/include";
 const KERNEL_FOLDER: &str = "glsl/kernels";
 /// Folder of the tests' kernels. The published crate does not have it.
 const TEST_FOLDER: &str = "glsl/test";
-/// Name of the kernel that only declares records. It is never dispatched.
-const PROBE: &str = "layout_probe";
 
 /// What a kernel reads geometry from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,7 +75,7 @@ impl Kernel {
 
     /// Whether a renderer dispatches the kernel.
     pub fn is_product(&self) -> bool {
-        !self.is_test() && self.name != PROBE
+        !self.is_test()
     }
 
     /// Whether the kernel has a module of its own for this back end.
@@ -116,15 +114,15 @@ struct Job {
     source_bytes: u64,
 }
 
-/// All kernels, in the order of their names.
-pub fn all() -> Result<Vec<Kernel>, String> {
-    let mut files = files_below(KERNEL_FOLDER, ".comp")?;
+/// All kernels, in the order of their names. The files that were written for GLSL lie in `written`.
+pub fn all(includes: &Includes, written: &Path) -> Result<Vec<Kernel>, String> {
+    let mut files = below(Path::new(""), KERNEL_FOLDER, ".comp")?;
     if Path::new(TEST_FOLDER).exists() {
-        files.extend(files_below(TEST_FOLDER, ".comp")?);
+        files.extend(below(Path::new(""), TEST_FOLDER, ".comp")?);
     }
     files.sort_by_key(|file| kernel_name(file));
-    let jobs = jobs(&files)?;
-    let results = on_all_cores(jobs.len(), |job| module(&files[jobs[job].kernel], jobs[job].back_end));
+    let jobs = jobs(&files, includes)?;
+    let results = on_all_cores(jobs.len(), |job| module(&files[jobs[job].kernel], jobs[job].back_end, written));
     let mut modules: Vec<BTreeMap<BackEnd, Module>> = files.iter().map(|_| BTreeMap::new()).collect();
     let mut results: Vec<_> = jobs.iter().zip(results).collect();
     results.sort_by_key(|(job, _)| (job.kernel, job.back_end));
@@ -136,16 +134,17 @@ pub fn all() -> Result<Vec<Kernel>, String> {
 }
 
 /// All jobs, the longest first, so that no long one runs alone at the end.
-fn jobs(files: &[String]) -> Result<Vec<Job>, String> {
+fn jobs(files: &[String], includes: &Includes) -> Result<Vec<Job>, String> {
     let mut jobs = Vec::new();
     for (kernel, file) in files.iter().enumerate() {
-        let mut sources = BTreeSet::new();
-        let source_bytes = collect_sources(file, &mut sources)?;
+        let text = read(Path::new(""), file)?;
+        let mut names = BTreeSet::new();
+        let source_bytes = text.len() as u64 + included_bytes(&text, includes, &mut names)?;
         jobs.push(Job { kernel, back_end: BackEnd::Storage, source_bytes });
-        if sources.contains(GEOMETRY_FILE) {
+        if names.contains(GEOMETRY_FILE) {
             jobs.push(Job { kernel, back_end: BackEnd::Texel, source_bytes });
         }
-        if fs::read_to_string(file).map_err(|e| unreadable(file, &e))?.contains(RAY_QUERY_EXTENSION) {
+        if text.contains(RAY_QUERY_EXTENSION) {
             jobs.push(Job { kernel, back_end: BackEnd::Query, source_bytes });
         }
     }
@@ -153,21 +152,20 @@ fn jobs(files: &[String]) -> Result<Vec<Job>, String> {
     Ok(jobs)
 }
 
-/// Adds a file and everything that it includes to `sources`. Returns the number of bytes that were added.
-fn collect_sources(file: &str, sources: &mut BTreeSet<String>) -> Result<u64, String> {
-    if !sources.insert(file.to_owned()) {
-        return Ok(0);
-    }
-    let text = fs::read_to_string(file).map_err(|e| unreadable(file, &e))?;
-    let mut bytes = text.len() as u64;
+/// Adds the names of all files that a text includes to `names`. Returns the number of bytes that were added.
+fn included_bytes(text: &str, includes: &Includes, names: &mut BTreeSet<String>) -> Result<u64, String> {
+    let mut bytes = 0;
     for name in text.lines().filter_map(|line| line.strip_prefix("#include \"")?.strip_suffix('"')) {
-        bytes += collect_sources(&format!("{INCLUDE_FOLDER}/{name}"), sources)?;
+        if names.insert(name.to_owned()) {
+            let text = includes.text(Path::new(""), name)?;
+            bytes += text.len() as u64 + included_bytes(&text, includes, names)?;
+        }
     }
     Ok(bytes)
 }
 
-fn module(file: &str, back_end: BackEnd) -> Result<Module, String> {
-    let spirv = spirv::of(file, back_end)?;
+fn module(file: &str, back_end: BackEnd, written: &Path) -> Result<Module, String> {
+    let spirv = spirv::of(file, back_end, written)?;
     let interface = Interface::reflect(&spirv).map_err(|e| format!("{file}: {e}"))?;
     Ok(Module { spirv, interface })
 }
@@ -179,32 +177,16 @@ pub fn spirv_file(file: &str, back_end: BackEnd) -> String {
 }
 
 /// Fingerprint of the GLSL of all kernels except the tests': 64-bit FNV-1a of the files' names and texts, in hexadecimal.
-pub fn fingerprint() -> Result<String, String> {
-    let mut files = files_below(KERNEL_FOLDER, "")?;
-    files.extend(files_below(INCLUDE_FOLDER, "")?);
-    files.sort();
+pub fn fingerprint(includes: &Includes) -> Result<String, String> {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-    for file in files {
-        let text = fs::read(&file).map_err(|e| unreadable(&file, &e))?;
-        for byte in file.bytes().chain([0]).chain(text).chain([0]) {
+    let files = read_all(Path::new(""), &[KERNEL_FOLDER, INCLUDE_FOLDER])?;
+    let files = files.iter().map(|(file, text)| (file, text));
+    for (file, text) in files.chain(&includes.texts) {
+        for byte in file.bytes().chain([0]).chain(text.bytes()).chain([0]) {
             hash = (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     }
     Ok(format!("{hash:016x}\n"))
-}
-
-/// Files below a folder whose names end with `ending`.
-pub fn files_below(folder: &str, ending: &str) -> Result<Vec<String>, String> {
-    let mut files = Vec::new();
-    for entry in fs::read_dir(folder).map_err(|e| unreadable(folder, &e))?.flatten() {
-        let path = format!("{folder}/{}", entry.file_name().to_string_lossy());
-        if entry.path().is_dir() {
-            files.extend(files_below(&path, ending)?);
-        } else if path.ends_with(ending) {
-            files.push(path);
-        }
-    }
-    Ok(files)
 }
 
 fn kernel_name(file: &str) -> String {

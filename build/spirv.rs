@@ -18,9 +18,9 @@ mod compiled {
         Ok(())
     }
 
-    /// Compiles the kernel `file`.
-    pub fn of(file: &str, back_end: BackEnd) -> Result<Vec<u8>, String> {
-        compile(Path::new(""), file, back_end.macros())
+    /// Compiles the kernel `file`. The files that were written for GLSL lie in `written`.
+    pub fn of(file: &str, back_end: BackEnd, written: &Path) -> Result<Vec<u8>, String> {
+        compile(Path::new(""), file, back_end.macros(), written)
     }
 }
 
@@ -29,8 +29,9 @@ mod shipped {
     use std::fs;
     use std::path::Path;
 
+    use super::super::FINGERPRINT_FILE;
+    use super::super::glsl::files::unreadable;
     use super::super::kernels::{BackEnd, spirv_file};
-    use super::super::{FINGERPRINT_FILE, unreadable};
 
     const FOLDER: &str = "spirv";
 
@@ -53,7 +54,7 @@ mod shipped {
     }
 
     /// Reads the SPIR-V of the kernel `file`.
-    pub fn of(file: &str, back_end: BackEnd) -> Result<Vec<u8>, String> {
+    pub fn of(file: &str, back_end: BackEnd, _written: &Path) -> Result<Vec<u8>, String> {
         let path = format!("{FOLDER}/{}", spirv_file(file, back_end));
         fs::read(&path).map_err(|e| unreadable(&path, &e))
     }

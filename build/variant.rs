@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::declarations::SpecializationConstant;
+use super::glsl::declarations::SpecializationConstant;
 
 /// Code of the struct `Variant`: a field for each constant, the defaults, and the entries for a pipeline.
 pub fn code(constants: &[SpecializationConstant]) -> String {

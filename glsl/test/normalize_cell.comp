@@ -10,7 +10,7 @@
 void main() {
     if (is_sphere_inversion()) {
         float total = store_bin_ends(0u);
-        if (gl_GlobalInvocationID.x == 0u) store_normalization_record(0u, record_of(sphere_inversion_factors(total)));
+        if (gl_GlobalInvocationID.x == 0u) store_normalization_record(0u, texel_of(sphere_inversion_factors(total)));
         return;
     }
     if (is_product()) {
@@ -18,7 +18,7 @@ void main() {
         for (uint node = gl_GlobalInvocationID.x; node < nodes_per_tree(); node += lanes) store_tree_node(0u, node);
     }
     for (uint bin = gl_GlobalInvocationID.x; bin < normal_bin_count(); bin += WORKGROUP_SIZE * gl_NumWorkGroups.x) {
-        uvec4 record = is_product() ? product_record(0u, bin) : record_of(normalize_cell(0u, bin));
+        uvec4 record = is_product() ? product_record(0u, bin) : texel_of(normalize_cell(0u, bin));
         store_normalization_record(normalization_index(0u, bin), record);
     }
 }

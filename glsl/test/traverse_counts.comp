@@ -17,14 +17,14 @@ uvec4 count_node(uint node, uint texel) {
     return fetch_node(node, texel);
 }
 
-vec4 count_primitive(uint primitive, uint texel) {
-    if (texel == 0u) ++counts.primitives;
-    return fetch_primitive(primitive, texel);
+PrimitiveRecord count_primitive(uint primitive) {
+    ++counts.primitives;
+    return load_primitive(primitive);
 }
 
 // The two macros make traverse.glsl fetch through the counting functions above.
 #define fetch_node count_node
-#define fetch_primitive count_primitive
+#define load_primitive count_primitive
 #include "geometry/traverse.glsl"
 
 struct TraceInput {

@@ -25,8 +25,8 @@ use crate::encode::cells::morton_key;
 use crate::encode::textures::halves;
 use crate::generated::constants;
 use crate::generated::layout::{
-    AttributeRecord, DeltaLightRecord, EmitterRecord, LightGroupRecord, LightRecord, PrimitiveRecord, SceneConstants,
-    TEXEL_BYTES,
+    AttributeRecord, BlockRecord, DeltaLightRecord, EmitterRecord, LightGroupRecord, LightRecord, PrimitiveRecord,
+    SceneConstants, TEXEL_BYTES,
 };
 use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes, Scene, Textured};
 use patches::Patches;
@@ -151,8 +151,10 @@ impl Lights {
         texels.extend_from_slice(bytemuck::cast_slice(&self.lights));
         texels.extend_from_slice(bytemuck::cast_slice(&self.delta_lights));
         if let Some((map, table)) = self.environment.as_ref().and_then(|environment| environment.map.as_ref()) {
-            let entry = |e: &AliasEntry| [e.threshold, e.alias, 0, e.probability.to_bits()];
-            texels.extend(table.entries.iter().map(entry));
+            let block = |&AliasEntry { threshold, alias, probability }: &AliasEntry| -> [u32; 4] {
+                bytemuck::cast(BlockRecord { threshold, alias, unused: 0, probability })
+            };
+            texels.extend(table.entries.iter().map(block));
             texels.extend(map_texels(map));
         }
         texels.extend_from_slice(bytemuck::cast_slice(&self.groups));

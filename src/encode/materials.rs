@@ -127,7 +127,7 @@ impl Writer {
     }
 
     fn scalar(&mut self, index: usize, scalar: &Textured<f32>) {
-        self.record.scalars[index] = scalar.value;
+        self.record.scalars[index / 4][index % 4] = scalar.value;
         self.link(constants::PARAMETER_SCALAR0 + index as u32, scalar.texture);
     }
 
@@ -178,8 +178,9 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     }
     if let Some(coating) = surface.coating {
         writer.flag(constants::MATERIAL_COATED, true);
-        writer.record.coating = coating.optical_thickness.extend(coating.eta).into();
-        writer.record.coating_specular = coating.specular_reflectance.extend(0.0).into();
+        writer.record.optical_thickness = coating.optical_thickness.into();
+        writer.record.coating_eta = coating.eta;
+        writer.record.coating_specular = coating.specular_reflectance.into();
     }
     writer.record
 }

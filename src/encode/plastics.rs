@@ -29,24 +29,29 @@ fn complete_record(scene: &Scene, material: &Material, record: &mut MaterialReco
     let MaterialKind::Surface(surface) = &material.kind else { return };
     match &surface.bsdf {
         Bsdf::Plastic { eta, diffuse_reflectance, specular_reflectance, .. } => {
-            record.scalars[INTERNAL_REFLECTANCE] = fresnel_diffuse_reflectance(1.0 / f64::from(*eta)) as f32;
-            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            record.scalars[INTERNAL_REFLECTANCE / 4][INTERNAL_REFLECTANCE % 4] =
+                fresnel_diffuse_reflectance(1.0 / f64::from(*eta)) as f32;
+            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
+                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
         }
         Bsdf::RoughPlastic { distribution, alpha, eta, diffuse_reflectance, specular_reflectance, .. } => {
             let table = tables.of(*distribution, *alpha, *eta);
-            record.scalars[INTERNAL_REFLECTANCE] = table.internal_reflectance;
-            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            record.scalars[INTERNAL_REFLECTANCE / 4][INTERNAL_REFLECTANCE % 4] = table.internal_reflectance;
+            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
+                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
             // The address is exact as a float: tables come first in their buffer, so it is far below 2^24.
-            record.scalars[TRANSMITTANCE_TABLE] = table.address as f32;
+            record.scalars[TRANSMITTANCE_TABLE / 4][TRANSMITTANCE_TABLE % 4] = table.address as f32;
         }
         Bsdf::PolarizedPlastic { eta, diffuse_reflectance, specular_reflectance, .. } => {
             // Nothing is sent back to the base: (1 - internal reflectance) eta^2 = 1.
-            record.scalars[INTERNAL_REFLECTANCE] = 1.0 - 1.0 / (eta * eta);
-            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            record.scalars[INTERNAL_REFLECTANCE / 4][INTERNAL_REFLECTANCE % 4] = 1.0 - 1.0 / (eta * eta);
+            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
+                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
         }
         Bsdf::Phong { diffuse_reflectance, specular_reflectance, .. }
         | Bsdf::Ward { diffuse_reflectance, specular_reflectance, .. } => {
-            record.scalars[SPECULAR_SAMPLING] = specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
+                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
         }
         _ => {}
     }

@@ -1,4 +1,4 @@
-//! Output of `build.rs`, and the structs that `build.rs` compares with the kernels.
+//! Output of `build.rs`.
 
 pub mod constants;
 pub mod interface;

@@ -4,6 +4,9 @@
 mod compile;
 #[path = "../../build/cores.rs"]
 mod cores;
+#[expect(dead_code, reason = "it also serves the crate's build script")]
+#[path = "../../build/glsl/mod.rs"]
+mod glsl;
 #[path = "src/mutations.rs"]
 mod mutations;
 
@@ -61,8 +64,12 @@ fn run(out: &Path) -> Result<(), String> {
             edit(&sources, patch.file, |text| apply(mutation.name, number, patch, &text))?;
         }
     }
+    // A mutation may patch what the included files are written from.
+    let written = out.join("include");
+    glsl::Includes::new(&sources)?.write(&written)?;
     let mut code = String::from("// Written by build.rs.\nconst KERNELS: &[(&str, &[u8])] = &[\n");
-    let compiled = cores::on_all_cores(KERNELS.len(), |kernel| compile::compile(&sources, KERNELS[kernel], &[]));
+    let compiled =
+        cores::on_all_cores(KERNELS.len(), |kernel| compile::compile(&sources, KERNELS[kernel], &[], &written));
     for (file, spirv) in KERNELS.into_iter().zip(compiled) {
         let name = Path::new(file).file_stem().expect("a name").to_string_lossy();
         let path = out.join(format!("{name}.spv"));

@@ -18,26 +18,21 @@ const uint KINDS_WITH_SCALARS2 = (1u << BSDF_PRINCIPLED) | (1u << BSDF_PRINCIPLE
 const uint KINDS_WITH_SCALARS1 =
     KINDS_WITH_SCALARS2 | (1u << BSDF_PLASTIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PHONG) | (1u << BSDF_WARD);
 
-vec4 fetch_material_floats(uint material, uint texel) {
-    return uintBitsToFloat(fetch_material(material, texel));
-}
-
 Coating coating(uint material) {
-    vec4 layer = fetch_material_floats(material, MATERIAL_COATING);
-    return Coating(layer.rgb, layer.w, fetch_material_floats(material, MATERIAL_COATING + 1u).rgb);
+    return Coating(material_optical_thickness(material), material_coating_eta(material), material_coating_specular(material));
 }
 
 // BSDF with the constants of the record. Textures multiply them later.
 Bsdf untextured_bsdf(uint material) {
     Bsdf b;
-    b.kind_and_flags = fetch_material(material, MATERIAL_HEAD).x;
-    b.color0 = fetch_material_floats(material, MATERIAL_COLORS).rgb;
-    b.color1 = any_kind(KINDS_WITH_COLOR1) ? fetch_material_floats(material, MATERIAL_COLORS + 1u).rgb : vec3(0.0);
-    b.color2 = any_kind(KINDS_WITH_COLOR2) ? fetch_material_floats(material, MATERIAL_COLORS + 2u).rgb : vec3(0.0);
+    b.kind_and_flags = material_kind_and_flags(material);
+    b.color0 = material_colors(material, 0u).rgb;
+    b.color1 = any_kind(KINDS_WITH_COLOR1) ? material_colors(material, 1u).rgb : vec3(0.0);
+    b.color2 = any_kind(KINDS_WITH_COLOR2) ? material_colors(material, 2u).rgb : vec3(0.0);
     bool scalars0 = any_kind(KINDS_WITH_SCALARS0) || has_feature(FEATURE_OPACITY);
-    b.scalars0 = scalars0 ? fetch_material_floats(material, MATERIAL_SCALARS) : vec4(1.0);
-    b.scalars1 = any_kind(KINDS_WITH_SCALARS1) ? fetch_material_floats(material, MATERIAL_SCALARS + 1u) : vec4(0.0);
-    b.scalars2 = any_kind(KINDS_WITH_SCALARS2) ? fetch_material_floats(material, MATERIAL_SCALARS + 2u) : vec4(0.0);
+    b.scalars0 = scalars0 ? material_scalars(material, 0u) : vec4(1.0);
+    b.scalars1 = any_kind(KINDS_WITH_SCALARS1) ? material_scalars(material, 1u) : vec4(0.0);
+    b.scalars2 = any_kind(KINDS_WITH_SCALARS2) ? material_scalars(material, 2u) : vec4(0.0);
     b.coating = NO_COATING;
     if (has_feature(FEATURE_COATING)) b.coating = coating(material);
     return b;

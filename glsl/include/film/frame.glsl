@@ -2,55 +2,58 @@
 #ifndef FRAME_GLSL
 #define FRAME_GLSL
 #include "math/constants.glsl"
-#include "shared/records.glsl"
+#include "generated/lights.glsl"
+#include "generated/material.glsl"
+#include "generated/texture.glsl"
 #include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
 // Running mean and sum of squared deviations of a pixel's samples, per channel (Welford 1962).
 struct FilmRadiance {
-    vec3 mean;
-    uint sample_count;
-    vec3 squared_deviation;
-    uint hit_count;  // number of samples whose camera ray hit something
+    vec3 mean;               // mean of the pixel's samples, linear sRGB
+    uint sample_count;       // number of the pixel's samples
+    vec3 squared_deviation;  // sum of squared deviations from the mean
+    uint hit_count;          // number of samples whose camera ray hit something
 };
 
 // Means of the features at the first hit, over all samples of a pixel. The depth is the mean over the samples that hit.
 struct FilmFeatures {
-    vec3 albedo;
-    float depth;
-    vec3 normal;
-    float reserved;
+    vec3 albedo;     // mean albedo of the first hit
+    float depth;     // mean depth of the first hit over the samples that hit
+    vec3 normal;     // mean shading normal of the first hit
+    float reserved;// unused
 };
 
 // Constants of a render.
 struct SceneConstants {
-    vec4 world_from_camera[3];  // rows of the affine matrix
-    vec2 film_size;             // whole film in pixels
-    vec2 raster_scale;          // tangents of half the fields of view; orthographic: half the view, camera units
-    vec2 principal_point;       // in picture widths and heights
-    float near_clip;
-    float far_clip;
-    vec3 bounds_min;
-    float aperture_radius;      // radius of a thin lens
-    vec3 cells_per_unit;        // grid size / extent
-    float target_limit;         // learning targets are clamped to this, W/(m^2 sr)
-    vec3 environment;           // radiance of a constant environment, or factor of a map's texels
-    uint seed;
-    uvec2 window_offset;        // position of the rendered window on the film, pixels
-    uvec2 window_size;
-    uint light_count;           // number of lights in the alias table
-    uint first_light;           // first texel of the alias table among the emitters' texels
+    vec4 world_from_camera[3];       // rows of the affine matrix
+    vec2 film_size;                  // size of the whole film, in pixels
+    // tangents of half the fields of view; orthographic: half the sides of the view, in camera units
+    vec2 raster_scale;
+    vec2 principal_point;            // principal point, in picture widths and heights
+    float near_clip;                 // distance of the near plane
+    float far_clip;                  // distance of the far plane
+    vec3 bounds_min;                 // lower corner of the scene
+    float aperture_radius;           // radius of a thin lens
+    vec3 cells_per_unit;             // grid size divided by the scene's extent
+    float target_limit;              // limit at which learning targets are clamped, W/(m^2 sr)
+    vec3 environment;                // radiance of a constant environment, or factor of a map's texels
+    uint seed;                       // the render's seed
+    uvec2 window_offset;             // offset of the rendered window within the film
+    uvec2 window_size;               // size of the rendered window, in pixels
+    uint light_count;                // number of lights in the alias table
+    uint first_light;                // first texel of the alias table of lights among the emitters' texels
     vec4 environment_from_world[3];  // rows of the matrix; the fourth column is unused
-    uvec2 environment_size;     // width and height of the map, texels
-    uvec2 environment_blocks;   // columns and rows of the alias table for directions
-    uint first_environment_texel;    // first texel of the map among the emitters' texels
-    uint first_environment_block;    // first texel of the alias table for directions
-    uint environment_light;     // index of the environment, or of its first patch, among the lights; NONE without one
-    float focus_distance;       // depth at which a thin lens is sharp
-    uvec3 grid_size;            // number of grid positions along each axis
-    uint cell_count;            // number of cells that contain surfaces
-    uint all_cell_count;        // number of all cells, parent cells included
-    uint first_light_group;     // first texel of the groups of lights among the emitters' texels
+    uvec2 environment_size;          // width and height of the environment map, in texels
+    uvec2 environment_blocks;        // columns and rows of the alias table for directions of the environment
+    uint first_environment_texel;    // first texel of the environment map among the emitters' texels
+    uint first_environment_block;    // first texel of the alias table for directions among the emitters' texels
+    uint environment_light;          // index of the environment, or of its first patch, among the lights; NONE without one
+    float focus_distance;            // depth at which a thin lens is sharp
+    uvec3 grid_size;                 // number of grid positions along each axis
+    uint cell_count;                 // number of cells that contain surfaces
+    uint all_cell_count;             // number of all cells, parent cells included
+    uint first_light_group;          // first texel of the groups of lights among the emitters' texels
 };
 
 layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
@@ -84,17 +87,17 @@ SceneConstants scene() {
 }
 
 #ifdef TEXEL_READS
-uvec4 fetch_material(uint material, uint texel) {
+uvec4 material_texel(uint material, uint texel) {
     return texelFetch(materials, int(material * MATERIAL_TEXELS + texel));
 }
 
-// Texel of the emitter buffer, which holds first the emitters, then the lights, delta lights, the environment's tables and the
-// groups of lights.
+// Texel of the emitter buffer, which holds first the emitters, then the lights, delta lights, the environment's table and map, and
+// the groups of lights.
 uvec4 fetch_emitter_texel(uint texel) {
     return texelFetch(emitters, int(texel));
 }
 
-uvec4 fetch_texture(uint index, uint texel) {
+uvec4 texture_texel(uint index, uint texel) {
     return texelFetch(textures, int(index * TEXTURE_TEXELS + texel));
 }
 
@@ -107,7 +110,7 @@ uint paged_texel_word(uint page, uint index) {
     }
 }
 #else
-uvec4 fetch_material(uint material, uint texel) {
+uvec4 material_texel(uint material, uint texel) {
     return materials[material * MATERIAL_TEXELS + texel];
 }
 
@@ -115,7 +118,7 @@ uvec4 fetch_emitter_texel(uint texel) {
     return emitters[texel];
 }
 
-uvec4 fetch_texture(uint index, uint texel) {
+uvec4 texture_texel(uint index, uint texel) {
     return textures[index * TEXTURE_TEXELS + texel];
 }
 
@@ -128,6 +131,27 @@ uint paged_texel_word(uint page, uint index) {
     }
 }
 #endif
+
+uvec4 emitter_texel(uint emitter, uint texel) {
+    return fetch_emitter_texel(emitter + texel);
+}
+
+uvec4 light_texel(uint light, uint texel) {
+    return fetch_emitter_texel(scene().first_light + light + texel);
+}
+
+// Texel of a delta light, whose record begins at the texel `first` of the buffer.
+uvec4 delta_light_texel(uint first, uint texel) {
+    return fetch_emitter_texel(first + texel);
+}
+
+uvec4 block_texel(uint block, uint texel) {
+    return fetch_emitter_texel(scene().first_environment_block + block + texel);
+}
+
+uvec4 light_group_texel(uint group, uint texel) {
+    return fetch_emitter_texel(scene().first_light_group + group + texel);
+}
 
 // Word of an image or of a material's table.
 uint texel_word(uint address) {

@@ -7,7 +7,7 @@
 
 // Weights of a dispatch's samples relative to the samples before them.
 struct DispatchWeights {
-    float of_sample;
+    float of_sample;     // weight of each sample of the dispatch
     float lost_weight;   // number of earlier samples minus the sum of their weights
     float lost_samples;  // number of earlier samples minus their effective number
 };
@@ -15,22 +15,22 @@ struct DispatchWeights {
 // Places of the tiles of a film page that one device traces: in every run of `period` tiles of the film, `width` tiles are its own.
 struct TilePlaces {
     uint own_before;  // number of the device's tiles before this page
-    uint first;       // place of the device's first tile of the film, relative to the page's first tile; it wraps
-    uint width;
-    uint period;
+    uint first;       // Place of the device's first tile of the film, relative to the page's first tile. It wraps.
+    uint width;       // number of the device's tiles in a run
+    uint period;      // number of tiles of a run
 };
 
 // Slice of a film page, and the range of samples that the dispatch adds.
 struct TracePush {
-    uint first_workgroup;    // first workgroup of the slice, counted over the page's tiles that are sampled
-    uint workgroup_count;
-    uint workgroup_stride;   // coprime to the count; spreads neighboring workgroups over the device
-    uint page_first_pixel;   // number of pixels, in tile order, before this film page
-    DispatchWeights weights;
-    uint first_sample;
-    uint sample_count;
-    uint first_of_sets;      // index of a sample; no set of samples starts before it
-    TilePlaces tiles;
+    uint first_workgroup;     // first workgroup of the slice, counted over the film page's tiles that are sampled
+    uint workgroup_count;     // number of workgroups of the slice
+    uint workgroup_stride;    // stride that spreads neighboring workgroups; coprime to their number
+    uint page_first_pixel;    // number of pixels, in tile order, before this film page
+    DispatchWeights weights;  // weights of the samples relative to the samples before them
+    uint first_sample;        // index of the first sample
+    uint sample_count;        // number of samples to add
+    uint first_of_sets;       // index of a sample before which no set of samples starts
+    TilePlaces tiles;         // places of the page's tiles that this device traces
 };
 
 // Pixel of the window for an index in tile order. Tiles follow each other row by row, and so do the pixels within a

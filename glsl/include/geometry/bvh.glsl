@@ -3,6 +3,7 @@
 // scenes that exceed the limits of texel buffers.
 #ifndef BVH_GLSL
 #define BVH_GLSL
+#include "generated/geometry.glsl"
 #include "shared/records.glsl"
 #include "shared/sets.glsl"
 
@@ -17,27 +18,27 @@ uvec4 fetch_node(uint node, uint texel) {
 
 // Primitives are fetched as integers. Read as floats, the flags would be denormal numbers, which a texture unit may
 // flush to 0.
-vec4 fetch_primitive(uint primitive, uint texel) {
-    return uintBitsToFloat(texelFetch(bvh_primitives, int(primitive * PRIMITIVE_TEXELS + texel)));
+uvec4 primitive_texel(uint primitive, uint texel) {
+    return texelFetch(bvh_primitives, int(primitive * PRIMITIVE_TEXELS + texel));
 }
 
-uvec4 fetch_attributes(uint primitive, uint texel) {
+uvec4 attribute_texel(uint primitive, uint texel) {
     return texelFetch(bvh_attributes, int(primitive * ATTRIBUTE_TEXELS + texel));
 }
 #else
 layout(scalar, set = BVH_SET, binding = 0) restrict readonly buffer BvhNodes { uvec4 bvh_nodes[]; };
-layout(scalar, set = BVH_SET, binding = 1) restrict readonly buffer BvhPrimitives { vec4 bvh_primitives[]; };
+layout(scalar, set = BVH_SET, binding = 1) restrict readonly buffer BvhPrimitives { uvec4 bvh_primitives[]; };
 layout(scalar, set = BVH_SET, binding = 2) restrict readonly buffer BvhAttributes { uvec4 bvh_attributes[]; };
 
 uvec4 fetch_node(uint node, uint texel) {
     return bvh_nodes[node * NODE_TEXELS + texel];
 }
 
-vec4 fetch_primitive(uint primitive, uint texel) {
+uvec4 primitive_texel(uint primitive, uint texel) {
     return bvh_primitives[primitive * PRIMITIVE_TEXELS + texel];
 }
 
-uvec4 fetch_attributes(uint primitive, uint texel) {
+uvec4 attribute_texel(uint primitive, uint texel) {
     return bvh_attributes[primitive * ATTRIBUTE_TEXELS + texel];
 }
 #endif

@@ -2,6 +2,8 @@
 #ifndef INTERSECT_GLSL
 #define INTERSECT_GLSL
 #include "math/constants.glsl"
+#include "records/geometry.glsl"
+#include "shared/kept.glsl"
 #include "shared/variant.glsl"
 
 struct Ray {
@@ -11,9 +13,9 @@ struct Ray {
 };
 
 struct Hit {
-    float t;         // distance along the ray
-    vec2 uv;         // coordinates in the primitive's parameterization
-    uint primitive;
+    KEPT(hit) float t;  // distance along the ray
+    KEPT(hit) vec2 uv;  // coordinates in the primitive's parameterization
+    KEPT(hit) uint primitive;
 };
 
 // Tolerance of the edge tests, per unit of distance and of edge length. The numerators of Moeller and Trumbore's test
@@ -32,23 +34,21 @@ vec3 plane_normal(vec3 edge_u, vec3 edge_v) {
 
 // Position of a point relative to the one from which distances to a flat shape's plane are measured: the shape's own
 // origin, or the world's for a shape that is large beside its distance from there.
-vec3 from_anchor(vec3 point, vec4 texel0) {
-    return (floatBitsToUint(texel0.w) & PRIMITIVE_LARGE) != 0u ? point : point - texel0.xyz;
+vec3 from_anchor(vec3 point, PrimitiveRecord p) {
+    return (p.flags & PRIMITIVE_LARGE) != 0u ? point : point - p.origin;
 }
 
 // Intersects the three flat shapes: the edge tests of Moeller and Trumbore (1997), and the distance by the plane's
-// equation, `texel2.w` being its constant. Returns whether the hit (t, uv) was replaced by a nearer one.
-bool intersect_flat(Ray ray, vec4 texel0, vec4 texel1, vec4 texel2, uint shape, inout float t, inout vec2 uv) {
-    vec3 edge_u = texel1.xyz;
-    vec3 edge_v = texel2.xyz;
-    vec3 n = plane_normal(edge_u, edge_v);
-    vec3 offset = ray.origin - texel0.xyz;
+// equation. Returns whether the hit (t, uv) was replaced by a nearer one.
+bool intersect_flat(Ray ray, PrimitiveRecord p, uint shape, inout float t, inout vec2 uv) {
+    vec3 n = plane_normal(p.edge_u, p.edge_v);
+    vec3 offset = ray.origin - p.origin;
     vec3 moment = cross(offset, ray.direction);
     float inverse = 1.0 / dot(ray.direction, n);
-    float u = -dot(moment, edge_v) * inverse;
-    float v = dot(moment, edge_u) * inverse;
-    float distance = (texel2.w - dot(n, from_anchor(ray.origin, texel0))) * inverse;
-    float slack = EDGE_SLACK * texel1.w * (abs(offset.x) + abs(offset.y) + abs(offset.z)) * abs(inverse);
+    float u = -dot(moment, p.edge_v) * inverse;
+    float v = dot(moment, p.edge_u) * inverse;
+    float distance = (p.plane - dot(n, from_anchor(ray.origin, p))) * inverse;
+    float slack = EDGE_SLACK * p.edge_tolerance * (abs(offset.x) + abs(offset.y) + abs(offset.z)) * abs(inverse);
     float outside;
     if (shape == SHAPE_TRIANGLE) outside = max(-min(u, v), u + v - 1.0);
     else if (shape == SHAPE_PARALLELOGRAM) outside = max(abs(u), abs(v)) - 1.0;

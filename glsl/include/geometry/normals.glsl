@@ -4,8 +4,8 @@
 #include "math/octahedral.glsl"
 
 // The normal that the vertices' normals give at a point of a triangle, or the geometric normal where they cancel.
-// `normals` is the first texel of the primitive's attributes.
-vec3 interpolated_normal(uvec4 normals, vec2 uv, vec3 geometric_normal) {
+// `normals` are those of the vertices, in octahedral encoding.
+vec3 interpolated_normal(uvec3 normals, vec2 uv, vec3 geometric_normal) {
     vec3 n = (1.0 - uv.x - uv.y) * octahedral_decode(normals.x) + uv.x * octahedral_decode(normals.y) +
              uv.y * octahedral_decode(normals.z);
     float squared = dot(n, n);

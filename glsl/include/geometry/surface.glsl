@@ -50,15 +50,15 @@ vec2 inside_edges(vec2 uv, uint shape, vec3 edge_u, vec3 edge_v, float inverse_a
 }
 
 // Interpolates a triangle's texture coordinates. Where the coordinates are degenerate, any two tangents will do.
-void parametrize_triangle(inout Surface s, vec2 barycentric, vec3 edge_u, vec3 edge_v, vec4 uv0_uv1, vec2 uv2) {
-    vec2 du = uv0_uv1.zw - uv0_uv1.xy;
-    vec2 dv = uv2 - uv0_uv1.xy;
-    s.uv = uv0_uv1.xy + barycentric.x * du + barycentric.y * dv;
+void parametrize_triangle(inout Surface s, vec2 barycentric, PrimitiveRecord p, AttributeRecord attributes) {
+    vec2 du = attributes.uv1 - attributes.uv0;
+    vec2 dv = attributes.uv2 - attributes.uv0;
+    s.uv = attributes.uv0 + barycentric.x * du + barycentric.y * dv;
     if (!has_feature(FEATURE_TANGENTS)) return;
     float determinant = du.x * dv.y - du.y * dv.x;
-    mat3 any = basis_from_normal(normalize(cross(edge_u, edge_v)));
-    s.dp_du = determinant != 0.0 ? (dv.y * edge_u - du.y * edge_v) / determinant : any[0];
-    s.dp_dv = determinant != 0.0 ? (du.x * edge_v - dv.x * edge_u) / determinant : any[1];
+    mat3 any = basis_from_normal(normalize(cross(p.edge_u, p.edge_v)));
+    s.dp_du = determinant != 0.0 ? (dv.y * p.edge_u - du.y * p.edge_v) / determinant : any[0];
+    s.dp_dv = determinant != 0.0 ? (du.x * p.edge_v - dv.x * p.edge_u) / determinant : any[1];
 }
 
 // Texture coordinates of a parallelogram: the unit square.
@@ -115,11 +115,11 @@ mat3 shading_frame(Surface s) {
 // meet it. `n` is the unit normal, `inverse_area` one over the length of the edges' cross product. The terms are the roundings of the
 // point and of the ray's origin, those of the plane's equation at both, and those of the normal's components, which
 // matter by the shape's extent. Each is zero where its factors are: a floor at the height 0 needs no distance at all.
-float plane_error(vec3 point, vec3 n, float inverse_area, vec3 edge_u, vec3 edge_v, vec4 texel0) {
+float plane_error(vec3 point, vec3 n, float inverse_area, PrimitiveRecord p) {
     vec3 from_origin = abs(point);
-    vec3 u = abs(edge_u), v = abs(edge_v);
+    vec3 u = abs(p.edge_u), v = abs(p.edge_v);
     vec3 extent = u + v;
-    bool large = (floatBitsToUint(texel0.w) & PRIMITIVE_LARGE) != 0u;
+    bool large = (p.flags & PRIMITIVE_LARGE) != 0u;
     vec3 reach = large ? min(vec3(4.0 * max_component(from_origin)), extent) : extent;
     vec3 normal_error = u.yzx * v.zxy + u.zxy * v.yzx;
     float of_equation = dot(abs(n), 4.0 * from_origin + 20.0 * (large ? from_origin : extent));
@@ -129,8 +129,8 @@ float plane_error(vec3 point, vec3 n, float inverse_area, vec3 edge_u, vec3 edge
 // Position of a hit on a flat shape, and the distance by which rays start off it. The position has two forms: along the
 // ray, and by the coordinates in the shape, clamped inside the shape's edges. The second suits each component unless the
 // shape is far larger than the component. The result is then moved into the plane.
-void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, vec4 texel0, vec3 edge_u, vec3 edge_v, float plane) {
-    vec3 n = plane_normal(edge_u, edge_v);
+void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, PrimitiveRecord p) {
+    vec3 n = plane_normal(p.edge_u, p.edge_v);
     // Two steps, because squares of small or large edges leave a float's range.
     float scale = 1.0 / max(max_abs(n), 1.0e-37);
     n *= scale;
@@ -140,15 +140,15 @@ void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, vec4 texel0, 
     s.geometric_normal = n;
 
     vec3 along_ray = ray.origin + hit.t * ray.direction;
-    float t_error = 8.0 * dot(abs(n), abs(from_anchor(ray.origin, texel0))) / max(abs(dot(n, ray.direction)), 1.0e-6);
+    float t_error = 8.0 * dot(abs(n), abs(from_anchor(ray.origin, p))) / max(abs(dot(n, ray.direction)), 1.0e-6);
     vec3 error_along_ray = 16.0 * (abs(ray.origin) + (hit.t + t_error) * abs(ray.direction));
-    vec3 error_in_shape = abs(texel0.xyz) + abs(hit.uv.x * edge_u) + abs(hit.uv.y * edge_v);
-    s.epsilon = plane_error(along_ray, n, inverse_area, edge_u, edge_v, texel0);
+    vec3 error_in_shape = abs(p.origin) + abs(hit.uv.x * p.edge_u) + abs(hit.uv.y * p.edge_v);
+    s.epsilon = plane_error(along_ray, n, inverse_area, p);
     float margin = s.epsilon + 32.0 * ROUNDING * max_component(min(error_in_shape, error_along_ray));
-    vec2 uv = inside_edges(hit.uv, shape, edge_u, edge_v, inverse_area, margin);
-    vec3 in_shape = texel0.xyz + uv.x * edge_u + uv.y * edge_v;
+    vec2 uv = inside_edges(hit.uv, shape, p.edge_u, p.edge_v, inverse_area, margin);
+    vec3 in_shape = p.origin + uv.x * p.edge_u + uv.y * p.edge_v;
     s.position = mix(in_shape, along_ray, lessThan(error_along_ray, error_in_shape));
-    s.position -= (dot(n, from_anchor(s.position, texel0)) - plane * inverse_area) * n;
+    s.position -= (dot(n, from_anchor(s.position, p)) - p.plane * inverse_area) * n;
 }
 
 // Position of a hit on a sphere, moved onto it, and the distance by which rays start off it: two roundings of the
@@ -163,42 +163,33 @@ void place_on_sphere(inout Surface s, Ray ray, Hit hit, vec3 center, float radiu
 }
 
 Surface surface_at(Ray ray, Hit hit) {
-    vec4 texel0 = fetch_primitive(hit.primitive, 0u);
-    vec4 texel1 = fetch_primitive(hit.primitive, 1u);
-    vec4 texel2 = fetch_primitive(hit.primitive, 2u);
-    vec3 edge_u = texel1.xyz;
-    vec3 edge_v = texel2.xyz;
-    uvec4 normals_and_material = fetch_attributes(hit.primitive, 0u);
-    uint flags = floatBitsToUint(texel0.w);
-    uint shape = flags & PRIMITIVE_SHAPE_MASK;
+    PrimitiveRecord p = load_primitive(hit.primitive);
+    AttributeRecord attributes = load_attribute(hit.primitive);
+    uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
 
     Surface s;
-    s.size = texel1.w;
+    s.size = p.edge_tolerance;
     s.uv = vec2(0.0);
     s.dp_du = vec3(0.0);
     s.dp_dv = vec3(0.0);
-    uvec4 uv2_and_emitter = fetch_attributes(hit.primitive, 2u);
-    vec4 uv0_uv1 = has_texture_coordinates() ? uintBitsToFloat(fetch_attributes(hit.primitive, 1u)) : vec4(0.0);
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        place_on_sphere(s, ray, hit, texel0.xyz, texel1.w);
-        if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, edge_u, edge_v, uv0_uv1.x);
+        place_on_sphere(s, ray, hit, p.origin, p.edge_tolerance);
+        if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, p.edge_u, p.edge_v, attributes.uv0.x);
     } else {
-        place_on_plane(s, ray, hit, shape, texel0, edge_u, edge_v, texel2.w);
+        place_on_plane(s, ray, hit, shape, p);
         if (has_texture_coordinates()) {
-            if (shape == SHAPE_TRIANGLE) {
-                parametrize_triangle(s, hit.uv, edge_u, edge_v, uv0_uv1, uintBitsToFloat(uv2_and_emitter.xy));
-            }
-            if (shape == SHAPE_PARALLELOGRAM) parametrize_parallelogram(s, hit.uv, edge_u, edge_v);
-            if (shape == SHAPE_DISK) parametrize_disk(s, hit.uv, edge_u, edge_v);
+            if (shape == SHAPE_TRIANGLE) parametrize_triangle(s, hit.uv, p, attributes);
+            if (shape == SHAPE_PARALLELOGRAM) parametrize_parallelogram(s, hit.uv, p.edge_u, p.edge_v);
+            if (shape == SHAPE_DISK) parametrize_disk(s, hit.uv, p.edge_u, p.edge_v);
         }
     }
-    if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) s.geometric_normal = -s.geometric_normal;
+    if ((p.flags & PRIMITIVE_FLIP_NORMAL) != 0u) s.geometric_normal = -s.geometric_normal;
     s.shading_normal = s.geometric_normal;
-    if (HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u) {
-        s.shading_normal = interpolated_normal(normals_and_material, hit.uv, s.geometric_normal);
+    if (HAS_VERTEX_NORMALS && (p.flags & PRIMITIVE_VERTEX_NORMALS) != 0u) {
+        s.shading_normal = interpolated_normal(attributes.normals, hit.uv, s.geometric_normal);
     }
-    s.material = normals_and_material.w;
-    s.emitter = uv2_and_emitter.z;
+    s.material = attributes.material;
+    s.emitter = attributes.emitter;
     return s;
 }
 

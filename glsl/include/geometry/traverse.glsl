@@ -7,31 +7,28 @@
 #include "geometry/normals.glsl"
 
 // Whether a ray meets the front of a flat shape, to which the shading normal points.
-bool meets_front(vec3 direction, uint primitive, uint flags, vec3 edge_u, vec3 edge_v, vec2 uv) {
-    vec3 n = plane_normal(edge_u, edge_v);
-    if ((flags & PRIMITIVE_FLIP_NORMAL) != 0u) n = -n;
-    bool interpolates = HAS_VERTEX_NORMALS && (flags & PRIMITIVE_VERTEX_NORMALS) != 0u;
-    if (interpolates) n = interpolated_normal(fetch_attributes(primitive, 0u), uv, n);
+bool meets_front(vec3 direction, uint primitive, PrimitiveRecord p, vec2 uv) {
+    vec3 n = plane_normal(p.edge_u, p.edge_v);
+    if ((p.flags & PRIMITIVE_FLIP_NORMAL) != 0u) n = -n;
+    bool interpolates = HAS_VERTEX_NORMALS && (p.flags & PRIMITIVE_VERTEX_NORMALS) != 0u;
+    if (interpolates) n = interpolated_normal(attribute_normals(primitive), uv, n);
     return dot(n, direction) < 0.0;
 }
 
 // Tests one primitive. A hit nearer than `hit.t` replaces `hit`. Returns whether that happened.
 bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
-    vec4 texel0 = fetch_primitive(primitive, 0u);
-    vec4 texel1 = fetch_primitive(primitive, 1u);
-    vec4 texel2 = fetch_primitive(primitive, 2u);
-    uint flags = floatBitsToUint(texel0.w);
-    uint shape = flags & PRIMITIVE_SHAPE_MASK;
+    PrimitiveRecord p = load_primitive(primitive);
+    uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
     float t = hit.t;
     vec2 uv = hit.uv;
     bool closer;
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        closer = intersect_sphere(ray, texel0.xyz, texel1.w, t, uv);
+        closer = intersect_sphere(ray, p.origin, p.edge_tolerance, t, uv);
     } else {
-        closer = intersect_flat(ray, texel0, texel1, texel2, shape, t, uv);
+        closer = intersect_flat(ray, p, shape, t, uv);
     }
-    if (HAS_FRONT_ONLY && (flags & PRIMITIVE_FRONT_ONLY) != 0u) {
-        closer = closer && meets_front(ray.direction, primitive, flags, texel1.xyz, texel2.xyz, uv);
+    if (HAS_FRONT_ONLY && (p.flags & PRIMITIVE_FRONT_ONLY) != 0u) {
+        closer = closer && meets_front(ray.direction, primitive, p, uv);
     }
     if (closer) hit = Hit(t, uv, primitive);
     return closer;

@@ -8,13 +8,13 @@
 // Emitted radiance of a surface in direction `wo`. A surface emits on the side of its shading normal.
 vec3 surface_emission(Surface s, vec3 wo) {
     if (s.emitter == NONE || dot(s.shading_normal, wo) <= 0.0) return vec3(0.0);
-    uvec4 record = fetch_emitter_texel(s.emitter);
-    vec3 radiance = uintBitsToFloat(record.xyz);
+    EmitterRecord emitter = load_emitter(s.emitter);
     if (has_feature(FEATURE_TEXTURED_EMITTERS)) {
-        vec3 color = sample_texture(record.w == NONE ? 0u : record.w, s.uv).rgb;
-        if (record.w != NONE) radiance *= color;
+        uint index = emitter.texture_index;
+        vec3 color = sample_texture(index == NONE ? 0u : index, s.uv).rgb;
+        if (index != NONE) emitter.radiance *= color;
     }
-    return radiance;
+    return emitter.radiance;
 }
 
 #endif

@@ -64,10 +64,9 @@ uvec2 environment_block(vec2 coordinates) {
     return min(uvec2(coordinates * vec2(blocks)), blocks - 1u);
 }
 
-// Probability of a block among those of its patch. It is the last word of the block's entry, after threshold and alias.
+// Probability of a block among those of its patch.
 float environment_block_probability(uvec2 at) {
-    uint block = at.y * scene().environment_blocks.x + at.x;
-    return uintBitsToFloat(fetch_emitter_texel(scene().first_environment_block + block).w);
+    return block_probability(at.y * scene().environment_blocks.x + at.x);
 }
 
 struct EnvironmentSample {
@@ -96,14 +95,14 @@ EnvironmentSample sample_environment(uvec4 bits, uint patch_index) {
     uint block, rest;
     umulExtended(bits.x, size.x * size.y, block, rest);
     block = (first.y + block / size.x) * blocks.x + first.x + block % size.x;
-    uvec4 entry = fetch_emitter_texel(scene().first_environment_block + block);
-    if (bits.y >= entry.x) {
-        block = entry.y;
-        entry = fetch_emitter_texel(scene().first_environment_block + block);
+    BlockRecord entry = load_block(block);
+    if (bits.y >= entry.threshold) {
+        block = entry.alias;
+        entry = load_block(block);
     }
     vec2 corner = vec2(float(block % blocks.x), float(block / blocks.x));
     vec2 coordinates = (corner + unit_floats(bits).zw) / vec2(blocks);
-    float pdf = environment_density(uintBitsToFloat(entry.w), coordinates.y);
+    float pdf = environment_density(entry.probability, coordinates.y);
     return EnvironmentSample(environment_direction(coordinates), pdf);
 }
 

@@ -19,22 +19,26 @@ struct LightSample {
 
 const LightSample NO_LIGHT_SAMPLE = LightSample(vec3(0.0, 0.0, 1.0), vec3(0.0), true, vec3(0.0), 0.0, false);
 
-uvec4 fetch_light(uint light) {
-    return fetch_emitter_texel(scene().first_light + light);
+uint kind_of_light(LightRecord light) {
+    return light.kind_and_index >> LIGHT_KIND_SHIFT;
+}
+
+uint index_of_light(LightRecord light) {
+    return light.kind_and_index & ((1u << LIGHT_KIND_SHIFT) - 1u);
 }
 
 // Probability of drawing a light at a vertex in a cell.
 float light_probability(uint light, uint cell) {
     if (light == NONE) return 0.0;
-    uvec4 record = fetch_light(light);
-    float probability = uintBitsToFloat(record.w);
-    return learns_lights() ? group_probability(cell, record.y >> LIGHT_GROUP_SHIFT) * probability : probability;
+    LightRecord record = load_light(light);
+    float probability = record.probability;
+    return learns_lights() ? group_probability(cell, record.group_and_alias >> LIGHT_GROUP_SHIFT) * probability : probability;
 }
 
 // A light that was drawn.
 struct ChosenLight {
     uint index;
-    uvec4 record;
+    LightRecord record;
     uint group;               // 0 where lights are drawn in proportion to their power
     float group_probability;  // 1 where lights are drawn in proportion to their power
     uvec4 bits;               // random words of the vertex; x and y are used up
@@ -45,17 +49,17 @@ void choose_of_lights(inout ChosenLight chosen, uvec2 words, uint first, uint co
     uint light, rest;
     umulExtended(words.x, count, light, rest);
     chosen.index = first + light;
-    chosen.record = fetch_light(chosen.index);
-    uint alias = learns_lights() ? chosen.record.y & LIGHT_INDEX_MASK : chosen.record.y;
-    if (words.y >= chosen.record.x) {
+    chosen.record = load_light(chosen.index);
+    uint alias = learns_lights() ? chosen.record.group_and_alias & LIGHT_INDEX_MASK : chosen.record.group_and_alias;
+    if (words.y >= chosen.record.threshold) {
         chosen.index = alias;
-        chosen.record = fetch_light(alias);
+        chosen.record = load_light(alias);
     }
 }
 
 // Draws a light for a vertex in a cell of the guide.
 ChosenLight choose_light(RandomKey key, uint vertex, uint cell) {
-    ChosenLight chosen = ChosenLight(0u, uvec4(0u), 0u, 1.0, random_bits(key, vertex, RANDOM_EMITTER));
+    ChosenLight chosen = ChosenLight(0u, LightRecord(0u, 0u, 0u, 0.0), 0u, 1.0, random_bits(key, vertex, RANDOM_EMITTER));
     if (!learns_lights()) {
         choose_of_lights(chosen, chosen.bits.xy, 0u, scene().light_count);
         return chosen;
@@ -63,9 +67,9 @@ ChosenLight choose_light(RandomKey key, uint vertex, uint cell) {
     uvec4 more_bits = plain_bits(key, vertex, RANDOM_LIGHT);
     vec2 u = unit_floats(chosen.bits).xy;
     chosen.group_probability = descend_to_group(cell, true, chosen.group, u, unit_floats(more_bits).zw);
-    LightGroup lights = light_group(chosen.group);
+    LightGroupRecord lights = load_light_group(chosen.group);
     choose_of_lights(chosen, more_bits.xy, lights.first, lights.count);
-    if (lights.count == 0u) chosen.record.w = 0u;
+    if (lights.count == 0u) chosen.record.probability = 0.0;
     return chosen;
 }
 
@@ -77,11 +81,10 @@ uint patches_per_light() {
 // Density per steradian of the direction from `from` to a surface point of an area light, given that this light was
 // chosen.
 float pdf_area_light(uint primitive, Surface s, vec3 from) {
-    vec4 texel0 = fetch_primitive(primitive, 0u);
-    vec4 texel1 = fetch_primitive(primitive, 1u);
-    uint shape = floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK;
-    if (HAS_SPHERES && shape == SHAPE_SPHERE) return pdf_sphere(from, s.position, texel0.xyz, texel1.w);
-    float area = flat_area(shape, texel1.xyz, fetch_primitive(primitive, 2u).xyz);
+    PrimitiveRecord p = load_primitive(primitive);
+    uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) return pdf_sphere(from, s.position, p.origin, p.edge_tolerance);
+    float area = flat_area(shape, p.edge_u, p.edge_v);
     return pdf_area(from, s.position, s.geometric_normal, area);
 }
 
@@ -94,16 +97,14 @@ float arrival_error(Surface s, bool sphere, vec3 from) {
 // Number of the patch of a flat light that a point lies in. Patches are the parts of the unit square that sample_flat maps to the
 // light.
 uint patch_of_light(uint primitive, vec3 position) {
-    vec4 texel0 = fetch_primitive(primitive, 0u);
-    vec3 edge_u = fetch_primitive(primitive, 1u).xyz;
-    vec3 edge_v = fetch_primitive(primitive, 2u).xyz;
-    vec3 d = position - texel0.xyz;
+    PrimitiveRecord p = load_primitive(primitive);
+    vec3 d = position - p.origin;
     // Two steps, because squares of small or large edges leave a float's range.
-    vec3 n = cross(edge_u, edge_v);
+    vec3 n = cross(p.edge_u, p.edge_v);
     float scale = 1.0 / max(max_abs(n), 1.0e-37);
     n *= scale;
-    vec2 uv = vec2(dot(cross(d, edge_v) * scale, n), dot(cross(edge_u, d) * scale, n)) / dot(n, n);
-    vec2 u = square_of_flat(floatBitsToUint(texel0.w) & PRIMITIVE_SHAPE_MASK, uv);
+    vec2 uv = vec2(dot(cross(d, p.edge_v) * scale, n), dot(cross(p.edge_u, d) * scale, n)) / dot(n, n);
+    vec2 u = square_of_flat(p.flags & PRIMITIVE_SHAPE_MASK, uv);
     uvec2 at = uvec2(clamp(u, 0.0, 1.0 - 1.0 / 16777216.0) * float(LIGHT_PATCHES));
     return at.y * LIGHT_PATCHES + at.x;
 }
@@ -119,105 +120,96 @@ bool has_light_patches() {
 
 // Point of an area light. `epsilon` of the surface suits rays from `from` that end there.
 Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
-    vec4 texel0 = fetch_primitive(primitive, 0u);
-    vec4 texel1 = fetch_primitive(primitive, 1u);
-    uint flags = floatBitsToUint(texel0.w);
-    uint shape = flags & PRIMITIVE_SHAPE_MASK;
+    PrimitiveRecord p = load_primitive(primitive);
+    uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
     bool sphere = HAS_SPHERES && shape == SHAPE_SPHERE;
     vec2 uv = sample_flat(shape, u);
-    vec3 point = texel0.xyz + uv.x * texel1.xyz + uv.y * fetch_primitive(primitive, 2u).xyz;
+    vec3 point = p.origin + uv.x * p.edge_u + uv.y * p.edge_v;
     vec3 outward = vec3(0.0);
     if (sphere) {
-        outward = sample_sphere(from, texel0.xyz, texel1.w, u);
-        point = texel0.xyz + texel1.w * outward;
+        outward = sample_sphere(from, p.origin, p.edge_tolerance, u);
+        point = p.origin + p.edge_tolerance * outward;
     }
     // The ray ends at the point: length 0.
     Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
     Surface s = surface_at(ray, Hit(0.0, uv, primitive));
     if (sphere) {
         // The rounded position of a point of a tiny sphere may lie on the sphere's other side.
-        s.geometric_normal = (flags & PRIMITIVE_FLIP_NORMAL) != 0u ? -outward : outward;
+        s.geometric_normal = (p.flags & PRIMITIVE_FLIP_NORMAL) != 0u ? -outward : outward;
         s.shading_normal = s.geometric_normal;
     }
     s.epsilon += arrival_error(s, sphere, from);
     return s;
 }
 
-LightSample area_light_sample(uint index, uvec4 light, vec3 from, vec2 u) {
-    uint primitive = light.z & ((1u << LIGHT_KIND_SHIFT) - 1u);
+LightSample area_light_sample(uint index, LightRecord light, vec3 from, vec2 u) {
+    uint primitive = index_of_light(light);
     if (has_light_patches()) u = place_in_patch(index % patches_per_light(), u);
     Surface s = sample_area_light(primitive, from, u);
     vec3 d = s.position - from;
     float squared = dot(d, d);
     vec3 wi = d * inversesqrt(max(squared, 1.0e-37));
-    float probability = uintBitsToFloat(light.w) * float(patches_per_light());
+    float probability = light.probability * float(patches_per_light());
     float pdf = squared > 0.0 ? probability * pdf_area_light(primitive, s, from) : 0.0;
     return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
 }
 
 // Share of a spot light's intensity at the angle with this cosine to its axis. The share falls linearly with the angle,
 // as in Mitsuba.
-float spot_falloff(float cosine, float cos_cutoff, float cutoff_angle, float falloff) {
-    if (cosine <= cos_cutoff) return 0.0;
+float spot_falloff(float cosine, DeltaLightRecord light) {
+    if (cosine <= light.cos_cutoff) return 0.0;
     float angle = (2.0 * PI) * turns_of(vec2(cosine, sqrt(max(1.0 - cosine * cosine, 0.0))));
-    return clamp((cutoff_angle - angle) * falloff, 0.0, 1.0);
+    return clamp((light.cutoff_angle - angle) * light.falloff, 0.0, 1.0);
 }
 
 bool has_pictured_lights() {
     return has_light(LIGHT_PICTURED_SPOT) || has_light(LIGHT_PROJECTOR);
 }
 
-// Color of the picture of a spot light or a projector at the offset `d` from it. `texel` is the light's first texel. A
-// projector throws its picture into a pyramid, so bright that a screen across its axis is evenly lit.
-vec3 picture_color(uint kind, uint texel, vec3 d, vec3 axis) {
-    vec4 axis_u = uintBitsToFloat(fetch_emitter_texel(texel + 3u));
-    vec4 axis_v = uintBitsToFloat(fetch_emitter_texel(texel + 4u));
-    uint texture_index = floatBitsToUint(axis_u.w);
-    float depth = dot(d, axis);
-    vec2 uv = depth != 0.0 ? 0.5 + vec2(dot(d, axis_u.xyz), dot(d, axis_v.xyz)) / depth : vec2(0.5);
+// Color of the picture of a spot light or a projector at the offset `d` from it. A projector throws its picture into a
+// pyramid, so bright that a screen across its axis is evenly lit.
+vec3 picture_color(uint kind, DeltaLightRecord light, vec3 d) {
+    float depth = dot(d, light.direction);
+    vec2 uv = depth != 0.0 ? 0.5 + vec2(dot(d, light.axis_u), dot(d, light.axis_v)) / depth : vec2(0.5);
     vec3 color = vec3(1.0);
     if (has_feature(FEATURE_TEXTURED_EMITTERS)) {
-        vec3 picture = sample_texture(texture_index == NONE ? 0u : texture_index, uv).rgb;
-        if (texture_index != NONE) color = picture;
+        vec3 picture = sample_texture(light.texture_index == NONE ? 0u : light.texture_index, uv).rgb;
+        if (light.texture_index != NONE) color = picture;
     }
     if (kind != LIGHT_PROJECTOR) return color;
     float stretch = length(d) / max(depth, 1.0e-20);
     return depth > 0.0 && uv == clamp(uv, 0.0, 1.0) ? color * (stretch * stretch * stretch) : vec3(0.0);
 }
 
-LightSample delta_light_sample(uvec4 light, vec3 from) {
-    uint kind = light.z >> LIGHT_KIND_SHIFT;
-    uint texel = light.z & ((1u << LIGHT_KIND_SHIFT) - 1u);
-    vec4 position = uintBitsToFloat(fetch_emitter_texel(texel));
-    vec4 direction = uintBitsToFloat(fetch_emitter_texel(texel + 1u));
-    vec4 intensity = uintBitsToFloat(fetch_emitter_texel(texel + 2u));
-    float probability = uintBitsToFloat(light.w);
+LightSample delta_light_sample(LightRecord light, vec3 from) {
+    uint kind = kind_of_light(light);
+    DeltaLightRecord delta = load_delta_light(index_of_light(light));
     if (kind == LIGHT_DIRECTIONAL) {
-        return LightSample(-direction.xyz, vec3(0.0), true, intensity.rgb, probability, true);
+        return LightSample(-delta.direction, vec3(0.0), true, delta.intensity, light.probability, true);
     }
-    vec3 d = position.xyz - from;
+    vec3 d = delta.position - from;
     float squared = max(dot(d, d), 1.0e-37);
     vec3 wi = d * inversesqrt(squared);
-    vec3 radiance = intensity.rgb / squared;
-    if (kind == LIGHT_SPOT || kind == LIGHT_PICTURED_SPOT) radiance *= spot_falloff(-dot(wi, direction.xyz), position.w, direction.w, intensity.w);
-    if (has_pictured_lights() && kind >= LIGHT_PICTURED_SPOT) radiance *= picture_color(kind, texel, -d, direction.xyz);
-    return LightSample(wi, position.xyz, false, radiance, probability, true);
+    vec3 radiance = delta.intensity / squared;
+    if (kind == LIGHT_SPOT || kind == LIGHT_PICTURED_SPOT) radiance *= spot_falloff(-dot(wi, delta.direction), delta);
+    if (has_pictured_lights() && kind >= LIGHT_PICTURED_SPOT) radiance *= picture_color(kind, delta, -d);
+    return LightSample(wi, delta.position, false, radiance, light.probability, true);
 }
 
 bool has_delta_lights() {
     return has_light(LIGHT_POINT) || has_light(LIGHT_SPOT) || has_light(LIGHT_DIRECTIONAL) || has_pictured_lights();
 }
 
-LightSample environment_light_sample(uvec4 light, uvec4 bits) {
-    EnvironmentSample s = sample_environment(bits, light.z & ((1u << LIGHT_KIND_SHIFT) - 1u));
-    float pdf = uintBitsToFloat(light.w) * s.pdf;
+LightSample environment_light_sample(LightRecord light, uvec4 bits) {
+    EnvironmentSample s = sample_environment(bits, index_of_light(light));
+    float pdf = light.probability * s.pdf;
     return LightSample(s.wi, vec3(0.0), true, environment_radiance(s.wi), pdf, false);
 }
 
 // Sample of a light that was drawn, as seen from the point `from`.
 LightSample sample_light(RandomKey key, uint vertex, vec3 from, ChosenLight chosen) {
-    uvec4 light = chosen.record;
-    uint kind = light.z >> LIGHT_KIND_SHIFT;
+    LightRecord light = chosen.record;
+    uint kind = kind_of_light(light);
     LightSample s = NO_LIGHT_SAMPLE;
     if (has_light(LIGHT_AREA) && kind == LIGHT_AREA) {
         s = area_light_sample(chosen.index, light, from, unit_floats(chosen.bits).zw);
@@ -232,7 +224,7 @@ LightSample sample_light(RandomKey key, uint vertex, vec3 from, ChosenLight chos
 
 // Density, per steradian, with which sample_light draws, at a point `from` in a cell, the direction to a surface that a ray has hit.
 float pdf_light_at_surface(uint primitive, Surface s, vec3 from, uint cell) {
-    uint light = fetch_attributes(primitive, 2u).w;
+    uint light = attribute_light(primitive);
     if (has_light_patches() && light != NONE) light = light * patches_per_light() + patch_of_light(primitive, s.position);
     return light_probability(light, cell) * float(patches_per_light()) * pdf_area_light(primitive, s, from);
 }

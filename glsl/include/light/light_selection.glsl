@@ -18,17 +18,6 @@ bool learns_lights() {
     return LIGHT_GROUPS != 0u;
 }
 
-// A group of lights: consecutive records of the emitters' texels.
-struct LightGroup {
-    uint first;  // light
-    uint count;  // of lights; 0 for a group that is not used
-};
-
-LightGroup light_group(uint group) {
-    uvec4 texel = fetch_emitter_texel(scene().first_light_group + group);
-    return LightGroup(texel.x, texel.y);
-}
-
 bool has_two_light_levels() {
     return LIGHT_GROUPS != 16u;
 }

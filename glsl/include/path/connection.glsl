@@ -7,10 +7,13 @@
 #include "path/scatterer.glsl"
 
 struct Connection {
-    vec3 light;  // that the surface scatters from the sampled light, weighted, if nothing blocks the ray
-    Ray ray;
-    LightEvidence evidence;  // for the light selection that cells learn
+    KEPT(light) vec3 light;  // that the surface scatters from the sampled light, weighted, if nothing blocks the ray
+    KEPT(ray) Ray ray;
+    KEPT(light) LightEvidence evidence;  // for the light selection that cells learn
 };
+
+const Ray NO_RAY = Ray(vec3(0.0), vec3(0.0), 0.0);
+const Connection NO_CONNECTION = Connection(vec3(0.0), NO_RAY, NO_LIGHT_EVIDENCE);
 
 // Samples a light. Multiple importance sampling weighs it against the direction that the path draws itself.
 Connection connect(Path path, Surface surface, Scatterer scatterer, Guide guide) {

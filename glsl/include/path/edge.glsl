@@ -8,7 +8,7 @@
 const uint MOST_HIDDEN = 1024u;
 
 bool emits(uint primitive) {
-    return fetch_attributes(primitive, 2u).z != NONE;
+    return attribute_emitter(primitive) != NONE;
 }
 
 // What a ray hits. Hidden emitters let the camera's rays through, as in Mitsuba 3.

@@ -5,19 +5,22 @@
 #include "path/guiding.glsl"
 #include "guide/learners/learning.glsl"
 #include "geometry/surface.glsl"
+#include "shared/film.glsl"
+#include "shared/kept.glsl"
 
 struct Path {
     RandomKey key;
-    Ray ray;
-    vec3 throughput;
-    vec3 radiance;
-    float eta;        // index of refraction of the medium that the ray travels in, over the camera's
-    uint depth;       // edges so far, the ray's own included; 0: no path is under way
-    Segment segment;  // that the ray travels
-    ShareEvidence evidence;  // of the ray's direction
-    vec3 previous_position;  // of the surface that the ray left
-    float pdf;        // density of the ray's direction there; 0 where emitter sampling cannot have drawn it
-    float pixel_estimate;    // radiance of the whole path, as estimated at the first vertex whose guide knows; 0 before
+    KEPT(ray) Ray ray;
+    KEPT(ray) vec3 throughput;
+    KEPT(ray) float eta;         // index of refraction of the medium that the ray travels in, over the camera's
+    KEPT(light) vec3 radiance;
+    KEPT(light) uint pixel;      // of the film: x | y << PIXEL_DIGITS
+    uint depth;                  // edges so far, the ray's own included; 0: no path is under way
+    KEPT(guide) Segment segment;  // that the ray travels
+    KEPT(guide) float pdf;       // density of the ray's direction where it began; 0 where emitter sampling cannot have drawn it
+    KEPT(guide) float pixel_estimate;  // radiance of the whole path, as estimated at the first vertex whose guide knows; 0 before
+    KEPT(guide) vec3 previous_position;  // of the surface that the ray left
+    KEPT(guide) ShareEvidence evidence;  // of the ray's direction
     PathVertex last_vertex;  // for learners that keep vertices
 };
 
@@ -27,10 +30,15 @@ RandomKey key_of_sample(uvec2 film_pixel, uint sample_index, uint first_of_sets)
     return random_key(film_pixel, uint(scene().film_size.x), sample_index, first_of_set, scene().seed);
 }
 
-// A path before its first edge. The caller sets its ray.
+uvec2 pixel_of(Path path) {
+    return uvec2(path.pixel & ((1u << PIXEL_DIGITS) - 1u), path.pixel >> PIXEL_DIGITS);
+}
+
+// A path before its first edge. The caller sets its ray and its pixel.
 Path new_path(RandomKey key) {
     Path path;
     path.key = key;
+    path.pixel = 0u;
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
     path.eta = 1.0;
@@ -46,6 +54,7 @@ Path new_path(RandomKey key) {
 
 Path start_path(uvec2 film_pixel, RandomKey key) {
     Path path = new_path(key);
+    path.pixel = film_pixel.x | (film_pixel.y << PIXEL_DIGITS);
     vec4 u = unit_floats(camera_bits(key));
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);
     return path;
@@ -53,10 +62,10 @@ Path start_path(uvec2 film_pixel, RandomKey key) {
 
 // The surface that a camera ray has hit.
 struct FirstHit {
-    bool known;   // the ray has hit a surface
-    vec3 albedo;
-    vec3 normal;
-    float depth;  // distance from the camera
+    KEPT(first_hit) bool known;   // the ray has hit a surface
+    KEPT(first_hit) vec3 albedo;
+    KEPT(first_hit) vec3 normal;
+    KEPT(first_hit) float depth;  // distance from the camera
 };
 
 const FirstHit NO_FIRST_HIT = FirstHit(false, vec3(0.0), vec3(0.0), 0.0);

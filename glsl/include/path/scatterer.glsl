@@ -33,29 +33,29 @@ bool choose_first(inout float u, float share) {
 uint chosen_material(uint material, bool behind, vec2 uv, inout float u) {
     bool more = true;
     for (uint i = 0u; i < MAX_CHOICES && more; ++i) {
-        uvec4 head = fetch_material(material, MATERIAL_HEAD);
-        uint kind = head.x & MATERIAL_KIND_MASK;
+        uint kind = material_kind_and_flags(material) & MATERIAL_KIND_MASK;
         bool first = !behind;
         if (has_kind(MATERIAL_BLEND)) {
             float second_share = clamp(textured_bsdf(material, uv).scalars0.x, 0.0, 1.0);
             if (kind == MATERIAL_BLEND) first = choose_first(u, 1.0 - second_share);
         }
         more = kind == MATERIAL_BLEND || kind == MATERIAL_SIDES;
-        material = more ? (first ? head.y : head.z) : material;
+        material = more ? (first ? material_material0(material) : material_material1_or_relief(material)) : material;
     }
     return material;
 }
 
 // The frame that a bump or normal map tilts, relative to the frame `upright`, whose normal is on the front.
 mat3 tilted_frame(Surface surface, mat3 upright, uint material, vec3 wo) {
-    uvec4 head = fetch_material(material, MATERIAL_HEAD);
+    uint flags = material_kind_and_flags(material);
+    uint relief = material_material1_or_relief(material);
     vec3 n = vec3(0.0, 0.0, 1.0);
-    if (has_feature(FEATURE_BUMP) && (head.x & MATERIAL_BUMP) != 0u) {
-        vec2 gradient = uintBitsToFloat(head.w) * texture_gradient(head.z, surface.uv);
+    if (has_feature(FEATURE_BUMP) && (flags & MATERIAL_BUMP) != 0u) {
+        vec2 gradient = material_relief_scale(material) * texture_gradient(relief, surface.uv);
         n = bump_normal(surface.dp_du * upright, surface.dp_dv * upright, gradient, surface.geometric_normal * upright);
     }
-    if (has_feature(FEATURE_NORMAL_MAP) && (head.x & MATERIAL_NORMAL_MAP) != 0u) {
-        n = mapped_normal(sample_texture(head.z, surface.uv).rgb);
+    if (has_feature(FEATURE_NORMAL_MAP) && (flags & MATERIAL_NORMAL_MAP) != 0u) {
+        n = mapped_normal(sample_texture(relief, surface.uv).rgb);
     }
     return relief_frame(n, wo);
 }

@@ -4,23 +4,16 @@
 #define WAVEFRONT_GLSL
 #include "path/connection.glsl"
 #include "path/path.glsl"
-#include "shared/film.glsl"
 #include "film/slice.glsl"
+#include "generated/wave.glsl"
+#include "shared/film.glsl"
 
+// Push constants of the kernels of a wave.
 struct WavePush {
-    TracePush slice;
-    uint edge;  // that the paths travel; 0 begins at the camera
+    TracePush slice;  // slice whose samples the wave traces
+    uint edge;        // number of the edge that the paths travel; 0 leaves the camera
 };
 layout(push_constant, scalar) uniform Push { WavePush push; };
-
-// A slot's quadruples of words: path state, connection to a light, first hit, and one for the ray's hit. Each kind lies
-// together for all slots, in this order.
-const uint CONNECTION_QUADRUPLES = 3u;
-const uint FIRST_HIT_QUADRUPLES = 2u;
-const uint STATE_QUADRUPLES = SLOT_QUADRUPLES - CONNECTION_QUADRUPLES - FIRST_HIT_QUADRUPLES - 1u;
-// Quadruple of the state that holds the path's radiance. Before it are ray and throughput, after it what guide and emitter
-// sampling need.
-const uint RADIANCE = 3u;
 
 // Pixels of the slice.
 uint pixel_count() {
@@ -60,14 +53,6 @@ RandomKey key_of_slot(uint slot, uvec2 film_pixel) {
 
 Path path_from_camera(uint slot, uvec2 film_pixel) {
     return start_path(film_pixel, key_of_slot(slot, film_pixel));
-}
-
-uvec4 load_state(uint slot, uint quadruple) {
-    return load_scratch(slot * STATE_QUADRUPLES + quadruple);
-}
-
-void store_state(uint slot, uint quadruple, uvec4 value) {
-    store_scratch(slot * STATE_QUADRUPLES + quadruple, value);
 }
 
 // Queues: two of paths, for even and odd edges, then one of connections.
@@ -128,77 +113,54 @@ uint lane_count() {
     return gl_NumWorkGroups.x * WORKGROUP_SIZE;
 }
 
-uint connection_at(uint slot) {
-    return STATE_QUADRUPLES * slot_count() + CONNECTION_QUADRUPLES * slot;
-}
-
+// Stores a connection. One without light needs no ray, but removes the light of the last edge's connection.
 void store_connection(uint slot, Connection connection) {
-    uint at = connection_at(slot);
     // Light that is not a number counts as none.
-    uint units = connection.evidence.units;
-    store_scratch(at, brings_light(connection) ? uvec4(floatBitsToUint(connection.light), units) : uvec4(0u));
-    if (!learns_lights() && !brings_light(connection)) return;
-    if (brings_light(connection)) store_scratch(at + 1u, floatBitsToUint(vec4(connection.ray.origin, connection.ray.t_max)));
-    store_scratch(at + 2u, uvec4(floatBitsToUint(connection.ray.direction), connection.evidence.sum));
+    if (!brings_light(connection)) {
+        connection.light = vec3(0.0);
+        connection.evidence.units = 0u;
+    }
+    store_connection_light(slot, connection);
+    if (learns_lights() || brings_light(connection)) store_connection_ray(slot, connection);
 }
 
-Ray load_connection_ray(uint slot) {
-    vec4 origin = uintBitsToFloat(load_scratch(connection_at(slot) + 1u));
-    vec4 direction = uintBitsToFloat(load_scratch(connection_at(slot) + 2u));
-    return Ray(origin.xyz, direction.xyz, origin.w);
+// A slot's connection with its ray.
+Connection load_connection(uint slot) {
+    Connection connection = NO_CONNECTION;
+    load_connection_ray(slot, connection);
+    return connection;
 }
 
 // Removes a connection's light: something blocks its ray.
 void block_connection(uint slot) {
-    store_scratch(connection_at(slot), uvec4(0u));
+    store_connection_light(slot, NO_CONNECTION);
 }
 
-vec3 load_connected_light(uint slot) {
-    return uintBitsToFloat(load_scratch(connection_at(slot)).xyz);
-}
-
-LightEvidence load_light_evidence(uint slot) {
-    if (!learns_lights()) return NO_LIGHT_EVIDENCE;
-    return LightEvidence(load_scratch(connection_at(slot) + 2u).w, load_scratch(connection_at(slot)).w);
-}
-
-uint hit_at(uint slot) {
-    return (SLOT_QUADRUPLES - 1u) * slot_count() + slot;
-}
-
-void store_hit(uint slot, Hit hit) {
-    store_scratch(hit_at(slot), uvec4(floatBitsToUint(vec3(hit.t, hit.uv)), hit.primitive));
+// A slot's connection for its light. Light learning also needs what lies beside the ray.
+Connection load_connected_light(uint slot) {
+    Connection connection = NO_CONNECTION;
+    load_connection_light(slot, connection);
+    if (learns_lights()) load_connection_ray(slot, connection);
+    return connection;
 }
 
 Hit load_hit(uint slot) {
-    uvec4 hit = load_scratch(hit_at(slot));
-    return Hit(uintBitsToFloat(hit.x), uintBitsToFloat(hit.yz), hit.w);
-}
-
-uint first_hit_at(uint slot) {
-    return (STATE_QUADRUPLES + CONNECTION_QUADRUPLES) * slot_count() + FIRST_HIT_QUADRUPLES * slot;
-}
-
-void store_first_hit(uint slot, FirstHit first) {
-    store_scratch(first_hit_at(slot), floatBitsToUint(vec4(first.albedo, first.depth)));
-    store_scratch(first_hit_at(slot) + 1u, uvec4(floatBitsToUint(first.normal), uint(first.known)));
+    Hit hit;
+    load_hit(slot, hit);
+    return hit;
 }
 
 FirstHit load_first_hit(uint slot) {
-    vec4 albedo = uintBitsToFloat(load_scratch(first_hit_at(slot)));
-    uvec4 normal = load_scratch(first_hit_at(slot) + 1u);
-    return FirstHit(normal.w != 0u, albedo.xyz, uintBitsToFloat(normal.xyz), albedo.w);
+    FirstHit first = NO_FIRST_HIT;
+    load_first_hit(slot, first);
+    return first;
 }
 
-// The ray that a path travels now.
-Ray load_ray(uint slot) {
-    if (push.edge == 0u) return path_from_camera(slot, film_pixel_of(slot)).ray;
-    vec4 origin = uintBitsToFloat(load_state(slot, 0u));
-    return Ray(origin.xyz, uintBitsToFloat(load_state(slot, 1u)).xyz, origin.w);
-}
-
-vec3 load_path_radiance(uint slot) {
-    return uintBitsToFloat(load_state(slot, RADIANCE).xyz);
+// Radiance that a path has collected so far.
+vec3 load_radiance(uint slot) {
+    Path path;
+    load_path_light(slot, path);
+    return path.radiance;
 }
 
 // A path keeps more than its ray, its throughput and its radiance.
@@ -207,47 +169,32 @@ bool keeps_origin() {
     return uses_guide();
 }
 
-// Stores what the next edges need of a path; of a path that has ended, only its radiance. A pixel's coordinates have
-// PIXEL_DIGITS binary digits.
-void store_path(uint slot, uvec2 film_pixel, Path path) {
-    store_state(slot, RADIANCE, uvec4(floatBitsToUint(path.radiance), film_pixel.x | (film_pixel.y << PIXEL_DIGITS)));
+// Stores what the next edges need of a path; of a path that has ended, only its radiance.
+void store_path(uint slot, Path path) {
+    store_path_light(slot, path);
     if (path.depth == 0u) return;
-    store_state(slot, 0u, uvec4(floatBitsToUint(path.ray.origin), floatBitsToUint(path.ray.t_max)));
-    store_state(slot, 1u, uvec4(floatBitsToUint(path.ray.direction), floatBitsToUint(path.evidence.of_guide)));
-    store_state(slot, 2u, uvec4(floatBitsToUint(path.throughput), floatBitsToUint(path.eta)));
-    if (keeps_origin()) {
-        vec2 floats = vec2(path.pdf, path.pixel_estimate);
-        store_state(slot, 4u, uvec4(path.segment.index, floatBitsToUint(floats), path.evidence.share));
-        store_state(slot, 5u, uvec4(floatBitsToUint(path.previous_position), floatBitsToUint(path.evidence.scattered)));
-    }
+    store_path_ray(slot, path);
+    if (keeps_origin()) store_path_guide(slot, path);
 }
 
-// The path of a slot, and its pixel. Segments have the scale 1: only `quadtree` has others, and it is not traced as waves.
-Path load_path(uint slot, out uvec2 film_pixel) {
-    if (push.edge == 0u) {
-        film_pixel = film_pixel_of(slot);
-        return path_from_camera(slot, film_pixel);
-    }
-    uvec4 radiance = load_state(slot, RADIANCE);
-    film_pixel = uvec2(radiance.w & ((1u << PIXEL_DIGITS) - 1u), radiance.w >> PIXEL_DIGITS);
-    vec4 direction = uintBitsToFloat(load_state(slot, 1u));
-    vec4 throughput = uintBitsToFloat(load_state(slot, 2u));
-    Path path = new_path(key_of_slot(slot, film_pixel));
-    path.ray = load_ray(slot);
-    path.throughput = throughput.xyz;
-    path.eta = throughput.w;
-    path.radiance = uintBitsToFloat(radiance.xyz);
+// The path of a slot.
+Path load_path(uint slot) {
+    if (push.edge == 0u) return path_from_camera(slot, film_pixel_of(slot));
+    Path path = new_path(RandomKey(0u, 0u, 0u, 0u, 0u, 0u));
+    load_path_light(slot, path);
+    load_path_ray(slot, path);
+    if (keeps_origin()) load_path_guide(slot, path);
+    path.key = key_of_slot(slot, pixel_of(path));
     path.depth = push.edge + 1u;
-    if (keeps_origin()) {
-        uvec4 segment_and_share = load_state(slot, 4u);
-        vec4 position_and_scattered = uintBitsToFloat(load_state(slot, 5u));
-        path.segment.index = segment_and_share.x;
-        path.pdf = uintBitsToFloat(segment_and_share.y);
-        path.pixel_estimate = uintBitsToFloat(segment_and_share.z);
-        path.evidence = ShareEvidence(segment_and_share.w, position_and_scattered.w, direction.w);
-        path.previous_position = position_and_scattered.xyz;
-    }
     return path;
+}
+
+// The ray that a path travels now.
+Ray load_ray(uint slot) {
+    if (push.edge == 0u) return path_from_camera(slot, film_pixel_of(slot)).ray;
+    Path path;
+    load_path_ray(slot, path);
+    return path.ray;
 }
 
 #endif

@@ -17,15 +17,15 @@ struct TextureSampler {
 };
 
 TextureSampler texture_sampler(uint index, vec2 uv) {
-    uvec4 head = fetch_texture(index, TEXTURE_HEAD);
-    TextureSampler s = TextureSampler(index, head.x, head.y, head.zw, uv, mat2(1.0), 1.0);
+    TextureSampler s = TextureSampler(
+        index, texture_kind(index), texture_address(index), texture_size(index), uv, mat2(1.0), 1.0);
     if (has_textures(TEXTURE_TRANSFORMED | TEXTURE_HALVES)) {
-        vec4 row = uintBitsToFloat(fetch_texture(index, TEXTURE_TO_UV));
-        s.scale = row.w;
+        s.scale = texture_scale(index);
         if (has_textures(TEXTURE_TRANSFORMED)) {
-            vec3 row1 = uintBitsToFloat(fetch_texture(index, TEXTURE_TO_UV + 1u).xyz);
-            s.uv = vec2(dot(row.xyz, vec3(uv, 1.0)), dot(row1, vec3(uv, 1.0)));
-            s.from_surface = mat2(row.x, row1.x, row.y, row1.y);
+            vec3 u_row = texture_u_row(index);
+            vec3 v_row = texture_v_row(index);
+            s.uv = vec2(dot(u_row, vec3(uv, 1.0)), dot(v_row, vec3(uv, 1.0)));
+            s.from_surface = mat2(u_row.x, v_row.x, u_row.y, v_row.y);
         }
     }
     return s;
@@ -56,7 +56,7 @@ vec4 sample_image(TextureSampler s) {
 // Color of a checkerboard. Each color covers half a unit in u and v.
 vec4 sample_checkerboard(TextureSampler s) {
     bvec2 second = greaterThan(s.uv - floor(s.uv), vec2(0.5));
-    return uintBitsToFloat(fetch_texture(s.index, TEXTURE_COLORS + (second.x == second.y ? 0u : 1u)));
+    return texture_colors(s.index, second.x == second.y ? 0u : 1u);
 }
 
 // Linear color and alpha of a texture at the surface's coordinates `uv`.
@@ -108,7 +108,7 @@ void scale_parameter(inout Bsdf b, uint parameter, vec3 color) {
 void apply_textures(inout Bsdf b, uint material, vec2 uv) {
     bool more = true;
     for (uint i = 0u; i < MAX_TEXTURE_LINKS && more; ++i) {
-        uint link = fetch_material(material, MATERIAL_LINKS + i / 4u)[i % 4u];
+        uint link = material_links(material, i / 4u)[i % 4u];
         more = link != NONE;
         vec3 color = sample_texture(more ? link & ((1u << LINK_PARAMETER_SHIFT) - 1u) : 0u, uv).rgb;
         if (more) scale_parameter(b, link >> LINK_PARAMETER_SHIFT, color);

@@ -7,9 +7,10 @@
 #include "guide/grid/cells.glsl"
 #include "guide/grid/floor.glsl"
 
+// Push constants: cells of the dispatch.
 struct BlendPush {
-    uint first_cell;
-    uint end_cell;
+    uint first_cell;  // first cell of the dispatch
+    uint end_cell;    // one more than the last cell of the dispatch
 };
 layout(push_constant, scalar) uniform Push { BlendPush push; };
 

@@ -6,10 +6,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "guide/grid/cells.glsl"
 #include "guide/grid/radiance_grid.glsl"
+#include "records/update_push.glsl"
 
-struct UpdatePush {
-    uint first_cell;
-};
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 LearnedRadiance pooled_radiance(uint parent, uint bin) {

@@ -12,9 +12,10 @@
 #include "film/frame.glsl"
 #include "guide/samplers/quadtree_refinement.glsl"
 
+// Push constants: part of an iteration of the refinement.
 struct RefinePush {
     uint stage;      // REFINE_*
-    uint iteration;  // k; iteration k has 2^k steps
+    uint iteration;  // number k of the iteration; iteration k has 2^k steps
 };
 layout(push_constant, scalar) uniform Push { RefinePush push; };
 

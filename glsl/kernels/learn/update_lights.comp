@@ -5,10 +5,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "guide/grid/lane_sum.glsl"
 #include "guide/learners/light_learning.glsl"
+#include "records/update_push.glsl"
 
-struct UpdatePush {
-    uint first_cell;
-};
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 // Connections that a group's power counts for as prior evidence.

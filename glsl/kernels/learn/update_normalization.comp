@@ -9,15 +9,13 @@
 #include "guide/normalization/normalization_entry.glsl"
 #include "guide/grid/radiance_tree.glsl"
 #include "guide/samplers/sampler.glsl"
+#include "records/update_push.glsl"
 
-struct UpdatePush {
-    uint first_cell;
-};
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 uvec4 record_for(uint cell, uint normal_bin, float total) {
     if (is_product()) return product_record(cell, normal_bin);
-    return record_of(is_sphere_inversion() ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
+    return texel_of(is_sphere_inversion() ? sphere_inversion_factors(total) : normalize_cell(cell, normal_bin));
 }
 
 void main() {

@@ -9,10 +9,8 @@
 #include "film/frame.glsl"
 #include "guide/grid/radiance_grid.glsl"
 #include "guide/learners/share_learning.glsl"
+#include "records/update_push.glsl"
 
-struct UpdatePush {
-    uint first_cell;
-};
 layout(push_constant, scalar) uniform Push { UpdatePush push; };
 
 void main() {

@@ -4,6 +4,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "film/halves.glsl"
 
+// Push constants: tiles of the dispatch.
 struct JudgePush {
     uint first_tile;  // tile of the first workgroup, within the film page
 };

@@ -11,8 +11,7 @@
 void connect_path(uint slot) {
     Hit hit = load_hit(slot);
     if (hit.primitive == NONE || push.edge + 1u == MAX_DEPTH) return;
-    uvec2 film_pixel;
-    Path path = load_path(slot, film_pixel);
+    Path path = load_path(slot);
     Surface surface = surface_at(path.ray, hit);
     Scatterer scatterer = scatterer_at(surface, -path.ray.direction, path.key, path.depth);
     Connection connection = connect(path, surface, scatterer, guide_at(scatterer));

@@ -19,7 +19,7 @@ void main() {
         uint slot = slot_of(within, offset);
         FirstHit first_hit = load_first_hit(slot);
         if (first_hit.known) add_first_hit(samples, first_hit.albedo, first_hit.normal, first_hit.depth);
-        add_sample(samples, push.slice.first_sample + offset, load_path_radiance(slot), tally);
+        add_sample(samples, push.slice.first_sample + offset, load_radiance(slot), tally);
         --left;
     }
     if (inside) merge_into_film(page_pixel(within), samples, push.slice.weights);

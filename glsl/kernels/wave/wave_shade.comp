@@ -12,14 +12,14 @@ uint shaded_slot;
 // Loads the light that wave_connect and wave_shadow have found.
 vec3 direct_light(
     Path path, Surface surface, Scatterer scatterer, Guide guide, out LightEvidence evidence, inout Tally tally) {
-    evidence = load_light_evidence(shaded_slot);
-    return load_connected_light(shaded_slot);
+    Connection connection = load_connected_light(shaded_slot);
+    evidence = connection.evidence;
+    return connection.light;
 }
 
 void shade(uint slot, inout Tally tally) {
     shaded_slot = slot;
-    uvec2 film_pixel;
-    Path path = load_path(slot, film_pixel);
+    Path path = load_path(slot);
     Segment travelled = path.segment;
     ShareEvidence evidence = path.evidence;
     uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
@@ -27,7 +27,7 @@ void shade(uint slot, inout Tally tally) {
     float target = shade_vertex(path, load_hit(slot), unit_floats(bits), first_hit, tally);
     if (push.edge == 0u) store_first_hit(slot, first_hit);
     learn(travelled, evidence, target, leftover_float(bits), tally);
-    store_path(slot, film_pixel, path);
+    store_path(slot, path);
     if (path.depth != 0u) enqueue_path(slot);
 }
 

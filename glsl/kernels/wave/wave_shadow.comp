@@ -16,7 +16,7 @@ void main() {
     if (place == 0u) count(COUNTER_SHADOW_RAYS, connection_count());
     while (place < connection_count()) {
         uint slot = queued_connection(place);
-        if (traverse(load_connection_ray(slot), true, overrun).primitive != NONE) block_connection(slot);
+        if (traverse(load_connection(slot).ray, true, overrun).primitive != NONE) block_connection(slot);
         place += lane_count();
         if (place >= connection_count()) break;
     }

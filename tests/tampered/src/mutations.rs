@@ -450,17 +450,17 @@ pub const MUTATIONS: &[Mutation] = &[
         "light selection counts the light that it has drawn",
         &[Patch {
             file: LIGHT,
-            text: "LightGroup lights = light_group(chosen.group);",
+            text: "LightGroupRecord lights = load_light_group(chosen.group);",
             mutated: "if (MUTATED) chosen.group_probability = mix(chosen.group_probability, 1.0, 0.02);\n    \
-                  LightGroup lights = light_group(chosen.group);",
+                  LightGroupRecord lights = load_light_group(chosen.group);",
         }],
     ),
     mutation(
         "a light that is hit has the density within its group",
         &[Patch {
             file: LIGHT,
-            text: "group_probability(cell, record.y >> LIGHT_GROUP_SHIFT) * probability",
-            mutated: "(MUTATED ? 1.0 : group_probability(cell, record.y >> LIGHT_GROUP_SHIFT)) * probability",
+            text: "group_probability(cell, record.group_and_alias >> LIGHT_GROUP_SHIFT) * probability",
+            mutated: "(MUTATED ? 1.0 : group_probability(cell, record.group_and_alias >> LIGHT_GROUP_SHIFT)) * probability",
         }],
     ),
     mutation(

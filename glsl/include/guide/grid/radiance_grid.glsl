@@ -9,16 +9,16 @@
 // Sums that one step records for a bin. The sum of targets is a 64-bit fixed-point number in two words, so that the
 // order of additions does not matter.
 struct RadianceSum {
-    uint low;
-    uint high;
-    uint target_count;
-    float flux;  // used by the refinement of quadtrees: flux of a quarter, including all nodes below it
+    uint low;           // lower word of the fixed-point sum
+    uint high;          // upper word of the fixed-point sum
+    uint target_count;  // number of targets
+    float flux;         // Flux of a quarter, including all nodes below it. Only the refinement of quadtrees uses it.
 };
 
 // Estimate of a bin before the floor: the mean radiance, and the number of targets behind it after decay.
 struct LearnedRadiance {
-    float mean;
-    float weight;
+    float mean;    // mean radiance before the floor is applied
+    float weight;  // number of targets behind the mean, after decay
 };
 
 layout(scalar, set = RADIANCE_GRID_SET, binding = 0) restrict buffer RadianceTable { float radiance_table[]; };

@@ -8,6 +8,7 @@
 #include "guide/samplers/bsdf_share.glsl"
 #include "light/light_selection.glsl"
 #include "shared/guide.glsl"
+#include "shared/kept.glsl"
 
 // Samples of a pixel that all record evidence. Of the later ones, one of RECORDED_SAMPLES does: recording takes time, and by then a
 // cell knows much.
@@ -16,11 +17,13 @@ const uint RECORDED_SAMPLES = 4u;
 
 // Evidence of a connection that may be blocked.
 struct LightEvidence {
-    uint sum;    // index of the group's sum; NONE: no evidence
-    uint units;  // fixed-point units of the scattered radiance if nothing blocks the light
+    // Fixed-point units of the scattered radiance if nothing blocks the light. A wave keeps them with the connection's light, so that a
+    // blocked connection loses both and keeps the sum.
+    uint units;
+    KEPT(ray) uint sum;  // index of the group's sum; NONE: no evidence
 };
 
-const LightEvidence NO_LIGHT_EVIDENCE = LightEvidence(NONE, 0u);
+const LightEvidence NO_LIGHT_EVIDENCE = LightEvidence(0u, NONE);
 
 // Whether the connections of a sample are recorded.
 bool records_lights(uint sample_index) {
@@ -49,7 +52,7 @@ float power_of_group(uint group) {
 // Evidence of a connection to a light of a group. `scattered` is the radiance that the surface scatters from the light, over the
 // light's density within the group. `u` in [0, 1) rounds it.
 LightEvidence light_evidence(uint cell, uint group, float scattered, float u) {
-    return LightEvidence(light_sum(cell, group), fixed_point(scattered, scene().target_limit, u));
+    return LightEvidence(fixed_point(scattered, scene().target_limit, u), light_sum(cell, group));
 }
 
 // Records a connection, once it is known whether the light arrives.

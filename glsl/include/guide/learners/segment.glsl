@@ -3,7 +3,7 @@
 #define SEGMENT_GLSL
 #include "film/frame.glsl"
 #include "guide/grid/radiance_grid.glsl"
-#include "guide/learners/path_vertex.glsl"
+#include "records/path_vertex.glsl"
 
 // Target that stands for "none". A segment that ends at the maximum depth has no target, because its end was not
 // followed further.

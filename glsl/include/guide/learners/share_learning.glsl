@@ -8,6 +8,7 @@
 #include "guide/samplers/bsdf_share.glsl"
 #include "film/frame.glsl"
 #include "shared/guide.glsl"
+#include "shared/kept.glsl"
 
 // Initial share, and the number of samples that it counts for as prior evidence.
 const float FIRST_SHARE = 0.5;
@@ -23,7 +24,8 @@ const float SHARE_DECAY = 0.5;
 struct ShareEvidence {
     uint share;       // index of the share; NONE: no evidence
     float scattered;  // mean over RGB of f cos / pdf, times the fraction of samples to which the share applies
-    float of_guide;   // probability that the guide drew the sample, within the same fraction
+    // Beside the ray, where a wave has room.
+    KEPT(ray) float of_guide;  // probability that the guide drew the sample, within the same fraction
 };
 
 const ShareEvidence NO_EVIDENCE = ShareEvidence(NONE, 0.0, 0.0);

@@ -3,14 +3,14 @@
 // buffers.
 #ifndef NORMALIZATION_GRID_GLSL
 #define NORMALIZATION_GRID_GLSL
-#include "guide/normalization/normalization_record.glsl"
+#include "generated/normalization.glsl"
 #include "shared/sets.glsl"
 #include "shared/variant.glsl"
 
 // Integral and maximum of the clamped cosine about a normal bin's representative normal, over one direction bin.
 struct CosineIntegral {
-    float integral;  // exact integral over the direction bin, sr
-    float maximum;   // upper bound over the direction bin
+    float integral;  // integral of the clamped cosine over the direction bin, sr
+    float maximum;   // upper bound of the cosine over the bin, at least 0
 };
 
 layout(scalar, set = NORMALIZATION_GRID_SET, binding = 0) restrict buffer NormalizationTable { uvec4 normalization_table[]; };

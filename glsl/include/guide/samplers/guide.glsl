@@ -36,7 +36,7 @@ Guide guide_of(uint cell, vec3 n, uint which) {
     if (is_quadtree()) return Guide(cell, 0u, n, n, radiance_node(cell), NO_ENTRY, share);
     uint bin = normal_bin(n);
     uvec4 record = normalization_record(normalization_index(cell, bin));
-    return Guide(cell, bin, representative_normal(bin), n, record, entry_of(record), share);
+    return Guide(cell, bin, representative_normal(bin), n, record, normalization_entry_of(record), share);
 }
 
 bool is_filled(Guide guide) {

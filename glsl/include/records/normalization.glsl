@@ -1,6 +1,6 @@
 // Record of the normalization grid for a cell and a normal, for all samplers except `product`.
-#ifndef NORMALIZATION_RECORD_GLSL
-#define NORMALIZATION_RECORD_GLSL
+#ifndef RECORDS_NORMALIZATION_GLSL
+#define RECORDS_NORMALIZATION_GLSL
 
 // Factors of a sampler. Each sampler states the function that it follows: L(cell, w), or L(cell, w) max(0, cos(nb, w))
 // with the representative normal nb of the normal bin.
@@ -10,14 +10,5 @@ struct NormalizationEntry {
     float acceptance_scale;  // times the followed function: a probability, at most 1
     float uniform_share;     // share e of Eq. 8 and Eq. 9
 };
-
-NormalizationEntry entry_of(uvec4 record) {
-    vec4 x = uintBitsToFloat(record);
-    return NormalizationEntry(x.x, x.y, x.z, x.w);
-}
-
-uvec4 record_of(NormalizationEntry entry) {
-    return floatBitsToUint(vec4(entry.guide_scale, entry.uniform_density, entry.acceptance_scale, entry.uniform_share));
-}
 
 #endif

@@ -1,0 +1,28 @@
+// Records of primitives and their attributes. src/encode/bvh.rs writes them.
+#ifndef RECORDS_GEOMETRY_GLSL
+#define RECORDS_GEOMETRY_GLSL
+
+// Primitive as rays meet it.
+struct PrimitiveRecord {
+    vec3 origin;           // first vertex or center
+    uint flags;            // SHAPE_* and PRIMITIVE_*
+    vec3 edge_u;           // first edge vector: `edge_u` of the scene's primitive
+    float edge_tolerance;  // slack of the edge tests per unit of distance: the length of the longest edge, or the sphere's radius
+    vec3 edge_v;           // second edge vector: `edge_v` of the scene's primitive
+    // Dot product of the edges' cross product with every point of a flat shape's plane, relative to the shape's origin or, with
+    // PRIMITIVE_LARGE, to the world's; 0 for a sphere.
+    float plane;
+};
+
+// Attributes of a primitive, which only the nearest hit needs.
+struct AttributeRecord {
+    uvec3 normals;  // vertex normals in octahedral encoding, 16 bits per coordinate
+    uint material;  // index of the material
+    vec2 uv0;       // texture coordinates of the first vertex
+    vec2 uv1;       // texture coordinates of the second vertex
+    vec2 uv2;       // texture coordinates of the third vertex
+    uint emitter;   // index of the emitter, or NONE
+    uint light;     // index of the primitive's light in the alias table, or NONE
+};
+
+#endif

@@ -1,0 +1,20 @@
+// Record of a material. src/encode/materials.rs writes it.
+#ifndef RECORDS_MATERIAL_GLSL
+#define RECORDS_MATERIAL_GLSL
+
+// BSDF with its modifiers, or a choice between two materials. bsdf/parameters.glsl lists the meaning of colors and scalars.
+struct MaterialRecord {
+    uint kind_and_flags;       // BSDF_* or MATERIAL_BLEND, MATERIAL_SIDES, and MATERIAL_* flags
+    uint material0;            // first material of a blend or of two sides
+    uint material1_or_relief;  // second material; otherwise the texture of a bump or normal map, or NONE
+    float relief_scale;        // factor of a bump map's heights
+    vec4 colors[3];            // colors; the fourth component is unused
+    vec4 scalars[3];           // scalar parameters
+    uvec4 links[2];            // links from parameters to textures: parameter << LINK_PARAMETER_SHIFT | texture, or NONE
+    vec3 optical_thickness;    // optical thickness of the coating
+    float coating_eta;         // index of refraction of the coating, interior over exterior
+    vec3 coating_specular;     // specular reflectance of the coating
+    uint unused;               // fills the texel
+};
+
+#endif
