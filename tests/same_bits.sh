@@ -9,7 +9,7 @@
 #
 # --only REGEX, put first, takes the configurations whose whole name matches.
 #
-# There are 40 configurations, small pictures of the repository's own scenes: every sampler, every learner with a sampler
+# There are 39 configurations, small pictures of the repository's own scenes: every sampler, every learner with a sampler
 # that it fits, emitter sampling on and off, patterns, executions, steps, weights, grids, filters, parts that are merged,
 # a render that is interrupted and resumed, PNG files and radiance maps.
 #
@@ -48,7 +48,6 @@ expected-sarsa          | cornell-box-hard | --learner expected-sarsa --expected
 expected-sarsa-mix      | cornell-box      | --sampler rejection-mix --learner expected-sarsa --nee off
 monte-carlo             | cornell-box-hard | --learner monte-carlo
 monte-carlo-hemisphere  | cornell-box      | --sampler hemisphere-inversion --learner monte-carlo --nee off
-irradiance-sarsa        | door-ajar        | --learner irradiance-sarsa
 independent             | cornell-box      | --pattern independent
 blue-noise              | cornell-box      | --pattern blue-noise
 megakernel-slices       | cornell-box      | --execution megakernel --slice-ms 1 --samples-per-dispatch 2

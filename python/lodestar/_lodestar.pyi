@@ -36,7 +36,7 @@ class _Keywords(TypedDict, total=False):
     pattern: Literal["independent", "sobol", "blue-noise"] | None
     sample_offset: int | None
     guide_set: Literal["diffuse", "authors", "all"] | None
-    learner: Literal["sarsa", "expected-sarsa", "monte-carlo", "irradiance-sarsa"] | None
+    learner: Literal["sarsa", "expected-sarsa", "monte-carlo"] | None
     expected_directions: int | None
     mix: Literal["density", "acceptance"] | None
     epsilon: float | None

@@ -43,7 +43,7 @@ use lodestar::{Error, Result};
 
 use print::report;
 
-/// Renders Mitsuba scenes with path guiding on any Vulkan device.
+/// Renders scenes of Mitsuba, pbrt, glTF and Blender with path guiding, on any Vulkan device.
 #[derive(Debug, Parser)]
 #[command(name = "lodestar", version, max_term_width = 100)]
 struct Cli {

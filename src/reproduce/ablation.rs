@@ -47,7 +47,6 @@ const ROWS: &[Method] = &[
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Diffuse), ..NONE }),
     PRODUCT.with(Changes { guide_set: Some(GuideSet::Authors), ..NONE }),
     Method { learner: Learner::ExpectedSarsa, ..PRODUCT },
-    Method { learner: Learner::IrradianceSarsa, ..PRODUCT },
     Method { learner: Learner::MonteCarlo, ..PRODUCT },
     PRODUCT.with(Changes { directions: Some(32), ..NONE }),
     PRODUCT.with(Changes { fallback: Some(0.0), ..NONE }),

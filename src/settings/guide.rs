@@ -143,8 +143,6 @@ pub enum ProductLearner {
     Sarsa(Share),
     /// [`Learner::ExpectedSarsa`] with the mean over this number of directions.
     ExpectedSarsa(u32, Share),
-    /// [`Learner::IrradianceSarsa`].
-    IrradianceSarsa(Share),
     /// [`Learner::MonteCarlo`] with a fixed share, or 0.25: this learner cannot learn the share.
     MonteCarlo(Option<f32>),
 }
@@ -290,10 +288,6 @@ impl Settings {
                 self.set_learner(GridLearner::ExpectedSarsa(directions));
                 share
             }
-            ProductLearner::IrradianceSarsa(share) => {
-                self.learner = Learner::IrradianceSarsa;
-                share
-            }
             ProductLearner::MonteCarlo(share) => {
                 self.set_learner(GridLearner::MonteCarlo);
                 Share::Fixed(share)
@@ -377,7 +371,6 @@ impl GridSampler {
         let learner = match settings.learner {
             Learner::Sarsa => ProductLearner::Sarsa(share),
             Learner::ExpectedSarsa => ProductLearner::ExpectedSarsa(settings.expected_directions, share),
-            Learner::IrradianceSarsa => ProductLearner::IrradianceSarsa(share),
             Learner::MonteCarlo => ProductLearner::MonteCarlo(settings.epsilon),
         };
         let directions = match settings.directions {
@@ -395,7 +388,7 @@ impl GridLearner {
         match settings.learner {
             Learner::ExpectedSarsa => Self::ExpectedSarsa(settings.expected_directions),
             Learner::MonteCarlo => Self::MonteCarlo,
-            Learner::Sarsa | Learner::IrradianceSarsa => Self::Sarsa,
+            Learner::Sarsa => Self::Sarsa,
         }
     }
 }
@@ -451,11 +444,7 @@ mod tests {
         }
         let shares = [Share::Learned, Share::Fixed(None), Share::Fixed(Some(0.5))];
         let learners = shares.into_iter().flat_map(|share| {
-            [
-                ProductLearner::Sarsa(share),
-                ProductLearner::ExpectedSarsa(7, share),
-                ProductLearner::IrradianceSarsa(share),
-            ]
+            [ProductLearner::Sarsa(share), ProductLearner::ExpectedSarsa(7, share)]
         });
         for learner in learners.chain([None, Some(0.5)].map(ProductLearner::MonteCarlo)) {
             for directions in [ProductDirections::Side16, ProductDirections::Side32, ProductDirections::Side64] {
@@ -491,7 +480,7 @@ mod tests {
             settings.validate().expect("a legal guide");
             assert_eq!(Guide::try_from(&settings).expect("a guide"), guide);
         }
-        assert_eq!(guides().len(), 3 * (3 * 7 + 11 * 27) + 2);
+        assert_eq!(guides().len(), 3 * (3 * 7 + 8 * 27) + 2);
     }
 
     #[test]
@@ -504,12 +493,11 @@ mod tests {
     /// Some flat settings are no legal guide. The table refuses each of them.
     #[test]
     fn what_is_no_guide_is_refused() {
-        let changes: [fn(&mut Settings); 13] = [
+        let changes: [fn(&mut Settings); 12] = [
             |s| s.directions = 8,
             |s| s.mix = Mix::Acceptance,
             |s| (s.bsdf_share, s.epsilon) = (Some(BsdfShare::Learned), Some(0.5)),
             |s| (s.bsdf_share, s.learner) = (Some(BsdfShare::Learned), Learner::MonteCarlo),
-            |s| (s.sampler, s.learner) = (Sampler::Rejection, Learner::IrradianceSarsa),
             |s| (s.sampler, s.epsilon) = (Sampler::Rejection, Some(0.5)),
             |s| (s.sampler, s.roulette) = (Sampler::Bsdf, Some(Roulette::Contribution)),
             |s| (s.sampler, s.bsdf_share) = (Sampler::Bsdf, Some(BsdfShare::Fixed)),

@@ -110,6 +110,4 @@ pub enum Learner {
     ExpectedSarsa = constants::LEARNER_EXPECTED_SARSA,
     /// The radiance that the rest of the path has collected.
     MonteCarlo = constants::LEARNER_MONTE_CARLO,
-    /// Emission, plus Eq. 5 taken from the irradiance that the normalization grid of `product` holds, at a constant cost.
-    IrradianceSarsa = constants::LEARNER_IRRADIANCE_SARSA,
 }

@@ -150,10 +150,6 @@ fn combinations_without_meaning() {
             ["--epsilon", "the samplers rejection-mix and product only; the sampler here is rejection"],
         ),
         (
-            &["--sampler", "rejection", "--learner", "irradiance-sarsa"],
-            ["--learner irradiance-sarsa", "the sampler product only; the sampler here is rejection"],
-        ),
-        (
             &["--sampler", "quadtree", "--learner", "sarsa"],
             ["--learner sarsa cannot be combined with --sampler quadtree", "monte-carlo only"],
         ),

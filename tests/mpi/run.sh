@@ -82,7 +82,6 @@ configurations() {
 --sampler quadtree --nee off
 --learner expected-sarsa
 --learner monte-carlo
---learner irradiance-sarsa
 --noise 0.2 --spp 48
 --sample-offset 64
 --grid auto --fallback 4

@@ -1,7 +1,7 @@
 //! Renders of the furnace against its closed form.
 
 use lodestar::renderer::Renderer;
-use lodestar::settings::{Learner, Roulette, Sampler, Settings};
+use lodestar::settings::{Learner, Sampler, Settings};
 use support::estimate::Estimate;
 use support::mutated::{BRIGHTER, DENSITIES, TWICE_AS_BRIGHT};
 use support::scenes::{ALL_SAMPLERS, ours, settings, steady};
@@ -137,15 +137,6 @@ fn learned(device: &Device, defines: &[(&str, &str)], expected: f64, change: imp
     (mean, rms)
 }
 
-/// Gives a learner that needs the product sampler that sampler. The number of bins and the length of paths are set so
-/// that each bin gets as many targets per step as with the other learners.
-fn follow_product(s: &mut Settings) {
-    if s.learner == Learner::IrradianceSarsa {
-        (s.sampler, s.directions, s.grid) = (Sampler::Product, 16, Some(2));
-        s.roulette = Some(Roulette::Throughput);
-    }
-}
-
 const LEARNING_STEPS: u32 = 24;
 
 fn is_learned((mean, rms): (f64, f64), expected: f64) -> bool {
@@ -161,11 +152,9 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
     let cases = [
         (Learner::Sarsa, 0.95),
         (Learner::ExpectedSarsa, 1.0),
-        (Learner::IrradianceSarsa, 0.95),
         (Learner::Sarsa, 0.0),
         (Learner::Sarsa, 1.0),
         (Learner::ExpectedSarsa, 0.95),
-        (Learner::IrradianceSarsa, 1.0),
     ];
     for &(learner, decay) in tier::some_of(&cases, 2) {
         let (mut distance, mut weight) = (1.0, 0.0);
@@ -173,10 +162,7 @@ fn the_radiance_table_tends_to_the_incident_radiance() {
             weight = weight * f64::from(decay) + 1.0;
             distance *= 1.0 - 0.5 / weight;
         }
-        let found = learned(&device, &[], 1.0 - distance, |s| {
-            (s.learner, s.decay) = (learner, decay);
-            follow_product(s);
-        });
+        let found = learned(&device, &[], 1.0 - distance, |s| (s.learner, s.decay) = (learner, decay));
         assert!(is_learned(found, 1.0 - distance), "{learner:?}, decay {decay}: {found:?}");
     }
 }
@@ -239,14 +225,10 @@ fn monte_carlo_divides_by_survival() {
 #[test]
 fn a_learner_without_attenuation_is_found() {
     let device = Device::new();
-    let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo, Learner::IrradianceSarsa];
+    let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo];
     for &learner in tier::some_of(&learners, 1) {
-        let faulty = |mutation| {
-            learned(&device.mutated(mutation), &[], 1.0, |s| {
-                (s.learner, s.decay) = (learner, 0.5);
-                follow_product(s);
-            })
-        };
+        let faulty =
+            |mutation| learned(&device.mutated(mutation), &[], 1.0, |s| (s.learner, s.decay) = (learner, 0.5));
         let found = faulty(TWICE_AS_BRIGHT);
         assert!(!is_learned(found, 1.0) && found.0 > 1.5, "{learner:?}: {found:?}");
         let slightly = faulty(BRIGHTER);

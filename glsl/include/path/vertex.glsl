@@ -109,7 +109,7 @@ float shade_surface(
     if (!scatterer.passes) path.segment = segment_from(scatterer.cell, next);
     if (!scatterer.passes) path.evidence = next.evidence;
     if (scatterer.passes && keeps_vertices()) path.segment = NO_SEGMENT;
-    float target = target_at(path.key, path.depth, light, scatterer, guide, next);
+    float target = target_at(path.key, path.depth, light, scatterer, next);
 
     // 5. Roulette: the path goes on with the probability `survival`.
     if (path.pixel_estimate == 0.0 && knows_contribution(guide, next)) {

@@ -44,7 +44,6 @@ const uint GUIDE_SET_ALL = 2u;
 const uint LEARNER_SARSA = 0u;
 const uint LEARNER_EXPECTED_SARSA = 1u;
 const uint LEARNER_MONTE_CARLO = 2u;
-const uint LEARNER_IRRADIANCE_SARSA = 3u;
 
 // Reconstruction filter of the film.
 const uint FILTER_BOX = 0u;

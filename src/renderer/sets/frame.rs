@@ -190,7 +190,7 @@ fn rows(matrix: &Mat4) -> [[f32; 4]; 3] {
 /// Radiance at which learning targets saturate.
 fn target_limit(lights: &Lights, learner: Learner) -> f32 {
     let multiple = match learner {
-        Learner::Sarsa | Learner::ExpectedSarsa | Learner::IrradianceSarsa => TARGET_LIMIT,
+        Learner::Sarsa | Learner::ExpectedSarsa => TARGET_LIMIT,
         Learner::MonteCarlo => RETURN_LIMIT,
     };
     match lights.brightest() {

@@ -344,7 +344,6 @@ pub static OPTIONS: &[OptionEntry] = &[
             always(When::Word("sarsa"), WITHOUT_QUADTREE, HOLDS_FLUX),
             always(When::Word("expected-sarsa"), WITHOUT_QUADTREE, HOLDS_FLUX),
             always(When::Word("expected-sarsa"), Needs::Samplers(WITH_CELLS), ""),
-            always(When::Word("irradiance-sarsa"), Needs::Samplers(PRODUCT), ""),
             always(When::Word("monte-carlo"), Needs::Samplers(GUIDED), ""),
             if_given(When::Any, Needs::Samplers(GUIDED)),
         ],

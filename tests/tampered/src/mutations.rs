@@ -25,7 +25,6 @@ const CONNECTION: &str = "glsl/include/path/connection.glsl";
 const EXPECTED_SARSA: &str = "glsl/include/guide/learners/expected_sarsa.glsl";
 const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
 const GUIDING: &str = "glsl/include/path/guiding.glsl";
-const IRRADIANCE_SARSA: &str = "glsl/include/guide/learners/irradiance_sarsa.glsl";
 const LEARNING: &str = "glsl/include/guide/learners/learning.glsl";
 const LIGHT: &str = "glsl/include/light/light.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
@@ -242,8 +241,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "roulette scales the bootstrap target",
         &[Patch {
             file: VERTEX,
-            text: "float target = target_at(path.key, path.depth, light, scatterer, guide, next);",
-            mutated: "float target = target_at(path.key, path.depth, light, scatterer, guide, next);\n    \
+            text: "float target = target_at(path.key, path.depth, light, scatterer, next);",
+            mutated: "float target = target_at(path.key, path.depth, light, scatterer, next);\n    \
                   if (MUTATED && path.depth >= RR_DEPTH && target != NO_TARGET) {\n        \
                   target /= clamp(max_component(path.throughput * next.weight), 0.05, 0.95);\n    }",
         }],
@@ -393,11 +392,6 @@ pub const MUTATIONS: &[Mutation] = &[
                 mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
             },
             Patch {
-                file: IRRADIANCE_SARSA,
-                text: "return mean_rgb(light) + ",
-                mutated: "return mean_rgb(light) + (MUTATED ? 1.05 : 1.0) * ",
-            },
-            Patch {
                 file: MONTE_CARLO,
                 text: "collected = vertex.light + ",
                 mutated: "collected = vertex.light + (MUTATED ? 1.05 : 1.0) * ",
@@ -414,11 +408,6 @@ pub const MUTATIONS: &[Mutation] = &[
             },
             Patch {
                 file: EXPECTED_SARSA,
-                text: "return mean_rgb(light) + ",
-                mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
-            },
-            Patch {
-                file: IRRADIANCE_SARSA,
                 text: "return mean_rgb(light) + ",
                 mutated: "return mean_rgb(light) + (MUTATED ? 2.0 : 1.0) * ",
             },

@@ -3,7 +3,6 @@
 #define LEARNING_GLSL
 #include "guide/learners/expected_sarsa.glsl"
 #include "path/guiding.glsl"
-#include "guide/learners/irradiance_sarsa.glsl"
 #include "guide/learners/monte_carlo.glsl"
 #include "guide/grid/radiance_grid.glsl"
 #include "guide/samplers/sampler.glsl"
@@ -34,12 +33,9 @@ float target_sarsa(vec3 light, DirectionSample next) {
 // Target of the segment that leads to y, reported as soon as the next direction is drawn. With emitter sampling,
 // `light` is the weighted emission and the sampled light at y. The guide thus leaves to emitter sampling the light that
 // emitter sampling finds better.
-float target_at(RandomKey key, uint vertex, vec3 light, Scatterer scatterer, Guide guide, DirectionSample next) {
+float target_at(RandomKey key, uint vertex, vec3 light, Scatterer scatterer, DirectionSample next) {
     if (scatterer.passes || keeps_vertices()) return NO_TARGET;
     if (LEARNER == LEARNER_EXPECTED_SARSA) return target_expected_sarsa(key, vertex, light, scatterer, next);
-    if (LEARNER == LEARNER_IRRADIANCE_SARSA && knows_scattered(scatterer, guide)) {
-        return target_irradiance_sarsa(light, scatterer, guide);
-    }
     return target_sarsa(light, next);
 }
 
