@@ -9,8 +9,7 @@
 #
 # --only REGEX, put first, takes the configurations whose whole name matches.
 #
-# There are 39 configurations, small pictures of the repository's own scenes: every sampler, every learner with a sampler
-# that it fits, emitter sampling on and off, patterns, executions, steps, weights, grids, filters, parts that are merged,
+# There are 39 configurations, small pictures of the repository's own scenes: every sampler and learner (tests/samplers.table), emitter sampling on and off, patterns, executions, steps, weights, grids, filters, parts that are merged,
 # a render that is interrupted and resumed, PNG files and radiance maps.
 #
 # A hash covers every layer of a picture: names, types and values of its channels, and the window that it covers. It
@@ -29,25 +28,15 @@ export LC_ALL=C
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 scenes=$root/scenes
 
-# Name, scene and options of every configuration. What stands in place of a scene with a colon in front of it is a
-# function below: it takes more than one command.
+# Name, scene and options of every configuration: the rows of tests/samplers.table that have a picture, and those below. What stands
+# in place of a scene with a colon in front of it is a function below: it takes more than one command.
 configurations() {
+  awk -F' *[|] *' '!/^#/ && $4 != "" { scene = $4; sub(/ .*/, "", scene); print $1 " | " scene " | " $2 substr($4, length(scene) + 1) }' \
+    "$root/tests/samplers.table"
   cat <<'END'
-product                 | cornell-box      |
 product-no-nee          | cornell-box      | --nee off
-bsdf                    | cornell-box      | --sampler bsdf
 bsdf-no-nee             | furnace          | --sampler bsdf --nee off
-rejection-mix           | door-ajar        | --sampler rejection-mix
-mix-acceptance          | cornell-box      | --sampler rejection-mix --mix acceptance --nee off
-rejection               | cornell-box      | --sampler rejection --nee off --max-tries 4
-sphere-inversion        | door-ajar        | --sampler sphere-inversion
-hemisphere-inversion    | cornell-box      | --sampler hemisphere-inversion --min-uniform 0.25
-quadtree                | cornell-box      | --sampler quadtree --spp 24
 quadtree-no-nee         | cornell-box-hard | --sampler quadtree --nee off --spp 24
-expected-sarsa          | cornell-box-hard | --learner expected-sarsa --expected-directions 16
-expected-sarsa-mix      | cornell-box      | --sampler rejection-mix --learner expected-sarsa --nee off
-monte-carlo             | cornell-box-hard | --learner monte-carlo
-monte-carlo-hemisphere  | cornell-box      | --sampler hemisphere-inversion --learner monte-carlo --nee off
 independent             | cornell-box      | --pattern independent
 blue-noise              | cornell-box      | --pattern blue-noise
 megakernel-slices       | cornell-box      | --execution megakernel --slice-ms 1 --samples-per-dispatch 2
@@ -58,14 +47,10 @@ steps-even              | cornell-box      | --steps even --spp-per-step 4
 weights-growing         | cornell-box      | --sampler rejection-mix --steps growing --sample-weights growing
 weights-even            | cornell-box      | --sample-weights even --decay 1
 fallback                | door-ajar        | --fallback 4
-grid-auto               | cornell-box-hard | --grid auto --fallback 4 --spp 8
 noise                   | cornell-box      | --noise 0.1 --spp 48
 roulette-throughput     | cornell-box      | --roulette throughput --rr-depth 3
 roulette-contribution   | materials        | --roulette contribution --max-depth 8 --seed 7
-bsdf-share-fixed        | materials        | --bsdf-share fixed --epsilon 0.3
-map-cylindrical         | cornell-box      | --sampler rejection-mix --map cylindrical --directions 12 --normals 8
 table-sizes             | cornell-box      | --grid 4 --fallback 0 --directions 32 --normals 32
-guide-set-diffuse       | materials        | --guide-set diffuse
 guide-set-authors       | materials        | --guide-set authors --sampler rejection-mix --rfilter gaussian
 crop-filter             | lights           | -D light=textured --crop 5,3,20,15 --rfilter tent
 merge                   | :merge           | --sampler product

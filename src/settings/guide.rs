@@ -443,9 +443,9 @@ mod tests {
             samplers.push(GridSampler::HemisphereInversion { learner, min_uniform, directions, normals });
         }
         let shares = [Share::Learned, Share::Fixed(None), Share::Fixed(Some(0.5))];
-        let learners = shares.into_iter().flat_map(|share| {
-            [ProductLearner::Sarsa(share), ProductLearner::ExpectedSarsa(7, share)]
-        });
+        let learners = shares
+            .into_iter()
+            .flat_map(|share| [ProductLearner::Sarsa(share), ProductLearner::ExpectedSarsa(7, share)]);
         for learner in learners.chain([None, Some(0.5)].map(ProductLearner::MonteCarlo)) {
             for directions in [ProductDirections::Side16, ProductDirections::Side32, ProductDirections::Side64] {
                 for roulette in [None, Some(Roulette::Throughput), Some(Roulette::Contribution)] {

@@ -25,7 +25,7 @@ struct Fault(Subject, Claim, &'static str);
 
 const MIX: &str = "rejection-mix";
 const PRODUCT: &str = "product";
-const OWN_CELLS: &str = "product, growing weights, own cells";
+const OWN_CELLS: &str = "product-own-cells";
 const QUADTREE: &str = "quadtree";
 
 const fn kernels(name: &'static str, claim: Claim, row: &'static str) -> Fault {
@@ -57,6 +57,8 @@ const FAULTS: &[Fault] = &[
     kernels("share of the cosine not in the density", DIRECTIONS, PRODUCT),
     kernels("another BSDF share than the cell's", PICTURES, PRODUCT),
     kernels("another share of a whole function in the density", DIRECTIONS, PRODUCT),
+    kernels("the guide's share of principled surfaces not in the density", DIRECTIONS, PRODUCT),
+    kernels("a smooth metal guided as a rough one in the density", DIRECTIONS, MIX),
     kernels("bright samples with a smaller weight", PICTURES, OWN_CELLS),
     kernels("lobe counted whole", DIRECTIONS, MIX),
     kernels("stale normalizer", ENTRIES, MIX),
@@ -152,8 +154,14 @@ fn write_table(file: &str, heading: &str, rows: &[String]) {
     println!("{table}");
 }
 
+/// Faults that this run looks for: those whose name contains LODESTAR_FAULT, or all.
+fn faults() -> Vec<&'static Fault> {
+    let wanted = std::env::var("LODESTAR_FAULT").unwrap_or_default();
+    FAULTS.iter().filter(|Fault(subject, ..)| subject.name.contains(&wanted)).collect()
+}
+
 /// Findings about each fault. Two faults are looked for at the same time, because the twins run on one thread.
-fn findings() -> Vec<Option<Finding>> {
+fn findings(faults: &[&Fault]) -> Vec<Option<Finding>> {
     let next = AtomicUsize::new(0);
     let examine = |Fault(subject, claim, row): &Fault| {
         let evidence = claim.examine(subject, Scope::only(row));
@@ -163,7 +171,7 @@ fn findings() -> Vec<Option<Finding>> {
     };
     let examine_some = || {
         let mut found = Vec::new();
-        while let Some((number, fault)) = FAULTS.iter().enumerate().nth(next.fetch_add(1, Ordering::Relaxed)) {
+        while let Some((number, fault)) = faults.iter().enumerate().nth(next.fetch_add(1, Ordering::Relaxed)) {
             found.push((number, examine(fault)));
         }
         found
@@ -185,7 +193,8 @@ fn every_fault_is_caught() {
     }
     let mut rows = Vec::new();
     let mut missed = Vec::new();
-    for (Fault(subject, claim, _), finding) in FAULTS.iter().zip(findings()) {
+    let faults = faults();
+    for (Fault(subject, claim, _), finding) in faults.iter().zip(findings(&faults)) {
         let Some(finding) = finding else {
             missed.push(subject.name);
             continue;
@@ -195,7 +204,7 @@ fn every_fault_is_caught() {
         rows.push(format!("| {} | {} | {what} | {p} |", subject.name, claim.name));
     }
     assert!(missed.is_empty(), "not caught: {missed:?}");
-    assert!(rows.len() >= 22);
+    assert!(!rows.is_empty() && (faults.len() < FAULTS.len() || rows.len() >= 22));
     write_table("faults.md", "| fault | claim | test | p |\n|---|---|---|---|", &rows);
 }
 

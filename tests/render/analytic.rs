@@ -4,7 +4,8 @@ use lodestar::renderer::Renderer;
 use lodestar::settings::{Learner, Sampler, Settings};
 use support::estimate::Estimate;
 use support::mutated::{BRIGHTER, DENSITIES, TWICE_AS_BRIGHT};
-use support::scenes::{ALL_SAMPLERS, ours, settings, steady};
+use support::rows::samplers;
+use support::scenes::{ours, settings, steady};
 use support::significance::{ALPHA, sidak, two_sided};
 use support::tier;
 
@@ -41,7 +42,9 @@ fn every_sampler_is_within_its_confidence_interval() {
     let cases: Vec<_> = files
         .iter()
         .flat_map(|&file| {
-            ALL_SAMPLERS.map(|sampler| tier::some_of(&[2, 8], 1).iter().map(move |&rr| (file, sampler, rr)))
+            samplers()
+                .into_iter()
+                .map(move |sampler| tier::some_of(&[2, 8], 1).iter().map(move |&rr| (file, sampler, rr)))
         })
         .flatten()
         .collect();
@@ -80,13 +83,13 @@ fn inversion_is_right_at_a_small_share() {
 fn a_wrong_density_or_albedo_is_found_in_the_furnace() {
     let device = Device::new();
     let faulty = device.mutated(DENSITIES);
-    for &sampler in tier::some_of(&ALL_SAMPLERS, 2) {
+    for &sampler in tier::some_of(&samplers(), 2) {
         let set = |s: &mut Settings| s.sampler = sampler;
         for (albedo, z) in [
             ("0.5", deviation(&faulty, "furnace/scene.xml", &[], set)),
             ("0.515", deviation(&device, "furnace/scene.xml", &[("albedo", "0.515")], set)),
         ] {
-            assert!(sidak(two_sided(z), 4 * ALL_SAMPLERS.len()) < ALPHA, "{sampler:?} with albedo {albedo}: z = {z}");
+            assert!(sidak(two_sided(z), 4 * samplers().len()) < ALPHA, "{sampler:?} with albedo {albedo}: z = {z}");
         }
     }
 }
@@ -227,8 +230,7 @@ fn a_learner_without_attenuation_is_found() {
     let device = Device::new();
     let learners = [Learner::Sarsa, Learner::ExpectedSarsa, Learner::MonteCarlo];
     for &learner in tier::some_of(&learners, 1) {
-        let faulty =
-            |mutation| learned(&device.mutated(mutation), &[], 1.0, |s| (s.learner, s.decay) = (learner, 0.5));
+        let faulty = |mutation| learned(&device.mutated(mutation), &[], 1.0, |s| (s.learner, s.decay) = (learner, 0.5));
         let found = faulty(TWICE_AS_BRIGHT);
         assert!(!is_learned(found, 1.0) && found.0 > 1.5, "{learner:?}: {found:?}");
         let slightly = faulty(BRIGHTER);

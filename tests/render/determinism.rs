@@ -8,7 +8,8 @@ use lodestar::image::exr::{read_layer, read_rgb};
 use lodestar::scene::{Crop, Scene};
 use lodestar::settings::{Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
-use support::scenes::{ALL_SAMPLERS, SAMPLERS, combinations, guided, ours, settings};
+use support::rows::{Held, combinations, held_to, row, samplers};
+use support::scenes::{SAMPLERS, ours, settings};
 use support::tier;
 
 use crate::device::Device;
@@ -67,8 +68,8 @@ fn every_way_to_follow_a_guide_gives_the_same_bits() {
         };
         assert!(render(None) == render(Some(1.0)), "{name}: slices of 1 ms");
     };
-    guided().iter().for_each(|(name, set)| check(name, set));
-    for (sampler, learner) in combinations().filter(|_| tier::is_full()) {
+    held_to(Held::Guided).iter().for_each(|row| check(row.name, &|s| row.set(s)));
+    for (sampler, learner) in combinations().into_iter().filter(|_| tier::is_full()) {
         check(&format!("{sampler:?} and {learner:?}"), &|s| (s.sampler, s.learner) = (sampler, learner));
     }
 }
@@ -96,7 +97,7 @@ fn samples_per_dispatch_change_no_more_than_rounding() {
 fn storage_reads_change_no_bit() {
     let device = Device::validated();
     let scene = scene();
-    for &sampler in tier::some_of(&ALL_SAMPLERS, 2) {
+    for &sampler in tier::some_of(&samplers(), 2) {
         let render =
             |storage_reads| device.render(&scene, &changed(&scene, sampler, |s| s.storage_reads = storage_reads), SPP);
         let (texels, storage) = (render(false), render(true));
@@ -134,12 +135,12 @@ fn a_guided_crop_window_has_the_whole_picture_s_mean() {
     assert!(comparison.agrees(), "{comparison:?}");
 }
 
-fn render_with_threads(threads: &str, arguments: &str, output: &Path) {
+fn render_with_threads(threads: &str, options: &str, output: &Path) {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lodestar"));
     command.arg("render").arg(scene).arg("-o").arg(output);
-    command.args(["--width", "100", "--height", "61", "--spp", "24", "--seed", "5", "--quiet", "--sampler"]);
-    command.args(arguments.split(' '));
+    command.args(["--width", "100", "--height", "61", "--spp", "24", "--seed", "5", "--quiet"]);
+    command.args(options.split(' '));
     let status = command.env("LP_NUM_THREADS", threads).status().expect("a run");
     assert!(status.success());
 }
@@ -149,22 +150,13 @@ fn render_with_threads(threads: &str, arguments: &str, output: &Path) {
 #[test]
 fn one_thread_and_two_give_the_same_bits() {
     let folder = tempfile::tempdir().expect("a folder");
-    let samplers = [
-        "product --grid auto --fallback 4",
-        "rejection-mix",
-        "quadtree",
-        "bsdf",
-        "rejection",
-        "sphere-inversion",
-        "hemisphere-inversion",
-        "product",
-    ];
-    for sampler in tier::some_of(&samplers, 1) {
+    let guided = held_to(Held::Guided).into_iter().chain([row("bsdf")]).filter(|_| tier::is_full());
+    for row in [row("grid-auto")].into_iter().chain(guided) {
         let pictures = ["1", "2"].map(|threads| {
-            let path = folder.path().join(format!("{sampler}-{threads}.exr"));
-            render_with_threads(threads, sampler, &path);
+            let path = folder.path().join(format!("{}-{threads}.exr", row.name));
+            render_with_threads(threads, row.options, &path);
             (read_rgb(&path).expect("a picture"), read_layer(&path, "variance").expect("a layer"))
         });
-        assert!(pictures[0] == pictures[1], "{sampler}");
+        assert!(pictures[0] == pictures[1], "{}", row.name);
     }
 }

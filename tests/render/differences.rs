@@ -260,7 +260,7 @@ fn every_pair_is_within_one_percent_at_1024_samples() {
     };
     let truth = blocks(&render(Sampler::Bsdf, Learner::Sarsa, true));
     let mut failures = Vec::new();
-    for (sampler, learner) in support::scenes::combinations() {
+    for (sampler, learner) in support::rows::combinations() {
         let found = blocks(&render(sampler, learner, false));
         let mut ratios: Vec<f64> = found.iter().zip(&truth).map(|(found, truth)| found / truth).collect();
         ratios.sort_by(f64::total_cmp);

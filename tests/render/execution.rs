@@ -5,11 +5,15 @@ use lodestar::renderer::Counts;
 use lodestar::scene::emitter::AreaEmitter;
 use lodestar::scene::{Environment, EnvironmentKind, Scene, Textured};
 use lodestar::settings::{Execution, Learner, SamplePattern, SampleWeights, Sampler, Settings};
-use support::scenes::{Change, guided, ours, settings};
+use support::rows::{Held, held_to};
+use support::scenes::{ours, settings};
 use support::tier;
 
 use crate::determinism::bits;
 use crate::device::Device;
+
+/// Change of the settings.
+type Change = fn(&mut Settings);
 
 /// Size that is not a whole number of tiles. The samples take several steps.
 const SIZE: [u32; 2] = [52, 37];
@@ -80,12 +84,12 @@ fn waves_change_no_bit_of_any_sampler() {
     compare(&device, "bsdf", &scene, |s| s.sampler = Sampler::Bsdf);
     compare(&device, "product", &scene, |_| {});
     compare(&device, "bsdf, emitters sampled", &scene, |s| (s.sampler, s.nee) = (Sampler::Bsdf, true));
-    for &(name, set) in tier::some_of(&guided(), 2) {
+    for row in tier::some_of(&held_to(Held::Guided), 2) {
         let mut changed = settings(&scene, SIZE, Sampler::Product, 11);
-        set(&mut changed);
+        row.set(&mut changed);
         if changed.learner != Learner::MonteCarlo {
-            compare(&device, name, &scene, |s| {
-                set(s);
+            compare(&device, row.name, &scene, |s| {
+                row.set(s);
                 s.nee = true;
             });
         }

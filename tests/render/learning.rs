@@ -9,7 +9,8 @@ use lodestar::scene::texture::Textured;
 use lodestar::scene::{Environment, ReconstructionFilter, Scene};
 use lodestar::settings::{GuideSet, Sampler, Settings};
 use support::estimate::Estimate;
-use support::scenes::{SAMPLERS, combinations, ours, settings, surface_mut};
+use support::rows::combinations;
+use support::scenes::{SAMPLERS, ours, settings, surface_mut};
 use support::significance::{ALPHA, sidak, two_sided};
 
 use crate::device::{Device, steps};

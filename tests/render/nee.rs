@@ -8,7 +8,8 @@ use lodestar::settings::{Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::floor::{DELTA, SPREAD, floor_radiance};
 use support::mutated::{BLIND_TO_GUIDE, COUNTED_TWICE, DENSITIES};
-use support::scenes::{ALL_SAMPLERS, SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
+use support::rows::samplers;
+use support::scenes::{SAMPLERS, ours, settings, surface_mut, with_albedo_scaled};
 use support::significance::{ALPHA, sidak, two_sided};
 use support::tier;
 
@@ -182,14 +183,14 @@ fn the_furnace_is_as_bright_with_emitter_sampling() {
     let device = Device::new();
     let twice = device.mutated(COUNTED_TWICE);
     for file in tier::some_of(&["furnace/mesh.xml", "furnace/scene.xml"], 1) {
-        for &sampler in tier::some_of(&ALL_SAMPLERS, 1) {
+        for &sampler in tier::some_of(&samplers(), 1) {
             let z = |device: &Device| {
                 let scene = ours(file, &[]);
                 let settings = Settings { nee: true, ..settings(&scene, [32, 32], sampler, 5) };
                 let rendered = Estimate::of(&device.render(&scene, &settings, 64)).gray();
                 let z = deviation(rendered, 1.0 - 1.0 / f64::from(1 << 16));
                 println!("{file} {sampler:?}, {}: {rendered:?}, z = {z:.2}", device.mutation());
-                sidak(two_sided(z), 2 * ALL_SAMPLERS.len())
+                sidak(two_sided(z), 2 * samplers().len())
             };
             assert!(z(&device) > ALPHA && z(&twice) < ALPHA, "{file} {sampler:?}");
         }
@@ -204,7 +205,7 @@ fn bits(picture: &Picture) -> Vec<u32> {
 fn the_same_seed_gives_the_same_bits_with_emitter_sampling() {
     let device = Device::new();
     let scene = ours("lights/scene.xml", &[("light", "area")]);
-    for &sampler in tier::some_of(&ALL_SAMPLERS, 2) {
+    for &sampler in tier::some_of(&samplers(), 2) {
         let render = |change: &dyn Fn(&mut Settings)| {
             let mut settings = Settings { nee: true, ..settings(&scene, [50, 37], sampler, 11) };
             change(&mut settings);

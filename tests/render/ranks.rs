@@ -5,7 +5,8 @@ use lodestar::fleet::sums::{self, AddSums, Sums};
 use lodestar::renderer::{Counts, RenderState};
 use lodestar::scene::Scene;
 use lodestar::settings::{Execution, Learner, Sampler, Settings};
-use support::scenes::{combinations, ours, settings};
+use support::rows::combinations;
+use support::scenes::{ours, settings};
 use support::tier;
 
 use crate::determinism::bits;

@@ -3,7 +3,8 @@
 use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
 use lodestar::settings::{AUTO_GRID, Sampler, Settings};
-use support::scenes::{SAMPLERS, combinations, ours, settings};
+use support::rows::combinations;
+use support::scenes::{SAMPLERS, ours, settings};
 use support::tier;
 
 use crate::determinism::bits;

@@ -4,7 +4,8 @@ use lodestar::image::Image;
 use lodestar::settings::{Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
 use support::mutated::{DENSITIES, DENSITIES_FAR};
-use support::scenes::{GUIDED, ours, settings, steady};
+use support::rows::{Held, rows};
+use support::scenes::{ours, settings, steady};
 use support::tier;
 
 use crate::device::Device;
@@ -64,10 +65,11 @@ impl Case {
         };
         let bsdf = self.render(&device, &[], |s| s.seed = 1);
         let mix = self.render(&device, &[], |s| (s.sampler, s.seed) = (Sampler::RejectionMix, 2));
-        for ((name, set), seed) in GUIDED.into_iter().zip(10..) {
+        for (row, seed) in rows().filter(|row| row.is_held_to(Held::Guided)).zip(10..) {
+            let name = row.name;
             let guided = |case: &Self, seed| {
                 case.render(&device, &[], |s| {
-                    set(s);
+                    row.set(s);
                     s.seed = seed;
                 })
             };
@@ -82,7 +84,7 @@ impl Case {
             };
             assert!(agrees && known, "{name}");
             let wrong_pdf = self.render(&faulty, &[], |s| {
-                set(s);
+                row.set(s);
                 s.seed = 100 + seed;
             });
             assert!(!compare("density 5 % wrong", &bsdf, &wrong_pdf).agrees(), "{name}");

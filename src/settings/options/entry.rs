@@ -197,7 +197,7 @@ pub fn check_text(option: &OptionEntry, text: &str) -> Result<(), String> {
 }
 
 /// Settings of a film of any size.
-pub(in crate::settings) fn defaults() -> Settings {
+pub fn defaults() -> Settings {
     let film = FilmDescription { width: 1, height: 1, crop: None, filter: ReconstructionFilter::Box };
     Settings::for_film(&film, &IntegratorDescription::default())
 }

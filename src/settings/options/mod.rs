@@ -8,8 +8,7 @@ mod table;
 
 pub use check::{check, check_given};
 pub use document::document;
-pub(super) use entry::defaults;
-pub use entry::{Audience, Category, Needs, OptionEntry, RESEARCH, Rule, Set, Setting, When, check_text};
+pub use entry::{Audience, Category, Needs, OptionEntry, RESEARCH, Rule, Set, Setting, When, check_text, defaults};
 pub use table::OPTIONS;
 
 /// Entry of the option with this name.

@@ -10,7 +10,7 @@ use support::twins::direction_map::{direction_bin, sphere_to_map};
 use support::twins::guide::Guide;
 
 use crate::evidence::Evidence;
-use crate::rows::Scope;
+use crate::rows::{Scope, kind_of};
 use crate::subject::Subject;
 use crate::tables::tables;
 
@@ -22,7 +22,7 @@ const CORNER: usize = 1;
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     for row in scope.guided() {
-        let kind = row.kind();
+        let kind = kind_of(&row);
         let guided = Guided::with(kind, &subject.guide_kernels());
         let all = settings(kind.map);
         for setting in if scope.full { all } else { &all[CORNER..=CORNER] } {

@@ -19,7 +19,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let sized = Settings { width: 40, height: 28, seed: 11, ..Settings::for_scene(&scene) };
     for row in scope.rendered() {
         let mut settings = sized.clone();
-        (row.set)(&mut settings);
+        row.set(&mut settings);
         let studios = [Studio::new(), Studio::new()];
         let one = left(studios[0].renderer(subject, &scene, settings.clone()).into(), &settings);
         let [first, second] = studios.each_ref().map(|studio| studio.renderer(subject, &scene, settings.clone()));

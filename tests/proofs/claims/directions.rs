@@ -12,13 +12,13 @@ use lodestar::settings::{DirectionMap, GuideSet, Sampler};
 use support::device::{Cell, Device};
 use support::guide_cases::{NORMALS, settings};
 use support::sampled_directions::{DirectionOutput, SeenSurface, draw};
-use support::scattering_cases::{Base, DeviceBsdf, Surface};
+use support::scattering_cases::{Base, DeviceBsdf, Surface, surfaces};
 use support::significance::two_sided;
 use support::statistics::{chi_square, mean_and_error};
 use support::substances::{Substance, phong, plastic, ward};
 use support::twins::conductor::Conductor;
 use support::twins::cosine::SphereGrid;
-use support::twins::dielectric::{Dielectric, pdf_bsdf_rough_dielectric};
+use support::twins::dielectric::Dielectric;
 use support::twins::direction::basis_from_normal;
 use support::twins::direction_map::direction_bin;
 use support::twins::guide::Guide;
@@ -27,7 +27,7 @@ use support::twins::ward::WardModel;
 
 use super::densities::slack;
 use crate::evidence::{Evidence, Record};
-use crate::rows::{Row, Scope};
+use crate::rows::{Row, Scope, kind_of};
 use crate::subject::Subject;
 use crate::tables::tables;
 
@@ -36,8 +36,8 @@ const SAMPLES: usize = 1 << 16;
 const HISTOGRAM: u32 = 32;
 const FINE: u32 = 352;
 const SEED: u32 = 200;
-/// Share of a dielectric's samples that a guide draws in the authors' code.
-const DIELECTRIC_SHARE: f64 = 0.9;
+/// Roughness from which a guide has its largest share of a BSDF of microfacets.
+const GUIDED_ALPHA: f64 = 0.4;
 /// Relative error of a density in single precision.
 const TOLERANCE: f64 = 2.0e-3;
 
@@ -55,14 +55,34 @@ impl Family {
         }
     }
 
-    /// Guide set that includes this family. Some families are guided in the authors' code only.
-    fn guide_set(&self) -> GuideSet {
+    /// Part of the samples in which a guide of this set has a share, where it does not stand for a diffuse lobe.
+    fn guided_part(&self, set: GuideSet) -> f64 {
+        let Self::Other(Surface { base, .. }) = self else { return 0.0 };
+        let roughness = |facets: &Microfacets| facets.alpha[0].max(facets.alpha[1]) / GUIDED_ALPHA;
+        match (base, set) {
+            (_, GuideSet::Diffuse) => 0.0,
+            (Base::Substance(Substance::RoughConductor(..)), GuideSet::Authors) => 1.0,
+            (Base::Substance(Substance::RoughDielectric(..)), GuideSet::Authors) => 0.9,
+            (Base::Substance(Substance::RoughConductor(_, facets)), GuideSet::All) => roughness(facets).min(1.0),
+            (Base::Substance(Substance::RoughDielectric(_, facets)), GuideSet::All) => 0.5 * roughness(facets).min(1.0),
+            (Base::Principled(_) | Base::PrincipledThin(_), GuideSet::All) => 0.5,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether a guide of this set takes part in it.
+    fn is_guided(&self, set: GuideSet) -> bool {
+        self.guided_part(set) > 0.0 || self.has_diffuse_lobe()
+    }
+
+    fn has_diffuse_lobe(&self) -> bool {
         match self {
-            Self::Other(Surface {
-                base: Base::Substance(Substance::RoughConductor(..) | Substance::RoughDielectric(..)),
-                ..
-            }) => GuideSet::Authors,
-            _ => GuideSet::Diffuse,
+            Self::Diffuse(_) => true,
+            Self::Other(Surface { base: Base::RoughDiffuse(_), .. }) => true,
+            Self::Other(Surface { base: Base::Substance(substance), .. }) => {
+                !matches!(substance, Substance::RoughConductor(..) | Substance::RoughDielectric(..))
+            }
+            Self::Other(_) => false,
         }
     }
 
@@ -87,25 +107,17 @@ impl Family {
         wi.z > 0.0 || matches!(self, Self::Other(surface) if surface.transmits())
     }
 
-    /// Density of a direction that light is scattered to, given the density of the guide. `product` holds the density
+    /// Density of a direction that light is scattered to, given the density of the guide of a set. `product` holds the density
     /// of the product sampler's descent alone, and the share of the cosine that it is mixed with over a lobe.
-    fn pdf(&self, wo: DVec3, wi: DVec3, guide: f64, product: Option<(f64, f64)>) -> f64 {
-        let is_whole = self.guide_set() == GuideSet::Authors;
-        if let (Some((descent, cosine_share)), true, Self::Other(surface)) = (product, is_whole, self) {
-            let share = (1.0 - cosine_share) * if surface.transmits() { DIELECTRIC_SHARE } else { 1.0 };
-            return (1.0 - share) * surface.pdf(wo, wi) + share * descent;
-        }
+    fn pdf(&self, wo: DVec3, wi: DVec3, set: GuideSet, guide: f64, product: Option<(f64, f64)>) -> f64 {
+        let part = self.guided_part(set);
         match self {
-            Self::Other(Surface { base: Base::Substance(substance), .. }) => match substance {
-                Substance::Plastic(_) | Substance::RoughPlastic(..) | Substance::Phong(_) | Substance::Ward(_) => {
-                    substance.pdf_with(wo, wi, guide)
-                }
-                Substance::RoughDielectric(b, facets) => {
-                    let own = pdf_bsdf_rough_dielectric(b, facets, wo, wi);
-                    (1.0 - DIELECTRIC_SHARE) * own + DIELECTRIC_SHARE * guide
-                }
-                _ => guide,
-            },
+            Self::Other(surface) if part > 0.0 => {
+                let (drawn, share) =
+                    product.map_or((guide, part), |(descent, cosine)| (descent, part * (1.0 - cosine)));
+                (1.0 - share) * surface.pdf(wo, wi) + share * drawn
+            }
+            Self::Other(Surface { base: Base::Substance(substance), .. }) => substance.pdf_with(wo, wi, guide),
             _ => guide,
         }
     }
@@ -118,6 +130,10 @@ fn families() -> Vec<Family> {
     let oren_nayar = RoughDiffuse { reflectance: color, alpha: 0.4, fast_approximation: false };
     let metal = Conductor { specular_reflectance: color, eta: DVec3::splat(0.9), k: DVec3::splat(2.5) };
     let glass = Dielectric { eta: 1.5, specular_reflectance: color, specular_transmittance: DVec3::splat(0.8) };
+    let principled = |name: &str, base: &str| {
+        let surface = surfaces().into_iter().find(|surface| surface.name == base);
+        Family::Other(Surface { name: name.into(), ..surface.expect("a surface") })
+    };
     vec![
         Family::Diffuse(color),
         other("rough diffuse", Base::RoughDiffuse(oren_nayar)),
@@ -127,6 +143,11 @@ fn families() -> Vec<Family> {
         other("ward", Base::Substance(ward(WardModel::Balanced, [0.4, 0.25]))),
         other("rough conductor", Base::Substance(Substance::RoughConductor(metal, rough(0.5)))),
         other("rough dielectric", Base::Substance(Substance::RoughDielectric(glass, rough(0.5)))),
+        // Surfaces that are smoother than GUIDED_ALPHA.
+        other("smoother conductor", Base::Substance(Substance::RoughConductor(metal, rough(0.3)))),
+        other("smoother dielectric", Base::Substance(Substance::RoughDielectric(glass, rough(0.3)))),
+        principled("principled", "principled 0.5 all"),
+        principled("principled thin", "principled thin 0.5 all"),
     ]
 }
 
@@ -140,7 +161,7 @@ struct Bench {
 
 impl Bench {
     fn new(subject: &Subject, row: &Row, guide_set: GuideSet, families: &[Family]) -> Self {
-        let (device, kind) = (Device::new(), row.kind());
+        let (device, kind) = (Device::new(), kind_of(row));
         let normal_resolution = if kind.rules.sampler == Sampler::SphereInversion { 1 } else { NORMALS };
         let kinds = families.iter().map(|family| 1 << (family.device().kind_and_flags & kernels::MATERIAL_KIND_MASK));
         let variant = Variant {
@@ -164,10 +185,19 @@ impl Bench {
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let (angles, normals) = if scope.full { (&[50.0_f64, 80.0][..], 2) } else { (&[50.0][..], 1) };
     for row in scope.guided() {
-        for guide_set in [GuideSet::Diffuse, GuideSet::Authors] {
-            let families: Vec<_> = families().into_iter().filter(|family| family.guide_set() == guide_set).collect();
+        // The default set has all families. The short form leaves out what the others share with it.
+        for guide_set in [GuideSet::All, GuideSet::Authors, GuideSet::Diffuse] {
+            let is_wanted = |family: &Family| match guide_set {
+                GuideSet::All => true,
+                _ if scope.full => family.is_guided(guide_set),
+                _ => family.guided_part(guide_set) > 0.0,
+            };
+            let families: Vec<_> = families().into_iter().filter(is_wanted).collect();
+            if families.is_empty() {
+                continue;
+            }
             let bench = Bench::new(subject, &row, guide_set, &families);
-            let kind = row.kind();
+            let kind = kind_of(&row);
             // The horizons of these normals lie between the points over which the twins are integrated. The normals are
             // not on centers of bins.
             for setting in [1, 3].iter().take(normals).map(|&index| &settings(kind.map)[index]) {
@@ -182,9 +212,9 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
                     {
                         let (sine, cosine) = angle.to_radians().sin_cos();
                         let wo = DVec3::new(0.8 * sine, -0.6 * sine, cosine).as_vec3().normalize().as_dvec3();
-                        let case = Case { family, wo, guide: &guide, map: kind.map };
+                        let case = Case { family, guide_set, wo, guide: &guide, map: kind.map };
                         let name = format!(
-                            "{}: {}, {angle} degrees, {name}, normal {}",
+                            "{}: {}, set {guide_set:?}, {angle} degrees, {name}, normal {}",
                             row.name,
                             family.name(),
                             setting.name
@@ -199,6 +229,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
 
 struct Case<'a> {
     family: &'a Family,
+    guide_set: GuideSet,
     wo: DVec3,
     guide: &'a Guide<'a>,
     map: DirectionMap,
@@ -218,7 +249,7 @@ impl Case<'_> {
     fn pdf(&self, w: DVec3) -> f64 {
         let is_product = self.guide.rules.sampler == Sampler::Product;
         let product = is_product.then(|| (self.guide.descent(w), self.guide.cosine_share()));
-        self.family.pdf(self.wo, self.local(w), self.guide.pdf(w), product)
+        self.family.pdf(self.wo, self.local(w), self.guide_set, self.guide.pdf(w), product)
     }
 
     fn check(&self, drawn: &[DirectionOutput], name: &str, evidence: &mut Evidence) {

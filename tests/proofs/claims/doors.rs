@@ -13,7 +13,7 @@ use support::scenes::ours;
 
 use crate::evidence::Evidence;
 use crate::renders::{Studio, steps};
-use crate::rows::{LEARNERS, Row, Scope};
+use crate::rows::{Row, Scope, further_learners, kind_of};
 use crate::subject::Subject;
 
 const SIDE: u32 = 16;
@@ -31,8 +31,8 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         }
     }
     if !scope.is_narrow() {
-        for (_, learner) in &LEARNERS[1..] {
-            check_emission(&studio, subject, &scope.guided()[0], *learner, f32::NAN, true, evidence);
+        for (_, learner) in further_learners() {
+            check_emission(&studio, subject, &scope.guided()[0], learner, f32::NAN, true, evidence);
         }
     }
 }
@@ -65,7 +65,7 @@ fn check_emission(
         pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)
     };
-    (row.set)(&mut settings);
+    row.set(&mut settings);
     settings.learner = learner;
     let case = format!("{}, {learner:?}, a lamp of {emission}", row.name);
     let spp = settings.spp_per_step;
@@ -96,7 +96,7 @@ fn check_emission(
 fn check_grids(renderer: &Renderer, row: &Row, case: &str, evidence: &mut Evidence) {
     let state = renderer.state().expect("a state");
     let names = ["radiance", "learned radiance", "normalizers"];
-    let count = if row.kind().rules.sampler == Sampler::Product { 2 } else { 3 };
+    let count = if kind_of(row).rules.sampler == Sampler::Product { 2 } else { 3 };
     for name in &names[..count] {
         let part = state.parts.iter().find(|part| part.name == *name).expect("a part");
         let values: Vec<f32> = bytemuck::pod_collect_to_vec(&part.bytes);
@@ -108,7 +108,7 @@ fn check_grids(renderer: &Renderer, row: &Row, case: &str, evidence: &mut Eviden
 
 /// Finite numbers whose sum overflows give uniform directions.
 fn check_tables(subject: &Subject, row: &Row, evidence: &mut Evidence) {
-    let kind = row.kind();
+    let kind = kind_of(row);
     let guided = Guided::with(kind, &subject.guide_kernels());
     let setting = &settings(kind.map)[0];
     for wrong in [f32::MAX, 1.0e38] {

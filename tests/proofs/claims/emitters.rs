@@ -33,7 +33,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
                 pattern: SamplePattern::Independent,
                 ..Settings::for_scene(&scene)
             };
-            (row.set)(&mut settings);
+            row.set(&mut settings);
             let (picture, _) = studio.render(subject, &scene, steady(settings), SPP);
             let (mean, error) = Estimate::of(&picture).gray();
             let expected = floor_radiance(light);

@@ -17,7 +17,7 @@ use support::twins::product::Product;
 
 use crate::evidence::Evidence;
 use crate::renders::Studio;
-use crate::rows::Scope;
+use crate::rows::{Scope, kind_of};
 use crate::subject::Subject;
 
 const SIDE: u32 = 32;
@@ -30,7 +30,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
     let scene = ours("cornell-box/scene.xml", &[]);
     // Inversion over the sphere has one entry per cell, whose factors are the same for every table.
-    for row in scope.guided().iter().filter(|row| row.kind().rules.sampler != Sampler::SphereInversion) {
+    for row in scope.guided().iter().filter(|row| kind_of(row).rules.sampler != Sampler::SphereInversion) {
         let mut settings = Settings {
             width: SIDE,
             height: SIDE,
@@ -41,7 +41,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             pattern: SamplePattern::Independent,
             ..Settings::for_scene(&scene)
         };
-        (row.set)(&mut settings);
+        row.set(&mut settings);
         let settings = subject.settings(settings);
         let cosines: Vec<_> =
             (0..settings.normals.pow(2) as usize).map(|normal| Cosines::new(&settings, normal)).collect();
@@ -49,7 +49,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         for step in 1..=STEPS {
             renderer.step(settings.spp_per_step, &|| false).expect("a step");
             let case = format!("{}, step {step}, seed {SEED}", row.name);
-            check(&renderer.state().expect("a state"), &settings, &cosines, &row.kind().rules, &case, evidence);
+            check(&renderer.state().expect("a state"), &settings, &cosines, &kind_of(row).rules, &case, evidence);
         }
     }
 }

@@ -8,7 +8,7 @@ use support::significance::two_sided;
 
 use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
-use crate::rows::{LEARNERS, Row, Scope};
+use crate::rows::{Row, Scope, further_learners};
 use crate::subject::Subject;
 
 const SIDE: u32 = 32;
@@ -40,7 +40,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         cases.iter().for_each(|case| test_case(&studio, subject, &row, case, |_| {}, row.name, evidence));
     }
     // Learners differ only in the radiance that they learn, so one sampler is enough for all of them.
-    for (name, learner) in LEARNERS[1..].iter().filter(|_| !scope.is_narrow()) {
+    for (name, learner) in further_learners().iter().filter(|_| !scope.is_narrow()) {
         let row = scope.guided()[0];
         test_case(&studio, subject, &row, &cases[0], |s| s.learner = *learner, name, evidence);
     }
@@ -66,7 +66,7 @@ fn test_case(
         pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)
     };
-    (row.set)(&mut settings);
+    row.set(&mut settings);
     change(&mut settings);
     let settings = steady(settings);
     // The surface emits 0.5 and reflects half.

@@ -4,6 +4,7 @@
 use lodestar::film::Picture;
 use lodestar::settings::{SamplePattern, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
+use support::rows::row;
 use support::scenes::{ours, steady};
 
 use crate::evidence::{Evidence, Record};
@@ -21,7 +22,7 @@ const SHORT: [&str; 2] = ["bsdf", "product"];
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
-    let independent = render(&studio, &SHIPPED, &UNGUIDED, SamplePattern::Independent, SEED);
+    let independent = render(&studio, &SHIPPED, &row(UNGUIDED), SamplePattern::Independent, SEED);
     let is_wanted = |row: &Row| scope.full || scope.is_narrow() || SHORT.contains(&row.name);
     for row in scope.rendered().iter().filter(|row| is_wanted(row)) {
         for pattern in SETS {
@@ -42,6 +43,6 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
 fn render(studio: &Studio, subject: &Subject, row: &Row, pattern: SamplePattern, seed: u32) -> Picture {
     let scene = ours("cornell-box/scene.xml", &[]);
     let mut settings = Settings { width: SIDE, height: SIDE, seed, nee: true, pattern, ..Settings::for_scene(&scene) };
-    (row.set)(&mut settings);
+    row.set(&mut settings);
     studio.render(subject, &scene, steady(settings), SPP).0
 }

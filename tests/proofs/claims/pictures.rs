@@ -8,11 +8,12 @@ use lodestar::film::Picture;
 use lodestar::scene::Scene;
 use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
+use support::rows::row;
 use support::scenes::{ours, steady};
 
 use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
-use crate::rows::{LEARNERS, Row, Scope, UNGUIDED};
+use crate::rows::{Row, Scope, UNGUIDED, further_learners};
 use crate::subject::{SHIPPED, Subject};
 
 /// A scene and its samples per pixel: without and with a guide, each without and with emitter sampling.
@@ -50,12 +51,12 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
         for nee in [false, true] {
             // All samplers and learners render the first scene. In the short form, the other scenes have one row each,
             // because `tests/render/ztest.rs` renders more pictures.
-            let rows: Vec<_> = scope.rendered().into_iter().filter(|row| row.name != UNGUIDED.name).collect();
+            let rows: Vec<_> = scope.rendered().into_iter().filter(|row| row.name != UNGUIDED).collect();
             let rows = if scope.full || (index == 0 && nee) { &rows[..] } else { &rows[..1] };
             let unguided = case.unguided(&studio, &scene, scope, nee);
             let mut compare = |row: &Row, learner: Option<Learner>, name: &str| {
                 let guided = case.render(&studio, subject, &scene, scope, nee, |s| {
-                    (row.set)(s);
+                    row.set(s);
                     (s.seed, s.learner) = (GUIDED_SEED, learner.unwrap_or(s.learner));
                 });
                 let comparison = Comparison::new(&Estimate::of(&unguided), &Estimate::of(&guided), case.sides);
@@ -70,7 +71,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             };
             rows.iter().for_each(|row| compare(row, None, row.name));
             if (index == 0 && !nee && !scope.is_narrow()) || scope.full {
-                LEARNERS[1..].iter().for_each(|(name, learner)| compare(&rows[0], Some(*learner), name));
+                further_learners().iter().for_each(|(name, learner)| compare(&rows[0], Some(*learner), name));
             }
         }
     }
@@ -85,7 +86,7 @@ impl Case {
         let mut known = KNOWN.lock().expect("no test panics with it");
         let render = || {
             self.render(studio, &SHIPPED, scene, scope, nee, |s| {
-                (UNGUIDED.set)(s);
+                row(UNGUIDED).set(s);
                 s.seed = UNGUIDED_SEED;
             })
         };

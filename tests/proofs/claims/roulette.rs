@@ -5,6 +5,7 @@
 use lodestar::film::Picture;
 use lodestar::settings::{SamplePattern, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
+use support::rows::row;
 use support::scenes::{ours, steady};
 
 use crate::evidence::{Evidence, Record};
@@ -20,7 +21,7 @@ const SHORT: [&str; 2] = ["rejection-mix", "product"];
 
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
-    let without = [false, true].map(|nee| render(&studio, &SHIPPED, &UNGUIDED, nee, u32::MAX, SEED, SPP));
+    let without = [false, true].map(|nee| render(&studio, &SHIPPED, &row(UNGUIDED), nee, u32::MAX, SEED, SPP));
     let is_wanted = |row: &Row| scope.full || scope.is_narrow() || SHORT.contains(&row.name);
     for row in scope.all().iter().filter(|row| is_wanted(row)) {
         let rr_depths = if scope.full || scope.is_narrow() { &[1, 3][..] } else { &[1] };
@@ -51,6 +52,6 @@ fn render(studio: &Studio, subject: &Subject, row: &Row, nee: bool, rr_depth: u3
         pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)
     };
-    (row.set)(&mut settings);
+    row.set(&mut settings);
     studio.render(subject, &scene, steady(settings), spp).0
 }

@@ -12,7 +12,7 @@ use support::twins::rejection_mix::mean_tries;
 
 use super::densities::slack;
 use crate::evidence::{Evidence, Record};
-use crate::rows::{Row, Scope};
+use crate::rows::{Row, Scope, kind_of};
 use crate::subject::Subject;
 use crate::tables::tables;
 
@@ -27,7 +27,7 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
 }
 
 fn test_row(subject: &Subject, scope: Scope, row: &Row, evidence: &mut Evidence) {
-    let kind = row.kind();
+    let kind = kind_of(row);
     let guided = Guided::with(kind, &subject.guide_kernels());
     let count = if scope.is_narrow() { MORE_SAMPLES } else { SAMPLES };
     let normals = if scope.full || scope.is_narrow() { usize::MAX } else { FEW_NORMALS };

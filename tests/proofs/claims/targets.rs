@@ -6,12 +6,13 @@ use lodestar::generated::layout::LearnedRadiance;
 use lodestar::renderer::{RenderState, Renderer};
 use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
 use statrs::distribution::{ContinuousCDF, StudentsT};
+use support::rows::learners;
 use support::scenes::ours;
 use support::statistics::mean_and_error;
 
 use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
-use crate::rows::{LEARNERS, Row, Scope};
+use crate::rows::{Row, Scope};
 use crate::subject::Subject;
 
 const SIDE: u32 = 16;
@@ -33,7 +34,7 @@ const FURNACES: [(&str, &str); 2] = [("0.5", "0.5"), ("0.9", "0.1")];
 pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     let studio = Studio::new();
     for (index, row) in scope.guided().iter().enumerate() {
-        for (name, learner) in LEARNERS {
+        for (name, learner) in &learners() {
             // One sampler is enough for all of them.
             if scope.full || index == 0 || *learner == Learner::Sarsa {
                 let furnaces = if scope.full || index == 0 { &FURNACES[..] } else { &FURNACES[..1] };
@@ -64,7 +65,7 @@ fn test_learner(
         pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)
     };
-    (row.set)(&mut settings);
+    row.set(&mut settings);
     (settings.width, settings.height, settings.grid, settings.learner) = (SIDE, SIDE, Some(1), learner);
     // The product sampler needs at least 16 bins along each side. They need more samples to be reached.
     let (directions, spp_per_step) = match settings.sampler {

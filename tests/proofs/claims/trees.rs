@@ -55,7 +55,7 @@ fn settings(row: &Row) -> Settings {
         pattern: SamplePattern::Independent,
         ..Settings::for_scene(&scene)
     };
-    (row.set)(&mut settings);
+    row.set(&mut settings);
     settings
 }
 

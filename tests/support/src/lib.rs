@@ -10,6 +10,7 @@ pub mod guide_cases;
 pub mod mutated;
 pub mod primitives;
 pub mod requests;
+pub mod rows;
 pub mod sampled_directions;
 pub mod scattering_cases;
 pub mod scenes;

@@ -177,6 +177,24 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "the guide's share of principled surfaces not in the density",
+        &[Patch {
+            file: GUIDING,
+            text: "if (guides_whole() && is_guided(guide)) pdf = density_of_choice",
+            mutated: "if (MUTATED && is_kind(scatterer.bsdf, BSDF_PRINCIPLED)) return pdf;\n    \
+                  if (guides_whole() && is_guided(guide)) pdf = density_of_choice",
+        }],
+    ),
+    mutation(
+        "a smooth metal guided as a rough one in the density",
+        &[Patch {
+            file: GUIDING,
+            text: "guided_share(scatterer.bsdf, guide));\n    return pdf;",
+            mutated: "(MUTATED && is_kind(scatterer.bsdf, BSDF_ROUGH_CONDUCTOR) ? 1.0 : guided_share(scatterer.bsdf, guide)));\n    \
+                  return pdf;",
+        }],
+    ),
+    mutation(
         "bright samples with a smaller weight",
         &[Patch {
             file: TALLY,
