@@ -102,19 +102,19 @@ impl Picture {
     /// Mean albedo of the first hit, (height, width, 3) float32 in [0, 1]; a miss counts as 0.
     #[getter]
     fn albedo(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.array(py, 4, self.picture.albedo.as_flattened())
+        self.array(py, 4, self.picture.albedo().as_flattened())
     }
 
     /// Mean shading normal of the first hit, (height, width, 3) float32, world space, not normalized.
     #[getter]
     fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.array(py, 5, self.picture.normal.as_flattened())
+        self.array(py, 5, self.picture.normal().as_flattened())
     }
 
     /// Mean distance from the camera to the first hit, (height, width) float32, in scene units; infinite where no sample hit.
     #[getter]
     fn depth(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        self.array(py, 6, &self.picture.depth)
+        self.array(py, 6, self.picture.depth())
     }
 
     /// Opaque share of each pixel, (height, width) float32 in [0, 1].

@@ -19,8 +19,8 @@ impl Denoiser {
             width: picture.width,
             height: picture.height,
             color: &picture.radiance,
-            albedo: Some(&picture.albedo),
-            normal: Some(&picture.normal),
+            albedo: Some(picture.albedo()),
+            normal: Some(picture.normal()),
         })
     }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::film::Picture;
 use crate::film::identity::{Identity, merged_attributes};
+use crate::film::layers::{FEATURES, MeanOver};
 use crate::film::picture_file::PRECISION;
 use crate::film::ranges::SampleRanges;
 use crate::{Error, Result};
@@ -137,11 +138,14 @@ fn average_of_means(pictures: &[&Picture]) -> Picture {
             average.radiance[at][channel] = mean as f32;
             average.variance[at][channel] =
                 samples.variance(mean, |picture| (picture.radiance[at][channel], picture.variance[at][channel])) as f32;
-            average.albedo[at][channel] = samples.mean(|picture| picture.albedo[at][channel]) as f32;
-            average.normal[at][channel] = samples.mean(|picture| picture.normal[at][channel]) as f32;
         }
-        average.depth[at] =
-            if hits.total > 0.0 { hits.mean(|picture| picture.depth[at]) as f32 } else { f32::INFINITY };
+        for (number, feature) in FEATURES.iter().enumerate() {
+            let weights = if feature.mean == MeanOver::Samples { &samples } else { &hits };
+            for value in (0..feature.channels.len()).map(|channel| at * feature.channels.len() + channel) {
+                let mean = || weights.mean(|picture| picture.features[number][value]) as f32;
+                average.features[number][value] = if weights.total > 0.0 { mean() } else { feature.mean.of_nothing() };
+            }
+        }
         (average.sample_count[at], average.hit_count[at]) = (samples.total_count(), hits.total_count());
     }
     average

@@ -2,6 +2,7 @@
 
 mod denoised;
 pub mod identity;
+pub mod layers;
 pub mod merge;
 pub mod noise;
 mod picture;

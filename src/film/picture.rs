@@ -1,7 +1,9 @@
 //! A finished picture with everything that is measured per pixel. CPU only.
 
+use crate::film::layers::{FEATURES, MeanOver};
 use crate::film::sums::{PixelMeans, PixelSums};
 use crate::film::view::View;
+use crate::generated::layout::{FilmFeatures, FilmRadiance};
 use crate::image::Image;
 
 /// Results of a render for every pixel of its window, row by row from the top left.
@@ -24,13 +26,8 @@ pub struct Picture {
     pub sample_count: Vec<u32>,
     /// Number of samples whose camera ray hit a surface.
     pub hit_count: Vec<u32>,
-    /// Mean albedo of the first hit; a miss counts as 0.
-    pub albedo: Vec<[f32; 3]>,
-    /// Mean shading normal of the first hit, in world space, not normalized.
-    pub normal: Vec<[f32; 3]>,
-    /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none
-    /// did.
-    pub depth: Vec<f32>,
+    /// Means of the features of the first hit, in the order of [`FEATURES`]: values pixel by pixel, one for each channel.
+    pub features: [Vec<f32>; FEATURES.len()],
     /// Exact integer sums of all layers, where the picture is one part of several; empty otherwise.
     pub sums: Vec<PixelSums>,
     /// Whether a camera ray that hits no surface shows the environment. Such a picture is opaque everywhere.
@@ -52,9 +49,9 @@ impl Picture {
             variance: vec![[0.0; 3]; pixels],
             sample_count: vec![0; pixels],
             hit_count: vec![0; pixels],
-            albedo: vec![[0.0; 3]; pixels],
-            normal: vec![[0.0; 3]; pixels],
-            depth: vec![f32::INFINITY; pixels],
+            features: FEATURES
+                .each_ref()
+                .map(|feature| vec![feature.mean.of_nothing(); pixels * feature.channels.len()]),
             sums: Vec::new(),
             has_background: false,
             view: None,
@@ -63,10 +60,45 @@ impl Picture {
 
     /// Writes every layer of pixel `at` but its sums.
     pub fn set_pixel(&mut self, at: usize, means: &PixelMeans) {
-        let PixelMeans { radiance, variance, albedo, normal, depth, sample_count, hit_count } = *means;
+        let PixelMeans { radiance, variance, features, sample_count, hit_count } = *means;
         (self.radiance[at], self.variance[at]) = (radiance, variance);
-        (self.albedo[at], self.normal[at], self.depth[at]) = (albedo, normal, depth);
         (self.sample_count[at], self.hit_count[at]) = (sample_count, hit_count);
+        let mut rest = &features[..];
+        for (feature, values) in FEATURES.iter().zip(&mut self.features) {
+            let (own, others) = rest.split_at(feature.channels.len());
+            values[at * own.len()..][..own.len()].copy_from_slice(own);
+            rest = others;
+        }
+    }
+
+    /// Writes every layer of pixel `at` but its sums, from moments on the film. The variance of the mean is `variance_scale` times
+    /// the sum of squared deviations.
+    pub fn set_moments(&mut self, at: usize, radiance: &FilmRadiance, film: &FilmFeatures, variance_scale: f32) {
+        self.radiance[at] = radiance.mean;
+        self.variance[at] = radiance.squared_deviation.map(|squared| squared * variance_scale);
+        (self.sample_count[at], self.hit_count[at]) = (radiance.sample_count, radiance.hit_count);
+        for (feature, values) in FEATURES.iter().zip(&mut self.features) {
+            let is_known = feature.mean == MeanOver::Samples || radiance.hit_count > 0;
+            let channels = feature.channels.len();
+            for (value, &mean) in values[at * channels..][..channels].iter_mut().zip((feature.of_film)(film)) {
+                *value = if is_known { mean } else { feature.mean.of_nothing() };
+            }
+        }
+    }
+
+    /// Mean albedo of the first hit; a miss counts as 0.
+    pub fn albedo(&self) -> &[[f32; 3]] {
+        bytemuck::cast_slice(&self.features[0])
+    }
+
+    /// Mean shading normal of the first hit, in world space, not normalized.
+    pub fn normal(&self) -> &[[f32; 3]] {
+        bytemuck::cast_slice(&self.features[1])
+    }
+
+    /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none did.
+    pub fn depth(&self) -> &[f32] {
+        &self.features[2]
     }
 
     /// The picture's pixels: mean radiance in linear sRGB, row by row from the top left.

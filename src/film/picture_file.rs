@@ -22,16 +22,12 @@ use std::path::Path;
 
 use crate::Result;
 use crate::film::denoised::Denoised;
+use crate::film::layers::{FEATURES, RGB, Values, channel_name};
 use crate::film::picture::Picture;
 use crate::film::sums::PixelSums;
 use crate::film::view::View;
 use crate::image::exr::{self, Attributes, FileHeader, lacking};
 use crate::image::layers::{Layers, Samples};
-
-/// Names of a color's channels.
-const RGB: [&str; 3] = ["R", "G", "B"];
-/// Names of a vector's channels.
-const XYZ: [&str; 3] = ["X", "Y", "Z"];
 
 /// Attribute of a file whose colors are half floats.
 pub(super) const PRECISION: &str = "precision";
@@ -114,9 +110,10 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     let (layers, header) = exr::read_layers(path)?;
     let FileHeader { attributes, camera_from_world, film_from_world } = header;
     let view = camera_from_world.zip(film_from_world);
-    let three =
-        |prefix: &str, names: [&str; 3], what: &str| three(&layers, prefix, names).ok_or_else(|| lacking(path, what));
+    let values = |layer, channels| values(&layers, layer, channels).ok_or_else(|| lacking(path, layer));
+    let color = |layer| Ok(bytemuck::cast_slice(&values(layer, RGB)?).to_vec());
     let counts = |name: &str| Ok(layers.words(name).ok_or_else(|| lacking(path, name))?.to_vec());
+    let features = FEATURES.iter().map(|feature| values(feature.name, feature.channels)).collect::<Result<Vec<_>>>()?;
     let mut picture = Picture {
         has_background: false,
         view: view.map(|(camera_from_world, film_from_world)| View { camera_from_world, film_from_world }),
@@ -124,13 +121,11 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
         height: layers.height,
         offset: layers.offset,
         full_size: layers.full_size,
-        radiance: three("", RGB, "radiance")?,
-        variance: three("variance.", RGB, "variance")?,
+        radiance: color("radiance")?,
+        variance: color("variance")?,
         sample_count: counts("samples.N")?,
         hit_count: counts("hits.N")?,
-        albedo: three("albedo.", RGB, "albedo")?,
-        normal: three("normal.", XYZ, "normal")?,
-        depth: layers.floats("depth.Z").ok_or_else(|| lacking(path, "depth"))?.to_vec(),
+        features: std::array::from_fn(|number| features[number].clone()),
         sums: sums_of(path, &layers)?,
     };
     picture.has_background = has_background(&layers, &picture);
@@ -145,26 +140,20 @@ fn has_background(layers: &Layers, picture: &Picture) -> bool {
 }
 
 fn channels(picture: &Picture, precision: Precision) -> Vec<(String, Samples)> {
-    let color = precision.samples();
-    let number: fn(Vec<f32>) -> Samples = Samples::Floats;
-    let layers = [
-        ("", RGB, &picture.radiance, color),
-        ("variance.", RGB, &picture.variance, number),
-        ("albedo.", RGB, &picture.albedo, color),
-        ("normal.", XYZ, &picture.normal, number),
-    ];
-    let mut channels = Vec::new();
     let alpha = (0..picture.radiance.len()).map(|at| picture.alpha(at)).collect();
-    channels.push(("A".into(), color(alpha)));
-    for (prefix, names, pixels, kind) in layers {
-        for (component, name) in names.into_iter().enumerate() {
-            let samples = pixels.iter().map(|pixel| pixel[component]).collect();
-            channels.push((format!("{prefix}{name}"), kind(samples)));
+    let mut channels = vec![("A".to_owned(), precision.samples()(alpha))];
+    for layer in picture.layers() {
+        for (number, channel) in layer.channels.iter().enumerate() {
+            let samples = match layer.values {
+                Values::Floats(values) => {
+                    let samples = if layer.is_color { precision.samples() } else { Samples::Floats };
+                    samples(values.iter().skip(number).step_by(layer.channels.len()).copied().collect())
+                }
+                Values::Counts(counts) => Samples::Words(counts.to_vec()),
+            };
+            channels.push((layer.channel_name(channel), samples));
         }
     }
-    channels.push(("samples.N".into(), Samples::Words(picture.sample_count.clone())));
-    channels.push(("hits.N".into(), Samples::Words(picture.hit_count.clone())));
-    channels.push(("depth.Z".into(), Samples::Floats(picture.depth.clone())));
     channels.extend(sums_channels(picture));
     channels
 }
@@ -179,10 +168,12 @@ fn sums_name(word: usize) -> String {
     format!("sums.{word:02}")
 }
 
-/// Pixels of three channels; `None` where one is missing.
-fn three(layers: &Layers, prefix: &str, names: [&str; 3]) -> Option<Vec<[f32; 3]>> {
-    let [a, b, c] = names.map(|name| layers.floats(&format!("{prefix}{name}")));
-    Some(a?.iter().zip(b?).zip(c?).map(|((&a, &b), &c)| [a, b, c]).collect())
+/// Values of a layer, one for each channel; `None` where a channel is missing.
+fn values(layers: &Layers, layer: &str, channels: &[&str]) -> Option<Vec<f32>> {
+    let columns: Vec<_> =
+        channels.iter().map(|channel| layers.floats(&channel_name(layer, channel))).collect::<Option<_>>()?;
+    let pixels = columns.first()?.len();
+    Some((0..pixels).flat_map(|at| columns.iter().map(move |column| column[at])).collect())
 }
 
 /// Integer sums of every pixel; empty where the picture is a whole one.
@@ -217,6 +208,9 @@ mod tests {
     fn picture() -> Picture {
         let mut depth: Vec<_> = pixels(5.0).iter().map(|pixel| pixel[0]).collect();
         depth[3] = f32::INFINITY;
+        let mut features = Picture::empty(WIDTH, HEIGHT, [0; 2], [WIDTH, HEIGHT]).features;
+        let [albedo, normal] = [3.0, -4.0].map(|layer| pixels(layer).as_flattened().to_vec());
+        (features[0], features[1], features[2]) = (albedo, normal, depth);
         Picture {
             width: WIDTH,
             height: HEIGHT,
@@ -226,9 +220,7 @@ mod tests {
             variance: pixels(2.0),
             sample_count: (0..WIDTH * HEIGHT).map(|i| i + 16_777_217).collect(),
             hit_count: (0..WIDTH * HEIGHT).map(|i| i + 8_388_609).collect(),
-            albedo: pixels(3.0),
-            normal: pixels(-4.0),
-            depth,
+            features,
             sums: vec![],
             has_background: true,
             view: Some(View { camera_from_world: Mat4::IDENTITY, film_from_world: Mat4::from_rotation_y(0.1) }),
@@ -248,12 +240,12 @@ mod tests {
         write_picture(&path, &picture, &[]).unwrap();
         assert_eq!(exr::read_rgb(&path).unwrap(), picture.image());
         for (name, expected) in
-            [("variance", &picture.variance), ("albedo", &picture.albedo), ("normal", &picture.normal)]
+            [("variance", &picture.variance[..]), ("albedo", picture.albedo()), ("normal", picture.normal())]
         {
-            assert_eq!(&exr::read_layer(&path, name).unwrap().pixels, expected, "{name}");
+            assert_eq!(exr::read_layer(&path, name).unwrap().pixels, expected, "{name}");
         }
         let depth = exr::read_layer(&path, "depth").unwrap().pixels;
-        assert_eq!(depth, picture.depth.iter().map(|&depth| [depth; 3]).collect::<Vec<_>>());
+        assert_eq!(depth, picture.depth().iter().map(|&depth| [depth; 3]).collect::<Vec<_>>());
     }
 
     #[test]
@@ -281,9 +273,9 @@ mod tests {
         assert_eq!(attributes, [(PRECISION.to_owned(), "half".to_owned())]);
         assert_eq!(half.radiance[0][1..], [exr::LARGEST_HALF, 0.0]);
         assert!(half.radiance[0][0] != 0.1 && (half.radiance[0][0] / 0.1 - 1.0).abs() < 1.0 / 2048.0);
-        let Picture { variance, normal, depth, sample_count, hit_count, .. } = half;
-        assert_eq!((variance, normal, depth), (picture.variance, picture.normal, picture.depth));
-        assert_eq!((sample_count, hit_count), (picture.sample_count, picture.hit_count));
+        assert_eq!((half.normal(), half.depth()), (picture.normal(), picture.depth()));
+        let Picture { variance, sample_count, hit_count, .. } = half;
+        assert_eq!((variance, sample_count, hit_count), (picture.variance, picture.sample_count, picture.hit_count));
     }
 
     #[test]
@@ -297,7 +289,7 @@ mod tests {
         let part = Picture { sums: bytemuck::pod_collect_to_vec(&words), ..picture() };
         write_picture(&path, &part, &attributes).unwrap();
         assert_eq!(read_picture(&path).unwrap().0, part);
-        let channels = RGB.map(|name| (name.to_owned(), Samples::Floats(vec![0.5, 2.0]))).to_vec();
+        let channels = RGB.iter().map(|name| ((*name).to_owned(), Samples::Floats(vec![0.5, 2.0]))).collect();
         let color = Layers { width: 2, height: 1, offset: [0, 0], full_size: [2, 1], channels };
         exr::write_layers(&path, color, &FileHeader::default()).unwrap();
         let error = read_picture(&path).unwrap_err().to_string();

@@ -3,16 +3,22 @@
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::film::layers::{FEATURE_CHANNELS, FEATURES, MeanOver, channels_over};
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 
-/// Units of radiance and depth sums per 1: 2^64, for sums up to 9e18.
+/// Units per 1 of sums of radiance, and of features whose means run over hits: 2^64, for sums up to 9e18.
 const UNITS: f64 = 18_446_744_073_709_551_616.0;
 /// Units per 1 in the upper words of squares: 2^32. The lower words hold units of 2^-96.
 const SQUARE_UNITS: f64 = 4_294_967_296.0;
-/// Units of albedo and normal sums per 1: 2^32, for sums up to 2e9.
+/// Units per 1 of sums of features whose means run over all samples: 2^32, for sums up to 2e9.
 const FEATURE_UNITS: f64 = 4_294_967_296.0;
 /// Variance, as a share of the mean square, below which it is only the rounding of samples to 24 bits.
 const ROUNDING_SHARE: f64 = 1.0 / (1u64 << 48) as f64;
+
+/// Channels of features whose means run over all samples.
+const OF_SAMPLES: usize = channels_over(MeanOver::Samples);
+/// Channels of features whose means run over hits.
+const OF_HITS: usize = channels_over(MeanOver::Hits);
 
 /// Sums over the samples of one pixel.
 #[repr(C)]
@@ -20,12 +26,13 @@ const ROUNDING_SHARE: f64 = 1.0 / (1u64 << 48) as f64;
 pub struct PixelSums {
     radiance: [i128; 3],
     squares_high: [i128; 3],
-    depth: i128,
+    of_hits: [i128; OF_HITS],
     squares_low: [u64; 3],
-    albedo: [i64; 3],
-    normal: [i64; 3],
+    of_samples: [i64; OF_SAMPLES],
     sample_count: u32,
     hit_count: u32,
+    /// Words that make the size a multiple of the alignment.
+    padding: [u32; OF_SAMPLES % 2 * 2],
 }
 
 /// Means over the samples of one pixel. The fields are those of [`Picture`](crate::film::Picture).
@@ -35,12 +42,8 @@ pub struct PixelMeans {
     pub radiance: [f32; 3],
     /// Variance of the mean radiance.
     pub variance: [f32; 3],
-    /// Mean albedo.
-    pub albedo: [f32; 3],
-    /// Mean normal.
-    pub normal: [f32; 3],
-    /// Mean depth.
-    pub depth: f32,
+    /// Means of the features: the channels of [`FEATURES`], one after another.
+    pub features: [f32; FEATURE_CHANNELS],
     /// Number of samples.
     pub sample_count: u32,
     /// Number of samples that hit a surface.
@@ -58,16 +61,25 @@ impl PixelSums {
         let squares: [f64; 3] = std::array::from_fn(|c| {
             (f64::from(radiance.squared_deviation[c]) + samples * mean[c] * mean[c]) * SQUARE_UNITS
         });
-        Self {
+        let mut sums = Self {
             radiance: mean.map(|mean| (samples * mean * UNITS) as i128),
             squares_high: squares.map(|square| square.floor() as i128),
-            depth: (hits * f64::from(features.depth) * UNITS) as i128,
             squares_low: squares.map(|square| ((square - square.floor()) * UNITS) as u64),
-            albedo: features.albedo.map(|albedo| (samples * f64::from(albedo) * FEATURE_UNITS) as i64),
-            normal: features.normal.map(|normal| (samples * f64::from(normal) * FEATURE_UNITS) as i64),
             sample_count: radiance.sample_count,
             hit_count: radiance.hit_count,
+            ..Self::default()
+        };
+        let means_over = |mean| {
+            let wanted = FEATURES.iter().filter(move |feature| feature.mean == mean);
+            wanted.flat_map(|feature| (feature.of_film)(features)).map(|&mean| f64::from(mean))
+        };
+        for (sum, mean) in sums.of_samples.iter_mut().zip(means_over(MeanOver::Samples)) {
+            *sum = (samples * mean * FEATURE_UNITS) as i64;
         }
+        for (sum, mean) in sums.of_hits.iter_mut().zip(means_over(MeanOver::Hits)) {
+            *sum = (hits * mean * UNITS) as i128;
+        }
+        sums
     }
 
     /// Adds the samples of `other`.
@@ -77,10 +89,13 @@ impl PixelSums {
             let (low, carry) = self.squares_low[c].overflowing_add(other.squares_low[c]);
             self.squares_low[c] = low;
             self.squares_high[c] = self.squares_high[c].wrapping_add(other.squares_high[c]).wrapping_add(carry.into());
-            self.albedo[c] = self.albedo[c].wrapping_add(other.albedo[c]);
-            self.normal[c] = self.normal[c].wrapping_add(other.normal[c]);
         }
-        self.depth = self.depth.wrapping_add(other.depth);
+        for (sum, other) in self.of_samples.iter_mut().zip(other.of_samples) {
+            *sum = sum.wrapping_add(other);
+        }
+        for (sum, other) in self.of_hits.iter_mut().zip(other.of_hits) {
+            *sum = sum.wrapping_add(other);
+        }
         self.sample_count = self.sample_count.saturating_add(other.sample_count);
         self.hit_count = self.hit_count.saturating_add(other.hit_count);
     }
@@ -98,10 +113,17 @@ impl PixelSums {
             let variance = if is_rounding { 0.0 } else { deviation / (samples * (samples - 1.0)) };
             means.radiance[c] = (sum * per_sample) as f32;
             means.variance[c] = variance as f32;
-            means.albedo[c] = (self.albedo[c] as f64 / FEATURE_UNITS * per_sample) as f32;
-            means.normal[c] = (self.normal[c] as f64 / FEATURE_UNITS * per_sample) as f32;
         }
-        means.depth = if self.hit_count > 0 { (self.depth as f64 / UNITS / hits) as f32 } else { f32::INFINITY };
+        let mut of_samples = self.of_samples.iter().map(|&sum| (sum as f64 / FEATURE_UNITS * per_sample) as f32);
+        let mut of_hits = self.of_hits.iter().map(|&sum| (sum as f64 / UNITS / hits) as f32);
+        let channels = FEATURES.iter().flat_map(|feature| feature.channels.iter().map(|_| feature.mean));
+        for (mean, over) in means.features.iter_mut().zip(channels) {
+            let known = match over {
+                MeanOver::Samples => of_samples.next(),
+                MeanOver::Hits => of_hits.next().filter(|_| self.hit_count > 0),
+            };
+            *mean = known.unwrap_or(over.of_nothing());
+        }
         means
     }
 }
@@ -115,7 +137,8 @@ mod tests {
     fn moments(mean: f32, squared_deviation: f32, sample_count: u32) -> PixelSums {
         let (mean, squared_deviation) = ([mean, mean * 3.0, mean * 1e-6], [squared_deviation; 3]);
         let radiance = FilmRadiance { mean, sample_count, squared_deviation, hit_count: sample_count / 2 };
-        let features = FilmFeatures { albedo: [0.3; 3], depth: mean[1], normal: [-0.7, 0.1, 0.0], reserved: 0.0 };
+        let features =
+            FilmFeatures { albedo: [0.3; 3], depth: mean[1], normal: [-0.7, 0.1, 0.0], ..FilmFeatures::zeroed() };
         PixelSums::of_moments(&radiance, &features)
     }
 
@@ -130,8 +153,8 @@ mod tests {
         let picture = picture_of(&moments(0.25, 1.5, 8));
         assert_eq!(picture.radiance[0], [0.25, 0.75, 0.25e-6]);
         assert_eq!(picture.variance[0].map(|v| (v * 56.0 * 1e5).round()), [1.5e5; 3]);
-        assert_eq!((picture.sample_count[0], picture.hit_count[0], picture.depth[0]), (8, 4, 0.75));
-        assert!((picture.albedo[0][0] - 0.3).abs() < 1e-6 && (picture.normal[0][0] + 0.7).abs() < 1e-6);
+        assert_eq!((picture.sample_count[0], picture.hit_count[0], picture.depth()[0]), (8, 4, 0.75));
+        assert!((picture.albedo()[0][0] - 0.3).abs() < 1e-6 && (picture.normal()[0][0] + 0.7).abs() < 1e-6);
     }
 
     #[test]
@@ -140,7 +163,7 @@ mod tests {
         (0..1000).for_each(|_| sums.add(&moments(0.1, 0.0, 8)));
         let picture = picture_of(&sums);
         assert_eq!((picture.radiance[0][0], picture.variance[0]), (0.1, [0.0; 3]));
-        assert_eq!(picture_of(&PixelSums::default()).depth[0], f32::INFINITY);
+        assert_eq!(picture_of(&PixelSums::default()).depth()[0], f32::INFINITY);
     }
 
     /// Means and variance of the whole are checked against the textbook formula in twice the precision.

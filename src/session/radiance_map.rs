@@ -108,9 +108,9 @@ impl MappedScene<'_> {
             (Vec2::from(center.map(|at| at as f32)) + 0.5) / Vec2::new(settings.width as f32, settings.height as f32);
         let direction = direction_through(&self.scene.camera, at, [settings.width, settings.height]);
         let eye = self.scene.camera.world_from_camera.w_axis.truncate();
-        let normal = Vec3::from(picture.normal[0]);
+        let normal = Vec3::from(picture.normal()[0]);
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        Ok(SurfacePoint { position: eye + picture.depth[0] * direction, normal: normal.normalize_or(-direction) })
+        Ok(SurfacePoint { position: eye + picture.depth()[0] * direction, normal: normal.normalize_or(-direction) })
     }
 
     /// True radiance at `point`: the mean over each bin and over RGB. Six views around the point measure it with `spp` samples

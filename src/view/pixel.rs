@@ -63,14 +63,14 @@ impl PixelFacts {
 
 /// Surface that pixel `at` shows, if it shows one.
 fn surface(picture: &Picture, at: usize) -> Option<Surface> {
-    let (view, depth) = (picture.view?, picture.depth[at]);
+    let (view, depth) = (picture.view?, picture.depth()[at]);
     let unprojection = view.unprojection();
     let position = position(picture, &unprojection, at)?;
     let eye = unprojection.point_at(film_place(picture, at), 0.0);
     let toward_eye = (eye - position).normalize_or(Vec3::Z);
     // A pixel that hits in part has a shorter mean normal.
     let hits = picture.hit_count[at] as f32 / picture.sample_count[at].max(1) as f32;
-    let mean = Vec3::from(picture.normal[at]) / hits.max(1.0e-6);
+    let mean = Vec3::from(picture.normal()[at]) / hits.max(1.0e-6);
     let normal = mean.normalize_or(toward_eye);
     let normal = if normal.dot(toward_eye) < 0.0 { -normal } else { normal };
     let [right, up] = view.axes();
@@ -83,7 +83,7 @@ fn surface(picture: &Picture, at: usize) -> Option<Surface> {
 
 /// Position that pixel `at` shows, if it shows a surface.
 fn position(picture: &Picture, unprojection: &Unprojection, at: usize) -> Option<Vec3> {
-    let depth = picture.depth[at];
+    let depth = picture.depth()[at];
     let is_hit = picture.hit_count[at] > 0 && depth.is_finite();
     is_hit.then(|| unprojection.point_at(film_place(picture, at), depth)).filter(|position| position.is_finite())
 }
@@ -99,10 +99,10 @@ fn film_place(picture: &Picture, at: usize) -> [f64; 2] {
 
 /// Cell that every pixel shows, as four bytes; [`NO_CELL`] where it shows none.
 pub(super) fn cells_of_pixels(picture: &Picture, cells: &GuideCells) -> Vec<u32> {
-    let Some(view) = picture.view else { return vec![NO_CELL; picture.depth.len()] };
+    let Some(view) = picture.view else { return vec![NO_CELL; picture.depth().len()] };
     let unprojection = view.unprojection();
     let cell = |at: usize| position(picture, &unprojection, at).map_or(NO_CELL, |at| cells.cells.cell_of(at) as u32);
-    (0..picture.depth.len()).map(cell).collect()
+    (0..picture.depth().len()).map(cell).collect()
 }
 
 #[cfg(test)]
@@ -115,8 +115,8 @@ mod tests {
     fn picture(normal: [f32; 3]) -> Picture {
         let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 40.0);
         let mut picture = Picture { view: Some(View::new(&camera, 9, 9)), ..Picture::empty(3, 3, [3, 3], [9, 9]) };
-        (picture.sample_count, picture.hit_count, picture.normal) = (vec![4; 9], vec![4; 9], vec![normal; 9]);
-        picture.depth = vec![5.0; 9];
+        (picture.sample_count, picture.hit_count) = (vec![4; 9], vec![4; 9]);
+        (picture.features[1], picture.features[2]) = ([normal; 9].as_flattened().to_vec(), vec![5.0; 9]);
         picture
     }
 

@@ -6,10 +6,11 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 use crate::film::Picture;
+use crate::film::layers::Values;
 use crate::image::layers::{Layers, Samples};
 
-/// Names of a rendered picture's layers.
-pub(super) const NAMES: [&str; 6] = ["radiance", "variance", "samples", "albedo", "normal", "depth"];
+/// Layer of a rendered picture that the page does not show.
+const HITS: &str = "hits";
 /// Largest value that is sent. A half float holds at most 65504.
 const LARGEST: f32 = 32_768.0;
 /// Prefix of layers that only programs read.
@@ -66,24 +67,21 @@ impl Plane {
     }
 }
 
+/// Names of a rendered picture's layers.
+pub(super) fn names_of_picture(picture: &Picture) -> Vec<String> {
+    picture.layers().iter().map(|layer| layer.name.to_owned()).filter(|name| name != HITS).collect()
+}
+
 /// The layer `name` of the pixels `range` of a rendered picture.
 pub(super) fn of_picture(picture: &Picture, name: &str, range: Range<usize>) -> Option<Plane> {
-    let three = |pixels: &[[f32; 3]]| pixels.get(range.clone()).unwrap_or_default().as_flattened().to_vec();
-    let color = |pixels: &[[f32; 3]]| Plane::new(["R", "G", "B"], three(pixels));
-    let depth = || Plane::new(["Z"], picture.depth.get(range.clone()).unwrap_or_default().to_vec());
-    let samples = || {
-        let counts = picture.sample_count.get(range.clone()).unwrap_or_default();
-        Plane::new(["N"], counts.iter().map(|&count| count as f32).collect())
+    let layer = picture.layers().into_iter().find(|layer| layer.name == name && name != HITS)?;
+    let count = layer.channels.len();
+    let range = count * range.start..count * range.end;
+    let values = match layer.values {
+        Values::Floats(values) => values.get(range).unwrap_or_default().to_vec(),
+        Values::Counts(counts) => counts.get(range).unwrap_or_default().iter().map(|&count| count as f32).collect(),
     };
-    match name {
-        "radiance" => Some(color(&picture.radiance)),
-        "variance" => Some(color(&picture.variance)),
-        "albedo" => Some(color(&picture.albedo)),
-        "normal" => Some(Plane::new(["X", "Y", "Z"], three(&picture.normal))),
-        "samples" => Some(samples()),
-        "depth" => Some(depth()),
-        _ => None,
-    }
+    Some(Plane::new(layer.channels.iter().copied(), values))
 }
 
 /// Layer of a channel, and the channel's name within it.

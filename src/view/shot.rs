@@ -63,7 +63,7 @@ impl Shot {
     /// Names of the layers.
     pub fn layers(&self) -> Vec<String> {
         match &self.content {
-            Content::Rendered(_) => planes::NAMES.map(str::to_owned).to_vec(),
+            Content::Rendered(picture) => planes::names_of_picture(picture),
             Content::Read(layers) => planes::names(layers),
         }
     }

@@ -24,20 +24,10 @@ fn write(folder: &Path, name: &str, width: u32, value: f32) -> String {
 pub fn write_row(path: &Path, width: u32, value: f32) {
     let count = width as usize;
     let picture = Picture {
-        width,
-        height: 1,
-        offset: [0, 0],
-        full_size: [width, 1],
         radiance: vec![[value; 3]; count],
-        variance: vec![[0.0; 3]; count],
         sample_count: vec![1; count],
         hit_count: vec![1; count],
-        sums: vec![],
-        has_background: false,
-        view: None,
-        albedo: vec![[0.0; 3]; count],
-        normal: vec![[0.0; 3]; count],
-        depth: vec![1.0; count],
+        ..Picture::empty(width, 1, [0, 0], [width, 1])
     };
     write_picture(path, &picture, &[]).unwrap();
 }

@@ -80,7 +80,7 @@ fn alpha_is_the_covered_share_and_one_where_an_environment_is_seen() {
     assert!(alpha.contains(&0.0) && alpha.contains(&1.0) && alpha.iter().any(|&alpha| alpha > 0.0 && alpha < 1.0));
     // The lamp shines with radiance 1 before black, so each color is multiplied by alpha.
     assert!(lamp.radiance.iter().zip(&alpha).all(|(color, alpha)| (color[0] - alpha).abs() < 1e-5));
-    assert!(lamp.depth.iter().zip(&alpha).all(|(depth, &alpha)| depth.is_finite() == (alpha > 0.0)));
+    assert!(lamp.depth().iter().zip(&alpha).all(|(depth, &alpha)| depth.is_finite() == (alpha > 0.0)));
     let small = SCENE.replace("z=\"5\"", "z=\"9\"");
     let (sky, alpha) = render(&small);
     assert!(alpha.iter().all(|&alpha| alpha == 1.0) && sky.hit_count.contains(&0) && sky.has_background);
@@ -99,7 +99,7 @@ fn half_floats_are_for_colors_and_merge_only_with_sums() {
     render(&["-o", "float.exr"]);
     render(&["-o", "half.exr", "--half"]);
     let ((float, _), (half, _)) = (read(&folder, "float.exr"), read(&folder, "half.exr"));
-    assert_eq!((&half.depth, &half.variance), (&float.depth, &float.variance));
+    assert_eq!((half.depth(), &half.variance), (float.depth(), &float.variance));
     let pairs = half.radiance.iter().flatten().zip(float.radiance.iter().flatten());
     assert!(
         pairs.clone().all(|(half, float)| (half - float).abs() <= float / 2048.0) && half.radiance != float.radiance

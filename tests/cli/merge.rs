@@ -83,10 +83,10 @@ fn parts_make_the_picture_of_a_render_that_is_none() {
         assert_eq!((merged.offset, merged.full_size), (whole.offset, whole.full_size));
         let [radiance, variance] = differences(&whole, &merged);
         assert!(radiance < 1e-6 && variance < 1e-4, "{radiance} {variance}");
-        for (a, b) in [(&whole.albedo, &merged.albedo), (&whole.normal, &merged.normal)] {
+        for (a, b) in [(whole.albedo(), merged.albedo()), (whole.normal(), merged.normal())] {
             assert!(a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-6));
         }
-        assert!(whole.depth.iter().zip(&merged.depth).all(|(a, b)| a == b || (a - b).abs() < 1e-5 * a));
+        assert!(whole.depth().iter().zip(merged.depth()).all(|(a, b)| a == b || (a - b).abs() < 1e-5 * a));
     }
 }
 

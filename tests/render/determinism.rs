@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use lodestar::film::Picture;
+use lodestar::film::layers::{Layer, Values};
 use lodestar::image::exr::{read_layer, read_rgb};
 use lodestar::scene::{Crop, Scene};
 use lodestar::settings::{Sampler, Settings};
@@ -16,9 +17,11 @@ use crate::device::Device;
 
 /// Bits of every number of the picture.
 pub fn bits(picture: &Picture) -> Vec<u32> {
-    let colors = [&picture.radiance, &picture.variance, &picture.albedo, &picture.normal];
-    let floats = colors.into_iter().flatten().flatten().chain(&picture.depth).map(|value| value.to_bits());
-    floats.chain(picture.sample_count.iter().copied()).collect()
+    let bits = |layer: Layer<'_>| match layer.values {
+        Values::Floats(values) => values.iter().map(|value| value.to_bits()).collect(),
+        Values::Counts(counts) => counts.to_vec(),
+    };
+    picture.layers().into_iter().flat_map(bits).collect()
 }
 
 /// Size that is not a whole number of tiles. The samples take several steps.

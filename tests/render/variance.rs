@@ -62,15 +62,15 @@ fn features_are_those_of_the_first_hit() {
         let picture = device.render(&scene, &settings(&scene, [24, 16], sampler, 3), 20);
         assert!(picture.sample_count.iter().all(|&count| count == 20));
         for at in 0..24 * 16 {
-            let normal = glam::Vec3::from(picture.normal[at]);
+            let normal = glam::Vec3::from(picture.normal()[at]);
             let (x, y) = ((at % 24) as f32 + 0.5, (at / 24) as f32 + 0.5);
             let screen = glam::vec3(1.0 - x / 12.0, (1.0 - y / 8.0) * 16.0 / 24.0, 1.0);
             let towards = scene.camera.world_from_camera.transform_vector3(screen).normalize();
             // The sphere has radius 1 and normals that point to the eye. A pixel averages many normals.
-            assert!((picture.depth[at] - 1.0).abs() < 1.0e-5, "{}", picture.depth[at]);
+            assert!((picture.depth()[at] - 1.0).abs() < 1.0e-5, "{}", picture.depth()[at]);
             assert!(normal.length() < 1.0 + 1.0e-5 && normal.length() > 0.999, "{normal}");
             assert!(normal.dot(towards) < -0.999, "{normal} {towards}");
-            assert!(glam::Vec3::from(picture.albedo[at]).distance(glam::vec3(0.25, 0.5, 0.75)) < 1.0e-5);
+            assert!(glam::Vec3::from(picture.albedo()[at]).distance(glam::vec3(0.25, 0.5, 0.75)) < 1.0e-5);
         }
     }
 }
@@ -82,9 +82,9 @@ fn flat_walls_have_unit_normals() {
     let picture = device.render(&scene, &settings(&scene, [32, 32], Sampler::Bsdf, 3), 8);
     // The back wall is visible between the tops of the blocks and the ceiling.
     let at = 32 * 9 + 16;
-    assert!(glam::Vec3::from(picture.normal[at]).distance(glam::Vec3::NEG_Z) < 1.0e-5, "{:?}", picture.normal[at]);
-    assert!((picture.depth[at] - 1378.0).abs() < 30.0, "{}", picture.depth[at]);
-    assert!((picture.albedo[at][0] - 0.725).abs() < 1.0e-5);
+    assert!(glam::Vec3::from(picture.normal()[at]).distance(glam::Vec3::NEG_Z) < 1.0e-5, "{:?}", picture.normal()[at]);
+    assert!((picture.depth()[at] - 1378.0).abs() < 30.0, "{}", picture.depth()[at]);
+    assert!((picture.albedo()[at][0] - 0.725).abs() < 1.0e-5);
 }
 
 #[test]
@@ -95,6 +95,6 @@ fn one_sample_has_no_variance_and_a_miss_no_depth() {
     let picture = device.render(&scene, &settings(&scene, [8, 8], Sampler::Bsdf, 3), 1);
     assert!(picture.sample_count.iter().all(|&count| count == 1));
     assert!(picture.variance.iter().flatten().all(|&variance| variance == 0.0));
-    assert!(picture.depth.iter().all(|depth| depth.is_infinite()));
-    assert!(picture.albedo.iter().chain(&picture.normal).flatten().all(|&value| value == 0.0));
+    assert!(picture.depth().iter().all(|depth| depth.is_infinite()));
+    assert!(picture.albedo().iter().chain(picture.normal()).flatten().all(|&value| value == 0.0));
 }

@@ -230,7 +230,6 @@ fn picture(value: f32) -> Picture {
         radiance,
         sample_count: vec![1; count],
         hit_count: vec![1; count],
-        depth: vec![1.0; count],
         ..Picture::empty(WIDTH, HEIGHT, [0; 2], [WIDTH, HEIGHT])
     }
 }

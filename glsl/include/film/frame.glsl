@@ -1,6 +1,7 @@
 // Set 0, Frame: the film, the camera, materials, emitters and counters. Only this file indexes the buffers of the set.
 #ifndef FRAME_GLSL
 #define FRAME_GLSL
+#include "film/features.glsl"
 #include "math/constants.glsl"
 #include "generated/lights.glsl"
 #include "generated/material.glsl"
@@ -14,14 +15,6 @@ struct FilmRadiance {
     uint sample_count;       // number of the pixel's samples
     vec3 squared_deviation;  // sum of squared deviations from the mean
     uint hit_count;          // number of samples whose camera ray hit something
-};
-
-// Means of the features at the first hit, over all samples of a pixel. The depth is the mean over the samples that hit.
-struct FilmFeatures {
-    vec3 albedo;     // mean albedo of the first hit
-    float depth;     // mean depth of the first hit over the samples that hit
-    vec3 normal;     // mean shading normal of the first hit
-    float reserved;// unused
 };
 
 // Constants of a render.

@@ -75,8 +75,7 @@ struct PixelSamples {
 };
 
 PixelSamples no_samples() {
-    return PixelSamples(FilmRadiance(vec3(0.0), 0u, vec3(0.0), 0u), FilmFeatures(vec3(0.0), 0.0, vec3(0.0), 0.0),
-                        NO_HALF);
+    return PixelSamples(FilmRadiance(vec3(0.0), 0u, vec3(0.0), 0u), NO_FEATURES, NO_HALF);
 }
 
 // Adds the radiance of one sample to the running moments (Welford 1962).
@@ -95,11 +94,9 @@ void add_sample(inout PixelSamples s, uint sample_index, vec3 radiance, inout Ta
     }
 }
 
-void add_first_hit(inout PixelSamples s, vec3 albedo, vec3 normal, float depth) {
+void add_first_hit(inout PixelSamples s, FilmFeatures hit) {
     ++s.radiance.hit_count;
-    s.sums.albedo += albedo;
-    s.sums.normal += normal;
-    s.sums.depth += depth;
+    add_features(s.sums, hit);
 }
 
 // Merges two sets of moments (Chan, Golub and LeVeque 1979). Squared deviations are weighted by the squares of the
@@ -120,14 +117,9 @@ FilmRadiance merge_radiance(FilmRadiance a, FilmRadiance b, DispatchWeights w) {
 void merge_into_film(uint index, PixelSamples s, DispatchWeights weights) {
     FilmRadiance before = load_film_radiance(index);
     FilmRadiance after = merge_radiance(before, s.radiance, weights);
-    FilmFeatures features = load_film_features(index);
-    float old_share = float(before.sample_count) / float(max(after.sample_count, 1u));
-    float old_hits = float(before.hit_count) / float(max(after.hit_count, 1u));
-    float per_sample = 1.0 / float(max(after.sample_count, 1u));
-    float per_hit = 1.0 / float(max(after.hit_count, 1u));
-    features.albedo = features.albedo * old_share + s.sums.albedo * per_sample;
-    features.normal = features.normal * old_share + s.sums.normal * per_sample;
-    features.depth = features.depth * old_hits + s.sums.depth * per_hit;
+    vec2 counts = vec2(max(after.sample_count, 1u), max(after.hit_count, 1u));
+    vec2 old_share = vec2(before.sample_count, before.hit_count) / counts;
+    FilmFeatures features = merge_features(load_film_features(index), s.sums, old_share, 1.0 / counts);
     store_film(index, after, features);
     if (ADAPTIVE) store_half(index, merge_halves(load_half(index), s.half_of_them));
 }

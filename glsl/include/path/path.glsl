@@ -62,12 +62,10 @@ Path start_path(uvec2 film_pixel, RandomKey key) {
 
 // The surface that a camera ray has hit.
 struct FirstHit {
-    KEPT(first_hit) bool known;   // the ray has hit a surface
-    KEPT(first_hit) vec3 albedo;
-    KEPT(first_hit) vec3 normal;
-    KEPT(first_hit) float depth;  // distance from the camera
+    KEPT(first_hit) bool known;  // the ray has hit a surface
+    KEPT(first_hit) FilmFeatures features;
 };
 
-const FirstHit NO_FIRST_HIT = FirstHit(false, vec3(0.0), vec3(0.0), 0.0);
+const FirstHit NO_FIRST_HIT = FirstHit(false, NO_FEATURES);
 
 #endif

@@ -139,8 +139,8 @@ float shade_vertex(inout Path path, Hit hit, vec4 u, inout FirstHit first_hit, i
     Surface surface = surface_at(path.ray, hit);
     Scatterer scatterer = scatterer_at(surface, -path.ray.direction, path.key, path.depth);
     if (path.depth == 1u) {
-        first_hit = FirstHit(true, bsdf_albedo(scatterer.bsdf), surface.shading_normal,
-                             distance(surface.position, camera_position()));
+        float depth = distance(surface.position, camera_position());
+        first_hit = FirstHit(true, FilmFeatures(bsdf_albedo(scatterer.bsdf), depth, surface.shading_normal, 0.0));
     }
     return shade_surface(path, hit.primitive, surface, scatterer, u, tally);
 }

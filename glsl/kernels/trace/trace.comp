@@ -56,7 +56,7 @@ void main() {
         uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
         FirstHit first_hit = NO_FIRST_HIT;
         float target = shade_vertex(path, hit, unit_floats(bits), first_hit, tally);
-        if (first_hit.known) add_first_hit(samples, first_hit.albedo, first_hit.normal, first_hit.depth);
+        if (first_hit.known) add_first_hit(samples, first_hit.features);
 
         // 4. Learning: at once from the target, or from all kept vertices when the path has ended.
         if (keeps_vertices()) {

@@ -18,7 +18,7 @@ void main() {
         uint offset = push.slice.sample_count - left;
         uint slot = slot_of(within, offset);
         FirstHit first_hit = load_first_hit(slot);
-        if (first_hit.known) add_first_hit(samples, first_hit.albedo, first_hit.normal, first_hit.depth);
+        if (first_hit.known) add_first_hit(samples, first_hit.features);
         add_sample(samples, push.slice.first_sample + offset, load_radiance(slot), tally);
         --left;
     }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::film::Picture;
+use crate::film::layers::FEATURE_CHANNELS;
 use crate::film::noise::TileNoise;
 use crate::film::sums::PixelSums;
 use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
@@ -187,7 +188,7 @@ impl FilmPage {
                     samples = radiance.sample_count;
                     variance_scale = settings.weight_sums(samples).variance_scale() as f32;
                 }
-                store_pixel(picture, at, radiance, features, variance_scale);
+                picture.set_moments(at, radiance, features, variance_scale);
             }
         }
         Ok(())
@@ -214,22 +215,6 @@ fn tile_order_pixel(index: u32, width: u32) -> (u32, u32) {
     (x * TILE_SIDE + within % TILE_SIDE, y * TILE_SIDE + within / TILE_SIDE)
 }
 
-fn store_pixel(
-    picture: &mut Picture,
-    at: usize,
-    radiance: &FilmRadiance,
-    features: &FilmFeatures,
-    variance_scale: f32,
-) {
-    picture.radiance[at] = radiance.mean;
-    picture.variance[at] = radiance.squared_deviation.map(|squared| squared * variance_scale);
-    picture.sample_count[at] = radiance.sample_count;
-    picture.hit_count[at] = radiance.hit_count;
-    picture.albedo[at] = features.albedo;
-    picture.normal[at] = features.normal;
-    picture.depth[at] = if radiance.hit_count > 0 { features.depth } else { f32::INFINITY };
-}
-
 /// A picture without samples, of the size that the settings ask for.
 pub(crate) fn empty_picture(settings: &Settings) -> Picture {
     let Crop { x, y, width, height } = settings.window();
@@ -239,7 +224,7 @@ pub(crate) fn empty_picture(settings: &Settings) -> Picture {
 /// Bytes that a pixel takes on the device.
 const PIXEL_BYTES: u64 = (size_of::<FilmRadiance>() + size_of::<FilmFeatures>()) as u64;
 /// Bytes that a pixel takes on the host when it is read back.
-const HOST_PIXEL_BYTES: u64 = 64;
+const HOST_PIXEL_BYTES: u64 = 36 + 4 * FEATURE_CHANNELS as u64;
 /// Bytes on the host that a pixel of a part of a picture takes besides: its sums, in tile order, and those of a picture that is
 /// read back, in both orders.
 const PART_PIXEL_BYTES: u64 = 3 * size_of::<PixelSums>() as u64;
