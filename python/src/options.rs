@@ -1,32 +1,21 @@
 //! Keyword arguments as options of the command line. A keyword is an option's name with underscores.
 
 use lodestar::session::Options;
-use lodestar::settings::options::{Category, OPTIONS, OptionEntry};
+use lodestar::settings::options::{Form, Keyword, OPTIONS, OptionEntry};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList};
 
 use crate::errors::raised;
 
-/// Options for reading a scene's file. They are no keywords of a render.
-const OF_FILES: [&str; 3] = ["D", "camera", "environment"];
-
-/// Options of files and messages that Python has, too. Pictures are saved by their own method.
-const FILES: [&str; 3] = ["checkpoint", "checkpoint-every", "guide-from"];
-/// Options of a resumed render. Its checkpoint has the others.
-const OF_RESUMED: [&str; 9] =
-    ["spp", "time", "device", "deal-by-speed", "slice-ms", "execution", "traversal", "kernel-dir", "checkpoint-every"];
-
 /// Options of a new render.
 pub fn of_render(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
-    parsed("render", keywords, |option| {
-        FILES.contains(&option.name) || (option.category != Category::Output && !OF_FILES.contains(&option.name))
-    })
+    parsed("render", keywords, |option| option.keyword != Keyword::Nowhere)
 }
 
 /// Options of a resumed render.
 pub fn of_resumed(keywords: Option<&Bound<'_, PyDict>>) -> PyResult<Options> {
-    parsed("resume", keywords, |option| OF_RESUMED.contains(&option.name))
+    parsed("resume", keywords, |option| option.keyword == Keyword::RenderAndResume)
 }
 
 fn parsed(
@@ -63,7 +52,7 @@ fn argument(option: &OptionEntry, keyword: &str, value: &Bound<'_, PyAny>) -> Py
         return Ok(None);
     }
     let name = option.name;
-    let is_switch = option.value_name.is_empty();
+    let is_switch = matches!(option.form, Form::Switch);
     if let (true, Ok(switch)) = (is_switch, value.cast::<PyBool>()) {
         return Ok(switch.is_true().then(|| format!("--{name}")));
     }
@@ -101,20 +90,18 @@ fn text(value: &Bound<'_, PyAny>) -> PyResult<Option<String>> {
 }
 
 /// Every keyword of `render` and `Renderer`, one dictionary each: `name`, `help`, `words` (those that it takes, or an empty list),
-/// `default` (a text, empty where there is none) and `subject`.
+/// `default` (a text, empty where there is none), `subject`, and `type` (of the keyword, as the stub writes it).
 #[pyfunction]
 pub fn options(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
     let list = PyList::empty(py);
-    let is_known = |option: &&OptionEntry| {
-        FILES.contains(&option.name) || (option.category != Category::Output && !OF_FILES.contains(&option.name))
-    };
-    for option in OPTIONS.iter().filter(is_known) {
+    for option in OPTIONS.iter().filter(|option| option.keyword != Keyword::Nowhere) {
         let entry = PyDict::new(py);
         entry.set_item("name", option.name.replace('-', "_"))?;
         entry.set_item("help", option.long_help(None))?;
         entry.set_item("words", option.words().into_iter().map(|word| word.name).collect::<Vec<_>>())?;
         entry.set_item("default", option.default_text())?;
         entry.set_item("subject", option.category.heading())?;
+        entry.set_item("type", option.python_type())?;
         list.append(entry)?;
     }
     Ok(list)

@@ -12,34 +12,11 @@ STUB = pathlib.Path(lodestar.__file__).with_name("_lodestar.pyi")
 BLOCK = re.compile(r"(# --- keywords: [^\n]*\n)(.*?)(# --- end of keywords\n)", re.DOTALL)
 # The signatures name these.
 EXPLICIT = {"spp", "time", "seed", "width", "height", "device"}
-NUMBERS = {"scale", "noise", "epsilon", "fallback", "min_uniform", "decay", "slice_ms"}
-OTHERS = {
-    "crop": "tuple[int, int, int, int]",
-    "rfilter": 'Literal["box", "tent", "gaussian"]',
-    "grid": 'int | Literal["auto"]',
-    "checkpoint": "_Path",
-    "checkpoint_every": "float | str",
-    "guide_from": "_Path",
-    "kernel_dir": "_Path",
-    "deal_by_speed": "bool",
-    "validate": "bool",
-}
-
-
-def kind(option):
-    name, words = option["name"], option["words"]
-    if name in OTHERS:
-        return OTHERS[name]
-    if words == ["on", "off"]:
-        return 'bool | Literal["on", "off"]'
-    if words:
-        return "Literal[" + ", ".join(f'"{word}"' for word in words) + "]"
-    return "float" if name in NUMBERS else "int"
 
 
 def keywords():
     lines = ["@final", "class _Keywords(TypedDict, total=False):"]
-    lines += [f"    {o['name']}: {kind(o)} | None" for o in lodestar.options() if o["name"] not in EXPLICIT]
+    lines += [f"    {o['name']}: {o['type']} | None" for o in lodestar.options() if o["name"] not in EXPLICIT]
     return "\n".join(["", *lines, "", ""])
 
 

@@ -6,11 +6,11 @@ use std::process::ExitCode;
 use lodestar::image::comparison::Comparison;
 use lodestar::image::report::{Report, ReportPicture};
 use lodestar::image::{Image, ToneCurve, exr};
+use lodestar::settings::options::form::finite;
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 
 use super::print::{print_json, print_line};
-use super::render_args::finite;
 
 /// Layer that the report shows beside the radiance.
 const DENOISED: &str = "denoised";

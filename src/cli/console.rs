@@ -8,10 +8,11 @@ use lodestar::Result;
 use lodestar::film::noise::NoiseReport;
 use lodestar::session::{Ending, Event, Progress};
 
+use super::given::{Given, Subset};
 use super::log::Log;
 use super::print::{print_message, report};
 use super::progress::{Loading, Meter, line, noise_words};
-use super::render_args::{LogFormat, OutputArgs};
+use super::render_args::LogFormat;
 
 /// Shows the events of one render.
 pub struct Console(Form);
@@ -30,10 +31,10 @@ enum Stage {
 }
 
 impl Console {
-    /// A console of the form that `args` ask for. It has shown nothing yet.
-    pub fn new(args: &OutputArgs) -> Self {
-        let (is_quiet, has_names) = (args.quiet, !args.output.is_empty());
-        Self(match args.log {
+    /// A console of the form that arguments ask for. It has shown nothing yet.
+    pub fn new<S: Subset>(given: &Given<S>) -> Self {
+        let (is_quiet, has_names) = (given.has("quiet"), given.has("output"));
+        Self(match given.word("log").unwrap_or(LogFormat::Text) {
             LogFormat::Json => Form::Json(Mutex::new(Log::new(is_quiet))),
             LogFormat::Text => {
                 Form::Text { is_quiet, has_names, stage: Mutex::new(Stage::Preparing(Loading::new(is_quiet))) }

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use lodestar::Result;
 use lodestar::scene::{Converted, convert, scene_file};
+use lodestar::settings::options::form::define;
 
 use super::print::report;
-use super::render_args::define;
 
 /// Writes a scene as a Mitsuba file of version 3.0.0 that renders the same picture.
 ///

@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use lodestar::denoise::pictures::DenoisedFile;
 use lodestar::denoise::{DenoiseOptions, Denoiser, DeviceKind};
 use lodestar::image::ToneCurve;
+use lodestar::settings::options::form::{finite, output_path};
 use lodestar::{Result, files};
 
 use super::print::{print_message, report};
-use super::render_args::{finite, output_path};
 
 /// Denoises an EXR picture by Intel's Open Image Denoise 2.x.
 ///

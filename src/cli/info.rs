@@ -7,9 +7,9 @@ use std::process::ExitCode;
 use lodestar::Result;
 use lodestar::scene::summary::{Guided, Summary, summarize};
 use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, load, scene_file};
+use lodestar::settings::options::form::define;
 
 use super::print::{print_json, print_line};
-use super::render_args::define;
 
 /// Tells what is in a scene: shapes, materials, lights, textures, memory of images, warnings, and what will be guided.
 #[derive(Debug, Clone, clap::Args)]

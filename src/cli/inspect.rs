@@ -11,16 +11,17 @@ use lodestar::gpu::{Context, ContextOptions, DeviceInfo, Kernel, KernelSource, R
 use lodestar::renderer::{variant_for, variant_of_settings};
 use lodestar::scene::{self, FilmDescription, IntegratorDescription, LoadOptions, ReconstructionFilter};
 use lodestar::session::kernel_files::KernelFiles;
+use lodestar::settings::options::form::{define, depth};
 use lodestar::settings::{SamplePattern, Settings};
 use lodestar::spirv::inspect;
 use lodestar::{Error, Result, files};
 use serde::Serialize;
 
+use super::given::{Given, OfGuide};
 use super::inspect_text;
 use super::inspect_text::Inspected;
 use super::print::{print_json, print_line, report};
-use super::render_args::{Filter, Switch, define, depth};
-use super::setting_args::SettingArgs;
+use super::render_args::Filter;
 
 /// Shows the interface and the instructions of the kernels.
 ///
@@ -65,7 +66,16 @@ pub struct InspectArgs {
     #[arg(long, value_enum, default_value_t = SamplePattern::Sobol, help_heading = "Variant")]
     pattern: SamplePattern,
     #[command(flatten)]
-    guiding: SettingArgs<true>,
+    guiding: Given<OfGuide>,
+}
+
+/// A switch that is on or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Switch {
+    /// Yes.
+    On,
+    /// No.
+    Off,
 }
 
 /// Report that is printed as JSON.

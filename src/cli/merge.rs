@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use lodestar::film;
 use lodestar::film::merge::{PartialPicture, merge};
+use lodestar::settings::options::form::exr_path;
 use lodestar::{Result, files};
 
 use super::print::report;
-use super::render_args::exr_path;
 
 /// Averages pictures of one scene with disjoint samples, every pixel by its sample counts.
 ///

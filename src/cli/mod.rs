@@ -9,7 +9,7 @@ mod console;
 mod convert;
 mod denoise;
 mod devices;
-mod duration;
+mod given;
 mod info;
 mod inspect;
 mod inspect_text;
@@ -26,9 +26,7 @@ mod render;
 mod render_args;
 mod reproduce;
 mod resume;
-mod setting_args;
 mod view;
-mod viewer_args;
 mod words;
 
 use std::ffi::OsString;
@@ -56,7 +54,7 @@ const WRONG_USAGE: u8 = 2;
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Render(Box<render_args::RenderArgs>),
+    Render(Box<render::RenderArgs>),
     Resume(Box<resume::ResumeArgs>),
     Inspect(Box<inspect::InspectArgs>),
     Devices(devices::DevicesArgs),
@@ -73,7 +71,7 @@ enum Command {
 
 /// The command line, with the help of the table of options.
 fn command() -> clap::Command {
-    setting_args::described(Cli::command())
+    given::described(Cli::command())
 }
 
 /// Parses the arguments, of which the first is the program's name, runs the subcommand and reports its failure as one sentence.
@@ -115,8 +113,8 @@ pub fn options(subcommand: &str, arguments: impl IntoIterator<Item = String>) ->
     let arguments = ["lodestar", subcommand, "file"].map(str::to_owned).into_iter().chain(arguments);
     let parsed = command().try_get_matches_from(arguments).and_then(|matches| Cli::from_arg_matches(&matches));
     match parsed.map(|cli| cli.command) {
-        Ok(Command::Render(args)) => Ok(render::options(*args)),
-        Ok(Command::Resume(args)) => Ok(resume::options(*args)),
+        Ok(Command::Render(args)) => Ok(render::options(args.given)),
+        Ok(Command::Resume(args)) => Ok(resume::options(&args)),
         Ok(_) => Err(Error::Settings(format!("`{subcommand}` does not render"))),
         Err(error) => Err(Error::Settings(fault(&error.to_string()))),
     }

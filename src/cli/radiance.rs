@@ -8,13 +8,14 @@ use lodestar::film::{self, Picture};
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::image::{ToneCurve, png};
 use lodestar::scene::{self, Scene};
-use lodestar::session::identity;
 use lodestar::session::radiance_map::{self, MappedScene, SurfacePoint, false_colors};
+use lodestar::session::{Options, identity};
 use lodestar::settings::Settings;
+use lodestar::settings::options::form::output_path;
 use lodestar::{Error, Result, files};
 
+use super::given::{Given, OfMap};
 use super::print::{print_line, report};
-use super::render_args::{ChoiceArgs, LoadArgs, device_name, output_path};
 
 /// Writes the radiance that a guide has learned at one point, by direction (the paper's Fig. 6).
 ///
@@ -25,8 +26,6 @@ pub struct RadianceArgs {
     /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt)
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
-    #[command(flatten)]
-    load: LoadArgs,
     /// Pixel whose center shows the point.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pixel: [u32; 2],
@@ -40,18 +39,17 @@ pub struct RadianceArgs {
     #[arg(long)]
     truth: bool,
     #[command(flatten)]
-    choices: ChoiceArgs,
-    #[arg(long, env = "LODESTAR_DEVICE")]
-    device: Option<String>,
+    given: Given<OfMap>,
 }
 
 /// Writes the map that `args` ask for.
 pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     args.output.iter().try_for_each(|path| files::check_writable(path))?;
-    let scene = scene::load(&scene::scene_file(&args.scene)?, &args.load.options())?;
+    let scene = scene::load(&scene::scene_file(&args.scene)?, &args.given.load())?;
     scene.warnings.iter().for_each(|warning| report("warning", warning));
-    let settings = settings(args.choices, &scene)?;
-    let context = Context::new(&ContextOptions { device: device_name(args.device), validate: false })?;
+    let device = args.given.device();
+    let settings = settings(args.given, &scene)?;
+    let context = Context::new(&ContextOptions { device, validate: false })?;
     let bvh = Bvh::build(&scene.primitives);
     let place = MappedScene { context: &context, scene: &scene, bvh: &bvh };
     let point = place.visible_point(&settings, args.pixel)?;
@@ -69,11 +67,11 @@ pub fn run(args: RadianceArgs) -> Result<ExitCode> {
 }
 
 /// Settings of a map. Options that make sense for a picture only are refused.
-fn settings(choices: ChoiceArgs, scene: &Scene) -> Result<Settings> {
-    let grows = choices.settings.text("steps") == Some("growing");
-    let has_weights = choices.settings.text("sample-weights").is_some();
-    let samples_emitters = choices.settings.text("nee") == Some("on");
-    let settings = radiance_map::settings_for_map(choices.options().settings_for(scene)?)?;
+fn settings(given: Given<OfMap>, scene: &Scene) -> Result<Settings> {
+    let grows = given.text("steps") == Some("growing");
+    let has_weights = given.text("sample-weights").is_some();
+    let samples_emitters = given.text("nee") == Some("on");
+    let settings = radiance_map::settings_for_map(given.choose(Options::new()).settings_for(scene)?)?;
     if grows {
         return Err(Error::Settings(
             "--steps growing is for a picture: steps of a map have all --spp-per-step samples".into(),

@@ -8,31 +8,38 @@ use lodestar::session::{Event, Options, SceneInput, Session, Start, Watch};
 use lodestar::view::{ViewOptions, Viewers};
 
 use super::console::Console;
+use super::given::{Given, OfRender};
 use super::interrupt::Interrupt;
 use super::print::print_line;
 use super::ranks;
-use super::render_args::{RenderArgs, with};
+use super::render_args::with;
+
+/// Renders a scene.
+///
+/// The render ends at the first of --spp, --time and --noise that is reached. Ctrl-C ends it too. Each way, the picture so far is
+/// written.
+#[derive(Debug, clap::Args)]
+#[command(allow_negative_numbers = true)]
+pub struct RenderArgs {
+    /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt)
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    #[command(flatten)]
+    pub given: Given<OfRender>,
+}
 
 /// Renders the scene that `args` name.
 pub fn run(args: RenderArgs) -> Result<ExitCode> {
-    let console = Console::new(&args.files);
-    let viewers = args.viewers.options(args.files.denoiser());
-    let start = Start::Anew(SceneInput::File { path: args.scene, options: args.load.options() });
-    let options = args.device.add_to(args.length.add_to(args.choices.options()));
-    let options = with(options, args.guide_from, Options::guide_from);
-    let options = with_checkpoint(options, args.checkpoint, args.checkpoint_every).files(args.files.into());
-    render(start, &options, &console, &viewers)
+    let RenderArgs { scene, given } = args;
+    let (console, viewers, files) = (Console::new(&given), given.viewers(), given.files());
+    let start = Start::Anew(SceneInput::File { path: scene, options: given.load() });
+    render(start, &options(given).files(files), &console, &viewers)
 }
 
-/// Options that `args` stand for, without the scene and the files of the picture.
-pub fn options(args: RenderArgs) -> Options {
-    let options = args.device.add_to(args.length.add_to(args.choices.options()));
-    let options = with(options, args.guide_from, Options::guide_from);
-    with_checkpoint(options, args.checkpoint, args.checkpoint_every)
-}
-
-fn with_checkpoint(options: Options, checkpoint: Option<PathBuf>, every: f64) -> Options {
-    with(options, checkpoint, Options::checkpoint).checkpoint_every(every)
+/// Options that arguments stand for, without the scene and the files of the picture.
+pub fn options(given: Given<OfRender>) -> Options {
+    let options = given.add_to(Options::new());
+    given.choose(options)
 }
 
 /// Renders from the beginning or from a checkpoint, and shows the progress and the end.

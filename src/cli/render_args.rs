@@ -1,102 +1,18 @@
-//! The arguments of `lodestar render`, and the library's options that they stand for.
+//! The options of the library that arguments of `lodestar render` and `lodestar resume` stand for.
 
-use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::Arc;
 
 use clap::ValueEnum;
 use lodestar::denoise::{DenoiseOptions, DeviceKind};
-use lodestar::files;
 use lodestar::gpu::ContextOptions;
-use lodestar::image::ToneCurve;
-use lodestar::scene::{CameraChoice, Crop, EnvironmentChoice, LoadOptions, ReconstructionFilter};
+use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, ReconstructionFilter};
 use lodestar::session::{CHECKPOINT_EVERY, FilmSize, Options, OutputFiles};
-use lodestar::settings::{Execution, Settings, Traversal, UNLIMITED_DEPTH};
+use lodestar::settings::Settings;
+use lodestar::settings::options::{form, seconds};
+use lodestar::view::ViewOptions;
 
-use super::duration::seconds;
-use super::setting_args::SettingArgs;
-use super::viewer_args::ViewerArgs;
-
-/// Renders a scene.
-///
-/// The render ends at the first of --spp, --time and --noise that is reached. Ctrl-C ends it too. Each way, the picture so far is
-/// written.
-#[derive(Debug, clap::Args)]
-#[command(allow_negative_numbers = true)]
-pub struct RenderArgs {
-    /// The scene: Mitsuba's XML of any version, glTF 2.0 (.gltf, .glb), or pbrt-v4 (.pbrt)
-    #[arg(value_name = "SCENE")]
-    pub scene: PathBuf,
-    #[command(flatten)]
-    pub load: LoadArgs,
-    #[command(flatten)]
-    pub files: OutputArgs,
-    #[command(flatten)]
-    pub viewers: ViewerArgs,
-    #[arg(long)]
-    pub checkpoint: Option<PathBuf>,
-    #[arg(long, requires = "checkpoint", default_value_t = CHECKPOINT_EVERY, value_parser = seconds)]
-    pub checkpoint_every: f64,
-    #[arg(long)]
-    pub guide_from: Option<PathBuf>,
-    #[command(flatten)]
-    pub length: LengthArgs,
-    #[command(flatten)]
-    pub choices: ChoiceArgs,
-    #[command(flatten)]
-    pub device: DeviceArgs,
-}
-
-/// Choices about how a scene is read.
-#[derive(Debug, Clone, clap::Args)]
-pub struct LoadArgs {
-    #[arg(short = 'D', value_parser = define)]
-    pub define: Vec<(String, String)>,
-    #[arg(long)]
-    pub camera: Option<CameraChoice>,
-    #[arg(long)]
-    pub environment: Option<EnvironmentChoice>,
-}
-
-impl LoadArgs {
-    /// The library's options that the arguments stand for.
-    pub fn options(self) -> LoadOptions {
-        let Self { define, camera, environment } = self;
-        LoadOptions { defines: define, camera, environment }
-    }
-}
-
-/// Files of the picture, and messages.
-#[derive(Debug, Clone, clap::Args)]
-pub struct OutputArgs {
-    #[arg(short, long, value_parser = output_path)]
-    pub output: Vec<PathBuf>,
-    #[arg(long, value_enum)]
-    pub tone: Option<ToneCurve>,
-    #[arg(long, value_parser = finite)]
-    pub exposure: Option<f32>,
-    #[arg(long)]
-    pub half: bool,
-    #[arg(long)]
-    pub denoise: bool,
-    #[arg(long, requires = "denoise")]
-    pub oidn: Option<PathBuf>,
-    #[arg(long, requires = "denoise", value_enum, default_value_t = DeviceKind::Cpu)]
-    pub oidn_device: DeviceKind,
-    #[arg(long)]
-    pub overwrite: bool,
-    #[arg(long, value_parser = seconds)]
-    pub write_every: Option<f64>,
-    #[arg(long)]
-    pub reference: Option<PathBuf>,
-    #[arg(long)]
-    pub stats: Option<PathBuf>,
-    #[arg(long)]
-    pub profile: Option<PathBuf>,
-    #[arg(long, value_enum, default_value_t = LogFormat::Text)]
-    pub log: LogFormat,
-    #[arg(short, long)]
-    pub quiet: bool,
-}
+use super::given::{Given, Subset};
 
 /// Form of the messages on standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -105,64 +21,6 @@ pub enum LogFormat {
     Text,
     /// One JSON object per line.
     Json,
-}
-
-/// Length of the render.
-#[derive(Debug, Clone, clap::Args)]
-pub struct LengthArgs {
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
-    pub spp: Option<u32>,
-    #[arg(long, value_parser = seconds)]
-    pub time: Option<f64>,
-}
-
-/// Options that decide the settings.
-#[derive(Debug, clap::Args)]
-pub struct ChoiceArgs {
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
-    pub width: Option<u32>,
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
-    pub height: Option<u32>,
-    #[arg(long, conflicts_with_all = ["width", "height"], value_parser = positive)]
-    pub scale: Option<f32>,
-    #[arg(long, allow_hyphen_values = true, value_parser = crop)]
-    pub crop: Option<Crop>,
-    #[arg(long, value_enum)]
-    pub rfilter: Option<Filter>,
-    #[arg(long, value_parser = depth)]
-    pub max_depth: Option<u32>,
-    #[arg(long)]
-    pub rr_depth: Option<u32>,
-    #[command(flatten)]
-    pub settings: SettingArgs<false>,
-}
-
-/// Device and kernels.
-#[derive(Debug, Clone, clap::Args)]
-pub struct DeviceArgs {
-    #[arg(long, env = "LODESTAR_DEVICE")]
-    pub device: Option<String>,
-    #[arg(long)]
-    pub deal_by_speed: bool,
-    #[arg(long, value_parser = milliseconds)]
-    pub slice_ms: Option<f64>,
-    #[arg(long, value_enum, default_value_t = Execution::Auto)]
-    pub execution: Execution,
-    #[arg(long, value_enum)]
-    pub traversal: Option<Traversal>,
-    #[arg(long)]
-    pub kernel_dir: Option<PathBuf>,
-    #[arg(long)]
-    pub validate: bool,
-}
-
-/// A switch that is on or off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Switch {
-    /// Yes.
-    On,
-    /// No.
-    Off,
 }
 
 /// A reconstruction filter by name.
@@ -176,37 +34,13 @@ pub enum Filter {
     Gaussian,
 }
 
-impl OutputArgs {
-    /// The denoiser that the arguments name.
-    pub fn denoiser(&self) -> DenoiseOptions {
-        DenoiseOptions { folder: self.oidn.clone(), device: self.oidn_device }
-    }
-}
-
-impl From<OutputArgs> for OutputFiles {
-    fn from(args: OutputArgs) -> Self {
-        let denoise = args.denoise.then(|| args.denoiser());
-        let OutputArgs { output, tone, exposure, half, overwrite, write_every, reference, stats, profile, .. } = args;
-        let (pictures, statistics) = (output, stats);
-        Self { pictures, tone, exposure, half, denoise, overwrite, write_every, reference, statistics, profile }
-    }
-}
-
-impl LengthArgs {
-    /// Adds these arguments to `options`.
-    pub fn add_to(self, options: Options) -> Options {
-        with(with(options, self.spp, Options::samples), self.time, Options::seconds)
-    }
-}
-
-impl DeviceArgs {
-    /// Adds these arguments to `options`.
-    pub fn add_to(self, options: Options) -> Options {
-        let device = ContextOptions { device: device_name(self.device), validate: self.validate };
-        let options = options.open_device(device).deal_by_speed(self.deal_by_speed).execution(self.execution);
-        let options = with(options, self.traversal, Options::traversal);
-        let options = with(options, self.slice_ms, Options::slice_milliseconds);
-        with(options, self.kernel_dir, Options::kernel_folder)
+impl Filter {
+    pub fn with_default_width(self) -> ReconstructionFilter {
+        match self {
+            Self::Box => ReconstructionFilter::Box,
+            Self::Tent => ReconstructionFilter::Tent { radius: 1.0 },
+            Self::Gaussian => ReconstructionFilter::Gaussian { stddev: 0.5 },
+        }
     }
 }
 
@@ -223,93 +57,97 @@ pub fn with<T>(options: Options, value: Option<T>, set: impl FnOnce(Options, T) 
     }
 }
 
-impl ChoiceArgs {
-    /// The options that these arguments stand for.
-    pub fn options(self) -> Options {
-        let size = match (self.width, self.height, self.scale) {
+impl<S: Subset> Given<S> {
+    /// How the scene is read.
+    pub fn load(&self) -> LoadOptions {
+        LoadOptions {
+            defines: self.values("D", form::define),
+            camera: self.value("camera", CameraChoice::from_str),
+            environment: self.value("environment", EnvironmentChoice::from_str),
+        }
+    }
+
+    /// Denoiser of the picture.
+    pub fn denoiser(&self) -> DenoiseOptions {
+        DenoiseOptions { folder: self.path("oidn"), device: self.word("oidn-device").unwrap_or(DeviceKind::Cpu) }
+    }
+
+    /// Files of the picture.
+    pub fn files(&self) -> OutputFiles {
+        OutputFiles {
+            pictures: self.values("output", form::output_path),
+            tone: self.word("tone"),
+            exposure: self.value("exposure", form::finite),
+            half: self.has("half"),
+            denoise: self.has("denoise").then(|| self.denoiser()),
+            overwrite: self.has("overwrite"),
+            write_every: self.value("write-every", seconds),
+            reference: self.path("reference"),
+            statistics: self.path("stats"),
+            profile: self.path("profile"),
+        }
+    }
+
+    /// Views of the render. The denoiser makes the page's layer `denoised`.
+    pub fn viewers(&self) -> ViewOptions {
+        let text = |name| self.text(name).map(str::to_owned);
+        ViewOptions { page: text("view"), display_server: text("display-server"), denoiser: self.denoiser() }
+    }
+
+    /// Name or index of the device, if one is chosen.
+    pub fn device(&self) -> Option<String> {
+        device_name(self.text("device").map(str::to_owned))
+    }
+
+    /// Adds length, device and checkpoint to `options`, which a new render and a resumed one have.
+    pub fn add_to(&self, options: Options) -> Options {
+        let device = ContextOptions { device: self.device(), validate: self.has("validate") };
+        let options = options.open_device(device).deal_by_speed(self.has("deal-by-speed"));
+        let options = with(options, self.value("spp", str::parse), Options::samples);
+        let options = with(options, self.value("time", seconds), Options::seconds);
+        let options = with(options, self.word("execution"), Options::execution);
+        let options = with(options, self.word("traversal"), Options::traversal);
+        let options = with(options, self.value("slice-ms", form::milliseconds), Options::slice_milliseconds);
+        let options = with(options, self.path("kernel-dir"), Options::kernel_folder);
+        let options = with(options, self.path("guide-from"), Options::guide_from);
+        let options = with(options, self.path("checkpoint"), Options::checkpoint);
+        options.checkpoint_every(self.value("checkpoint-every", seconds).unwrap_or(CHECKPOINT_EVERY))
+    }
+
+    /// Adds what decides the settings to `options`.
+    pub fn choose(self, options: Options) -> Options {
+        let number = |name| self.value(name, str::parse::<u32>);
+        let size = match (number("width"), number("height"), self.value("scale", form::positive)) {
             (Some(width), Some(height), _) => FilmSize::Pixels(width, height),
             (Some(width), None, _) => FilmSize::Width(width),
             (None, Some(height), _) => FilmSize::Height(height),
             (None, None, Some(scale)) => FilmSize::Scaled(scale),
             (None, None, None) => FilmSize::OfScene,
         };
-        let options = Options::new().film_size(size);
-        let options = with(options, self.crop, Options::crop);
-        let options = with(options, self.rfilter.map(Filter::with_default_width), Options::filter);
-        let options = with(options, self.max_depth, Options::max_depth);
-        let options = with(options, self.rr_depth, Options::rr_depth);
-        let settings = Arc::new(self.settings);
-        let checked = Arc::clone(&settings);
-        let change = move |changed: &mut Settings| settings.apply(changed);
+        let options = options.film_size(size);
+        let options = with(options, self.value("crop", form::crop), Options::crop);
+        let filter = self.word("rfilter").map(Filter::with_default_width);
+        let options = with(options, filter, Options::filter);
+        let options = with(options, self.value("max-depth", form::depth), Options::max_depth);
+        let options = with(options, number("rr-depth"), Options::rr_depth);
+        let given = Arc::new(self);
+        let checked = Arc::clone(&given);
+        let change = move |changed: &mut Settings| given.apply(changed);
         options.settings(change).check(move |settings| checked.check_uses(settings))
     }
-}
-
-impl Filter {
-    pub fn with_default_width(self) -> ReconstructionFilter {
-        match self {
-            Self::Box => ReconstructionFilter::Box,
-            Self::Tent => ReconstructionFilter::Tent { radius: 1.0 },
-            Self::Gaussian => ReconstructionFilter::Gaussian { stddev: 0.5 },
-        }
-    }
-}
-
-pub fn output_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match () {
-        () if text == "-" => Err("no picture goes to standard output; name a file that ends in .exr or .png".into()),
-        () if files::is_picture(&path) => Ok(path),
-        () => Err("the name must end in .exr or .png".into()),
-    }
-}
-
-/// A path that ends in .exr.
-pub fn exr_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    files::has_extension(&path, "exr").then_some(path).ok_or_else(|| "the name must end in .exr".into())
-}
-
-pub fn define(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
-        _ => Err("write it as NAME=VALUE".into()),
-    }
-}
-
-fn crop(text: &str) -> Result<Crop, String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
-        _ => Err("write it as X,Y,W,H: four whole numbers, W and H above 0".into()),
-    }
-}
-
-/// Longest path in edges. Mitsuba writes `unlimited` as -1.
-pub fn depth(text: &str) -> Result<u32, String> {
-    match text {
-        "unlimited" | "-1" => Ok(UNLIMITED_DEPTH),
-        _ => text.parse().ok().filter(|&depth| depth > 0).ok_or_else(|| "give a number of edges or unlimited".into()),
-    }
-}
-
-pub fn finite(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
-}
-
-pub fn positive(text: &str) -> Result<f32, String> {
-    finite(text).ok().filter(|&number| number > 0.0).ok_or_else(|| "give a number above 0".into())
-}
-
-fn milliseconds(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "give a number of milliseconds above 0".into())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::Parser;
+    use lodestar::image::ToneCurve;
+    use lodestar::scene::Crop;
+    use lodestar::settings::UNLIMITED_DEPTH;
+    use std::path::PathBuf;
+
+    use crate::cli::given::OfRender;
+    use crate::cli::render::RenderArgs;
 
     #[derive(Debug, Parser)]
     struct Alone {
@@ -317,9 +155,9 @@ mod tests {
         args: RenderArgs,
     }
 
-    fn parse(line: &str) -> Result<RenderArgs, String> {
+    fn parse(line: &str) -> Result<Given<OfRender>, String> {
         let words = ["render", "a.xml"].into_iter().chain(line.split_whitespace());
-        Alone::try_parse_from(words).map(|alone| alone.args).map_err(|error| error.to_string())
+        Alone::try_parse_from(words).map(|alone| alone.args.given).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -332,19 +170,23 @@ mod tests {
               --sample-offset 64 --pattern independent --checkpoint a.ckpt --checkpoint-every 5",
         )
         .unwrap();
-        assert_eq!(args.files.output, [PathBuf::from("a.exr"), PathBuf::from("a.PNG")]);
-        assert_eq!(args.choices.crop, Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
-        assert_eq!(args.load.define, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
-        let RenderArgs { files, choices, length, .. } = args;
-        assert_eq!((files.half, files.overwrite, files.log, length.time), (true, true, LogFormat::Json, Some(61.5)));
-        assert_eq!((files.exposure, files.tone), (Some(-1.5), Some(ToneCurve::Paper)));
-        assert_eq!((choices.settings.text("sampler"), choices.settings.text("nee")), (Some("bsdf"), Some("on")));
-        assert_eq!((choices.width, choices.height, choices.rfilter), (Some(8), Some(4), Some(Filter::Tent)));
-        assert_eq!(choices.max_depth, Some(5));
+        let OutputFiles { pictures, tone, exposure, half, overwrite, .. } = args.files();
+        assert_eq!(pictures, [PathBuf::from("a.exr"), PathBuf::from("a.PNG")]);
+        assert_eq!((exposure, tone, half, overwrite), (Some(-1.5), Some(ToneCurve::Paper), true, true));
+        assert_eq!(args.value("crop", form::crop), Some(Crop { x: 1, y: 2, width: 3, height: 4 }));
+        assert_eq!(args.load().defines, [("a".into(), "b=c".into()), ("d".into(), String::new())]);
+        assert_eq!((args.word("log"), args.value("time", seconds)), (Some(LogFormat::Json), Some(61.5)));
+        assert_eq!((args.text("sampler"), args.text("nee")), (Some("bsdf"), Some("on")));
+        assert_eq!((args.text("width"), args.text("height")), (Some("8"), Some("4")));
+        assert_eq!((args.word("rfilter"), args.value("max-depth", form::depth)), (Some(Filter::Tent), Some(5)));
         for text in ["unlimited", "-1"] {
-            assert_eq!(parse(&format!("--max-depth {text}")).unwrap().choices.max_depth, Some(UNLIMITED_DEPTH));
+            let args = parse(&format!("--max-depth {text}")).unwrap();
+            assert_eq!(args.value("max-depth", form::depth), Some(UNLIMITED_DEPTH));
         }
-        assert_eq!((choices.settings.text("sample-offset"), args.checkpoint_every), (Some("64"), 5.0));
+        assert_eq!((args.text("sample-offset"), args.value("checkpoint-every", seconds)), (Some("64"), Some(5.0)));
+        let bare = parse("--view").unwrap();
+        assert_eq!(bare.text("view"), Some(lodestar::settings::options::LOCAL));
+        assert!(!bare.has("half") && bare.text("output").is_none());
     }
 
     #[test]

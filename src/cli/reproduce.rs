@@ -8,12 +8,13 @@ use std::time::Instant;
 use lodestar::Result;
 use lodestar::gpu::{Context, ContextOptions};
 use lodestar::reproduce::{Plan, Status, Target, Watch};
+use lodestar::settings::options::form::positive;
+use lodestar::settings::options::seconds;
 
-use super::duration::seconds;
 use super::interrupt::Interrupt;
 use super::print::print_line;
 use super::progress::{Meter, duration};
-use super::render_args::{device_name, positive};
+use super::render_args::device_name;
 
 /// Measures the figures of the paper's tables on this device.
 ///

@@ -4,12 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use lodestar::Result;
-use lodestar::session::{CHECKPOINT_EVERY, Options, Start};
+use lodestar::session::{Options, Start};
 
 use super::console::Console;
-use super::duration::seconds;
-use super::render_args::{DeviceArgs, LengthArgs, OutputArgs};
-use super::viewer_args::ViewerArgs;
+use super::given::{Given, OfResume};
 
 /// Continues a render from its checkpoint, to the same bits as without the interruption.
 ///
@@ -24,29 +22,19 @@ pub struct ResumeArgs {
     /// Path of the scene, if it was moved.
     #[arg(long, value_name = "SCENE", help_heading = "Scene")]
     scene: Option<PathBuf>,
-    #[arg(long, default_value_t = CHECKPOINT_EVERY, value_parser = seconds)]
-    checkpoint_every: f64,
     #[command(flatten)]
-    files: OutputArgs,
-    #[command(flatten)]
-    viewers: ViewerArgs,
-    #[command(flatten)]
-    length: LengthArgs,
-    #[command(flatten)]
-    device: DeviceArgs,
+    given: Given<OfResume>,
 }
 
 /// Options that `args` stand for, without the files of the picture.
-pub fn options(args: ResumeArgs) -> Options {
-    args.device.add_to(args.length.add_to(Options::new())).checkpoint_every(args.checkpoint_every)
+pub fn options(args: &ResumeArgs) -> Options {
+    args.given.add_to(Options::new())
 }
 
 /// Goes on with the render.
 pub fn run(args: ResumeArgs) -> Result<ExitCode> {
-    let console = Console::new(&args.files);
-    let viewers = args.viewers.options(args.files.denoiser());
+    let (console, viewers) = (Console::new(&args.given), args.given.viewers());
+    let options = options(&args).files(args.given.files());
     let start = Start::Resume { checkpoint: args.file, moved_scene: args.scene };
-    let options = args.device.add_to(args.length.add_to(Options::new()));
-    let options = options.files(args.files.into()).checkpoint_every(args.checkpoint_every);
     super::render::render(start, &options, &console, &viewers)
 }

@@ -6,12 +6,12 @@ use std::thread;
 use std::time::Duration;
 
 use lodestar::Result;
-use lodestar::view::{FileView, check_address};
+use lodestar::settings::options::LOCAL;
+use lodestar::settings::options::form::{address, exr_path};
+use lodestar::view::FileView;
 
 use super::interrupt::Interrupt;
 use super::print::print_message;
-use super::render_args::exr_path;
-use super::viewer_args::LOCAL;
 
 /// Interval at which the file is looked at.
 const INTERVAL: Duration = Duration::from_millis(200);
@@ -26,7 +26,7 @@ pub struct ViewArgs {
     #[arg(value_name = "PICTURE.exr", value_parser = exr_path)]
     picture: PathBuf,
     /// Address of the page; port 0 is a free port.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = LOCAL, value_parser = check_address)]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = LOCAL, value_parser = address)]
     address: String,
 }
 

@@ -8,7 +8,7 @@ use crate::gpu::{Context, ContextOptions};
 use crate::scene::{Crop, ReconstructionFilter, Scene};
 use crate::session::files::OutputFiles;
 use crate::session::length::Length;
-use crate::settings::{Execution, Guide, Sampler, Settings, Traversal, depth_warning};
+use crate::settings::{Execution, Sampler, Settings, Traversal, depth_warning};
 use crate::{Error, Result};
 
 /// Samples per pixel if neither the caller nor the scene limits the render.
@@ -164,12 +164,6 @@ impl Options {
     #[must_use]
     pub fn seed(self, seed: u32) -> Self {
         self.settings(move |settings| settings.seed = seed)
-    }
-
-    /// Sets the guide: a sampler with its learner and their parameters, in a combination that is always legal.
-    #[must_use]
-    pub fn guide(self, guide: Guide) -> Self {
-        self.settings(move |settings| *settings = settings.clone().with_guide(guide.clone()))
     }
 
     /// Sets the sampler of scattered directions, and the sampler's default learner.

@@ -13,7 +13,7 @@ use crate::image::false_color::false_color;
 use crate::math::direction_map::{bin_center, bin_point};
 use crate::renderer::Renderer;
 use crate::scene::{Camera, Crop, FovAxis, Projection, ReconstructionFilter, Scene};
-use crate::settings::{Guide, MAX_FILM_SIDE, Sampler, Settings};
+use crate::settings::{MAX_FILM_SIDE, Sampler, Settings};
 use crate::{Error, Result};
 
 /// Parts along each side into which a pixel is cut, so that the middle part shows the pixel's center. The number is odd.
@@ -52,7 +52,7 @@ pub struct MappedScene<'a> {
 /// Settings of a path tracer without a guide, on a film of `width` x `height` pixels.
 fn plain(settings: &Settings, width: u32, height: u32) -> Settings {
     let film = Settings { width, height, crop: None, filter: ReconstructionFilter::Box, ..settings.clone() };
-    Settings { hide_emitters: false, sample_weights: None, ..film.with_guide(Guide::None) }
+    Settings { hide_emitters: false, sample_weights: None, ..film.without_guide() }
 }
 
 /// Settings with which a map is learned: a picture's `settings`, without emitter sampling.

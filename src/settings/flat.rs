@@ -16,7 +16,7 @@ pub const AUTO_GRID: u32 = u32::MAX;
 /// Defaults of the kernels.
 const DEFAULTS: Variant = Variant::DEFAULT;
 
-/// Settings of a render. [`Settings::for_scene`] gives the defaults, [`Settings::with_guide`] chooses a guide.
+/// Settings of a render. [`Settings::for_scene`] gives the defaults.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
@@ -167,6 +167,33 @@ impl Settings {
             queue_groups: None,
             film_page_pixels: None,
             storage_reads: false,
+        }
+    }
+
+    /// Settings without a guide. What belongs to a guide returns to its default.
+    #[must_use]
+    pub fn without_guide(self) -> Self {
+        let film = FilmDescription { width: self.width, height: self.height, crop: self.crop, filter: self.filter };
+        let defaults = Self::for_film(&film, &IntegratorDescription::default());
+        Self {
+            sampler: Sampler::Bsdf,
+            light_selection: self.light_selection.filter(|&selection| selection != LightSelection::Learned),
+            roulette: self.roulette.filter(|&roulette| roulette != Roulette::Contribution),
+            learner: defaults.learner,
+            expected_directions: defaults.expected_directions,
+            mix: defaults.mix,
+            epsilon: defaults.epsilon,
+            bsdf_share: defaults.bsdf_share,
+            guide_set: defaults.guide_set,
+            map: defaults.map,
+            grid: defaults.grid,
+            fallback: defaults.fallback,
+            directions: defaults.directions,
+            normals: defaults.normals,
+            max_tries: defaults.max_tries,
+            min_uniform: defaults.min_uniform,
+            decay: defaults.decay,
+            ..self
         }
     }
 

@@ -1,13 +1,12 @@
 //! Settings: everything that changes a picture, or how it is rendered.
 //!
-//! [`Settings`] has one field for each, and kernels, checkpoints and pictures use this form. [`Guide`] chooses a guide in a form
-//! that allows no illegal combination. [`options`] is the table of all options: one entry holds the name, the
-//! help, the range and the combinations of an option.
+//! [`Settings`] has one field for each, and kernels, checkpoints and pictures use this form. [`options`] is the table of all options:
+//! one entry holds the name, the help, the value, the range and the combinations of an option. [`Settings::validate`] refuses what
+//! the table does not allow.
 
 mod derived;
 mod film;
 mod flat;
-mod guide;
 pub mod options;
 mod paths;
 mod run;
@@ -17,11 +16,7 @@ mod validate;
 mod value;
 
 pub use film::MAX_FILM_SIDE;
-pub(crate) use flat::EXPECTED_DIRECTIONS;
 pub use flat::{AUTO_GRID, Settings};
-pub use guide::{
-    Cells, Grid, GridLearner, GridSampler, Guide, Mixture, ProductDirections, ProductLearner, Quadtree, Share,
-};
 pub use paths::{MAX_DEPTH_LIMIT, Roulette, SamplePattern, UNLIMITED_DEPTH, depth_warning};
 pub use run::{Execution, SampleWeights, StepSchedule, Traversal};
 pub use sampler::{BsdfShare, GuideSet, Learner, LightSelection, Mix, Sampler};

@@ -66,6 +66,9 @@ impl<T: Copy + EnumMessage + Into<&'static str> + VariantArray> Words for T {}
 
 /// A type that an option's value may have.
 pub(super) trait Choice: Sized {
+    /// Type of the value in Python; `str` where it takes words.
+    const PYTHON: &'static str = "str";
+
     /// Words that can be written; none where numbers are.
     fn words() -> Vec<Word> {
         Vec::new()
@@ -79,8 +82,10 @@ pub(super) trait Choice: Sized {
 }
 
 macro_rules! numbers {
-    ($($number:ty: $expected:literal,)*) => {$(
+    ($($number:ty: $expected:literal, $python:literal,)*) => {$(
         impl Choice for $number {
+            const PYTHON: &'static str = $python;
+
             fn read(text: &str) -> Result<Self, String> {
                 text.parse().map_err(|_| concat!("give ", $expected).to_owned())
             }
@@ -94,9 +99,9 @@ macro_rules! numbers {
 }
 
 numbers! {
-    u32: "a whole number of at least 0",
-    f32: "a number",
-    f64: "a number",
+    u32: "a whole number of at least 0", "int",
+    f32: "a number", "float",
+    f64: "a number", "float",
 }
 
 macro_rules! words {
@@ -135,6 +140,8 @@ fn one_of(words: &[Word], text: &str) -> String {
 }
 
 impl Choice for bool {
+    const PYTHON: &'static str = "bool";
+
     fn words() -> Vec<Word> {
         ["on", "off"].map(|name| Word { name: name.into(), help: String::new() }).into()
     }
@@ -153,6 +160,8 @@ impl Choice for bool {
 }
 
 impl<T: Choice> Choice for Option<T> {
+    const PYTHON: &'static str = T::PYTHON;
+
     fn words() -> Vec<Word> {
         T::words()
     }

@@ -38,5 +38,4 @@ mod viewers;
 mod workers;
 
 pub use file::FileView;
-pub use server::check_address;
 pub use viewers::{ViewOptions, Viewers};

@@ -38,18 +38,6 @@ pub(super) struct Server {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Checks that `text` is an address with a port.
-///
-/// # Errors
-/// A clause that says how to write one.
-pub fn check_address(text: &str) -> Result<String, String> {
-    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port.parse::<u16>());
-    match port {
-        Some(Ok(_)) => Ok(text.to_owned()),
-        _ => Err("write it as ADDRESS:PORT, such as 127.0.0.1:8000; port 0 is a free port".into()),
-    }
-}
-
 impl Server {
     /// Serves `board` at `address`.
     pub fn start(address: &str, board: Arc<Board>) -> Result<Self> {
@@ -262,15 +250,5 @@ mod tests {
         read_until(&mut ask(&host, &token, "POST /stop"), "204 No Content");
         assert!(board.is_stopped());
         assert_eq!(board.answering.load(std::sync::atomic::Ordering::Relaxed), 0);
-    }
-
-    #[test]
-    fn addresses_have_a_host_and_a_port() {
-        for good in ["127.0.0.1:0", "localhost:8000", "[::1]:8000", "rack7:65535"] {
-            assert_eq!(check_address(good).as_deref(), Ok(good));
-        }
-        for bad in ["", "8000", ":8000", "scene.xml", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1"] {
-            assert!(check_address(bad).is_err(), "{bad}");
-        }
     }
 }

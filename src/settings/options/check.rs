@@ -118,3 +118,35 @@ fn listed<T: Words>(noun: &str, values: &[T]) -> String {
         _ => format!("{noun} {}", names.concat()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::options::defaults;
+    use crate::settings::{AUTO_GRID, BsdfShare, Learner, LightSelection, Mix, Roulette, Sampler};
+
+    #[test]
+    fn settings_without_meaning_are_refused() {
+        let changes: [fn(&mut Settings); 12] = [
+            |s| s.directions = 8,
+            |s| s.mix = Mix::Acceptance,
+            |s| (s.bsdf_share, s.epsilon) = (Some(BsdfShare::Learned), Some(0.5)),
+            |s| (s.bsdf_share, s.learner) = (Some(BsdfShare::Learned), Learner::MonteCarlo),
+            |s| (s.sampler, s.epsilon) = (Sampler::Rejection, Some(0.5)),
+            |s| (s.sampler, s.roulette) = (Sampler::Bsdf, Some(Roulette::Contribution)),
+            |s| (s.sampler, s.bsdf_share) = (Sampler::Bsdf, Some(BsdfShare::Fixed)),
+            |s| (s.sampler, s.light_selection) = (Sampler::Bsdf, Some(LightSelection::Learned)),
+            |s| (s.sampler, s.learner) = (Sampler::Bsdf, Learner::MonteCarlo),
+            |s| s.sampler = Sampler::Quadtree,
+            |s| (s.sampler, s.learner, s.grid) = (Sampler::Quadtree, Learner::MonteCarlo, Some(AUTO_GRID)),
+            |s| (s.sampler, s.learner, s.fallback) = (Sampler::Quadtree, Learner::MonteCarlo, Some(4.0)),
+        ];
+        assert!(check(&defaults()).is_ok());
+        for (at, change) in changes.into_iter().enumerate() {
+            let mut settings = defaults();
+            change(&mut settings);
+            assert!(check(&settings).is_err(), "change {at}");
+            assert!(check(&settings.without_guide()).is_ok(), "change {at}, without a guide");
+        }
+    }
+}

@@ -25,11 +25,9 @@ pub fn document() -> String {
     text
 }
 
-/// Options whose first letter is a short name.
-const WITH_LETTER: [&str; 2] = ["output", "quiet"];
-
 fn section(option: &OptionEntry) -> String {
-    let letter = if WITH_LETTER.contains(&option.name) { format!("`-{}`, ", &option.name[..1]) } else { String::new() };
+    let letter = option.letter.filter(|_| option.has_long_name());
+    let letter = letter.map_or_else(String::new, |letter| format!("`-{letter}`, "));
     let mark = if option.audience == Audience::Everyone { " *" } else { "" };
     let mut text = format!("\n### {letter}`{}`{mark}\n", option.usage());
     let long = if option.long.is_empty() { String::new() } else { format!(" {}", option.long) };
@@ -64,9 +62,14 @@ fn with_period(text: &str) -> String {
 }
 
 impl OptionEntry {
+    /// Whether the name is longer than a letter.
+    pub fn has_long_name(&self) -> bool {
+        self.name.len() > 1
+    }
+
     /// Option with its value, as it is written.
     pub fn usage(&self) -> String {
-        let dashes = if self.name.len() == 1 { "-" } else { "--" };
+        let dashes = if self.has_long_name() { "--" } else { "-" };
         match self.value_name {
             "" => format!("{dashes}{}", self.name),
             value => format!("{dashes}{} {value}", self.name),

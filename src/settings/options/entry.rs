@@ -1,5 +1,6 @@
 //! Entry of the table: one option with its help, range and rules.
 
+use super::form::Form;
 use crate::scene::{FilmDescription, IntegratorDescription, ReconstructionFilter};
 use crate::settings::flat::Settings;
 use crate::settings::sampler::{Learner, Sampler};
@@ -22,6 +23,24 @@ pub struct OptionEntry {
     pub long: &'static str,
     /// Default in words. If it is empty, the default settings have the default.
     pub default: &'static str,
+    /// Value that it takes.
+    pub form: Form,
+    /// Letter of the short form, if there is one.
+    pub letter: Option<char>,
+    /// Whether it may be given several times.
+    pub repeats: bool,
+    /// Value where it is given without one; empty where that is an error.
+    pub bare: &'static str,
+    /// Option without which it is refused; empty where there is none.
+    pub requires: &'static str,
+    /// Options beside which it is refused.
+    pub excludes: &'static [&'static str],
+    /// Environment variable with the default; empty where there is none.
+    pub variable: &'static str,
+    /// Part that it has in `lodestar resume`.
+    pub resume: Resume,
+    /// Functions of Python that have it as a keyword.
+    pub keyword: Keyword,
     /// Least and largest number.
     pub range: Option<(f64, f64)>,
     /// Combinations that the option allows.
@@ -45,6 +64,28 @@ pub enum Category {
     Guiding,
     /// The device and its kernels.
     Device,
+}
+
+/// Part of an option in `lodestar resume`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Resume {
+    /// None: the checkpoint holds what was chosen.
+    Fixed,
+    /// The option is taken. Its default is what the checkpoint holds.
+    Kept,
+    /// The option is taken, with its own default.
+    Free,
+}
+
+/// Functions of Python that have an option as a keyword.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Keyword {
+    /// None.
+    Nowhere,
+    /// A new render.
+    Render,
+    /// A new render and a resumed one.
+    RenderAndResume,
 }
 
 /// Readers that an option is for.
@@ -73,6 +114,8 @@ pub struct Setting {
     pub set: Option<Set>,
     /// Words that the setting takes; none where it takes numbers.
     pub words: fn() -> Vec<Word>,
+    /// Type of a number in Python.
+    pub python: &'static str,
 }
 
 /// Condition on an option.
@@ -159,6 +202,27 @@ impl OptionEntry {
         self.setting.map_or_else(Vec::new, |setting| (setting.words)())
     }
 
+    /// Type of the keyword in Python, as the stub writes it.
+    pub fn python_type(&self) -> String {
+        let literal = |words: Vec<String>| format!("Literal[{}]", words.join(", "));
+        let quoted = |word: &str| format!("\"{word}\"");
+        match (self.form, self.setting) {
+            (Form::Switch, _) => "bool".into(),
+            (Form::Path, _) => "_Path".into(),
+            (Form::Text { python, .. }, _) => python.into(),
+            (Form::OneOf(words), _) => literal(words.iter().map(|word| quoted(word)).collect()),
+            (Form::Setting, setting) => {
+                let words: Vec<_> = self.words().iter().map(|word| quoted(&word.name)).collect();
+                let number = setting.map_or("str", |setting| setting.python);
+                match (words.is_empty(), number) {
+                    (true, number) => number.into(),
+                    (false, "bool") => format!("bool | {}", literal(words)),
+                    (false, _) => literal(words),
+                }
+            }
+        }
+    }
+
     /// Default as text; empty where there is none.
     pub fn default_text(&self) -> String {
         if !self.default.is_empty() {
@@ -188,12 +252,16 @@ impl Category {
     }
 }
 
-/// Refuses a text that is no value of the option's setting.
+/// Refuses a text that is no value of the option. Words are not checked here: whoever reads the option lists them.
 ///
 /// # Errors
 /// The expected form of the value.
 pub fn check_text(option: &OptionEntry, text: &str) -> Result<(), String> {
-    option.set().map_or(Ok(()), |set| set(&mut defaults(), text))
+    match option.form {
+        Form::Setting => option.set().map_or(Ok(()), |set| set(&mut defaults(), text)),
+        Form::Text { check, .. } => check(text),
+        Form::Switch | Form::OneOf(_) | Form::Path => Ok(()),
+    }
 }
 
 /// Settings of a film of any size.

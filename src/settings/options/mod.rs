@@ -3,13 +3,19 @@
 
 mod check;
 mod document;
+mod duration;
 mod entry;
+pub mod form;
 mod table;
 
 pub use check::{check, check_given};
 pub use document::document;
-pub use entry::{Audience, Category, Needs, OptionEntry, RESEARCH, Rule, Set, Setting, When, check_text, defaults};
-pub use table::OPTIONS;
+pub use duration::seconds;
+pub use entry::{
+    Audience, Category, Keyword, Needs, OptionEntry, RESEARCH, Resume, Rule, Set, Setting, When, check_text, defaults,
+};
+pub use form::Form;
+pub use table::{LOCAL, OPTIONS};
 
 /// Entry of the option with this name.
 pub fn find(name: &str) -> Option<&'static OptionEntry> {

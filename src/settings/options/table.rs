@@ -1,10 +1,15 @@
 //! Every option of `lodestar render`, one entry each, in the order of the help.
 
-use super::entry::{Audience, Category, Needs, OptionEntry, Rule, Setting, When};
+use super::entry::{Audience, Category, Keyword, Needs, OptionEntry, Resume, Rule, Setting, When};
+use super::form::Form;
 use crate::settings::value::{Choice, Value, Word};
 use crate::settings::{AUTO_GRID, Learner, MAX_DEPTH_LIMIT, MAX_FILM_SIDE, Mix, Sampler, UNLIMITED_DEPTH};
 
+use Audience::{Curious, Everyone};
 use Category::{Device, Guiding, Length, Output, Paths, Scene};
+
+/// Address that only the local machine can reach, with a free port.
+pub const LOCAL: &str = "127.0.0.1:0";
 
 const PRODUCT: &[Sampler] = &[Sampler::Product];
 const REJECTION_MIX: &[Sampler] = &[Sampler::RejectionMix];
@@ -37,6 +42,7 @@ macro_rules! setting {
             get: |settings| settings.$field.value(),
             set: Some(|settings, text| Choice::read(text).map(|value| settings.$field = value)),
             words: words_of(|settings| &settings.$field),
+            python: type_of(|settings| &settings.$field),
         })
     };
 }
@@ -48,6 +54,7 @@ macro_rules! checked {
             get: |settings| settings.$field.value(),
             set: None,
             words: words_of(|settings| &settings.$field),
+            python: type_of(|settings| &settings.$field),
         })
     };
 }
@@ -55,6 +62,11 @@ macro_rules! checked {
 /// Words of the field's type.
 const fn words_of<T: Choice>(_: fn(&crate::settings::Settings) -> &T) -> fn() -> Vec<Word> {
     T::words
+}
+
+/// Type in Python of the field's type.
+const fn type_of<T: Choice>(_: fn(&crate::settings::Settings) -> &T) -> &'static str {
+    T::PYTHON
 }
 
 /// Rule that holds for all settings.
@@ -71,10 +83,43 @@ const WITHOUT_QUADTREE: Needs = Needs::Without("--sampler quadtree", |settings| 
 const HOLDS_FLUX: &str = "a quadtree holds flux, not radiance, so it learns by monte-carlo only";
 const MONTE_CARLO: &str = "--learner monte-carlo";
 
-/// Entry without help, range, rules or setting.
+/// Entry without help, of an option for a new render that takes a value of its setting.
 const fn option(category: Category, audience: Audience, name: &'static str, value_name: &'static str) -> OptionEntry {
-    let (short, long, default) = ("", "", "");
-    OptionEntry { name, value_name, category, audience, short, long, default, range: None, rules: &[], setting: None }
+    OptionEntry {
+        name,
+        value_name,
+        category,
+        audience,
+        short: "",
+        long: "",
+        default: "",
+        form: Form::Setting,
+        letter: None,
+        repeats: false,
+        bare: "",
+        requires: "",
+        excludes: &[],
+        variable: "",
+        resume: Resume::Fixed,
+        keyword: Keyword::Render,
+        range: None,
+        rules: &[],
+        setting: None,
+    }
+}
+
+/// Entry for a file or a message. A resumed render has it, too, and Python has not.
+const fn of_files(audience: Audience, name: &'static str, value_name: &'static str) -> OptionEntry {
+    OptionEntry { resume: Resume::Free, keyword: Keyword::Nowhere, ..option(Output, audience, name, value_name) }
+}
+
+/// Entry of the device. A resumed render has it, too.
+const fn of_device(audience: Audience, name: &'static str, value_name: &'static str) -> OptionEntry {
+    OptionEntry {
+        resume: Resume::Free,
+        keyword: Keyword::RenderAndResume,
+        ..option(Device, audience, name, value_name)
+    }
 }
 
 const fn common(category: Category, name: &'static str, value_name: &'static str) -> OptionEntry {
@@ -93,12 +138,18 @@ const fn research(category: Category, name: &'static str, value_name: &'static s
 pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Set a `<default>` of the scene; may be given several times",
+        form: Form::DEFINE,
+        letter: Some('D'),
+        repeats: true,
+        keyword: Keyword::Nowhere,
         ..common(Scene, "D", "NAME=VALUE")
     },
     OptionEntry {
         short: "Camera of the scene",
         long: "`fit` places a camera that shows the whole scene. Others are chosen by name, or by index, counted from 0.",
         default: "the scene's first",
+        form: Form::TEXT,
+        keyword: Keyword::Nowhere,
         ..common(Scene, "camera", "fit|NAME|INDEX")
     },
     OptionEntry {
@@ -106,6 +157,8 @@ pub static OPTIONS: &[OptionEntry] = &[
         long: "`constant` has the radiance 1 in all directions. An image (.exr, .hdr) covers the sphere as an `envmap` does, with \
                +y up.",
         default: "the scene's",
+        form: Form::TEXT,
+        keyword: Keyword::Nowhere,
         ..common(Scene, "environment", "FILE|constant")
     },
     OptionEntry {
@@ -114,6 +167,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         default: "the scene's",
         range: Some((1.0, MAX_FILM_SIDE as f64)),
         setting: checked!(width),
+        form: Form::COUNT,
         ..common(Scene, "width", "W")
     },
     OptionEntry {
@@ -122,23 +176,28 @@ pub static OPTIONS: &[OptionEntry] = &[
         default: "the scene's",
         range: Some((1.0, MAX_FILM_SIDE as f64)),
         setting: checked!(height),
+        form: Form::COUNT,
         ..common(Scene, "height", "H")
     },
     OptionEntry {
         short: "Size of the film relative to the scene's",
         long: "It cannot be combined with --width and --height.",
+        form: Form::ABOVE_ZERO,
+        excludes: &["width", "height"],
         ..common(Scene, "scale", "F")
     },
     OptionEntry {
         short: "Render this window of the film only",
         long: "Position and size are in pixels, from the film's top left corner.",
         default: "the scene's",
+        form: Form::CROP,
         ..further(Scene, "crop", "X,Y,W,H")
     },
     OptionEntry {
         short: "Reconstruction filter",
         long: "A tent has radius 1, a gaussian standard deviation 0.5 pixels.",
         default: "the scene's",
+        form: Form::OneOf(&["box", "tent", "gaussian"]),
         ..further(Scene, "rfilter", "box|tent|gaussian")
     },
     OptionEntry {
@@ -146,113 +205,147 @@ pub static OPTIONS: &[OptionEntry] = &[
         long: "It may be given several times. An .exr file holds every layer. A .png file is written by --tone and --exposure. The \
                folder must exist.",
         default: "the scene's name with .exr",
-        ..common(Output, "output", "FILE")
+        form: Form::PICTURE,
+        letter: Some('o'),
+        repeats: true,
+        resume: Resume::Kept,
+        ..of_files(Everyone, "output", "FILE")
     },
     OptionEntry {
         short: "Tone curve of PNG files",
         long: "srgb is the sRGB transfer function; values above 1 are white. paper compresses highlights by luminance.",
         default: "srgb",
-        ..common(Output, "tone", "srgb|paper")
+        form: Form::OneOf(&["srgb", "paper"]),
+        resume: Resume::Kept,
+        ..of_files(Everyone, "tone", "srgb|paper")
     },
     OptionEntry {
         short: "Exposure of PNG files: brighter by 2^STOPS",
         default: "0",
-        ..common(Output, "exposure", "STOPS")
+        form: Form::FINITE,
+        resume: Resume::Kept,
+        ..of_files(Everyone, "exposure", "STOPS")
     },
     OptionEntry {
         short: "Write the colors of EXR files as 16-bit floats",
         long: "R, G, B, A and albedo then end at 65504 and have 11 bits; the other layers keep 32 bits. `lodestar merge` refuses \
                such a picture, unless it was rendered with --sample-offset.",
-        ..further(Output, "half", "")
+        form: Form::Switch,
+        ..of_files(Curious, "half", "")
     },
     OptionEntry {
         short: "Denoise the last picture by Open Image Denoise",
         long: "An .exr file has it as a layer of its own, denoised, beside the unbiased radiance; a .png file shows it. A denoised \
                picture is biased. The library is not part of Lodestar.",
-        ..common(Output, "denoise", "")
+        form: Form::Switch,
+        ..of_files(Everyone, "denoise", "")
     },
     OptionEntry {
         short: "Folder of Open Image Denoise 2.x",
         long: "Without it, the folder that LODESTAR_OIDN names counts, then the program's own folder, oidn within and beside that, and \
                lib beside it, and then the system's libraries.",
-        ..further(Output, "oidn", "DIR")
+        form: Form::Path,
+        requires: "denoise",
+        ..of_files(Curious, "oidn", "DIR")
     },
     OptionEntry {
         short: "Device that denoises",
         long: "On the processor, the bits are the same in each run.",
         default: "cpu",
-        ..further(Output, "oidn-device", "cpu|sycl|cuda|hip|metal")
+        form: Form::OneOf(&["cpu", "sycl", "cuda", "hip", "metal"]),
+        requires: "denoise",
+        ..of_files(Curious, "oidn-device", "cpu|sycl|cuda|hip|metal")
     },
     OptionEntry {
         short: "Replace a picture of another scene, too",
         long: "Without it, an .exr file that names another scene is an error. A picture of the same scene is always replaced.",
-        ..further(Output, "overwrite", "")
+        form: Form::Switch,
+        ..of_files(Curious, "overwrite", "")
     },
     OptionEntry {
         short: "Time between two writings of the unfinished picture",
         long: "It is in seconds, or has units, such as 1m30s.",
-        ..common(Output, "write-every", "TIME")
+        form: Form::TIME,
+        ..of_files(Everyone, "write-every", "TIME")
     },
     OptionEntry {
         short: "Watch the render in a browser",
         long: "The address of a page is printed. The page shows the picture, its layers and what the guide learns, and can pause or end \
                the render. The address ends in a token, without which nobody sees anything; LODESTAR_VIEW_TOKEN sets one. Without \
                ADDRESS:PORT the page has a free port that only this machine can reach.",
-        ..common(Output, "view", "ADDRESS:PORT")
+        form: Form::ADDRESS,
+        bare: LOCAL,
+        ..of_files(Everyone, "view", "ADDRESS:PORT")
     },
     OptionEntry {
         short: "Send the picture to a display server such as tev",
         long: "The server has tev's protocol; tev listens at 127.0.0.1:14158. All layers are sent. The render goes on without the server.",
-        ..further(Output, "display-server", "HOST:PORT")
+        form: Form::ADDRESS,
+        ..of_files(Curious, "display-server", "HOST:PORT")
     },
     OptionEntry {
         short: "File to resume the render from after an interruption",
         long: "`lodestar resume FILE`, or the same command again, continues the render after a signal, a fault or a power cut. The \
                checkpoint of another render is refused.",
+        form: Form::Path,
         ..common(Output, "checkpoint", "FILE")
     },
     OptionEntry {
         short: "Time between two writings of the checkpoint",
         long: "The checkpoint is also written when the render ends.",
         default: "60s",
-        ..common(Output, "checkpoint-every", "TIME")
+        form: Form::TIME,
+        requires: "checkpoint",
+        keyword: Keyword::RenderAndResume,
+        ..of_files(Everyone, "checkpoint-every", "TIME")
     },
     OptionEntry {
         short: "Begin with the guide of this checkpoint of another render",
         long: "The guide learns on. The other render must have the same scene and camera, the same settings of the guide, and another --seed \
                or samples before --sample-offset only. Size and length may differ.",
+        form: Form::Path,
         ..further(Output, "guide-from", "CHECKPOINT")
     },
     OptionEntry {
         short: "Form of the messages on standard error",
         long: "json is one object per line, for programs.",
         default: "text",
-        ..further(Output, "log", "text|json")
+        form: Form::OneOf(&["text", "json"]),
+        ..of_files(Curious, "log", "text|json")
     },
-    OptionEntry { short: "Show no progress", ..common(Output, "quiet", "") },
+    OptionEntry { short: "Show no progress", form: Form::Switch, letter: Some('q'), ..of_files(Everyone, "quiet", "") },
     OptionEntry {
         short: "Measure the error against this picture during the render",
         long: "The errors are written to --stats.",
-        ..further(Output, "reference", "REF.exr")
+        form: Form::Path,
+        ..of_files(Curious, "reference", "REF.exr")
     },
     OptionEntry {
         short: "Write settings, times and counts of every step as JSON",
-        ..further(Output, "stats", "STATS.json")
+        form: Form::Path,
+        ..of_files(Curious, "stats", "STATS.json")
     },
     OptionEntry {
         short: "Time every dispatch, and write a trace to this file",
         long: "A table of the times is printed at the end. ui.perfetto.dev and chrome://tracing open the trace.",
-        ..further(Output, "profile", "TRACE.json")
+        form: Form::Path,
+        ..of_files(Curious, "profile", "TRACE.json")
     },
     OptionEntry {
         short: "Samples per pixel",
         long: "With --time or --noise there is no default: these end the render.",
         default: "the scene's, or 64",
+        form: Form::COUNT,
+        resume: Resume::Kept,
+        keyword: Keyword::RenderAndResume,
         ..common(Length, "spp", "N")
     },
     OptionEntry {
         short: "Stop after this time of rendering, such as 90, 1m30s or 2h",
         long: "A number without a unit is in seconds. Loading the scene does not count.",
+        form: Form::TIME,
+        resume: Resume::Free,
+        keyword: Keyword::RenderAndResume,
         ..common(Length, "time", "TIME")
     },
     OptionEntry {
@@ -279,6 +372,7 @@ pub static OPTIONS: &[OptionEntry] = &[
                 Ok(())
             }),
             words: <Sampler as Choice>::words,
+            python: "str",
         }),
         ..common(Guiding, "sampler", "SAMPLER")
     },
@@ -295,7 +389,9 @@ pub static OPTIONS: &[OptionEntry] = &[
             },
             set: None,
             words: Vec::new,
+            python: "int",
         }),
+        form: Form::DEPTH,
         ..common(Paths, "max-depth", "N|unlimited")
     },
     OptionEntry {
@@ -305,6 +401,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         default: "the scene's, or 8",
         range: Some((1.0, u32::MAX as f64)),
         setting: checked!(rr_depth),
+        form: Form::NUMBER,
         ..further(Paths, "rr-depth", "N")
     },
     OptionEntry {
@@ -429,6 +526,7 @@ pub static OPTIONS: &[OptionEntry] = &[
                 Ok(())
             }),
             words: Vec::new,
+            python: "int | Literal[\"auto\"]",
         }),
         rules: &[
             always(When::Word("auto"), WITHOUT_QUADTREE, "quadtrees have no cells"),
@@ -543,20 +641,24 @@ pub static OPTIONS: &[OptionEntry] = &[
         short: "Vulkan device by index or part of its name, a list, or all",
         long: "`lodestar devices` lists the devices. The environment variable LODESTAR_DEVICE sets the default. Several \
                devices of one kind render the picture together, with the bits of one device.",
-        ..common(Device, "device", "INDEX|NAME|LIST|all")
+        form: Form::TEXT,
+        variable: "LODESTAR_DEVICE",
+        ..of_device(Everyone, "device", "INDEX|NAME|LIST|all")
     },
     OptionEntry {
         short: "Deal out tiles to several devices by measured speed",
         long: "Otherwise all devices get equally many tiles, so the slowest one sets the pace. Devices of different kinds then \
                render the picture with last bits that depend on what was measured.",
-        ..further(Device, "deal-by-speed", "")
+        form: Form::Switch,
+        ..of_device(Curious, "deal-by-speed", "")
     },
     OptionEntry {
         short: "Wanted duration of a dispatch in milliseconds",
         default: "50 on a GPU, 150 on a CPU",
         range: Some((0.001, 60_000.0)),
         setting: checked!(slice_milliseconds),
-        ..further(Device, "slice-ms", "MS")
+        form: Form::MILLISECONDS,
+        ..of_device(Curious, "slice-ms", "MS")
     },
     OptionEntry {
         short: "Kernels that trace the paths",
@@ -576,12 +678,15 @@ pub static OPTIONS: &[OptionEntry] = &[
                 "that learner keeps all vertices of a path, so take --execution megakernel",
             ),
         ],
-        ..further(Device, "execution", "EXECUTION")
+        form: Form::OneOf(&["auto", "megakernel", "wavefront"]),
+        ..of_device(Curious, "execution", "EXECUTION")
     },
     OptionEntry {
         short: "What finds the surface that a ray hits",
         setting: checked!(traversal),
-        ..further(Device, "traversal", "TRAVERSAL")
+        form: Form::OneOf(&["compute", "query", "auto"]),
+        resume: Resume::Kept,
+        ..of_device(Curious, "traversal", "TRAVERSAL")
     },
     OptionEntry {
         short: "Most samples per pixel that one kernel call takes",
@@ -594,7 +699,13 @@ pub static OPTIONS: &[OptionEntry] = &[
     OptionEntry {
         short: "Take edited kernels from the .spv files of this folder",
         long: "`lodestar inspect --out` writes the kernels as files.",
-        ..further(Device, "kernel-dir", "DIR")
+        form: Form::Path,
+        ..of_device(Curious, "kernel-dir", "DIR")
     },
-    OptionEntry { short: "Turn Vulkan's validation layer on", ..further(Device, "validate", "") },
+    OptionEntry {
+        short: "Turn Vulkan's validation layer on",
+        form: Form::Switch,
+        keyword: Keyword::Render,
+        ..of_device(Curious, "validate", "")
+    },
 ];

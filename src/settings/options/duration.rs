@@ -4,6 +4,9 @@
 const UNITS: [(&str, f64); 4] = [("d", 86_400.0), ("h", 3600.0), ("m", 60.0), ("s", 1.0)];
 
 /// Seconds of a duration above 0: a number of seconds, or numbers with the units d, h, m and s in this order.
+///
+/// # Errors
+/// A request for a time.
 pub fn seconds(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().or_else(|| with_units(text));
     let seconds = seconds.filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);

@@ -1,0 +1,177 @@
+//! Forms: how the value of an option is written, and the values that such texts stand for.
+
+use std::path::PathBuf;
+
+use super::duration::seconds;
+use crate::files;
+use crate::scene::Crop;
+use crate::settings::UNLIMITED_DEPTH;
+
+/// Value that an option takes.
+#[derive(Debug, Clone, Copy)]
+pub enum Form {
+    /// None: the option is given, or it is not.
+    Switch,
+    /// A value of the option's setting.
+    Setting,
+    /// One of these words.
+    OneOf(&'static [&'static str]),
+    /// Path of a file or a folder.
+    Path,
+    /// A text.
+    Text {
+        /// Says how the value is written if a text is none.
+        check: fn(&str) -> Result<(), String>,
+        /// Type of the keyword in Python.
+        python: &'static str,
+    },
+}
+
+impl Form {
+    /// Any text.
+    pub const TEXT: Self = Self::Text { check: |_| Ok(()), python: "str" };
+    /// A whole number.
+    pub const NUMBER: Self = Self::Text { check: |text| whole(text, 0), python: "int" };
+    /// A whole number above 0.
+    pub const COUNT: Self = Self::Text { check: |text| whole(text, 1), python: "int" };
+    /// A number above 0.
+    pub const ABOVE_ZERO: Self = Self::Text { check: |text| positive(text).map(drop), python: "float" };
+    /// A number that is no infinity.
+    pub const FINITE: Self = Self::Text { check: |text| finite(text).map(drop), python: "float" };
+    /// Milliseconds above 0.
+    pub const MILLISECONDS: Self = Self::Text { check: |text| milliseconds(text).map(drop), python: "float" };
+    /// A duration.
+    pub const TIME: Self = Self::Text { check: |text| seconds(text).map(drop), python: "float | str" };
+    /// Path of a picture.
+    pub const PICTURE: Self = Self::Text { check: |text| output_path(text).map(drop), python: "_Path" };
+    /// Longest path.
+    pub const DEPTH: Self = Self::Text { check: |text| depth(text).map(drop), python: "int" };
+    /// Window of the film.
+    pub const CROP: Self = Self::Text { check: |text| crop(text).map(drop), python: "tuple[int, int, int, int]" };
+    /// Name and value of a scene's default.
+    pub const DEFINE: Self = Self::Text { check: |text| define(text).map(drop), python: "str" };
+    /// Address with a port.
+    pub const ADDRESS: Self = Self::Text { check: |text| address(text).map(drop), python: "str" };
+}
+
+fn whole(text: &str, least: i64) -> Result<(), String> {
+    let number: i64 = text.parse().map_err(|error: std::num::ParseIntError| error.to_string())?;
+    let is_inside = (least..=u32::MAX.into()).contains(&number);
+    if is_inside { Ok(()) } else { Err(format!("{number} is not in {least}..={}", u32::MAX)) }
+}
+
+/// Name and value of a scene's default.
+///
+/// # Errors
+/// How they are written.
+pub fn define(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err("write it as NAME=VALUE".into()),
+    }
+}
+
+/// Window of the film.
+///
+/// # Errors
+/// How it is written.
+pub fn crop(text: &str) -> Result<Crop, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, width, height]) if width > 0 && height > 0 => Ok(Crop { x, y, width, height }),
+        _ => Err("write it as X,Y,W,H: four whole numbers, W and H above 0".into()),
+    }
+}
+
+/// Longest path in edges. Mitsuba writes `unlimited` as -1.
+///
+/// # Errors
+/// How it is written.
+pub fn depth(text: &str) -> Result<u32, String> {
+    match text {
+        "unlimited" | "-1" => Ok(UNLIMITED_DEPTH),
+        _ => text.parse().ok().filter(|&depth| depth > 0).ok_or_else(|| "give a number of edges or unlimited".into()),
+    }
+}
+
+/// Number that is no infinity.
+///
+/// # Errors
+/// A request for one.
+pub fn finite(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|number: &f32| number.is_finite()).ok_or_else(|| "give a finite number".into())
+}
+
+/// Number above 0.
+///
+/// # Errors
+/// A request for one.
+pub fn positive(text: &str) -> Result<f32, String> {
+    finite(text).ok().filter(|&number| number > 0.0).ok_or_else(|| "give a number above 0".into())
+}
+
+/// Milliseconds above 0.
+///
+/// # Errors
+/// A request for them.
+pub fn milliseconds(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "give a number of milliseconds above 0".into())
+}
+
+/// Path of a picture to write.
+///
+/// # Errors
+/// The extensions that it may have.
+pub fn output_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match () {
+        () if text == "-" => Err("no picture goes to standard output; name a file that ends in .exr or .png".into()),
+        () if files::is_picture(&path) => Ok(path),
+        () => Err("the name must end in .exr or .png".into()),
+    }
+}
+
+/// Path that ends in .exr.
+///
+/// # Errors
+/// A request for such a name.
+pub fn exr_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    files::has_extension(&path, "exr").then_some(path).ok_or_else(|| "the name must end in .exr".into())
+}
+
+/// Address with a port.
+///
+/// # Errors
+/// How it is written.
+pub fn address(text: &str) -> Result<String, String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port.parse::<u16>());
+    match port {
+        Some(Ok(_)) => Ok(text.to_owned()),
+        _ => Err("write it as ADDRESS:PORT, such as 127.0.0.1:8000; port 0 is a free port".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_have_a_host_and_a_port() {
+        for good in ["127.0.0.1:0", "localhost:8000", "[::1]:8000", "rack7:65535"] {
+            assert_eq!(address(good).as_deref(), Ok(good));
+        }
+        for bad in ["", "8000", ":8000", "scene.xml", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1"] {
+            assert!(address(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn whole_numbers_have_a_least_value() {
+        assert!(whole("1", 1).is_ok() && whole("4294967295", 1).is_ok() && whole("0", 0).is_ok());
+        for bad in ["0", "-1", "4294967296", "1.5", "many"] {
+            assert!(whole(bad, 1).is_err(), "{bad}");
+        }
+    }
+}
