@@ -38,7 +38,6 @@ pub const EVENT_INTERVAL: Duration = Duration::from_millis(150);
 /// Time after which an event is sent although nothing has changed. It finds pages that have left.
 pub const HEARTBEAT: Duration = Duration::from_secs(5);
 /// Priority of the server's thread, as of `nice`. A flood of requests then takes little from a render that uses every core.
-#[cfg(target_os = "linux")]
 pub const NICENESS: i32 = 10;
 
 /// Numbers of connections.

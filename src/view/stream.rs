@@ -3,45 +3,54 @@
 use std::io::{self, IoSlice};
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
-use std::time::Duration;
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
-use tokio::net::TcpStream;
-use tokio::time::{Sleep, sleep};
+use tokio::time::Sleep;
 
-/// Stream whose writes fail after a time without progress. The HTTP library limits the time of reading only.
-pub struct Patient {
-    stream: TcpStream,
-    patience: Duration,
-    /// Time that is left to a write that waits.
-    left: Option<Pin<Box<Sleep>>>,
+/// Stream whose writes fail after a wait without progress. The HTTP library limits the time of reading only.
+pub struct Patient<S, W: Fn() -> F, F = Sleep> {
+    stream: S,
+    /// Begins a wait, which ends when patience does.
+    wait: W,
+    /// Wait of a write that has made no progress yet.
+    waiting: Option<Pin<Box<F>>>,
 }
 
-impl Patient {
-    pub fn new(stream: TcpStream, patience: Duration) -> Self {
-        Self { stream, patience, left: None }
+impl<S, W: Fn() -> F, F: Future<Output = ()>> Patient<S, W, F> {
+    /// Stream that gives up when what `wait` returns is ready.
+    pub fn new(stream: S, wait: W) -> Self {
+        Self { stream, wait, waiting: None }
     }
 
     /// Passes the result of a write on, or the end of patience.
     fn limited(&mut self, context: &mut Context<'_>, written: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
         if written.is_pending() {
-            let patience = self.patience;
-            let left = self.left.get_or_insert_with(|| Box::pin(sleep(patience)));
-            ready!(left.as_mut().poll(context));
+            let waiting = self.waiting.get_or_insert_with(|| Box::pin((self.wait)()));
+            ready!(waiting.as_mut().poll(context));
             return Poll::Ready(Err(io::ErrorKind::TimedOut.into()));
         }
-        self.left = None;
+        self.waiting = None;
         written
     }
 }
 
-impl AsyncRead for Patient {
+impl<S, W, F> AsyncRead for Patient<S, W, F>
+where
+    S: AsyncRead + Unpin,
+    W: Fn() -> F + Unpin,
+    F: Future<Output = ()>,
+{
     fn poll_read(mut self: Pin<&mut Self>, context: &mut Context<'_>, to: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
         Pin::new(&mut self.stream).poll_read(context, to)
     }
 }
 
-impl AsyncWrite for Patient {
+impl<S, W, F> AsyncWrite for Patient<S, W, F>
+where
+    S: AsyncWrite + Unpin,
+    W: Fn() -> F + Unpin,
+    F: Future<Output = ()>,
+{
     fn poll_write(mut self: Pin<&mut Self>, context: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write(context, bytes);
         self.limited(context, written)
@@ -71,46 +80,55 @@ impl AsyncWrite for Patient {
 
 #[cfg(test)]
 mod tests {
-    use std::future::poll_fn;
-    use std::io::Read;
-    use std::net::TcpListener;
+    use std::cell::Cell;
+    use std::task::Waker;
 
     use super::*;
 
-    /// Writes until the stream fails, as a server does to a page. Returns the number of bytes.
-    async fn write_all(mut stream: Patient) -> (usize, io::ErrorKind) {
-        let mut written = 0;
-        loop {
-            match poll_fn(|context| Pin::new(&mut stream).poll_write(context, &[0; 4096])).await {
-                Ok(count) => written += count,
-                Err(error) => return (written, error.kind()),
-            }
+    /// Browser that takes no data, or a byte of each write.
+    struct Browser<'a>(&'a Cell<bool>);
+
+    impl AsyncWrite for Browser<'_> {
+        fn poll_write(self: Pin<&mut Self>, _: &mut Context<'_>, _: &[u8]) -> Poll<io::Result<usize>> {
+            if self.0.get() { Poll::Ready(Ok(1)) } else { Poll::Pending }
+        }
+
+        fn poll_flush(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
+            Poll::Ready(Ok(()))
+        }
+
+        fn poll_shutdown(self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<io::Result<()>> {
+            Poll::Ready(Ok(()))
         }
     }
 
+    /// Patience lasts three looks in this test, so that no clock is asked.
     #[test]
     fn whoever_takes_no_data_is_dropped_and_whoever_is_slow_is_not() {
-        let patience = Duration::from_secs(1);
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
-        let address = listener.local_addr().unwrap();
-        let connect = || async { Patient::new(TcpStream::connect(address).await.unwrap(), patience) };
-        let hung = runtime.block_on(async { write_all(connect().await).await });
-        assert!(hung.0 > 0 && hung.1 == io::ErrorKind::TimedOut, "{hung:?}");
-
-        drop(listener.accept().unwrap());
-        let slow = std::thread::spawn(move || {
-            let (mut page, _) = listener.accept().unwrap();
-            let mut bytes = vec![0; 8 << 20];
-            // It reads what has come, three times as long as the patience lasts.
-            for _ in 0..30 {
-                std::thread::sleep(patience / 10);
-                let _ = page.read(&mut bytes).unwrap();
+        let takes_data = Cell::new(false);
+        let wait = || {
+            let mut looks = 0;
+            std::future::poll_fn(move |_| {
+                looks += 1;
+                if looks > 3 { Poll::Ready(()) } else { Poll::Pending }
+            })
+        };
+        let mut stream = Patient::new(Browser(&takes_data), wait);
+        let mut context = Context::from_waker(Waker::noop());
+        let mut write = |ready: bool| {
+            takes_data.set(ready);
+            Pin::new(&mut stream).poll_write(&mut context, &[0; 4096]).map_err(|error| error.kind())
+        };
+        for _ in 0..10 {
+            for _ in 0..3 {
+                assert_eq!(write(false), Poll::Pending);
             }
-        });
-        let begin = std::time::Instant::now();
-        let (written, error) = runtime.block_on(async { write_all(connect().await).await });
-        assert!(begin.elapsed() > 2 * patience && written > hung.0, "{written} bytes, {error:?}");
-        slow.join().unwrap();
+            // Whoever takes a byte in time has all patience again.
+            assert_eq!(write(true), Poll::Ready(Ok(1)));
+        }
+        for _ in 0..3 {
+            assert_eq!(write(false), Poll::Pending);
+        }
+        assert_eq!(write(false), Poll::Ready(Err(io::ErrorKind::TimedOut)));
     }
 }
