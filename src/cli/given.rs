@@ -229,7 +229,7 @@ mod tests {
         }
     }
 
-    /// What an entry names is in the table, and words that are read as a type are that type's.
+    /// The names in an entry are in the table, and words that are read as a type are that type's.
     #[test]
     fn entries_agree_with_each_other_and_with_types() {
         for option in OPTIONS {

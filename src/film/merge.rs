@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::film::Picture;
+use crate::film::features::{FEATURES, MeanOver};
 use crate::film::identity::{Identity, merged_attributes};
-use crate::film::layers::{FEATURES, MeanOver};
 use crate::film::picture_file::PRECISION;
 use crate::film::ranges::SampleRanges;
 use crate::{Error, Result};

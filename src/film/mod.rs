@@ -1,6 +1,7 @@
 //! Pictures: what a pixel holds, and how parts are merged. CPU only: no Vulkan, no `unsafe`.
 
 mod denoised;
+pub mod features;
 pub mod identity;
 pub mod layers;
 pub mod merge;

@@ -1,6 +1,6 @@
 //! A finished picture with everything that is measured per pixel. CPU only.
 
-use crate::film::layers::{FEATURES, MeanOver};
+use crate::film::features::{FEATURES, MeanOver};
 use crate::film::sums::{PixelMeans, PixelSums};
 use crate::film::view::View;
 use crate::generated::layout::{FilmFeatures, FilmRadiance};

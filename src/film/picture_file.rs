@@ -22,7 +22,8 @@ use std::path::Path;
 
 use crate::Result;
 use crate::film::denoised::Denoised;
-use crate::film::layers::{FEATURES, RGB, Values, channel_name};
+use crate::film::features::{FEATURES, RGB};
+use crate::film::layers::{Values, channel_name};
 use crate::film::picture::Picture;
 use crate::film::sums::PixelSums;
 use crate::film::view::View;
@@ -113,7 +114,6 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
     let values = |layer, channels| values(&layers, layer, channels).ok_or_else(|| lacking(path, layer));
     let color = |layer| Ok(bytemuck::cast_slice(&values(layer, RGB)?).to_vec());
     let counts = |name: &str| Ok(layers.words(name).ok_or_else(|| lacking(path, name))?.to_vec());
-    let features = FEATURES.iter().map(|feature| values(feature.name, feature.channels)).collect::<Result<Vec<_>>>()?;
     let mut picture = Picture {
         has_background: false,
         view: view.map(|(camera_from_world, film_from_world)| View { camera_from_world, film_from_world }),
@@ -125,9 +125,12 @@ pub fn read_picture(path: &Path) -> Result<(Picture, Attributes)> {
         variance: color("variance")?,
         sample_count: counts("samples.N")?,
         hit_count: counts("hits.N")?,
-        features: std::array::from_fn(|number| features[number].clone()),
+        features: Default::default(),
         sums: sums_of(path, &layers)?,
     };
+    for (to, feature) in picture.features.iter_mut().zip(&FEATURES) {
+        *to = values(feature.name, feature.channels)?;
+    }
     picture.has_background = has_background(&layers, &picture);
     Ok((picture, attributes))
 }

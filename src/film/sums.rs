@@ -3,7 +3,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::film::layers::{FEATURE_CHANNELS, FEATURES, MeanOver, channels_over};
+use crate::film::features::{FEATURE_CHANNELS, FEATURES, MeanOver, channels_over};
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
 
 /// Units per 1 of sums of radiance, and of features whose means run over hits: 2^64, for sums up to 9e18.

@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(figures.map(|target| target.methods().len()), [6, 0, 3 + 3 * methods::SHARES.len()]);
         let counts = [Target::Table1, Target::Table2, Target::All];
         let shares = 3 * methods::SHARES.len();
-        assert_eq!([Target::Resolution, Target::Ablation].map(|target| target.methods().len()), [9, 36]);
+        assert_eq!([Target::Resolution, Target::Ablation].map(|target| target.methods().len()), [9, 34]);
         // One of the nine resolutions is a method of Table 1. The ablation is not included in `All`.
         let all = methods::METHODS.len() + shares + 8;
         assert_eq!(counts.map(|target| target.methods().len()), [6, 18, all]);

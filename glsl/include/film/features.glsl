@@ -1,4 +1,4 @@
-// Features of the surfaces that camera rays hit first. src/film/layers.rs says which means run over which samples.
+// Features of the surfaces that camera rays hit first. src/film/features.rs says which means run over which samples.
 #ifndef FEATURES_GLSL
 #define FEATURES_GLSL
 #include "shared/kept.glsl"

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::Result;
 use crate::film::Picture;
-use crate::film::layers::FEATURE_CHANNELS;
+use crate::film::features::FEATURE_CHANNELS;
 use crate::film::noise::TileNoise;
 use crate::film::sums::PixelSums;
 use crate::generated::constants::{TILE_PIXELS, TILE_SIDE};
