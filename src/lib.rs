@@ -55,6 +55,8 @@ pub mod math;
 #[doc(hidden)]
 pub mod quoted;
 #[doc(hidden)]
+pub mod radiance_map;
+#[doc(hidden)]
 pub mod renderer;
 #[cfg(feature = "reproduce")]
 #[doc(hidden)]

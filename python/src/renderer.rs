@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use lodestar::encode::bvh::Bvh;
-use lodestar::session::radiance_map::{MappedScene, SurfacePoint};
+use lodestar::radiance_map::{MappedScene, SurfacePoint};
 use lodestar::session::{Event, Options, SceneInput, Session, Start, Watch};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;

@@ -15,7 +15,7 @@ use super::sheet::Sheet;
 use super::stage::SceneStage;
 use crate::film::{self, Picture};
 use crate::image::{ToneCurve, png};
-use crate::session::radiance_map::{MappedScene, SurfacePoint, false_colors, relative_error};
+use crate::radiance_map::{MappedScene, SurfacePoint, false_colors, relative_error};
 use crate::settings::{Sampler, Settings};
 use crate::{Result, files};
 

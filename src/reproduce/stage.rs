@@ -16,13 +16,12 @@ use super::plan::Plan;
 use super::protocol;
 use super::record::{Conditions, Record, settings_value};
 use crate::encode::bvh::Bvh;
-use crate::film::{self, Picture};
+use crate::film::{self, Picture, identity};
 use crate::gpu::Context;
 use crate::image::{Image, ToneCurve, exr, metrics, png};
+use crate::radiance_map::MappedScene;
 use crate::renderer::Renderer;
 use crate::scene::{self, LoadOptions, Scene};
-use crate::session::identity;
-use crate::session::radiance_map::MappedScene;
 use crate::settings::Settings;
 use crate::{Error, Result, files};
 

@@ -7,7 +7,7 @@ use crate::encode::cells::Cells;
 use crate::film::ranges::SampleRanges;
 use crate::fleet::Fleet;
 use crate::session::options::Options;
-use crate::session::run::Session;
+use crate::session::running::Running;
 use crate::session::saved::SavedCheckpoint;
 use crate::session::start::Start;
 use crate::{Error, Result};
@@ -58,14 +58,14 @@ impl GuideFile {
         fleet.first().cells_of_guide(&self.checkpoint.settings, bvh)
     }
 
-    /// Begins the session with the guide, which has these cells.
-    pub fn begin(self, cells: Cells, session: &mut Session) -> Result<()> {
+    /// Begins a render with the guide, which has these cells.
+    pub fn begin(self, cells: Cells, running: &mut Running) -> Result<()> {
         let Self { path, checkpoint: SavedCheckpoint { settings, state, record, .. } } = self;
         let begin = || {
-            let most = session.fleet.first().most_bytes_of_guide(&settings, &cells)?;
+            let most = running.renderer().most_bytes_of_guide(&settings, &cells)?;
             let state = state.read(|name, bytes| most.iter().any(|&(part, most)| part == name && bytes <= most))?;
-            let guide = session.fleet.first().guide_of_state(settings, cells, state, record.guide_samples)?;
-            session.begin_with_guide_state(guide)
+            let guide = running.renderer().guide_of_state(settings, cells, state, record.guide_samples)?;
+            running.begin_with_guide(guide)
         };
         begin().map_err(|error| match error {
             error @ Error::Checkpoint { .. } => error,

@@ -1,53 +1,61 @@
 //! Sessions: a render from its start to its end, with its checkpoints, safety copies, statistics and times.
 //!
+//! A render goes from type to type: a `Plan` is what was asked, `Prepared` has scene, devices
+//! and kernels ready, `Running` takes steps, and `Finished` is what its end has left besides
+//! the files.
+//! [`Session`] is what a caller has of it.
+//!
 //! | part | file |
 //! |---|---|
-//! | a caller's choices and their defaults | `options.rs`, `length.rs` |
-//! | the work before the first step of a new or a resumed render | `start.rs`, `setup.rs`, `prepared.rs` |
+//! | what a caller has | `facade.rs` |
+//! | a caller's choices and their defaults | `options.rs`, `length.rs`, `start.rs` |
+//! | what was asked, once the scene is known | `plan.rs` |
+//! | scene, devices and kernels before the first step | `prepared.rs`, `devices.rs`, `subject.rs`, `kernel_files.rs` |
 //! | other ranks of the render | `ranks.rs` |
-//! | the steps, and when they end | `run.rs` |
-//! | the files at the end | `finish.rs`, `files.rs` |
+//! | the steps, and when they end | `running/`, `origin.rs` |
+//! | pictures, and all files at the end | `output.rs`, `files.rs`, `finished.rs` |
 //! | checkpoints | `checkpoint.rs` (the file), `saved.rs` (its reader), `checkpoints.rs` (when it is written), `checkpoint_lock.rs` (by whom), `film/identity.rs` (which render it belongs to) |
 //! | copies of the picture in case the device is lost | `safety_copy.rs` |
 //! | statistics and times | `history.rs`, `statistics.rs`, `profile.rs`, `profiler.rs` |
-//! | what later renders begin with, on demand | `continuation.rs`, `guide_file.rs` |
+//! | guides of earlier renders | `guide_file.rs` |
 //! | events for a caller | `progress.rs` |
-//! | what the guide has learned | `guide.rs` |
 
 #[doc(hidden)]
 pub mod checkpoint;
 mod checkpoint_lock;
 mod checkpoints;
-mod continuation;
+mod devices;
+mod facade;
 mod files;
-mod finish;
-mod guide;
+mod finished;
 mod guide_file;
 mod history;
 #[doc(hidden)]
 pub mod kernel_files;
 mod length;
 mod options;
+mod origin;
+mod output;
+mod plan;
 mod prepared;
 #[doc(hidden)]
 pub mod profile;
 mod profiler;
 mod progress;
-#[doc(hidden)]
-pub mod radiance_map;
 mod ranks;
-mod run;
+mod running;
 mod safety_copy;
 #[doc(hidden)]
 pub mod saved;
-mod setup;
 mod start;
 #[doc(hidden)]
 pub mod statistics;
+mod subject;
 
 pub use crate::denoise::{DenoiseOptions, DeviceKind};
 #[doc(hidden)]
 pub use crate::film::identity;
+pub use facade::Session;
 pub use files::OutputFiles;
 #[doc(hidden)]
 pub use files::PictureFiles;
@@ -56,5 +64,4 @@ pub use history::History;
 pub use length::Length;
 pub use options::{CHECKPOINT_EVERY, FilmSize, Options};
 pub use progress::{Beginning, Ending, Event, Preparation, Progress, Watch};
-pub use run::Session;
 pub use start::{SceneInput, Start};

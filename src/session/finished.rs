@@ -1,0 +1,127 @@
+//! The end of a render, also after an error: pictures, checkpoint, statistics and profile are written.
+
+use crate::film::Picture;
+use crate::session::profile::Summary;
+use crate::session::progress::{Event, Watch};
+use crate::session::running::Running;
+use crate::session::safety_copy::CopiedPicture;
+use crate::{Error, Result, files};
+
+/// What a render has left besides its files.
+pub(super) struct Finished {
+    /// Last safety copy of the picture, if the device was lost.
+    rescued: Option<Picture>,
+    /// Times of all dispatches, if a trace of them was written.
+    profile: Option<Summary>,
+}
+
+impl Finished {
+    /// Writes all files after a render with the result `rendered`. The result is the first failure of rendering and writing.
+    pub fn of(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -> (Self, Result<()>) {
+        let (rescued, written) = write_files(running, rendered, watch);
+        let profiled = running.write_profile();
+        warn_of_nonfinite(running.history().counts.nonfinite, watch);
+        let validated = tell_validation(running, watch);
+        let (profile, profiled) = match profiled {
+            Ok(profile) => (profile, Ok(())),
+            Err(error) => (None, Err(error)),
+        };
+        (Self { rescued, profile }, written.and(profiled).and(validated))
+    }
+
+    pub fn rescued(&self) -> Option<&Picture> {
+        self.rescued.as_ref()
+    }
+
+    pub fn profile(&self) -> Option<&Summary> {
+        self.profile.as_ref()
+    }
+}
+
+/// Writes picture, checkpoint and statistics. Returns the picture where the device is lost.
+fn write_files(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -> (Option<Picture>, Result<()>) {
+    let is_lost = rendered.as_ref().is_err_and(Error::is_loss);
+    let (copied, rendered) = last_picture(running, rendered);
+    let (mut errors, mut rescued) = (None, None);
+    let written = copied.and_then(|copied| {
+        let Some(CopiedPicture { picture, .. }) = copied else { return Ok(()) };
+        let measured = running.output().measure(&picture).map(|measured| errors = measured);
+        let written = write_last(running, &picture, rendered.is_ok(), watch);
+        rescued = rendered.as_ref().is_err_and(Error::is_loss).then_some(picture);
+        written.and(measured)
+    });
+    let kept = running.keep_last(is_lost);
+    let statistics = running.output().statistics.as_ref();
+    let statistics = statistics.map_or(Ok(()), |path| files::write_json(path, &running.statistics_with(errors)));
+    (rescued, rendered.and(written).and(kept).and(statistics))
+}
+
+/// The picture to write, and the result of the render: the device's picture, or the safety copy if the device is lost.
+fn last_picture(running: &mut Running, rendered: Result<()>) -> (Result<Option<CopiedPicture>>, Result<()>) {
+    let read = match &rendered {
+        // The picture would be wrong, so the files of an earlier moment are kept.
+        Err(Error::Render(_) | Error::LoopCut(_)) => return (Ok(None), rendered),
+        Err(error) if error.is_loss() => None,
+        _ => Some(running.picture()),
+    };
+    let lost = match (read, rendered) {
+        (Some(Ok(picture)), rendered) => {
+            return (Ok(Some(CopiedPicture { picture, samples: running.samples_done() })), rendered);
+        }
+        (None, Err(error)) => error,
+        (Some(Err(error)), Ok(())) if error.is_loss() => error,
+        (Some(Err(error)), rendered) => return (Err(error), rendered),
+        (None, Ok(())) => return (Ok(None), Ok(())),
+    };
+    let copied = running.take_safety_copy();
+    let clause = match &copied {
+        Some(CopiedPicture { samples, .. }) => {
+            format!("the picture has the {samples} samples per pixel that were last read back from the device")
+        }
+        None => "there is no picture, because none had been read back from the device".to_owned(),
+    };
+    (Ok(copied), Err(lost.noting(&clause)))
+}
+
+/// Writes the last picture, unless it has no samples at all.
+fn write_last(running: &Running, picture: &Picture, is_rendered: bool, watch: &Watch<'_>) -> Result<()> {
+    let empty = picture.sample_count.iter().filter(|&&count| count == 0).count();
+    if empty < picture.sample_count.len() {
+        if empty > 0 {
+            let all = running.pixels();
+            watch.warn(&format!("{empty} of {all} pixels are black: the render ended before their first sample"));
+        }
+        running.output().pictures.half_warning(picture).iter().for_each(|warning| watch.warn(warning));
+        let denoised = running.output().denoise(picture);
+        // A picture that cannot be denoised is still written.
+        let layer = denoised.as_ref().ok().and_then(Option::as_ref);
+        let written = running.write_pictures(picture, layer, watch);
+        return written.and(denoised.map(drop));
+    }
+    let message = "the render ended before the first sample, so no picture is written";
+    match (watch.stop)() {
+        true => watch.warn(message),
+        false if is_rendered => return Err(Error::Render(format!("{message}: give it more --time"))),
+        false => {}
+    }
+    Ok(())
+}
+
+/// Tells `watch` the validation layer's messages. Any message makes the render fail.
+fn tell_validation(running: &Running, watch: &Watch<'_>) -> Result<()> {
+    let messages = running.context().validation_messages();
+    messages.iter().for_each(|message| watch.tell(Event::Validation(message)));
+    match messages.len() {
+        0 => Ok(()),
+        count => Err(Error::Render(format!("the validation layer reported {count} problems"))),
+    }
+}
+
+/// Warns of samples that were dropped, because they make the picture too dark. They come from a scene with infinite or
+/// undefined values.
+fn warn_of_nonfinite(count: u64, watch: &Watch<'_>) {
+    if count > 0 {
+        let what = "samples and learning targets were infinite or not a number: such samples count as black";
+        watch.warn(&format!("{count} {what}"));
+    }
+}
