@@ -55,7 +55,12 @@ fn main() {
 
 fn run(out: &Path) -> Result<(), String> {
     let sources = out.join("sources");
-    copy_folder(&Path::new(REPOSITORY).join("glsl"), &sources.join("glsl"))?;
+    // A file of an earlier build may be gone.
+    let copy = sources.join("glsl");
+    if copy.exists() {
+        fs::remove_dir_all(&copy).map_err(|e| format!("{}: cannot be removed: {e}", copy.display()))?;
+    }
+    copy_folder(&Path::new(REPOSITORY).join("glsl"), &copy)?;
     edit(&sources, VARIANT, |text| {
         Ok(text.replacen("layout(local_size", &format!("{CONSTANT}\nlayout(local_size"), 1))
     })?;
