@@ -39,6 +39,10 @@ fn halved(image: &Image) -> Image {
     let (width, height) = (image.width.div_ceil(2), image.height.div_ceil(2));
     let texels = match &image.texels {
         Texels::Floats(data) => Texels::Floats(mean_texels(image, width, height, |index| data[index])),
+        Texels::Heights(data) => {
+            let texels = mean_texels(image, width, height, |index| [data[index]; 4]);
+            Texels::Heights(texels.into_iter().map(|[height, ..]| height).collect())
+        }
         Texels::Bytes { srgb: false, data } => {
             let texels = mean_texels(image, width, height, |index| data[index].map(f32::from));
             Texels::Bytes {

@@ -19,11 +19,11 @@ pub struct ImagePlace {
     pub word: u64,
 }
 
-/// Number of words of an image: one per texel of bytes, two per texel of halves.
+/// Number of words of an image: one per texel of bytes or heights, two per texel of halves.
 pub fn word_count(image: &Image) -> u64 {
     let texels = u64::from(image.width) * u64::from(image.height);
     match image.texels {
-        Texels::Bytes { .. } => texels,
+        Texels::Bytes { .. } | Texels::Heights(_) => texels,
         Texels::Floats(_) => 2 * texels,
     }
 }

@@ -121,8 +121,10 @@ pub enum Texels {
         #[serde(serialize_with = "as_bytes")]
         data: Vec<[u8; 4]>,
     },
-    /// Linear red, green, blue and alpha, finite.
+    /// Linear red, green, blue and alpha, finite. Kernels read them as halves.
     Floats(#[serde(serialize_with = "as_bytes")] Vec<[f32; 4]>),
+    /// Heights of a bump map, finite. Kernels read them as they are, because halves would quantize the slopes.
+    Heights(#[serde(serialize_with = "as_bytes")] Vec<f32>),
 }
 
 /// Serializes texels as one block of bytes. One by one, the hash of a large image would take seconds.
@@ -135,6 +137,7 @@ impl Texels {
         match self {
             Self::Bytes { data, .. } => data.len(),
             Self::Floats(data) => data.len(),
+            Self::Heights(data) => data.len(),
         }
     }
 
@@ -143,6 +146,7 @@ impl Texels {
         let power = |srgb: bool| if srgb { 2.2 } else { 1.0 };
         match self {
             Self::Floats(data) => Box::new(data.iter().step_by(step.max(1)).map(|[r, g, b, _]| Vec3::new(*r, *g, *b))),
+            Self::Heights(data) => Box::new(data.iter().step_by(step.max(1)).map(|&height| Vec3::splat(height))),
             Self::Bytes { srgb, data } => {
                 let linear = move |[r, g, b, _]: &[u8; 4]| {
                     Vec3::from([*r, *g, *b].map(|byte| (f32::from(byte) / 255.0).powf(power(*srgb))))

@@ -54,6 +54,7 @@ fn texel(image: &Image, wrap: WrapMode, column: i64, row: i64) -> DVec4 {
     let index = inside(row, image.height) as usize * image.width as usize + inside(column, image.width) as usize;
     match &image.texels {
         Texels::Floats(data) => DVec4::from_array(data[index].map(f64::from)),
+        Texels::Heights(data) => DVec3::splat(f64::from(data[index])).extend(1.0),
         Texels::Bytes { srgb, data } => {
             let encoded = DVec4::from_array(data[index].map(|byte| f64::from(byte) / 255.0));
             let color = if *srgb {

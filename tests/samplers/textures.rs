@@ -1,5 +1,7 @@
 //! Textures of `glsl/include/texture/textures.glsl` and `texture_lookup.glsl`, against their twin.
 
+use std::f64::consts::PI;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec4, Mat3, Vec2, Vec3};
 use lodestar::encode::textures::PackedTextures;
@@ -232,6 +234,38 @@ fn gradients_agree(tamper: f64) -> bool {
 fn gradients() {
     assert!(gradients_agree(0.0));
     assert!(!gradients_agree(0.01), "a percent must be seen");
+}
+
+/// Largest difference between a slope and its twin's, where the heights `offset + 0.02 sin(8 pi u)` stand in `width` texels.
+fn slope_difference(width: u32, offset: f32, texels: impl Fn(Vec<f32>) -> Texels) -> f64 {
+    let height = |i: u32| f64::from(offset) + 0.02 * (8.0 * PI * (f64::from(i) + 0.5) / f64::from(width)).sin();
+    let heights: Vec<f32> = (0..width).map(|i| height(i) as f32).collect();
+    let exact = Image { name: "heights".into(), width, height: 1, texels: Texels::Heights(heights.clone()) };
+    let image = Image { texels: texels(heights), ..exact.clone() };
+    let texture = bitmap(0, TexelFilter::Bilinear, WrapMode::Repeat, Mat3::IDENTITY);
+    let inputs: Vec<_> = (0..width)
+        .map(|i| TextureInput { index: 0, uv: [((f64::from(i) + 0.75) / f64::from(width)) as f32, 0.5] })
+        .collect();
+    let outputs = look_up(std::slice::from_ref(&texture), &[image], &inputs);
+    let difference = |(input, output): (&TextureInput, &TextureOutput)| {
+        let uv = DVec2::from_array(input.uv.map(f64::from));
+        let slope = twin::gradient(&texture, std::slice::from_ref(&exact), uv);
+        (DVec2::from_array(output.gradient.map(f64::from)) - slope).length()
+    };
+    inputs.iter().zip(&outputs).map(difference).fold(0.0, f64::max)
+}
+
+/// Slopes of heights are exact but for a rounding of the difference. As halves, the heights lose them.
+#[test]
+fn slopes_between_many_texels() {
+    for width in [256, 1024, 2048, 4096] {
+        for offset in [0.0, 0.75, 3.0, 100.0] {
+            let found = slope_difference(width, offset, Texels::Heights);
+            assert!(found < 1.0e-5, "{width} texels, offset {offset}: {found}");
+        }
+    }
+    let as_floats = |heights: Vec<f32>| Texels::Floats(heights.into_iter().map(|h| [h, h, h, 1.0]).collect());
+    assert!(slope_difference(2048, 0.75, as_floats) > 0.2, "halves must be seen");
 }
 
 /// Several pages: an image that fills a page leaves other images to the next pages.

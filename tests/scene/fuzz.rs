@@ -110,6 +110,10 @@ fn check_image(image: &Image) -> Result<(), TestCaseError> {
     let count = image.width as usize * image.height as usize;
     match &image.texels {
         Texels::Bytes { data, .. } => prop_assert_eq!(data.len(), count),
+        Texels::Heights(data) => {
+            prop_assert_eq!(data.len(), count);
+            prop_assert!(data.iter().all(|height| height.is_finite()));
+        }
         Texels::Floats(data) => {
             prop_assert_eq!(data.len(), count);
             prop_assert!(data.iter().all(|[r, g, b, _]| [r, g, b].iter().all(|value| value.is_finite())));

@@ -3,6 +3,8 @@
 use glam::{DVec2, Mat3, Vec3};
 use image::{DynamicImage, GrayAlphaImage, GrayImage, ImageBuffer, Luma, Rgb, RgbImage, Rgba, RgbaImage};
 use lodestar::film::Picture;
+use lodestar::math::srgb::luminance;
+use lodestar::scene::bsdf::Relief;
 use lodestar::scene::texture::{Pattern, TexelFilter, Texels, WrapMode};
 use lodestar::scene::texture_lookup::sample;
 use lodestar::scene::{Bsdf, MaterialKind, Scene, Textured};
@@ -157,6 +159,35 @@ fn images_are_shared() {
     assert!(is_srgb(0) && !is_srgb(1));
 }
 
+/// Heights of a file of floats keep their precision, beside the colors of the file. A file of bytes is one image for both.
+#[test]
+fn heights_keep_their_precision() {
+    let body = |file: &str| {
+        let bump = bitmap(file, r#"<boolean name="raw" value="true"/>"#).replace(r#"name="reflectance" "#, "");
+        let diffuse =
+            format!(r#"<bsdf type="diffuse">{}</bsdf>"#, bitmap(file, r#"<boolean name="raw" value="true"/>"#));
+        format!(r#"<shape type="disk"><bsdf type="bumpmap">{bump}{diffuse}</bsdf></shape>"#)
+    };
+    let folder =
+        Folder::new(&[("scene.xml", &with_sensor(&body("a.exr"))), ("bytes.xml", &with_sensor(&body("a.png")))]);
+    rgb().save(folder.path("a.png")).unwrap();
+    save_exr(&folder.path("a.exr"), 3.000_123_4);
+    let scene = folder.load(&[]).unwrap();
+    let image = |scene: &Scene, texture: usize| match scene.textures[texture].pattern {
+        Pattern::Bitmap { image, .. } => image as usize,
+        Pattern::Checkerboard { .. } => panic!("a checkerboard"),
+    };
+    let MaterialKind::Surface(surface) = &scene.materials[0].kind else { panic!("no surface") };
+    let Some(Relief::Bump { texture, .. }) = surface.relief else { panic!("no bump map") };
+    let color = reflectance(&scene).texture.expect("a texture") as usize;
+    let Texels::Heights(heights) = &scene.images[image(&scene, texture as usize)].texels else { panic!("no heights") };
+    assert_eq!((heights[0], heights[6]), (0.25, luminance([0.5, f64::from(3.000_123_4f32), 0.0]) as f32));
+    assert!(matches!(scene.images[image(&scene, color)].texels, Texels::Floats(_)));
+
+    let bytes = Scene::load(&folder.path("bytes.xml")).unwrap();
+    assert_eq!((bytes.textures.len(), bytes.images.len()), (2, 1));
+}
+
 #[test]
 fn textures_that_nobody_uses_are_not_read() {
     let unused = format!(r#"<bsdf type="diffuse">{}</bsdf>"#, bitmap("a.png", ""));
@@ -253,7 +284,8 @@ fn floating_point_files() {
     );
     let relief = Folder::new(&[("scene.xml", &with_sensor(&body))]);
     save_exr(&relief.path("b.exr"), -0.75);
-    assert_eq!(float_texels(&relief.load(&[]).unwrap())[6][1], -0.75);
+    let Texels::Heights(heights) = relief.load(&[]).unwrap().images.remove(0).texels else { panic!("no heights") };
+    assert_eq!(heights[6], luminance([0.5, -0.75, 0.0]) as f32);
     // A reflectance above 1 gives a warning and is kept, as in Mitsuba.
     let bright = floats_of("b.exr", "", |path| save_exr(path, 7.0));
     assert_eq!(float_texels(&bright)[6][1], 7.0);

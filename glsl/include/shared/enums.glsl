@@ -112,8 +112,8 @@ const uint FEATURE_RELIEF_OUTSIDE = 256u;
 const uint FEATURE_SMOOTH_BASE = 512u;
 
 // Flag in the first word of a texture's record: storage format, filter, wrap mode, and whether the texture transforms
-// the surface's coordinates. An image takes one word per texel for bytes and two words for halves. TEXTURE_KINDS is the
-// union of the flags of all textures.
+// the surface's coordinates. An image takes one word per texel for bytes or heights, and two words for halves. TEXTURE_KINDS
+// is the union of the flags of all textures.
 const uint TEXTURE_SRGB_BYTES = 1u;
 const uint TEXTURE_LINEAR_BYTES = 2u;
 const uint TEXTURE_HALVES = 4u;
@@ -124,6 +124,7 @@ const uint TEXTURE_REPEAT = 64u;
 const uint TEXTURE_MIRROR = 128u;
 const uint TEXTURE_CLAMP = 256u;
 const uint TEXTURE_TRANSFORMED = 512u;
+const uint TEXTURE_HEIGHTS = 1024u;
 
 // Number of a material's first color or scalar parameter, as counted by the links from materials to textures.
 const uint PARAMETER_COLOR0 = 0u;

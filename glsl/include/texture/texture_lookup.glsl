@@ -68,6 +68,9 @@ vec4 decode_texel(uint kind, uvec2 words, float scale) {
     if (has_textures(TEXTURE_HALVES) && (kind & TEXTURE_HALVES) != 0u) {
         color = scale * vec4(unpackHalf2x16(words.x), unpackHalf2x16(words.y));
     }
+    if (has_textures(TEXTURE_HEIGHTS) && (kind & TEXTURE_HEIGHTS) != 0u) {
+        color = vec4(vec3(uintBitsToFloat(words.x)), 1.0);
+    }
     return color;
 }
 

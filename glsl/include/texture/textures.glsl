@@ -63,7 +63,7 @@ vec4 sample_checkerboard(TextureSampler s) {
 vec4 sample_texture(uint index, vec2 uv) {
     TextureSampler s = texture_sampler(index, uv);
     vec4 color = vec4(1.0);
-    if (has_textures(TEXTURE_SRGB_BYTES | TEXTURE_LINEAR_BYTES | TEXTURE_HALVES)) color = sample_image(s);
+    if (has_textures(TEXTURE_SRGB_BYTES | TEXTURE_LINEAR_BYTES | TEXTURE_HALVES | TEXTURE_HEIGHTS)) color = sample_image(s);
     if (has_textures(TEXTURE_CHECKERBOARD) && (s.kind & TEXTURE_CHECKERBOARD) != 0u) color = sample_checkerboard(s);
     return color;
 }
@@ -77,6 +77,10 @@ vec2 texture_gradient(uint index, vec2 uv) {
     mat4 colors = fetch_taps(s, taps);
     vec4 heights = vec4(luminance(colors[0].rgb), luminance(colors[1].rgb), luminance(colors[2].rgb),
                         luminance(colors[3].rgb));
+    // The luminance of a gray color is rounded, which would show in the slopes between many texels.
+    if (has_textures(TEXTURE_HEIGHTS) && (s.kind & TEXTURE_HEIGHTS) != 0u) {
+        heights = vec4(colors[0].r, colors[1].r, colors[2].r, colors[3].r);
+    }
     vec2 slope = vec2(mix(heights.y - heights.x, heights.w - heights.z, taps.fraction.y),
                       mix(heights.z - heights.x, heights.w - heights.y, taps.fraction.x));
     return vec2(s.size) * (slope * taps.direction * s.from_surface);

@@ -43,6 +43,7 @@ impl EnvironmentMap {
                 data.iter().map(|&[r, g, b, _]| Vec3::from([r, g, b].map(decode))).collect()
             }
             Texels::Floats(data) => data.iter().map(|&[r, g, b, _]| Vec3::new(r, g, b)).collect(),
+            Texels::Heights(data) => data.iter().copied().map(Vec3::splat).collect(),
         };
         Self { width: image.width as usize, height: image.height as usize, texels }
     }

@@ -43,7 +43,7 @@ fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRec
             let address = words.address(image).unwrap_or(0);
             let image = &images[image as usize];
             let scale = match &image.texels {
-                Texels::Bytes { .. } => 1.0,
+                Texels::Bytes { .. } | Texels::Heights(_) => 1.0,
                 Texels::Floats(data) => halves::scale(data.iter().flatten().copied()),
             };
             TextureRecord { address, size: [image.width, image.height], scale, ..plain }
@@ -70,6 +70,7 @@ fn texel_kind(image: &Image) -> u32 {
         Texels::Bytes { srgb: true, .. } => constants::TEXTURE_SRGB_BYTES,
         Texels::Bytes { srgb: false, .. } => constants::TEXTURE_LINEAR_BYTES,
         Texels::Floats(_) => constants::TEXTURE_HALVES,
+        Texels::Heights(_) => constants::TEXTURE_HEIGHTS,
     }
 }
 

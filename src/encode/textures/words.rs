@@ -39,6 +39,7 @@ impl TexelWords {
         let target = &mut words[word..end];
         match &image.texels {
             Texels::Bytes { data, .. } => target.copy_from_slice(cast_slice(data)),
+            Texels::Heights(data) => target.copy_from_slice(cast_slice(data)),
             Texels::Floats(data) => halves::write(target, data, halves::scale(data.iter().flatten().copied())),
         }
     }

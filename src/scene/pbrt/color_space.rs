@@ -5,14 +5,6 @@ use glam::{DMat3, DVec2, DVec3};
 /// Chromaticity of D65, the white point of all the color spaces below.
 const WHITE: DVec2 = DVec2::new(0.3127, 0.3290);
 
-/// Luminances of red, green and blue of sRGB.
-const LUMINANCE: [f64; 3] = [0.212671, 0.715160, 0.072169];
-
-/// Luminance of a color.
-pub(super) fn luminance(color: [f64; 3]) -> f64 {
-    color.iter().zip(LUMINANCE).map(|(channel, weight)| channel * weight).sum()
-}
-
 /// Color space of a scene's colors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ColorSpace {

@@ -3,7 +3,7 @@
 //! pbrt scales every light that a spectrum or a temperature describes to a luminance of 1. A light of a color is the color times
 //! the white of the color space, and white has a luminance of 1. So both become colors in linear sRGB.
 
-use super::color_space::{ColorSpace, luminance};
+use super::color_space::ColorSpace;
 use super::files::Files;
 use super::named_spectra;
 use super::parameters::{Parameter, Values};

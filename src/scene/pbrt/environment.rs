@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use glam::{DMat4, DVec4};
 
-use super::color_space::luminance;
 use super::delta_lights::color;
 use super::equal_area::{square_from_direction, unrolled};
 use super::nodes::rgb;
@@ -16,6 +15,7 @@ use super::world::Entity;
 use crate::Result;
 use crate::image::exr;
 use crate::image::texels;
+use crate::math::srgb::luminance;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::make::{matrix, object};
 use crate::scene::description::object::{Object, Value};

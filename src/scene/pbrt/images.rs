@@ -5,7 +5,6 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::color_space::luminance;
 use super::files::Files;
 use super::nodes::{ImageFile, Source};
 use super::rasters::Raster;
@@ -14,6 +13,7 @@ use super::world::Entity;
 use crate::Result;
 use crate::image::exr;
 use crate::image::texels::{self, FileTexels, TexelImage};
+use crate::math::srgb::luminance;
 use crate::scene::description::object::{self, Value};
 
 /// Most texels of all images that are computed from textures.

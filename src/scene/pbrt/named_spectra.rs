@@ -74,7 +74,7 @@ pub(super) fn index(name: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::pbrt::color_space::luminance;
+    use crate::math::srgb::luminance;
 
     #[test]
     fn illuminants_have_the_luminance_1() {

@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::color_space::luminance;
 use super::maker::Maker;
 use super::nodes::Node;
 use crate::Result;
+use crate::math::srgb::luminance;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::make::object;
 use crate::scene::description::object::{Object, Value};

@@ -21,7 +21,7 @@ use super::scope::{Scope, Whole};
 use super::shape::{self, Geometry, MeshFile, Shape};
 use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
-use super::textures::Textures;
+use super::textures::{Textures, number_images};
 use super::{curves, cylinder, fit, integrator, sensor, texture_images, vertex_colors};
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
@@ -372,16 +372,19 @@ impl<'a> Builder<'a> {
             self.warnings.push(format!("{}: no shape refers to this `area` emitter; it is dark", emitter.origin));
         }
         let mut images = self.images;
-        let (textures, requests) = self.textures.finish(images.len() as u32);
+        let first_image = images.len();
+        let (mut textures, requests) = self.textures.finish();
         let shapes = &self.shapes;
         let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
-        let Decoded { images: decoded, warnings, faults } = decoded;
+        let Decoded { images: decoded, indices, warnings, faults } = decoded;
         let (mut meshes, of_meshes) = meshes;
         let given = self.scope.meshes.iter().enumerate();
         meshes.extend(given.map(|(index, mesh)| (MeshFile::in_memory(index), Arc::clone(mesh))));
         faults.into_iter().chain(of_meshes).for_each(|fault| self.faults.add(fault));
         self.faults.into_result()?;
         images.extend(decoded);
+        // The image of vertex colors, if a texture uses it, comes after all others.
+        number_images(&mut textures, first_image, &indices, images.len());
         self.warnings.extend(warnings);
         self.warnings.extend(curves::warning(&self.shapes, &meshes));
         let mut left_out: Vec<_> = meshes.iter().filter_map(|(file, mesh)| mesh::warning(&file.path, mesh)).collect();

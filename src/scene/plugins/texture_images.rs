@@ -8,15 +8,17 @@ use rayon::prelude::*;
 use super::textures::ImageRequest;
 use crate::image::exr;
 use crate::image::texels::{self, FileTexels, TexelImage};
-use crate::math::srgb::linear_from_srgb;
+use crate::math::srgb::{linear_from_srgb, luminance};
 use crate::scene::folders::FoundFile;
 use crate::scene::shrink::shrink;
 use crate::scene::texture::{Image, Texels};
 use crate::{Error, Result};
 
-/// Images of a scene's textures. Where a file has a fault, the images are fewer than the requests.
+/// Images of a scene's textures.
 pub(super) struct Decoded {
     pub images: Vec<Image>,
+    /// Image of each request, by its index. Where a file has a fault, some are missing.
+    pub indices: Vec<u32>,
     pub warnings: Vec<String>,
     pub faults: Vec<Error>,
 }
@@ -29,6 +31,8 @@ pub(super) fn decode(requests: &[ImageRequest]) -> Decoded {
     let files: Vec<_> = files.par_iter().map(|file| (file.path.as_path(), read(file))).collect();
     let mut files: HashMap<&Path, Result<TexelImage>> = files.into_iter().collect();
     let (mut images, mut warnings, mut faults) = (Vec::with_capacity(requests.len()), Vec::new(), Vec::new());
+    // Requests by image, images by request, and the images of bytes, which are the same as heights and as colors.
+    let (mut request_of, mut indices, mut of_bytes) = (Vec::new(), Vec::new(), HashMap::new());
     for (i, request) in requests.iter().enumerate() {
         let image = match files.remove(request.file.path.as_path()) {
             Some(Ok(file)) => {
@@ -41,22 +45,33 @@ pub(super) fn decode(requests: &[ImageRequest]) -> Decoded {
             None => Err(request.location.error(format!("the image `{}` was not read", request.name))),
         };
         match image {
-            Ok(image) => images.push(image),
+            Ok(image) => {
+                let next = images.len() as u32;
+                let index = match image.texels {
+                    Texels::Bytes { .. } => *of_bytes.entry((&request.file.path, request.raw)).or_insert(next),
+                    _ => next,
+                };
+                indices.push(index);
+                if index == next {
+                    images.push(image);
+                    request_of.push(request);
+                }
+            }
             Err(fault) => faults.push(fault),
         }
     }
     if !faults.is_empty() {
-        return Decoded { images, warnings, faults };
+        return Decoded { images, indices, warnings, faults };
     }
     let sizes: Vec<_> = images.iter().map(|image| [image.width, image.height]).collect();
     for i in shrink(&mut images) {
-        let (ImageRequest { location, name, .. }, [width, height]) = (&requests[i], sizes[i]);
+        let (ImageRequest { location, name, .. }, [width, height]) = (request_of[i], sizes[i]);
         let size = format!("{}x{}", images[i].width, images[i].height);
         let message =
             format!("{location}: the image `{name}` of {width}x{height} texels does not fit; reduced to {size}");
         warnings.push(message);
     }
-    Decoded { images, warnings, faults }
+    Decoded { images, indices, warnings, faults }
 }
 
 /// Image of an environment, in linear radiance, and what is to be said about values that are no radiance.
@@ -103,6 +118,9 @@ fn image(request: &ImageRequest, file: TexelImage, warnings: &mut Vec<String>) -
     if let Texels::Floats(data) = &mut texels {
         check_floats(request, file.width, data, warnings)?;
         remove_negatives(request, data, warnings);
+        if request.is_heights {
+            texels = Texels::Heights(data.iter().copied().map(height).collect());
+        }
     }
     Ok(Image { name: request.name.clone(), width: file.width, height: file.height, texels })
 }
@@ -137,6 +155,12 @@ fn remove_negatives(request: &ImageRequest, data: &mut [[f32; 4]], warnings: &mu
     data.iter_mut().flat_map(|texel| &mut texel[..3]).for_each(|channel| *channel = channel.max(0.0));
     let (location, name) = (&request.location, &request.name);
     warnings.push(format!("{location}: the image `{name}` has negative colors, which count as 0"));
+}
+
+/// Height that a color stands for: its luminance, and for a gray color that color.
+fn height([red, green, blue, _]: [f32; 4]) -> f32 {
+    let is_gray = red == green && green == blue;
+    if is_gray { red } else { luminance([red, green, blue].map(f64::from)) as f32 }
 }
 
 /// Texel with its colors decoded by the inverse sRGB curve (IEC 61966-2-1); alpha stays.

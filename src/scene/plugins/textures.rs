@@ -38,6 +38,16 @@ pub(super) enum Role {
     Normals,
 }
 
+/// Things that are made of one texture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Reading {
+    Color,
+    /// Number that differs from the color's luminance.
+    Number,
+    /// Heights, in single precision.
+    Heights,
+}
+
 /// Texture as a parameter uses it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TextureUse {
@@ -59,6 +69,8 @@ pub(super) struct ImageRequest {
     pub is_reflectance: bool,
     /// Whether all its colors are used as reflectance or light.
     pub is_color: bool,
+    /// Whether it is used as heights, and as nothing else.
+    pub is_heights: bool,
     /// Location where the file is first named.
     pub location: Origin,
 }
@@ -66,8 +78,8 @@ pub(super) struct ImageRequest {
 /// Textures of a scene while it is read. A texture that no surface uses is read, but not kept.
 pub(super) struct Textures<'a> {
     scope: Scope<'a>,
-    /// Textures read, by the object's address and by whether their numbers differ from their colors.
-    known: HashMap<(*const Object, bool), TextureUse>,
+    /// Textures read, by the object's address and by what is made of it.
+    known: HashMap<(*const Object, Reading), TextureUse>,
     read: Vec<Texture>,
     requests: Vec<ImageRequest>,
     kept_textures: Kept,
@@ -117,8 +129,12 @@ impl<'a> Textures<'a> {
         if depth > MAX_DEPTH {
             return Err(object.error("textures are nested too deep: does one refer to itself?"));
         }
-        let differs = role == Role::Scalar && object.plugin != "bitmap";
-        let key = (ptr::from_ref(object), differs);
+        let reading = match role {
+            Role::Heights => Reading::Heights,
+            Role::Scalar if object.plugin != "bitmap" => Reading::Number,
+            _ => Reading::Color,
+        };
+        let key = (ptr::from_ref(object), reading);
         let found = match self.known.get(&key) {
             Some(&found) => found,
             None => self.read_new(object, role, depth, warnings)?,
@@ -217,14 +233,17 @@ impl<'a> Textures<'a> {
     fn image(&mut self, file: FoundFile, filename: Parameter, raw: bool, role: Role) -> u32 {
         let is_reflectance = role == Role::Reflectance;
         let is_color = matches!(role, Role::Reflectance | Role::Radiance);
-        let same = |request: &ImageRequest| request.raw == raw && request.file.path == file.path;
+        let is_heights = role == Role::Heights;
+        let same = |request: &ImageRequest| {
+            request.raw == raw && request.is_heights == is_heights && request.file.path == file.path
+        };
         if let Some(index) = self.requests.iter().position(same) {
             self.requests[index].is_reflectance |= is_reflectance;
             self.requests[index].is_color &= is_color;
             return index as u32;
         }
         let (name, location) = (filename.text().to_owned(), filename.origin());
-        self.requests.push(ImageRequest { file, name, raw, is_reflectance, is_color, location });
+        self.requests.push(ImageRequest { file, name, raw, is_reflectance, is_color, is_heights, location });
         self.requests.len() as u32 - 1
     }
 
@@ -252,25 +271,36 @@ impl<'a> Textures<'a> {
         self.kept_textures.index(texture)
     }
 
-    /// Kept textures for `Scene::textures`, and kept images to decode for `Scene::images`, where they follow
-    /// `first_image` others. The image of vertex colors, if a texture uses it, comes after all of them.
-    pub fn finish(mut self, first_image: u32) -> (Vec<Texture>, Vec<ImageRequest>) {
+    /// Kept textures, and kept images to decode. The textures name them by their place among these; [`number_images`] gives
+    /// them the numbers of `Scene::images`.
+    pub fn finish(mut self) -> (Vec<Texture>, Vec<ImageRequest>) {
         let order = std::mem::take(&mut self.kept_textures.order);
-        let textures = order.iter().map(|&read| self.kept_texture(read, first_image)).collect();
+        let textures = order.iter().map(|&read| self.kept_texture(read)).collect();
         let images = self.kept_images.order.iter().map(|&read| self.requests[read as usize].clone()).collect();
         (textures, images)
     }
 
-    fn kept_texture(&mut self, read: u32, first_image: u32) -> Texture {
+    fn kept_texture(&mut self, read: u32) -> Texture {
         let mut texture = self.read[read as usize].clone();
         if let Pattern::Bitmap { image, .. } = &mut texture.pattern {
-            *image = first_image
-                + match *image {
-                    VERTEX_COLORS => self.kept_images.order.len() as u32,
-                    read => self.kept_images.index(read),
-                };
+            if *image != VERTEX_COLORS {
+                *image = self.kept_images.index(*image);
+            }
         }
         texture
+    }
+}
+
+/// Gives the images of `textures` their numbers in `Scene::images`: `indices` has the place of each among the decoded ones,
+/// which follow `first` others. Vertex colors become the image `vertex_colors`.
+pub(super) fn number_images(textures: &mut [Texture], first: usize, indices: &[u32], vertex_colors: usize) {
+    for texture in textures {
+        if let Pattern::Bitmap { image, .. } = &mut texture.pattern {
+            *image = match *image {
+                VERTEX_COLORS => vertex_colors as u32,
+                request => first as u32 + indices[request as usize],
+            };
+        }
     }
 }
 
