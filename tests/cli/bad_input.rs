@@ -157,6 +157,10 @@ fn combinations_without_meaning() {
         (&["--noise", "0.1", "--sample-offset", "0"], ["--noise", "cannot be combined with --sample-offset"]),
         (&["--noise", "0.1", "--execution", "wavefront"], ["--execution wavefront", "cannot be combined with --noise"]),
         (
+            &["--sampler", "quadtree", "--execution", "wavefront"],
+            ["--execution wavefront cannot be combined with --sampler quadtree", "take --execution megakernel"],
+        ),
+        (
             &["--learner", "monte-carlo", "--execution", "wavefront"],
             ["--execution wavefront cannot be combined with --learner monte-carlo", "take --execution megakernel"],
         ),

@@ -44,7 +44,7 @@ fn read_with(model: &Value, options: &LoadOptions) -> Result<Scene, String> {
     load(&folder.path("model.gltf"), options).map_err(|error| error.to_string())
 }
 
-fn read(model: &Value) -> Result<Scene, String> {
+pub fn read(model: &Value) -> Result<Scene, String> {
     read_with(model, &LoadOptions::default())
 }
 
@@ -55,11 +55,11 @@ fn png(texel: [u8; 4]) -> Vec<u8> {
     png.into_inner()
 }
 
-fn png_uri(texel: [u8; 4]) -> String {
+pub fn png_uri(texel: [u8; 4]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png(texel)))
 }
 
-fn push(list: &mut Value, entry: Value) {
+pub fn push(list: &mut Value, entry: Value) {
     list.as_array_mut().unwrap().push(entry);
 }
 

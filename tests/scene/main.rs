@@ -11,6 +11,7 @@ mod fuzz_renders;
 mod geometry;
 mod gltf;
 mod gltf_cornell;
+mod gltf_surfaces;
 mod lobes;
 mod mapped;
 mod materials;

@@ -75,7 +75,15 @@ fn integrators_are_taken_for_path() {
     // Mitsuba's default of the differentiable integrators is 6.
     assert_eq!(read(r#"<integrator type="prb"/>"#, "of 6").max_depth, Some(6));
     let direct = r#"<integrator type="direct"><integer name="bsdf_samples" value="4"/></integrator>"#;
-    assert_eq!(read(direct, "of 2"), IntegratorDescription { max_depth: Some(2), ..open });
+    let of_2 = IntegratorDescription { max_depth: Some(2), ..open };
+    assert_eq!(read(direct, "of 2"), of_2);
+    // One of the two samplings alone misses light in Mitsuba.
+    for (none, missing) in
+        [("emitter_samples", "the lights without a size"), ("bsdf_samples", "smooth mirrors and glass")]
+    {
+        let direct = format!(r#"<integrator type="direct"><integer name="{none}" value="0"/></integrator>"#);
+        assert_eq!(read(&direct, missing), of_2);
+    }
     let wrapped = format!(
         r#"<integrator type="aov"><string name="aovs" value="d:depth"/><integrator type="moment">
         <integrator type="path">{given}</integrator></integrator></integrator>"#
@@ -90,8 +98,8 @@ fn integrators_of_other_pictures_are_refused() {
     refuse(r#"<integrator type="depth"/>"#, &["integrator plugin `depth`", "`path`"]);
     refuse(r#"<integrator type="aov"/>"#, &["`aov`", "one nested <integrator>"]);
     refuse(r#"<integrator type="aov"><integrator type="depth"/></integrator>"#, &["`depth`"]);
-    let blind = r#"<integrator type="direct"><integer name="emitter_samples" value="0"/></integrator>"#;
-    refuse(blind, &["`emitter_samples`", "0"]);
+    let blind = r#"<integrator type="direct"><integer name="emitter_samples" value="0"/><integer name="bsdf_samples" value="0"/></integrator>"#;
+    refuse(blind, &["`emitter_samples` and `bsdf_samples` of 0"]);
     refuse(r#"<integrator type="moment" id="a"><ref id="a"/></integrator>"#, &["too deep"]);
 }
 
@@ -422,4 +430,43 @@ fn old_files_whose_picture_differs_get_one_warning() {
         <shape type="sphere"><bsdf type="conductor"><string name="material" value="Cu"/></bsdf></shape>
         <shape type="cube"><bsdf type="diffuse"><spectrum name="reflectance" value="0.5"/></bsdf></shape>"#;
     assert_eq!(warnings("0.6.0", same), [""; 0]);
+}
+
+/// Mitsuba 3 writes spectra that are plugins as textures.
+#[test]
+fn spectra_written_as_textures_are_spectra() {
+    let texture = |plugin: &str, name: &str, entries: &str| {
+        format!(r#"<texture type="{plugin}" id="s" name="{name}">{entries}</texture>"#)
+    };
+    let diffuse = |color: &str| format!(r#"<shape type="disk"><bsdf type="diffuse">{color}</bsdf></shape>"#);
+    let lamp = |color: &str| format!(r#"<shape type="disk"><emitter type="area">{color}</emitter></shape>"#);
+    let regular = r#"<float name="wavelength_min" value="400"/><float name="wavelength_max" value="700"/><string name="values" value="0.5, 0.6, 0.7"/>"#;
+    let irregular =
+        r#"<string name="wavelengths" value="400, 500, 700"/><string name="values" value="0.5, 0.6, 0.7"/>"#;
+    for (plugin, entries, plain) in [
+        ("uniform", r#"<float name="value" value="0.25"/>"#, r#"<rgb name="NAME" value="0.25"/>"#),
+        ("srgb", r#"<rgb name="color" value="0.1 0.2 0.3"/>"#, r#"<rgb name="NAME" value="0.1 0.2 0.3"/>"#),
+        ("d65", r#"<float name="scale" value="0.5"/>"#, r#"<rgb name="NAME" value="0.5"/>"#),
+        ("regular", regular, r#"<spectrum name="NAME" value="400:0.5, 550:0.6, 700:0.7"/>"#),
+        ("irregular", irregular, r#"<spectrum name="NAME" value="400:0.5, 500:0.6, 700:0.7"/>"#),
+    ] {
+        let written = load_body(&diffuse(&texture(plugin, "reflectance", entries))).unwrap();
+        let wanted = load_body(&diffuse(&plain.replace("NAME", "reflectance"))).unwrap();
+        assert_eq!(written.materials[0].kind, wanted.materials[0].kind, "{plugin}");
+        let apart = texture(plugin, "any", entries) + &diffuse(r#"<ref id="s" name="reflectance"/>"#);
+        let apart = load_body(&apart).unwrap();
+        assert_eq!(apart.materials[0].kind, wanted.materials[0].kind, "{plugin} by its id");
+        assert!(apart.warnings.iter().chain(&written.warnings).all(|warning| !warning.contains("unknown")));
+        let written = load_body(&lamp(&texture(plugin, "radiance", entries))).unwrap();
+        let wanted = load_body(&lamp(&plain.replace("NAME", "radiance"))).unwrap();
+        assert_eq!(written.emitters[0].radiance, wanted.emitters[0].radiance, "{plugin} as light");
+    }
+    refuse(
+        &diffuse(&texture("uniform", "reflectance", "")),
+        &["spectrum plugin `uniform` needs its parameter `value`"],
+    );
+    let short = irregular.replace("0.5, ", "");
+    refuse(&diffuse(&texture("irregular", "reflectance", &short)), &["2 values for 3 wavelengths"]);
+    let flat = regular.replace("0.5, 0.6, ", "");
+    refuse(&diffuse(&texture("regular", "reflectance", &flat)), &["two or more"]);
 }

@@ -184,7 +184,7 @@ fn heights_keep_their_precision() {
     assert_eq!((heights[0], heights[6]), (0.25, luminance([0.5, f64::from(3.000_123_4f32), 0.0]) as f32));
     assert!(matches!(scene.images[image(&scene, color)].texels, Texels::Floats(_)));
 
-    let bytes = Scene::load(&folder.path("bytes.xml")).unwrap();
+    let bytes = Scene::load(folder.path("bytes.xml")).unwrap();
     assert_eq!((bytes.textures.len(), bytes.images.len()), (2, 1));
 }
 

@@ -297,3 +297,8 @@ fn brief(error: &gltf::Error) -> String {
         other => quoted::message(other),
     }
 }
+
+/// The name with every character that is neither a letter nor a digit replaced by `_`.
+pub(super) fn plain(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
+}

@@ -54,6 +54,12 @@ impl<'a> TextureUse<'a> {
             to_uv: transform.map(|_| to_uv(pair("offset", 0.0), rotation, pair("scale", 1.0))),
         }
     }
+
+    /// Whether the texels of both lie at the same places of a surface.
+    pub fn lies_as(&self, other: &Self) -> bool {
+        let wraps = |texture: &gltf::Texture| (texture.sampler().wrap_s(), texture.sampler().wrap_t());
+        self.uv_set == other.uv_set && self.to_uv == other.to_uv && wraps(&self.texture) == wraps(&other.texture)
+    }
 }
 
 /// Base color of a material, with alpha.
@@ -266,13 +272,19 @@ pub(super) fn scaled(texture: Object, factor: [f32; 3]) -> Object {
 }
 
 /// Texel as bytes.
-pub(super) fn texel(image: &TexelImage, at: usize) -> [u8; 4] {
+fn texel(image: &TexelImage, at: usize) -> [u8; 4] {
     match &image.texels {
         FileTexels::Bytes(data) => data[at],
         FileTexels::Encoded(data) | FileTexels::Linear(data) => {
             data[at].map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
         }
     }
+}
+
+/// Texel of an image at a place in the unit square, as bytes.
+pub(super) fn at_place(image: &TexelImage, u: f32, v: f32) -> [u8; 4] {
+    let index = |place: f32, count: u32| ((place * count as f32) as usize).min(count as usize - 1);
+    texel(image, index(v, image.height) * image.width as usize + index(u, image.width))
 }
 
 fn extension(content: &[u8]) -> &'static str {

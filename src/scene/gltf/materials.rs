@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 
 use gltf::Material;
-use gltf::material::AlphaMode;
 
-use super::asset::Asset;
+use super::alpha::{Opacity, radiance};
+use super::asset::{Asset, plain};
 use super::images::{BaseColor, Coding, Images, TextureUse, scaled};
 use super::specular_glossiness;
+use super::wearer::{Coloring, Wearer};
 use crate::Result;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::make::{color, nested, number, object, two_sided};
@@ -21,15 +22,6 @@ const LEAST_IOR: f32 = 1.001;
 /// Extensions of materials whose textures are not read.
 const UNTEXTURED: [&str; 4] =
     ["KHR_materials_clearcoat", "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_anisotropy"];
-
-/// Source of a primitive's color besides the material.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(super) enum Coloring {
-    /// No other.
-    None,
-    /// The colors of the vertices.
-    Vertices,
-}
 
 /// What covers a shape.
 #[derive(Debug, Clone)]
@@ -47,7 +39,7 @@ pub(super) struct Covering {
 /// Materials in use.
 #[derive(Default)]
 pub(super) struct Materials {
-    known: HashMap<(Option<usize>, Coloring), Covering>,
+    known: HashMap<(Option<usize>, Wearer), Covering>,
     objects: Vec<(String, Object)>,
 }
 
@@ -63,18 +55,18 @@ impl Materials {
         asset: &'a Asset,
         images: &mut Images<'a>,
         material: &Material<'a>,
-        coloring: Coloring,
+        wearer: Wearer,
     ) -> Result<Covering> {
-        let key = (material.index(), coloring);
+        let key = (material.index(), wearer);
         if let Some(known) = self.known.get(&key) {
             return Ok(known.clone());
         }
         let name = plain(material.name().unwrap_or_default());
         let place = material.index().map_or("default".to_owned(), |index| index.to_string());
-        let suffix = if coloring == Coloring::Vertices { "_colored" } else { "" };
-        let id = format!("material{place}_{name}{suffix}");
-        let mut reader = Reader { asset, images, material, label: material_label(material), uv_sets: Vec::new() };
-        let (bsdf, emitter, color_factor) = reader.read(coloring)?;
+        let id = format!("material{place}_{name}{}", wearer.suffix());
+        let label = material_label(material);
+        let mut reader = Reader { asset, images, material, wearer, label, uv_sets: Vec::new() };
+        let (bsdf, emitter, color_factor) = reader.read()?;
         let uv_set = reader.uv_set();
         let covering = Covering { id: id.clone(), emitter, uv_set, color_factor };
         self.objects.push((id, bsdf));
@@ -88,6 +80,7 @@ struct Reader<'r, 'a> {
     asset: &'a Asset,
     images: &'r mut Images<'a>,
     material: &'r Material<'a>,
+    wearer: Wearer,
     /// Name of the material in messages.
     label: String,
     /// Sets of texture coordinates that its textures use.
@@ -118,24 +111,24 @@ impl<'a> Reader<'_, 'a> {
     }
 
     /// The BSDF, the emitter and the factor of vertex colors.
-    fn read(&mut self, coloring: Coloring) -> Result<(Object, Option<Object>, Option<[f32; 3]>)> {
+    fn read(&mut self) -> Result<(Object, Option<Object>, Option<[f32; 3]>)> {
+        let coloring = self.wearer.coloring;
         self.warn_of_textures();
         let metallic = self.material.pbr_metallic_roughness();
         let base_texture = self.info(metallic.base_color_texture());
-        let mut base = BaseColor { factor: metallic.base_color_factor(), texture: base_texture };
+        let mut base = BaseColor { factor: self.with_alpha(metallic.base_color_factor()), texture: base_texture };
         let (mut bsdf, transmits);
         let mut color_factor = None;
         if self.material.unlit() {
-            let emitted = self.color(&base, coloring, &mut color_factor)?;
+            let emitter = self.unlit(&base, &mut color_factor)?;
             let black = object(Kind::Bsdf, "diffuse", [("reflectance", color([0.0; 3]))]);
             self.warn("it is unlit (KHR_materials_unlit): it emits its color and reflects nothing");
-            let emitter = object(Kind::Emitter, "area", [("radiance", emitted)]);
-            return Ok((self.masked(two_sided(black), &base)?, Some(emitter), color_factor));
+            return Ok((self.masked(two_sided(black), &base)?, emitter, color_factor));
         }
         if let Some(specular) = self.material.pbr_specular_glossiness() {
             let diffuse = self.info(specular.diffuse_texture());
             let gloss = self.info(specular.specular_glossiness_texture());
-            base = BaseColor { factor: specular.diffuse_factor(), texture: diffuse };
+            base = BaseColor { factor: self.with_alpha(specular.diffuse_factor()), texture: diffuse };
             if coloring == Coloring::Vertices {
                 self.warn("vertex colors cannot stand beside KHR_materials_pbrSpecularGlossiness; they are ignored");
             }
@@ -156,8 +149,13 @@ impl<'a> Reader<'_, 'a> {
         // A dielectric body transmits from both sides already.
         let surface = if transmits { bsdf } else { two_sided(bsdf) };
         let surface = self.thin_transmission(surface, &base)?;
-        let emitter = self.emitter()?;
+        let emitter = self.emitter(&base)?;
         Ok((self.masked(surface, &base)?, emitter, color_factor))
+    }
+
+    /// Factor of the base color with the alpha of the vertices' colors.
+    fn with_alpha(&self, [red, green, blue, alpha]: [f32; 4]) -> [f32; 4] {
+        [red, green, blue, alpha * f32::from_bits(self.wearer.alpha)]
     }
 
     fn warn_of_textures(&self) {
@@ -322,19 +320,48 @@ impl<'a> Reader<'_, 'a> {
         let Some(normals) = self.material.normal_texture() else { return Ok(bsdf) };
         let texture = self.keep(TextureUse::of_normals(&normals));
         let scale = normals.scale();
-        let bitmap = match scale == 1.0 {
+        let turned = self.wearer.turned;
+        let bitmap = match scale == 1.0 && turned == [false; 2] {
             true => self.images.bitmap(&texture, Coding::Linear)?,
             false => {
-                let slope = |byte: u8| ((f32::from(byte) - 127.5) * scale + 127.5).round().clamp(0.0, 255.0) as u8;
-                let tag = format!("normals{scale}");
-                let scaled = |texel: [u8; 4], _: f32, _: f32| [slope(texel[0]), slope(texel[1]), texel[2]];
+                let scales = turned.map(|turned| if turned { -scale } else { scale });
+                let slope =
+                    |byte: u8, scale: f32| ((f32::from(byte) - 127.5) * scale + 127.5).round().clamp(0.0, 255.0) as u8;
+                let tag = format!("normals{}_{}", scales[0], scales[1]);
+                let scaled =
+                    |texel: [u8; 4], _: f32, _: f32| [slope(texel[0], scales[0]), slope(texel[1], scales[1]), texel[2]];
                 self.images.made(&texture, &tag, Coding::Linear, scaled)?
             }
         };
         Ok(object(Kind::Bsdf, "normalmap", [("normalmap", nested(bitmap)), ("surface", nested(bsdf))]))
     }
 
-    fn emitter(&mut self) -> Result<Option<Object>> {
+    /// Emitter of an unlit material, which emits its color.
+    fn unlit(&mut self, base: &BaseColor<'a>, color_factor: &mut Option<[f32; 3]>) -> Result<Option<Object>> {
+        let shown = self.color(base, self.wearer.coloring, color_factor)?;
+        let opacity = Opacity::of(self.material, base);
+        if let Some(factor) = color_factor {
+            let scale = opacity.map_or(1.0, |opacity| opacity.scale());
+            *factor = factor.map(|channel| channel * scale);
+            return Ok(Some(object(Kind::Emitter, "area", [("radiance", shown)])));
+        }
+        let [red, green, blue, _] = base.factor;
+        self.emission(base.texture.as_ref(), [red, green, blue], opacity.as_ref())
+    }
+
+    fn emission(
+        &mut self,
+        texture: Option<&TextureUse<'a>>,
+        factor: [f32; 3],
+        opacity: Option<&Opacity<'a>>,
+    ) -> Result<Option<Object>> {
+        let (asset, label) = (self.asset, &self.label);
+        let warn = |message: &str| asset.warn(format!("{label}: {message}"));
+        let radiance = radiance(self.images, texture, factor, opacity, warn)?;
+        Ok(radiance.map(|radiance| object(Kind::Emitter, "area", [("radiance", radiance)])))
+    }
+
+    fn emitter(&mut self, base: &BaseColor<'a>) -> Result<Option<Object>> {
         let strength = self.material.emissive_strength().unwrap_or(1.0);
         let factor = self.material.emissive_factor().map(|channel| (channel * strength).max(0.0));
         let texture = self.info(self.material.emissive_texture());
@@ -344,43 +371,15 @@ impl<'a> Reader<'_, 'a> {
         if self.material.double_sided() {
             self.warn("it emits from its front only, though it is double-sided");
         }
-        let radiance = match texture {
-            Some(texture) => nested(scaled(self.images.bitmap(&texture, Coding::Srgb)?, factor)),
-            None => color(factor),
-        };
-        Ok(Some(object(Kind::Emitter, "area", [("radiance", radiance)])))
+        self.emission(texture.as_ref(), factor, Opacity::of(self.material, base).as_ref())
     }
 
     /// Surface with holes, where the alpha mode makes any.
     fn masked(&mut self, surface: Object, base: &BaseColor<'a>) -> Result<Object> {
-        let factor = base.factor[3].clamp(0.0, 1.0);
-        let opacity = match (self.material.alpha_mode(), &base.texture) {
-            (AlphaMode::Opaque, _) => return Ok(surface),
-            (AlphaMode::Blend, None) if factor == 1.0 => return Ok(surface),
-            (AlphaMode::Blend, None) => number(factor),
-            (AlphaMode::Blend, Some(texture)) => {
-                nested(scaled(self.images.numbers(texture, "alpha", |texel| texel[3])?, [factor; 3]))
-            }
-            (AlphaMode::Mask, texture) => {
-                let cutoff = self.material.alpha_cutoff().unwrap_or(0.5);
-                let is_kept = move |alpha: f32| if alpha * factor >= cutoff { 255 } else { 0 };
-                match texture {
-                    None => number(f32::from(u8::from(factor >= cutoff))),
-                    Some(texture) => {
-                        let tag = format!("cutoff{}", cutoff / factor.max(1.0e-6));
-                        let kept = |texel: [u8; 4]| is_kept(f32::from(texel[3]) / 255.0);
-                        nested(self.images.numbers(texture, &tag, kept)?)
-                    }
-                }
-            }
-        };
+        let Some(opacity) = Opacity::of(self.material, base) else { return Ok(surface) };
+        let opacity = opacity.value(self.images)?;
         Ok(object(Kind::Bsdf, "mask", [("opacity", opacity), ("surface", nested(surface))]))
     }
-}
-
-/// The name with every character that is neither a letter nor a digit replaced by `_`.
-pub(super) fn plain(name: &str) -> String {
-    name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect()
 }
 
 fn material_label(material: &Material) -> String {

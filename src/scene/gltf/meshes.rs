@@ -1,6 +1,7 @@
 //! Meshes and the shapes that they make.
 
 use std::collections::HashMap;
+use std::iter;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -8,12 +9,15 @@ use glam::{DVec3, Vec2, Vec3};
 use gltf::mesh::Mode;
 use gltf::{Mesh as GltfMesh, Primitive, Semantic};
 
-use super::asset::Asset;
+use super::asset::{Asset, plain};
 use super::budget::Made;
+use super::corners::triangles;
 use super::images::Images;
-use super::materials::{Coloring, Covering, Materials};
+use super::materials::{Covering, Materials};
 use super::nodes::{Placed, Transforms, transforms};
+use super::relief::{self, Part};
 use super::skins::{self, Vertices};
+use super::wearer::Wearer;
 use crate::Result;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::make::{matrix, nested, object};
@@ -31,8 +35,8 @@ pub(super) struct Meshes {
     transforms: Option<Rc<Transforms>>,
 }
 
-/// Facts that decide a mesh: index of the mesh and of the primitive, mirrored or not, set of coordinates, factor of colors.
-type Key = (usize, usize, bool, u32, Option<[u32; 3]>);
+/// Facts that decide a mesh: index of the mesh, the primitive and its part, mirrored or not, set of coordinates, factor of colors.
+type Key = (usize, usize, usize, bool, u32, Option<[u32; 3]>);
 
 impl Meshes {
     /// Shapes with their keys.
@@ -60,22 +64,28 @@ impl Meshes {
                 asset.warn(format!("mesh {} has points or lines, which are not rendered", mesh.index()));
                 continue;
             }
-            let coloring = self.coloring(asset, &primitive)?;
-            let covering = materials.covering(asset, images, &primitive.material(), coloring)?;
-            let shapes = self.made.shapes(placed.instances.len());
+            let wearer = Wearer::of(asset, mesh.index(), &primitive)?;
+            let parts = relief::parts(asset, mesh.index(), &primitive)?;
+            let shapes = self.made.shapes(placed.instances.len() * parts.len());
             shapes.map_err(|message| asset.error(format!("mesh {}: {message}", mesh.index())))?;
             let is_posed = skin.is_some() || primitive.morph_targets().next().is_some();
             // Meshes in a pose, which belong to this node alone.
             let mut posed: HashMap<Key, Arc<Mesh>> = HashMap::new();
-            for instance in &placed.instances {
+            let instances = placed.instances.iter();
+            for (instance, (place, part)) in instances.flat_map(|each| iter::repeat(each).zip(parts.iter().enumerate()))
+            {
                 let is_mirrored = skin.is_none() && instance.determinant() < 0.0;
+                let has_relief = primitive.material().normal_texture().is_some();
+                let turned = if has_relief { part.turned_on(is_mirrored) } else { wearer.turned };
+                let wearer = Wearer { turned, ..wearer };
+                let covering = materials.covering(asset, images, &primitive.material(), wearer)?;
                 let colors = covering.color_factor.map(|factor| factor.map(f32::to_bits));
-                let key = (mesh.index(), primitive.index(), is_mirrored, covering.uv_set, colors);
+                let key = (mesh.index(), primitive.index(), place, is_mirrored, covering.uv_set, colors);
                 let known = if is_posed { &posed } else { &self.known };
                 let made = match known.get(&key) {
                     Some(known) => Arc::clone(known),
                     None => {
-                        let made = self.mesh(asset, placed, mesh, &primitive, &covering, is_mirrored, pose)?;
+                        let made = self.mesh(asset, placed, mesh, &primitive, part, &covering, is_mirrored, pose)?;
                         let Some(made) = made.map(Arc::new) else { break };
                         let known = if is_posed { &mut posed } else { &mut self.known };
                         known.insert(key, Arc::clone(&made));
@@ -95,19 +105,11 @@ impl Meshes {
                 if let Some(emitter) = &covering.emitter {
                     shape = shape.with("emitter", nested(emitter.clone()));
                 }
-                let key = format!("shape{}_{}", self.shapes.len(), super::materials::plain(&name));
+                let key = format!("shape{}_{}", self.shapes.len(), plain(&name));
                 self.shapes.push((key, shape));
             }
         }
         Ok(())
-    }
-
-    /// Whether the primitive has vertex colors other than white.
-    fn coloring(&self, asset: &Asset, primitive: &Primitive) -> Result<Coloring> {
-        let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Coloring::None) };
-        let colors = asset.elements::<3>(&accessor)?;
-        let is_white = colors.iter().flatten().all(|&channel| channel > 0.9999);
-        Ok(if is_white { Coloring::None } else { Coloring::Vertices })
     }
 
     #[expect(clippy::too_many_arguments, reason = "each fact decides the mesh")]
@@ -117,6 +119,7 @@ impl Meshes {
         placed: &Placed,
         mesh: &GltfMesh,
         primitive: &Primitive,
+        part: &Part,
         covering: &Covering,
         is_mirrored: bool,
         pose: Option<(&Transforms, &gltf::Skin)>,
@@ -168,6 +171,9 @@ impl Meshes {
         if triangles.iter().flatten().any(|&index| index as usize >= count) {
             return Err(fault("an index is larger than the number of vertices"));
         }
+        if let Some(part) = &part.triangles {
+            triangles = part.iter().filter_map(|&at| triangles.get(at).copied()).collect();
+        }
         self.made.triangles(triangles.len()).map_err(|message| fault(&message))?;
         if triangles.is_empty() {
             return Ok(None);
@@ -178,21 +184,4 @@ impl Meshes {
         let normals = vertices.normals.iter().map(|normal| normal.as_vec3()).collect();
         Ok(Some(Mesh { positions, normals, uvs, colors, triangles, ..Mesh::default() }))
     }
-}
-
-fn triangles(asset: &Asset, primitive: &Primitive, vertices: usize) -> Result<Vec<[u32; 3]>> {
-    let indices: Vec<u32> = match primitive.indices() {
-        Some(accessor) => asset.elements::<1>(&accessor)?.into_iter().map(|[index]| index as u32).collect(),
-        None => (0..vertices as u32).collect(),
-    };
-    Ok(match primitive.mode() {
-        Mode::TriangleStrip => {
-            let corners = indices.windows(3).enumerate();
-            corners.map(|(at, c)| if at % 2 == 0 { [c[0], c[1], c[2]] } else { [c[1], c[0], c[2]] }).collect()
-        }
-        Mode::TriangleFan => {
-            indices.get(1..).unwrap_or_default().windows(2).map(|c| [indices[0], c[0], c[1]]).collect()
-        }
-        _ => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-    })
 }

@@ -4,16 +4,20 @@
 //! lux, nits) count as radiometric ones, one for one.
 
 mod accessors;
+mod alpha;
 mod asset;
 mod budget;
+mod corners;
 mod images;
 mod lights;
 mod materials;
 mod meshes;
 mod nodes;
+mod relief;
 mod skins;
 mod specular_glossiness;
 mod usual;
+mod wearer;
 
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use gltf::material::PbrSpecularGlossiness;
 
-use super::images::{BaseColor, Coding, Images, TextureUse, scaled, texel};
+use super::images::{BaseColor, Coding, Images, TextureUse, at_place, scaled};
 use crate::Result;
 use crate::image::tone::srgb;
 use crate::math::srgb::linear_from_srgb;
@@ -73,9 +73,7 @@ pub(super) fn principled<'a>(
         [decoded(0), decoded(1), decoded(2)]
     };
     let solve = |bytes: [u8; 4], u: f32, v: f32| {
-        let x = ((u * specular.width as f32) as usize).min(specular.width as usize - 1);
-        let y = ((v * specular.height as f32) as usize).min(specular.height as usize - 1);
-        let shine = linear(texel(&specular, y * specular.width as usize + x), specular_factor);
+        let shine = linear(at_place(&specular, u, v), specular_factor);
         metallic(if is_diffuse { linear(bytes, diffuse_factor) } else { diffuse_factor }, shine)
     };
     let byte = |value: f32| (value.clamp(0.0, 1.0) * 255.0).round() as u8;

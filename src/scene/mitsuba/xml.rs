@@ -11,6 +11,7 @@ use crate::scene::description::kinds::{Kind, Type};
 use crate::scene::description::object::{Entry, Object, Value};
 use crate::scene::description::origin::{Format, Name};
 use crate::scene::description::{Alias, Description};
+use crate::scene::plugins::names::kind_of;
 
 /// Reads the file at `path` with all its includes. `defines` replace the `<default>`s of their names.
 pub(in crate::scene) fn read(path: &Path, defines: &[(String, String)]) -> Result<Description> {
@@ -51,6 +52,9 @@ fn entry(parent: &str, element: Element) -> Entry {
 
 fn object(kind: Kind, element: Element) -> Value {
     let Some(plugin) = element.attribute("type") else { return Value::fault(None, lacks(&element, "type")) };
+    // Mitsuba 3 writes a spectrum that is a plugin as a texture.
+    let is_spectrum = kind == Kind::Texture && kind_of(plugin) == Some(Kind::Spectrum);
+    let kind = if is_spectrum { Kind::Spectrum } else { kind };
     let plugin = plugin.to_owned().into();
     let id = element.attribute("id").map(str::to_owned);
     let Element { children, location: origin, .. } = element;

@@ -1,6 +1,6 @@
 //! Graphics state of pbrt, and the scene that grows by each directive.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::mem;
 use std::path::Path;
 use std::rc::Rc;
@@ -55,8 +55,10 @@ pub(super) struct Builder {
     object_names: HashSet<String>,
     coordinate_systems: HashMap<String, Current>,
     is_world: bool,
-    /// Media that were refused.
-    pub known_media: HashSet<String>,
+    /// Media that directives define.
+    pub defined_media: HashSet<String>,
+    /// Media that surfaces border, each with the place of the first.
+    pub used_media: BTreeMap<String, Place>,
     /// Warnings that were given.
     known_warnings: HashSet<&'static str>,
     texture_count: usize,
@@ -64,9 +66,25 @@ pub(super) struct Builder {
     vertex_count: usize,
     /// Triangles of the forms in memory, at most [`MAX_TRIANGLES`].
     triangle_count: usize,
+    /// Triangles of each object's forms in memory.
+    object_triangles: HashMap<String, usize>,
+    /// Triangles of all instances.
+    instance_triangles: usize,
 }
 
 impl Builder {
+    /// Faults of the media that surfaces border.
+    pub fn refuse_media(&mut self) {
+        for (name, place) in mem::take(&mut self.used_media) {
+            let name_of = brief(&name);
+            let message = match self.defined_media.contains(&name) {
+                true => format!("the medium `{name_of}`: media are not rendered; remove the MediumInterface"),
+                false => format!("the medium `{name_of}` is not defined; define it by MakeNamedMedium"),
+            };
+            self.faults.add(place.error(message));
+        }
+    }
+
     /// Builder of the scene whose main file is at `main`.
     pub fn new(main: &Path) -> Self {
         let state = State {
@@ -91,12 +109,15 @@ impl Builder {
             object_names: HashSet::new(),
             coordinate_systems: HashMap::new(),
             is_world: false,
-            known_media: HashSet::new(),
+            defined_media: HashSet::new(),
+            used_media: BTreeMap::new(),
             known_warnings: HashSet::new(),
             texture_count: 0,
             entity_count: 0,
             vertex_count: 0,
             triangle_count: 0,
+            object_triangles: HashMap::new(),
+            instance_triangles: 0,
         }
     }
 
@@ -166,6 +187,8 @@ impl Builder {
         if self.pushed.len() != count {
             return Err(place.error("ObjectEnd before the AttributeEnd of a block within the object"));
         }
+        let triangles = object.shapes.iter().map(|shape| shape.form.triangle_count()).sum();
+        self.object_triangles.insert(object.name.clone(), triangles);
         self.world.objects.push(object);
         self.pop(place)
     }
@@ -176,6 +199,11 @@ impl Builder {
             return Err(place.error("ObjectInstance inside an object is not part of pbrt; put it after ObjectEnd"));
         }
         self.count(place)?;
+        // Instances become copies.
+        self.instance_triangles += self.object_triangles.get(name).copied().unwrap_or(0);
+        if self.instance_triangles > MAX_TRIANGLES {
+            return Err(place.error(format!("with this instance the scene has more than {MAX_TRIANGLES} triangles")));
+        }
         let to_world = self.state.to_world;
         self.world.instances.push(Instance { name: name.to_owned(), place: place.clone(), to_world });
         Ok(())
@@ -408,5 +436,18 @@ mod tests {
         assert_eq!((builder.world.shapes.len(), builder.triangle_count), (2, MAX_TRIANGLES));
         let fault = builder.faults.into_result().unwrap_err().to_string();
         assert!(fault.starts_with("a.pbrt:1: `loopsubdiv`: with 2 levels the scene has more than"), "{fault}");
+    }
+
+    /// Copies beyond the limit end the reading where they stand, before any is made.
+    #[test]
+    fn triangles_of_instances_are_counted_while_they_are_read() {
+        let mut builder = Builder::new(Path::new("a.pbrt"));
+        builder.is_world = true;
+        builder.object_triangles.insert("tree".to_owned(), MAX_TRIANGLES / 2);
+        let place = Place { file: Arc::from(Path::new("a.pbrt")), line: 7 };
+        builder.add_instance("tree", &place).unwrap();
+        builder.add_instance("tree", &place).unwrap();
+        let error = builder.add_instance("tree", &place).unwrap_err().to_string();
+        assert_eq!(error, format!("a.pbrt:7: with this instance the scene has more than {MAX_TRIANGLES} triangles"));
     }
 }

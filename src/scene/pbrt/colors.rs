@@ -9,6 +9,7 @@ use super::named_spectra;
 use super::parameters::{Parameter, Values};
 use super::tokens::brief;
 use crate::Result;
+use crate::math::srgb::luminance;
 use crate::scene::spectrum;
 
 /// Second radiation constant in nm K (CODATA).
@@ -123,6 +124,12 @@ fn not_known(parameter: &Parameter, name: &str) -> crate::Error {
 
 /// Spectrum of a black body, up to a factor.
 fn blackbody(parameter: &Parameter) -> Result<Vec<[f64; 2]>> {
+    if let [_, _] = parameter.numbers()? {
+        // pbrt-v3 took a factor, too.
+        return Err(parameter.error(
+            "has two numbers, but pbrt-v4 takes the temperature alone; give a factor as the light's \"float scale\"",
+        ));
+    }
     let temperature = parameter.number()?;
     if temperature <= 0.0 {
         return Err(parameter.error(format!("must be a temperature above 0, not {temperature}")));

@@ -61,7 +61,8 @@ fn directive(builder: &mut Builder, word: &str, tokens: &mut Tokens) -> Result<(
         "MediumInterface" => medium_interface(builder, tokens)?,
         "MakeNamedMedium" => {
             // A medium that no surface borders changes no picture.
-            tokens.quoted("the name of a medium")?;
+            let name = tokens.quoted("the name of a medium")?.into_owned();
+            builder.defined_media.insert(name);
             Parameters::read(tokens, place, word.to_owned())?;
         }
         "NamedMaterial" => {
@@ -178,11 +179,7 @@ fn medium_interface(builder: &mut Builder, tokens: &mut Tokens) -> Result<()> {
         _ => inside.clone(),
     };
     for name in [inside, outside].into_iter().filter(|name| !name.is_empty()) {
-        if !builder.known_media.insert(name.clone()) {
-            continue;
-        }
-        let message = format!("the medium `{}`: media are not rendered; remove the MediumInterface", brief(&name));
-        builder.faults.add(place.error(message));
+        builder.used_media.entry(name).or_insert_with(|| place.clone());
     }
     Ok(())
 }

@@ -99,7 +99,8 @@ impl<'l> Materials<'l> {
 
     fn named(&mut self, name: &str, place: &Place, textures: &mut Textures, depth: usize) -> Result<Cover> {
         let Some(entity) = textures.world.materials.get(name) else {
-            return Err(place.error(format!("there is no material `{}`; make it by MakeNamedMaterial", brief(name))));
+            let name = brief(name);
+            return Err(place.error(format!("the material `{name}` is not defined; define it by MakeNamedMaterial")));
         };
         self.keep(entity, Some(name), textures, depth)
     }

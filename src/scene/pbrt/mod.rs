@@ -72,6 +72,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     if is_whole && !builder.has_world() {
         builder.faults.add(Error::scene(path, None, "it has no WorldBegin; pbrt renders only files that have one"));
     }
+    builder.refuse_media();
     let Builder { mut files, mut faults, mut warnings, mut world, .. } = builder;
     let (shapes, groups_of_shapes) = (std::mem::take(&mut world.shapes), std::mem::take(&mut world.objects));
     let names = Names::new(path);

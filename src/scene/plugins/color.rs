@@ -5,8 +5,10 @@ use glam::Vec3;
 use super::parameter::Parameter;
 use crate::Result;
 use crate::math::srgb::linear_from_srgb;
+use crate::scene::description::kinds::Type;
 use crate::scene::description::object::{Object, Spectrum, Value};
 use crate::scene::folders::Folders;
+use crate::scene::numbers;
 use crate::scene::spectrum::{self, SpectrumUse};
 
 /// Color that a parameter gives. Negative channels are an error.
@@ -32,7 +34,7 @@ pub(super) fn signed(parameter: Parameter, spectrum_use: SpectrumUse, folders: &
             over_wavelengths(parameter, &points, spectrum_use)?
         }
         Value::Srgb(color) => parameter.finite(color)?.map(linear_from_srgb),
-        Value::Object(object) => of_plugin(object)?,
+        Value::Object(object) => of_plugin(object, spectrum_use)?,
         _ => linear(parameter)?,
     };
     Ok(Vec3::from_array(color.map(|channel| channel as f32)))
@@ -60,9 +62,9 @@ fn over_wavelengths(parameter: Parameter, points: &[[f64; 2]], spectrum_use: Spe
     }
 }
 
-/// Color of a spectrum that is given as a plugin of Mitsuba 3. All of these are exact in its rgb variants, where `uniform`
-/// and `d65` are white also as emitted light.
-fn of_plugin(object: &Object) -> Result<[f64; 3]> {
+/// Color of a spectrum that is given as a plugin of Mitsuba 3. `uniform`, `srgb` and `d65` are exact in its rgb variants, where
+/// `uniform` and `d65` are white also as emitted light. The others, which those variants lack, are spectra over wavelengths.
+fn of_plugin(object: &Object, spectrum_use: SpectrumUse) -> Result<[f64; 3]> {
     let plugin = &object.plugin;
     let entry = |name: &str| object.entries.iter().find(|entry| entry.key() == name);
     let find = |name: &str| entry(name).map(|entry| Parameter { owner: object, entry });
@@ -78,9 +80,39 @@ fn of_plugin(object: &Object) -> Result<[f64; 3]> {
                 Err(scale.error("spectrum plugin `d65`: give either `color` or `scale`, not both"))
             }
         },
+        "regular" => {
+            let number = |name: &str| find(name).ok_or_else(|| needs(name))?.number();
+            let values = find("values").ok_or_else(|| needs("values"))?;
+            let (first, last, list) = (number("wavelength_min")?, number("wavelength_max")?, numbers_of(values)?);
+            let step = (last - first) / list.len().saturating_sub(1).max(1) as f64;
+            let points: Vec<_> =
+                list.into_iter().enumerate().map(|(at, value)| [first + step * at as f64, value]).collect();
+            over_wavelengths(values, &points, spectrum_use)
+        }
+        "irregular" => {
+            let list = |name: &str| numbers_of(find(name).ok_or_else(|| needs(name))?);
+            let values = find("values").ok_or_else(|| needs("values"))?;
+            let (wavelengths, list) = (list("wavelengths")?, numbers_of(values)?);
+            if wavelengths.len() != list.len() {
+                let (few, many) = (list.len(), wavelengths.len());
+                return Err(values.error(format!("spectrum plugin `irregular`: {few} values for {many} wavelengths")));
+            }
+            let points: Vec<_> = wavelengths.into_iter().zip(list).map(Into::into).collect();
+            over_wavelengths(values, &points, spectrum_use)
+        }
         _ => {
             let word = object.origin.word("rgb");
             Err(object.error(format!("spectrum plugin `{plugin}` is not supported; give the color as {word}")))
         }
+    }
+}
+
+/// Numbers of a list, as text or as an array.
+fn numbers_of(parameter: Parameter) -> Result<Vec<f64>> {
+    match parameter.value() {
+        Value::Text(text) => numbers::list(text).map_err(|message| parameter.error(message)),
+        Value::Array(given) => Ok(given.clone()),
+        Value::Vector(given) => Ok(given.to_vec()),
+        _ => Err(parameter.mismatch(Type::String.name(), &parameter.entry.name)),
     }
 }

@@ -67,8 +67,9 @@ pub(super) fn parse<'a>(
     let (names, mut properties) = unwrap(object, scope)?;
     let plugin = properties.plugin();
     let mut description = read(&mut properties)?;
+    let mut left_out = None;
     if DIRECT.contains(&plugin) {
-        refuse_no_samples(&mut properties)?;
+        left_out = no_samples(&mut properties)?;
         description.max_depth = Some(DIRECT_DEPTH);
     } else if plugin.starts_with("prb") {
         description.max_depth = description.max_depth.or(Some(DIFFERENTIABLE_DEPTH));
@@ -86,9 +87,10 @@ pub(super) fn parse<'a>(
         _ => String::new(),
     };
     warnings.push(format!(
-        "{}: the integrator {} is rendered as `path`{depth}; its other parameters are ignored",
+        "{}: the integrator {} is rendered as `path`{depth}; its other parameters are ignored{}",
         object.origin,
-        names.join(" around ")
+        names.join(" around "),
+        left_out.unwrap_or_default()
     ));
     Ok(description)
 }
@@ -124,15 +126,22 @@ fn read(properties: &mut Properties) -> Result<IntegratorDescription> {
     })
 }
 
-/// Refuses a direct integrator without samples of emitters or of BSDFs, whose picture lacks light.
-fn refuse_no_samples(properties: &mut Properties) -> Result<()> {
-    for name in ["emitter_samples", "bsdf_samples"] {
-        let location = properties.location(name);
-        if properties.integer(name, 0..=i64::from(i32::MAX))? == Some(0) {
-            return Err(
-                location.error(format!("`{name}` of 0 leaves light out, which is not supported; leave it away"))
-            );
+/// Words about a direct integrator without samples of emitters or of BSDFs: some light is missing from Mitsuba's picture, and stands
+/// in the picture here.
+fn no_samples(properties: &mut Properties) -> Result<Option<&'static str>> {
+    let location = properties.location("bsdf_samples");
+    let mut is_none = |name: &str| Ok(properties.integer(name, 0..=i64::from(i32::MAX))? == Some(0));
+    match (is_none("emitter_samples")?, is_none("bsdf_samples")?) {
+        (true, true) => {
+            Err(location
+                .error("`emitter_samples` and `bsdf_samples` of 0 leave no light; give one of them another value"))
         }
+        (true, false) => {
+            Ok(Some(". Mitsuba leaves out the lights without a size (`emitter_samples` of 0); here they shine"))
+        }
+        (false, true) => {
+            Ok(Some(". Mitsuba leaves out what smooth mirrors and glass show (`bsdf_samples` of 0); here it is shown"))
+        }
+        (false, false) => Ok(None),
     }
-    Ok(())
 }

@@ -123,6 +123,8 @@ impl<'a> Builder<'a> {
         let origin = || self.description.origin_of(entry);
         let object = match &entry.value {
             Value::Object(object) if object.kind != Kind::Spectrum => object,
+            // Other objects refer to it.
+            Value::Object(object) if object.id.is_some() => return Ok(()),
             Value::Fault(fault) if fault.of.is_none() => return Err(origin().error(&fault.message)),
             Value::Reference(_) => return Err(origin().error("a reference has no effect here; put it into an object")),
             _ => {

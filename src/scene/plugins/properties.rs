@@ -54,6 +54,12 @@ impl<'a> Properties<'a> {
             let at = Parameter { owner, entry };
             match &entry.value {
                 Value::Object(object) if object.kind != Kind::Spectrum => result.objects.push(Nested { object, at }),
+                Value::Reference(id) if let Some(spectrum) = scope.spectrum(id) => {
+                    let parameter = Parameter { owner, entry: spectrum };
+                    if result.parameters.insert(entry.key(), (place, parameter)).is_some() {
+                        return Err(at.error(format!("the parameter `{}` is given twice", entry.name)));
+                    }
+                }
                 Value::Reference(id) => {
                     let object = scope.find(id).map_err(|message| at.error(message))?;
                     result.objects.push(Nested { object, at });

@@ -18,6 +18,8 @@ pub(super) type Scope<'a> = Rc<Whole<'a>>;
 pub(super) struct Whole<'a> {
     /// Objects of the scene by their `id`.
     objects: HashMap<&'a str, &'a Object>,
+    /// Entries of the spectra that have an `id`.
+    spectra: HashMap<&'a str, &'a Entry>,
     /// Folders in which files are searched.
     pub folders: &'a Folders,
     /// Meshes in memory.
@@ -31,6 +33,7 @@ impl<'a> Whole<'a> {
     pub fn new(description: &'a Description) -> Result<Self> {
         let mut whole = Self {
             objects: HashMap::new(),
+            spectra: HashMap::new(),
             folders: &description.folders,
             meshes: Vec::new(),
             mesh_indices: HashMap::new(),
@@ -51,6 +54,11 @@ impl<'a> Whole<'a> {
         self.objects.get(id).copied().ok_or_else(|| format!("nothing in the scene has the id `{id}`"))
     }
 
+    /// Entry of the spectrum of that id.
+    pub fn spectrum(&self, id: &str) -> Option<&'a Entry> {
+        self.spectra.get(id).copied()
+    }
+
     /// Index of a mesh in memory.
     pub fn mesh_index(&self, mesh: &Arc<Mesh>) -> Option<usize> {
         self.mesh_indices.get(&Arc::as_ptr(mesh)).copied()
@@ -64,6 +72,9 @@ impl<'a> Whole<'a> {
                         && let Some(first) = self.objects.insert(id, object)
                     {
                         return Err(object.error(format!("the id `{id}` is already used at {}", first.origin)));
+                    }
+                    if let Some(id) = object.id.as_deref().filter(|_| object.kind == Kind::Spectrum) {
+                        self.spectra.entry(id).or_insert(entry);
                     }
                     self.collect(&object.entries)?;
                 }

@@ -282,10 +282,10 @@ impl<'a> Textures<'a> {
 
     fn kept_texture(&mut self, read: u32) -> Texture {
         let mut texture = self.read[read as usize].clone();
-        if let Pattern::Bitmap { image, .. } = &mut texture.pattern {
-            if *image != VERTEX_COLORS {
-                *image = self.kept_images.index(*image);
-            }
+        if let Pattern::Bitmap { image, .. } = &mut texture.pattern
+            && *image != VERTEX_COLORS
+        {
+            *image = self.kept_images.index(*image);
         }
         texture
     }

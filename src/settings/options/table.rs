@@ -672,6 +672,11 @@ pub static OPTIONS: &[OptionEntry] = &[
             ),
             always(
                 When::Word("wavefront"),
+                Needs::Without("--sampler quadtree", |settings| settings.sampler == Sampler::Quadtree),
+                "a quadtree keeps all vertices of a path, so take --execution megakernel",
+            ),
+            always(
+                When::Word("wavefront"),
                 Needs::Without(MONTE_CARLO, |settings| {
                     settings.sampler != Sampler::Bsdf && settings.learner == Learner::MonteCarlo
                 }),

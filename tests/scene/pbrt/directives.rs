@@ -118,7 +118,14 @@ fn what_is_refused() {
         ("Camera \"perspective\" \"float fov\" 1 \"float fov\" 2", "is given twice"),
         ("Camera \"perspective\" \"float fov\" [ 1", ":1: the file ends where `]` should be"),
         ("Camera \"perspective", ":1: a text between quotes does not end"),
-        ("WorldBegin MediumInterface \"fog\" \"\"", ":1: the medium `fog`: media are not rendered"),
+        (
+            "WorldBegin MediumInterface \"fog\" \"\"",
+            ":1: the medium `fog` is not defined; define it by MakeNamedMedium",
+        ),
+        (
+            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"",
+            ":1: the medium `fog`: media are not rendered",
+        ),
         ("WorldBegin CoordSysTransform \"none\"", ":1: there is no coordinate system `none`"),
         ("WorldBegin Attribute \"wrong\" \"float a\" 1", ":1: `wrong` has no attributes"),
         ("WorldBegin MakeNamedMaterial \"a\"", ":1: MakeNamedMaterial needs its parameter \"string type\""),

@@ -266,6 +266,10 @@ fn what_is_refused() {
         ("LightSource \"point\" \"spectrum I\" [ 500 1 400 2 ]", "wavelengths that do not increase"),
         ("LightSource \"point\" \"spectrum I\" \"none\"", "the spectrum `none`, which is neither a file nor"),
         ("LightSource \"point\" \"blackbody I\" 0", "must be a temperature above 0"),
+        (
+            "LightSource \"point\" \"blackbody I\" [ 6000 1 ]",
+            "has two numbers, but pbrt-v4 takes the temperature alone",
+        ),
         ("LightSource \"distant\" \"point3 to\" [ 0 0 0 ]", "`from` and `to` of a distant light must differ"),
         ("AreaLightSource \"wrong\" Shape \"sphere\"", "the area light `wrong` is not known"),
     ] {

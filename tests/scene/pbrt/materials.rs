@@ -139,7 +139,7 @@ fn what_is_refused() {
     refused("Material \"hair\"", "the material `hair` is not supported");
     refused("Material \"matte\" \"rgb Kd\" [ 1 1 1 ]", "the material `matte` belongs to pbrt-v3; `pbrt --upgrade`");
     refused("Material \"wrong\"", "the material `wrong` is not known");
-    refused("NamedMaterial \"none\"", "there is no material `none`");
+    refused("NamedMaterial \"none\"", "the material `none` is not defined");
     refused("Material \"diffuse\" \"texture reflectance\" \"none\"", "the texture `none`");
     refused("Material \"diffuse\" \"float reflectance\" 0.5", "should be `rgb`, `spectrum` or `texture`");
     refused("Material \"diffuse\" \"rgb reflectance\" [ 0.5 ]", "should have three numbers, not 1");
