@@ -60,13 +60,46 @@ def export(camera_object: Any, scene: Any, filter_name: str, report: Report) -> 
     # Blender measures the shift by the side that the sensor fits.
     side = size.width if is_horizontal else size.height
     shift = (camera.shift_x * side / size.width, camera.shift_y * side / size.height)
-    matrix = camera_object.matrix_world.normalized()
+    matrix = _upright(camera_object.matrix_world, place, report)
     if camera.type == "ORTHO":
         element = _orthographic(camera, matrix, size, is_horizontal)
     else:
         element = _perspective(camera, camera_object, matrix, is_horizontal, sensor, shift, place, report)
     xml.add(xml.add(element, "near_clip", max(camera.clip_start, 1e-6)), "far_clip", float(camera.clip_end))
     return xml.with_children(element, _film(size, filter_name))
+
+
+def _upright(matrix: Any, place: str, report: Report) -> Any:
+    """Turn and place of a camera, without the scale and the shear that its parents give it."""
+    from mathutils import Matrix
+
+    turned = matrix.normalized()
+    axes = [turned.col[at].xyz for at in range(3)]
+    if max(abs(axes[a].dot(axes[b])) for a, b in ((0, 1), (1, 2), (2, 0))) < 1e-4:
+        return turned
+    report.warn(place, "its parents are scaled unevenly and shear it, which is not supported; the picture is not sheared")
+    location, rotation, _ = matrix.decompose()
+    return Matrix.Translation(location) @ rotation.to_matrix().to_4x4()
+
+
+def may_see(camera_object: Any, scene: Any, points: list[Any]) -> bool:
+    """Whether a part of the hull of some points may lie within the picture. A tenth more on each side allows for blur."""
+    camera = camera_object.data
+    view = camera_object.matrix_world.normalized().inverted_safe()
+    frame = camera.view_frame(scene=scene)
+    seen = [view @ point for point in points]
+    is_flat = camera.type == "ORTHO"
+    if not is_flat and all(point.z >= 0.0 for point in seen):
+        return False
+    for axis in (0, 1):
+        low, high = min(corner[axis] for corner in frame), max(corner[axis] for corner in frame)
+        low, high = low - 0.1 * (high - low), high + 0.1 * (high - low)
+        reach = [1.0 if is_flat else point.z / frame[0].z for point in seen]
+        if all(point[axis] < low * far for point, far in zip(seen, reach)):
+            return False
+        if all(point[axis] > high * far for point, far in zip(seen, reach)):
+            return False
+    return True
 
 
 def _looking(matrix: Any) -> Any:

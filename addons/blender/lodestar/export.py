@@ -64,7 +64,9 @@ class _Exporter:
         sensor = camera.export(scene.camera, scene, self.options.filter, self.report)
         for instance in self.depsgraph.object_instances:
             self._instance(instance)
-        environment = world.export(scene.world, self.images, self.report)
+        # A view layer may leave the world out.
+        has_world = self.depsgraph.view_layer_eval.use_sky
+        environment = world.export(scene.world, self.images, self.report) if has_world else None
         hides = self._hides_emitters(scene, environment)
         integrator = xml.add(xml.plugin("integrator", "path"), "max_depth", self.options.max_depth)
         if hides:
@@ -74,6 +76,10 @@ class _Exporter:
         xml.with_children(root, integrator, sensor, *definitions, *self.shapes, *self.emitters)
         if environment is not None:
             xml.with_children(root, environment)
+        exposure = float(getattr(getattr(scene, "cycles", None), "film_exposure", 1.0))
+        if exposure != 1.0:
+            for emitter in root.iter("emitter"):
+                _brighten(emitter, exposure)
         self._report_light_through_surfaces()
         path = self.folder / SCENE_FILE
         path.write_text(xml.text_of(root), encoding="utf-8")
@@ -98,12 +104,22 @@ class _Exporter:
             self.report.warn(f'object "{owner.name}"', "hair is not supported; it is left out")
 
     def _light(self, owner: Any, matrix: Any) -> None:
+        if owner.data.type == "AREA" and getattr(getattr(owner.data, "cycles", None), "is_portal", False):
+            # A portal says where light comes in, and sheds none.
+            return
         emitters = lights.export(owner.data, matrix, owner.name, self.report)
         self._report_visibility(owner)
         self.emitters.extend(emitters)
         if any(emitter.tag == "shape" for emitter in emitters) and not owner.visible_camera:
-            self.visible_lamps.append(owner.name)
+            if self._is_in_view(owner.data, matrix):
+                self.visible_lamps.append(owner.name)
         self.surfaces_emit |= owner.visible_camera and any(emitter.tag == "shape" for emitter in emitters)
+
+    def _is_in_view(self, light: Any, matrix: Any) -> bool:
+        """Whether a lamp with a surface may be in the picture, if nothing hides it."""
+        scene = self.depsgraph.scene_eval
+        faces = scene.camera.data.type == "ORTHO" or lights.faces(light, matrix, scene.camera.matrix_world.translation)
+        return faces and camera.may_see(scene.camera, scene, lights.corners(light, matrix))
 
     def _report_visibility(self, owner: Any) -> None:
         hidden = [name for name in VISIBILITIES if not getattr(owner, f"visible_{name}", True)]
@@ -181,6 +197,20 @@ class _Exporter:
             self.report.warn(
                 "scene", "light of suns, spots and lamps of radius 0 does not pass transparent or glass surfaces; give lamps a radius"
             )
+
+
+def _brighten(emitter: xml.Element, factor: float) -> None:
+    """Multiplies the light of an emitter, as a film's exposure does."""
+    for at, child in enumerate(list(emitter)):
+        name = child.get("name")
+        if name not in ("radiance", "intensity", "irradiance", "scale"):
+            continue
+        if child.tag == "texture":
+            scale = xml.add(xml.plugin("texture", "scale", name), "scale", factor)
+            del child.attrib["name"]
+            emitter[at] = xml.with_children(scale, child)
+        else:
+            child.set("value", " ".join(xml.number(float(value) * factor) for value in child.get("value", "").split()))
 
 
 def _remove_unused(folder: Path, used: set[str]) -> None:

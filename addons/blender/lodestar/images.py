@@ -28,7 +28,8 @@ class Texture:
     """Texture of an image, or of a mesh's colors where `image` is None."""
 
     image: Any = None
-    # "color" or "alpha", then functions: "r", "g", "b", "invert", "square", "sqrt", "normal STRENGTH", "environment".
+    # "color" or "alpha", then functions: "covered" (times alpha), "premultiplied" (times alpha
+    # before the sRGB curve is undone), "r", "g", "b", "invert", "square", "sqrt", "normal STRENGTH", "environment".
     operations: tuple[str, ...] = ("color",)
     to_uv: Matrix3 = IDENTITY
     wrap: str = "repeat"
@@ -44,6 +45,10 @@ class Texture:
     def with_operation(self, operation: str) -> "Texture":
         """Texture of which each texel is changed."""
         return replace(self, operations=(*self.operations, operation))
+
+    def covered(self) -> "Texture":
+        """Colors of an image times its alpha."""
+        return replace(self, operations=(self.operations[0], "covered", *self.operations[1:]))
 
     def scaled(self, factor: tuple[float, float, float]) -> "Texture":
         """Texture times a color."""
@@ -134,12 +139,21 @@ def linear_from_srgb(encoded: np.ndarray) -> np.ndarray:
     return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4)
 
 
+def srgb_from_linear(linear: np.ndarray) -> np.ndarray:
+    """Numbers as the sRGB curve encodes them."""
+    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0.0) ** (1.0 / 2.4) - 0.055)
+
+
 def apply(data: np.ndarray, operations: tuple[str, ...]) -> np.ndarray:
     """Colors after a texture's operations."""
     colors = data[:, :, :3]
     for operation in operations:
         if operation == "alpha":
             colors = np.repeat(data[:, :, 3:4], 3, axis=2)
+        elif operation == "premultiplied":
+            colors = linear_from_srgb(srgb_from_linear(colors) * data[:, :, 3:4])
+        elif operation == "covered":
+            colors = colors * data[:, :, 3:4]
         elif operation in ("r", "g", "b"):
             at = "rgb".index(operation)
             colors = np.repeat(colors[:, :, at : at + 1], 3, axis=2)

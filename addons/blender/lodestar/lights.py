@@ -78,10 +78,11 @@ def _sun(light: Any, matrix: Any, power: float, tinted: Any) -> list[xml.Element
     count = SUN_PARTS if light.angle > math.radians(0.05) else 1
     parts = []
     rotation = matrix.to_3x3().normalized()
-    for x, y in units.sun_directions(light.angle, count):
+    irradiance = units.sun_irradiance(power, light.angle if count > 1 else 0.0)
+    for direction in units.sun_directions(light.angle if count > 1 else 0.0, count):
         emitter = xml.plugin("emitter", "directional")
-        _add_point(emitter, "direction", rotation @ _vector((x, y, -1.0)), tag="vector")
-        xml.add(emitter, "irradiance", tinted(power / count))
+        _add_point(emitter, "direction", rotation @ _vector(direction), tag="vector")
+        xml.add(emitter, "irradiance", tinted(irradiance / count))
         parts.append(xml.add(emitter, "sampling_weight", 1.0 / count))
     return parts
 
@@ -113,6 +114,21 @@ def _area(light: Any, matrix: Any, power: float, tinted: Any, place: str, report
     shape = xml.plugin("shape", "disk" if is_round else "rectangle")
     xml.add_matrix(shape, _facing(matrix, (0.5 * width, 0.5 * height)))
     return [_emitting(shape, tinted(units.area_radiance(power, area)))]
+
+
+def faces(light: Any, matrix: Any, eye: Any) -> bool:
+    """Whether a lamp sheds light to the point `eye`. Area lights shine from one side."""
+    return light.type != "AREA" or (matrix.to_3x3() @ _vector((0.0, 0.0, -1.0))).dot(eye - matrix.translation) > 0.0
+
+
+def corners(light: Any, matrix: Any) -> list[Any]:
+    """Points of the world whose hull holds a lamp with a surface."""
+    if light.type == "AREA":
+        height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
+        facing = _facing(matrix, (0.5 * light.size, 0.5 * height))
+        return [facing @ _vector((x, y, 0.0)) for x in (-1.0, 1.0) for y in (-1.0, 1.0)]
+    reach = (-light.shadow_soft_size, light.shadow_soft_size)
+    return [matrix.translation + _vector((x, y, z)) for x in reach for y in reach for z in reach]
 
 
 def _facing(matrix: Any, size: tuple[float, float] = (1.0, 1.0), normalized: bool = False) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Optional, Union
 
 from . import principled, xml
@@ -41,7 +41,7 @@ class Material:
 def translate(material: Any, images: Images, report: Report) -> Material:
     """Translates a material; None stands for Blender's default."""
     if material is None:
-        return Material(diffuse(images, DEFAULT), None, None, None, False)
+        return Material(principled.default(images), None, None, None, False)
     reader = Reader(f'material "{material.name}"', report, images)
     tree = material.node_tree
     if tree is None or not material.use_nodes:
@@ -152,7 +152,22 @@ class _Translator:
         emission = None
         if strength > 0.0:
             emission = _scaled(self.reader.color(node.inputs["Emission Color"], groups), strength)
+            emission = self._covered(emission, self.reader.scalar(node.inputs["Alpha"], groups))
         return Closure(bsdf, emission)
+
+    def _covered(self, emission: Emission, alpha: Union[float, Texture]) -> Emission:
+        """Emission of a surface with holes, which do not shine."""
+        if not isinstance(alpha, Texture):
+            return _scaled(emission, min(max(alpha, 0.0), 1.0))
+        if emission is None:
+            return None
+        if not isinstance(emission, Texture):
+            return alpha.scaled(emission)
+        is_same = replace(alpha, operations=(), factor=(1.0, 1.0, 1.0)) == replace(emission, operations=(), factor=(1.0, 1.0, 1.0))
+        if is_same and alpha.operations == ("alpha",):
+            return emission.covered()
+        self.reader.warn("an emission by one texture under an alpha by another is not supported; the holes shine")
+        return emission
 
     def _diffuse(self, node: Any, groups: Groups) -> Closure:
         color = self.reader.color(node.inputs["Color"], groups)

@@ -121,12 +121,19 @@ def _colors(
 ) -> Optional[np.ndarray]:
     if name is None:
         return None
-    attribute = mesh.color_attributes.get(name) if name else mesh.color_attributes.active_color
+    attribute = mesh.color_attributes.get(name) if name else _rendered_colors(mesh)
     if attribute is None or attribute.domain not in ("POINT", "CORNER"):
         report.warn(place, f'the color attribute "{name}" is missing; the surface is white')
         return np.ones((len(vertex_of_loop), 3), np.float32)
     colors = _get(attribute.data, "color", 4 * len(attribute.data), np.float32).reshape(-1, 4)[:, :3]
     return colors[vertex_of_loop] if attribute.domain == "POINT" else colors
+
+
+def _rendered_colors(mesh: Any) -> Any:
+    """Color attribute that renders show where a node names none; None where there is none."""
+    attributes = mesh.color_attributes
+    index = attributes.render_color_index
+    return attributes[index] if 0 <= index < len(attributes) else None
 
 
 def _is_closed(triangles: np.ndarray) -> bool:

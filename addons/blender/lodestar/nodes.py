@@ -175,7 +175,11 @@ class Reader:
             self.warn(f'the image "{image.name}" is extended instead of clipped')
         wrap = {"REPEAT": "repeat", "MIRROR": "mirror"}.get(node.extension, "clamp")
         interpolation = "nearest" if node.interpolation == "Closest" else "bilinear"
-        return Texture(image=image, operations=(channel,), to_uv=to_uv, wrap=wrap, interpolation=interpolation)
+        texture = Texture(image=image, operations=(channel,), to_uv=to_uv, wrap=wrap, interpolation=interpolation)
+        if channel == "color" and _is_premultiplied(node):
+            # Cycles multiplies the bytes, before it undoes the sRGB curve.
+            return texture.with_operation("premultiplied" if image.colorspace_settings.name == "sRGB" else "covered")
+        return texture
 
     def uv_transform(self, socket: Any, groups: tuple[Any, ...]) -> Optional[tuple[tuple[float, ...], ...]]:
         """Matrix of three rows from the mesh's UVs to those of a texture; None where they are not made of UVs."""
@@ -223,6 +227,15 @@ class Reader:
             except ValueError:
                 return None
         return None
+
+
+def _is_premultiplied(node: Any) -> bool:
+    """Whether the color of an Image Texture node is that of the image times alpha: Cycles keeps images so, and divides by alpha only
+    where the node's Alpha is linked, too."""
+    image = node.image
+    is_color = image.alpha_mode in ("STRAIGHT", "PREMUL") and image.colorspace_settings.name not in ("Non-Color", "Raw")
+    has_alpha = image.channels == 4 and image.depth in (32, 64, 128) and not image.is_float
+    return is_color and has_alpha and not node.outputs["Alpha"].is_linked
 
 
 def _default(socket: Any) -> Value:

@@ -12,7 +12,7 @@ import math
 from typing import Any, Union
 
 from . import units, xml
-from .images import Texture
+from .images import Images, Texture
 from .nodes import Color, Reader
 
 Groups = tuple[Any, ...]
@@ -28,6 +28,30 @@ WHITE: Color = (1.0, 1.0, 1.0)
 def translate(reader: Reader, node: Any, groups: Groups) -> xml.Element:
     """BSDF of a Principled node, without its emission."""
     return _Principled(reader, node, groups).bsdf()
+
+
+def default(images: Images) -> xml.Element:
+    """Surface of an object without a material: since Blender 5.0 that of a new Principled node, before that a diffuse one."""
+    import bpy
+
+    from . import materials
+
+    if bpy.app.version < (5, 0, 0):
+        return materials.diffuse(images, materials.DEFAULT)
+    return materials.two_sided(_disney(images, materials.DEFAULT, 0.5, 0.0, 1.5))
+
+
+def _disney(images: Images, base: Union[Color, Texture], roughness: Union[float, Texture], metallic: float, ior: float) -> xml.Element:
+    """Mitsuba's `principled`, not yet within `twosided`."""
+    from . import materials
+
+    element = xml.add(xml.plugin("bsdf", "principled"), "metallic", metallic)
+    # An index of 1 would switch the metal off.
+    xml.add(element, "eta", max(ior, 1.001))
+    share = 1.0 if metallic == 1.0 else 1.0 - units.mean_reflectance(ior)
+    dimmed = base.scaled((share,) * 3) if isinstance(base, Texture) else tuple(share * c for c in base)
+    materials.parameter(images, element, "base_color", dimmed)
+    return materials.parameter(images, element, "roughness", roughness)
 
 
 class _Principled:
@@ -110,14 +134,7 @@ class _Principled:
     def _disney(self, metallic: float, ior: float) -> xml.Element:
         from . import materials
 
-        element = xml.add(xml.plugin("bsdf", "principled"), "metallic", metallic)
-        # An index of 1 would switch the metal off.
-        xml.add(element, "eta", max(ior, 1.001))
-        share = 1.0 if metallic == 1.0 else 1.0 - units.mean_reflectance(ior)
-        base = self.base
-        dimmed = base.scaled((share,) * 3) if isinstance(base, Texture) else tuple(share * c for c in base)
-        materials.parameter(self.images, element, "base_color", dimmed)
-        materials.parameter(self.images, element, "roughness", self.roughness)
+        element = _disney(self.images, self.base, self.roughness, metallic, ior)
         if self.anisotropic != 0.0:
             xml.add(element, "anisotropic", min(self.anisotropic, 1.0))
         if self.sheen != 0.0 and metallic == 0.0:

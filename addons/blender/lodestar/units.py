@@ -66,12 +66,18 @@ def beam_width(half_angle: float, blend: float) -> float:
     return 0.5 * (low + high)
 
 
-def sun_directions(angle: float, count: int) -> list[tuple[float, float]]:
-    """Offsets (x, y) on the plane at distance 1 that cover a sun of angular diameter `angle` evenly, on a sunflower spiral."""
-    radius = math.tan(0.5 * angle)
+def sun_directions(angle: float, count: int) -> list[tuple[float, float, float]]:
+    """Directions that cover a sun of angular diameter `angle` about -z evenly in solid angle, on a sunflower spiral."""
+    versine = 1.0 - math.cos(0.5 * angle)
     golden = math.pi * (3.0 - math.sqrt(5.0))
-    turns = ((radius * math.sqrt((i + 0.5) / count), i * golden) for i in range(count))
-    return [(r * math.cos(phi), r * math.sin(phi)) for r, phi in turns]
+    cosines = ((1.0 - versine * (i + 0.5) / count, i * golden) for i in range(count))
+    return [(math.sin(math.acos(c)) * math.cos(phi), math.sin(math.acos(c)) * math.sin(phi), -c) for c, phi in cosines]
+
+
+def sun_irradiance(strength: float, angle: float) -> float:
+    """Sum of the irradiances of the parts of a sun, each on a plane that faces its part. `strength` is the irradiance on a plane
+    that faces the middle: the radiance is strength / (pi sin^2), and the solid angle 2 pi (1 - cos)."""
+    return strength * 2.0 / (1.0 + math.cos(0.5 * angle))
 
 
 def field_of_view(sensor: float, lens: float) -> float:

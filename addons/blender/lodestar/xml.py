@@ -50,7 +50,10 @@ def with_children(parent: Element, *children: Element) -> Element:
 
 
 def add_matrix(parent: Element, rows: Iterable[Sequence[float]], name: str = "to_world") -> Element:
-    """Adds a transform by its rows, and returns `parent`."""
+    """Adds a transform by its rows, and returns `parent`. Rounding may have made the last entry other than 1."""
+    rows = [list(row) for row in rows]
+    if rows[3][3] != 1.0:
+        rows = [[value / rows[3][3] for value in row] for row in rows]
     transform = ElementTree.SubElement(parent, "transform", {"name": name})
     text = " ".join(number(value) for row in rows for value in row)
     ElementTree.SubElement(transform, "matrix", {"value": text})

@@ -34,10 +34,15 @@ def test_spots_keep_their_flux(half_angle: float, blend: float) -> None:
 
 
 def test_sun_is_covered_evenly() -> None:
-    """The parts of a sun have its center as their mean, and a disk's mean square radius."""
-    parts = np.array(units.sun_directions(0.2, 64))
-    assert np.abs(parts.mean(axis=0)).max() < 0.02 * math.tan(0.1)
-    assert (parts**2).sum(axis=1).mean() == pytest.approx(0.5 * math.tan(0.1) ** 2, rel=1e-6)
+    """The parts of a sun have its center as their mean, and the mean height of a cap of the sphere."""
+    for angle in (0.2, 1.1, math.pi):
+        parts = np.array(units.sun_directions(angle, 64))
+        assert np.linalg.norm(parts, axis=1) == pytest.approx(np.ones(64))
+        assert np.abs(parts[:, :2].mean(axis=0)).max() < 0.02 * math.sin(0.5 * angle)
+        assert (1.0 + parts[:, 2]).mean() == pytest.approx(0.5 * (1.0 - math.cos(0.5 * angle)), rel=1e-6)
+        # The irradiance on a plane that faces the sun is its strength.
+        share = units.sun_irradiance(3.0, angle) / 64
+        assert (share * -parts[:, 2]).sum() == pytest.approx(3.0, rel=1e-6)
 
 
 def test_index_of_refraction() -> None:

@@ -1,0 +1,211 @@
+"""Settings of real files, each in a small scene that Cycles renders, too."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+import scenes
+import support
+from lodestar import export
+from mathutils import Matrix
+
+GRAY = (0.7, 0.7, 0.7)
+
+
+def base(world: Any = (1, 1, 1), **settings: Any) -> Any:
+    """Ground and a ball."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, **settings)
+    if world is not None:
+        scenes.world(scene, world)
+    scenes.plane(scene, "ground", 8, scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    scenes.ball(scene, "ball", 0.6, scenes.diffuse("red", (0.7, 0.3, 0.3)), location=(0, 0, 0.6))
+    return scene
+
+
+def lamp(scene: Any, kind: str, energy: float, location: Any = (1.5, -1.5, 3), rotation: Any = (0, 0, 0), **settings: Any) -> Any:
+    data = bpy.data.lights.new("lamp", kind)
+    data.energy = energy
+    for name, value in settings.items():
+        setattr(data, name, value)
+    placed = scenes.add(scene, "lamp", data, location, rotation)
+    placed.visible_camera = False
+    return placed
+
+
+def from_above(surface: Callable[[], Any]) -> Any:
+    """A square that fills the picture. `surface` makes its material."""
+    scene = scenes.empty()
+    scene.render.resolution_percentage = 50
+    scenes.camera(scene, (0, 0, 2.5), (0, 0, 0))
+    scenes.world(scene, (0.5, 0.5, 0.5))
+    scenes.plane(scene, "square", 3, surface())
+    return scene
+
+
+def half_clear() -> Any:
+    """Image whose left half is transparent."""
+    made = bpy.data.images.new("half", 4, 4, alpha=True)
+    texels = np.tile(np.array([0.8, 0.4, 0.2, 1.0], np.float32), (4, 4, 1))
+    texels[:, :2, 3] = 0.25
+    made.pixels.foreach_set(texels.ravel())
+    made.pack()
+    return made
+
+
+def textured(kind: str, *links: tuple[str, str], **inputs: Any) -> Any:
+    def build(tree: Any) -> Any:
+        node = tree.nodes.new("ShaderNodeTexImage")
+        node.image, node.interpolation = half_clear(), "Closest"
+        return scenes.shader(tree, kind, **inputs, **{to: node.outputs[name] for name, to in links}).outputs[0]
+
+    return scenes.material("textured", build)
+
+
+def portal() -> Any:
+    scene = base()
+    lamp(scene, "AREA", 50, (0, 0, 3), size=2.0).data.cycles.is_portal = True
+    return scene
+
+
+def film_exposure() -> Any:
+    scene = base()
+    scene.cycles.film_exposure = 2.0
+    return scene
+
+
+def no_world_in_layer() -> Any:
+    scene = base()
+    lamp(scene, "SUN", 2.0, angle=0.0)
+    scene.view_layers[0].use_sky = False
+    return scene
+
+
+def no_material() -> Any:
+    scene = base()
+    scene.objects["ball"].data.materials.clear()
+    return scene
+
+
+def wide_sun() -> Any:
+    scene = base(None)
+    lamp(scene, "SUN", 3.0, rotation=(0.3, 0.2, 0.0), angle=1.8)
+    return scene
+
+
+def unlinked_alpha() -> Any:
+    return from_above(lambda: textured("ShaderNodeBsdfDiffuse", ("Color", "Color")))
+
+
+def linked_alpha() -> Any:
+    links = (("Color", "Base_Color"), ("Alpha", "Alpha"))
+    return from_above(lambda: textured("ShaderNodeBsdfPrincipled", *links, Specular_IOR_Level=0.0))
+
+
+def emission_under_alpha() -> Any:
+    sockets = dict(Base_Color=(0, 0, 0), Alpha=0.4, Emission_Color=(1, 0.5, 0.2), Emission_Strength=2.0, Specular_IOR_Level=0.0)
+    return from_above(lambda: scenes.simple("lit", "ShaderNodeBsdfPrincipled", **sockets))
+
+
+def emission_under_texture() -> Any:
+    links = (("Color", "Emission_Color"), ("Alpha", "Alpha"))
+    sockets = dict(Base_Color=(0, 0, 0), Emission_Strength=2.0, Specular_IOR_Level=0.0)
+    return from_above(lambda: textured("ShaderNodeBsdfPrincipled", *links, **sockets))
+
+
+def second_colors() -> Any:
+    """A mesh with two color attributes, of which renders show the second."""
+
+    def build(tree: Any) -> Any:
+        node = tree.nodes.new("ShaderNodeVertexColor")
+        return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=node.outputs["Color"]).outputs[0]
+
+    scene = from_above(lambda: scenes.material("colored", build))
+    attributes = scene.objects["square"].data.color_attributes
+    for name, color in (("edited", (0.8, 0.1, 0.1, 1.0)), ("shown", (0.1, 0.3, 0.8, 1.0))):
+        attribute = attributes.new(name, "FLOAT_COLOR", "POINT")
+        for each in attribute.data:
+            each.color = color
+    attributes.active_color_index, attributes.render_color_index = 0, 1
+    return scene
+
+
+# Scene, largest deviation of a block mean, and of the whole mean; `no_material` has Disney's diffuse base (docs/blender.md).
+ROWS: list[tuple[Callable[[], Any], float, float]] = [
+    (portal, 0.03, 0.01),
+    (film_exposure, 0.03, 0.01),
+    (no_world_in_layer, 0.03, 0.01),
+    (no_material, 0.03, 0.01),
+    (wide_sun, 0.05, 0.01),
+    (unlinked_alpha, 0.03, 0.01),
+    (linked_alpha, 0.03, 0.01),
+    (emission_under_alpha, 0.03, 0.01),
+    (emission_under_texture, 0.03, 0.01),
+    (second_colors, 0.03, 0.01),
+]
+
+
+@pytest.mark.parametrize("build,block,whole", ROWS, ids=[row[0].__name__ for row in ROWS])
+def test_agrees_with_cycles(build: Any, block: float, whole: float) -> None:
+    scene = build()
+    theirs = support.colors(support.render(scene, "CYCLES", 256, build.__name__))
+    ours = support.colors(support.render(scene, "LODESTAR", 256, build.__name__))
+    found, ratio = support.deviation(ours, theirs, 8), support.mean_ratio(ours, theirs)
+    print(f"{build.__name__}: largest deviation {found:.4f}, ratio of means {ratio:.4f}")
+    assert found < block and abs(ratio - 1.0) < whole
+
+
+def exported(folder: Path) -> export.Export:
+    return export.export(bpy.context.evaluated_depsgraph_get(), folder, export.Options())
+
+
+def matrices(found: export.Export) -> list[list[float]]:
+    root = export.xml.ElementTree.parse(found.scene_file).getroot()
+    return [[float(value) for value in matrix.get("value").split()] for matrix in root.iter("matrix")]
+
+
+def test_rounded_matrices_end_in_1(tmp_path: Path) -> None:
+    """Parents of parents round the last entry of an object's matrix."""
+    scene = base()
+    rounded = Matrix.Identity(4)
+    rounded[3][3] = 0.99999994
+    ball = scene.objects["ball"]
+    ball.parent = scenes.add(scene, "parent", None)
+    ball.matrix_parent_inverse = rounded
+    assert bpy.context.evaluated_depsgraph_get().id_eval_get(ball).matrix_world[3][3] != 1.0
+    assert all(matrix[12:] == [0.0, 0.0, 0.0, 1.0] for matrix in matrices(exported(tmp_path)))
+
+
+def test_sheared_cameras_are_upright(tmp_path: Path) -> None:
+    """A parent that is scaled unevenly shears its camera; the export does not, and says so."""
+    scene = base()
+    parent = scenes.add(scene, "parent", None, scale=(1, 2, 1))
+    scene.camera.parent = parent
+    found = exported(tmp_path)
+    assert any("shear" in warning for warning in found.report.warnings)
+    rows = np.array(matrices(found)[0]).reshape(4, 4)[:3, :3]
+    assert np.abs(rows.T @ rows - np.eye(3)).max() < 1e-5
+
+
+@pytest.mark.parametrize(
+    "place,seen",
+    [
+        (dict(location=(0, 0, 1), rotation=(math.pi / 2, 0, 0)), False),  # It faces away from the camera.
+        (dict(location=(0, 0, 1), rotation=(-math.pi / 2, 0, 0)), True),
+        (dict(location=(0, -9, 2), rotation=(math.pi / 2, 0, 0)), False),  # It stands behind the camera.
+        (dict(location=(9, 0, 1), rotation=(-math.pi / 2, 0, 0)), False),  # It stands beside the picture.
+        (dict(location=(0, 0, 9), rotation=(0, 0, 0)), False),
+    ],
+)
+def test_lamps_out_of_view_are_not_reported(tmp_path: Path, place: Any, seen: bool) -> None:
+    """Only a lamp that the camera may see is named."""
+    lamp(base(), "AREA", 10, size=1.0, **place)
+    warnings = exported(tmp_path).report.warnings
+    assert any("the camera sees it" in warning for warning in warnings) == seen, warnings
