@@ -30,6 +30,24 @@ pub(crate) fn kinds(scene: &Scene) -> u32 {
         .fold(0, |bits, material| bits | 1 << (record(material).kind_and_flags & constants::MATERIAL_KIND_MASK))
 }
 
+/// Records of all materials of a scene. The record of a choice knows what its parts let through.
+pub(crate) fn records(materials: &[Material]) -> Vec<MaterialRecord> {
+    let mut records: Vec<_> = materials.iter().map(record).collect();
+    // Each round reaches one level of nesting more.
+    for _ in 0..constants::MAX_CHOICES {
+        for (at, material) in materials.iter().enumerate() {
+            let parts = match &material.kind {
+                MaterialKind::Surface(_) => continue,
+                MaterialKind::Sides { front, back } => [*front, *back],
+                MaterialKind::Blend { materials, .. } => *materials,
+            };
+            let flags = parts.iter().fold(0, |flags, &part| flags | records[part as usize].kind_and_flags);
+            records[at].kind_and_flags |= flags & (constants::MATERIAL_HOLES | constants::MATERIAL_LETS_THROUGH);
+        }
+    }
+    records
+}
+
 /// `FEATURE_*` bits of the features that the scene uses.
 pub(crate) fn features(scene: &Scene) -> u32 {
     let surfaces = scene.materials.iter().filter_map(|material| match &material.kind {
@@ -164,6 +182,9 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
     writer.flag(constants::MATERIAL_TWO_SIDED, surface.two_sided);
     writer.flag(constants::MATERIAL_RELIEF_OUTSIDE, surface.relief_outside);
     writer.scalar(OPACITY, &surface.opacity);
+    let has_holes = surface.opacity != Textured::constant(1.0);
+    writer.flag(constants::MATERIAL_HOLES, has_holes);
+    writer.flag(constants::MATERIAL_LETS_THROUGH, has_holes || matches!(surface.bsdf, Bsdf::ThinDielectric { .. }));
     write_bsdf(&mut writer, &surface.bsdf);
     match surface.relief {
         Some(Relief::Bump { texture, scale }) => {

@@ -24,6 +24,9 @@ pub struct Counts {
     pub nonfinite: u64,
     /// Invocations in which a loop was cut short.
     pub overruns: u64,
+    /// Shadow rays through more surfaces than the kernels follow. Their light is missing.
+    #[serde(default)]
+    pub cut_shadow_rays: u64,
 }
 
 impl Counts {
@@ -41,6 +44,7 @@ impl Counts {
             invalid_samples: at(kernels::COUNTER_INVALID_SAMPLES),
             nonfinite: at(kernels::COUNTER_NONFINITE),
             overruns: at(kernels::COUNTER_OVERRUNS),
+            cut_shadow_rays: at(kernels::COUNTER_CUT_SHADOW_RAYS),
         }
     }
 
@@ -55,6 +59,7 @@ impl Counts {
         self.invalid_samples = self.invalid_samples.saturating_add(other.invalid_samples);
         self.nonfinite = self.nonfinite.saturating_add(other.nonfinite);
         self.overruns = self.overruns.saturating_add(other.overruns);
+        self.cut_shadow_rays = self.cut_shadow_rays.saturating_add(other.cut_shadow_rays);
     }
 
     /// Share of the scattered rays that met light (the paper's Fig. 7a).

@@ -21,6 +21,8 @@ impl Finished {
         let (rescued, written) = write_files(running, rendered, watch);
         let profiled = running.write_profile();
         warn_of_nonfinite(running.history().counts.nonfinite, watch);
+        let cut = warning_of_cut_shadow_rays(running.history().counts.cut_shadow_rays);
+        cut.iter().for_each(|warning| watch.warn(warning));
         let validated = tell_validation(running, watch);
         let (profile, profiled) = match profiled {
             Ok(profile) => (profile, Ok(())),
@@ -123,5 +125,26 @@ fn warn_of_nonfinite(count: u64, watch: &Watch<'_>) {
     if count > 0 {
         let what = "samples and learning targets were infinite or not a number: such samples count as black";
         watch.warn(&format!("{count} {what}"));
+    }
+}
+
+/// Warning of shadow rays through more surfaces than the kernels follow, which make the picture too dark.
+fn warning_of_cut_shadow_rays(count: u64) -> Option<String> {
+    (count > 0).then(|| {
+        format!(
+            "{count} shadow rays crossed so many holes or sheets of glass that their paths had more than {MAX_DEPTH_LIMIT} edges: \
+             their light is missing"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::warning_of_cut_shadow_rays;
+
+    #[test]
+    fn cut_shadow_rays_are_told() {
+        assert_eq!(warning_of_cut_shadow_rays(0), None);
+        assert!(warning_of_cut_shadow_rays(8).is_some_and(|warning| warning.starts_with("8 shadow rays crossed")));
     }
 }

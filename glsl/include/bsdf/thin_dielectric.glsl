@@ -13,6 +13,12 @@ BsdfSample sample_bsdf_thin_dielectric(Bsdf b, vec3 wo, vec3 u) {
     return BsdfSample(-wo, lobe, b.color1, 1.0);
 }
 
+// Share of the light that goes straight on through the sheet.
+vec3 straight_thin_dielectric(Bsdf b, vec3 wo) {
+    float r = fresnel_dielectric(abs(wo.z), b.scalars0.z).reflectance;
+    return wo.z != 0.0 ? b.color1 * ((1.0 - r) / (1.0 + r)) : vec3(0.0);
+}
+
 float pdf_bsdf_thin_dielectric(Bsdf b, vec3 wo, vec3 wi) {
     return 0.0;
 }

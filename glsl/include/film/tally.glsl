@@ -40,13 +40,16 @@ void count_sample(inout Tally tally, uint tries, bool invalid, bool overrun) {
     tally.overrun = tally.overrun || overrun;
 }
 
-shared uint tally_lanes[COUNTER_COUNT * WORKGROUP_SIZE];
+// Counters that a tally has. The last counter is for a rare event, and each lane adds to it by itself.
+const uint TALLIED_COUNTERS = COUNTER_CUT_SHADOW_RAYS;
+
+shared uint tally_lanes[TALLIED_COUNTERS * WORKGROUP_SIZE];
 
 // Adds the workgroup's tallies to the counters. A few lanes sum up the numbers of all lanes, one counter each. Overruns
 // are counted first and by each lane itself: a driver that cut one loop short may cut the loops below short, too.
 void publish_tally(Tally tally) {
     count(COUNTER_OVERRUNS, tally.overrun ? 1u : 0u);
-    uint numbers[COUNTER_COUNT];
+    uint numbers[TALLIED_COUNTERS];
     numbers[COUNTER_RAYS] = tally.rays;
     numbers[COUNTER_SCATTERED_RAYS] = tally.scattered_rays;
     numbers[COUNTER_LIGHT_HITS] = tally.light_hits;
@@ -56,11 +59,11 @@ void publish_tally(Tally tally) {
     numbers[COUNTER_NONFINITE] = tally.nonfinite;
     numbers[COUNTER_OVERRUNS] = 0u;
     numbers[COUNTER_SHADOW_RAYS] = tally.shadow_rays;
-    for (uint counter = 0u; counter < COUNTER_COUNT; ++counter) {
+    for (uint counter = 0u; counter < TALLIED_COUNTERS; ++counter) {
         tally_lanes[counter * WORKGROUP_SIZE + gl_LocalInvocationIndex] = numbers[counter];
     }
     barrier();
-    for (uint counter = gl_LocalInvocationIndex; counter < COUNTER_COUNT; counter += WORKGROUP_SIZE) {
+    for (uint counter = gl_LocalInvocationIndex; counter < TALLIED_COUNTERS; counter += WORKGROUP_SIZE) {
         uint sum = 0u;
         for (uint lane = 0u; lane < WORKGROUP_SIZE; ++lane) sum += tally_lanes[counter * WORKGROUP_SIZE + lane];
         count(counter, sum);

@@ -3,6 +3,7 @@
 #define PATH_GLSL
 #include "film/camera.glsl"
 #include "path/guiding.glsl"
+#include "path/straight.glsl"
 #include "guide/learners/learning.glsl"
 #include "geometry/surface.glsl"
 #include "shared/film.glsl"
@@ -17,9 +18,14 @@ struct Path {
     KEPT(light) uint pixel;      // of the film: x | y << PIXEL_DIGITS
     uint depth;                  // edges so far, the ray's own included; 0: no path is under way
     KEPT(guide) Segment segment;  // that the ray travels
-    KEPT(guide) float pdf;       // density of the ray's direction where it began; 0 where emitter sampling cannot have drawn it
+    KEPT(guide) float pdf;       // density of the ray's direction where it was drawn; 0 where emitter sampling cannot have drawn it
     KEPT(guide) float pixel_estimate;  // radiance of the whole path, as estimated at the first vertex whose guide knows; 0 before
-    KEPT(guide) vec3 previous_position;  // of the surface that the ray left
+    KEPT(guide) vec3 previous_position;  // of the last surface that has scattered the path
+    // Surfaces through which the path has gone straight on since then, or since the camera; the mean share of light that they let
+    // through, and the mean radiance that they add to the segment.
+    KEPT(ray) uint straight;
+    KEPT(guide) float straight_share;
+    KEPT(guide) float straight_light;
     KEPT(guide) ShareEvidence evidence;  // of the ray's direction
     PathVertex last_vertex;  // for learners that keep vertices
 };
@@ -32,6 +38,13 @@ RandomKey key_of_sample(uvec2 film_pixel, uint sample_index, uint first_of_sets)
 
 uvec2 pixel_of(Path path) {
     return uvec2(path.pixel & ((1u << PIXEL_DIGITS) - 1u), path.pixel >> PIXEL_DIGITS);
+}
+
+// A path that no surface has let through since it was scattered.
+void forget_straight(inout Path path) {
+    path.straight = 0u;
+    path.straight_share = 1.0;
+    path.straight_light = 0.0;
 }
 
 // A path before its first edge. The caller sets its ray and its pixel.
@@ -47,6 +60,7 @@ Path new_path(RandomKey key) {
     path.evidence = NO_EVIDENCE;
     path.previous_position = vec3(0.0);
     path.pdf = 0.0;
+    forget_straight(path);
     path.pixel_estimate = 0.0;
     path.last_vertex = NO_VERTEX;
     return path;
@@ -60,9 +74,15 @@ Path start_path(uvec2 film_pixel, RandomKey key) {
     return path;
 }
 
-// The surface that a camera ray has hit.
+// Whether the path's ray comes straight from the camera.
+bool comes_from_camera(Path path) {
+    if (lets_through()) return path.depth == path.straight + 1u;
+    return path.depth == 1u;
+}
+
+// The first surface that has scattered a path. Holes and thin sheets of glass let the path go straight on to it.
 struct FirstHit {
-    KEPT(first_hit) bool known;  // the ray has hit a surface
+    KEPT(first_hit) bool known;  // there is one
     KEPT(first_hit) FilmFeatures features;
 };
 

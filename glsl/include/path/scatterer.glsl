@@ -69,13 +69,10 @@ void mirror_behind(inout Scatterer scatterer) {
     scatterer.upright.xy = -scatterer.upright.xy;
 }
 
-// The scatterer of a surface that is met from the direction `wo`, in world space.
-Scatterer scatterer_at(Surface surface, vec3 wo, RandomKey key, uint vertex) {
+// The scatterer of a surface whose material has no choices, or of the part that was chosen. The surface is met from the
+// direction `wo`, in world space. It has a hole where `u` is not below its opacity.
+Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
     Scatterer scatterer;
-    uint material = surface.material;
-    float u = 0.0;
-    if (has_choices() || has_feature(FEATURE_OPACITY)) u = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL)).x;
-    if (has_choices()) material = chosen_material(material, dot(wo, surface.shading_normal) < 0.0, surface.uv, u);
     scatterer.bsdf = textured_bsdf(material, surface.uv);
     scatterer.passes = has_feature(FEATURE_OPACITY) && u >= scatterer.bsdf.scalars0.w;
     scatterer.frame = shading_frame(surface);
@@ -93,6 +90,15 @@ Scatterer scatterer_at(Surface surface, vec3 wo, RandomKey key, uint vertex) {
     if (relief_outside) mirror_behind(scatterer);
     scatterer.cell = cell_at(surface.position);
     return scatterer;
+}
+
+// The scatterer of a surface that is met from the direction `wo`, in world space.
+Scatterer scatterer_at(Surface surface, vec3 wo, RandomKey key, uint vertex) {
+    uint material = surface.material;
+    float u = 0.0;
+    if (has_choices() || has_feature(FEATURE_OPACITY)) u = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL)).x;
+    if (has_choices()) material = chosen_material(material, dot(wo, surface.shading_normal) < 0.0, surface.uv, u);
+    return scatterer_of_part(surface, wo, material, u);
 }
 
 #endif

@@ -10,7 +10,7 @@
 // Emission as the picture shows it. Where emitters are hidden, the camera's rays go through surfaces that emit, and the
 // environment is black.
 vec3 visible_emission(Path path, vec3 emission) {
-    return HIDE_EMITTERS && path.depth == 1u ? vec3(0.0) : emission;
+    return HIDE_EMITTERS && comes_from_camera(path) ? vec3(0.0) : emission;
 }
 
 // Multiple importance sampling: weight of emission that the path's ray has met, where emitter sampling draws the ray's
@@ -19,7 +19,7 @@ float emission_weight(Path path, float pdf_light) {
     return path.pdf > 0.0 ? mis_weight(path.pdf, pdf_light) : 1.0;
 }
 
-// Cell of the surface that the path's ray has left. It matters where cells learn which lights to draw. Without a segment, path.pdf
+// Cell of the last surface that has scattered the path. It matters where cells learn which lights to draw. Without a segment, path.pdf
 // is 0, and nobody uses the density of the cell 0.
 uint cell_left(Path path) {
     bool known = learns_lights() && path.segment.index != NONE;
@@ -41,6 +41,12 @@ float survival_of(Path path, Guide guide, DirectionSample next) {
     return path.depth < SURE_ROULETTE_DEPTH ? survival : min(survival, MOST_SURVIVAL);
 }
 
+// Probability that a path goes on where it goes straight. Roulette would end the segment before its target is known, and few
+// targets would come from behind the surface. It is played at the next surface that scatters the path.
+float survival_of_straight(uint depth) {
+    return depth < SURE_ROULETTE_DEPTH ? 1.0 : MOST_SURVIVAL;
+}
+
 // Plays Russian roulette. A survivor's weight grows by one over the probability of survival. An ended path brings the
 // `expected` radiance in place of what it would have met.
 bool survives_roulette(inout Path path, float survival, float expected, float u) {
@@ -58,6 +64,18 @@ void end_path(inout Path path) {
     path.last_vertex.factor = vec3(0.0);
 }
 
+// Target of a segment: the target of its last part, and what the surfaces let through and emit that the path has crossed before.
+float target_through(Path path, float target) {
+    return target == NO_TARGET ? target : path.straight_light + path.straight_share * target;
+}
+
+// Counts a vertex for what the path remembers since the last surface that has scattered it.
+void remember_passage(inout Path path, bool straight, vec3 light, vec3 weight) {
+    path.straight_light = straight ? path.straight_light + path.straight_share * mean_rgb(light) : 0.0;
+    path.straight_share = straight ? path.straight_share * mean_rgb(weight) : 1.0;
+    path.straight = straight ? path.straight + 1u : 0u;
+}
+
 // A ray that has left the scene. Returns the target of its segment.
 float shade_miss(inout Path path, inout Tally tally) {
     // 1. Emission: the environment's radiance.
@@ -69,6 +87,7 @@ float shade_miss(inout Path path, inout Tally tally) {
     // 4. Learning: the segment brings the environment's radiance and nothing else.
     path.last_vertex.light = emission;
     float target = path.depth < MAX_DEPTH && !keeps_vertices() ? mean_rgb(emission) : NO_TARGET;
+    if (lets_through()) target = target_through(path, target);
     if (path.depth == MAX_DEPTH) path.last_vertex.segment = NO_SEGMENT;
     end_path(path);
     return target;
@@ -105,30 +124,38 @@ float shade_surface(
     count_sample(tally, next.tries, next.lost, next.overrun);
 
     // 4. Learning: the next segment begins here. The segment that ends here gets a target from `light` and from what the guide
-    // knows about the light that the surface scatters. A segment through a hole collects what lies behind the hole.
-    if (!scatterer.passes) path.segment = segment_from(scatterer.cell, next);
-    if (!scatterer.passes) path.evidence = next.evidence;
-    if (scatterer.passes && keeps_vertices()) path.segment = NO_SEGMENT;
+    // knows about the light that the surface scatters. A segment that goes straight on collects what lies behind.
+    bool straight = goes_straight(scatterer, next.wi);
+    if (!straight) path.segment = segment_from(scatterer.cell, next);
+    if (!straight) path.evidence = next.evidence;
     float target = target_at(path.key, path.depth, light, scatterer, next);
+    if (lets_through()) target = straight ? NO_TARGET : target_through(path, target);
+    if (lets_through()) remember_passage(path, straight, light, next.weight);
 
     // 5. Roulette: the path goes on with the probability `survival`.
     if (path.pixel_estimate == 0.0 && knows_contribution(guide, next)) {
         path.pixel_estimate = mean_rgb(path.radiance) + expected_scattered(path.throughput, scatterer, guide);
     }
     float survival = survival_of(path, guide, next);
+    if (straight) survival = survival_of_straight(path.depth);
     path.throughput *= next.weight;
     path.last_vertex.factor = next.weight;
     path.eta *= next.eta;
     if (max_component(path.throughput) > 0.0 && survives_roulette(path, survival, expected_radiance(guide, next), u.w)) {
         // 6. The next edge begins.
-        path.ray = scatterer.passes ? pass_surface(surface, next.wi) : leave_surface(surface, next.wi);
-        path.previous_position = surface.position;
-        path.pdf = next.pdf;
+        path.ray = straight ? go_straight(surface, next.wi) : leave_surface(surface, next.wi);
+        if (!straight) path.previous_position = surface.position;
+        if (!straight) path.pdf = next.pdf;
         ++path.depth;
     } else {
         end_path(path);
     }
     return target;
+}
+
+FirstHit first_hit_of(Surface surface, Scatterer scatterer) {
+    float depth = distance(surface.position, camera_position());
+    return FirstHit(true, FilmFeatures(bsdf_albedo(scatterer.bsdf), depth, surface.shading_normal, 0.0));
 }
 
 // Handles the end of the path's ray: adds light to the path, and sends the path on or ends it. `u` holds the random numbers
@@ -138,11 +165,15 @@ float shade_vertex(inout Path path, Hit hit, vec4 u, inout FirstHit first_hit, i
     if (hit.primitive == NONE) return shade_miss(path, tally);
     Surface surface = surface_at(path.ray, hit);
     Scatterer scatterer = scatterer_at(surface, -path.ray.direction, path.key, path.depth);
-    if (path.depth == 1u) {
-        float depth = distance(surface.position, camera_position());
-        first_hit = FirstHit(true, FilmFeatures(bsdf_albedo(scatterer.bsdf), depth, surface.shading_normal, 0.0));
+    if (!lets_through()) {
+        if (path.depth == 1u) first_hit = first_hit_of(surface, scatterer);
+        return shade_surface(path, hit.primitive, surface, scatterer, u, tally);
     }
-    return shade_surface(path, hit.primitive, surface, scatterer, u, tally);
+    bool from_camera = comes_from_camera(path);
+    uint straight = path.straight;
+    float target = shade_surface(path, hit.primitive, surface, scatterer, u, tally);
+    if (from_camera && !scatterer.passes && path.straight <= straight) first_hit = first_hit_of(surface, scatterer);
+    return target;
 }
 
 // Records a segment's target in the guide. `u` in [0, 1) rounds it.

@@ -124,10 +124,11 @@ void store_connection(uint slot, Connection connection) {
     if (learns_lights() || brings_light(connection)) store_connection_ray(slot, connection);
 }
 
-// A slot's connection with its ray.
+// A slot's connection with its ray. Its light is needed where surfaces let through a part of it.
 Connection load_connection(uint slot) {
     Connection connection = NO_CONNECTION;
     load_connection_ray(slot, connection);
+    if (lets_through()) load_connection_light(slot, connection);
     return connection;
 }
 
@@ -186,7 +187,16 @@ Path load_path(uint slot) {
     if (keeps_origin()) load_path_guide(slot, path);
     path.key = key_of_slot(slot, pixel_of(path));
     path.depth = push.edge + 1u;
+    if (!lets_through()) forget_straight(path);
     return path;
+}
+
+// Whether the ray that a path travels now comes straight from the camera.
+bool slot_comes_from_camera(uint slot) {
+    if (!HIDE_EMITTERS || !lets_through() || push.edge == 0u) return push.edge == 0u;
+    Path path;
+    load_path_ray(slot, path);
+    return path.straight == push.edge;
 }
 
 // The ray that a path travels now.

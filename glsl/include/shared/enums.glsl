@@ -98,6 +98,10 @@ const uint MATERIAL_NORMAL_MAP = 8192u;
 const uint MATERIAL_COATED = 16384u;
 const uint MATERIAL_RELIEF_OUTSIDE = 32768u;
 const uint MATERIAL_SMOOTH_BASE = 65536u;
+// Some part of the material has holes: an opacity below 1.
+const uint MATERIAL_HOLES = 131072u;
+// Some part of the material lets light go straight on, through holes or through a thin sheet of glass.
+const uint MATERIAL_LETS_THROUGH = 262144u;
 
 // Feature that some material or emitter of the scene uses: a bit of SURFACE_FEATURES.
 const uint FEATURE_OPACITY = 1u;
@@ -173,6 +177,7 @@ const uint COUNTER_INVALID_SAMPLES = 5u;
 const uint COUNTER_NONFINITE = 6u;
 const uint COUNTER_OVERRUNS = 7u;
 const uint COUNTER_SHADOW_RAYS = 8u;
-const uint COUNTER_COUNT = 9u;
+const uint COUNTER_CUT_SHADOW_RAYS = 9u;
+const uint COUNTER_COUNT = 10u;
 
 #endif

@@ -8,6 +8,7 @@
 #endif
 #include "film/slice.glsl"
 #include "path/edge.glsl"
+#include "path/passage.glsl"
 #include "path/vertex.glsl"
 
 layout(push_constant, scalar) uniform Push { TracePush push; };
@@ -18,6 +19,11 @@ vec3 direct_light(
     evidence = connection.evidence;
     if (!brings_light(connection)) return vec3(0.0);
     ++tally.shadow_rays;
+    if (lets_through()) {
+        pass_connection(connection, path.depth, tally.overrun);
+        evidence = connection.evidence;
+        return connection.light;
+    }
     Hit blocker = traverse(connection.ray, true, tally.overrun);
     return blocker.primitive == NONE ? connection.light : vec3(0.0);
 }
@@ -47,10 +53,11 @@ void main() {
         }
 
         // 2. Ray: what it hits, and the segment that it has travelled.
-        Hit hit = end_of_edge(path.ray, path.depth == 1u, tally.overrun);
+        Hit hit = end_of_edge(path.ray, comes_from_camera(path), tally.overrun);
         Segment travelled = path.segment;
         ShareEvidence evidence = path.evidence;
         path.last_vertex.segment = travelled;
+        if (lets_through() && path.straight != 0u) path.last_vertex.segment = NO_SEGMENT;
 
         // 3. Vertex: emission, emitter sampling, the next direction, the learning target, roulette.
         uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);

@@ -25,7 +25,8 @@ void shade(uint slot, inout Tally tally) {
     uvec4 bits = random_bits(path.key, path.depth, RANDOM_SCATTER);
     FirstHit first_hit = NO_FIRST_HIT;
     float target = shade_vertex(path, load_hit(slot), unit_floats(bits), first_hit, tally);
-    if (push.edge == 0u) store_first_hit(slot, first_hit);
+    bool scatters_first = lets_through() && first_hit.known;
+    if (push.edge == 0u || scatters_first) store_first_hit(slot, first_hit);
     learn(travelled, evidence, target, leftover_float(bits), tally);
     store_path(slot, path);
     if (path.depth != 0u) enqueue_path(slot);

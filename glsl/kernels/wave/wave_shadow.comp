@@ -1,4 +1,5 @@
-// Traces the shadow rays of a wave's queued connections, and removes the light of those that are blocked.
+// Traces the shadow rays of a wave's queued connections. Light that is blocked is removed, and light that surfaces let through is
+// multiplied by their share.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
@@ -8,7 +9,18 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "geometry/traverse.glsl"
+#include "path/passage.glsl"
 #include "path/wavefront.glsl"
+
+void trace_shadow_ray(uint slot, inout bool overrun) {
+    Connection connection = load_connection(slot);
+    if (lets_through()) {
+        pass_connection(connection, push.edge + 1u, overrun);
+        store_connection_light(slot, connection);
+    } else if (traverse(connection.ray, true, overrun).primitive != NONE) {
+        block_connection(slot);
+    }
+}
 
 void main() {
     bool overrun = false;
@@ -16,7 +28,7 @@ void main() {
     if (place == 0u) count(COUNTER_SHADOW_RAYS, connection_count());
     while (place < connection_count()) {
         uint slot = queued_connection(place);
-        if (traverse(load_connection(slot).ray, true, overrun).primitive != NONE) block_connection(slot);
+        trace_shadow_ray(slot, overrun);
         place += lane_count();
         if (place >= connection_count()) break;
     }
