@@ -5,6 +5,7 @@ use lodestar::renderer::Counts;
 use lodestar::scene::emitter::AreaEmitter;
 use lodestar::scene::{Environment, EnvironmentKind, Scene, Textured};
 use lodestar::settings::{Execution, Learner, SamplePattern, SampleWeights, Sampler, Settings};
+use support::panes::with_panes;
 use support::rows::{Held, held_to};
 use support::scenes::{ours, settings};
 use support::tier;
@@ -103,6 +104,12 @@ fn waves_change_no_bit_of_any_scene() {
         let scene = ours(&format!("{name}/scene.xml"), &[]);
         compare(&device, name, &scene, |s| s.nee = true);
         compare(&device, &format!("{name}, roulette from the start"), &scene, |s| (s.max_depth, s.rr_depth) = (3, 1));
+    }
+    compare(&device, "panes", &with_panes(ours("cornell-box/scene.xml", &[])), |s| s.nee = true);
+    if tier::is_full() {
+        let hidden = with_panes(ours("cornell-box/scene.xml", &[]));
+        compare(&device, "panes, hidden emitters", &hidden, |s| (s.nee, s.hide_emitters) = (false, true));
+        compare(&device, "panes, bsdf", &hidden, |s| (s.nee, s.hide_emitters, s.sampler) = (true, true, Sampler::Bsdf));
     }
     // The sky is cut into patches, so each cell selects among 256 groups of lights.
     let mut scene = ours("door-ajar/scene.xml", &[]);

@@ -19,6 +19,7 @@ mod learning;
 mod light_selection;
 mod nee;
 mod noise;
+mod passages;
 mod pattern;
 mod profile;
 mod ranks;

@@ -5,6 +5,7 @@ use lodestar::fleet::sums::{self, AddSums, Sums};
 use lodestar::renderer::{Counts, RenderState};
 use lodestar::scene::Scene;
 use lodestar::settings::{Execution, Learner, Sampler, Settings};
+use support::panes::with_panes;
 use support::rows::combinations;
 use support::scenes::{ours, settings};
 use support::tier;
@@ -108,6 +109,16 @@ fn any_number_of_devices_gives_the_bits_of_one() {
         }
     }
     println!("{} configurations", all.len());
+}
+
+/// Devices share a picture whose light comes through holes and glass.
+#[test]
+fn devices_share_light_that_goes_straight_on() {
+    let scene = with_panes(scene());
+    let settings = Settings { nee: true, ..settings(&scene, SIZE, Sampler::Product, 21) };
+    let one = left_by_one(&scene, &settings, SPP);
+    let several = left(&mut Ranks::new(&scene, &settings, 2).fleet, &settings, SPP);
+    assert!(several.0 == one.0 && several.2 == one.2);
 }
 
 /// Tiles may be dealt out unevenly, and a device may have none.

@@ -57,7 +57,7 @@ vec3 share_that_passes(Ray ray, uint depth, inout bool overrun) {
             passage.more = false;
         } else if (!any_hit) {
             cross_surface(passage, hit, target, is_bound);
-        } else if (!has_flag(fetch_attributes(hit.primitive, 0u).w, MATERIAL_LETS_THROUGH)) {
+        } else if (!has_flag(attribute_material(hit.primitive), MATERIAL_LETS_THROUGH)) {
             passage.share = vec3(0.0);
             passage.more = false;
         }

@@ -193,10 +193,14 @@ Path load_path(uint slot) {
 
 // Whether the ray that a path travels now comes straight from the camera.
 bool slot_comes_from_camera(uint slot) {
-    if (!HIDE_EMITTERS || !lets_through() || push.edge == 0u) return push.edge == 0u;
-    Path path;
-    load_path_ray(slot, path);
-    return path.straight == push.edge;
+    if (HIDE_EMITTERS) {
+        if (lets_through() && push.edge != 0u) {
+            Path path;
+            load_path_ray(slot, path);
+            return path.straight == push.edge;
+        }
+    }
+    return push.edge == 0u;
 }
 
 // The ray that a path travels now.

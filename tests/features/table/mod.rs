@@ -6,6 +6,7 @@ mod curves;
 mod cylinders;
 mod emitters;
 mod extremes;
+mod passages;
 mod paths;
 mod shapes;
 pub mod xml;
@@ -27,6 +28,7 @@ pub enum Class {
     Paths,
     Extremes,
     Curves,
+    Passages,
 }
 
 impl fmt::Display for Class {
@@ -146,6 +148,7 @@ pub fn all() -> Vec<Case> {
     extremes::add(&mut table);
     cylinders::add(&mut table);
     curves::add(&mut table);
+    passages::add(&mut table);
     table.0
 }
 
@@ -167,6 +170,7 @@ pub fn twin(class: Class) -> Twin {
         Class::Cameras => ("perspective-x", "fov", "40.8", "48"),
         Class::Paths => ("depth-3", "depth", "4", "2"),
         Class::Extremes => ("scale-1", "size", "0.714", "0.9"),
+        Class::Passages => ("mask-sun", "opacity", "0.42", "0.6"),
         Class::Curves => ("bsplinecurve-plain", "file", "bsplinecurve-thicker.txt", "bsplinecurve-thick.txt"),
     };
     Twin { scene, parameter, wrong, far }

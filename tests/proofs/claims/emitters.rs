@@ -1,8 +1,10 @@
-//! Claim: emitter sampling and light hits add up to the radiance of a floor in closed form, with and without a guide.
+//! Claim: emitter sampling and light hits add up to the radiance of a floor in closed form, with and without a guide, also where
+//! light comes through holes.
 
 use lodestar::settings::{SamplePattern, Settings};
 use support::estimate::Estimate;
 use support::floor::{DELTA, SPREAD, floor_radiance};
+use support::panes::{Pane, covered};
 use support::scenes::{ours, steady};
 use support::significance::two_sided;
 
@@ -10,6 +12,10 @@ use crate::evidence::{Evidence, Record};
 use crate::renders::Studio;
 use crate::rows::Scope;
 use crate::subject::Subject;
+
+/// Surfaces above the floor that let light through, and the lights that shine through them.
+const PANES: [Pane; 2] = [Pane::Mask(0.4), Pane::Blend(0.2)];
+const THROUGH_PANES: [&str; 3] = ["rectangle", "constant", "directional"];
 
 const SIDE: u32 = 16;
 const SPP: u32 = 512;
@@ -22,8 +28,11 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     // `tests/render/nee.rs` tests all lights, with and without emitter sampling, for two samplers.
     let few = ["rectangle", "constant"];
     let is_wanted = |light: &&str| scope.full || few.contains(light);
-    for light in SPREAD.into_iter().chain(DELTA).filter(is_wanted) {
-        let scene = ours("lights/floor.xml", &[("light", light)]);
+    let open = SPREAD.into_iter().chain(DELTA).filter(is_wanted).map(|light| (light, &[][..]));
+    let through = THROUGH_PANES.into_iter().map(|light| (light, &PANES[..]));
+    for (light, panes) in open.chain(through) {
+        let scene = covered(ours("lights/floor.xml", &[("light", light)]), panes);
+        let share: f64 = panes.iter().map(|pane| pane.share(1.0)).product();
         for row in rows {
             let mut settings = Settings {
                 width: SIDE,
@@ -36,10 +45,10 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             row.set(&mut settings);
             let (picture, _) = studio.render(subject, &scene, steady(settings), SPP);
             let (mean, error) = Estimate::of(&picture).gray();
-            let expected = floor_radiance(light);
+            let expected = share * floor_radiance(light);
             // The added error covers single precision and a camera that sees more than one point.
             let z = (mean - expected) / error.hypot(1.0e-5 * expected);
-            let case = format!("floor, {light}, {}, seed {SEED}: {mean:.6} +- {error:.6}, not {expected:.6}", row.name);
+            let case = format!("floor, {light}, {} panes, {}, seed {SEED}: {mean:.6} +- {error:.6}, not {expected:.6}", panes.len(), row.name);
             evidence.test(case, two_sided(z), || Record::Pictures(vec![picture.image()]));
         }
     }

@@ -8,6 +8,7 @@ use lodestar::film::Picture;
 use lodestar::scene::Scene;
 use lodestar::settings::{Learner, SamplePattern, Sampler, Settings};
 use support::estimate::{Comparison, Estimate, WHOLE};
+use support::panes::with_panes;
 use support::rows::row;
 use support::scenes::{ours, steady};
 
@@ -25,11 +26,14 @@ struct Case {
     sides: &'static [usize],
 }
 
-const CASES: [Case; 3] = [
+const CASES: [Case; 4] = [
     Case { file: "cornell-box", size: [24, 24], unguided: [2048, 256], guided: [512, 128], sides: &[6, WHOLE] },
     Case { file: "cornell-box-hard", size: [24, 24], unguided: [2048, 1024], guided: [512, 256], sides: &[12, WHOLE] },
     Case { file: "door-ajar", size: [32, 18], unguided: [4096, 1024], guided: [1024, 256], sides: &[WHOLE] },
+    Case { file: PANES, size: [24, 24], unguided: [4096, 512], guided: [1024, 256], sides: &[6, WHOLE] },
 ];
+/// The Cornell box with holes and thin sheets of glass below its lamp.
+const PANES: &str = "cornell-box with panes";
 const UNGUIDED_SEED: u32 = 600;
 const GUIDED_SEED: u32 = 700;
 /// Factor on the number of samples in the full form.
@@ -47,7 +51,10 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
     };
     let cases = &CASES[..count];
     for (index, case) in cases.iter().enumerate() {
-        let scene = ours(&format!("{}/scene.xml", case.file), &[]);
+        let scene = match case.file {
+            PANES => with_panes(ours("cornell-box/scene.xml", &[])),
+            file => ours(&format!("{file}/scene.xml"), &[]),
+        };
         for nee in [false, true] {
             // All samplers and learners render the first scene. In the short form, the other scenes have one row each,
             // because `tests/render/ztest.rs` renders more pictures.

@@ -8,6 +8,7 @@ pub mod estimate;
 pub mod floor;
 pub mod guide_cases;
 pub mod mutated;
+pub mod panes;
 pub mod primitives;
 pub mod requests;
 pub mod rows;

@@ -20,6 +20,10 @@ pub const TWICE_AS_BRIGHT: &str = "learning takes surfaces to be twice as bright
 /// Mutations: faults of the weights of emitter sampling.
 pub const BLIND_TO_GUIDE: &str = "weights blind to the guide";
 pub const COUNTED_TWICE: &str = "light counted whole however it is found";
+/// Mutations: faults of light that goes straight on through surfaces.
+pub const SHUT: &str = "holes that shadow rays do not pass";
+pub const PASSED_TWICE: &str = "light that passes each surface twice";
+pub const WRONG_VERTEX: &str = "the density at the last hole";
 /// Mutation: shadow rays end 0.09 % before a light, as those of Mitsuba 3 do. What stands between lets light through.
 pub const SHORT_OF_LIGHT: &str = "shadow rays end before the light";
 /// Mutation: rays start as far off a surface as those of Mitsuba 3 do. What is closer to the surface lets light through.

@@ -30,6 +30,7 @@ const LIGHT: &str = "glsl/include/light/light.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
 const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
+const PASSAGE: &str = "glsl/include/path/passage.glsl";
 const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
 const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
 const RANDOM: &str = "glsl/include/random/random.glsl";
@@ -468,6 +469,30 @@ pub const MUTATIONS: &[Mutation] = &[
             file: LIGHT,
             text: "group_probability(cell, record.group_and_alias >> LIGHT_GROUP_SHIFT) * probability",
             mutated: "(MUTATED ? 1.0 : group_probability(cell, record.group_and_alias >> LIGHT_GROUP_SHIFT)) * probability",
+        }],
+    ),
+    mutation(
+        "holes that shadow rays do not pass",
+        &[Patch {
+            file: PASSAGE,
+            text: "} else if (!has_flag(attribute_material(hit.primitive), MATERIAL_LETS_THROUGH)) {",
+            mutated: "} else if (MUTATED || !has_flag(attribute_material(hit.primitive), MATERIAL_LETS_THROUGH)) {",
+        }],
+    ),
+    mutation(
+        "light that passes each surface twice",
+        &[Patch {
+            file: PASSAGE,
+            text: "passage.share *= straight_share(surface, -ray.direction);",
+            mutated: "vec3 share = straight_share(surface, -ray.direction);\n        passage.share *= MUTATED ? share * share : share;",
+        }],
+    ),
+    mutation(
+        "the density at the last hole",
+        &[Patch {
+            file: VERTEX,
+            text: "if (!straight) path.previous_position = surface.position;\n        if (!straight) ",
+            mutated: "if (!straight || MUTATED) path.previous_position = surface.position;\n        if (!straight || MUTATED) ",
         }],
     ),
     mutation(

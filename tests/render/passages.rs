@@ -1,0 +1,253 @@
+//! Light that goes straight on through holes and thin sheets of glass: closed forms, bits, and the bound of shadow rays.
+
+use std::fmt::Write as _;
+use std::process::Command;
+
+use glam::{DVec3, Vec3, dvec3};
+use lodestar::film::Picture;
+use lodestar::scene::{LoadOptions, Scene, load};
+use lodestar::settings::{Execution, Learner, Sampler, Settings, UNLIMITED_DEPTH};
+use support::estimate::{Comparison, Estimate, WHOLE};
+use support::floor::floor_radiance;
+use support::mutated::{PASSED_TWICE, SHUT, WRONG_VERTEX};
+use support::panes::{Pane, covered, with_panes};
+use support::scenes::{ours, settings};
+use support::significance::{ALPHA, sidak, two_sided};
+use support::tier;
+
+use crate::device::{Device, steps};
+
+const SPP: u32 = 512;
+/// Number of the tests of the floor.
+const TESTS: usize = 64;
+
+/// Mean radiance of the floor below panes, with its standard error.
+fn floor(device: &Device, light: &str, panes: &[Pane], change: impl FnOnce(&mut Settings)) -> (f64, f64) {
+    let scene = covered(ours("lights/floor.xml", &[("light", light)]), panes);
+    let mut settings = Settings { nee: true, ..settings(&scene, [16, 16], Sampler::Bsdf, 73) };
+    change(&mut settings);
+    let (mean, error) = Estimate::of(&device.render(&scene, &settings, SPP)).gray();
+    println!("{light} {panes:?} {:?}, {}: {mean:.6} +- {error:.6}", settings.sampler, device.mutation());
+    (mean, error)
+}
+
+/// Probability that a right picture deviates as much. The error includes single precision and a camera that sees more than one point.
+fn surprise((mean, error): (f64, f64), expected: f64) -> f64 {
+    sidak(two_sided((mean - expected) / error.hypot(2.0e-5 * expected)), TESTS)
+}
+
+fn assert_is(name: &str, rendered: (f64, f64), expected: f64) {
+    assert!(surprise(rendered, expected) > ALPHA, "{name}: {rendered:?}, not {expected}");
+    assert!(surprise(rendered, 1.05 * expected) < ALPHA, "{name}: the twin, {rendered:?}");
+}
+
+/// Panes whose share does not depend on the angle.
+const HOLES: [&[Pane]; 3] =
+    [&[Pane::Mask(0.4)], &[Pane::Mask(0.0)], &[Pane::Mask(0.25), Pane::Blend(0.3), Pane::Front(0.2)]];
+
+/// Every light shines through holes, whether paths or connections find it.
+#[test]
+fn light_through_holes_is_its_closed_form() {
+    let device = Device::new();
+    let lights = ["directional", "rectangle", "point", "spot", "constant", "disk", "sphere", "envmap"];
+    let lights = if tier::is_full() { &lights[..] } else { &lights[..3] };
+    for light in lights {
+        for panes in tier::some_of(&HOLES, 2) {
+            let share: f64 = panes.iter().map(|pane| pane.share(1.0)).product();
+            let expected = share * floor_radiance(light);
+            assert_is(light, floor(&device, light, panes, |_| {}), expected);
+            if tier::is_full() {
+                assert_is(light, floor(&device, light, panes, |s| s.sampler = Sampler::Product), expected);
+                assert_is(light, floor(&device, light, panes, |s| s.execution = Execution::Wavefront), expected);
+            }
+        }
+    }
+}
+
+/// Cells learn which lights to draw, and paths keep their vertices: a path through a hole still knows the cell that it has left.
+#[test]
+fn light_through_holes_is_the_same_for_every_learner() {
+    let device = Device::new();
+    for &learner in tier::some_of(&[Learner::MonteCarlo, Learner::Sarsa, Learner::ExpectedSarsa], 1) {
+        let rendered = floor(&device, "rectangle", HOLES[0], |s| (s.sampler, s.learner) = (Sampler::Product, learner));
+        assert_is("rectangle", rendered, 0.6 * floor_radiance("rectangle"));
+    }
+}
+
+/// Direction from the floor to a light that no ray can hit.
+fn direction_to(light: &str) -> DVec3 {
+    match light {
+        "directional" => dvec3(1.0, 2.0, 0.5),
+        _ => dvec3(-1.0, 2.0, 1.5),
+    }
+}
+
+/// A lamp behind a thin sheet of glass, and behind glass and holes.
+#[test]
+fn light_through_glass_is_its_closed_form() {
+    let device = Device::new();
+    for light in ["directional", "point"] {
+        for panes in [&[Pane::Glass][..], &[Pane::Glass, Pane::Mask(0.5), Pane::Glass]] {
+            let cosine = direction_to(light).normalize().y;
+            let share: f64 = panes.iter().map(|pane| pane.share(cosine)).product();
+            assert_is(light, floor(&device, light, panes, |_| {}), share * floor_radiance(light));
+        }
+    }
+}
+
+/// A connection through a surface has an edge more, as a path has that goes through it.
+#[test]
+fn a_surface_that_is_crossed_counts_as_an_edge() {
+    let device = Device::new();
+    for light in ["directional", "rectangle"] {
+        let depth = |max_depth| floor(&device, light, HOLES[1], |s| s.max_depth = max_depth);
+        assert_eq!(depth(2).0, 0.0, "{light}");
+        assert_is(light, depth(3), floor_radiance(light));
+    }
+}
+
+#[test]
+fn faults_of_passages_are_found_on_the_floor() {
+    if tier::is_skipped("the proofs' claim emitters") {
+        return;
+    }
+    let device = Device::new();
+    for (fault, light) in
+        [(SHUT, "directional"), (SHUT, "rectangle"), (PASSED_TWICE, "directional"), (WRONG_VERTEX, "rectangle")]
+    {
+        let rendered = floor(&device.mutated(fault), light, HOLES[0], |_| {});
+        assert!(surprise(rendered, 0.6 * floor_radiance(light)) < ALPHA, "{fault}, {light}: {rendered:?}");
+    }
+}
+
+/// Guided pictures of a box with panes below its lamp agree with unguided ones. With the densities of wrong vertices they do not.
+#[test]
+fn guided_pictures_with_panes_agree_with_unguided_ones() {
+    let device = Device::new();
+    let scene = with_panes(ours("cornell-box/scene.xml", &[]));
+    let render = |device: &Device, sampler, nee, seed, spp| {
+        let settings = Settings { nee, ..settings(&scene, [24, 24], sampler, seed) };
+        Estimate::of(&device.render(&scene, &settings, spp))
+    };
+    let unguided = render(&device, Sampler::Bsdf, false, 1, if tier::is_full() { 16384 } else { 2048 });
+    let spp = if tier::is_full() { 4096 } else { 512 };
+    for (sampler, seed) in [(Sampler::Bsdf, 2), (Sampler::Product, 3), (Sampler::RejectionMix, 4)] {
+        let compare = |device: &Device| Comparison::new(&unguided, &render(device, sampler, true, seed, spp), &[6, WHOLE]);
+        let right = compare(&device);
+        println!("{sampler:?}: {right:?}");
+        assert!(right.agrees(), "{sampler:?}: {right:?}");
+        if sampler == Sampler::Bsdf {
+            let wrong = compare(&device.mutated(SHUT));
+            println!("{sampler:?}, {SHUT}: {wrong:?}");
+            assert!(!wrong.agrees(), "{SHUT}: {wrong:?}");
+        }
+    }
+}
+
+/// A stack of surfaces that let all light pass, above a floor under a sun.
+fn stack(count: usize) -> String {
+    let mut text = String::from(
+        "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><float name='fov' value='0.1'/>\
+         <transform name='to_world'><lookat origin='0,0.4,1' target='0,0,0' up='0,1,0'/></transform>\
+         <film type='hdrfilm'><integer name='width' value='2'/><integer name='height' value='2'/><rfilter type='box'/></film></sensor>\
+         <emitter type='directional'><vector name='direction' x='0' y='-1' z='0'/><rgb name='irradiance' value='1'/></emitter>\
+         <shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/></transform>\
+         <bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf></shape>",
+    );
+    for layer in 0..count {
+        let height = 0.5 + 0.05 * layer as f32;
+        let _ = write!(
+            text,
+            "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/><translate y='{height}'/>\
+             </transform><bsdf type='null'/></shape>"
+        );
+    }
+    text + "</scene>"
+}
+
+/// A path of unlimited length has up to 1024 edges. A shadow ray that would need more is counted and told.
+#[test]
+fn a_shadow_ray_through_too_many_surfaces_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.xml");
+    let write = |count| std::fs::write(&path, stack(count)).expect("a file");
+    let device = Device::new();
+    for (count, is_cut) in [(1000, false), (1030, true)] {
+        write(count);
+        let scene = load(&path, &LoadOptions::default()).expect("a scene");
+        let settings =
+            Settings { nee: true, samples_per_dispatch: 1, ..settings(&scene, [2, 2], Sampler::Bsdf, 3) };
+        assert_eq!(settings.max_depth, UNLIMITED_DEPTH);
+        let mut renderer = device.renderer(&scene, &settings);
+        let cut: u64 = steps(&mut renderer, &settings, 2).iter().map(|counts| counts.cut_shadow_rays).sum();
+        assert_eq!(cut > 0, is_cut, "{count} surfaces: {cut} cut");
+        let mean = Estimate::of(&renderer.picture().expect("a picture")).gray().0;
+        let expected = if is_cut { 0.0 } else { 0.5 / std::f64::consts::PI };
+        assert!((mean - expected).abs() < 1.0e-4, "{count} surfaces: {mean}, not {expected}");
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_lodestar"))
+        .args(["render", "--spp", "1", "--samples-per-dispatch", "1", "-o"])
+        .args([&folder.path().join("picture.exr"), &path])
+        .output()
+        .expect("the program");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && said.contains("shadow rays crossed so many holes"), "{said}");
+}
+
+/// Opacity of the pixels, and their mean radiance.
+fn seen(scene: &Scene, text: &str) -> (f64, f64) {
+    let device = Device::new();
+    let settings = Settings { nee: true, ..settings(scene, [16, 16], Sampler::Bsdf, 5) };
+    let picture: Picture = device.render(scene, &settings, 256);
+    let alpha = (0..256).map(|at| f64::from(picture.alpha(at))).sum::<f64>() / 256.0;
+    let mean = Estimate::of(&picture).gray().0;
+    println!("{text}: alpha {alpha:.4}, radiance {mean:.4}");
+    (alpha, mean)
+}
+
+/// Where emitters are hidden, what stands behind holes and thin glass is hidden, too, and such surfaces are as opaque as they
+/// scatter light: the environment, and a lamp behind it. Without a hidden environment, the picture shows it.
+#[test]
+fn hidden_emitters_are_hidden_behind_holes_and_glass() {
+    // Reflectance of glass of index 1.5 at normal incidence, with all reflections within the sheet.
+    let glass = 2.0 * 0.04 / 1.04;
+    let lamp = "<shape type='rectangle'><transform name='to_world'><translate z='-1'/></transform><emitter type='area'/></shape>";
+    let mask = "<bsdf type='mask'><float name='opacity' value='0.25'/><bsdf type='diffuse'>\
+                <rgb name='reflectance' value='0'/></bsdf></bsdf>";
+    let sheet = "<bsdf type='thindielectric'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1'/></bsdf>";
+    for (bsdf, alpha, radiance) in [("<bsdf type='null'/>", 0.0, 0.0), (mask, 0.25, 0.0), (sheet, glass, glass)] {
+        for (hides, behind) in [(true, ""), (true, lamp), (false, lamp)] {
+            let text = format!(
+                "<scene version='3.0.0'><integrator type='path'><boolean name='hide_emitters' value='{hides}'/></integrator>\
+                 <sensor type='perspective'><float name='fov' value='2'/><transform name='to_world'>\
+                 <lookat origin='0,0,4' target='0,0,0' up='0,1,0'/></transform></sensor>\
+                 <shape type='rectangle'>{bsdf}</shape>{behind}<emitter type='constant'/></scene>"
+            );
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = folder.path().join("scene.xml");
+            std::fs::write(&path, &text).expect("a file");
+            let scene = load(&path, &LoadOptions::default()).expect("a scene");
+            let (a, l) = seen(&scene, &text);
+            let (alpha, radiance) = if hides { (alpha, radiance) } else { (1.0, 1.0 - alpha + radiance) };
+            let error = |share: f64| 5.0 * (share * (1.0 - share) / 65536.0).sqrt() + 1.0e-3;
+            assert!((a - alpha).abs() < error(alpha), "alpha {a}, not {alpha}: {text}");
+            assert!((l - radiance).abs() < error(radiance), "radiance {l}, not {radiance}: {text}");
+        }
+    }
+}
+
+/// Holes in a leaf do not hide what is behind from the layers: the first surface is the first one that scatters.
+#[test]
+fn layers_show_what_is_behind_holes() {
+    let mut scene = Scene::new(lodestar::scene::Camera::look_at([0.0, 0.0, 4.0], [0.0; 3], 2.0), 16, 16);
+    let wall = scene.add_diffuse([0.8, 0.2, 0.4]);
+    scene.add_parallelogram([0.0, 0.0, -1.0], Vec3::X, Vec3::Y, wall);
+    Pane::Mask(0.0).add(&mut scene, Vec3::ZERO, Vec3::X, Vec3::Y);
+    let settings = settings(&scene, [16, 16], Sampler::Bsdf, 5);
+    let device = Device::new();
+    for execution in [Execution::Megakernel, Execution::Wavefront] {
+        let picture = device.render(&scene, &Settings { execution, ..settings.clone() }, 4);
+        assert!(picture.albedo.iter().all(|albedo| (Vec3::from(*albedo) - Vec3::new(0.8, 0.2, 0.4)).length() < 1.0e-5));
+        assert!(picture.depth.iter().all(|depth| (depth - 5.0).abs() < 0.01));
+    }
+}
