@@ -2,14 +2,15 @@
 //! of small lamps there, so its `volpath` is the reference. Depths are unlimited, for `volpath` does not count what it passes.
 
 use super::xml::{
-    area, ball, bitmap, bsdf, checkerboard, default, diffuse, element, float, integer, lamp, numbers, on, placed, rgb, shape,
-    sheet, string, two_sided,
+    area, ball, bitmap, bsdf, checkerboard, default, diffuse, element, float, integer, lamp, numbers, on, placed, rgb,
+    shape, sheet, string, two_sided,
 };
 use super::{Class::Passages, Table, plain_subject};
 
 /// A square above the subject, below the lamps.
 fn roof(steps: &str, bsdf: &str) -> String {
-    let steps = format!("<scale x='1.6' y='1.3'/><rotate x='1' angle='90'/>{steps}<translate y='1.8' x='0.1' z='0.5'/>");
+    let steps =
+        format!("<scale x='1.6' y='1.3'/><rotate x='1' angle='90'/>{steps}<translate y='1.8' x='0.1' z='0.5'/>");
     shape("rectangle", &(placed(&steps) + bsdf))
 }
 
@@ -32,7 +33,10 @@ pub fn add(table: &mut Table) {
         &("<vector name='direction' x='-0.2' y='-1' z='-0.4'/>".to_owned() + &rgb("irradiance", "3,2.7,2.2")),
     );
     let point = |intensity: &str| {
-        emitter("point", &("<point name='position' x='0.5' y='2.6' z='0.8'/>".to_owned() + &rgb("intensity", intensity)))
+        emitter(
+            "point",
+            &("<point name='position' x='0.5' y='2.6' z='0.8'/>".to_owned() + &rgb("intensity", intensity)),
+        )
     };
     let aimed = placed("<lookat origin='0.5,3.2,1.5' target='0,0.4,0' up='0,1,0'/>");
     let spot = emitter("spot", &(aimed.clone() + &float("cutoff_angle", "40") + &rgb("intensity", "30,25,20")));
@@ -72,7 +76,8 @@ pub fn add(table: &mut Table) {
     };
     let null = bsdf("null", "");
     show("null-box-point", &point("9,8,6"), box_around("0.4", &null));
-    let bulb = "<point name='center' x='0.5' y='2.6' z='0.8'/>".to_owned() + &float("radius", "0.2") + &area("60,50,40");
+    let bulb =
+        "<point name='center' x='0.5' y='2.6' z='0.8'/>".to_owned() + &float("radius", "0.2") + &area("60,50,40");
     let boxes = box_around("0.3", &null) + &box_around("0.5", &mask(&float("opacity", "0.3"), &green));
     show("null-box-bulb", &shape("sphere", &bulb), boxes);
     let nested = roof("", &mask(&float("opacity", "0.3"), &green))

@@ -48,7 +48,11 @@ pub fn test(subject: &Subject, scope: Scope, evidence: &mut Evidence) {
             let expected = share * floor_radiance(light);
             // The added error covers single precision and a camera that sees more than one point.
             let z = (mean - expected) / error.hypot(1.0e-5 * expected);
-            let case = format!("floor, {light}, {} panes, {}, seed {SEED}: {mean:.6} +- {error:.6}, not {expected:.6}", panes.len(), row.name);
+            let case = format!(
+                "floor, {light}, {} panes, {}, seed {SEED}: {mean:.6} +- {error:.6}, not {expected:.6}",
+                panes.len(),
+                row.name
+            );
             evidence.test(case, two_sided(z), || Record::Pictures(vec![picture.image()]));
         }
     }

@@ -24,6 +24,8 @@ pub const COUNTED_TWICE: &str = "light counted whole however it is found";
 pub const SHUT: &str = "holes that shadow rays do not pass";
 pub const PASSED_TWICE: &str = "light that passes each surface twice";
 pub const WRONG_VERTEX: &str = "the density at the last hole";
+/// Mutation: shadow rays follow 16 surfaces in place of 1024 edges.
+pub const FEW_SURFACES: &str = "shadow rays through few surfaces";
 /// Mutation: shadow rays end 0.09 % before a light, as those of Mitsuba 3 do. What stands between lets light through.
 pub const SHORT_OF_LIGHT: &str = "shadow rays end before the light";
 /// Mutation: rays start as far off a surface as those of Mitsuba 3 do. What is closer to the surface lets light through.

@@ -39,7 +39,10 @@ impl Pane {
         };
         let black = |opacity: f32| {
             let bsdf = Bsdf::Diffuse { reflectance: Textured::constant(Vec3::ZERO) };
-            MaterialKind::Surface(SurfaceMaterial { opacity: Textured::constant(opacity), ..SurfaceMaterial::plain(bsdf) })
+            MaterialKind::Surface(SurfaceMaterial {
+                opacity: Textured::constant(opacity),
+                ..SurfaceMaterial::plain(bsdf)
+            })
         };
         match self {
             Self::Mask(opacity) => add(black(opacity)),
@@ -52,7 +55,8 @@ impl Pane {
                 add(MaterialKind::Sides { front, back })
             }
             Self::Glass => {
-                let [specular_reflectance, specular_transmittance] = [0.0, 0.5].map(|c| Textured::constant(Vec3::splat(c)));
+                let [specular_reflectance, specular_transmittance] =
+                    [0.0, 0.5].map(|c| Textured::constant(Vec3::splat(c)));
                 let glass = Bsdf::ThinDielectric { eta: ETA, specular_reflectance, specular_transmittance };
                 add(MaterialKind::Surface(SurfaceMaterial::plain(glass)))
             }

@@ -513,6 +513,14 @@ pub const MUTATIONS: &[Mutation] = &[
     ),
     // Mitsuba 3 ends its shadow rays so early (its constant `ShadowEpsilon`, 15000 / 2^24).
     mutation(
+        "shadow rays through few surfaces",
+        &[Patch {
+            file: PASSAGE,
+            text: "Passage(ray, vec3(1.0), MAX_DEPTH - 1u - depth, true)",
+            mutated: "Passage(ray, vec3(1.0), MUTATED ? 16u : MAX_DEPTH - 1u - depth, true)",
+        }],
+    ),
+    mutation(
         "shadow rays end before the light",
         &[Patch {
             file: LIGHT,
