@@ -5,6 +5,7 @@ use crate::session::profile::Summary;
 use crate::session::progress::{Event, Watch};
 use crate::session::running::Running;
 use crate::session::safety_copy::CopiedPicture;
+use crate::settings::MAX_DEPTH_LIMIT;
 use crate::{Error, Result, files};
 
 /// What a render has left besides its files.

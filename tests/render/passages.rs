@@ -241,7 +241,9 @@ fn layers_show_what_is_behind_holes() {
     let device = Device::new();
     for execution in [Execution::Megakernel, Execution::Wavefront] {
         let picture = device.render(&scene, &Settings { execution, ..settings.clone() }, 4);
-        assert!(picture.albedo.iter().all(|albedo| (Vec3::from(*albedo) - Vec3::new(0.8, 0.2, 0.4)).length() < 1.0e-5));
-        assert!(picture.depth.iter().all(|depth| (depth - 5.0).abs() < 0.01));
+        assert!(
+            picture.albedo().iter().all(|albedo| (Vec3::from(*albedo) - Vec3::new(0.8, 0.2, 0.4)).length() < 1.0e-5)
+        );
+        assert!(picture.depth().iter().all(|depth| (depth - 5.0).abs() < 0.01));
     }
 }

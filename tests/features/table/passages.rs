@@ -76,10 +76,6 @@ pub fn add(table: &mut Table) {
     };
     let null = bsdf("null", "");
     show("null-box-point", &point("9,8,6"), box_around("0.4", &null));
-    let bulb =
-        "<point name='center' x='0.5' y='2.6' z='0.8'/>".to_owned() + &float("radius", "0.2") + &area("60,50,40");
-    let boxes = box_around("0.3", &null) + &box_around("0.5", &mask(&float("opacity", "0.3"), &green));
-    show("null-box-bulb", &shape("sphere", &bulb), boxes);
     let nested = roof("", &mask(&float("opacity", "0.3"), &green))
         + &roof("<translate y='0.1'/>", &clear)
         + &roof("<translate y='0.2'/>", &leaf);
