@@ -5,11 +5,13 @@ usage: tests/random_scenes/run.py BINARY [--seed S] [--first N] [--count N] [--j
 
 Scene N of seed S is the same in every run. `--samples` is the number per pixel of the first round (default: 256). Each scene is rendered with options that its number chooses. A scene that differs is shrunk
 and kept in DIR (default: target/random_scenes) with its files. Scenes of cases in which Mitsuba is known to be wrong (known.py,
-docs/differences.md) are counted apart. `--twin` multiplies Lodestar's light by 1.05, which must be found in every scene. The exit code is 1 where another scene differs, or where only one of the two renders it."""
+docs/differences.md) are counted apart, and so are scenes that crash Mitsuba. `--twin` multiplies Lodestar's light by 1.05, which must be found in every scene. The exit code is 1 where another scene differs, or where only one of the two renders it."""
 
 import argparse
 import collections
 import concurrent.futures
+import concurrent.futures.process
+import multiprocessing
 import pathlib
 import shutil
 import sys
@@ -63,6 +65,15 @@ def judge(work):
         return number, "differs", cases, words
 
 
+def judge_apart(work):
+    """`judge` in a process of its own, because Mitsuba may end by a fault of memory."""
+    with concurrent.futures.ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as process:
+        try:
+            return process.submit(judge, work).result()
+        except concurrent.futures.process.BrokenProcessPool:
+            return work[2], "crashed", [], "Mitsuba ended by a signal"
+
+
 def _keep(folder, target):
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(folder, target)
@@ -80,14 +91,13 @@ def main():
     shrinks, factor = not (given.no_shrink or given.twin), 1.05 if given.twin else 1.0
     work = [(given.binary, given.seed, n, given.samples, given.keep, shrinks, factor) for n in range(given.first, given.first + given.count)]
     counts, causes = collections.Counter(), collections.Counter()
-    # A process renders one scene after the other, and an end of one by Mitsuba's fault ends no more than the pool.
-    with concurrent.futures.ProcessPoolExecutor(given.jobs) as pool:
-        for number, outcome, cases, words in pool.map(judge, work):
+    with concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
+        for number, outcome, cases, words in pool.map(judge_apart, work):
             counts[outcome] += 1
             causes.update(cases if outcome == "known" else [])
             if outcome != "agrees":
                 print(f"seed {given.seed} scene {number}: {outcome} {words}{' ' + ', '.join(cases) if cases else ''}", flush=True)
-    print(f"seed {given.seed}: " + ", ".join(f"{counts[outcome]} {outcome}" for outcome in ("agrees", "known", "differs", "refused")))
+    print(f"seed {given.seed}: " + ", ".join(f"{counts[outcome]} {outcome}" for outcome in ("agrees", "known", "differs", "refused", "crashed")))
     for case, count in causes.most_common():
         print(f"  {count} {case}: {getattr(known, case).__doc__}")
     if given.twin:
