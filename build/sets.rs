@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::glsl::records::snake_case;
 use super::interface::Bindings;
 use super::kernels::{BackEnd, Kernel};
 
@@ -80,12 +81,5 @@ pub fn binding_numbers(sets: &BTreeMap<u32, String>, kernels: &[Kernel]) -> Resu
 
 /// Name of a constant in upper snake case: `TexelWords1` and `texel_words1` become `TEXEL_WORDS1`.
 fn constant_name(name: &str) -> String {
-    let mut constant = String::new();
-    for c in name.chars() {
-        if c.is_ascii_uppercase() && !constant.is_empty() {
-            constant.push('_');
-        }
-        constant.push(c.to_ascii_uppercase());
-    }
-    constant
+    snake_case(name).to_uppercase()
 }

@@ -24,6 +24,8 @@ if ! RUSTFLAGS="${flags[*]}" cargo build --release --quiet --manifest-path fuzz/
   exit 0
 fi
 mkdir -p fuzz/artifacts
+# A program of Rust ignores SIGPIPE, as a server must. libFuzzer's own main does not.
+trap '' PIPE
 for target in "${targets[@]}"; do
   corpus=target/fuzz-corpus/$target dictionary=() seeds=()
   mkdir -p "$corpus"

@@ -69,7 +69,7 @@ impl Records {
     /// Length of a member that is an array.
     ///
     /// # Errors
-    /// It must be a number or a shared constant.
+    /// The length must be a number or a shared constant.
     pub fn length(&self, owner: &Struct, member: &Member) -> Result<Option<usize>, String> {
         let Some(length) = &member.length else { return Ok(None) };
         let known = length.trim_end_matches('u').parse().ok().or_else(|| self.lengths.get(length).copied());
