@@ -48,7 +48,7 @@ pub fn run(out: &Path) -> Result<(), String> {
     spirv::check(&fingerprint)?;
     let kernels = kernels::all(&includes, &out.join(INCLUDE_FOLDER))?;
     let binding_numbers = sets::binding_numbers(&shared.sets(), &kernels)?;
-    write(out, "constants.rs", &(shared.code() + &includes.constants() + &binding_numbers))?;
+    write(out, "constants.rs", &(shared.code() + &includes.constants + &binding_numbers))?;
     write(out, "variant.rs", &variant::code(&shared.specialization))?;
     write(out, "registry.rs", &registry::code(&kernels)?)?;
     write(out, "layout.rs", &layout::code(&includes.records, &kernels)?)?;

@@ -1,5 +1,6 @@
 //! GLSL that is written by build scripts for other GLSL to include, of the crate and of `tests/tampered`.
 
+mod bsdfs;
 pub mod declarations;
 pub mod files;
 pub mod records;
@@ -23,8 +24,8 @@ pub struct Includes {
     pub texts: BTreeMap<String, String>,
     /// Structs of the GLSL.
     pub records: Records,
-    /// Number of quadruples of words that a wave keeps of a path.
-    pub slot_quadruples: usize,
+    /// Rust declarations of the constants that follow from the files.
+    pub constants: String,
 }
 
 impl Includes {
@@ -41,9 +42,14 @@ impl Includes {
         }
         let records = Records::read(&sources, lengths)?;
         let mut texts = records.includes()?;
-        let (code, slot_quadruples) = wave::write(&records)?;
+        let (code, slot) = wave::write(&records)?;
         texts.insert(wave::INCLUDE.into(), code);
-        Ok(Self { texts, records, slot_quadruples })
+        let (code, kinds) = bsdfs::write(&sources, &records)?;
+        texts.insert(bsdfs::INCLUDE.into(), code);
+        let constants = format!(
+            "{kinds}/// Size of a wave's slot, in groups of four words.\npub const SLOT_QUADRUPLES: u32 = {slot};\n"
+        );
+        Ok(Self { texts, records, constants })
     }
 
     /// Writes the files below `folder`.
@@ -66,11 +72,5 @@ impl Includes {
     /// The message names the file that cannot be read.
     pub fn text(&self, root: &Path, name: &str) -> Result<String, String> {
         self.texts.get(name).cloned().map_or_else(|| files::read(root, &format!("{FOLDER}/{name}")), Ok)
-    }
-
-    /// Rust declarations of the constants that follow from the files.
-    pub fn constants(&self) -> String {
-        let slot = self.slot_quadruples;
-        format!("/// Size of a wave's slot, in groups of four words.\npub const SLOT_QUADRUPLES: u32 = {slot};\n")
     }
 }

@@ -62,6 +62,11 @@ impl Records {
         Ok(one * self.length(owner, member)?.unwrap_or(1))
     }
 
+    /// Value of a shared constant.
+    pub fn constant(&self, name: &str) -> Option<usize> {
+        self.lengths.get(name).copied()
+    }
+
     fn size(&self, declared: &Struct) -> Result<usize, String> {
         declared.members.iter().map(|member| self.words(declared, member)).sum()
     }

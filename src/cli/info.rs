@@ -93,7 +93,6 @@ fn guided(guided: Guided) -> &'static str {
     match guided {
         Guided::DiffuseLobe => "the diffuse lobe is guided",
         Guided::Whole => "a share of all directions is guided",
-        Guided::LobeAndWhole => "the diffuse lobe and a share of all directions are guided",
         Guided::Parts => "its parts are listed beside it",
         Guided::Nothing => "not guided",
     }

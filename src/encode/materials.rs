@@ -4,12 +4,9 @@ use glam::Vec3;
 
 use crate::generated::constants;
 use crate::generated::layout::MaterialRecord;
-use crate::scene::bsdf::{
-    Bsdf, Distribution, Material, MaterialKind, Microfacets, Relief, SurfaceMaterial, WardVariant,
-};
+use crate::scene::bsdf::{Bsdf, Material, MaterialKind, Relief, SurfaceMaterial};
+use crate::scene::parameter::Value;
 use crate::scene::{Scene, Textured};
-
-const OPACITY: usize = 3;
 
 /// Record of a material.
 pub(crate) fn record(material: &Material) -> MaterialRecord {
@@ -85,37 +82,16 @@ fn surface_features(surface: &SurfaceMaterial) -> u32 {
         Some(Relief::NormalMap { .. }) => constants::FEATURE_NORMAL_MAP | constants::FEATURE_TANGENTS,
         None => 0,
     };
+    let flags = surface_record(surface).kind_and_flags;
+    let has_facets = constants::KINDS_WITH_FACETS >> (flags & constants::MATERIAL_KIND_MASK) & 1 != 0;
     let bit = |used: bool, feature: u32| if used { feature } else { 0 };
     bit(opacity, constants::FEATURE_OPACITY)
         | relief
         | bit(surface.relief_outside, constants::FEATURE_RELIEF_OUTSIDE)
         | bit(surface.coating.is_some(), constants::FEATURE_COATING)
-        | bit(is_anisotropic(&surface.bsdf), constants::FEATURE_TANGENTS)
-        | bit(has_beckmann_facets(&surface.bsdf), constants::FEATURE_BECKMANN)
-        | bit(matches!(surface.bsdf, Bsdf::PolarizedPlastic { .. }), constants::FEATURE_SMOOTH_BASE)
-}
-
-fn has_beckmann_facets(bsdf: &Bsdf) -> bool {
-    let distribution = match bsdf {
-        Bsdf::RoughConductor { microfacets, .. }
-        | Bsdf::RoughDielectric { microfacets, .. }
-        | Bsdf::PolarizedPlastic { microfacets, .. } => microfacets.distribution,
-        Bsdf::RoughPlastic { distribution, .. } => *distribution,
-        _ => Distribution::Ggx,
-    };
-    distribution == Distribution::Beckmann
-}
-
-fn is_anisotropic(bsdf: &Bsdf) -> bool {
-    match bsdf {
-        Bsdf::RoughConductor { microfacets, .. }
-        | Bsdf::RoughDielectric { microfacets, .. }
-        | Bsdf::PolarizedPlastic { microfacets, .. } => microfacets.alpha_u != microfacets.alpha_v,
-        Bsdf::Ward { alpha_u, alpha_v, .. } => alpha_u != alpha_v,
-        Bsdf::Principled(principled) => principled.anisotropic != Textured::constant(0.0),
-        Bsdf::PrincipledThin(principled) => principled.anisotropic != Textured::constant(0.0),
-        _ => false,
-    }
+        | bit(surface.bsdf.is_anisotropic(), constants::FEATURE_TANGENTS)
+        | bit(has_facets && flags & constants::MATERIAL_GGX == 0, constants::FEATURE_BECKMANN)
+        | bit(flags & constants::MATERIAL_SMOOTH_BASE != 0, constants::FEATURE_SMOOTH_BASE)
 }
 
 /// Record that starts empty and takes parameters one by one.
@@ -139,18 +115,14 @@ impl Writer {
         self.record.kind_and_flags |= if set { flag } else { 0 };
     }
 
-    fn color(&mut self, index: usize, color: &Textured<Vec3>) {
-        self.record.colors[index] = color.value.extend(0.0).into();
-        self.link(index as u32, color.texture);
+    fn color(&mut self, parameter: u32, color: &Textured<Vec3>) {
+        self.record.colors[(parameter - constants::PARAMETER_COLOR0) as usize] = color.value.extend(0.0).into();
+        self.link(parameter, color.texture);
     }
 
-    fn scalar(&mut self, index: usize, scalar: &Textured<f32>) {
-        self.record.scalars[index / 4][index % 4] = scalar.value;
-        self.link(constants::PARAMETER_SCALAR0 + index as u32, scalar.texture);
-    }
-
-    fn number(&mut self, index: usize, value: f32) {
-        self.scalar(index, &Textured::constant(value));
+    fn scalar(&mut self, parameter: u32, scalar: &Textured<f32>) {
+        *scalar_mut(&mut self.record, parameter) = scalar.value;
+        self.link(parameter, scalar.texture);
     }
 
     /// Links a parameter to a texture. The loader refuses materials with more textures than there are links.
@@ -161,31 +133,37 @@ impl Writer {
             self.link_count += 1;
         }
     }
+}
 
-    fn microfacets(&mut self, microfacets: &Microfacets) {
-        self.flag(constants::MATERIAL_GGX, microfacets.distribution == Distribution::Ggx);
-        self.scalar(0, &microfacets.alpha_u);
-        self.scalar(1, &microfacets.alpha_v);
-    }
+/// Scalar parameter of a record.
+pub(crate) fn scalar_mut(record: &mut MaterialRecord, parameter: u32) -> &mut f32 {
+    let index = (parameter - constants::PARAMETER_SCALAR0) as usize;
+    &mut record.scalars[index / 4][index % 4]
 }
 
 fn choice(kind: u32, materials: [u32; 2], weight: Textured<f32>) -> MaterialRecord {
     let mut writer = Writer::new(kind);
     writer.record.material0 = materials[0];
     writer.record.material1_or_relief = materials[1];
-    writer.scalar(0, &weight);
+    writer.scalar(constants::MIXTURE_SECOND_SHARE, &weight);
     writer.record
 }
 
 fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
-    let mut writer = Writer::new(kind(&surface.bsdf));
+    let mut writer = Writer::new(surface.bsdf.kind_and_flags());
     writer.flag(constants::MATERIAL_TWO_SIDED, surface.two_sided);
     writer.flag(constants::MATERIAL_RELIEF_OUTSIDE, surface.relief_outside);
-    writer.scalar(OPACITY, &surface.opacity);
+    writer.scalar(constants::MIXTURE_OPACITY, &surface.opacity);
     let has_holes = surface.opacity != Textured::constant(1.0);
     writer.flag(constants::MATERIAL_HOLES, has_holes);
     writer.flag(constants::MATERIAL_LETS_THROUGH, has_holes || matches!(surface.bsdf, Bsdf::ThinDielectric { .. }));
-    write_bsdf(&mut writer, &surface.bsdf);
+    surface.bsdf.clone().visit(&mut |parameter, value| match value {
+        Value::Color(color) => writer.color(parameter, color),
+        Value::Scalar(scalar) => writer.scalar(parameter, scalar),
+        Value::Triple(triple) => writer.color(parameter, &Textured::constant(triple)),
+        Value::Number(number) => writer.scalar(parameter, &Textured::constant(number)),
+        Value::Flag(set) => writer.flag(parameter, set),
+    });
     match surface.relief {
         Some(Relief::Bump { texture, scale }) => {
             writer.flag(constants::MATERIAL_BUMP, true);
@@ -204,127 +182,4 @@ fn surface_record(surface: &SurfaceMaterial) -> MaterialRecord {
         writer.record.coating_specular = coating.specular_reflectance.into();
     }
     writer.record
-}
-
-fn kind(bsdf: &Bsdf) -> u32 {
-    match bsdf {
-        Bsdf::Diffuse { .. } => constants::BSDF_DIFFUSE,
-        Bsdf::RoughDiffuse { .. } => constants::BSDF_ROUGH_DIFFUSE,
-        Bsdf::Dielectric { .. } => constants::BSDF_DIELECTRIC,
-        Bsdf::ThinDielectric { .. } => constants::BSDF_THIN_DIELECTRIC,
-        Bsdf::RoughDielectric { .. } => constants::BSDF_ROUGH_DIELECTRIC,
-        Bsdf::Conductor { .. } => constants::BSDF_CONDUCTOR,
-        Bsdf::RoughConductor { .. } => constants::BSDF_ROUGH_CONDUCTOR,
-        Bsdf::Plastic { .. } => constants::BSDF_PLASTIC,
-        Bsdf::RoughPlastic { .. } | Bsdf::PolarizedPlastic { .. } => constants::BSDF_ROUGH_PLASTIC,
-        Bsdf::Principled(_) => constants::BSDF_PRINCIPLED,
-        Bsdf::PrincipledThin(_) => constants::BSDF_PRINCIPLED_THIN,
-        Bsdf::Phong { .. } => constants::BSDF_PHONG,
-        Bsdf::Ward { .. } => constants::BSDF_WARD,
-    }
-}
-
-fn write_bsdf(writer: &mut Writer, bsdf: &Bsdf) {
-    match bsdf {
-        Bsdf::Diffuse { reflectance } => writer.color(0, reflectance),
-        Bsdf::RoughDiffuse { reflectance, alpha, fast_approximation } => {
-            writer.flag(constants::MATERIAL_FAST_APPROXIMATION, *fast_approximation);
-            writer.color(0, reflectance);
-            writer.scalar(0, alpha);
-        }
-        Bsdf::Dielectric { eta, specular_reflectance, specular_transmittance }
-        | Bsdf::ThinDielectric { eta, specular_reflectance, specular_transmittance } => {
-            write_dielectric(writer, *eta, specular_reflectance, specular_transmittance);
-        }
-        Bsdf::RoughDielectric { microfacets, eta, specular_reflectance, specular_transmittance } => {
-            writer.microfacets(microfacets);
-            write_dielectric(writer, *eta, specular_reflectance, specular_transmittance);
-        }
-        Bsdf::Conductor { eta, k, specular_reflectance } => write_conductor(writer, *eta, *k, specular_reflectance),
-        Bsdf::RoughConductor { microfacets, eta, k, specular_reflectance } => {
-            writer.microfacets(microfacets);
-            write_conductor(writer, *eta, *k, specular_reflectance);
-        }
-        Bsdf::Plastic { eta, diffuse_reflectance, specular_reflectance, nonlinear } => {
-            write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
-        }
-        Bsdf::RoughPlastic { distribution, alpha, eta, diffuse_reflectance, specular_reflectance, nonlinear } => {
-            writer.flag(constants::MATERIAL_GGX, *distribution == Distribution::Ggx);
-            writer.number(0, *alpha);
-            writer.number(1, *alpha);
-            write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, *nonlinear);
-        }
-        Bsdf::PolarizedPlastic { microfacets, eta, diffuse_reflectance, specular_reflectance } => {
-            writer.microfacets(microfacets);
-            writer.flag(constants::MATERIAL_SMOOTH_BASE, true);
-            write_plastic(writer, *eta, diffuse_reflectance, specular_reflectance, false);
-        }
-        Bsdf::Phong { exponent, diffuse_reflectance, specular_reflectance } => {
-            writer.scalar(0, exponent);
-            writer.color(0, diffuse_reflectance);
-            writer.color(1, specular_reflectance);
-        }
-        Bsdf::Ward { variant, alpha_u, alpha_v, diffuse_reflectance, specular_reflectance } => {
-            writer.scalar(0, alpha_u);
-            writer.scalar(1, alpha_v);
-            writer.number(4, ward_model(*variant));
-            writer.color(0, diffuse_reflectance);
-            writer.color(1, specular_reflectance);
-        }
-        Bsdf::PrincipledThin(principled) => {
-            writer.flag(constants::MATERIAL_GGX, true);
-            writer.color(0, &principled.base_color);
-            writer.scalar(0, &principled.roughness);
-            writer.scalar(1, &principled.anisotropic);
-            writer.number(2, principled.eta);
-            writer.scalar(4, &principled.crossing);
-            writer.scalar(5, &principled.spec_trans);
-            writer.scalar(6, &principled.spec_tint);
-            writer.scalar(7, &principled.sheen);
-            writer.scalar(8, &principled.sheen_tint);
-            writer.scalar(9, &principled.flatness);
-        }
-        Bsdf::Principled(principled) => {
-            writer.flag(constants::MATERIAL_GGX, true);
-            writer.color(0, &principled.base_color);
-            writer.scalar(0, &principled.roughness);
-            writer.scalar(1, &principled.anisotropic);
-            writer.number(2, principled.eta);
-            writer.scalar(4, &principled.metallic);
-            writer.scalar(5, &principled.spec_trans);
-            writer.scalar(6, &principled.spec_tint);
-            writer.scalar(7, &principled.sheen);
-            writer.scalar(8, &principled.sheen_tint);
-            writer.scalar(9, &principled.flatness);
-            writer.scalar(10, &principled.clearcoat);
-            writer.scalar(11, &principled.clearcoat_gloss);
-        }
-    }
-}
-
-fn ward_model(variant: WardVariant) -> f32 {
-    match variant {
-        WardVariant::Balanced => constants::WARD_BALANCED,
-        WardVariant::Ward => constants::WARD_ORIGINAL,
-        WardVariant::Duer => constants::WARD_DUER,
-    }
-}
-
-fn write_dielectric(writer: &mut Writer, eta: f32, reflectance: &Textured<Vec3>, transmittance: &Textured<Vec3>) {
-    writer.color(0, reflectance);
-    writer.color(1, transmittance);
-    writer.number(2, eta);
-}
-
-fn write_conductor(writer: &mut Writer, eta: Vec3, k: Vec3, reflectance: &Textured<Vec3>) {
-    writer.color(0, reflectance);
-    writer.color(1, &Textured::constant(eta));
-    writer.color(2, &Textured::constant(k));
-}
-
-fn write_plastic(writer: &mut Writer, eta: f32, diffuse: &Textured<Vec3>, specular: &Textured<Vec3>, nonlinear: bool) {
-    writer.flag(constants::MATERIAL_NONLINEAR, nonlinear);
-    writer.color(0, diffuse);
-    writer.color(1, specular);
-    writer.number(2, eta);
 }

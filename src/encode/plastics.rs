@@ -5,16 +5,16 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
+use super::materials::scalar_mut;
 use crate::encode::plastic_layer::{RoughLayer, fresnel_diffuse_reflectance};
+use crate::generated::constants::{
+    FACETS_ALPHA_V, PHONG_SPECULAR_SAMPLING, PLASTIC_INTERNAL_REFLECTANCE, PLASTIC_SPECULAR_SAMPLING,
+    ROUGH_PLASTIC_TABLE, WARD_SPECULAR_SAMPLING,
+};
 use crate::generated::layout::MaterialRecord;
 use crate::math::microfacet::Microfacets;
 use crate::scene::bsdf::{Bsdf, Distribution, Material, MaterialKind};
 use crate::scene::{Scene, Textured};
-
-/// Indices into [`MaterialRecord::scalars`]; see `bsdf/parameters.glsl`.
-const INTERNAL_REFLECTANCE: usize = 4;
-const SPECULAR_SAMPLING: usize = 5;
-const TRANSMITTANCE_TABLE: usize = 6;
 
 /// Completes the records of a scene's materials. Returns the words of plastics' tables, whose addresses start at 0.
 pub(crate) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32> {
@@ -27,31 +27,30 @@ pub(crate) fn complete(scene: &Scene, records: &mut [MaterialRecord]) -> Vec<u32
 
 fn complete_record(scene: &Scene, material: &Material, record: &mut MaterialRecord, tables: &mut Tables) {
     let MaterialKind::Surface(surface) = &material.kind else { return };
+    let mut set = |parameter, value| *scalar_mut(record, parameter) = value;
     match &surface.bsdf {
         Bsdf::Plastic { eta, diffuse_reflectance, specular_reflectance, .. } => {
-            record.scalars[INTERNAL_REFLECTANCE / 4][INTERNAL_REFLECTANCE % 4] =
-                fresnel_diffuse_reflectance(1.0 / f64::from(*eta)) as f32;
-            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
-                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            set(PLASTIC_INTERNAL_REFLECTANCE, fresnel_diffuse_reflectance(1.0 / f64::from(*eta)) as f32);
+            set(PLASTIC_SPECULAR_SAMPLING, specular_sampling(scene, specular_reflectance, diffuse_reflectance));
         }
         Bsdf::RoughPlastic { distribution, alpha, eta, diffuse_reflectance, specular_reflectance, .. } => {
             let table = tables.of(*distribution, *alpha, *eta);
-            record.scalars[INTERNAL_REFLECTANCE / 4][INTERNAL_REFLECTANCE % 4] = table.internal_reflectance;
-            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
-                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            set(FACETS_ALPHA_V, *alpha);
+            set(PLASTIC_INTERNAL_REFLECTANCE, table.internal_reflectance);
+            set(PLASTIC_SPECULAR_SAMPLING, specular_sampling(scene, specular_reflectance, diffuse_reflectance));
             // The address is exact as a float: tables come first in their buffer, so it is far below 2^24.
-            record.scalars[TRANSMITTANCE_TABLE / 4][TRANSMITTANCE_TABLE % 4] = table.address as f32;
+            set(ROUGH_PLASTIC_TABLE, table.address as f32);
         }
         Bsdf::PolarizedPlastic { eta, diffuse_reflectance, specular_reflectance, .. } => {
             // Nothing is sent back to the base: (1 - internal reflectance) eta^2 = 1.
-            record.scalars[INTERNAL_REFLECTANCE / 4][INTERNAL_REFLECTANCE % 4] = 1.0 - 1.0 / (eta * eta);
-            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
-                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+            set(PLASTIC_INTERNAL_REFLECTANCE, 1.0 - 1.0 / (eta * eta));
+            set(PLASTIC_SPECULAR_SAMPLING, specular_sampling(scene, specular_reflectance, diffuse_reflectance));
         }
-        Bsdf::Phong { diffuse_reflectance, specular_reflectance, .. }
-        | Bsdf::Ward { diffuse_reflectance, specular_reflectance, .. } => {
-            record.scalars[SPECULAR_SAMPLING / 4][SPECULAR_SAMPLING % 4] =
-                specular_sampling(scene, specular_reflectance, diffuse_reflectance);
+        Bsdf::Phong { diffuse_reflectance, specular_reflectance, .. } => {
+            set(PHONG_SPECULAR_SAMPLING, specular_sampling(scene, specular_reflectance, diffuse_reflectance));
+        }
+        Bsdf::Ward { diffuse_reflectance, specular_reflectance, .. } => {
+            set(WARD_SPECULAR_SAMPLING, specular_sampling(scene, specular_reflectance, diffuse_reflectance));
         }
         _ => {}
     }

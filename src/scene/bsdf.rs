@@ -2,8 +2,10 @@
 
 use glam::Vec3;
 
+use super::parameter::{Parameter, Value, kinds, number, parameters, value};
 pub use super::principled::{Principled, PrincipledThin};
 use super::texture::Textured;
+use crate::generated::constants::*;
 
 /// Material of a surface.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -118,148 +120,154 @@ pub enum Distribution {
     Ggx,
 }
 
-/// Roughness of a surface of microfacets.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Microfacets {
-    /// Distribution of the facets' normals.
-    pub distribution: Distribution,
-    /// Roughness along the tangent, > 0.
-    pub alpha_u: Textured<f32>,
-    /// Roughness along the bitangent, > 0.
-    pub alpha_v: Textured<f32>,
+value!(Distribution, self => Value::Flag(*self == Self::Ggx));
+
+parameters! {
+    /// Roughness of a surface of microfacets.
+    #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+    pub struct Microfacets {
+        /// Distribution of the facets' normals.
+        distribution: Distribution => MATERIAL_GGX,
+        /// Roughness along the tangent, > 0.
+        alpha_u: Textured<f32> => FACETS_ALPHA_U,
+        /// Roughness along the bitangent, > 0.
+        alpha_v: Textured<f32> => FACETS_ALPHA_V,
+    }
 }
 
-/// Scattering function with its parameters in linear sRGB. `eta` of a dielectric is interior over exterior, > 0.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub enum Bsdf {
-    /// Ideal diffuse reflection.
-    Diffuse {
-        /// Albedo, each channel in [0, 1].
-        reflectance: Textured<Vec3>,
-    },
-    /// Rough diffuse reflection (Oren and Nayar 1994).
-    RoughDiffuse {
-        /// Albedo, each channel in [0, 1].
-        reflectance: Textured<Vec3>,
-        /// Standard deviation of the facets' slopes, Mitsuba's `alpha`.
-        alpha: Textured<f32>,
-        /// Whether the qualitative model without interreflection is used.
-        fast_approximation: bool,
-    },
-    /// Smooth dielectric.
-    Dielectric {
-        /// Relative index of refraction.
-        eta: f32,
-        /// Factor of reflection.
-        specular_reflectance: Textured<Vec3>,
-        /// Factor of transmission.
-        specular_transmittance: Textured<Vec3>,
-    },
-    /// Thin sheet of a dielectric: light goes straight on.
-    ThinDielectric {
-        /// Relative index of refraction.
-        eta: f32,
-        /// Factor of reflection.
-        specular_reflectance: Textured<Vec3>,
-        /// Factor of transmission.
-        specular_transmittance: Textured<Vec3>,
-    },
-    /// Rough dielectric (Walter et al. 2007).
-    RoughDielectric {
-        /// Roughness.
-        microfacets: Microfacets,
-        /// Relative index of refraction.
-        eta: f32,
-        /// Factor of reflection.
-        specular_reflectance: Textured<Vec3>,
-        /// Factor of transmission.
-        specular_transmittance: Textured<Vec3>,
-    },
-    /// Smooth conductor.
-    Conductor {
-        /// Real part of the index of refraction. Where it was fitted to a color, a channel may be negative, and so may
-        /// one of `k`.
-        eta: Vec3,
-        /// Imaginary part of the index of refraction.
-        k: Vec3,
-        /// Factor of reflection.
-        specular_reflectance: Textured<Vec3>,
-    },
-    /// Rough conductor.
-    RoughConductor {
-        /// Roughness.
-        microfacets: Microfacets,
-        /// Real part of the index of refraction.
-        eta: Vec3,
-        /// Imaginary part of the index of refraction.
-        k: Vec3,
-        /// Factor of reflection.
-        specular_reflectance: Textured<Vec3>,
-    },
-    /// Smooth dielectric layer over a diffuse base.
-    Plastic {
-        /// Relative index of refraction.
-        eta: f32,
-        /// Albedo of the base.
-        diffuse_reflectance: Textured<Vec3>,
-        /// Factor of the light that the layer reflects.
-        specular_reflectance: Textured<Vec3>,
-        /// Whether color shifts by internal scattering are kept.
-        nonlinear: bool,
-    },
-    /// Rough dielectric layer over a diffuse base.
-    RoughPlastic {
-        /// Distribution of the facets' normals.
-        distribution: Distribution,
-        /// Roughness, > 0, uniform over the surface.
-        alpha: f32,
-        /// Relative index of refraction.
-        eta: f32,
-        /// Albedo of the base.
-        diffuse_reflectance: Textured<Vec3>,
-        /// Factor of the light that the layer reflects.
-        specular_reflectance: Textured<Vec3>,
-        /// Whether color shifts by internal scattering are kept.
-        nonlinear: bool,
-    },
-    /// `pplastic` without polarization: microfacets of a dielectric over a diffuse base. Light enters and leaves the base
-    /// as through a smooth layer, which sends nothing back to it.
-    PolarizedPlastic {
-        /// Roughness of the reflecting surface.
-        microfacets: Microfacets,
-        /// Relative index of refraction.
-        eta: f32,
-        /// Albedo of the base.
-        diffuse_reflectance: Textured<Vec3>,
-        /// Factor of the light that the surface reflects.
-        specular_reflectance: Textured<Vec3>,
-    },
-    /// Principled BSDF (Burley 2012, 2015) as in Mitsuba; every parameter but `eta` lies in [0, 1].
-    Principled(Principled),
-    /// Principled BSDF of a thin sheet (Burley 2015) as in Mitsuba; both sides scatter alike.
-    PrincipledThin(PrincipledThin),
-    /// Modified Phong model (Lafortune and Willems 1994).
-    Phong {
-        /// Exponent of the lobe about the mirror direction, >= 0.
-        exponent: Textured<f32>,
-        /// Albedo of the diffuse part.
-        diffuse_reflectance: Textured<Vec3>,
-        /// Factor of the lobe.
-        specular_reflectance: Textured<Vec3>,
-    },
-    /// Anisotropic Ward model over a diffuse base.
-    Ward {
-        /// Form of the model.
-        variant: WardVariant,
-        /// Roughness along the tangent, > 0.
-        alpha_u: Textured<f32>,
-        /// Roughness along the bitangent, > 0.
-        alpha_v: Textured<f32>,
-        /// Albedo of the diffuse part.
-        diffuse_reflectance: Textured<Vec3>,
-        /// Factor of the highlight.
-        specular_reflectance: Textured<Vec3>,
-    },
+kinds! {
+    /// Scattering function with its parameters in linear sRGB. `eta` of a dielectric is interior over exterior, > 0.
+    #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+    pub enum Bsdf {
+        /// Ideal diffuse reflection.
+        Diffuse = "diffuse", BSDF_DIFFUSE {
+            /// Albedo, each channel in [0, 1].
+            reflectance: Textured<Vec3> => DIFFUSE_REFLECTANCE,
+        };
+        /// Rough diffuse reflection (Oren and Nayar 1994).
+        RoughDiffuse = "roughdiffuse", BSDF_ROUGH_DIFFUSE {
+            /// Albedo, each channel in [0, 1].
+            reflectance: Textured<Vec3> => ROUGH_DIFFUSE_REFLECTANCE,
+            /// Standard deviation of the facets' slopes, Mitsuba's `alpha`.
+            alpha: Textured<f32> => ROUGH_DIFFUSE_ALPHA,
+            /// Whether the qualitative model without interreflection is used.
+            fast_approximation: bool => MATERIAL_FAST_APPROXIMATION,
+        };
+        /// Smooth dielectric.
+        Dielectric = "dielectric", BSDF_DIELECTRIC {
+            /// Relative index of refraction.
+            eta: f32 => DIELECTRIC_ETA,
+            /// Factor of reflection.
+            specular_reflectance: Textured<Vec3> => DIELECTRIC_SPECULAR_REFLECTANCE,
+            /// Factor of transmission.
+            specular_transmittance: Textured<Vec3> => DIELECTRIC_SPECULAR_TRANSMITTANCE,
+        };
+        /// Thin sheet of a dielectric: light goes straight on.
+        ThinDielectric = "thindielectric", BSDF_THIN_DIELECTRIC {
+            /// Relative index of refraction.
+            eta: f32 => DIELECTRIC_ETA,
+            /// Factor of reflection.
+            specular_reflectance: Textured<Vec3> => DIELECTRIC_SPECULAR_REFLECTANCE,
+            /// Factor of transmission.
+            specular_transmittance: Textured<Vec3> => DIELECTRIC_SPECULAR_TRANSMITTANCE,
+        };
+        /// Rough dielectric (Walter et al. 2007).
+        RoughDielectric = "roughdielectric", BSDF_ROUGH_DIELECTRIC {
+            /// Roughness.
+            microfacets: Microfacets,
+            /// Relative index of refraction.
+            eta: f32 => DIELECTRIC_ETA,
+            /// Factor of reflection.
+            specular_reflectance: Textured<Vec3> => DIELECTRIC_SPECULAR_REFLECTANCE,
+            /// Factor of transmission.
+            specular_transmittance: Textured<Vec3> => DIELECTRIC_SPECULAR_TRANSMITTANCE,
+        };
+        /// Smooth conductor.
+        Conductor = "conductor", BSDF_CONDUCTOR {
+            /// Real part of the index of refraction. Where it was fitted to a color, a channel may be negative, and so may
+            /// one of `k`.
+            eta: Vec3 => CONDUCTOR_ETA,
+            /// Imaginary part of the index of refraction.
+            k: Vec3 => CONDUCTOR_K,
+            /// Factor of reflection.
+            specular_reflectance: Textured<Vec3> => CONDUCTOR_SPECULAR_REFLECTANCE,
+        };
+        /// Rough conductor.
+        RoughConductor = "roughconductor", BSDF_ROUGH_CONDUCTOR {
+            /// Roughness.
+            microfacets: Microfacets,
+            /// Real part of the index of refraction.
+            eta: Vec3 => CONDUCTOR_ETA,
+            /// Imaginary part of the index of refraction.
+            k: Vec3 => CONDUCTOR_K,
+            /// Factor of reflection.
+            specular_reflectance: Textured<Vec3> => CONDUCTOR_SPECULAR_REFLECTANCE,
+        };
+        /// Smooth dielectric layer over a diffuse base.
+        Plastic = "plastic", BSDF_PLASTIC {
+            /// Relative index of refraction.
+            eta: f32 => PLASTIC_ETA,
+            /// Albedo of the base.
+            diffuse_reflectance: Textured<Vec3> => PLASTIC_DIFFUSE_REFLECTANCE,
+            /// Factor of the light that the layer reflects.
+            specular_reflectance: Textured<Vec3> => PLASTIC_SPECULAR_REFLECTANCE,
+            /// Whether color shifts by internal scattering are kept.
+            nonlinear: bool => MATERIAL_NONLINEAR,
+        };
+        /// Rough dielectric layer over a diffuse base.
+        RoughPlastic = "roughplastic", BSDF_ROUGH_PLASTIC {
+            /// Distribution of the facets' normals.
+            distribution: Distribution => MATERIAL_GGX,
+            /// Roughness, > 0, uniform over the surface.
+            alpha: f32 => FACETS_ALPHA_U,
+            /// Relative index of refraction.
+            eta: f32 => PLASTIC_ETA,
+            /// Albedo of the base.
+            diffuse_reflectance: Textured<Vec3> => PLASTIC_DIFFUSE_REFLECTANCE,
+            /// Factor of the light that the layer reflects.
+            specular_reflectance: Textured<Vec3> => PLASTIC_SPECULAR_REFLECTANCE,
+            /// Whether color shifts by internal scattering are kept.
+            nonlinear: bool => MATERIAL_NONLINEAR,
+        };
+        /// `pplastic` without polarization: microfacets of a dielectric over a diffuse base. Light enters and leaves the base
+        /// as through a smooth layer, which sends nothing back to it.
+        PolarizedPlastic = "pplastic", BSDF_ROUGH_PLASTIC | MATERIAL_SMOOTH_BASE {
+            /// Roughness of the reflecting surface.
+            microfacets: Microfacets,
+            /// Relative index of refraction.
+            eta: f32 => PLASTIC_ETA,
+            /// Albedo of the base.
+            diffuse_reflectance: Textured<Vec3> => PLASTIC_DIFFUSE_REFLECTANCE,
+            /// Factor of the light that the surface reflects.
+            specular_reflectance: Textured<Vec3> => PLASTIC_SPECULAR_REFLECTANCE,
+        };
+        /// Principled BSDF (Burley 2012, 2015) as in Mitsuba; every parameter but `eta` lies in [0, 1].
+        Principled(principled: Principled) = "principled", BSDF_PRINCIPLED | MATERIAL_GGX;
+        /// Principled BSDF of a thin sheet (Burley 2015) as in Mitsuba; both sides scatter alike.
+        PrincipledThin(thin: PrincipledThin) = "principledthin", BSDF_PRINCIPLED_THIN | MATERIAL_GGX;
+        /// Modified Phong model (Lafortune and Willems 1994).
+        Phong = "phong", BSDF_PHONG {
+            /// Exponent of the lobe about the mirror direction, >= 0.
+            exponent: Textured<f32> => PHONG_EXPONENT,
+            /// Albedo of the diffuse part.
+            diffuse_reflectance: Textured<Vec3> => PHONG_DIFFUSE_REFLECTANCE,
+            /// Factor of the lobe.
+            specular_reflectance: Textured<Vec3> => PHONG_SPECULAR_REFLECTANCE,
+        };
+        /// Anisotropic Ward model over a diffuse base.
+        Ward = "ward", BSDF_WARD {
+            /// Form of the model.
+            variant: WardVariant => WARD_MODEL,
+            /// Roughness along the tangent, > 0.
+            alpha_u: Textured<f32> => WARD_ALPHA_U,
+            /// Roughness along the bitangent, > 0.
+            alpha_v: Textured<f32> => WARD_ALPHA_V,
+            /// Albedo of the diffuse part.
+            diffuse_reflectance: Textured<Vec3> => WARD_DIFFUSE_REFLECTANCE,
+            /// Factor of the highlight.
+            specular_reflectance: Textured<Vec3> => WARD_SPECULAR_REFLECTANCE,
+        };
+    }
 }
 
 /// Forms of the Ward model.
@@ -273,48 +281,33 @@ pub enum WardVariant {
     Duer,
 }
 
+value!(WardVariant, self => Value::Number(match self {
+    Self::Balanced => WARD_BALANCED,
+    Self::Ward => WARD_ORIGINAL,
+    Self::Duer => WARD_DUER,
+}));
+
 impl Bsdf {
     fn textures_mut(&mut self) -> Vec<&mut Option<u32>> {
+        let mut textures = Vec::new();
+        self.visit(&mut |_, value| match value {
+            Value::Color(color) => textures.push(&mut color.texture),
+            Value::Scalar(scalar) => textures.push(&mut scalar.texture),
+            Value::Triple(_) | Value::Number(_) | Value::Flag(_) => {}
+        });
+        textures
+    }
+
+    /// Whether the function depends on the direction of the texture coordinates.
+    pub fn is_anisotropic(&self) -> bool {
         match self {
-            Self::Diffuse { reflectance } => vec![&mut reflectance.texture],
-            Self::RoughDiffuse { reflectance, alpha, .. } => vec![&mut reflectance.texture, &mut alpha.texture],
-            Self::Dielectric { specular_reflectance, specular_transmittance, .. }
-            | Self::ThinDielectric { specular_reflectance, specular_transmittance, .. } => {
-                vec![&mut specular_reflectance.texture, &mut specular_transmittance.texture]
-            }
-            Self::RoughDielectric { microfacets, specular_reflectance, specular_transmittance, .. } => vec![
-                &mut microfacets.alpha_u.texture,
-                &mut microfacets.alpha_v.texture,
-                &mut specular_reflectance.texture,
-                &mut specular_transmittance.texture,
-            ],
-            Self::Conductor { specular_reflectance, .. } => vec![&mut specular_reflectance.texture],
-            Self::RoughConductor { microfacets, specular_reflectance, .. } => vec![
-                &mut microfacets.alpha_u.texture,
-                &mut microfacets.alpha_v.texture,
-                &mut specular_reflectance.texture,
-            ],
-            Self::PolarizedPlastic { microfacets, diffuse_reflectance, specular_reflectance, .. } => vec![
-                &mut microfacets.alpha_u.texture,
-                &mut microfacets.alpha_v.texture,
-                &mut diffuse_reflectance.texture,
-                &mut specular_reflectance.texture,
-            ],
-            Self::Phong { exponent, diffuse_reflectance, specular_reflectance } => {
-                vec![&mut exponent.texture, &mut diffuse_reflectance.texture, &mut specular_reflectance.texture]
-            }
-            Self::Ward { alpha_u, alpha_v, diffuse_reflectance, specular_reflectance, .. } => vec![
-                &mut alpha_u.texture,
-                &mut alpha_v.texture,
-                &mut diffuse_reflectance.texture,
-                &mut specular_reflectance.texture,
-            ],
-            Self::Plastic { diffuse_reflectance, specular_reflectance, .. }
-            | Self::RoughPlastic { diffuse_reflectance, specular_reflectance, .. } => {
-                vec![&mut diffuse_reflectance.texture, &mut specular_reflectance.texture]
-            }
-            Self::Principled(principled) => principled.textures_mut(),
-            Self::PrincipledThin(principled) => principled.textures_mut(),
+            Self::RoughConductor { microfacets, .. }
+            | Self::RoughDielectric { microfacets, .. }
+            | Self::PolarizedPlastic { microfacets, .. } => microfacets.alpha_u != microfacets.alpha_v,
+            Self::Ward { alpha_u, alpha_v, .. } => alpha_u != alpha_v,
+            Self::Principled(principled) => principled.anisotropic != Textured::constant(0.0),
+            Self::PrincipledThin(thin) => thin.anisotropic != Textured::constant(0.0),
+            _ => false,
         }
     }
 }

@@ -23,6 +23,7 @@ mod load_options;
 mod mesh;
 mod mitsuba;
 mod numbers;
+pub mod parameter;
 mod pbrt;
 mod place;
 mod plugins;

@@ -1,10 +1,11 @@
 //! Summary of a scene, as `lodestar info` tells it.
 
-use super::bsdf::{Bsdf, Material, MaterialKind, SurfaceMaterial};
+use super::bsdf::{Material, MaterialKind, SurfaceMaterial};
 use super::emitter::EnvironmentKind;
 use super::texel_pages::word_count;
 use super::texture::{Pattern, Textured};
 use super::{PrimitiveShape, Scene};
+use crate::generated::constants::{KINDS_WITH_DIFFUSE_LOBE, KINDS_WITH_GUIDED_PART, MATERIAL_KIND_MASK};
 
 /// Contents of a scene in short.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -60,8 +61,6 @@ pub enum Guided {
     DiffuseLobe,
     /// A share of all directions, with samplers that guide whole functions.
     Whole,
-    /// The diffuse lobe, and a share of all directions.
-    LobeAndWhole,
     /// The parts of a choice say it themselves.
     Parts,
     /// No part: all its directions are single ones, or lie below a coating, or nothing scatters.
@@ -168,45 +167,21 @@ fn material(material: &Material) -> MaterialSummary {
     let (kind, guided) = match &material.kind {
         MaterialKind::Blend { .. } => ("blendbsdf", Guided::Parts),
         MaterialKind::Sides { .. } => ("twosided", Guided::Parts),
-        MaterialKind::Surface(surface) => (kind(&surface.bsdf), guided(surface)),
+        MaterialKind::Surface(surface) => (surface.bsdf.plugin(), guided(surface)),
     };
     MaterialSummary { name: material.name.clone(), kind, guided }
 }
 
-fn kind(bsdf: &Bsdf) -> &'static str {
-    match bsdf {
-        Bsdf::Diffuse { .. } => "diffuse",
-        Bsdf::RoughDiffuse { .. } => "roughdiffuse",
-        Bsdf::Dielectric { .. } => "dielectric",
-        Bsdf::ThinDielectric { .. } => "thindielectric",
-        Bsdf::RoughDielectric { .. } => "roughdielectric",
-        Bsdf::Conductor { .. } => "conductor",
-        Bsdf::RoughConductor { .. } => "roughconductor",
-        Bsdf::Plastic { .. } => "plastic",
-        Bsdf::RoughPlastic { .. } => "roughplastic",
-        Bsdf::PolarizedPlastic { .. } => "pplastic",
-        Bsdf::PrincipledThin(_) => "principledthin",
-        Bsdf::Phong { .. } => "phong",
-        Bsdf::Ward { .. } => "ward",
-        Bsdf::Principled(_) => "principled",
-    }
-}
-
-/// Part of a surface that a guide samples, as `guided_part` of `glsl/include/path/guiding.glsl` has it.
+/// Part of a surface that a guide samples. The kind's functions in `glsl/include/bsdf` tell it.
 fn guided(surface: &SurfaceMaterial) -> Guided {
+    let kind = 1 << (surface.bsdf.kind_and_flags() & MATERIAL_KIND_MASK);
     if surface.coating.is_some() || surface.opacity == Textured::constant(0.0) {
-        return Guided::Nothing;
-    }
-    match surface.bsdf {
-        Bsdf::Diffuse { .. }
-        | Bsdf::RoughDiffuse { .. }
-        | Bsdf::Plastic { .. }
-        | Bsdf::RoughPlastic { .. }
-        | Bsdf::PolarizedPlastic { .. }
-        | Bsdf::Phong { .. }
-        | Bsdf::Ward { .. } => Guided::DiffuseLobe,
-        Bsdf::RoughConductor { .. } | Bsdf::RoughDielectric { .. } => Guided::Whole,
-        Bsdf::Principled(_) | Bsdf::PrincipledThin(_) => Guided::LobeAndWhole,
-        Bsdf::Dielectric { .. } | Bsdf::ThinDielectric { .. } | Bsdf::Conductor { .. } => Guided::Nothing,
+        Guided::Nothing
+    } else if KINDS_WITH_GUIDED_PART & kind != 0 {
+        Guided::Whole
+    } else if KINDS_WITH_DIFFUSE_LOBE & kind != 0 {
+        Guided::DiffuseLobe
+    } else {
+        Guided::Nothing
     }
 }

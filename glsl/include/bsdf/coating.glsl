@@ -3,6 +3,7 @@
 #ifndef COATING_GLSL
 #define COATING_GLSL
 #include "bsdf/parameters.glsl"
+#include "math/constants.glsl"
 #include "math/fresnel.glsl"
 
 // Direction that crosses the coating.

@@ -4,17 +4,19 @@
 #include "bsdf/parameters.glsl"
 #include "math/fresnel.glsl"
 
-BsdfSample sample_bsdf_conductor(Bsdf b, vec3 wo, vec3 u) {
-    vec3 weight = b.color0 * fresnel_conductor(wo.z, b.color1, b.color2);
+// Number of the kind.
+const uint BSDF_CONDUCTOR = 5u;
+
+// Parameters of all metals. With eta = k = 0 a metal reflects all light.
+struct Conductor {
+    COLOR(0) vec3 specular_reflectance;  // factor of reflection
+    COLOR(1) vec3 eta;                   // real part of the index of refraction
+    COLOR(2) vec3 k;                     // imaginary part of the index of refraction
+};
+
+BsdfSample sample_bsdf_conductor(Conductor b, vec3 wo, vec3 u) {
+    vec3 weight = b.specular_reflectance * fresnel_conductor(wo.z, b.eta, b.k);
     return BsdfSample(vec3(-wo.xy, wo.z), wo.z > 0.0 ? LOBE_DELTA : LOBE_NONE, weight, 1.0);
-}
-
-float pdf_bsdf_conductor(Bsdf b, vec3 wo, vec3 wi) {
-    return 0.0;
-}
-
-vec3 eval_bsdf_conductor(Bsdf b, vec3 wo, vec3 wi) {
-    return vec3(0.0);
 }
 
 #endif

@@ -10,14 +10,6 @@ bool any_kind(uint kinds) {
     return (MATERIAL_KINDS & kinds) != 0u;
 }
 
-const uint KINDS_WITH_COLOR1 = ~((1u << BSDF_DIFFUSE) | (1u << BSDF_ROUGH_DIFFUSE) | (1u << BSDF_PRINCIPLED) |
-    (1u << BSDF_PRINCIPLED_THIN));
-const uint KINDS_WITH_COLOR2 = (1u << BSDF_CONDUCTOR) | (1u << BSDF_ROUGH_CONDUCTOR);
-const uint KINDS_WITH_SCALARS0 = ~((1u << BSDF_DIFFUSE) | (1u << BSDF_CONDUCTOR));
-const uint KINDS_WITH_SCALARS2 = (1u << BSDF_PRINCIPLED) | (1u << BSDF_PRINCIPLED_THIN);
-const uint KINDS_WITH_SCALARS1 =
-    KINDS_WITH_SCALARS2 | (1u << BSDF_PLASTIC) | (1u << BSDF_ROUGH_PLASTIC) | (1u << BSDF_PHONG) | (1u << BSDF_WARD);
-
 Coating coating(uint material) {
     return Coating(material_optical_thickness(material), material_coating_eta(material), material_coating_specular(material));
 }
@@ -29,7 +21,7 @@ Bsdf untextured_bsdf(uint material) {
     b.color0 = material_colors(material, 0u).rgb;
     b.color1 = any_kind(KINDS_WITH_COLOR1) ? material_colors(material, 1u).rgb : vec3(0.0);
     b.color2 = any_kind(KINDS_WITH_COLOR2) ? material_colors(material, 2u).rgb : vec3(0.0);
-    bool scalars0 = any_kind(KINDS_WITH_SCALARS0) || has_feature(FEATURE_OPACITY);
+    bool scalars0 = any_kind(KINDS_WITH_SCALARS0 | (1u << MATERIAL_BLEND)) || has_feature(FEATURE_OPACITY);
     b.scalars0 = scalars0 ? material_scalars(material, 0u) : vec4(1.0);
     b.scalars1 = any_kind(KINDS_WITH_SCALARS1) ? material_scalars(material, 1u) : vec4(0.0);
     b.scalars2 = any_kind(KINDS_WITH_SCALARS2) ? material_scalars(material, 2u) : vec4(0.0);

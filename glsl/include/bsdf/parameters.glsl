@@ -12,26 +12,13 @@ struct Coating {
 
 const Coating NO_COATING = Coating(vec3(0.0), 1.0, vec3(0.0));
 
-// Parameters of a BSDF. Their meaning depends on the kind:
-//
-// |           | diffuse, rough_diffuse | dielectrics            | conductors           | plastics              | principled, principled_thin | phong, ward           |
-// | color0    | reflectance            | specular_reflectance   | specular_reflectance | diffuse_reflectance   | base_color                  | diffuse_reflectance   |
-// | color1    |                        | specular_transmittance | eta                  | specular_reflectance  |                             | specular_reflectance  |
-// | color2    |                        |                        | k                    |                       |                             |                       |
-// | scalars0.x| alpha                  | alpha_u                | alpha_u              | alpha, alpha_u        | roughness                   | exponent; alpha_u     |
-// | scalars0.y|                        | alpha_v                | alpha_v              | alpha, alpha_v        | anisotropic                 | alpha_v of ward       |
-// | scalars0.z|                        | eta                    |                      | eta                   | eta                         |                       |
-// | scalars0.w| opacity                | opacity                | opacity              | opacity               | opacity                     | opacity               |
-// | scalars1.x|                        |                        |                      | internal reflectance  | metallic; thin: diff_trans / 2 | WARD_* of ward     |
-// | scalars1.y|                        |                        |                      | specular sampling     | spec_trans                  | specular sampling     |
-// | scalars1.z|                        |                        |                      | transmittance table   | spec_tint                   |                       |
-// | scalars1.w|                        |                        |                      |                       | sheen                       |                       |
-// | scalars2  |                        |                        |                      |                       | sheen_tint, flatness; not thin: clearcoat, clearcoat_gloss | |
-//
-// eta is interior over exterior. A conductor with eta = k = 0 reflects all light. "Internal reflectance" is the diffuse
-// Fresnel reflectance from inside. "Specular sampling" is the share s / (s + d), where s and d are the mean albedos of
-// the specular and the diffuse lobe. "Transmittance table" (rough_plastic) is the address of the table's words, a whole
-// number.
+// Marks of the members of a kind's parameters: the color, the scalar or the flag of a Bsdf that holds a member. They mean nothing to
+// the compiler. build/glsl/bsdfs.rs writes the function that makes the struct from a Bsdf, such as plastic_of.
+#define COLOR(number)
+#define SCALAR(number)
+#define FLAG(flag)
+
+// Parameters of a BSDF. Their meaning depends on the kind, whose file declares them. Scalar 3 is the opacity.
 struct Bsdf {
     uint kind_and_flags;  // BSDF_* and MATERIAL_*
     vec3 color0;
@@ -41,6 +28,29 @@ struct Bsdf {
     vec4 scalars1;
     vec4 scalars2;
     Coating coating;      // valid for a material with MATERIAL_COATED
+};
+
+// Parameters of every kind with microfacets. The principled kinds have a roughness and a stretch in place of alpha.
+struct Facets {
+    SCALAR(0) float alpha_u;      // roughness along the tangent
+    SCALAR(1) float alpha_v;      // roughness along the bitangent
+    SCALAR(2) float eta;          // index of refraction, interior over exterior, of kinds whose facets transmit
+    FLAG(MATERIAL_GGX) bool ggx;  // GGX facets; otherwise Beckmann's
+};
+
+// Roughness from which a BSDF of microfacets gets as many guided samples as a diffuse lobe. A smoother surface reflects less
+// of what the guide draws.
+const float GUIDED_ALPHA = 0.4;
+
+// Factor of the guided part of a BSDF of microfacets. The authors' code guides all of them alike.
+float guided_roughness(Facets facets) {
+    return GUIDE_SET == GUIDE_SET_ALL ? min(max(facets.alpha_u, facets.alpha_v) / GUIDED_ALPHA, 1.0) : 1.0;
+}
+
+// Parameters of materials of any kind.
+struct Mixture {
+    SCALAR(0) float second_share;  // of a blend: probability of the second material
+    SCALAR(3) float opacity;       // share of the incident light that meets the surface
 };
 
 uint bsdf_kind(Bsdf b) {

@@ -5,38 +5,51 @@
 #include "math/direction.glsl"
 #include "math/fresnel.glsl"
 
+// Number of the kind.
+const uint BSDF_PLASTIC = 7u;
+
+// Parameters of all plastics.
+struct Plastic {
+    COLOR(0) vec3 diffuse_reflectance;         // albedo of the base
+    COLOR(1) vec3 specular_reflectance;        // factor of the light that the layer reflects
+    SCALAR(2) float eta;                       // index of refraction, interior over exterior
+    SCALAR(4) float internal_reflectance;      // diffuse Fresnel reflectance from inside
+    SCALAR(5) float specular_sampling;         // mean albedo of the specular lobe over that of both lobes
+    FLAG(MATERIAL_NONLINEAR) bool nonlinear;   // color shifts by internal scattering are kept
+};
+
 // Diffuse reflectance of the base including all reflections between base and layer, without the layer's transmittances.
-vec3 plastic_base(Bsdf b) {
-    vec3 internal = bsdf_flag(b, MATERIAL_NONLINEAR) ? b.color0 * b.scalars1.x : vec3(b.scalars1.x);
-    return b.color0 / (max(1.0 - internal, vec3(1.0e-6)) * (b.scalars0.z * b.scalars0.z));
+vec3 plastic_base(Plastic b) {
+    vec3 internal = b.nonlinear ? b.diffuse_reflectance * b.internal_reflectance : vec3(b.internal_reflectance);
+    return b.diffuse_reflectance / (max(1.0 - internal, vec3(1.0e-6)) * (b.eta * b.eta));
 }
 
 // Probability of the specular lobe, given the layer's reflectance for the light from `wo`.
-float plastic_specular_probability(Bsdf b, float reflectance) {
-    float specular = reflectance * b.scalars1.y;
-    float diffuse = (1.0 - reflectance) * (1.0 - b.scalars1.y);
+float plastic_specular_probability(Plastic b, float reflectance) {
+    float specular = reflectance * b.specular_sampling;
+    float diffuse = (1.0 - reflectance) * (1.0 - b.specular_sampling);
     // A device may round the quotient above 1.
     return min(specular / max(specular + diffuse, 1.0e-20), 1.0);
 }
 
-BsdfSample sample_bsdf_plastic(Bsdf b, vec3 wo, vec3 u) {
+BsdfSample sample_bsdf_plastic(Plastic b, vec3 wo, vec3 u) {
     if (wo.z <= 0.0) return NO_BSDF_SAMPLE;
-    float reflectance = fresnel_dielectric(wo.z, b.scalars0.z).reflectance;
+    float reflectance = fresnel_dielectric(wo.z, b.eta).reflectance;
     float specular = plastic_specular_probability(b, reflectance);
     if (u.z >= specular) return BsdfSample(sample_cosine_hemisphere(u.xy), LOBE_DIFFUSE, vec3(0.0), 1.0);
-    return BsdfSample(vec3(-wo.xy, wo.z), LOBE_DELTA, b.color1 * (reflectance / specular), 1.0);
+    return BsdfSample(vec3(-wo.xy, wo.z), LOBE_DELTA, b.specular_reflectance * (reflectance / specular), 1.0);
 }
 
-float pdf_bsdf_plastic(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+float pdf_bsdf_plastic(Plastic b, vec3 wo, vec3 wi, float diffuse_density) {
     if (min(wo.z, wi.z) <= 0.0) return 0.0;
-    float reflectance = fresnel_dielectric(wo.z, b.scalars0.z).reflectance;
+    float reflectance = fresnel_dielectric(wo.z, b.eta).reflectance;
     return (1.0 - plastic_specular_probability(b, reflectance)) * diffuse_density;
 }
 
-vec3 eval_bsdf_plastic(Bsdf b, vec3 wo, vec3 wi) {
+vec3 eval_bsdf_plastic(Plastic b, vec3 wo, vec3 wi) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
-    float transmitted_o = 1.0 - fresnel_dielectric(wo.z, b.scalars0.z).reflectance;
-    float transmitted_i = 1.0 - fresnel_dielectric(wi.z, b.scalars0.z).reflectance;
+    float transmitted_o = 1.0 - fresnel_dielectric(wo.z, b.eta).reflectance;
+    float transmitted_i = 1.0 - fresnel_dielectric(wi.z, b.eta).reflectance;
     return plastic_base(b) * (INV_PI * wi.z * transmitted_o * transmitted_i);
 }
 

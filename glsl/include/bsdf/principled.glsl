@@ -8,21 +8,36 @@
 #include "math/fresnel.glsl"
 #include "math/microfacet.glsl"
 
+// Number of the kind.
+const uint BSDF_PRINCIPLED = 9u;
+
+// Parameters of both kinds. All but eta lie in [0, 1].
+struct Principled {
+    COLOR(0) vec3 base_color;
+    SCALAR(0) float roughness;         // square root of the roughness of the facets
+    SCALAR(1) float anisotropic;       // stretch of highlights along the tangent
+    SCALAR(2) float eta;               // index of refraction, interior over exterior
+    SCALAR(4) float metallic;          // share of the metallic model; of a thin sheet: share of the diffuse light that crosses
+    SCALAR(5) float spec_trans;        // share of transmission
+    SCALAR(6) float spec_tint;         // tint of the specular reflection by the base color
+    SCALAR(7) float sheen;             // strength of the sheen at grazing angles
+    SCALAR(8) float sheen_tint;        // tint of the sheen by the base color
+    SCALAR(9) float flatness;          // blend towards approximate subsurface scattering
+    SCALAR(10) float clearcoat;        // strength of the clear coat, which a thin sheet lacks
+    SCALAR(11) float clearcoat_gloss;  // gloss of the clear coat
+};
+
 // Roughness alpha in the clear coat's masking function.
 const float CLEARCOAT_MASKING_ALPHA = 0.25;
 
-float principled_metallic(Bsdf b) {
-    return b.scalars1.x;
-}
-
 // Weight of the diffuse lobe: neither metallic nor transmitting.
-float principled_brdf(Bsdf b) {
-    return (1.0 - b.scalars1.x) * (1.0 - b.scalars1.y);
+float principled_brdf(Principled b) {
+    return (1.0 - b.metallic) * (1.0 - b.spec_trans);
 }
 
 // Weight of the transmitting lobe.
-float principled_bsdf(Bsdf b) {
-    return (1.0 - b.scalars1.x) * b.scalars1.y;
+float principled_bsdf(Principled b) {
+    return (1.0 - b.metallic) * b.spec_trans;
 }
 
 // Roughness alpha of the facets along and across the tangent, from the parameters.
@@ -31,14 +46,14 @@ vec2 stretched_alpha(float roughness, float anisotropic) {
     return max(roughness * roughness * vec2(1.0 / aspect, aspect), vec2(0.001));
 }
 
-vec2 principled_alpha(Bsdf b) {
-    return stretched_alpha(b.scalars0.x, b.scalars0.y);
+vec2 principled_alpha(Principled b) {
+    return stretched_alpha(b.roughness, b.anisotropic);
 }
 
 // Base color divided by its luminance.
-vec3 principled_tint(Bsdf b) {
-    float brightness = luminance(b.color0);
-    return brightness > 0.0 ? b.color0 / brightness : vec3(1.0);
+vec3 principled_tint(Principled b) {
+    float brightness = luminance(b.base_color);
+    return brightness > 0.0 ? b.base_color / brightness : vec3(1.0);
 }
 
 // ---------------------------------------------------------------------------------------------------- reflectances
@@ -57,21 +72,21 @@ float schlick_weight_between(float cos_o, float eta) {
 
 // Fresnel reflectance of the facets. From the front it mixes a dielectric, a tinted dielectric and a metal. From behind
 // it is the dielectric's reflectance times the weight of the transmitting lobe.
-vec3 principled_fresnel(Bsdf b, vec3 wo, float cos_o, float dielectric) {
-    float eta = b.scalars0.z;
+vec3 principled_fresnel(Principled b, vec3 wo, float cos_o, float dielectric) {
+    float eta = b.eta;
     float relative = cos_o >= 0.0 ? eta : 1.0 / eta;
     float head_on = (relative - 1.0) / (relative + 1.0);
     float weight = schlick_weight_between(cos_o, eta);
-    vec3 metal = mix(b.color0, vec3(1.0), weight);
+    vec3 metal = mix(b.base_color, vec3(1.0), weight);
     vec3 tinted = mix(principled_tint(b) * (head_on * head_on), vec3(1.0), weight);
-    vec3 front = mix(mix(vec3(dielectric), tinted, b.scalars1.z), metal, principled_metallic(b));
+    vec3 front = mix(mix(vec3(dielectric), tinted, b.spec_tint), metal, b.metallic);
     return wo.z > 0.0 ? front : vec3(principled_bsdf(b) * dielectric);
 }
 
 // ------------------------------------------------------------------------------------------------------- clear coat
 
-float clearcoat_alpha(Bsdf b) {
-    return mix(0.1, 0.001, b.scalars2.w);
+float clearcoat_alpha(Principled b) {
+    return mix(0.1, 0.001, b.clearcoat_gloss);
 }
 
 // Density of clear-coat normals per unit of area and steradian: a distribution with longer tails than GGX (Burley 2012,
@@ -96,28 +111,28 @@ float clearcoat_masking(vec3 v) {
     return 2.0 / (1.0 + sqrt(1.0 + a2 * max(1.0 / c2 - 1.0, 0.0)));
 }
 
-float eval_clearcoat(Bsdf b, vec3 wo, vec3 wi, vec3 m) {
-    float fresnel = mix(0.04, 1.0, schlick_weight_between(dot(wo, m), b.scalars0.z));
+float eval_clearcoat(Principled b, vec3 wo, vec3 wi, vec3 m) {
+    float fresnel = mix(0.04, 1.0, schlick_weight_between(dot(wo, m), b.eta));
     float masking = clearcoat_masking(wo) * clearcoat_masking(wi);
-    return 0.25 * b.scalars2.z * fresnel * clearcoat_density(clearcoat_alpha(b), m) * masking * abs(wi.z);
+    return 0.25 * b.clearcoat * fresnel * clearcoat_density(clearcoat_alpha(b), m) * masking * abs(wi.z);
 }
 
 // ---------------------------------------------------------------------------------------------- diffuse and sheen
 
 // Diffuse and retro-reflected light, blended with an approximation of subsurface scattering (Burley 2015).
-float principled_diffuse(Bsdf b, vec3 wo, vec3 wi, float cos_d) {
+float principled_diffuse(Principled b, vec3 wo, vec3 wi, float cos_d) {
     float f_o = schlick_weight(abs(wo.z));
     float f_i = schlick_weight(abs(wi.z));
-    float retro = 2.0 * b.scalars0.x * cos_d * cos_d;
+    float retro = 2.0 * b.roughness * cos_d * cos_d;
     float surface = (1.0 - 0.5 * f_o) * (1.0 - 0.5 * f_i) + retro * (f_o + f_i + f_o * f_i * (retro - 1.0));
     float ss = mix(1.0, 0.5 * retro, f_o) * mix(1.0, 0.5 * retro, f_i);
     float below = 1.25 * (ss * (1.0 / max(abs(wo.z) + abs(wi.z), 1.0e-6) - 0.5) + 0.5);
-    return INV_PI * mix(surface, below, b.scalars2.y);
+    return INV_PI * mix(surface, below, b.flatness);
 }
 
-vec3 principled_sheen(Bsdf b, float cos_d) {
-    float amount = b.scalars1.w * (1.0 - principled_metallic(b)) * schlick_weight(abs(cos_d));
-    return amount * mix(vec3(1.0), principled_tint(b), b.scalars2.x);
+vec3 principled_sheen(Principled b, float cos_d) {
+    float amount = b.sheen * (1.0 - b.metallic) * schlick_weight(abs(cos_d));
+    return amount * mix(vec3(1.0), principled_tint(b), b.sheen_tint);
 }
 
 // ---------------------------------------------------------------------------------------------------------- triple
@@ -130,17 +145,17 @@ struct PrincipledLobes {
     float reflection;
 };
 
-PrincipledLobes principled_lobes(Bsdf b, vec3 wo, float dielectric) {
+PrincipledLobes principled_lobes(Principled b, vec3 wo, float dielectric) {
     if (wo.z < 0.0) return PrincipledLobes(0.0, 0.0, 1.0 - dielectric, dielectric);
     float diffuse = principled_brdf(b);
-    float clearcoat = 0.25 * b.scalars2.z;
+    float clearcoat = 0.25 * b.clearcoat;
     float transmission = principled_bsdf(b) * (1.0 - dielectric);
     float scale = 1.0 / (1.0 + diffuse + clearcoat);
     return PrincipledLobes(diffuse * scale, clearcoat * scale, transmission * scale, (1.0 - transmission) * scale);
 }
 
 // Whether the surface is visible from `wo`. From behind it is visible only if it transmits.
-bool is_principled_visible(Bsdf b, vec3 wo) {
+bool is_principled_visible(Principled b, vec3 wo) {
     return wo.z > 0.0 || (wo.z < 0.0 && principled_bsdf(b) > 0.0);
 }
 
@@ -150,9 +165,9 @@ bool is_facet_compatible(vec3 wo, vec3 wi, vec3 m) {
 }
 
 // Samples the principled BSDF. `m` is a visible normal.
-BsdfSample sample_bsdf_principled(Bsdf b, vec3 wo, vec3 m, vec3 u) {
+BsdfSample sample_bsdf_principled(Principled b, vec3 wo, vec3 m, vec3 u) {
     float cos_o = dot(wo, m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
     PrincipledLobes lobes = principled_lobes(b, wo, i.reflectance);
     float to_clearcoat = lobes.diffuse + lobes.clearcoat;
     bool crosses = u.z >= to_clearcoat && u.z < to_clearcoat + lobes.transmission;
@@ -168,11 +183,11 @@ BsdfSample sample_bsdf_principled(Bsdf b, vec3 wo, vec3 m, vec3 u) {
     return BsdfSample(wi, lobe, vec3(0.0), crosses ? i.eta : 1.0);
 }
 
-float pdf_bsdf_principled(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+float pdf_bsdf_principled(Principled b, vec3 wo, vec3 wi, Facet f) {
     if (!is_principled_visible(b, wo)) return 0.0;
     float cos_o = dot(wo, f.m);
     float cos_i = dot(wi, f.m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
     PrincipledLobes lobes = principled_lobes(b, wo, i.reflectance);
     float transmitted = f.density / f.area * abs(cos_o * cos_i) * (i.eta * i.eta) * transmitted_jacobian(wo, wi, f.m, i.eta);
     if (wo.z * wi.z <= 0.0) return wo.z * wi.z < 0.0 ? lobes.transmission * transmitted : 0.0;
@@ -182,30 +197,35 @@ float pdf_bsdf_principled(Bsdf b, vec3 wo, vec3 wi, Facet f) {
 }
 
 // f |cos wi| of light that stays on its side of the surface.
-vec3 eval_principled_reflection(Bsdf b, vec3 wo, vec3 wi, Facet f, float dielectric) {
+vec3 eval_principled_reflection(Principled b, vec3 wo, vec3 wi, Facet f, float dielectric) {
     vec3 value = vec3(0.0);
     float cos_o = dot(wo, f.m);
     if (is_facet_compatible(wo, wi, f.m)) {
         // Equal refractive indices switch metals off, too, as in Mitsuba.
-        if (b.scalars0.z != 1.0) value = principled_fresnel(b, wo, cos_o, dielectric) * reflected_light(f);
+        if (b.eta != 1.0) value = principled_fresnel(b, wo, cos_o, dielectric) * reflected_light(f);
         if (wo.z > 0.0) value += eval_clearcoat(b, wo, wi, f.m);
     }
     if (wo.z > 0.0) {
         float cos_d = dot(wi, f.m);
-        value += b.color0 * (principled_brdf(b) * principled_diffuse(b, wo, wi, cos_d) * wi.z);
+        value += b.base_color * (principled_brdf(b) * principled_diffuse(b, wo, wi, cos_d) * wi.z);
         value += principled_sheen(b, cos_d) * wi.z;
     }
     return value;
 }
 
-vec3 eval_bsdf_principled(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+vec3 eval_bsdf_principled(Principled b, vec3 wo, vec3 wi, Facet f) {
     if (!is_principled_visible(b, wo)) return vec3(0.0);
     float cos_o = dot(wo, f.m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
     float side = wo.z * wi.z;
     if (side > 0.0) return eval_principled_reflection(b, wo, wi, f, i.reflectance);
     float transmitted = f.density * f.masking * abs(cos_o * dot(wi, f.m)) * transmitted_jacobian(wo, wi, f.m, i.eta);
-    return side < 0.0 ? sqrt(b.color0) * (principled_bsdf(b) * (1.0 - i.reflectance) * transmitted) : vec3(0.0);
+    return side < 0.0 ? sqrt(b.base_color) * (principled_bsdf(b) * (1.0 - i.reflectance) * transmitted) : vec3(0.0);
+}
+
+float guided_part_bsdf_principled(Principled b) {
+    if (GUIDE_SET == GUIDE_SET_ALL) return 0.5;
+    return 0.0;
 }
 
 #endif

@@ -1,14 +1,17 @@
 // Rough surface with microfacets between two dielectrics (Walter et al. 2007).
 #ifndef BSDF_ROUGH_DIELECTRIC_GLSL
 #define BSDF_ROUGH_DIELECTRIC_GLSL
-#include "bsdf/parameters.glsl"
+#include "bsdf/dielectric.glsl"
 #include "math/fresnel.glsl"
 #include "math/microfacet.glsl"
 
+// Number of the kind.
+const uint BSDF_ROUGH_DIELECTRIC = 4u;
+
 // Samples reflection or refraction. `m` is a visible normal.
-BsdfSample sample_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 m, vec3 u) {
+BsdfSample sample_bsdf_rough_dielectric(Dielectric b, vec3 wo, vec3 m, vec3 u) {
     float cos_o = dot(wo, m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
     bool reflects = u.z < i.reflectance;
     vec3 refracted = m * (cos_o / i.eta - (cos_o > 0.0 ? i.cos_t : -i.cos_t)) - wo / i.eta;
     vec3 wi = reflects ? reflect(-wo, m) : refracted;
@@ -28,9 +31,9 @@ float transmitted_jacobian(vec3 wo, vec3 wi, vec3 m, float eta) {
     return cos_o * wo.z > 0.0 && cos_i * wi.z > 0.0 ? 1.0 / max(sum * sum, 1.0e-20) : 0.0;
 }
 
-float pdf_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+float pdf_bsdf_rough_dielectric(Dielectric b, vec3 wo, vec3 wi, Facet f) {
     float cos_o = dot(wo, f.m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
     float transmitted = f.density / f.area * abs(cos_o * dot(wi, f.m)) * (i.eta * i.eta) * transmitted_jacobian(wo, wi, f.m, i.eta);
     float side = wo.z * wi.z;
     if (side > 0.0) return i.reflectance * reflected_density(f);
@@ -38,13 +41,18 @@ float pdf_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 wi, Facet f) {
 }
 
 // f |cos wi|. The square of eta in the Jacobian cancels with the growth of radiance in the denser medium.
-vec3 eval_bsdf_rough_dielectric(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+vec3 eval_bsdf_rough_dielectric(Dielectric b, vec3 wo, vec3 wi, Facet f) {
     float cos_o = dot(wo, f.m);
-    DielectricInterface i = fresnel_dielectric(cos_o, b.scalars0.z);
+    DielectricInterface i = fresnel_dielectric(cos_o, b.eta);
     float transmitted = f.density * f.masking * abs(cos_o * dot(wi, f.m)) * transmitted_jacobian(wo, wi, f.m, i.eta);
     float side = wo.z * wi.z;
-    if (side > 0.0) return b.color0 * (i.reflectance * reflected_light(f));
-    return side < 0.0 ? b.color1 * ((1.0 - i.reflectance) * transmitted) : vec3(0.0);
+    if (side > 0.0) return b.specular_reflectance * (i.reflectance * reflected_light(f));
+    return side < 0.0 ? b.specular_transmittance * ((1.0 - i.reflectance) * transmitted) : vec3(0.0);
+}
+
+// A dielectric keeps samples for the side that the guide's hemisphere does not reach.
+float guided_part_bsdf_rough_dielectric(Facets b) {
+    return GUIDE_SET == GUIDE_SET_ALL ? 0.5 * guided_roughness(b) : 0.9;
 }
 
 #endif

@@ -6,6 +6,15 @@
 #include "bsdf/parameters.glsl"
 #include "math/direction.glsl"
 
+// Number of the kind.
+const uint BSDF_ROUGH_DIFFUSE = 1u;
+
+struct RoughDiffuse {
+    COLOR(0) vec3 reflectance;  // albedo, each channel in [0, 1]
+    SCALAR(0) float alpha;
+    FLAG(MATERIAL_FAST_APPROXIMATION) bool fast_approximation;  // the qualitative model of the paper, without interreflection
+};
+
 // Angles of the paper.
 struct Grooves {
     float variance;    // sigma^2
@@ -50,19 +59,19 @@ float groove_interreflection(Grooves g) {
     return 0.17 * g.variance / (g.variance + 0.13) * (1.0 - g.cos_phi * g.turn.y * g.turn.y);
 }
 
-BsdfSample sample_bsdf_rough_diffuse(Bsdf b, vec3 wo, vec3 u) {
+BsdfSample sample_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 u) {
     return BsdfSample(sample_cosine_hemisphere(u.xy), wo.z > 0.0 ? LOBE_DIFFUSE : LOBE_NONE, vec3(0.0), 1.0);
 }
 
-float pdf_bsdf_rough_diffuse(Bsdf b, vec3 wo, vec3 wi, float diffuse_density) {
+float pdf_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 wi, float diffuse_density) {
     return wo.z > 0.0 ? diffuse_density : 0.0;
 }
 
-vec3 eval_bsdf_rough_diffuse(Bsdf b, vec3 wo, vec3 wi) {
+vec3 eval_bsdf_rough_diffuse(RoughDiffuse b, vec3 wo, vec3 wi) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
-    Grooves g = grooves(b.scalars0.x, wo, wi);
-    vec3 reflected = b.color0 * (groove_reflection(g) + b.color0 * groove_interreflection(g));
-    if (bsdf_flag(b, MATERIAL_FAST_APPROXIMATION)) reflected = b.color0 * groove_reflection_fast(g);
+    Grooves g = grooves(b.alpha, wo, wi);
+    vec3 reflected = b.reflectance * (groove_reflection(g) + b.reflectance * groove_interreflection(g));
+    if (b.fast_approximation) reflected = b.reflectance * groove_reflection_fast(g);
     return reflected * (INV_PI * wi.z);
 }
 

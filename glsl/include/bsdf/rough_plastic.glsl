@@ -6,6 +6,15 @@
 #include "math/microfacet.glsl"
 #include "shared/records.glsl"
 
+// Number of the kind.
+const uint BSDF_ROUGH_PLASTIC = 8u;
+
+struct RoughPlastic {
+    Plastic plastic;
+    SCALAR(6) float table;                        // address of the words of the layer's transmittances, a whole number
+    FLAG(MATERIAL_SMOOTH_BASE) bool smooth_base;  // light passes the layer as if it was smooth
+};
+
 // Share of the light from above that the layer transmits to the base, interpolated in a table over the cosine. A word
 // of the table holds an entry and the next one. The tables lie in the first page.
 float rough_plastic_transmittance(uint address, float cos_theta) {
@@ -15,33 +24,33 @@ float rough_plastic_transmittance(uint address, float cos_theta) {
     return mix(values.x, values.y, position - float(entry));
 }
 
-// Share of the light that the layer transmits. With MATERIAL_SMOOTH_BASE, light passes it as if it was smooth.
-float layer_transmittance(Bsdf b, float cos_theta) {
-    if (has_feature(FEATURE_SMOOTH_BASE) && bsdf_flag(b, MATERIAL_SMOOTH_BASE)) {
-        return 1.0 - fresnel_dielectric(cos_theta, b.scalars0.z).reflectance;
+// Share of the light that the layer transmits. With a smooth base, light passes it as if it was smooth.
+float layer_transmittance(RoughPlastic b, float cos_theta) {
+    if (has_feature(FEATURE_SMOOTH_BASE) && b.smooth_base) {
+        return 1.0 - fresnel_dielectric(cos_theta, b.plastic.eta).reflectance;
     }
-    return rough_plastic_transmittance(uint(b.scalars1.z), cos_theta);
+    return rough_plastic_transmittance(uint(b.table), cos_theta);
 }
 
 // Samples the specular or the diffuse lobe. `m` is a visible normal.
-BsdfSample sample_bsdf_rough_plastic(Bsdf b, vec3 wo, vec3 m, vec3 u) {
-    bool is_specular = u.z < plastic_specular_probability(b, 1.0 - layer_transmittance(b, wo.z));
+BsdfSample sample_bsdf_rough_plastic(RoughPlastic b, vec3 wo, vec3 m, vec3 u) {
+    bool is_specular = u.z < plastic_specular_probability(b.plastic, 1.0 - layer_transmittance(b, wo.z));
     vec3 wi = is_specular ? reflect(-wo, m) : sample_cosine_hemisphere(u.xy);
     uint lobe = is_specular ? LOBE_GLOSSY : LOBE_DIFFUSE;
     return BsdfSample(wi, min(wo.z, wi.z) > 0.0 ? lobe : LOBE_NONE, vec3(0.0), 1.0);
 }
 
-float pdf_bsdf_rough_plastic(Bsdf b, vec3 wo, vec3 wi, float diffuse_density, Facet f) {
+float pdf_bsdf_rough_plastic(RoughPlastic b, vec3 wo, vec3 wi, float diffuse_density, Facet f) {
     if (min(wo.z, wi.z) <= 0.0) return 0.0;
-    float specular = plastic_specular_probability(b, 1.0 - layer_transmittance(b, wo.z));
+    float specular = plastic_specular_probability(b.plastic, 1.0 - layer_transmittance(b, wo.z));
     return density_of_choice(diffuse_density, reflected_density(f), specular);
 }
 
-vec3 eval_bsdf_rough_plastic(Bsdf b, vec3 wo, vec3 wi, Facet f) {
+vec3 eval_bsdf_rough_plastic(RoughPlastic b, vec3 wo, vec3 wi, Facet f) {
     if (min(wo.z, wi.z) <= 0.0) return vec3(0.0);
-    float reflectance = fresnel_dielectric(dot(wo, f.m), b.scalars0.z).reflectance;
+    float reflectance = fresnel_dielectric(dot(wo, f.m), b.plastic.eta).reflectance;
     float transmitted = layer_transmittance(b, wo.z) * layer_transmittance(b, wi.z);
-    return b.color1 * (reflectance * reflected_light(f)) + plastic_base(b) * (INV_PI * wi.z * transmitted);
+    return b.plastic.specular_reflectance * (reflectance * reflected_light(f)) + plastic_base(b.plastic) * (INV_PI * wi.z * transmitted);
 }
 
 #endif

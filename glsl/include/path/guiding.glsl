@@ -50,22 +50,10 @@ bool guides_whole() {
     return GUIDE_SET != GUIDE_SET_DIFFUSE;
 }
 
-// Roughness from which a BSDF of microfacets gets as many guided samples as a diffuse lobe. A smoother surface reflects less
-// of what the guide draws.
-const float GUIDED_ALPHA = 0.4;
-
-// Part of the samples of a BSDF without a diffuse lobe in which the guide has a share. The authors' code guides two such
-// BSDFs; a dielectric keeps a tenth for the side that the guide's hemisphere does not reach.
+// Part of the samples of a BSDF without a diffuse lobe in which the guide has a share. A coating also reflects into a single
+// direction, which a guide cannot draw.
 float guided_part(Bsdf bsdf) {
-    float share = 0.0;
-    // A coating also reflects into a single direction, which a guide cannot draw.
-    if (bsdf_flag(bsdf, MATERIAL_COATED)) return share;
-    float roughness = GUIDE_SET == GUIDE_SET_ALL ? min(max(bsdf.scalars0.x, bsdf.scalars0.y) / GUIDED_ALPHA, 1.0) : 1.0;
-    if (is_kind(bsdf, BSDF_ROUGH_CONDUCTOR)) share = roughness;
-    if (is_kind(bsdf, BSDF_ROUGH_DIELECTRIC)) share = GUIDE_SET == GUIDE_SET_ALL ? 0.5 * roughness : 0.9;
-    bool is_principled = is_kind(bsdf, BSDF_PRINCIPLED) || is_kind(bsdf, BSDF_PRINCIPLED_THIN);
-    if (is_principled && GUIDE_SET == GUIDE_SET_ALL) share = 0.5;
-    return share;
+    return bsdf_flag(bsdf, MATERIAL_COATED) ? 0.0 : guided_part_bsdf_of_kind(bsdf);
 }
 
 Guide guide_at(Scatterer scatterer) {
@@ -142,7 +130,7 @@ DirectionSample sample_direction_bsdf(Scatterer scatterer, Guide guide, BsdfSamp
 // Index of refraction behind the guided local direction `wi` over that in front; 1 where no light is transmitted.
 float refraction(Scatterer scatterer, vec3 wi) {
     bool transmits = guides_whole() && is_kind(scatterer.bsdf, BSDF_ROUGH_DIELECTRIC) && scatterer.wo.z * wi.z < 0.0;
-    float eta = scatterer.bsdf.scalars0.z;
+    float eta = facets_of(scatterer.bsdf).eta;
     return transmits ? (scatterer.wo.z > 0.0 ? eta : 1.0 / eta) : 1.0;
 }
 

@@ -36,7 +36,7 @@ uint chosen_material(uint material, bool behind, vec2 uv, inout float u) {
         uint kind = material_kind_and_flags(material) & MATERIAL_KIND_MASK;
         bool first = !behind;
         if (has_kind(MATERIAL_BLEND)) {
-            float second_share = clamp(textured_bsdf(material, uv).scalars0.x, 0.0, 1.0);
+            float second_share = clamp(mixture_of(textured_bsdf(material, uv)).second_share, 0.0, 1.0);
             if (kind == MATERIAL_BLEND) first = choose_first(u, 1.0 - second_share);
         }
         more = kind == MATERIAL_BLEND || kind == MATERIAL_SIDES;
@@ -74,7 +74,7 @@ void mirror_behind(inout Scatterer scatterer) {
 Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
     Scatterer scatterer;
     scatterer.bsdf = textured_bsdf(material, surface.uv);
-    scatterer.passes = has_feature(FEATURE_OPACITY) && u >= scatterer.bsdf.scalars0.w;
+    scatterer.passes = has_feature(FEATURE_OPACITY) && u >= mixture_of(scatterer.bsdf).opacity;
     scatterer.frame = shading_frame(surface);
     scatterer.upright = vec3(0.0, 0.0, 1.0);
     mat3 front = scatterer.frame;

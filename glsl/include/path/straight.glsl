@@ -34,10 +34,10 @@ Ray go_straight(Surface surface, vec3 direction) {
 // Share of the light from behind a part of a surface that goes straight on in the direction `wo`.
 vec3 straight_share_of_part(Surface surface, vec3 wo, uint material) {
     Scatterer scatterer = scatterer_of_part(surface, wo, material, -1.0);
-    float opacity = has_feature(FEATURE_OPACITY) ? clamp(scatterer.bsdf.scalars0.w, 0.0, 1.0) : 1.0;
+    float opacity = has_feature(FEATURE_OPACITY) ? clamp(mixture_of(scatterer.bsdf).opacity, 0.0, 1.0) : 1.0;
     vec3 sheet = vec3(0.0);
     if (is_kind(scatterer.bsdf, BSDF_THIN_DIELECTRIC) && !is_coated(scatterer.bsdf)) {
-        sheet = straight_thin_dielectric(scatterer.bsdf, scatterer.wo);
+        sheet = straight_thin_dielectric(dielectric_of(scatterer.bsdf), scatterer.wo);
         if (has_relief()) sheet *= relief_shadowing(scatterer.upright, -scatterer.wo);
     }
     return vec3(1.0 - opacity) + opacity * sheet;
@@ -67,7 +67,7 @@ vec3 straight_share(Surface surface, vec3 wo) {
         uint second = material_material1_or_relief(part.material);
         bool passes = has_flag(part.material, MATERIAL_LETS_THROUGH) && part.probability > 0.0;
         if (passes && kind == MATERIAL_BLEND && count < MAX_CHOICES) {
-            float second_share = clamp(textured_bsdf(part.material, surface.uv).scalars0.x, 0.0, 1.0);
+            float second_share = clamp(mixture_of(textured_bsdf(part.material, surface.uv)).second_share, 0.0, 1.0);
             parts[count] = MaterialPart(first, part.probability * (1.0 - second_share));
             parts[count + 1u] = MaterialPart(second, part.probability * second_share);
             count += 2u;

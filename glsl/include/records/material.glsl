@@ -2,7 +2,7 @@
 #ifndef RECORDS_MATERIAL_GLSL
 #define RECORDS_MATERIAL_GLSL
 
-// BSDF with its modifiers, or a choice between two materials. bsdf/parameters.glsl lists the meaning of colors and scalars.
+// BSDF with its modifiers, or a choice between two materials. The files of the folder bsdf say what colors and scalars mean.
 struct MaterialRecord {
     uint kind_and_flags;       // BSDF_* or MATERIAL_BLEND, MATERIAL_SIDES, and MATERIAL_* flags
     uint material0;            // first material of a blend or of two sides

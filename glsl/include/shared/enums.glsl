@@ -70,20 +70,7 @@ const uint PRIMITIVE_LARGE = 16u;
 // Rays that meet the shape from behind pass. The front is the side to which the shading normal points.
 const uint PRIMITIVE_FRONT_ONLY = 32u;
 
-// Kind of a material: one BSDF, or a choice between two materials.
-const uint BSDF_DIFFUSE = 0u;
-const uint BSDF_ROUGH_DIFFUSE = 1u;
-const uint BSDF_DIELECTRIC = 2u;
-const uint BSDF_THIN_DIELECTRIC = 3u;
-const uint BSDF_ROUGH_DIELECTRIC = 4u;
-const uint BSDF_CONDUCTOR = 5u;
-const uint BSDF_ROUGH_CONDUCTOR = 6u;
-const uint BSDF_PLASTIC = 7u;
-const uint BSDF_ROUGH_PLASTIC = 8u;
-const uint BSDF_PRINCIPLED = 9u;
-const uint BSDF_PHONG = 10u;
-const uint BSDF_WARD = 11u;
-const uint BSDF_PRINCIPLED_THIN = 12u;
+// Kind of a material that is a choice between two materials. The files of the folder bsdf declare the numbers of the other kinds.
 const uint MATERIAL_BLEND = 13u;
 const uint MATERIAL_SIDES = 14u;
 

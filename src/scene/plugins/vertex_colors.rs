@@ -9,7 +9,7 @@ use crate::Result;
 use crate::scene::mesh::Mesh;
 use crate::scene::texel_pages::PAGE_WORDS;
 use crate::scene::texture::{Image, Pattern, Texels};
-use crate::scene::{AreaEmitter, Bsdf, Material, MaterialKind, SurfaceMaterial, Texture, Textured};
+use crate::scene::{AreaEmitter, Material, MaterialKind, SurfaceMaterial, Texture};
 
 /// Most triangles whose vertices have colors: their blocks fill half of the largest buffer.
 const MAX_BLOCKS: u64 = PAGE_WORDS / 16;
@@ -115,7 +115,7 @@ impl<'a> Context<'a> {
         if !used.iter().all(is_colors) {
             return Err(shape.origin.error("vertex colors beside other textures on one shape are not supported"));
         }
-        if surfaces.iter().any(|surface| is_anisotropic(&surface.bsdf)) {
+        if surfaces.iter().any(|surface| surface.bsdf.is_anisotropic()) {
             return Err(shape.origin.error("vertex colors on an anisotropic material are not supported"));
         }
         Ok(true)
@@ -149,16 +149,5 @@ impl<'a> Context<'a> {
         found.filter(|(_, mesh)| !mesh.colors.is_empty()).ok_or_else(|| {
             shape.origin.error("texture plugin `mesh_attribute` needs a `ply` with vertex colors (red, green, blue)")
         })
-    }
-}
-
-/// Whether a scattering function depends on the direction of the texture coordinates.
-fn is_anisotropic(bsdf: &Bsdf) -> bool {
-    match bsdf {
-        Bsdf::RoughConductor { microfacets, .. } | Bsdf::RoughDielectric { microfacets, .. } => {
-            microfacets.alpha_u != microfacets.alpha_v
-        }
-        Bsdf::Principled(principled) => principled.anisotropic != Textured::constant(0.0),
-        _ => false,
     }
 }

@@ -42,7 +42,7 @@ const MAX_DEPTH: usize = 64;
 
 /// Whether a plugin is a BSDF that this reader knows.
 pub(super) fn is_known(plugin: &str) -> bool {
-    plugin == "null" || MODIFIERS.contains(&plugin) || surfaces::SUPPORTED.contains(&plugin)
+    plugin == "null" || MODIFIERS.contains(&plugin) || surfaces::READERS.iter().any(|(name, _)| *name == plugin)
 }
 
 /// Materials of a scene while it is read. A material that no shape uses is read, but not kept.
@@ -221,7 +221,10 @@ fn modify(parameters: &mut Parameters, parts: Vec<Tree>) -> Result<Tree> {
         "bumpmap" => one(parts)?.with_relief(bump_map(parameters)?),
         "normalmap" => one(parts)?.with_relief(normal_map(parameters)?),
         "coating" => one(parts)?.coated(coating(parameters)?),
-        _ => return Err(object.unsupported(&[&surfaces::SUPPORTED[..], &["null"], &MODIFIERS].concat())),
+        _ => {
+            let supported: Vec<_> = surfaces::READERS.iter().map(|(name, _)| *name).collect();
+            return Err(object.unsupported(&[&supported[..], &["null"], &MODIFIERS].concat()));
+        }
     };
     result.map_err(|message| object.error(message))
 }

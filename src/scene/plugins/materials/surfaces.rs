@@ -8,50 +8,37 @@ use crate::Result;
 use crate::scene::bsdf::{Bsdf, Distribution};
 use crate::scene::texture::Textured;
 
-/// Plugins that [`parse`] reads.
-pub(super) const SUPPORTED: [&str; 15] = [
-    "diffuse",
-    "roughdiffuse",
-    "dielectric",
-    "thindielectric",
-    "roughdielectric",
-    "conductor",
-    "roughconductor",
-    "roughconductorGGX",
-    "plastic",
-    "roughplastic",
-    "pplastic",
-    "principled",
-    "principledthin",
-    "phong",
-    "ward",
+/// Reader of a plugin.
+type Reader = fn(&mut Parameters) -> Result<Bsdf>;
+
+/// Plugins with their readers.
+pub(super) const READERS: &[(&str, Reader)] = &[
+    ("diffuse", |parameters| Ok(Bsdf::Diffuse { reflectance: albedo(parameters)? })),
+    ("roughdiffuse", rough_diffuse),
+    ("dielectric", |parameters| dielectric(parameters, false)),
+    ("thindielectric", |parameters| dielectric(parameters, true)),
+    ("roughdielectric", rough_dielectric),
+    ("conductor", conductor),
+    ("roughconductor", rough_conductor),
+    ("roughconductorGGX", rough_conductor_ggx),
+    ("plastic", plastic),
+    ("roughplastic", rough_plastic),
+    ("pplastic", polarized_plastic),
+    ("principled", |parameters| principled::principled(parameters).map(Bsdf::Principled)),
+    ("principledthin", |parameters| principled::thin(parameters).map(Bsdf::PrincipledThin)),
+    ("phong", lobes::phong),
+    ("ward", lobes::ward),
 ];
 
 /// Mitsuba's default materials of dielectrics and plastics.
 const DEFAULT_GLASS: &str = "bk7";
 const DEFAULT_PLASTIC: &str = "polypropylene";
 
-/// Reads the parameters of a plugin in [`SUPPORTED`]; `None` for any other.
+/// Reads the parameters of a plugin in [`READERS`]; `None` for any other.
 pub(super) fn parse(parameters: &mut Parameters) -> Result<Option<Bsdf>> {
-    let bsdf = match parameters.properties.plugin() {
-        "diffuse" => Bsdf::Diffuse { reflectance: albedo(parameters)? },
-        "roughdiffuse" => rough_diffuse(parameters)?,
-        "dielectric" => dielectric(parameters, false)?,
-        "thindielectric" => dielectric(parameters, true)?,
-        "roughdielectric" => rough_dielectric(parameters)?,
-        "conductor" => conductor(parameters)?,
-        "roughconductor" => rough_conductor(parameters)?,
-        "roughconductorGGX" => rough_conductor_ggx(parameters)?,
-        "plastic" => plastic(parameters)?,
-        "roughplastic" => rough_plastic(parameters)?,
-        "pplastic" => polarized_plastic(parameters)?,
-        "principled" => Bsdf::Principled(principled::principled(parameters)?),
-        "principledthin" => Bsdf::PrincipledThin(principled::thin(parameters)?),
-        "phong" => lobes::phong(parameters)?,
-        "ward" => lobes::ward(parameters)?,
-        _ => return Ok(None),
-    };
-    Ok(Some(bsdf))
+    let plugin = parameters.properties.plugin();
+    let reader = READERS.iter().find(|(name, _)| *name == plugin);
+    reader.map(|(_, read)| read(parameters)).transpose()
 }
 
 /// Reads the albedo of a diffuse surface. Mitsuba 0.6 knows it as `diffuseReflectance`, too.
