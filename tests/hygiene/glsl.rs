@@ -1,14 +1,39 @@
-//! Bindings are named only in the file that declares them, among the files that one kernel includes.
+//! Bindings are named only in the file that declares them, among the files that one kernel includes. Neither files nor folders
+//! include each other in circles.
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::graph::Edges;
 use crate::source::{Source, words};
+
+/// Folder that includes are relative to.
+const FOLDER: &str = "glsl/include/";
 
 /// Violations of the rule in `sources`, one line each.
 pub fn violations(sources: &[Source]) -> Vec<String> {
     let kernels = sources.iter().filter(|source| source.path.ends_with(".comp"));
     let found: BTreeSet<_> = kernels.flat_map(|kernel| kernel_violations(&included(kernel, sources))).collect();
     found.into_iter().collect()
+}
+
+/// Files below [`FOLDER`], each with the files that it includes. What is written at build time counts for nobody.
+pub fn includes(sources: &[Source]) -> Edges {
+    let file = |source: &Source| {
+        let names = include_names(&source.text).into_iter().filter(|name| !name.starts_with("generated/"));
+        Some((source.path.strip_prefix(FOLDER)?.to_owned(), names.collect()))
+    };
+    sources.iter().filter_map(file).collect()
+}
+
+/// Folders of the files in `includes`, each with the folders whose files it includes.
+pub fn folders(includes: &Edges) -> Edges {
+    let folder = |file: &str| file.split('/').next().unwrap_or_default().to_owned();
+    let mut folders = Edges::new();
+    for (file, used) in includes {
+        let used = used.iter().map(|used| folder(used)).filter(|used| *used != folder(file));
+        folders.entry(folder(file)).or_default().extend(used);
+    }
+    folders
 }
 
 fn kernel_violations(files: &[&Source]) -> Vec<String> {
@@ -151,4 +176,22 @@ fn good_snippets_are_not() {
     for kernel in ["// cell_radiance[0]\nfloat b = f(a);", "hit.nodes = 1; my_counts = 2;"] {
         assert_eq!(found(kernel), Vec::<String>::new(), "{kernel}");
     }
+}
+
+#[test]
+fn a_planted_circle_of_includes_is_found() {
+    let found = |texts: &[(&str, &str)]| {
+        let sources: Vec<_> = texts.iter().map(|(path, text)| Source::new(path, text)).collect();
+        let files = includes(&sources);
+        [&files, &folders(&files)].map(crate::graph::circles)
+    };
+    let grid = ("glsl/include/guide/grid.glsl", "#include \"math/direction.glsl\"\n#include \"generated/grid.glsl\"");
+    let direction = ("glsl/include/math/direction.glsl", "");
+    let sampler = ("glsl/include/guide/sampler.glsl", "#include \"light/light.glsl\"");
+    let light = ("glsl/include/light/light.glsl", "#include \"guide/grid.glsl\"");
+    assert_eq!(found(&[grid, direction, light]), [[""; 0]; 2]);
+    let [files, folders] = found(&[grid, direction, light, sampler]);
+    assert_eq!((files.len(), &folders[..]), (0, &["circle: guide -> light -> guide".to_owned()][..]));
+    let [files, _] = found(&[("glsl/include/math/direction.glsl", "#include \"guide/grid.glsl\""), grid]);
+    assert_eq!(files, ["circle: guide/grid.glsl -> math/direction.glsl -> guide/grid.glsl"]);
 }

@@ -59,6 +59,16 @@ fn only_the_declaring_file_names_a_glsl_binding() {
 }
 
 #[test]
+fn neither_files_nor_folders_of_glsl_include_each_other_in_circles() {
+    let files = glsl::includes(&read_glsl());
+    let folders = glsl::folders(&files);
+    assert!(folders.len() > 8, "{folders:?}");
+    assert_none(graph::circles(&files));
+    assert_none(graph::circles(&folders));
+    print!("{}", graph::describe("folders of GLSL", &graph::layers(&folders)));
+}
+
+#[test]
 fn one_file_tells_samplers_apart_and_one_learners() {
     assert_none(switches::violations(&read_glsl()));
 }

@@ -6,7 +6,7 @@ use crate::source::{Source, words};
 const DECLARATION: &str = "glsl/include/shared/variant.glsl";
 /// Constants, each with the file that may name it.
 const SWITCHES: [(&str, &str); 2] =
-    [("SAMPLER", "glsl/include/guide/samplers/sampler.glsl"), ("LEARNER", "glsl/include/guide/learners/learning.glsl")];
+    [("SAMPLER", "glsl/include/guide/samplers/sampler.glsl"), ("LEARNER", "glsl/include/path/learning.glsl")];
 
 /// Violations of the rule in `sources`, one line each.
 pub fn violations(sources: &[Source]) -> Vec<String> {

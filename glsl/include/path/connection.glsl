@@ -1,7 +1,7 @@
 // Emitter sampling: connections of a path's vertex to a sampled light.
 #ifndef CONNECTION_GLSL
 #define CONNECTION_GLSL
-#include "guide/learners/light_learning.glsl"
+#include "light/light_learning.glsl"
 #include "light/light.glsl"
 #include "path/path.glsl"
 #include "path/scatterer.glsl"

@@ -4,7 +4,7 @@
 #include "film/camera.glsl"
 #include "path/guiding.glsl"
 #include "path/straight.glsl"
-#include "guide/learners/learning.glsl"
+#include "path/learning.glsl"
 #include "geometry/surface.glsl"
 #include "shared/film.glsl"
 #include "shared/kept.glsl"

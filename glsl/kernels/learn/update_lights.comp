@@ -4,7 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #include "guide/grid/lane_sum.glsl"
-#include "guide/learners/light_learning.glsl"
+#include "light/light_learning.glsl"
 #include "records/update_push.glsl"
 
 layout(push_constant, scalar) uniform Push { UpdatePush push; };

@@ -1,7 +1,7 @@
 // Switch over the learners: the target that a path reports to the radiance grid. No other file names LEARNER.
 #ifndef LEARNING_GLSL
 #define LEARNING_GLSL
-#include "guide/learners/expected_sarsa.glsl"
+#include "path/expected_sarsa.glsl"
 #include "path/guiding.glsl"
 #include "guide/learners/monte_carlo.glsl"
 #include "guide/grid/radiance_grid.glsl"
