@@ -1,10 +1,11 @@
 //! Renders a scene made in code: `scene_in_code OUT.exr`. A mesh and a sphere stand under a lamp.
 
 use lodestar::scene::{Camera, Environment};
-use lodestar::{Options, Scene, Session};
+use lodestar::{Error, Options, Scene, Session};
 
 fn main() -> lodestar::Result<()> {
-    let out = std::env::args().nth(1).expect("usage: scene_in_code OUT.exr");
+    let usage = || Error::Settings("usage: scene_in_code OUT.exr".into());
+    let out = std::env::args().nth(1).ok_or_else(usage)?;
     let mut scene = Scene::new(Camera::look_at([0.0, 2.0, 6.0], [0.0, 0.5, 0.0], 45.0), 64, 48);
     let (gray, red) = (scene.add_diffuse([0.6; 3]), scene.add_diffuse([0.7, 0.1, 0.1]));
     let lamp = scene.add_light([12.0; 3]);

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Builds the extension lodestar-blender-VERSION.zip, which Blender installs from disk.
 #
-# usage: addons/blender/build.sh [FOLDER]   (default: dist)
+# usage: addons/blender/build.sh [FOLDER]   (default: dist in the root of the project)
 set -euo pipefail
+folder=$(realpath -m "${1:-$(dirname "$0")/../../dist}")
 cd "$(dirname "$0")"
-folder=${1:-../../dist}
 mkdir -p "$folder"
 python3 - "$folder" <<'PYTHON'
 import pathlib, re, sys, zipfile

@@ -1,7 +1,7 @@
 //! Keyword arguments as options of the command line. A keyword is an option's name with underscores.
 
 use lodestar::session::Options;
-use lodestar::settings::options::{Form, Keyword, OPTIONS, OptionEntry};
+use lodestar::settings::options::{Form, Keyword, OPTIONS, OptionEntry, find, meaning};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList};
@@ -39,10 +39,20 @@ fn parsed(
 
 fn unknown(py: Python<'_>, subcommand: &str, keyword: &str, known: Vec<String>) -> PyErr {
     let similar = || -> PyResult<Vec<String>> {
-        py.import("difflib")?.call_method1("get_close_matches", (keyword, known, 1))?.extract()
+        py.import("difflib")?.call_method1("get_close_matches", (keyword, known.clone(), 1))?.extract()
     };
     let hint = similar().ok().and_then(|names| names.into_iter().next());
-    let hint = hint.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+    let name = keyword.replace('_', "-");
+    let spell = |option: &str| match known.contains(&option.replace('-', "_")) {
+        true => format!("`{}`", option.replace('-', "_")),
+        false => format!("--{option} of the command line"),
+    };
+    let hint = match (find(&name), meaning(&name, spell), hint) {
+        (Some(option), ..) => format!("; only the command line has the option --{}", option.name),
+        (None, Some(meaning), _) => format!("; {meaning}"),
+        (None, None, Some(name)) => format!("; did you mean `{name}`?"),
+        (None, None, None) => String::new(),
+    };
     PyTypeError::new_err(format!("`{keyword}` is no keyword of a {subcommand}{hint}"))
 }
 

@@ -250,8 +250,14 @@ def test_errors_have_the_sentences_of_the_command_line(at, cornell, tmp_path):
 def test_wrong_keywords_are_type_errors(cornell):
     with pytest.raises(TypeError, match="`sppp` is no keyword of a render; did you mean `spp`"):
         lodestar.render(cornell, sppp=3)
-    with pytest.raises(TypeError, match="`output` is no keyword"):
-        lodestar.render(cornell, output="a.exr")
+    for keyword, hint in [
+        ("output", "only the command line has the option --output"),
+        ("denoise", "only the command line has the option --denoise"),
+        ("samples", "`spp` sets the samples per pixel"),
+        ("max_bounces", "`max_depth` sets the longest path in edges"),
+    ]:
+        with pytest.raises(TypeError, match=f"`{keyword}` is no keyword of a render; {hint}"):
+            lodestar.render(cornell, **{keyword: 3})
     with pytest.raises(TypeError, match="`spp` cannot be a value of the type `object`"):
         lodestar.render(cornell, spp=object())
     with pytest.raises(TypeError, match="expected a path"):

@@ -31,9 +31,9 @@ enum Stage {
 }
 
 impl Console {
-    /// A console of the form that arguments ask for. It has shown nothing yet.
-    pub fn new<S: Subset>(given: &Given<S>) -> Self {
-        let (is_quiet, has_names) = (given.has("quiet"), given.has("output"));
+    /// A console of the form that arguments ask for. It has shown nothing yet. `has_names` says whether the picture's files were named.
+    pub fn new<S: Subset>(given: &Given<S>, has_names: bool) -> Self {
+        let is_quiet = given.has("quiet");
         Self(match given.word("log").unwrap_or(LogFormat::Text) {
             LogFormat::Json => Form::Json(Mutex::new(Log::new(is_quiet))),
             LogFormat::Text => {

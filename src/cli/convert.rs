@@ -7,7 +7,7 @@ use lodestar::Result;
 use lodestar::scene::{Converted, convert, scene_file};
 use lodestar::settings::options::form::define;
 
-use super::print::report;
+use super::print::{print_message, report};
 
 /// Writes a scene as a Mitsuba file of version 3.0.0 that renders the same picture.
 ///
@@ -31,7 +31,14 @@ pub struct ConvertArgs {
 
 /// Reads the scene, writes it, and reports its warnings.
 pub fn run(args: &ConvertArgs) -> Result<ExitCode> {
-    let Converted { warnings, .. } = convert(&scene_file(&args.input)?, &args.define, &args.output, args.overwrite)?;
+    let converted = convert(&scene_file(&args.input)?, &args.define, &args.output, args.overwrite)?;
+    let Converted { file_count, warnings } = converted;
     warnings.iter().for_each(|warning| report("warning", warning));
+    let files = match file_count {
+        0 => String::new(),
+        1 => " and 1 file beside it".to_owned(),
+        count => format!(" and {count} files beside it"),
+    };
+    print_message(&format!("wrote {}{files}", args.output.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -8,7 +8,7 @@ use lodestar::film::merge::{PartialPicture, merge};
 use lodestar::settings::options::form::exr_path;
 use lodestar::{Result, files};
 
-use super::print::report;
+use super::print::{print_message, report};
 
 /// Averages pictures of one scene with disjoint samples, every pixel by its sample counts.
 ///
@@ -39,5 +39,6 @@ pub fn run(args: &MergeArgs) -> Result<ExitCode> {
         report("warning", &format!("{}: {message}", part.path.display()));
     }
     film::write_picture(&args.output, &picture, &attributes)?;
+    print_message(&format!("wrote {}", args.output.display()));
     Ok(ExitCode::SUCCESS)
 }

@@ -30,13 +30,15 @@ mod view;
 mod words;
 
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::error::ErrorKind as UsageError;
+use clap::error::{ContextKind, ContextValue, ErrorKind as UsageError};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use lodestar::session::Options;
+use lodestar::settings::options::meaning;
 use lodestar::{Error, Result};
 
 use print::report;
@@ -133,14 +135,33 @@ fn answer(error: &clap::Error) -> ExitCode {
     match is_help {
         // The result is ignored: nothing can be done about a closed pipe or a full disk.
         true => drop(error.print()),
-        false => report("error", &usage_sentence(&error.to_string())),
+        false => report("error", &usage_sentence(error)),
     }
     if error.use_stderr() { ExitCode::from(WRONG_USAGE) } else { ExitCode::SUCCESS }
 }
 
 /// The fault in the arguments, and where to read about them.
-fn usage_sentence(message: &str) -> String {
-    format!("{}; --help lists the possible arguments", fault(message))
+fn usage_sentence(error: &clap::Error) -> String {
+    let quoted = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.as_str()),
+        _ => None,
+    };
+    let fault = match error.kind() {
+        UsageError::UnknownArgument => quoted(ContextKind::InvalidArg).and_then(|argument| {
+            let meaning = meaning(argument.strip_prefix("--")?, |option| format!("--{option}"))?;
+            Some(format!("unexpected argument '{argument}' found; {meaning}"))
+        }),
+        UsageError::InvalidSubcommand => quoted(ContextKind::InvalidSubcommand).and_then(|word| {
+            let is_file = Path::new(word).extension().is_some() || Path::new(word).exists();
+            is_file.then(|| format!("'{word}' is no subcommand; `lodestar render {word}` renders a scene"))
+        }),
+        UsageError::TooFewValues => quoted(ContextKind::InvalidArg).map(|argument| {
+            let argument = argument.trim_start_matches('<').split('>').next().unwrap_or_default();
+            format!("name two files or more: {argument} and others")
+        }),
+        _ => None,
+    };
+    format!("{}; --help lists the possible arguments", fault.unwrap_or_else(|| self::fault(&error.to_string())))
 }
 
 /// First paragraph of clap's message and its tips on names that are similar, on one line.

@@ -31,7 +31,7 @@ pub struct RenderArgs {
 /// Renders the scene that `args` name.
 pub fn run(args: RenderArgs) -> Result<ExitCode> {
     let RenderArgs { scene, given } = args;
-    let (console, viewers, files) = (Console::new(&given), given.viewers(), given.files());
+    let (console, viewers, files) = (Console::new(&given, given.has("output")), given.viewers(), given.files());
     let start = Start::Anew(SceneInput::File { path: scene, options: given.load() });
     render(start, &options(given).files(files), &console, &viewers)
 }

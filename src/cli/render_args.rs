@@ -90,8 +90,11 @@ impl<S: Subset> Given<S> {
 
     /// Views of the render. The denoiser makes the page's layer `denoised`.
     pub fn viewers(&self) -> ViewOptions {
-        let text = |name| self.text(name).map(str::to_owned);
-        ViewOptions { page: text("view"), display_server: text("display-server"), denoiser: self.denoiser() }
+        ViewOptions {
+            page: self.value("view", form::page_address),
+            display_server: self.value("display-server", form::server_address),
+            denoiser: self.denoiser(),
+        }
     }
 
     /// Name or index of the device, if one is chosen.

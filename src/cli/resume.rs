@@ -33,7 +33,7 @@ pub fn options(args: &ResumeArgs) -> Options {
 
 /// Goes on with the render.
 pub fn run(args: ResumeArgs) -> Result<ExitCode> {
-    let (console, viewers) = (Console::new(&args.given), args.given.viewers());
+    let (console, viewers) = (Console::new(&args.given, true), args.given.viewers());
     let options = options(&args).files(args.given.files());
     let start = Start::Resume { checkpoint: args.file, moved_scene: args.scene };
     super::render::render(start, &options, &console, &viewers)

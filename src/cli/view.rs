@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use lodestar::Result;
 use lodestar::settings::options::LOCAL;
-use lodestar::settings::options::form::{address, exr_path};
+use lodestar::settings::options::form::{exr_path, page_address};
 use lodestar::view::FileView;
 
 use super::interrupt::Interrupt;
@@ -25,8 +25,8 @@ pub struct ViewArgs {
     /// The picture.
     #[arg(value_name = "PICTURE.exr", value_parser = exr_path)]
     picture: PathBuf,
-    /// Address of the page; port 0 is a free port.
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = LOCAL, value_parser = address)]
+    /// Address of the page; without a port it has a free one.
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = LOCAL, value_parser = page_address)]
     address: String,
 }
 

@@ -15,6 +15,7 @@ mod faults;
 mod film;
 pub mod fingerprint;
 mod folders;
+mod foreign;
 pub mod geometry;
 mod gltf;
 mod inflate;

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use super::description::Description;
+use super::foreign;
 use super::load_options::LoadOptions;
 use super::mitsuba::dictionary::Dictionary;
 use super::mitsuba::{entries, xml};
 use super::plugins::load::{Watch, build};
 use super::whole::Scene;
-use crate::{Error, Result};
+use crate::{Error, Result, inputs};
 
 /// Reads the scene at `path` without reporting progress; see [`load_with_progress`].
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
@@ -29,7 +30,14 @@ pub(super) fn describe(path: &Path, defines: &[(String, String)]) -> Result<Desc
     let front_end = match extension.to_str() {
         Some("gltf" | "glb") => super::gltf::read,
         Some("pbrt") => super::pbrt::read,
-        _ => return xml::read(path, defines),
+        extension => {
+            if let Some(refusal) = extension.and_then(foreign::refusal) {
+                // A file that is missing is not one of a wrong format.
+                inputs::open(path)?;
+                return Err(Error::scene(path, None, refusal));
+            }
+            return xml::read(path, defines);
+        }
     };
     match defines.first() {
         None => front_end(path),

@@ -1,6 +1,7 @@
 //! The end of a render, also after an error: pictures, checkpoint, statistics and profile are written.
 
 use crate::film::Picture;
+use crate::image::metrics::Metrics;
 use crate::session::profile::Summary;
 use crate::session::progress::{Event, Watch};
 use crate::session::running::Running;
@@ -49,6 +50,7 @@ fn write_files(running: &mut Running, rendered: Result<()>, watch: &Watch<'_>) -
     let written = copied.and_then(|copied| {
         let Some(CopiedPicture { picture, .. }) = copied else { return Ok(()) };
         let measured = running.output().measure(&picture).map(|measured| errors = measured);
+        errors.iter().for_each(|errors| watch.tell(Event::Note(&error_sentence(errors))));
         let written = write_last(running, &picture, rendered.is_ok(), watch);
         rescued = rendered.as_ref().is_err_and(Error::is_loss).then_some(picture);
         written.and(measured)
@@ -108,6 +110,12 @@ fn write_last(running: &Running, picture: &Picture, is_rendered: bool, watch: &W
         false => {}
     }
     Ok(())
+}
+
+/// Line about the errors against the reference.
+fn error_sentence(errors: &Metrics) -> String {
+    let Metrics { mae, relmse, mean_ratio, .. } = errors;
+    format!("against the reference: MAE {mae:.4}, relMSE {relmse:.4}, mean {mean_ratio:.4} of its mean")
 }
 
 /// Tells `watch` the validation layer's messages. Any message makes the render fail.

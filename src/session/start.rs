@@ -79,11 +79,29 @@ impl<'a> Start<'a> {
             }
             Self::Resume { checkpoint: file, moved_scene } => {
                 let checkpoint = SavedCheckpoint::open(&file)?;
-                let path = moved_scene.unwrap_or_else(|| checkpoint.scene.path.clone().into());
+                let path = moved_scene.map_or_else(|| scene_of(&checkpoint), Ok)?;
                 let input = SceneInput::File { path, options: checkpoint.scene.options.clone() };
                 Ok((input, Some(Resumed { file, checkpoint, is_asked: true })))
             }
         }
+    }
+}
+
+/// File of the scene that a checkpoint names.
+///
+/// # Errors
+/// Where there is no such file.
+fn scene_of(checkpoint: &SavedCheckpoint) -> Result<PathBuf> {
+    let path = PathBuf::from(&checkpoint.scene.path);
+    match path.try_exists() {
+        Ok(false) => {
+            let message = format!(
+                "{}: the scene of the checkpoint is not there; name its new place with --scene",
+                path.display()
+            );
+            Err(Error::Settings(message))
+        }
+        _ => Ok(path),
     }
 }
 

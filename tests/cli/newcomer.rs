@@ -28,6 +28,92 @@ fn a_typo_is_answered_with_the_name_that_was_meant() {
 }
 
 #[test]
+fn names_of_other_renderers_are_explained() {
+    let folder = Folder::new();
+    for (arguments, words) in [
+        (&["render", "scene.xml", "--samples", "4"][..], "--spp sets the samples per pixel"),
+        (&["render", "scene.xml", "--resolution", "4"], "--width sets the width of the picture in pixels"),
+        (&["render", "scene.xml", "--threads", "4"], "LP_NUM_THREADS"),
+        (&["render", "scene.xml", "--frames=1"], "a render is one picture"),
+        (&["render", "scene.xml", "--spp", "1k"], "give a whole number"),
+        (&["render", "scene.xml", "--width", "1920x1080"], "the width and the height, 1920 and 1080, are two options"),
+        (&["render", "--view", "scene.xml"], "name the scene before --view"),
+        (&["scene.xml"], "`lodestar render scene.xml` renders a scene"),
+        (&["merge", "a.exr", "-o", "b.exr"], "name two files or more"),
+        (&["compare", "a.exr"], "name two files or more"),
+    ] {
+        assert_sentence(&folder.run(arguments), 2, &[words, "--help"]);
+    }
+}
+
+/// Files of other kinds are told by their extensions, or else by their content.
+#[test]
+fn what_is_no_scene_is_told() {
+    let folder = Folder::new();
+    for (name, words) in [
+        (
+            "a.blend",
+            "a file of Blender, not a scene in Mitsuba's XML (.xml), glTF 2.0 (.gltf, .glb) or pbrt-v4 (.pbrt)",
+        ),
+        ("a.obj", "name it in a <shape>"),
+        ("a.USDC", "export it as glTF 2.0"),
+        ("a.zip", "unpack it"),
+        ("a.exr", "it is a picture"),
+        ("a.ckpt", "`lodestar resume`"),
+        ("a.txt", "it is no XML; a scene is a file in Mitsuba's XML (.xml)"),
+    ] {
+        folder.write(name, "v 0 0 0\n");
+        assert_sentence(&folder.run(&["render", name]), 1, &[name, words]);
+        assert_sentence(&folder.run(&["info", name]), 1, &[name, words]);
+    }
+    fs::write(folder.path("a.dat"), [0, 0xff, 0, 0xfe]).unwrap();
+    assert_sentence(&folder.run(&["info", "a.dat"]), 1, &["a.dat", "it is no text; a scene is a file in Mitsuba's"]);
+    assert_sentence(&folder.run(&["info", "missing.obj"]), 1, &["missing.obj", "cannot be read"]);
+}
+
+#[test]
+fn a_scene_without_light_is_told() {
+    let folder = Folder::new();
+    let dark = "<scene version=\"3.0.0\"><shape type=\"sphere\"/></scene>";
+    folder.write("dark.xml", dark);
+    folder.write("dark.pbrt", "Camera \"perspective\"\nWorldBegin\nShape \"sphere\"\n");
+    for scene in ["dark.xml", "dark.pbrt"] {
+        let output = folder.run(&["info", scene]);
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.contains("the scene has no light, so the picture is black"), "{said}");
+    }
+}
+
+#[test]
+fn what_was_written_is_told() {
+    let folder = Folder::new();
+    let said = |arguments: &[&str]| {
+        let output = folder.run(arguments);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(said(&["convert", "scene.xml", "new.xml"]).contains("wrote new.xml"));
+    folder.render(&[&TINY[..], &["--sample-offset", "0", "-o", "a.exr"]].concat());
+    folder.render(&[&TINY[..], &["--sample-offset", "1", "-o", "b.exr"]].concat());
+    assert_eq!(said(&["merge", "a.exr", "b.exr", "-o", "c.exr"]), "wrote c.exr\n");
+    let rendered = said(&[&["render", "scene.xml"], &TINY[..], &["--reference", "a.exr", "-o", "d.exr"]].concat());
+    assert!(rendered.contains("against the reference: MAE 0.0000, relMSE 0.0000, mean 1.0000"), "{rendered}");
+}
+
+/// The scene's new place is asked for by the name of the option.
+#[test]
+fn a_moved_scene_is_asked_for() {
+    let folder = Folder::new();
+    folder.render(&[&TINY[..], &["--checkpoint", "a.ckpt", "-o", "a.png"]].concat());
+    fs::rename(folder.path("scene.xml"), folder.path("moved.xml")).unwrap();
+    let resumed = ["resume", "a.ckpt", "--spp", "2"];
+    assert_sentence(&folder.run(&resumed), 1, &["scene.xml", "is not there; name its new place with --scene"]);
+    let output = folder.run(&[&resumed[..], &["--scene", "moved.xml"]].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.ends_with("wrote a.png\n"), "{said}");
+}
+
+#[test]
 fn one_side_of_the_film_keeps_the_aspect_ratio() {
     let folder = Folder::new();
     for (arguments, size) in [

@@ -119,7 +119,7 @@ fn a_model_is_the_scene_of_its_xml() {
 #[test]
 fn a_model_without_camera_and_light_says_so() {
     let warnings = read(&square()).unwrap().warnings.join("\n");
-    assert!(warnings.contains("the scene has no light; --environment constant lights it evenly"), "{warnings}");
+    assert!(warnings.contains("the scene has no light, so the picture is black; --environment constant lights it evenly"), "{warnings}");
     assert!(warnings.contains("a camera at"), "{warnings}");
 }
 

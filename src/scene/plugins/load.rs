@@ -413,8 +413,8 @@ impl<'a> Builder<'a> {
         conserve_energy(&mut materials, &textures, &images, &mut self.warnings);
         let primitives = flatten_all(&self.shapes, &meshes)?;
         let is_dark = emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
-        if is_dark && format == Format::Foreign {
-            let message = "the scene has no light; --environment constant lights it evenly";
+        if is_dark {
+            let message = "the scene has no light, so the picture is black; --environment constant lights it evenly";
             self.warnings.push(format!("{}: {message}", path.display()));
         }
         let sensor = match sensor {

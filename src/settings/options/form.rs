@@ -1,6 +1,7 @@
 //! Forms: how the value of an option is written, and the values that such texts stand for.
 
-use std::path::PathBuf;
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
 
 use super::duration::seconds;
 use crate::files;
@@ -50,12 +51,19 @@ impl Form {
     pub const CROP: Self = Self::Text { check: |text| crop(text).map(drop), python: "tuple[int, int, int, int]" };
     /// Name and value of a scene's default.
     pub const DEFINE: Self = Self::Text { check: |text| define(text).map(drop), python: "str" };
-    /// Address with a port.
-    pub const ADDRESS: Self = Self::Text { check: |text| address(text).map(drop), python: "str" };
+    /// Address of a page.
+    pub const PAGE: Self = Self::Text { check: |text| page_address(text).map(drop), python: "str" };
+    /// Address of a server, with its port.
+    pub const SERVER: Self = Self::Text { check: |text| server_address(text).map(drop), python: "str" };
 }
 
 fn whole(text: &str, least: i64) -> Result<(), String> {
-    let number: i64 = text.parse().map_err(|error: std::num::ParseIntError| error.to_string())?;
+    let number: i64 = text.parse().map_err(|_| match text.split_once('x').map(|(w, h)| (w.parse(), h.parse())) {
+        Some((Ok::<u32, _>(width), Ok::<u32, _>(height))) => {
+            format!("give one number; the width and the height, {width} and {height}, are two options")
+        }
+        _ => "give a whole number".to_owned(),
+    })?;
     let is_inside = (least..=u32::MAX.into()).contains(&number);
     if is_inside { Ok(()) } else { Err(format!("{number} is not in {least}..={}", u32::MAX)) }
 }
@@ -141,16 +149,39 @@ pub fn exr_path(text: &str) -> Result<PathBuf, String> {
     files::has_extension(&path, "exr").then_some(path).ok_or_else(|| "the name must end in .exr".into())
 }
 
-/// Address with a port.
+/// Address at which a page is served: an address with a port, or one of them. Without a port, the page has a free one. Without an address,
+/// only this machine can reach it.
 ///
 /// # Errors
 /// How it is written.
-pub fn address(text: &str) -> Result<String, String> {
-    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port.parse::<u16>());
-    match port {
-        Some(Ok(_)) => Ok(text.to_owned()),
-        _ => Err("write it as ADDRESS:PORT, such as 127.0.0.1:8000; port 0 is a free port".into()),
+pub fn page_address(text: &str) -> Result<String, String> {
+    if text.parse::<u16>().is_ok() {
+        return Ok(format!("127.0.0.1:{text}"));
     }
+    match text.parse::<IpAddr>() {
+        Ok(IpAddr::V6(address)) => Ok(format!("[{address}]:0")),
+        Ok(IpAddr::V4(_)) => Ok(format!("{text}:0")),
+        Err(_) if text == "localhost" => Ok(format!("{text}:0")),
+        Err(_) if is_host_and_port(text) => Ok(text.to_owned()),
+        Err(_) if Path::new(text).extension().is_some() => {
+            Err("it looks like a file, not an address; name the scene before --view, or write --view=ADDRESS:PORT"
+                .into())
+        }
+        Err(_) => Err("write it as ADDRESS:PORT, such as 127.0.0.1:8000; port 0 is a free port".into()),
+    }
+}
+
+/// Address of a server, with its port.
+///
+/// # Errors
+/// How it is written.
+pub fn server_address(text: &str) -> Result<String, String> {
+    let request = || "write it as ADDRESS:PORT, such as 127.0.0.1:14158".into();
+    is_host_and_port(text).then(|| text.to_owned()).ok_or_else(request)
+}
+
+fn is_host_and_port(text: &str) -> bool {
+    text.rsplit_once(':').is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok())
 }
 
 #[cfg(test)]
@@ -160,10 +191,22 @@ mod tests {
     #[test]
     fn addresses_have_a_host_and_a_port() {
         for good in ["127.0.0.1:0", "localhost:8000", "[::1]:8000", "rack7:65535"] {
-            assert_eq!(address(good).as_deref(), Ok(good));
+            assert_eq!(page_address(good).as_deref(), Ok(good));
+            assert_eq!(server_address(good).as_deref(), Ok(good));
         }
-        for bad in ["", "8000", ":8000", "scene.xml", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1"] {
-            assert!(address(bad).is_err(), "{bad}");
+        for bad in ["", ":8000", "scene.xml", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "65536"] {
+            assert!(page_address(bad).is_err() && server_address(bad).is_err(), "{bad}");
+        }
+        assert!(page_address("scene.xml").unwrap_err().contains("name the scene before --view"));
+    }
+
+    #[test]
+    fn half_an_address_of_a_page_is_completed() {
+        for (half, whole) in
+            [("8000", "127.0.0.1:8000"), ("0.0.0.0", "0.0.0.0:0"), ("::1", "[::1]:0"), ("localhost", "localhost:0")]
+        {
+            assert_eq!(page_address(half).as_deref(), Ok(whole));
+            assert!(server_address(half).is_err(), "{half}");
         }
     }
 

@@ -6,6 +6,7 @@ mod document;
 mod duration;
 mod entry;
 pub mod form;
+mod other_names;
 mod table;
 
 pub use check::{check, check_given};
@@ -15,6 +16,7 @@ pub use entry::{
     Audience, Category, Keyword, Needs, OptionEntry, RESEARCH, Resume, Rule, Set, Setting, When, check_text, defaults,
 };
 pub use form::Form;
+pub use other_names::meaning;
 pub use table::{LOCAL, OPTIONS};
 
 /// Entry of the option with this name.

@@ -272,15 +272,15 @@ pub static OPTIONS: &[OptionEntry] = &[
         short: "Watch the render in a browser",
         long: "The address of a page is printed. The page shows the picture, its layers and what the guide learns, and can pause or end \
                the render. The address ends in a token, without which nobody sees anything; LODESTAR_VIEW_TOKEN sets one. Without \
-               ADDRESS:PORT the page has a free port that only this machine can reach.",
-        form: Form::ADDRESS,
+               a port the page has a free one, and without an address only this machine can reach it.",
+        form: Form::PAGE,
         bare: LOCAL,
         ..of_files(Everyone, "view", "ADDRESS:PORT")
     },
     OptionEntry {
         short: "Send the picture to a display server such as tev",
         long: "The server has tev's protocol; tev listens at 127.0.0.1:14158. All layers are sent. The render goes on without the server.",
-        form: Form::ADDRESS,
+        form: Form::SERVER,
         ..of_files(Curious, "display-server", "HOST:PORT")
     },
     OptionEntry {
