@@ -119,7 +119,10 @@ fn a_model_is_the_scene_of_its_xml() {
 #[test]
 fn a_model_without_camera_and_light_says_so() {
     let warnings = read(&square()).unwrap().warnings.join("\n");
-    assert!(warnings.contains("the scene has no light, so the picture is black; --environment constant lights it evenly"), "{warnings}");
+    assert!(
+        warnings.contains("the scene has no light, so the picture is black; --environment constant lights it evenly"),
+        "{warnings}"
+    );
     assert!(warnings.contains("a camera at"), "{warnings}");
 }
 
@@ -160,7 +163,12 @@ fn messages_have_the_words_of_models() {
     }
     model["scenes"][0]["nodes"] = json!([0, 1, 2]);
     let warnings = read(&model).unwrap().warnings.join("\n");
-    assert!(warnings.contains("a second camera; the first is used"), "{warnings}");
+    assert!(
+        warnings.contains(
+            "the scene has 2 cameras: 0 (`camera1`), 1 (`camera2`); the first is used, and --camera chooses another"
+        ),
+        "{warnings}"
+    );
 }
 
 #[test]

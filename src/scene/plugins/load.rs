@@ -339,18 +339,14 @@ impl<'a> Builder<'a> {
     fn chosen_sensor(&mut self, choice: Option<&CameraChoice>) -> Result<Option<&'a Object>> {
         let sensors = self.sensors.clone();
         let name = match choice {
-            None => return Ok(self.first(&sensors)),
+            None => return Ok(self.first_sensor(&sensors)),
             Some(CameraChoice::Fit) => return Ok(None),
             Some(CameraChoice::Named(name)) => name,
         };
         let named = sensors.iter().find(|sensor| sensor.id.as_ref() == Some(name));
         let found = named.or_else(|| sensors.get(name.parse::<usize>().ok()?));
         found.copied().map(Some).ok_or_else(|| {
-            let of = |(index, sensor): (usize, &&Object)| match &sensor.id {
-                Some(id) => format!("{index} (`{id}`)"),
-                None => index.to_string(),
-            };
-            let known = sensors.iter().enumerate().map(of).collect::<Vec<_>>().join(", ");
+            let known = camera_names(&sensors).join(", ");
             let list = if known.is_empty() { "none".to_owned() } else { known };
             Error::scene(
                 &self.description.path,
@@ -358,6 +354,17 @@ impl<'a> Builder<'a> {
                 format!("there is no camera `{name}`; the scene's cameras are: {list}; or use `fit`"),
             )
         })
+    }
+
+    /// First of the scene's cameras. Where there are more, a warning lists them.
+    fn first_sensor(&mut self, sensors: &[&'a Object]) -> Option<&'a Object> {
+        if let [_, second, ..] = sensors {
+            let (count, names) = (sensors.len(), camera_names(sensors).join(", "));
+            let message =
+                format!("the scene has {count} cameras: {names}; the first is used, and --camera chooses another");
+            self.warnings.push(format!("{}: {message}", second.origin));
+        }
+        sensors.first().copied()
     }
 
     fn finish(mut self, options: &LoadOptions, progress: &Watch) -> Result<Scene> {
@@ -437,6 +444,15 @@ impl<'a> Builder<'a> {
             warnings: self.warnings,
         })
     }
+}
+
+/// Cameras as `--camera` names them: an index, with the name if there is one.
+fn camera_names(sensors: &[&Object]) -> Vec<String> {
+    let of = |(index, sensor): (usize, &&Object)| match &sensor.id {
+        Some(id) => format!("{index} (`{id}`)"),
+        None => index.to_string(),
+    };
+    sensors.iter().enumerate().map(of).collect()
 }
 
 /// Whether an image can be an environment.
