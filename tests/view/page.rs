@@ -123,6 +123,11 @@ fn the_page_shows_steers_and_ends_a_render() {
         let other = degrees_from_light(*position, maps[(index + 1) % 3].1);
         assert!(other > MOST_DEGREES, "the maps of two pixels are the same");
     }
+    // The line under the picture moves on with the picture.
+    let line = "document.getElementById('readout').textContent";
+    let before = browser.value(&tab, line);
+    assert!(before.as_str().is_some_and(|line| line.starts_with("Pixel ")), "{before}");
+    browser.wait(&tab, &format!("{line} !== {before}"));
     // Both sizes and both schemes. Nothing is wider than the window.
     browser.value(&second, "document.getElementById('cells').click()");
     click(&mut browser, &second, PIXELS[0]);

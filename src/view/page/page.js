@@ -21,7 +21,7 @@ const RETRY = 2000;
 const SURE = 4000;
 
 let state = { phase: "preparing", shot: 0, guide: 0 };
-let [layer, pixel, fetching, stopAsked] = [null, null, false, 0];
+let [layer, pixel, hovered, fetching, stopAsked] = [null, null, null, false, 0];
 /** Sentence about a layer that cannot be shown, until another one is chosen. */
 let failure = "";
 const choices = {};
@@ -61,7 +61,10 @@ function showState() {
   find("orders").hidden = phase === "file";
   find("progress").value = state.fraction ?? 0;
   find("pause").textContent = phase === "paused" || phase === "pausing" ? "Go on" : "Pause";
-  for (const id of ["pause", "write", "stop"]) find(id).disabled = isOver || (phase === "preparing" && id !== "stop");
+  for (const id of ["pause", "write", "stop"]) {
+    find(id).disabled = isOver || (phase === "preparing" && id !== "stop");
+    find(id).title = phase === "locked" ? "Orders need the token, too." : "";
+  }
   if (phase === "locked") find("waiting").textContent = "Nothing is shown without the token.";
   find("cells").disabled = Boolean(state.no_guide);
   find("guide-part").hidden = phase === "file";
@@ -93,6 +96,7 @@ async function refresh(isForced = false) {
   const isOld = !layer || layer.shot < state.shot || layer.layer !== name;
   if (fetching || document.hidden || !state.shot || !(isOld || isForced)) return;
   fetching = true;
+  if (layer && layer.layer !== name) wait(`Waiting for the layer ${name}`);
   try {
     const answer = await ask(`/layer?name=${encodeURIComponent(name)}`);
     if (answer.status === 200) {
@@ -108,6 +112,7 @@ async function refresh(isForced = false) {
       say(failure);
       find("layer").value = layer && layer.layer !== name ? layer.layer : find("layer").options[0].value;
       if (layer) layer.shot = 0;
+      find("waiting").hidden = Boolean(layer);
     }
   } catch {
     // The server has left; its events say so, too.
@@ -116,6 +121,11 @@ async function refresh(isForced = false) {
   }
   showState();
   if (layer && !failure && (layer.shot < state.shot || find("layer").value !== layer.layer)) refresh();
+}
+
+/** Covers the picture with a sentence. */
+function wait(text) {
+  [find("waiting").textContent, find("waiting").hidden] = [text, false];
 }
 
 function showLayers(names) {
@@ -139,6 +149,7 @@ function showPicture() {
   find("stops").value = `${stops > 0 ? "+" : ""}${stops} EV`;
   find("exposure").setAttribute("aria-valuetext", `${stops} stops`);
   stage.show(layer, curve, stops);
+  if (hovered) readOut();
 }
 
 async function refreshPixel() {
@@ -177,9 +188,16 @@ function values([x, y]) {
   return layer.values(x, y).map((value, i) => `${channels.length > 1 ? `${channels[i]} ` : ""}${short(value)}`).join("  ");
 }
 
+/** Shows the values of the pixel that was hovered over or clicked last. */
+function readOut() {
+  const [x, y] = hovered;
+  find("readout").textContent = `Pixel ${x + layer.offset[0]}, ${y + layer.offset[1]}:  ${values(hovered)}`;
+}
+
 function hover(at) {
   if (!at || !layer) return;
-  find("readout").textContent = `Pixel ${at[0] + layer.offset[0]}, ${at[1] + layer.offset[1]}:  ${values(at)}`;
+  hovered = at;
+  readOut();
   if (document.activeElement === find("picture") && stage.mark === at) say(find("readout").textContent);
 }
 
