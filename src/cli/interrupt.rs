@@ -1,5 +1,6 @@
 //! Signals that ask a render to stop.
 
+#[cfg(unix)]
 use std::fs;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -8,7 +9,9 @@ use std::thread;
 use std::time::Duration;
 
 use lodestar::{Error, Result};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+#[cfg(unix)]
+use signal_hook::consts::SIGHUP;
+use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 /// Number that shells add to a signal's number to form an exit code.
@@ -30,8 +33,7 @@ impl Interrupt {
     pub fn catch() -> Result<Self> {
         let failed = |error| Error::Render(format!("signals cannot be caught: {error}"));
         let (signal, is_final) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-        let hangup = catches_hangups(&fs::read_to_string("/proc/self/status").unwrap_or_default()).then_some(SIGHUP);
-        for number in [SIGINT, SIGTERM].into_iter().chain(hangup) {
+        for number in [SIGINT, SIGTERM].into_iter().chain(hangup()) {
             flag::register_conditional_shutdown(number, EXIT_CODE_BASE + number, Arc::clone(&is_final))
                 .and_then(|_| flag::register_usize(number, Arc::clone(&signal), number as usize))
                 .map_err(failed)?;
@@ -62,15 +64,28 @@ impl Interrupt {
     }
 }
 
+/// SIGHUP, if it may be caught.
+#[cfg(unix)]
+fn hangup() -> Option<i32> {
+    catches_hangups(&fs::read_to_string("/proc/self/status").unwrap_or_default()).then_some(SIGHUP)
+}
+
+/// Windows has no SIGHUP.
+#[cfg(not(unix))]
+fn hangup() -> Option<i32> {
+    None
+}
+
 /// Whether SIGHUP may be caught, from the text of `/proc/self/status`. `nohup` starts a program with SIGHUP ignored, and the program
 /// must leave it so. Where the system does not tell, SIGHUP stays as it is.
+#[cfg(unix)]
 fn catches_hangups(status: &str) -> bool {
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
     ignored.is_some_and(|mask| mask >> (SIGHUP - 1) & 1 == 0)
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix))]
 mod tests {
     use super::*;
 

@@ -32,8 +32,8 @@ mod words;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+#[cfg(unix)]
+use std::sync::{Arc, atomic::AtomicBool};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind as UsageError};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -124,10 +124,15 @@ pub fn options(subcommand: &str, arguments: impl IntoIterator<Item = String>) ->
 
 /// Catches the signal that a write beyond the limit of `ulimit -f` sends. The write then fails, instead of ending the process
 /// before its other files are written.
+#[cfg(unix)]
 fn take_file_size_limits_as_errors() {
     // If the signal cannot be caught, the limit ends the process. No file is then left half written.
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
+
+/// Windows has no such limits.
+#[cfg(not(unix))]
+fn take_file_size_limits_as_errors() {}
 
 /// Prints the help or the version if the arguments ask for it, otherwise the fault in the arguments.
 fn answer(error: &clap::Error) -> ExitCode {

@@ -5,6 +5,7 @@
 //! render removes it. Between machines that share a disk, the lock holds where the disk's server keeps locks, as NFS 4 does.
 
 use std::fs::{self, File, TryLockError};
+#[cfg(unix)]
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::process;
@@ -69,7 +70,15 @@ fn lock_file(checkpoint: &Path) -> Option<PathBuf> {
     Some(folder_of(&file).join(name))
 }
 
+/// Whether `path` still names the open file. The name of a file that is removed on Windows stays until all have closed it, so no other file
+/// can have it.
+#[cfg(not(unix))]
+fn is_at(_: &File, path: &Path) -> bool {
+    path.exists()
+}
+
 /// Whether `path` still names the open file.
+#[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     let place = |metadata: fs::Metadata| (metadata.dev(), metadata.ino());
     let open = file.metadata().map(place);
