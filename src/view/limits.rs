@@ -59,10 +59,22 @@ const MOST: Limits = Limits { strangers: 128, strangers_of_address: 64, holders:
 const SHARE_OF_STRANGERS: u64 = 8;
 const SHARE_OF_HOLDERS: u64 = 4;
 
+/// Files that this process may open; `None` where there is no limit.
+#[cfg(unix)]
+fn most_files() -> Option<u64> {
+    rustix::process::getrlimit(rustix::process::Resource::Nofile).current
+}
+
+/// Windows has no limit.
+#[cfg(not(unix))]
+fn most_files() -> Option<u64> {
+    None
+}
+
 impl Limits {
     /// Limits of this process, which may have few open files (`ulimit -n`).
     pub fn of_process() -> Self {
-        Self::with_files(rustix::process::getrlimit(rustix::process::Resource::Nofile).current)
+        Self::with_files(most_files())
     }
 
     /// Limits of a process that may open so many files; `None` where there is no limit.

@@ -104,10 +104,15 @@ fn listen(address: &str, runtime: &Runtime) -> io::Result<(TcpListener, SocketAd
 
 /// Lowers the priority of this thread, so that a flood of requests takes little time from the render. Only Linux has priorities of
 /// threads.
+#[cfg(target_os = "linux")]
 fn give_way(niceness: i32) {
     // Where it is forbidden, the thread keeps its priority.
-    let _ = if cfg!(target_os = "linux") { rustix::process::setpriority_process(None, niceness) } else { Ok(()) };
+    let _ = rustix::process::setpriority_process(None, niceness);
 }
+
+/// Keeps the priority of this thread.
+#[cfg(not(target_os = "linux"))]
+fn give_way(_: i32) {}
 
 /// Lets everybody in until the end, and gives holders of the token time to receive the last state.
 async fn serve(
