@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::quoted;
+
 /// Everything that can go wrong, from a scene file to a lost device.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A scene file, or a mesh that it names, is malformed or uses an unsupported feature.
-    #[error("{}{}: {message}", file.display(), line_suffix(*line))]
+    #[error("{}{}: {}", quoted::line(file.display()), line_suffix(*line), quoted::line(message))]
     Scene {
         /// The file at fault.
         file: PathBuf,
@@ -19,7 +21,7 @@ pub enum Error {
     #[error("the scene has {} faults:{}", .0.len(), listed(.0))]
     Several(Vec<Error>),
     /// A file could not be read.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: cannot be read: {source}", quoted::line(path.display()))]
     Read {
         /// The file.
         path: PathBuf,
@@ -27,7 +29,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file could not be written. No part of it is left on the disk.
-    #[error("{}: cannot be written: {source}", path.display())]
+    #[error("{}: cannot be written: {source}", quoted::line(path.display()))]
     Write {
         /// The file.
         path: PathBuf,
@@ -35,7 +37,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// An image file is malformed or of a kind that is not supported.
-    #[error("{}: {message}", path.display())]
+    #[error("{}: {}", quoted::line(path.display()), quoted::line(message))]
     Image {
         /// The file.
         path: PathBuf,
@@ -43,7 +45,7 @@ pub enum Error {
         message: String,
     },
     /// A checkpoint is damaged or was written by another version.
-    #[error("{}: {message}", path.display())]
+    #[error("{}: {}", quoted::line(path.display()), quoted::line(message))]
     Checkpoint {
         /// The file.
         path: PathBuf,
@@ -51,7 +53,7 @@ pub enum Error {
         message: String,
     },
     /// A kernel's SPIR-V cannot be read or cannot replace the built-in kernel.
-    #[error("{}: {message}", path.display())]
+    #[error("{}: {}", quoted::line(path.display()), quoted::line(message))]
     Kernel {
         /// The file.
         path: PathBuf,

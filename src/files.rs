@@ -11,6 +11,8 @@ use crate::{Error, Result};
 /// Age after which a temporary file that is empty, or whose folder knows no locks, counts as abandoned: a process that still
 /// writes would have touched it.
 const ABANDONED_AFTER: Duration = Duration::from_secs(10);
+/// Most temporary files of this process's number that are passed over.
+const MOST_LEFT_BEHIND: usize = 1000;
 /// Endings of the pictures that a render writes.
 pub const PICTURE_ENDINGS: [&str; 2] = ["exr", "png"];
 
@@ -103,8 +105,10 @@ fn remove_abandoned(target: &Path) {
     for entry in entries.filter_map(io::Result::ok) {
         let name = entry.file_name();
         let owner = name.to_str().and_then(|name| name.strip_prefix(&prefix)?.strip_suffix(".part")?.split_once('-'));
-        let is_gone = owner.is_some_and(|(id, _)| id.parse().is_ok_and(is_gone));
-        if is_gone && is_abandoned(&entry.path()) {
+        let Some(owner) = owner.and_then(|(id, _)| id.parse().ok()) else { continue };
+        // In a container every process may have the number of this one, and on another machine, too.
+        let is_left = is_gone(owner) || owner == std::process::id() && is_old(&entry.path());
+        if is_left && is_abandoned(&entry.path()) {
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -118,14 +122,39 @@ fn is_gone(process: u32) -> bool {
 /// Whether nobody writes the temporary file at `path`. A process on another machine that shares the disk is not listed here, but
 /// it holds the file's lock. A file without content may wait for its lock, so it must be old.
 fn is_abandoned(path: &Path) -> bool {
-    let Ok(file) = File::options().write(true).open(path) else { return false };
+    let Ok(file) = open_to_lock(path, false) else { return false };
     let Ok(metadata) = file.metadata() else { return false };
-    let is_old = || metadata.modified().is_ok_and(|time| time.elapsed().is_ok_and(|age| age >= ABANDONED_AFTER));
     match file.try_lock() {
-        Ok(()) => metadata.len() > 0 || is_old(),
+        Ok(()) => metadata.len() > 0 || is_old(path),
         Err(TryLockError::WouldBlock) => false,
-        Err(TryLockError::Error(_)) => is_old(),
+        Err(TryLockError::Error(_)) => is_old(path),
     }
+}
+
+/// Whether nobody has written to the file at `path` for some time.
+fn is_old(path: &Path) -> bool {
+    let modified = fs::symlink_metadata(path).and_then(|metadata| metadata.modified());
+    modified.is_ok_and(|time| time.elapsed().is_ok_and(|age| age >= ABANDONED_AFTER))
+}
+
+/// Opens a file for its lock, and makes it if `is_made`. Others may have put anything there, so it is not waited for, no link is followed,
+/// and it must be a regular file.
+///
+/// # Errors
+/// Where there is no such file, or it is no regular file.
+pub fn open_to_lock(path: &Path, is_made: bool) -> io::Result<File> {
+    let mut options = File::options();
+    options.write(true).create(is_made).truncate(false);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK | libc::O_NOFOLLOW | libc::O_NOCTTY);
+    let is_regular = |metadata: &fs::Metadata| metadata.is_file();
+    let refused = || io::Error::other(format!("`{}` is no regular file; remove it", path.display()));
+    // A device may act when it is opened.
+    if fs::symlink_metadata(path).is_ok_and(|metadata| !is_regular(&metadata)) {
+        return Err(refused());
+    }
+    let file = options.open(path)?;
+    if is_regular(&file.metadata()?) { Ok(file) } else { Err(refused()) }
 }
 
 /// Makes the names in the folder of `path` reach the disk. Folders that cannot be opened, and systems that cannot sync a folder,
@@ -149,10 +178,20 @@ impl Temporary {
     fn create(path: &Path) -> io::Result<(Self, File)> {
         let target = target_of(path)?;
         let name = target.file_name().ok_or_else(|| io::Error::other("the path names no file; give a file name"))?;
-        let number = TEMPORARY_COUNT.fetch_add(1, Ordering::Relaxed);
-        let name = format!(".{}.{}-{number}.part", name.to_string_lossy(), std::process::id());
-        let path = target.with_file_name(name);
-        let file = File::options().write(true).create_new(true).open(&path);
+        let make = || {
+            let number = TEMPORARY_COUNT.fetch_add(1, Ordering::Relaxed);
+            let name = format!(".{}.{}-{number}.part", name.to_string_lossy(), std::process::id());
+            let path = target.with_file_name(name);
+            (File::options().write(true).create_new(true).open(&path), path)
+        };
+        let (mut file, mut path) = make();
+        // A process of this number may have left files behind, as in a container, where all have the number 1.
+        for _ in 0..MOST_LEFT_BEHIND {
+            if !file.as_ref().is_err_and(|error| error.kind() == ErrorKind::AlreadyExists) {
+                break;
+            }
+            (file, path) = make();
+        }
         let file = file.map_err(|error| explained(error, &target))?;
         // The lock tells others that the file is being written. Where the disk knows no locks, the file's age does.
         let _ = file.try_lock();
@@ -255,6 +294,34 @@ mod tests {
         assert!(error("file/a.exr").ends_with("file` is no folder; give another path"), "{}", error("file/a.exr"));
     }
 
+    /// In a container a new process may have the number of a killed one, whose files are still there.
+    #[test]
+    fn files_that_a_process_of_this_number_left_are_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        let next = TEMPORARY_COUNT.load(Ordering::Relaxed);
+        for number in next..next + 20 {
+            fs::write(folder.path().join(format!(".a.txt.{}-{number}.part", std::process::id())), "left").unwrap();
+        }
+        write_whole(&path, |writer| writer.write_all(b"whole")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
+    }
+
+    /// Whoever can write into a folder can put a pipe there. Nothing waits for it.
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_links_are_not_locked() {
+        let folder = tempfile::tempdir().unwrap();
+        let (pipe, link) = (folder.path().join(".a.txt.4194305-0.part"), folder.path().join("link"));
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        std::os::unix::fs::symlink(folder.path().join("target"), &link).unwrap();
+        for path in [&pipe, &link] {
+            assert!(open_to_lock(path, true).is_err_and(|error| error.to_string().contains("is no regular file")));
+        }
+        check_writable(&folder.path().join("a.txt")).unwrap();
+        assert!(!folder.path().join("target").exists());
+    }
+
     #[test]
     fn extensions_have_any_case() {
         for (name, is_png) in [("a.png", true), ("a.PNG", true), ("a.Png", true), ("a.exr", false), ("png", false)] {
@@ -278,15 +345,17 @@ mod tests {
         let gone = |number: u32| format!(".a.txt.{gone}-{number}.part");
         make(&gone(0), "", old);
         make(&gone(1), "content", now);
+        // A process in another container had this number, too.
+        make(&format!(".a.txt.{own}-7.part"), "content", old);
         let kept = [
             gone(2),
             gone(3),
-            format!(".a.txt.{own}-7.part"),
+            format!(".a.txt.{own}-8.part"),
             ".a.txt.notes.part".into(),
             gone(0).replace("a.txt", "b.txt"),
         ];
         for (name, content) in kept.iter().zip(["", "content", "content", "content", "content"]) {
-            make(name, content, if name == &gone(2) { now } else { old });
+            make(name, content, if [gone(2), format!(".a.txt.{own}-8.part")].contains(name) { now } else { old });
         }
         // A process on another machine writes this file.
         let locked = File::options().write(true).open(folder.path().join(gone(3))).unwrap();

@@ -18,6 +18,8 @@ use crate::{Error, Result};
 
 /// Parts along each side into which a pixel is cut, so that the middle part shows the pixel's center. The number is odd.
 const CENTER_CUT: u32 = 31;
+/// Most surfaces with holes in front of a visible point.
+const MOST_SURFACES: u32 = 64;
 /// Pixels along the side of a view, relative to the map's side. Six views, the faces of a cube, measure the true radiance.
 const FACE_SCALE: u32 = 2;
 /// Number of points along each side of a bin at which the six views are looked up.
@@ -99,7 +101,9 @@ impl MappedScene<'_> {
         let cut = if cut.is_multiple_of(2) { cut - 1 } else { cut }.max(1);
         let center = [x, y].map(|at| at * cut + cut / 2);
         let crop = Crop { x: center[0], y: center[1], width: 1, height: 1 };
-        let settings = Settings { crop: Some(crop), max_depth: 1, ..plain(settings, width * cut, height * cut) };
+        // A path goes straight on through holes to the first surface that scatters.
+        let plain = plain(settings, width * cut, height * cut);
+        let settings = Settings { crop: Some(crop), max_depth: MOST_SURFACES, ..plain };
         let picture = self.picture(self.scene, &settings, 1)?;
         if picture.hit_count[0] == 0 {
             return refuse("there is nothing to be seen");

@@ -18,11 +18,12 @@ flags=(--cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module -Cllvm-args=-sanit
   -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table
   -Cllvm-args=-sanitizer-coverage-trace-compares)
 export CARGO_TARGET_DIR=$PWD/target/fuzz
-# With --target, build scripts are built without these flags.
-if ! RUSTFLAGS="${flags[*]}" cargo build --release --quiet --manifest-path fuzz/Cargo.toml --target "$host"; then
+if ! command -v c++ >/dev/null || ! cargo fetch --quiet --manifest-path fuzz/Cargo.toml; then
   echo "skipped: the fuzzer cannot be built here; it needs a C++ compiler, and the crate libfuzzer-sys"
   exit 0
 fi
+# With --target, build scripts are built without these flags.
+RUSTFLAGS="${flags[*]}" cargo build --release --quiet --manifest-path fuzz/Cargo.toml --target "$host"
 mkdir -p fuzz/artifacts
 # A program of Rust ignores SIGPIPE, as a server must. libFuzzer's own main does not.
 trap '' PIPE

@@ -46,7 +46,7 @@ pub fn numbers(value: &Bound<'_, PyAny>) -> PyResult<(Vec<usize>, Vec<f64>)> {
     })?;
     let array: PyReadonlyArrayDyn<'_, f64> = array.extract()?;
     let values = array.as_slice()?;
-    if kind != "f" && values.iter().any(|value| value.abs() > MAX_EXACT) {
+    if kind != "f" && values.iter().any(|value| value.abs() >= MAX_EXACT) {
         return Err(PyValueError::new_err("it has whole numbers above 2^53, which would be rounded"));
     }
     Ok((array.shape().to_vec(), values.to_vec()))

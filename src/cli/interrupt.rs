@@ -22,7 +22,8 @@ const ECHO: Duration = Duration::from_millis(500);
 const WATCH: Duration = Duration::from_millis(100);
 
 /// Catches SIGINT (Ctrl-C), SIGTERM and SIGHUP (a terminal or a connection that was closed). The first signal stops the render, which
-/// still writes its files. A later signal ends the process at once.
+/// still writes its files. A later SIGINT or SIGTERM ends the process at once. A connection that ends may send SIGHUP twice, so that one
+/// never does.
 pub struct Interrupt {
     /// Number of the last signal; 0 before the first one.
     signal: Arc<AtomicUsize>,
@@ -33,10 +34,12 @@ impl Interrupt {
     pub fn catch() -> Result<Self> {
         let failed = |error| Error::Render(format!("signals cannot be caught: {error}"));
         let (signal, is_final) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
-        for number in [SIGINT, SIGTERM].into_iter().chain(hangup()) {
+        for number in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(number, EXIT_CODE_BASE + number, Arc::clone(&is_final))
-                .and_then(|_| flag::register_usize(number, Arc::clone(&signal), number as usize))
                 .map_err(failed)?;
+        }
+        for number in [SIGINT, SIGTERM].into_iter().chain(hangup()) {
+            flag::register_usize(number, Arc::clone(&signal), number as usize).map_err(failed)?;
         }
         let watched = Arc::clone(&signal);
         let watch = move || {

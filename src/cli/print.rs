@@ -8,12 +8,17 @@ use lodestar::{Error, Result};
 /// Prints a line to standard error. A closed standard error is ignored.
 pub(super) fn report(kind: &str, text: &str) {
     // One write, because other processes may write to the same file at the same time.
-    let _ = io::stderr().write_all(format!("lodestar: {kind}: {text}\n").as_bytes());
+    let _ = io::stderr().write_all(format!("lodestar: {kind}: {}\n", harmless(text)).as_bytes());
 }
 
 /// Prints a line to standard error without a prefix. A closed standard error is ignored.
 pub(super) fn print_message(text: &str) {
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", harmless(text));
+}
+
+/// `text` without what a terminal would take for orders. Names in a scene may hold any character. Only a list of faults has several lines.
+fn harmless(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect()
 }
 
 /// Prints `text` and a line break. A pipe that its reader has closed (`lodestar ... | head -1`) is no error.

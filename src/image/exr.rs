@@ -3,7 +3,7 @@
 //! The data window is the rendered window; the display window is the whole film. Compression is lossless. Colors are linear
 //! sRGB, and the header says so.
 
-use std::io::{self, BufReader, Cursor, Read, Seek};
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use ::exr::meta::MetaData;
@@ -26,6 +26,11 @@ const ATTRIBUTE_PREFIX: &str = "lodestar.";
 pub const LARGEST_HALF: f32 = 65_504.0;
 /// Limit on pixels, 16384 x 16384, because a damaged header may ask for any size.
 const MAX_PIXEL_COUNT: usize = 1 << 28;
+
+/// Bytes that a file of any length may unpack to.
+const MOST_BYTES: u64 = 1 << 31;
+/// Most bytes that a larger file may unpack to, as a multiple of its length. A picture of one color in all channels may be packed tighter.
+const MOST_RATIO: u64 = 64;
 
 /// Primaries and white point of sRGB and of Rec. 709.
 const SRGB: Chromaticities = {
@@ -303,12 +308,25 @@ fn file_of(path: &Path, mut file: impl Read + Seek) -> Result<File> {
     parts.map_err(|error| read_error(path, error))
 }
 
-/// Refuses a picture larger than [`MAX_PIXEL_COUNT`] before memory is allocated for its pixels.
-fn check_size(path: &Path, file: impl Read) -> Result<()> {
+/// Refuses a picture larger than [`MAX_PIXEL_COUNT`], and one whose parts and channels would unpack to far more than its file can hold,
+/// before memory is allocated for its pixels.
+fn check_size(path: &Path, mut file: impl Read + Seek) -> Result<()> {
+    let length = file.seek(SeekFrom::End(0)).and_then(|length| file.rewind().map(|()| length));
+    let length = length.map_err(Error::read(path))?;
     let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
     let pixel_count = |header: &Header| header.layer_size.0.saturating_mul(header.layer_size.1);
     if meta.headers.iter().any(|header| pixel_count(header) > MAX_PIXEL_COUNT) {
         return Err(Error::image(path, "it is larger than 2^28 pixels; crop it"));
+    }
+    let bytes_of =
+        |header: &Header| (pixel_count(header) as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
+    let bytes = meta.headers.iter().map(bytes_of).fold(0, u64::saturating_add);
+    if bytes > MOST_BYTES.max(length.saturating_mul(MOST_RATIO)) {
+        let gigabytes = bytes as f64 / 1e9;
+        let message = format!(
+            "its channels have {gigabytes:.1} GB, far more than a file of {length} bytes holds; give fewer channels"
+        );
+        return Err(Error::image(path, message));
     }
     Ok(())
 }

@@ -20,7 +20,7 @@ const TRIES: usize = 100;
 #[derive(Debug)]
 pub(super) struct CheckpointLock {
     path: PathBuf,
-    _file: File,
+    file: File,
     /// The process that has made the lock. A child that it forks must not remove the file.
     process: u32,
 }
@@ -36,10 +36,9 @@ impl CheckpointLock {
             return files::check_writable(checkpoint).map(|()| None);
         };
         for _ in 0..TRIES {
-            let file = File::options().write(true).create(true).truncate(false).open(&path);
-            let file = file.map_err(Error::write(checkpoint))?;
+            let file = files::open_to_lock(&path, true).map_err(Error::write(checkpoint))?;
             match file.try_lock() {
-                Ok(()) if is_at(&file, &path) => return Ok(Some(Self { path, _file: file, process: process::id() })),
+                Ok(()) if is_at(&file, &path) => return Ok(Some(Self { path, file, process: process::id() })),
                 // The process that had the lock has removed the file.
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => break,
@@ -56,7 +55,8 @@ impl CheckpointLock {
 
 impl Drop for CheckpointLock {
     fn drop(&mut self) {
-        if self.process == process::id() {
+        // Somebody may have removed the file, and another render may have made one of this name.
+        if self.process == process::id() && is_at(&self.file, &self.path) {
             // A file that stays harms nobody.
             let _ = fs::remove_file(&self.path);
         }
@@ -106,6 +106,21 @@ mod tests {
         drop(lock);
         assert!(CheckpointLock::take(&link).unwrap().is_some());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
+
+    /// Somebody removes the file of a lock, and another render takes its own. The end of the first render leaves that one alone.
+    #[cfg(unix)]
+    #[test]
+    fn a_lock_removes_its_own_file_only() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ckpt");
+        let first = CheckpointLock::take(&path).unwrap();
+        fs::remove_file(folder.path().join(".a.ckpt.lock")).unwrap();
+        let second = CheckpointLock::take(&path).unwrap();
+        drop(first);
+        assert!(CheckpointLock::take(&path).is_err());
+        drop(second);
+        assert!(CheckpointLock::take(&path).unwrap().is_some());
     }
 
     #[test]

@@ -86,6 +86,12 @@ impl Checkpoints {
         Self { file, template, last: None, last_write: Instant::now(), samples_written, is_failing: false }
     }
 
+    /// Whether they are kept in the file at `path`.
+    pub fn is_in(&self, path: &Path) -> bool {
+        let file = |path: &Path| files::written_file(path).ok();
+        file(path).is_some() && file(path) == file(&self.file.path)
+    }
+
     /// Forgets what was read back, because the render begins again with other settings. The file stays until it is written
     /// again.
     pub fn begin_again(&mut self, settings: &Settings) {

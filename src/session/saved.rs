@@ -1,6 +1,7 @@
 //! Checkpoints in their files. A checkpoint may come from somebody else, so its hashes say only that it is whole. Everything in it is
 //! checked before it is used, and its state is read into memory once it is known to be what the render needs.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -213,7 +214,7 @@ impl<'a> Reader<'a> {
     fn hash(&self, length: u64, allowed: impl Fn(u8) -> bool) -> Result<u128> {
         let mut file = &self.file;
         let (mut hash, mut left) = (Xxh3::new(), length);
-        let mut block = vec![0; BLOCK];
+        let mut block = vec![0; left.min(BLOCK as u64) as usize];
         file.seek(SeekFrom::Start(self.begin)).map_err(Error::read(self.path))?;
         while left > 0 {
             let count = left.min(BLOCK as u64) as usize;
@@ -233,6 +234,10 @@ impl<'a> Reader<'a> {
 
     /// Checks lengths and hashes of the parts. They are as long as the rest of the file, and hold a film of the settings' size.
     fn check_parts(&mut self, parts: &[PartEntry], settings: &Settings) -> Result<()> {
+        let names: HashSet<_> = parts.iter().map(|part| &part.name).collect();
+        if names.len() < parts.len() {
+            return Err(Error::checkpoint(self.path, "it has two parts of one name; go on from another copy"));
+        }
         let bytes = parts.iter().fold(0u64, |sum, part| sum.saturating_add(part.bytes));
         if bytes != self.length - self.begin {
             return Err(damaged(self.path));

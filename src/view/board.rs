@@ -38,6 +38,22 @@ pub(super) struct CurvePoint {
     pub value: f64,
 }
 
+/// Most points of a curve. Each event carries all of them.
+const MOST_POINTS: usize = 1000;
+
+/// `points` of a curve, every second one left out as often as there are too many. The last one stays.
+pub(super) fn thinned(mut points: Vec<CurvePoint>) -> Vec<CurvePoint> {
+    while points.len() > MOST_POINTS {
+        let keeps_odd = points.len() % 2 == 0;
+        let mut at = 0;
+        points.retain(|_| {
+            at += 1;
+            (at % 2 == 0) == keeps_odd
+        });
+    }
+    points
+}
+
 /// Facts about a render that the page shows.
 #[derive(Debug, Clone, Default, Serialize)]
 pub(super) struct State {
@@ -197,5 +213,16 @@ mod tests {
         changes.mark_unchanged();
         board.close();
         assert!(changes.has_changed().unwrap() && board.is_closed());
+    }
+}
+
+#[test]
+fn curves_stay_short_and_keep_their_last_point() {
+    let point = |samples| CurvePoint { samples, seconds: 0.0, value: 0.0 };
+    for count in [0, 1, 999, 1000, 1001, 1002, 4711, 100_000] {
+        let points = thinned((0..count).map(point).collect());
+        assert!(points.len() <= MOST_POINTS && (count < 1000 || points.len() > MOST_POINTS / 3), "{count}");
+        assert_eq!(points.last().map(|point| point.samples), count.checked_sub(1), "{count}");
+        assert!(points.is_sorted_by_key(|point| point.samples));
     }
 }

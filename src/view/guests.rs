@@ -94,9 +94,10 @@ impl Crowd {
     fn send_one_away(&mut self) {
         let mut counts: HashMap<Network, usize> = HashMap::new();
         self.strangers.iter().for_each(|stranger| *counts.entry(stranger.network).or_default() += 1);
-        if let Some((&network, _)) = counts.iter().max_by_key(|(_, count)| **count) {
-            self.send_away(network);
-        }
+        // Of several networks with the most strangers, that of the stranger who has been silent for longest.
+        let most = counts.values().max().copied().unwrap_or(0);
+        let network = self.strangers.iter().map(|stranger| stranger.network).find(|network| counts[network] == most);
+        network.into_iter().for_each(|network| self.send_away(network));
     }
 
     fn send_away(&mut self, network: Network) {

@@ -208,6 +208,7 @@ impl Desk {
         let curve = &mut pinned.state.noise;
         if curve.last().is_none_or(|last| last.samples < shot.samples) {
             curve.push(CurvePoint { samples: shot.samples, seconds: shot.seconds, value: noise });
+            *curve = thinned(std::mem::take(curve));
         }
         Some(noise)
     }

@@ -12,7 +12,7 @@ use crate::film::Picture;
 use crate::session::statistics::StepStatistics;
 use crate::session::{Ending, Event, Progress, Session, Watch};
 use crate::settings::{Settings, options};
-use crate::view::board::{Board, CurvePoint, Phase, Pinned, State};
+use crate::view::board::{Board, CurvePoint, Phase, Pinned, State, thinned};
 use crate::view::denoiser::LazyDenoiser;
 use crate::view::display::Display;
 use crate::view::guide::{GuideCells, GuideCopy, MOST_BYTES};
@@ -256,7 +256,7 @@ fn errors_of(steps: &[StepStatistics]) -> Vec<CurvePoint> {
         seconds += step.seconds;
         Some(CurvePoint { samples, seconds, value: step.errors?.mae })
     };
-    steps.iter().filter_map(point).collect()
+    thinned(steps.iter().filter_map(point).collect())
 }
 
 fn note_progress(state: &mut State, progress: &Progress) {

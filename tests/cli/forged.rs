@@ -156,6 +156,19 @@ fn forged_states_do_no_harm() {
 }
 
 /// Parts of a forged state are longer, shorter or others than the render needs.
+/// A state whose parts repeat a name could be as long as its author likes, however long one part may be.
+#[test]
+fn parts_of_one_name_are_refused() {
+    let folder = with_checkpoint();
+    let path = folder.path("own/a.ckpt");
+    forge(&path, |header| {
+        let empty = json!({"name": "film", "bytes": 0, "hash": format!("{:032x}", xxh3_128(b""))});
+        let parts = header["parts"].as_array_mut().unwrap();
+        parts.extend([empty.clone(), empty]);
+    });
+    assert_sentence(&resume(&folder, "own", &[]), 1, &["a.ckpt: it has two parts of one name"]);
+}
+
 #[test]
 fn parts_that_do_not_fit_are_refused() {
     let folder = with_checkpoint();

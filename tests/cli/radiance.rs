@@ -104,3 +104,31 @@ fn what_has_no_map_is_said() {
     let output = folder.run(&["radiance", FURNACE, "-o", "a.exr", "--pixel", "1;2"]);
     assert_sentence(&output, 2, &["write it as X,Y"]);
 }
+
+/// A point is that of the first surface that scatters. Holes before it do not count.
+#[test]
+fn a_point_is_seen_through_holes() {
+    let folder = Folder::new();
+    let scene = |pane: &str| {
+        format!(
+            "<scene version='3.0.0'><sensor type='perspective'><transform name='to_world'>\
+             <lookat origin='0,0,4' target='0,0,0' up='0,1,0'/></transform></sensor>{pane}\
+             <shape type='rectangle'><bsdf type='diffuse'/></shape><emitter type='constant'/></scene>"
+        )
+    };
+    let pane =
+        "<shape type='rectangle'><transform name='to_world'><translate z='1'/></transform><bsdf type='null'/></shape>";
+    let point = |pane: &str| {
+        folder.write("pane.xml", &scene(pane));
+        let output = folder.run(&[
+            "radiance", "pane.xml", "--pixel", "8,8", "--width", "16", "--height", "16", "--spp", "8", "-o", "a.exr",
+        ]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = attribute(&folder.path("a.exr"), "position");
+        let numbers: Vec<f64> =
+            text.trim_matches(['[', ']']).split(", ").map(|number| number.parse().unwrap()).collect();
+        DVec3::from_slice(&numbers)
+    };
+    let (behind, alone) = (point(pane), point(""));
+    assert!(alone.z.abs() < 1.0e-5 && behind.distance(alone) < 1.0e-5, "{behind}, not {alone}");
+}

@@ -59,6 +59,23 @@ fn a_hangup_is_answered_with_the_picture_so_far() {
     is_answered("HUP", 1, 129);
 }
 
+/// A connection that ends may send the signal twice, from the shell and from the system. The render still writes its picture.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_second_hangup_ends_nothing_early() {
+    let folder = Folder::new();
+    let mut process = Command::new("env");
+    process.args(["--default-signal=HUP", env!("CARGO_BIN_EXE_lodestar")]).args(OUTPUTS).args(["--spp", "1000000"]);
+    process.args(["--samples-per-dispatch", "4096", "--width", "64", "--height", "64"]);
+    let mut running = folder.start_process(&mut process);
+    running.wait_for_line("/1000000 spp");
+    running.signal("HUP");
+    std::thread::sleep(Duration::from_millis(700));
+    running.signal("HUP");
+    assert_eq!(running.wait().0, Some(129));
+    assert!(read_rgb(&folder.path("a.exr")).is_ok());
+}
+
 /// `nohup` starts a program with SIGHUP ignored.
 #[test]
 fn a_hangup_is_ignored_under_nohup() {

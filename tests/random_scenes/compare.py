@@ -84,11 +84,13 @@ def compare(binary, path, options=(), seed=1, samples=256, rounds=ROUNDS, factor
         theirs, their_error = by_mitsuba(path, samples, seed + at)
         rounding = OF_BLOCK * np.abs(theirs) + OF_PICTURE * np.abs(theirs).mean() + 1.0e-7
         ours, our_error = factor * ours, factor * our_error
+        if not (np.isfinite(ours).all() and np.isfinite(theirs).all()):
+            return Verdict(True, float("inf"), float("nan"), at + 1)
         z = (ours - theirs) / np.sqrt(our_error**2 + their_error**2 + rounding**2)
         suspicious = np.where(np.abs(z) > LIMIT, np.sign(z), 0.0)
         side = suspicious if side is None else np.where(side == suspicious, side, 0.0)
         verdict = Verdict(bool(side.any()), float(np.abs(z).max()), float(ours.mean() / max(theirs.mean(), 1.0e-12)), at + 1)
-        if not verdict.differs or not np.isfinite(z).all():
+        if not verdict.differs:
             break
         samples *= 4
     return verdict

@@ -144,6 +144,40 @@ fn guided_pictures_with_panes_agree_with_unguided_ones() {
     }
 }
 
+/// A lamp that emits inwards is seen through its own holes from outside, where emitter sampling draws no point of it that emits: all of its
+/// light is that of paths.
+#[test]
+fn a_sphere_that_emits_inwards_shines_through_its_own_holes() {
+    let device = Device::new();
+    for bsdf in
+        ["<bsdf type='null'/>", "<bsdf type='mask'><float name='opacity' value='0.5'/><bsdf type='diffuse'/></bsdf>"]
+    {
+        let text = format!(
+            "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><float name='fov' value='10'/>\
+             <transform name='to_world'><lookat origin='0,1,4' target='0,0,0' up='0,1,0'/></transform></sensor>\
+             <shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/><scale value='4'/></transform></shape>\
+             <shape type='sphere'><point name='center' x='0' y='2' z='0'/><float name='radius' value='0.7'/>\
+             <boolean name='flip_normals' value='true'/>{bsdf}<emitter type='area'/></shape></scene>"
+        );
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("scene.xml");
+        std::fs::write(&path, &text).expect("a file");
+        let scene = load(&path, &LoadOptions::default()).expect("a scene");
+        let mean = |nee| {
+            let settings = Settings { nee, ..settings(&scene, [16, 16], Sampler::Bsdf, 11) };
+            Estimate::of(&device.render(&scene, &settings, SPP)).gray()
+        };
+        let ((with, with_error), (without, without_error)) = (mean(true), mean(false));
+        println!(
+            "{bsdf}: {with:.5} +- {with_error:.5} with emitter sampling, {without:.5} +- {without_error:.5} without"
+        );
+        let z = (with - without) / with_error.hypot(without_error);
+        assert!(sidak(two_sided(z), TESTS) > ALPHA && without > 0.01, "{bsdf}: {with}, not {without}");
+        let twin = (0.9 * with - without) / with_error.hypot(without_error);
+        assert!(sidak(two_sided(twin), TESTS) < ALPHA, "{bsdf}: the twin");
+    }
+}
+
 /// A stack of surfaces that let all light pass, above a floor under a sun.
 fn stack(count: usize) -> String {
     let mut text = String::from(

@@ -55,7 +55,7 @@ class _Exporter:
         self.shapes: list[xml.Element] = []
         self.emitters: list[xml.Element] = []
         self.visible_lamps: list[str] = []
-        self.surfaces_emit = self.light_passes = False
+        self.surfaces_emit = self.has_glass = False
 
     def run(self) -> Export:
         scene = self.depsgraph.scene_eval
@@ -139,7 +139,7 @@ class _Exporter:
         keys = [self._material(material) for material in slots]
         for part in self._mesh_parts(owner, keys):
             material, key = self.materials[keys[part.slot]], keys[part.slot]
-            self.light_passes |= material.passes_light
+            self.has_glass |= material.is_glass
             self.surfaces_emit |= material.emission is not None
             self._shape(part.file, matrix, key, material)
             if part.back is not None:
@@ -193,9 +193,9 @@ class _Exporter:
 
     def _report_light_through_surfaces(self) -> None:
         points = [e for e in self.emitters if e.get("type") in ("point", "spot", "directional")]
-        if points and self.light_passes:
+        if points and self.has_glass:
             self.report.warn(
-                "scene", "light of suns, spots and lamps of radius 0 does not pass transparent or glass surfaces; give lamps a radius"
+                "scene", "light of suns, spots and lamps of radius 0 does not pass glass; give lamps a radius"
             )
 
 

@@ -70,9 +70,9 @@ def _unpack(chunk: bytes, size: int) -> bytes:
     content = unpacking.decompress(chunk, size + 1)
     if len(content) != size or not unpacking.eof:
         raise ValueError(f"a chunk has {len(content)} bytes or more in place of {size}, or its end is missing")
-    data = np.frombuffer(content, np.uint8).astype(np.int64)
+    data = np.frombuffer(content, np.uint8).copy()
     data[1:] -= 128
-    data = np.cumsum(data).astype(np.uint8)
+    np.cumsum(data, dtype=np.uint8, out=data)
     half = (len(data) + 1) // 2
     result = np.empty_like(data)
     result[0::2], result[1::2] = data[:half], data[half:]

@@ -35,7 +35,7 @@ class Material:
     emission: Optional[xml.Element]
     uv_map: Optional[str]
     color_attribute: Optional[str]
-    passes_light: bool
+    is_glass: bool  # whether it is glass, through which light of points and suns is not found
 
 
 def translate(material: Any, images: Images, report: Report) -> Material:
@@ -63,13 +63,13 @@ def translate(material: Any, images: Images, report: Report) -> Material:
         reader.warn("a color attribute beside image textures is not supported; the color is white")
         _whiten(element)
         reader.color_attributes.clear()
-    passes_light = any(b.get("type") in ("null", "mask", "dielectric", "roughdielectric", "thindielectric") for b in element.iter("bsdf"))
+    is_glass = any(b.get("type") in ("dielectric", "roughdielectric") for b in element.iter("bsdf"))
     return Material(
         element,
         _radiance(closure.emission, images),
         min(reader.uv_maps, default=None),
         min(reader.color_attributes, default=None),
-        passes_light,
+        is_glass,
     )
 
 

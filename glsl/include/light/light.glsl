@@ -3,6 +3,7 @@
 // direction and for a ray that hits the light by chance, so that the weights of the two sum to 1.
 #ifndef LIGHT_GLSL
 #define LIGHT_GLSL
+#include "bsdf/thin_dielectric.glsl"
 #include "light/emitter.glsl"
 #include "light/environment.glsl"
 #include "light/light_selection.glsl"
@@ -83,7 +84,14 @@ uint patches_per_light() {
 float pdf_area_light(uint primitive, Surface s, vec3 from) {
     PrimitiveRecord p = load_primitive(primitive);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
-    if (HAS_SPHERES && shape == SHAPE_SPHERE) return pdf_sphere(from, s.position, p.origin, p.edge_tolerance);
+    if (HAS_SPHERES && shape == SHAPE_SPHERE) {
+        // From before a sphere, sample_sphere draws points of its near side only. Through holes or thin glass of that side, a path may
+        // meet the far inside, which emits where the normal is flipped.
+        bool may_be_entered = has_feature(FEATURE_OPACITY) || has_kind(BSDF_THIN_DIELECTRIC);
+        bool emits_inwards = (p.flags & PRIMITIVE_FLIP_NORMAL) != 0u;
+        if (may_be_entered && emits_inwards && sees_cone(from, p.origin, p.edge_tolerance)) return 0.0;
+        return pdf_sphere(from, s.position, p.origin, p.edge_tolerance);
+    }
     float area = flat_area(shape, p.edge_u, p.edge_v);
     return pdf_area(from, s.position, s.geometric_normal, area);
 }

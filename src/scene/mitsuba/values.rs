@@ -21,18 +21,18 @@ pub(super) fn parameter(of: Type, element: &Element) -> Result<Value, String> {
         Type::Boolean => match text()?.trim().to_ascii_lowercase().as_str() {
             "true" => Value::Boolean(true),
             "false" => Value::Boolean(false),
-            text => return Err(format!("`{}` should be `true` or `false`, not `{text}`", key())),
+            text => return Err(format!("`{}` should be `true` or `false`, not {}", key(), quoted::word(text))),
         },
         Type::Integer => match text()?.trim().parse() {
             Ok(value) => Value::Integer(value),
-            Err(_) => return Err(format!("`{}`: `{}` is not an integer", key(), text()?)),
+            Err(_) => return Err(format!("`{}`: {} is not an integer", key(), quoted::word(text()?))),
         },
         Type::Float => Value::Float(numbers::one(text()?)?),
         Type::String => Value::Text(text()?.to_owned()),
         Type::Point => Value::Point(xyz(element, 0.0)?),
         Type::Vector => Value::Vector(xyz(element, 0.0)?),
         Type::Rgb => match text()?.trim().starts_with('#') {
-            true => return Err(format!("`{}` in <rgb>: hex digits need <srgb>", text()?)),
+            true => return Err(format!("{} in <rgb>: hex digits need <srgb>", quoted::word(text()?))),
             false => Value::Rgb(numbers::one_or_three(text()?)?),
         },
         Type::Srgb => match text()?.trim().strip_prefix('#') {
@@ -61,7 +61,7 @@ fn xyz(element: &Element, default: f64) -> Result<[f64; 3], String> {
 }
 
 fn hex(digits: &str) -> Result<[f64; 3], String> {
-    let malformed = || format!("`#{digits}` should be # and six hexadecimal digits");
+    let malformed = || format!("{} should be # and six hexadecimal digits", quoted::word(&format!("#{digits}")));
     let bits = u32::from_str_radix(digits, 16).map_err(|_| malformed())?;
     if digits.len() != 6 {
         return Err(malformed());
@@ -86,7 +86,7 @@ pub(super) fn spectrum_of_text(text: &str, format: Format) -> Result<Spectrum, S
         [value] => Ok(Spectrum::Uniform(value)),
         // Mitsuba 0.6 accepts three numbers as a color.
         [red, green, blue] => Ok(Spectrum::Rgb([red, green, blue])),
-        _ => Err(format!("`{text}` should be one number, three, or wavelength:value pairs")),
+        _ => Err(format!("{} should be one number, three, or wavelength:value pairs", quoted::word(text))),
     }
 }
 

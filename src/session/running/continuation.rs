@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::renderer::RenderState;
 use crate::renderer::learned_guide::GuideState;
 use crate::session::checkpoint::{Checkpoint, Record};
+use crate::session::checkpoint_lock::CheckpointLock;
 use crate::session::checkpoints::{CheckpointFile, Checkpoints};
 use crate::session::devices::device_name;
 use crate::session::history::History;
@@ -53,6 +54,9 @@ impl Running {
                            only; take whole steps";
             return Err(Error::checkpoint(file, message));
         }
+        // The file may be that of a render which keeps its checkpoints there.
+        let is_own = self.checkpoints.as_ref().is_some_and(|own| own.is_in(file));
+        let _lock = if is_own { None } else { CheckpointLock::take(file)? };
         let mut checkpoint = self.template()?;
         (checkpoint.record.history, checkpoint.state) = (self.history.clone(), self.fleet.state()?);
         checkpoint.write(file)

@@ -64,7 +64,7 @@ fn whole(text: &str, least: i64) -> Result<(), String> {
         }
         _ => "give a whole number".to_owned(),
     })?;
-    let is_inside = (least..=u32::MAX.into()).contains(&number);
+    let is_inside = (least..=u32::MAX.into()).contains(&number) && !text.starts_with('-');
     if is_inside { Ok(()) } else { Err(format!("{number} is not in {least}..={}", u32::MAX)) }
 }
 

@@ -29,7 +29,7 @@ export function drawCurve(figure, points) {
   figure.hidden = usable.length < 2;
   if (figure.hidden) return;
   const range = (values) => {
-    const [low, high] = [Math.min(...values), Math.max(...values)];
+    const [low, high] = values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
     return low === high ? [low / 2, high * 2] : [low, high];
   };
   const [x0, x1] = range(usable.map((point) => point.samples)), [y0, y1] = range(usable.map((point) => point.value));

@@ -511,7 +511,6 @@ pub const MUTATIONS: &[Mutation] = &[
             mutated: "eval_scatterer(scatterer, bsdf_sample.wi) / (MUTATED ? 1.25 : 1.0) / ",
         }],
     ),
-    // Mitsuba 3 ends its shadow rays so early (its constant `ShadowEpsilon`, 15000 / 2^24).
     mutation(
         "shadow rays through few surfaces",
         &[Patch {
@@ -520,6 +519,7 @@ pub const MUTATIONS: &[Mutation] = &[
             mutated: "Passage(ray, vec3(1.0), MUTATED ? 16u : MAX_DEPTH - 1u - depth, true)",
         }],
     ),
+    // Mitsuba 3 ends its shadow rays so early (its constant `ShadowEpsilon`, 15000 / 2^24).
     mutation(
         "shadow rays end before the light",
         &[Patch {
