@@ -44,11 +44,11 @@ const MOST_POINTS: usize = 1000;
 /// `points` of a curve, every second one left out as often as there are too many. The last one stays.
 pub(super) fn thinned(mut points: Vec<CurvePoint>) -> Vec<CurvePoint> {
     while points.len() > MOST_POINTS {
-        let keeps_odd = points.len() % 2 == 0;
+        let odd = points.len() % 2;
         let mut at = 0;
         points.retain(|_| {
             at += 1;
-            (at % 2 == 0) == keeps_odd
+            at % 2 == odd
         });
     }
     points

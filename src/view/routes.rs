@@ -21,7 +21,7 @@ use hyper::{Method, Request};
 use serde::Serialize;
 
 use crate::Result;
-use crate::view::board::{Board, CurvePoint, Order};
+use crate::view::board::{Board, CurvePoint, Order, thinned};
 use crate::view::content::{Answer, Answering, bytes, claiming, empty, framed, json, last, text};
 use crate::view::denoiser;
 use crate::view::events::Listeners;

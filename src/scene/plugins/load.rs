@@ -26,7 +26,6 @@ use super::{curves, cylinder, fit, integrator, sensor, texture_images, vertex_co
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::{Entry, Object, Value};
-use crate::scene::description::origin::Format;
 use crate::scene::faults::Faults;
 use crate::scene::folders::FoundFile;
 use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};

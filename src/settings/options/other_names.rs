@@ -1,7 +1,5 @@
 //! Names that options have in other renderers, with what is meant by them here.
 
-use super::find;
-
 /// Names, and what people mean by them: an option and what it sets, or a sentence without an option.
 struct OtherNames {
     names: &'static [&'static str],
@@ -47,13 +45,19 @@ pub fn meaning(name: &str, spell: impl Fn(&str) -> String) -> Option<String> {
     Some(if option.is_empty() { (*what).to_owned() } else { format!("{} sets {what}", spell(option)) })
 }
 
-#[test]
-fn other_names_are_no_options_and_mean_one() {
-    for OtherNames { names, option, .. } in OTHER_NAMES {
-        assert!(option.is_empty() || find(option).is_some(), "{option}");
-        assert!(names.iter().all(|name| find(name).is_none()), "{names:?}");
+#[cfg(test)]
+mod tests {
+    use super::super::find;
+    use super::*;
+
+    #[test]
+    fn other_names_are_no_options_and_mean_one() {
+        for OtherNames { names, option, .. } in OTHER_NAMES {
+            assert!(option.is_empty() || find(option).is_some(), "{option}");
+            assert!(names.iter().all(|name| find(name).is_none()), "{names:?}");
+        }
+        let spell = |name: &str| format!("--{name}");
+        assert_eq!(meaning("samples", spell).as_deref(), Some("--spp sets the samples per pixel"));
+        assert_eq!(meaning("sample", spell), None);
     }
-    let spell = |name: &str| format!("--{name}");
-    assert_eq!(meaning("samples", spell).as_deref(), Some("--spp sets the samples per pixel"));
-    assert_eq!(meaning("sample", spell), None);
 }
