@@ -2,13 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::quoted;
-
 /// Everything that can go wrong, from a scene file to a lost device.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A scene file, or a mesh that it names, is malformed or uses an unsupported feature.
-    #[error("{}{}: {}", quoted::line(file.display()), line_suffix(*line), quoted::line(message))]
+    #[error("{}{}: {}", one_line(file.display()), line_suffix(*line), one_line(message))]
     Scene {
         /// The file at fault.
         file: PathBuf,
@@ -21,7 +19,7 @@ pub enum Error {
     #[error("the scene has {} faults:{}", .0.len(), listed(.0))]
     Several(Vec<Error>),
     /// A file could not be read.
-    #[error("{}: cannot be read: {source}", quoted::line(path.display()))]
+    #[error("{}: cannot be read: {source}", one_line(path.display()))]
     Read {
         /// The file.
         path: PathBuf,
@@ -29,7 +27,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file could not be written. No part of it is left on the disk.
-    #[error("{}: cannot be written: {source}", quoted::line(path.display()))]
+    #[error("{}: cannot be written: {source}", one_line(path.display()))]
     Write {
         /// The file.
         path: PathBuf,
@@ -37,7 +35,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// An image file is malformed or of a kind that is not supported.
-    #[error("{}: {}", quoted::line(path.display()), quoted::line(message))]
+    #[error("{}: {}", one_line(path.display()), one_line(message))]
     Image {
         /// The file.
         path: PathBuf,
@@ -45,7 +43,7 @@ pub enum Error {
         message: String,
     },
     /// A checkpoint is damaged or was written by another version.
-    #[error("{}: {}", quoted::line(path.display()), quoted::line(message))]
+    #[error("{}: {}", one_line(path.display()), one_line(message))]
     Checkpoint {
         /// The file.
         path: PathBuf,
@@ -53,7 +51,7 @@ pub enum Error {
         message: String,
     },
     /// A kernel's SPIR-V cannot be read or cannot replace the built-in kernel.
-    #[error("{}: {}", quoted::line(path.display()), quoted::line(message))]
+    #[error("{}: {}", one_line(path.display()), one_line(message))]
     Kernel {
         /// The file.
         path: PathBuf,
@@ -182,6 +180,17 @@ fn listed(errors: &[Error]) -> String {
     text
 }
 
+/// A text in one line: what a terminal would take for orders becomes a blank. Names in a scene may hold any character.
+fn one_line(text: impl std::fmt::Display) -> String {
+    text.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
 fn line_suffix(line: Option<u32>) -> String {
     line.map(|line| format!(":{line}")).unwrap_or_default()
+}
+
+#[test]
+fn messages_give_no_orders() {
+    let error = Error::scene("a\nb.xml", Some(3), "no\u{1b}[2J \u{9b}plugin\nlodestar: error: forged");
+    assert_eq!(error.to_string(), "a b.xml:3: no [2J  plugin lodestar: error: forged");
 }

@@ -16,11 +16,6 @@ pub fn word(word: &str) -> String {
     }
 }
 
-/// A text in one line: what a terminal would take for orders becomes a blank.
-pub fn line(text: impl std::fmt::Display) -> String {
-    text.to_string().chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
-}
-
 /// A word of a file that may be no text.
 pub fn bytes(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
@@ -55,11 +50,6 @@ fn long_words_and_strange_ones_are_described() {
     assert_eq!(word("A=1\0B=2"), "a word with control characters of 7 characters");
     assert_eq!(bytes(b"1.5"), "`1.5`");
     assert_eq!(bytes(&[0xff; 9]), "a word of 9 bytes that are no text");
-}
-
-#[test]
-fn lines_give_no_orders() {
-    assert_eq!(line("a\u{1b}[2J\nb\u{9b}"), "a [2J b ");
 }
 
 #[test]

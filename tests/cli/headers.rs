@@ -3,7 +3,7 @@
 use lodestar::film::{Picture, read_picture};
 use lodestar::image::exr::read_layers;
 
-use crate::support::{Folder, SCENE, assert_quiet_success, assert_sentence, attribute};
+use crate::support::{Folder, SCENE, assert_sentence, assert_written, attribute};
 
 /// Center of the only shape of [`with_a_lamp`].
 const CENTER: [f32; 3] = [0.9, 0.6, 5.0];
@@ -118,7 +118,7 @@ fn half_floats_are_for_colors_and_merge_only_with_sums() {
             let more: Vec<_> = more.into_iter().collect();
             render(&[&["-o", name, "--sample-offset", offset], &more[..]].concat());
         }
-        assert_quiet_success(&folder.run(&["merge", first, second, "-o", merged]));
+        assert_written(&folder.run(&["merge", first, second, "-o", merged]), merged);
     }
     // Sums are not rounded.
     assert_eq!(read(&folder, "cd.exr").0, read(&folder, "ab.exr").0);
@@ -154,7 +154,7 @@ fn the_date_can_be_fixed() {
     let merge = |name: &str, date: Option<&str>| {
         let mut command = folder.command(&["merge", "a.exr", "b.exr", "-o", name]);
         command.env_remove("SOURCE_DATE_EPOCH").envs(date.map(|date| ("SOURCE_DATE_EPOCH", date)));
-        assert_quiet_success(&command.output().unwrap());
+        assert_written(&command.output().unwrap(), name);
         std::fs::read(folder.path(name)).unwrap()
     };
     let has = |bytes: &[u8], text: &[u8]| bytes.windows(text.len()).any(|found| found == text);

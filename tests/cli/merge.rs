@@ -5,7 +5,7 @@ use std::fs;
 use lodestar::film::Picture;
 use lodestar::film::{read_picture, write_picture};
 
-use crate::support::{Folder, assert_quiet_success, assert_sentence, attribute};
+use crate::support::{Folder, assert_quiet_success, assert_sentence, assert_written, attribute};
 
 const SIZE: [&str; 6] = ["--width", "40", "--height", "30", "--seed", "5"];
 
@@ -17,7 +17,7 @@ impl Folder {
     }
 
     fn merge(&self, parts: &[&str], name: &str) -> Picture {
-        assert_quiet_success(&self.run(&[&["merge"], parts, &["-o", name]].concat()));
+        assert_written(&self.run(&[&["merge"], parts, &["-o", name]].concat()), name);
         read_picture(&self.path(name)).unwrap().0
     }
 }

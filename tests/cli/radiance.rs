@@ -130,5 +130,5 @@ fn a_point_is_seen_through_holes() {
         DVec3::from_slice(&numbers)
     };
     let (behind, alone) = (point(pane), point(""));
-    assert!(alone.z.abs() < 1.0e-5 && behind.distance(alone) < 1.0e-5, "{behind}, not {alone}");
+    assert!(alone.z.abs() < 1.0e-4 && behind.distance(alone) < 1.0e-4, "{behind}, not {alone}");
 }

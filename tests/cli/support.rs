@@ -194,6 +194,13 @@ pub fn assert_quiet_success(output: &Output) {
     assert_eq!((output.status.code(), said), (Some(0), [String::new(), String::new()]));
 }
 
+/// Fails unless the program succeeded and said only that it wrote the file `name`.
+#[track_caller]
+pub fn assert_written(output: &Output, name: &str) {
+    let said = [&output.stdout, &output.stderr].map(|said| String::from_utf8_lossy(said).into_owned());
+    assert_eq!((output.status.code(), said), (Some(0), [String::new(), format!("wrote {name}\n")]));
+}
+
 /// Names of an object's members, sorted.
 pub fn keys(value: &Value) -> Vec<&str> {
     let mut keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();

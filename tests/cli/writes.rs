@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use crate::support::{Folder, SCENE, assert_quiet_success};
+use crate::support::{Folder, SCENE, assert_quiet_success, assert_written};
 
 const MESH: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n";
 
@@ -20,7 +20,11 @@ fn only_named_files_and_the_cache_are_written() {
     let run = |arguments: &[&str]| {
         let mut command = folder.command(arguments);
         command.current_dir(folder.path("work")).env("HOME", folder.path("home"));
-        assert_quiet_success(&command.env("TMPDIR", folder.path("temporary")).output().unwrap());
+        let output = command.env("TMPDIR", folder.path("temporary")).output().unwrap();
+        match arguments {
+            ["merge", .., name] => assert_written(&output, name),
+            _ => assert_quiet_success(&output),
+        }
     };
     let scene = "../scene/inside/scene.xml";
     let files = ["-o", "a.exr", "-o", "b.png", "--stats", "s.json", "--checkpoint", "c.ckpt", "--write-every", "0.01"];

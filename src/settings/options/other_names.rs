@@ -38,8 +38,7 @@ const OTHER_NAMES: &[OtherNames] = &[
     ),
 ];
 
-/// What people mean by the option `name` of another renderer, as a clause; `None` if it is not known. `spell` writes the name of an option
-/// of Lodestar.
+/// Meaning of the option `name` of another renderer, as a clause; `None` if it is not known. `spell` writes the name of an option of Lodestar.
 pub fn meaning(name: &str, spell: impl Fn(&str) -> String) -> Option<String> {
     let OtherNames { option, what, .. } = OTHER_NAMES.iter().find(|other| other.names.contains(&name))?;
     Some(if option.is_empty() { (*what).to_owned() } else { format!("{} sets {what}", spell(option)) })
