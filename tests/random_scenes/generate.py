@@ -433,7 +433,16 @@ class Generator:
         root.extend(self.light() for _ in range(lights))
         if has_environment:
             root.append(self.environment())
+        if any(bsdf.get("type") in ("mask", "null", "thindielectric") for bsdf in root.iter("bsdf")):
+            _let_light_pass(root.find("integrator"))
         return root
+
+
+def _let_light_pass(integrator):
+    """Makes an integrator one whose shadow rays pass holes and thin glass, as Lodestar's do. It counts no surfaces that it passes."""
+    integrator.set("type", "volpath")
+    for depth in [child for child in integrator if child.get("name") == "max_depth"]:
+        integrator.remove(depth)
 
 
 def write(root, folder, name="scene.xml"):

@@ -144,20 +144,33 @@ fn guided_pictures_with_panes_agree_with_unguided_ones() {
     }
 }
 
-/// A lamp that emits inwards is seen through its own holes from outside, where emitter sampling draws no point of it that emits: all of its
-/// light is that of paths.
+/// Sphere that emits, above a floor.
+fn lamp(flip: bool, radius: f32, bsdf: &str) -> String {
+    format!(
+        "<shape type='sphere'><point name='center' x='0' y='2' z='0'/><float name='radius' value='{radius}'/>\
+         <boolean name='flip_normals' value='{flip}'/>{bsdf}<emitter type='area'/></shape>"
+    )
+}
+
+/// Emitter sampling finds the light that paths find alone. A lamp that emits inwards is seen through its own holes from outside, where
+/// emitter sampling draws no point of it that emits. A shadow ray to a bulb close behind holes ends before the bulb, although it has
+/// crossed surfaces (Mitsuba's `volpath` loses 6 % of this light).
 #[test]
-fn a_sphere_that_emits_inwards_shines_through_its_own_holes() {
+fn lamps_within_holes_are_as_bright_as_paths_find_them() {
     let device = Device::new();
-    for bsdf in
-        ["<bsdf type='null'/>", "<bsdf type='mask'><float name='opacity' value='0.5'/><bsdf type='diffuse'/></bsdf>"]
-    {
+    let mask = "<bsdf type='mask'><float name='opacity' value='0.5'/><bsdf type='diffuse'/></bsdf>";
+    let around = |half: f32, bsdf: &str| {
+        format!(
+            "<shape type='cube'><transform name='to_world'><scale value='{half}'/><translate y='2'/></transform>{bsdf}</shape>"
+        )
+    };
+    let bulb = lamp(false, 0.3, "") + &around(0.35, "<bsdf type='null'/>") + &around(0.4, mask);
+    for lamps in [lamp(true, 0.7, "<bsdf type='null'/>"), lamp(true, 0.7, mask), bulb] {
         let text = format!(
             "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><float name='fov' value='10'/>\
              <transform name='to_world'><lookat origin='0,1,4' target='0,0,0' up='0,1,0'/></transform></sensor>\
              <shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/><scale value='4'/></transform></shape>\
-             <shape type='sphere'><point name='center' x='0' y='2' z='0'/><float name='radius' value='0.7'/>\
-             <boolean name='flip_normals' value='true'/>{bsdf}<emitter type='area'/></shape></scene>"
+             {lamps}</scene>"
         );
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("scene.xml");
@@ -165,16 +178,16 @@ fn a_sphere_that_emits_inwards_shines_through_its_own_holes() {
         let scene = load(&path, &LoadOptions::default()).expect("a scene");
         let mean = |nee| {
             let settings = Settings { nee, ..settings(&scene, [16, 16], Sampler::Bsdf, 11) };
-            Estimate::of(&device.render(&scene, &settings, SPP)).gray()
+            Estimate::of(&device.render(&scene, &settings, 8 * SPP)).gray()
         };
         let ((with, with_error), (without, without_error)) = (mean(true), mean(false));
         println!(
-            "{bsdf}: {with:.5} +- {with_error:.5} with emitter sampling, {without:.5} +- {without_error:.5} without"
+            "{with:.5} +- {with_error:.5} with emitter sampling, {without:.5} +- {without_error:.5} without: {lamps}"
         );
         let z = (with - without) / with_error.hypot(without_error);
-        assert!(sidak(two_sided(z), TESTS) > ALPHA && without > 0.01, "{bsdf}: {with}, not {without}");
-        let twin = (0.9 * with - without) / with_error.hypot(without_error);
-        assert!(sidak(two_sided(twin), TESTS) < ALPHA, "{bsdf}: the twin");
+        assert!(sidak(two_sided(z), TESTS) > ALPHA && without > 0.01, "{with}, not {without}: {lamps}");
+        let twin = (0.94 * with - without) / with_error.hypot(without_error);
+        assert!(sidak(two_sided(twin), TESTS) < ALPHA, "the twin of {lamps}");
     }
 }
 
