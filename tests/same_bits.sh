@@ -9,7 +9,7 @@
 #
 # --only REGEX, put first, takes the configurations whose whole name matches.
 #
-# There are 39 configurations, small pictures of the repository's own scenes: every sampler and learner (tests/samplers.table), emitter sampling on and off, patterns, executions, steps, weights, grids, filters, parts that are merged,
+# There are 41 configurations, small pictures of the repository's own scenes: every sampler and learner (tests/samplers.table), emitter sampling on and off, patterns, executions, steps, weights, grids, filters, parts that are merged,
 # a render that is interrupted and resumed, PNG files and radiance maps.
 #
 # A hash covers every layer of a picture: names, types and values of its channels, and the window that it covers. It
@@ -52,6 +52,8 @@ roulette-throughput     | cornell-box      | --roulette throughput --rr-depth 3
 roulette-contribution   | materials        | --roulette contribution --max-depth 8 --seed 7
 table-sizes             | cornell-box      | --grid 4 --fallback 0 --directions 32 --normals 32
 guide-set-authors       | materials        | --guide-set authors --sampler rejection-mix --rfilter gaussian
+holes                   | holes            | --seed 5
+holes-wavefront         | holes            | --execution wavefront --sampler bsdf --max-depth 9
 crop-filter             | lights           | -D light=textured --crop 5,3,20,15 --rfilter tent
 merge                   | :merge           | --sampler product
 resume                  | :resume          | --sampler product
@@ -101,8 +103,27 @@ write_materials() { # FILE
 END
 }
 
+# The scene below a roof of thin glass and leaves with holes.
+write_holes() { # FILE HOLES
+  sed '/<\/scene>/d' "$1" >"$2"
+  cat >>"$2" <<'END'
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="90" /><scale value="3" /><translate x="-1" y="3" /></transform>
+    <bsdf type="mask">
+      <texture type="checkerboard" name="opacity"><rgb name="color0" value="0.1" /><rgb name="color1" value="0.8" /></texture>
+      <bsdf type="twosided"><bsdf type="diffuse" /></bsdf>
+    </bsdf>
+  </shape>
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="90" /><scale value="2" /><translate x="1" y="3.5" /></transform>
+    <bsdf type="thindielectric" />
+  </shape>
+</scene>
+END
+}
+
 scene_file() { # NAME
-  if [[ $1 == materials ]]; then echo "$work/materials.xml"; else echo "$scenes/$1/scene.xml"; fi
+  if [[ $1 == materials || $1 == holes ]]; then echo "$work/$1.xml"; else echo "$scenes/$1/scene.xml"; fi
 }
 
 size=(--width 32 --height 24)
@@ -433,6 +454,7 @@ command -v python3 >/dev/null || fail_usage "python3 is missing"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 write_materials "$work/materials.xml"
+write_holes "$work/materials.xml" "$work/holes.xml"
 case $1 in
   --against)
     binary=$(program "$3")

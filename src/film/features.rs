@@ -56,6 +56,30 @@ pub static FEATURES: [Feature; 3] = [
     },
 ];
 
+/// Place of a feature in [`FEATURES`].
+const fn place_of(name: &str) -> usize {
+    let mut at = 0;
+    while at < FEATURES.len() {
+        let (found, name) = (FEATURES[at].name.as_bytes(), name.as_bytes());
+        let mut same = 0;
+        while same < found.len() && same < name.len() && found[same] == name[same] {
+            same += 1;
+        }
+        if same == found.len() && same == name.len() {
+            return at;
+        }
+        at += 1;
+    }
+    panic!("FEATURES has no such row")
+}
+
+/// Place of the albedo in [`FEATURES`].
+pub const ALBEDO: usize = place_of("albedo");
+/// Place of the shading normal in [`FEATURES`].
+pub const NORMAL: usize = place_of("normal");
+/// Place of the depth in [`FEATURES`].
+pub const DEPTH: usize = place_of("depth");
+
 /// Number of channels of the features whose means run over `mean`.
 pub(super) const fn channels_over(mean: MeanOver) -> usize {
     let (mut at, mut channels) = (0, 0);

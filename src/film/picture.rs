@@ -1,6 +1,6 @@
 //! A finished picture with everything that is measured per pixel. CPU only.
 
-use crate::film::features::{FEATURES, MeanOver};
+use crate::film::features::{ALBEDO, DEPTH, FEATURES, MeanOver, NORMAL};
 use crate::film::sums::{PixelMeans, PixelSums};
 use crate::film::view::View;
 use crate::generated::layout::{FilmFeatures, FilmRadiance};
@@ -88,17 +88,17 @@ impl Picture {
 
     /// Mean albedo of the first hit; a miss counts as 0.
     pub fn albedo(&self) -> &[[f32; 3]] {
-        bytemuck::cast_slice(&self.features[0])
+        bytemuck::cast_slice(&self.features[ALBEDO])
     }
 
     /// Mean shading normal of the first hit, in world space, not normalized.
     pub fn normal(&self) -> &[[f32; 3]] {
-        bytemuck::cast_slice(&self.features[1])
+        bytemuck::cast_slice(&self.features[NORMAL])
     }
 
     /// Mean distance from the camera to the first hit in scene units, over the samples that hit; infinite where none did.
     pub fn depth(&self) -> &[f32] {
-        &self.features[2]
+        &self.features[DEPTH]
     }
 
     /// The picture's pixels: mean radiance in linear sRGB, row by row from the top left.

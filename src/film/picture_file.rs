@@ -194,6 +194,7 @@ fn sums_of(path: &Path, layers: &Layers) -> Result<Vec<PixelSums>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::features::{ALBEDO, DEPTH, NORMAL};
 
     use std::path::PathBuf;
 
@@ -213,7 +214,7 @@ mod tests {
         depth[3] = f32::INFINITY;
         let mut features = Picture::empty(WIDTH, HEIGHT, [0; 2], [WIDTH, HEIGHT]).features;
         let [albedo, normal] = [3.0, -4.0].map(|layer| pixels(layer).as_flattened().to_vec());
-        (features[0], features[1], features[2]) = (albedo, normal, depth);
+        (features[ALBEDO], features[NORMAL], features[DEPTH]) = (albedo, normal, depth);
         Picture {
             width: WIDTH,
             height: HEIGHT,

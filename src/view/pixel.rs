@@ -109,6 +109,7 @@ pub(super) fn cells_of_pixels(picture: &Picture, cells: &GuideCells) -> Vec<u32>
 mod tests {
     use super::*;
     use crate::film::View;
+    use crate::film::features::{DEPTH, NORMAL};
     use crate::scene::Camera;
 
     /// Picture of the plane z = 0 from a distance of 5. The film is a window of a larger one.
@@ -116,7 +117,7 @@ mod tests {
         let camera = Camera::look_at([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], 40.0);
         let mut picture = Picture { view: Some(View::new(&camera, 9, 9)), ..Picture::empty(3, 3, [3, 3], [9, 9]) };
         (picture.sample_count, picture.hit_count) = (vec![4; 9], vec![4; 9]);
-        (picture.features[1], picture.features[2]) = ([normal; 9].as_flattened().to_vec(), vec![5.0; 9]);
+        (picture.features[NORMAL], picture.features[DEPTH]) = ([normal; 9].as_flattened().to_vec(), vec![5.0; 9]);
         picture
     }
 

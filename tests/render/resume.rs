@@ -2,7 +2,8 @@
 
 use lodestar::renderer::{Counts, RenderState, Renderer};
 use lodestar::scene::Scene;
-use lodestar::settings::{AUTO_GRID, Sampler, Settings};
+use lodestar::settings::{AUTO_GRID, Execution, Sampler, Settings};
+use support::panes::{Pane, covered};
 use support::rows::combinations;
 use support::scenes::{SAMPLERS, ours, settings};
 use support::tier;
@@ -33,6 +34,24 @@ fn state_after(device: &Device, scene: &Scene, settings: &Settings, spp: u32) ->
 
 /// Whether a part of a render's state has this name.
 type IsPart = fn(&str) -> bool;
+
+/// A path within holes has more to remember than another one.
+#[test]
+fn a_resumed_render_has_the_same_bits_behind_holes() {
+    let device = Device::validated();
+    let scene = covered(ours("lights/floor.xml", &[("light", "rectangle")]), &[Pane::Mask(0.4), Pane::Blend(0.3)]);
+    for (sampler, execution) in [(Sampler::Product, Execution::Megakernel), (Sampler::Bsdf, Execution::Wavefront)] {
+        let settings = Settings { execution, nee: true, ..settings(&scene, [24, 16], sampler, 22) };
+        let whole = rest(&mut device.renderer(&scene, &settings), &settings);
+        let (state, mut counts) = state_after(&device, &scene, &settings, 16);
+        let mut renderer = device.renderer(&scene, &settings);
+        renderer.restore(&state).expect("the same settings");
+        let (picture, later) = rest(&mut renderer, &settings);
+        counts.extend(later);
+        assert!(picture == whole.0, "{sampler:?}, {execution:?}: picture");
+        assert_eq!(counts, whole.1, "{sampler:?}, {execution:?}: counts");
+    }
+}
 
 #[test]
 fn a_resumed_render_has_the_bits_of_one_never_interrupted() {
