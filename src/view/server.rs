@@ -106,8 +106,9 @@ fn listen(address: &str, runtime: &Runtime) -> io::Result<(TcpListener, SocketAd
 /// threads.
 #[cfg(target_os = "linux")]
 fn give_way(niceness: i32) {
-    // Where it is forbidden, the thread keeps its priority.
-    let _ = rustix::process::setpriority_process(None, niceness);
+    // Where it is forbidden, the thread keeps its priority. Under `nice`, it may be lower already.
+    let present = rustix::process::getpriority_process(None).unwrap_or(0);
+    let _ = rustix::process::setpriority_process(None, present.max(niceness));
 }
 
 /// Keeps the priority of this thread.
