@@ -1,4 +1,4 @@
-//! Cells of a guide: the places of a regular grid over the scene that hold surfaces, and their parents. A parent joins
+//! Cells of a guide: the places of a regular grid over the scene that hold surfaces or media, and their parents. A parent joins
 //! up to 2 x 2 x 2 cells, which borrow from it while they have learned little. CPU only.
 
 mod grid;
@@ -18,7 +18,7 @@ pub use grid::Grid;
 /// Numbers of places that are tried along the longest side of the scene.
 const LONGEST_SIDES: [u32; 19] = [4, 5, 6, 7, 8, 9, 10, 12, 14, 16, 18, 21, 24, 28, 32, 38, 44, 52, 64];
 
-/// Cells of a scene, level by level: first the cells that hold surfaces, then their parents, and so on to the one cell
+/// Cells of a scene, level by level: first the cells that hold surfaces or media, then their parents, and so on to the one cell
 /// that is all of the scene. Within a level, Morton order (Morton 1966) keeps neighbors together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cells {
@@ -28,7 +28,9 @@ pub struct Cells {
     /// without surfaces has the next cell. Second, the parent of every cell, `NONE` for the last. Third, the first
     /// child of every parent, and one end marker.
     pub table: Vec<u32>,
-    /// Place of every cell that holds surfaces.
+    /// Boxes that hold the scene's media, as (minimum, maximum).
+    pub media: Vec<(Vec3, Vec3)>,
+    /// Place of every cell that holds surfaces or media.
     places: Vec<UVec3>,
     levels: Vec<Range<u32>>,
     /// Morton keys of the places that hold surfaces, in the order of their cells.
@@ -36,20 +38,24 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Cells of a grid of `size` places over a scene.
-    pub fn new(bvh: &Bvh, size: UVec3) -> Self {
+    /// Cells of a grid of `size` places over a scene, whose media lie in these boxes.
+    pub fn new(bvh: &Bvh, media: &[(Vec3, Vec3)], size: UVec3) -> Self {
         let grid = Grid::new(bvh, size);
-        let is_occupied = occupied_places(bvh, &grid);
-        Self::of_places(grid, &is_occupied)
+        let mut is_occupied = occupied_places(bvh, &grid);
+        for &(min, max) in media {
+            let place = |corner| grid.clamped(grid.coordinates(corner));
+            Grid::places(place(min), place(max)).for_each(|place| is_occupied[grid.index(place)] = true);
+        }
+        Self { media: media.to_vec(), ..Self::of_places(grid, &is_occupied) }
     }
 
     /// Finest cells that `fits` accepts, as near to cubes as the scene's box allows. Sizes grow in steps of about a
     /// sixth.
-    pub fn fitting(bvh: &Bvh, fits: impl Fn(&Self) -> bool) -> Self {
+    pub fn fitting(bvh: &Bvh, media: &[(Vec3, Vec3)], fits: impl Fn(&Self) -> bool) -> Self {
         let extent = extent(bvh);
         let of_longest = |longest: u32| {
             let size = extent / extent.max_element() * longest as f32;
-            Self::new(bvh, size.map(|places| (places - 0.01).ceil().max(1.0)).as_uvec3())
+            Self::new(bvh, media, size.map(|places| (places - 0.01).ceil().max(1.0)).as_uvec3())
         };
         let mut untried = 0..LONGEST_SIDES.len();
         let mut finest = None;
@@ -67,8 +73,8 @@ impl Cells {
 
     /// No cells, for renders that learn nothing.
     pub fn none(bvh: &Bvh) -> Self {
-        let (table, places, levels, keys) = Default::default();
-        Self { grid: Grid::new(bvh, UVec3::ONE), table, places, levels, keys }
+        let (table, media, places, levels, keys) = Default::default();
+        Self { grid: Grid::new(bvh, UVec3::ONE), table, media, places, levels, keys }
     }
 
     fn of_places(grid: Grid, is_occupied: &[bool]) -> Self {
@@ -84,7 +90,7 @@ impl Cells {
         let (parents, first_children, levels) = ancestry(keys.clone());
         table.extend(parents);
         table.extend(first_children);
-        Self { grid, table, places: occupied, levels, keys }
+        Self { grid, table, media: Vec::new(), places: occupied, levels, keys }
     }
 
     /// Number of cells that hold surfaces.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::media;
 use crate::generated::constants;
 use crate::generated::layout::MaterialRecord;
 use crate::scene::bsdf::{Bsdf, Material, MaterialKind, Relief, SurfaceMaterial};
@@ -10,25 +11,32 @@ use crate::scene::{Scene, Textured};
 
 /// Record of a material.
 pub(crate) fn record(material: &Material) -> MaterialRecord {
-    match &material.kind {
+    let mut record = match &material.kind {
         MaterialKind::Surface(surface) => surface_record(surface),
         MaterialKind::Sides { front, back } => {
             choice(constants::MATERIAL_SIDES, [*front, *back], Textured::constant(0.0))
         }
         MaterialKind::Blend { weight, materials } => choice(constants::MATERIAL_BLEND, *materials, *weight),
+    };
+    if let Some(boundary) = &material.boundary {
+        record.kind_and_flags |= constants::MATERIAL_BOUNDARY;
+        record.media = media::word(boundary);
     }
+    record
 }
 
-/// Bits `1 << kind` of all kinds of material in the scene.
+/// Bits `1 << kind` of all kinds of material in the scene, and of phase functions.
 pub(crate) fn kinds(scene: &Scene) -> u32 {
+    let phase = if scene.media.all.is_empty() { 0 } else { 1 << constants::BSDF_PHASE };
     scene
         .materials
         .iter()
-        .fold(0, |bits, material| bits | 1 << (record(material).kind_and_flags & constants::MATERIAL_KIND_MASK))
+        .fold(phase, |bits, material| bits | 1 << (record(material).kind_and_flags & constants::MATERIAL_KIND_MASK))
 }
 
-/// Records of all materials of a scene. The record of a choice knows what its parts let through.
-pub(crate) fn records(materials: &[Material]) -> Vec<MaterialRecord> {
+/// Records of all materials of a scene, and then of its media. The record of a choice knows what its parts let through.
+pub(crate) fn records(scene: &Scene) -> Vec<MaterialRecord> {
+    let materials = &scene.materials;
     let mut records: Vec<_> = materials.iter().map(record).collect();
     // Each round reaches one level of nesting more.
     for _ in 0..constants::MAX_CHOICES {
@@ -42,6 +50,7 @@ pub(crate) fn records(materials: &[Material]) -> Vec<MaterialRecord> {
             records[at].kind_and_flags |= flags & (constants::MATERIAL_HOLES | constants::MATERIAL_LETS_THROUGH);
         }
     }
+    records.extend(scene.media.all.iter().map(media::record));
     records
 }
 

@@ -16,7 +16,7 @@ pub struct Surfaces {
 impl Surfaces {
     /// Tabulates a scene's materials and packs its textures.
     pub fn new(scene: &Scene) -> Self {
-        let mut materials: Vec<_> = materials::records(&scene.materials);
+        let mut materials: Vec<_> = materials::records(scene);
         let tables = plastics::complete(scene, &mut materials);
         Self { materials, textures: PackedTextures::new(&scene.textures, &scene.images, tables) }
     }

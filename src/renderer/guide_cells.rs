@@ -1,6 +1,6 @@
 //! The cells of a guide, and how many bytes it has.
 
-use glam::UVec3;
+use glam::{UVec3, Vec3};
 
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
@@ -16,12 +16,15 @@ const BYTES_PER_PIXEL: u64 = 128;
 const LEAST_BYTES: u64 = 8 << 20;
 const MOST_BYTES: u64 = 64 << 20;
 
-/// The cells of a render's grids. Each learns to choose among `light_groups` groups of lights.
-pub(super) fn cells_of(settings: &Settings, bvh: &Bvh, light_groups: u32) -> Cells {
+/// The cells of a render's grids, in a scene whose media lie in these boxes. Each learns to choose among `light_groups` groups of lights.
+pub(super) fn cells_of(settings: &Settings, bvh: &Bvh, media: &[(Vec3, Vec3)], light_groups: u32) -> Cells {
     match settings.sampler {
         Sampler::Bsdf | Sampler::Quadtree => Cells::none(bvh),
-        _ if settings.grid() != AUTO_GRID => Cells::new(bvh, UVec3::splat(settings.grid())),
-        _ => Cells::fitting(bvh, |cells| guide_bytes(settings, cells, light_groups) <= bytes_for_picture(settings)),
+        _ if settings.grid() != AUTO_GRID => Cells::new(bvh, media, UVec3::splat(settings.grid())),
+        _ => {
+            let fits = |cells: &Cells| guide_bytes(settings, cells, light_groups) <= bytes_for_picture(settings);
+            Cells::fitting(bvh, media, fits)
+        }
     }
 }
 

@@ -93,7 +93,7 @@ impl Renderer {
 
     /// Cells of a guide of this scene that has learned with other settings: the size of a picture may decide how fine its cells are.
     pub(crate) fn cells_of_guide(&self, settings: &Settings, bvh: &Bvh) -> Cells {
-        cells_of(settings, bvh, self.light_groups())
+        cells_of(settings, bvh, &self.cells.media, self.light_groups())
     }
 
     /// The guide in the state of another render of this scene. `cells` are its cells, and `guide_samples` are the samples of earlier

@@ -122,7 +122,7 @@ mod tests {
             emitter: None,
         };
         let squares: Vec<_> = (0..=16).map(square).collect();
-        Cells::new(&Bvh::build(&squares), UVec3::splat(8))
+        Cells::new(&Bvh::build(&squares), &[], UVec3::splat(8))
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::Result;
 use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
+use crate::encode::media;
 use crate::encode::surfaces::{Shading, Surfaces};
 use crate::film::View;
 use crate::film::ranges::SampleRanges;
@@ -50,7 +51,7 @@ impl Renderer {
         settings.validate()?;
         settings.check_lighting(scene)?;
         let shading = Shading { surfaces, lights: Lights::new(scene, bvh, settings.learns_lights()) };
-        let cells = cells_of(settings, bvh, shading.lights.group_count());
+        let cells = cells_of(settings, bvh, &media::boxes(scene), shading.lights.group_count());
         let plan = execution::resolve(context.device(), settings, &shading, bvh, &cells)?;
         Self::build(context, scene, &shading, bvh, cells, &plan, registry).map_err(|error| plan.needs.explain(error))
     }

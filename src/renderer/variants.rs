@@ -4,6 +4,7 @@ use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
 use crate::encode::materials;
+use crate::encode::media;
 use crate::encode::surfaces::{Shading, Surfaces};
 use crate::generated::kernels::{self, Variant};
 use crate::renderer::guide_cells::cells_of;
@@ -14,7 +15,7 @@ use crate::settings::{AUTO_GRID, Settings};
 /// The specialization constants of a render.
 pub fn variant_for(settings: &Settings, scene: &Scene, bvh: &Bvh) -> Variant {
     let shading = Shading { surfaces: Surfaces::new(scene), lights: Lights::new(scene, bvh, settings.learns_lights()) };
-    let cells = cells_of(settings, bvh, shading.lights.group_count());
+    let cells = cells_of(settings, bvh, &media::boxes(scene), shading.lights.group_count());
     variant(settings, scene, &shading, bvh, &cells)
 }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::medium::Boundary;
 use super::parameter::{Parameter, Value, kinds, number, parameters, value};
 pub use super::principled::{Principled, PrincipledThin};
 use super::texture::Textured;
@@ -15,6 +16,8 @@ pub struct Material {
     pub name: String,
     /// Surface, or choice between materials.
     pub kind: MaterialKind,
+    /// Media on the two sides of the surface; `None` where the same medium is on both.
+    pub boundary: Option<Boundary>,
 }
 
 /// Surface, or choice between materials.

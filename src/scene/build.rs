@@ -6,7 +6,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 use super::{
     AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, IntegratorDescription, LoadOptions, Material, MaterialKind,
-    Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial, Textured, load,
+    Media, Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial, Textured, load,
 };
 use crate::{Error, Result};
 
@@ -69,6 +69,7 @@ impl Scene {
             sample_count: None,
             primitives: Vec::new(),
             materials: Vec::new(),
+            media: Media::default(),
             emitters: Vec::new(),
             environment: None,
             delta_emitters: Vec::new(),
@@ -87,7 +88,7 @@ impl Scene {
     /// Adds a material.
     pub fn add_material(&mut self, material: SurfaceMaterial) -> Surface {
         let name = format!("material {}", self.materials.len());
-        self.materials.push(Material { name, kind: MaterialKind::Surface(material) });
+        self.materials.push(Material { name, kind: MaterialKind::Surface(material), boundary: None });
         Surface { material: self.materials.len() as u32 - 1, emitter: None }
     }
 

@@ -28,6 +28,7 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
         sample_count,
         primitives,
         materials,
+        media,
         emitters,
         environment,
         delta_emitters,
@@ -36,7 +37,8 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
     } = scene;
     let primitives = (primitives.len(), hashes(primitives.par_chunks(CHUNK))?);
     let images = hashes(images.par_iter())?;
-    let small = (camera, film, integrator, sample_count, materials, emitters, environment, delta_emitters, textures);
+    let lights = (emitters, environment, delta_emitters);
+    let small = (camera, film, integrator, sample_count, materials, media, lights, textures);
     Ok(format!("{:032x}", hash(&(primitives, images, small))?))
 }
 
@@ -94,7 +96,7 @@ impl Sink {
 mod tests {
     use super::*;
     use crate::scene::texture::{Image, Pattern, Texels, Texture};
-    use crate::scene::{DeltaEmitter, DeltaKind, LoadOptions, Projection, ReconstructionFilter, load};
+    use crate::scene::{Boundary, DeltaEmitter, DeltaKind, LoadOptions, Projection, ReconstructionFilter, load};
     use glam::{Mat3, Vec3};
 
     fn scene() -> Scene {
@@ -124,7 +126,7 @@ mod tests {
 
     #[test]
     fn everything_that_changes_a_picture_changes_it() {
-        let changes: [(&str, Change); 20] = [
+        let changes: [(&str, Change); 22] = [
             ("nothing", |_| {}),
             ("the last primitive", |s| s.primitives.last_mut().unwrap().edge_u.x += 1.0e-4),
             ("a primitive more", |s| s.primitives.push(s.primitives[0])),
@@ -138,6 +140,8 @@ mod tests {
             ("the integrator", |s| s.integrator.max_depth = Some(77)),
             ("the sample count", |s| s.sample_count = Some(77)),
             ("a material", |s| drop(s.materials.pop())),
+            ("a boundary", |s| s.materials[0].boundary = Some(Boundary { interior: None, exterior: Some(0) })),
+            ("the camera's medium", |s| s.media.of_camera = Some(0)),
             ("an emitter", |s| s.emitters[0].sampling_weight = 0.5),
             ("its radiance", |s| s.emitters[0].radiance.value.x += 1.0e-4),
             ("its texture", |s| s.emitters[0].radiance.texture = Some(0)),

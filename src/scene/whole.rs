@@ -8,6 +8,7 @@ use super::emitter::{AreaEmitter, DeltaEmitter, Environment};
 use super::film::FilmDescription;
 use super::geometry::Primitive;
 use super::integrator::IntegratorDescription;
+use super::medium::Media;
 use super::texture::{Image, Texture};
 
 /// Whole scene in world space.
@@ -27,6 +28,8 @@ pub struct Scene {
     pub primitives: Vec<Primitive>,
     /// Materials that primitives refer to by index, and materials that choose between others.
     pub materials: Vec<Material>,
+    /// Media, which the boundaries of materials refer to by index.
+    pub media: Media,
     /// Area emitters, which primitives refer to by index.
     pub emitters: Vec<AreaEmitter>,
     /// Light from infinitely far away.

@@ -163,7 +163,7 @@ mod tests {
         let film = FilmDescription { width: 8, height: 8, crop: None, filter: ReconstructionFilter::Box };
         let settings = Settings::for_film(&film, &IntegratorDescription::default());
         let settings = Settings { directions: 8, map, ..settings };
-        GuideCells::new(&Cells::new(&bvh, UVec3::ONE), &settings)
+        GuideCells::new(&Cells::new(&bvh, &[], UVec3::ONE), &settings)
     }
 
     /// The irradiance under a sky of radiance 2 is 2 pi, whichever way a surface faces.

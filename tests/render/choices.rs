@@ -27,7 +27,7 @@ fn diffuse(albedo: f32) -> SurfaceMaterial {
 }
 
 fn material(kind: MaterialKind) -> Material {
-    Material { name: String::new(), kind }
+    Material { name: String::new(), kind, boundary: None }
 }
 
 fn surface(albedo: f32) -> Material {

@@ -17,6 +17,7 @@ mod guide_from;
 mod guide_set;
 mod learning;
 mod light_selection;
+mod media;
 mod nee;
 mod noise;
 mod passages;

@@ -16,6 +16,7 @@ mod lights;
 mod normalization;
 mod parametrization;
 mod parents;
+mod phase;
 mod principled;
 mod product;
 mod quadtree;

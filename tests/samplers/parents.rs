@@ -38,7 +38,7 @@ fn cells() -> Cells {
         material: 0,
         emitter: None,
     };
-    Cells::new(&Bvh::build(&[ball]), UVec3::new(7, 5, 6))
+    Cells::new(&Bvh::build(&[ball]), &[], UVec3::new(7, 5, 6))
 }
 
 /// Device with the kernels that pool and blend learned radiance.

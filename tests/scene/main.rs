@@ -15,6 +15,7 @@ mod gltf_surfaces;
 mod lobes;
 mod mapped;
 mod materials;
+mod media;
 mod meshes;
 mod obj;
 mod ours;

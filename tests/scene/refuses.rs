@@ -86,9 +86,9 @@ fn unknown_plugins_are_named_with_what_there_is() {
         refuse(body, &[name, "not supported", known]);
     }
     refuse_text("<scene>\n<sensor type=\"fisheye\"/></scene>", &["scene.xml:2: ", "`fisheye`", "`perspective`"]);
-    refuse(r#"<medium type="homogeneous"/>"#, &["<medium> plugin `homogeneous`"]);
+    refuse(r#"<medium type="heterogeneous"/>"#, &["medium plugin `heterogeneous`", "`homogeneous`"]);
     refuse("<teapot/>", &["<teapot>"]);
-    refuse(r#"<shape type="disk"><medium type="homogeneous"/></shape>"#, &["<medium>", "shape `disk`"]);
+    refuse(r#"<bsdf type="null"><medium type="homogeneous"/></bsdf>"#, &["<medium>", "bsdf `null`"]);
 }
 
 #[test]

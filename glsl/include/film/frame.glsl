@@ -47,6 +47,8 @@ struct SceneConstants {
     uint cell_count;                 // number of cells that contain surfaces
     uint all_cell_count;             // number of all cells, parent cells included
     uint first_light_group;          // first texel of the groups of lights among the emitters' texels
+    uint first_medium;               // record of the first medium among those of the materials
+    uint camera_medium;              // number of the medium around the camera, counted from 1; 0 without one
 };
 
 layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };

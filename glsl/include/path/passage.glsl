@@ -1,14 +1,16 @@
-// Passage of a shadow ray through surfaces that let light go straight on.
+// Passage of a shadow ray through surfaces that let light go straight on, and through media.
 #ifndef PASSAGE_GLSL
 #define PASSAGE_GLSL
 #include "geometry/traverse.glsl"
 #include "path/connection.glsl"
+#include "path/medium.glsl"
 #include "path/straight.glsl"
 
 // Ray to a light, on its way through surfaces.
 struct Passage {
     Ray ray;
-    vec3 share;  // of the light that has come through the surfaces so far
+    vec3 share;  // of the light that has come through surfaces and media so far
+    uint medium; // number of the medium that the ray travels in
     uint left;   // surfaces that the ray may still cross
     bool more;   // the ray has not arrived
 };
@@ -17,6 +19,7 @@ struct Passage {
 void cross_surface(inout Passage passage, Hit hit, vec3 target, bool is_bound) {
     Ray ray = passage.ray;
     Surface surface = surface_at(ray, hit);
+    if (has_media()) passage.share *= transmittance_of(passage.medium, hit.t);
     if (has_flag(surface.material, MATERIAL_LETS_THROUGH)) {
         passage.share *= straight_share(surface, -ray.direction);
     } else {
@@ -29,6 +32,7 @@ void cross_surface(inout Passage passage, Hit hit, vec3 target, bool is_bound) {
         arrives = false;
     }
     passage.ray = go_straight(surface, ray.direction);
+    if (has_media()) passage.medium = medium_beyond(surface, ray.direction, passage.medium);
     if (ray.t_max < MAX_DISTANCE) {
         vec3 d = target - passage.ray.origin;
         float remaining = length(d);
@@ -40,12 +44,12 @@ void cross_surface(inout Passage passage, Hit hit, vec3 target, bool is_bound) {
     passage.more = arrives;
 }
 
-// Share of a light that arrives along a shadow ray which leaves a path's vertex after `depth` edges. The connection is an edge,
+// Share of a light that arrives along a shadow ray which leaves a path's vertex, in a medium, after `depth` edges. The connection is an edge,
 // and so is what follows each surface that it crosses. It has no more edges than a path may have. Where paths have no maximum,
 // a ray that reaches the bound of the kernels is counted.
-vec3 share_that_passes(Ray ray, uint depth, inout bool overrun) {
+vec3 share_that_passes(Ray ray, uint medium, uint depth, inout bool overrun) {
     vec3 target = ray.origin + ray.t_max * ray.direction;
-    Passage passage = Passage(ray, vec3(1.0), MAX_DEPTH - 1u - depth, true);
+    Passage passage = Passage(ray, vec3(1.0), medium, MAX_DEPTH - 1u - depth, true);
     bool is_bound = SURE_ROULETTE_DEPTH != NONE;
     // Most rays meet no surface that lets light through. The first traversal takes any surface, the others the nearest ones.
     bool any_hit = true;
@@ -54,6 +58,7 @@ vec3 share_that_passes(Ray ray, uint depth, inout bool overrun) {
         --turns;
         Hit hit = traverse(passage.ray, any_hit, overrun);
         if (hit.primitive == NONE) {
+            if (has_media()) passage.share *= transmittance_of(passage.medium, passage.ray.t_max);
             passage.more = false;
         } else if (!any_hit) {
             cross_surface(passage, hit, target, is_bound);
@@ -68,10 +73,10 @@ vec3 share_that_passes(Ray ray, uint depth, inout bool overrun) {
     return passage.share;
 }
 
-// Multiplies a connection's light, and what it teaches, by the share that surfaces let through. The connection leaves a path's
-// vertex after `depth` edges.
-void pass_connection(inout Connection connection, uint depth, inout bool overrun) {
-    vec3 share = share_that_passes(connection.ray, depth, overrun);
+// Multiplies a connection's light, and what it teaches, by the share that surfaces and media let through. The connection leaves a path's
+// vertex, in a medium, after `depth` edges.
+void pass_connection(inout Connection connection, uint medium, uint depth, inout bool overrun) {
+    vec3 share = share_that_passes(connection.ray, medium, depth, overrun);
     if (share == vec3(1.0)) return;
     vec3 arriving = connection.light * share;
     float part = mean_rgb(arriving) / max(mean_rgb(connection.light), 1.0e-37);

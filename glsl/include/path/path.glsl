@@ -3,6 +3,7 @@
 #define PATH_GLSL
 #include "film/camera.glsl"
 #include "path/guiding.glsl"
+#include "path/medium.glsl"
 #include "path/straight.glsl"
 #include "path/learning.glsl"
 #include "geometry/surface.glsl"
@@ -21,12 +22,13 @@ struct Path {
     KEPT(guide) float pdf;       // density of the ray's direction where it was drawn; 0 where emitter sampling cannot have drawn it
     KEPT(guide) float pixel_estimate;  // radiance of the whole path, as estimated at the first vertex whose guide knows; 0 before
     KEPT(guide) vec3 previous_position;  // of the last surface that has scattered the path
-    // Surfaces through which the path has gone straight on since then, or since the camera; the mean share of light that they let
-    // through, and the mean radiance that they add to the segment.
+    // Surfaces through which the path has gone straight on since then, or since the camera; the mean share of light that they, and media
+    // on the way, let through, and the mean radiance that they add to the segment.
     KEPT(ray) uint straight;
     KEPT(guide) float straight_share;
     KEPT(guide) float straight_light;
     KEPT(guide) ShareEvidence evidence;  // of the ray's direction
+    KEPT(ray) uint medium;   // number of the medium that the ray travels in
     PathVertex last_vertex;  // for learners that keep vertices
 };
 
@@ -61,6 +63,7 @@ Path new_path(RandomKey key) {
     path.previous_position = vec3(0.0);
     path.pdf = 0.0;
     forget_straight(path);
+    path.medium = NO_MEDIUM;
     path.pixel_estimate = 0.0;
     path.last_vertex = NO_VERTEX;
     return path;
@@ -69,6 +72,7 @@ Path new_path(RandomKey key) {
 Path start_path(uvec2 film_pixel, RandomKey key) {
     Path path = new_path(key);
     path.pixel = film_pixel.x | (film_pixel.y << PIXEL_DIGITS);
+    if (has_media()) path.medium = scene().camera_medium;
     vec4 u = unit_floats(camera_bits(key));
     path.ray = camera_ray(vec2(film_pixel) + sample_filter(u.xy), u.zw);
     return path;

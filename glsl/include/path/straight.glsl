@@ -7,11 +7,17 @@
 #ifndef STRAIGHT_GLSL
 #define STRAIGHT_GLSL
 #include "geometry/surface.glsl"
+#include "path/medium.glsl"
 #include "path/scatterer.glsl"
 
 // Whether some surface of the scene lets light go straight on.
 bool lets_through() {
     return has_feature(FEATURE_OPACITY) || has_kind(BSDF_THIN_DIELECTRIC);
+}
+
+// Whether anything in the scene weakens light on its way without blocking it.
+bool weakens_light() {
+    return lets_through() || has_media();
 }
 
 bool has_flag(uint material, uint flag) {
@@ -25,10 +31,11 @@ bool goes_straight(Scatterer scatterer, vec3 wi) {
     return scatterer.passes || (is_kind(scatterer.bsdf, BSDF_THIN_DIELECTRIC) && !is_coated(scatterer.bsdf) && crosses);
 }
 
-// Ray that goes straight on behind a surface.
+// Ray that goes straight on behind a surface. No part of the way through a medium is left out.
 Ray go_straight(Surface surface, vec3 direction) {
-    if (has_flag(surface.material, MATERIAL_HOLES)) return pass_surface(surface, direction);
-    return leave_surface(surface, direction);
+    bool skips = has_flag(surface.material, MATERIAL_HOLES);
+    if (has_media()) skips = skips && !has_flag(surface.material, MATERIAL_BOUNDARY);
+    return skips ? pass_surface(surface, direction) : leave_surface(surface, direction);
 }
 
 // Share of the light from behind a part of a surface that goes straight on in the direction `wo`.

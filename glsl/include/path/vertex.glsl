@@ -4,6 +4,7 @@
 #ifndef VERTEX_GLSL
 #define VERTEX_GLSL
 #include "path/connection.glsl"
+#include "path/interaction.glsl"
 #include "path/roulette.glsl"
 #include "film/tally.glsl"
 
@@ -64,7 +65,7 @@ void end_path(inout Path path) {
     path.last_vertex.factor = vec3(0.0);
 }
 
-// Target of a segment: the target of its last part, and what the surfaces let through and emit that the path has crossed before.
+// Target of a segment: the target of its last part, and what the surfaces and media let through and emit that the path has crossed before.
 float target_through(Path path, float target) {
     return target == NO_TARGET ? target : path.straight_light + path.straight_share * target;
 }
@@ -87,19 +88,24 @@ float shade_miss(inout Path path, inout Tally tally) {
     // 4. Learning: the segment brings the environment's radiance and nothing else.
     path.last_vertex.light = emission;
     float target = path.depth < MAX_DEPTH && !keeps_vertices() ? mean_rgb(emission) : NO_TARGET;
-    if (lets_through()) target = target_through(path, target);
+    if (weakens_light()) target = target_through(path, target);
     if (path.depth == MAX_DEPTH) path.last_vertex.segment = NO_SEGMENT;
     end_path(path);
     return target;
 }
 
-// A ray that has hit a surface. Returns the target of its segment.
-float shade_surface(
-    inout Path path, uint primitive, Surface surface, Scatterer scatterer, vec4 u, inout Tally tally) {
+// Density with which emitter sampling draws the direction to a place where the path has met emission.
+float pdf_light_at_place(Path path, uint primitive, Surface surface) {
+    if (has_media() && surface.emitter == NONE) return 0.0;
+    return pdf_light_at_surface(primitive, surface, path.previous_position, cell_left(path));
+}
+
+// A ray that has met a surface or, with the primitive NONE, a point of a medium. Returns the target of its segment.
+float shade_place(inout Path path, uint primitive, Surface surface, Scatterer scatterer, vec4 u, inout Tally tally) {
     // 1. Emission: the surface's own, towards where the path comes from.
     vec3 light = surface_emission(surface, -path.ray.direction);
     count_light_hit(tally, path.depth, light);
-    if (NEE) light *= emission_weight(path, pdf_light_at_surface(primitive, surface, path.previous_position, cell_left(path)));
+    if (NEE) light *= emission_weight(path, pdf_light_at_place(path, primitive, surface));
     path.radiance += path.throughput * visible_emission(path, light);
     path.last_vertex.light = light;
     if (path.depth == MAX_DEPTH) {
@@ -108,7 +114,7 @@ float shade_surface(
         return NO_TARGET;
     }
 
-    // 2. Emitter sampling: what the surface scatters of a sampled light.
+    // 2. Emitter sampling: what the place scatters of a sampled light.
     Guide guide = guide_at(scatterer);
     if (NEE) {
         LightEvidence evidence;
@@ -119,7 +125,7 @@ float shade_surface(
         path.last_vertex.light = light;
     }
 
-    // 3. Direction: the guide or the BSDF draws where the path goes on.
+    // 3. Direction: the guide, or the BSDF or phase function, draws where the path goes on.
     DirectionSample next = sample_direction(path.key, path.depth, u, scatterer, guide);
     count_sample(tally, next.tries, next.lost, next.overrun);
 
@@ -129,8 +135,8 @@ float shade_surface(
     if (!straight) path.segment = segment_from(scatterer.cell, next);
     if (!straight) path.evidence = next.evidence;
     float target = target_at(path.key, path.depth, light, scatterer, next);
-    if (lets_through()) target = straight ? NO_TARGET : target_through(path, target);
-    if (lets_through()) remember_passage(path, straight, light, next.weight);
+    if (weakens_light()) target = straight ? NO_TARGET : target_through(path, target);
+    if (weakens_light()) remember_passage(path, straight, light, next.weight);
 
     // 5. Roulette: the path goes on with the probability `survival`.
     if (path.pixel_estimate == 0.0 && knows_contribution(guide, next)) {
@@ -146,6 +152,7 @@ float shade_surface(
         path.ray = straight ? go_straight(surface, next.wi) : leave_surface(surface, next.wi);
         if (!straight) path.previous_position = surface.position;
         if (!straight) path.pdf = next.pdf;
+        if (has_media()) path.medium = medium_beyond(surface, next.wi, path.medium);
         ++path.depth;
     } else {
         end_path(path);
@@ -153,26 +160,57 @@ float shade_surface(
     return target;
 }
 
-FirstHit first_hit_of(Surface surface, Scatterer scatterer) {
+// Features of the place that scatters the path first. A point of a medium has no normal.
+FirstHit first_hit_of(uint medium, Surface surface, Scatterer scatterer) {
     float depth = distance(surface.position, camera_position());
-    return FirstHit(true, FilmFeatures(bsdf_albedo(scatterer.bsdf), depth, surface.shading_normal, 0.0));
+    vec3 albedo = bsdf_albedo(scatterer.bsdf);
+    if (has_media() && surface.material == NONE) albedo = albedo_of(medium);
+    return FirstHit(true, FilmFeatures(albedo, depth, surface.shading_normal, 0.0));
+}
+
+// Weights a path by its flight to where its ray has ended.
+void end_flight(inout Path path, vec3 weight) {
+    if (!has_media()) return;
+    path.throughput *= weight;
+    path.straight_share *= mean_rgb(weight);
+}
+
+// Weights what a path's vertex gives the segment that leads to it by the flight along the segment.
+void weight_vertex(inout PathVertex vertex, vec3 weight) {
+    if (!has_media()) return;
+    vertex.light *= weight;
+    vertex.factor *= weight;
+}
+
+// A ray that has met a surface or a point of a medium. Returns the target of its segment.
+float shade_met(inout Path path, Hit hit, vec4 u, inout FirstHit first_hit, inout Tally tally) {
+    Surface surface = place_of_hit(path, hit);
+    Scatterer scatterer = scatterer_of_place(path, surface);
+    uint medium = path.medium;
+    if (!lets_through()) {
+        if (path.depth == 1u) first_hit = first_hit_of(medium, surface, scatterer);
+        return shade_place(path, hit.primitive, surface, scatterer, u, tally);
+    }
+    bool from_camera = comes_from_camera(path);
+    uint straight = path.straight;
+    float target = shade_place(path, hit.primitive, surface, scatterer, u, tally);
+    if (from_camera && !scatterer.passes && path.straight <= straight) first_hit = first_hit_of(medium, surface, scatterer);
+    return target;
 }
 
 // Handles the end of the path's ray: adds light to the path, and sends the path on or ends it. `u` holds the random numbers
 // of direction and roulette. Returns the learning target of the segment that the ray has travelled.
 float shade_vertex(inout Path path, Hit hit, vec4 u, inout FirstHit first_hit, inout Tally tally) {
     count_ray(tally, path.depth);
-    if (hit.primitive == NONE) return shade_miss(path, tally);
-    Surface surface = surface_at(path.ray, hit);
-    Scatterer scatterer = scatterer_at(surface, -path.ray.direction, path.key, path.depth);
-    if (!lets_through()) {
-        if (path.depth == 1u) first_hit = first_hit_of(surface, scatterer);
-        return shade_surface(path, hit.primitive, surface, scatterer, u, tally);
+    vec3 flown = weight_of_flight(path, hit);
+    end_flight(path, flown);
+    float target;
+    if (meets_nothing(path, hit)) {
+        target = shade_miss(path, tally);
+    } else {
+        target = shade_met(path, hit, u, first_hit, tally);
     }
-    bool from_camera = comes_from_camera(path);
-    uint straight = path.straight;
-    float target = shade_surface(path, hit.primitive, surface, scatterer, u, tally);
-    if (from_camera && !scatterer.passes && path.straight <= straight) first_hit = first_hit_of(surface, scatterer);
+    weight_vertex(path.last_vertex, flown);
     return target;
 }
 

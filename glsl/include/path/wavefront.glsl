@@ -128,7 +128,7 @@ void store_connection(uint slot, Connection connection) {
 Connection load_connection(uint slot) {
     Connection connection = NO_CONNECTION;
     load_connection_ray(slot, connection);
-    if (lets_through()) load_connection_light(slot, connection);
+    if (weakens_light()) load_connection_light(slot, connection);
     return connection;
 }
 
@@ -188,6 +188,7 @@ Path load_path(uint slot) {
     path.key = key_of_slot(slot, pixel_of(path));
     path.depth = push.edge + 1u;
     if (!lets_through()) forget_straight(path);
+    if (!has_media()) path.medium = NO_MEDIUM;
     return path;
 }
 

@@ -2,7 +2,8 @@
 #ifndef RECORDS_MATERIAL_GLSL
 #define RECORDS_MATERIAL_GLSL
 
-// BSDF with its modifiers, or a choice between two materials. The files of the folder bsdf say what colors and scalars mean.
+// BSDF with its modifiers, or a choice between two materials. The files of the folder bsdf say what colors and scalars mean. The records
+// of media follow those of all materials: a phase function, with the extinction as color 1 and the albedo as color 2.
 struct MaterialRecord {
     uint kind_and_flags;       // BSDF_* or MATERIAL_BLEND, MATERIAL_SIDES, and MATERIAL_* flags
     uint material0;            // first material of a blend or of two sides
@@ -14,7 +15,7 @@ struct MaterialRecord {
     vec3 optical_thickness;    // optical thickness of the coating
     float coating_eta;         // index of refraction of the coating, interior over exterior
     vec3 coating_specular;     // specular reflectance of the coating
-    uint unused;               // fills the texel
+    uint media;                // of a boundary: the medium inside, and above EXTERIOR_MEDIUM_SHIFT the medium outside
 };
 
 #endif

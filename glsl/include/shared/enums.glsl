@@ -89,6 +89,11 @@ const uint MATERIAL_SMOOTH_BASE = 65536u;
 const uint MATERIAL_HOLES = 131072u;
 // Some part of the material lets light go straight on, through holes or through a thin sheet of glass.
 const uint MATERIAL_LETS_THROUGH = 262144u;
+// The surface bounds a medium: what fills the space may differ between its sides.
+const uint MATERIAL_BOUNDARY = 524288u;
+
+// Position of the exterior medium in the word of a material's record that holds both media.
+const uint EXTERIOR_MEDIUM_SHIFT = 16u;
 
 // Feature that some material or emitter of the scene uses: a bit of SURFACE_FEATURES.
 const uint FEATURE_OPACITY = 1u;
@@ -128,6 +133,9 @@ const uint TEXEL_PAGE_SHIFT = 30u;
 const float WARD_BALANCED = 0.0;
 const float WARD_ORIGINAL = 1.0;
 const float WARD_DUER = 2.0;
+
+// Mean cosine that stands for the lobe of Rayleigh scattering, in the record of a phase function.
+const float PHASE_RAYLEIGH = 2.0;
 
 // Kind of environment.
 const uint ENVIRONMENT_NONE = 0u;

@@ -19,8 +19,10 @@ vec3 direct_light(
     evidence = connection.evidence;
     if (!brings_light(connection)) return vec3(0.0);
     ++tally.shadow_rays;
-    if (lets_through()) {
-        pass_connection(connection, path.depth, tally.overrun);
+    if (weakens_light()) {
+        uint medium = NO_MEDIUM;
+        if (has_media()) medium = medium_beyond(surface, connection.ray.direction, path.medium);
+        pass_connection(connection, medium, path.depth, tally.overrun);
         evidence = connection.evidence;
         return connection.light;
     }
@@ -53,7 +55,7 @@ void main() {
         }
 
         // 2. Ray: what it hits, and the segment that it has travelled.
-        Hit hit = end_of_edge(path.ray, comes_from_camera(path), tally.overrun);
+        Hit hit = end_of_edge(flight_ray(path), comes_from_camera(path), tally.overrun);
         Segment travelled = path.segment;
         ShareEvidence evidence = path.evidence;
         path.last_vertex.segment = travelled;

@@ -6,14 +6,17 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "path/connection.glsl"
+#include "path/interaction.glsl"
 #include "path/wavefront.glsl"
 
 void connect_path(uint slot) {
     Hit hit = load_hit(slot);
-    if (hit.primitive == NONE || push.edge + 1u == MAX_DEPTH) return;
+    if (push.edge + 1u == MAX_DEPTH) return;
+    if (!has_media() && hit.primitive == NONE) return;
     Path path = load_path(slot);
-    Surface surface = surface_at(path.ray, hit);
-    Scatterer scatterer = scatterer_at(surface, -path.ray.direction, path.key, path.depth);
+    if (meets_nothing(path, hit)) return;
+    Surface surface = place_of_hit(path, hit);
+    Scatterer scatterer = scatterer_of_place(path, surface);
     Connection connection = connect(path, surface, scatterer, guide_at(scatterer));
     store_connection(slot, connection);
     if (brings_light(connection)) enqueue_connection(slot);

@@ -8,14 +8,21 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "path/edge.glsl"
+#include "path/interaction.glsl"
 #include "path/wavefront.glsl"
+
+// The ray of a slot's path, as far as it flies.
+Ray ray_of_slot(uint slot) {
+    if (has_media()) return flight_ray(load_path(slot));
+    return load_ray(slot);
+}
 
 void main() {
     bool overrun = false;
     uint place = gl_GlobalInvocationID.x;
     while (place < queue_length()) {
         uint slot = queued_slot(place);
-        if (slot != NONE) store_hit(slot, end_of_edge(load_ray(slot), slot_comes_from_camera(slot), overrun));
+        if (slot != NONE) store_hit(slot, end_of_edge(ray_of_slot(slot), slot_comes_from_camera(slot), overrun));
         place += lane_count();
         if (place >= queue_length()) break;
     }

@@ -1,4 +1,4 @@
-// Traces the shadow rays of a wave's queued connections. Light that is blocked is removed, and light that surfaces let through is
+// Traces the shadow rays of a wave's queued connections. Light that is blocked is removed, and light that surfaces and media let through is
 // multiplied by their share.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,13 +9,22 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "geometry/traverse.glsl"
+#include "path/interaction.glsl"
 #include "path/passage.glsl"
 #include "path/wavefront.glsl"
 
+// Medium in which a slot's connection leaves its vertex.
+uint medium_of_connection(uint slot, vec3 direction) {
+    Path path = load_path(slot);
+    return medium_beyond(place_of_hit(path, load_hit(slot)), direction, path.medium);
+}
+
 void trace_shadow_ray(uint slot, inout bool overrun) {
     Connection connection = load_connection(slot);
-    if (lets_through()) {
-        pass_connection(connection, push.edge + 1u, overrun);
+    if (weakens_light()) {
+        uint medium = NO_MEDIUM;
+        if (has_media()) medium = medium_of_connection(slot, connection.ray.direction);
+        pass_connection(connection, medium, push.edge + 1u, overrun);
         store_connection_light(slot, connection);
     } else if (traverse(connection.ray, true, overrun).primitive != NONE) {
         block_connection(slot);

@@ -7,6 +7,7 @@ use glam::Mat4;
 use crate::Result;
 use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
+use crate::encode::media;
 use crate::encode::surfaces::{Shading, Surfaces};
 use crate::encode::textures::TexelWords;
 use crate::film::Picture;
@@ -176,6 +177,8 @@ fn scene_constants(scene: &Scene, cells: &Cells, lights: &Lights, settings: &Set
         grid_size: cells.grid.size.into(),
         cell_count: cells.count(),
         all_cell_count: cells.all_count(),
+        first_medium: scene.materials.len() as u32,
+        camera_medium: media::number(scene.media.of_camera),
         ..bytemuck::Zeroable::zeroed()
     };
     lights.write_constants(&mut constants);

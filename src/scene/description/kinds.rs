@@ -16,10 +16,11 @@ pub(in crate::scene) enum Kind {
     Spectrum,
     Subsurface,
     Texture,
+    Volume,
 }
 
 impl Kind {
-    const ALL: [(Self, &'static str); 13] = [
+    const ALL: [(Self, &'static str); 14] = [
         (Self::Bsdf, "bsdf"),
         (Self::Emitter, "emitter"),
         (Self::Film, "film"),
@@ -33,6 +34,7 @@ impl Kind {
         (Self::Spectrum, "spectrum"),
         (Self::Subsurface, "subsurface"),
         (Self::Texture, "texture"),
+        (Self::Volume, "volume"),
     ];
 
     /// The kind that XML knows by this name.

@@ -1,6 +1,6 @@
 //! Graphics state of pbrt, and the scene that grows by each directive.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::mem;
 use std::path::Path;
 use std::rc::Rc;
@@ -12,7 +12,7 @@ use super::parameters::{MAX_PARAMETERS, Parameter, Parameters};
 use super::read_form;
 use super::tokens::{Place, brief};
 use super::transforms::Current;
-use super::world::{Entity, Instance, MaterialUse, NamedTexture, Object, Shape, World};
+use super::world::{Entity, Instance, MaterialUse, NamedTexture, Object, Shape, Sides, World};
 use crate::Result;
 use crate::scene::faults::Faults;
 use crate::scene::mesh::MAX_TRIANGLES;
@@ -35,6 +35,8 @@ pub(super) struct State {
     color_space: ColorSpace,
     material: MaterialUse,
     light: Option<Rc<Entity>>,
+    /// Media inside and outside of surfaces.
+    media: Sides,
     /// Parameters by `Attribute`, for each of [`TARGETS`].
     attributes: [Rc<Vec<Rc<Parameter>>>; TARGETS.len()],
 }
@@ -55,10 +57,6 @@ pub(super) struct Builder {
     object_names: HashSet<String>,
     coordinate_systems: HashMap<String, Current>,
     is_world: bool,
-    /// Media that directives define.
-    pub defined_media: HashSet<String>,
-    /// Media that surfaces border, each with the place of the first.
-    pub used_media: BTreeMap<String, Place>,
     /// Warnings that were given.
     known_warnings: HashSet<&'static str>,
     texture_count: usize,
@@ -73,18 +71,6 @@ pub(super) struct Builder {
 }
 
 impl Builder {
-    /// Faults of the media that surfaces border.
-    pub fn refuse_media(&mut self) {
-        for (name, place) in mem::take(&mut self.used_media) {
-            let name_of = brief(&name);
-            let message = match self.defined_media.contains(&name) {
-                true => format!("the medium `{name_of}`: media are not rendered; remove the MediumInterface"),
-                false => format!("the medium `{name_of}` is not defined; define it by MakeNamedMedium"),
-            };
-            self.faults.add(place.error(message));
-        }
-    }
-
     /// Builder of the scene whose main file is at `main`.
     pub fn new(main: &Path) -> Self {
         let state = State {
@@ -94,6 +80,7 @@ impl Builder {
             color_space: ColorSpace::Srgb,
             material: MaterialUse::Default,
             light: None,
+            media: Sides::default(),
             attributes: Default::default(),
         };
         Self {
@@ -109,8 +96,6 @@ impl Builder {
             object_names: HashSet::new(),
             coordinate_systems: HashMap::new(),
             is_world: false,
-            defined_media: HashSet::new(),
-            used_media: BTreeMap::new(),
             known_warnings: HashSet::new(),
             texture_count: 0,
             entity_count: 0,
@@ -213,6 +198,26 @@ impl Builder {
         self.state.material = MaterialUse::Named(name.to_owned(), place.clone());
     }
 
+    /// Defines a medium. One that no surface borders changes no picture.
+    pub fn add_medium(&mut self, name: String, parameters: Parameters) -> Result<()> {
+        let place = parameters.place.clone();
+        self.count(&place)?;
+        let parameters = parameters.with_defaults(&self.state.attributes[3]);
+        let kind = parameters.text("type")?.unwrap_or_default().to_owned();
+        let medium = self.entity(kind, parameters);
+        match self.world.media.insert(name.clone(), medium) {
+            Some(_) => Err(place.error(format!("a second medium `{}`; give it another name", brief(&name)))),
+            None => Ok(()),
+        }
+    }
+
+    pub fn set_media(&mut self, sides: [String; 2], place: &Place) {
+        for name in sides.iter().filter(|name| !name.is_empty()) {
+            self.world.used_media.entry(name.clone()).or_insert_with(|| place.clone());
+        }
+        self.state.media = Rc::new(sides);
+    }
+
     pub fn set_color_space(&mut self, name: &str, place: &Place) -> Result<()> {
         self.state.color_space = ColorSpace::named(name).map_err(|message| place.error(message))?;
         Ok(())
@@ -297,6 +302,7 @@ impl Builder {
                 self.check_options(directive, &place)?;
                 self.coordinate_systems.insert("camera".to_owned(), self.state.to_world.inverted());
                 self.world.camera = Some(self.entity(kind, parameters));
+                self.world.camera_media = Rc::clone(&self.state.media);
             }
             "Film" | "PixelFilter" | "Sampler" | "Integrator" => {
                 self.check_options(directive, &place)?;
@@ -357,8 +363,9 @@ impl Builder {
         }
         self.warnings.extend(entity.parameters.unread());
         entity.parameters.keep_only(&["alpha"]);
-        let State { is_reversed, ref material, ref light, .. } = self.state;
-        let mut shape = Shape { form, entity, is_reversed, material: material.clone(), light: light.clone() };
+        let State { is_reversed, ref material, ref light, ref media, .. } = self.state;
+        let (material, light, media) = (material.clone(), light.clone(), Rc::clone(media));
+        let mut shape = Shape { form, entity, is_reversed, material, light, media };
         if self.object.is_some() && shape.light.take().is_some() {
             self.warn_once(&shape.entity.parameters.place, "shapes of objects do not emit, as in pbrt");
         }

@@ -60,10 +60,9 @@ fn directive(builder: &mut Builder, word: &str, tokens: &mut Tokens) -> Result<(
         "ReverseOrientation" => builder.state.is_reversed = !builder.state.is_reversed,
         "MediumInterface" => medium_interface(builder, tokens)?,
         "MakeNamedMedium" => {
-            // A medium that no surface borders changes no picture.
             let name = tokens.quoted("the name of a medium")?.into_owned();
-            builder.defined_media.insert(name);
-            Parameters::read(tokens, place, word.to_owned())?;
+            let parameters = Parameters::read(tokens, place, format!("medium `{}`", brief(&name)))?;
+            builder.add_medium(name, parameters)?;
         }
         "NamedMaterial" => {
             let name = tokens.quoted("the name of a material")?;
@@ -178,9 +177,7 @@ fn medium_interface(builder: &mut Builder, tokens: &mut Tokens) -> Result<()> {
         Some(Token::Quoted(_)) => tokens.quoted("the name of a medium")?.into_owned(),
         _ => inside.clone(),
     };
-    for name in [inside, outside].into_iter().filter(|name| !name.is_empty()) {
-        builder.used_media.entry(name).or_insert_with(|| place.clone());
-    }
+    builder.set_media([inside, outside], &place);
     Ok(())
 }
 

@@ -23,6 +23,7 @@ mod images;
 mod lights;
 mod maker;
 mod materials;
+mod media;
 mod metals;
 mod named_spectra;
 mod names;
@@ -52,6 +53,7 @@ use builder::Builder;
 use film::Film;
 use images::Images;
 use materials::Materials;
+use media::Media;
 use names::Names;
 use shapes::Shapes;
 use textures::Textures;
@@ -72,12 +74,15 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     if is_whole && !builder.has_world() {
         builder.faults.add(Error::scene(path, None, "it has no WorldBegin; pbrt renders only files that have one"));
     }
-    builder.refuse_media();
     let Builder { mut files, mut faults, mut warnings, mut world, .. } = builder;
     let (shapes, groups_of_shapes) = (std::mem::take(&mut world.shapes), std::mem::take(&mut world.objects));
     let names = Names::new(path);
     let film = faults.keep(Film::read(&world, &mut warnings));
     let exposure = film.as_ref().map_or(1.0, |film| film.exposure);
+    let media = Media::new(&world.media, &world.used_media, &names, &mut files, &mut faults);
+    warnings.extend(
+        world.used_media.keys().filter_map(|name| world.media.get(name)).flat_map(|medium| medium.parameters.unread()),
+    );
     let mut objects = Vec::new();
     let integrator = faults.keep(film::integrator(&world, &mut warnings));
     objects.extend(integrator.map(|object| names.entry("integrator".to_owned(), "integrator", object)));
@@ -87,6 +92,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
         let parts = [("film", Some(film.into_object())), ("sampler", sampler)];
         let parts = parts.into_iter().filter_map(|(key, part)| Some((key, part?)));
         let add = |sensor: description::object::Object| {
+            let sensor = media.named(sensor, "medium", &world.camera_media[1]);
             parts.fold(sensor, |sensor, (key, part)| sensor.with(key, nested(part)))
         };
         let label = names.label(&camera.parameters.place, "camera");
@@ -97,7 +103,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings));
     let lights = lights::of_scene(&world, exposure, &names, &mut textures, &mut faults);
     let mut materials = Materials::new(&names);
-    let mut made = Shapes::new(&names, exposure);
+    let mut made = Shapes::new(&names, &media, exposure);
     let mut placed = Vec::new();
     let mut groups = HashMap::new();
     for Object { name, place, shapes } in groups_of_shapes {
@@ -128,6 +134,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
             object(Kind::Shape, "instance", entries),
         ));
     }
+    objects.extend(media.finish());
     objects.extend(materials.finish());
     objects.extend(lights);
     objects.extend(placed);

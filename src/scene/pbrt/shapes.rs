@@ -7,6 +7,7 @@ use glam::{DMat4, DVec3, Vec2, Vec3};
 use super::area_lights::AreaLight;
 use super::form::{Form, own_area, triangle_areas};
 use super::materials::{Cover, Materials};
+use super::media::Media;
 use super::names::Names;
 use super::quadrics::{self, Disk, Sphere};
 use super::textures::Textures;
@@ -26,6 +27,7 @@ const GAP: f64 = 1.0e-4;
 /// Shapes as objects.
 pub(super) struct Shapes<'l> {
     names: &'l Names,
+    media: &'l Media,
     /// Factor of all light.
     exposure: f64,
     triangle_count: usize,
@@ -41,8 +43,8 @@ struct Placed<'s> {
 }
 
 impl<'l> Shapes<'l> {
-    pub fn new(names: &'l Names, exposure: f64) -> Self {
-        Self { names, exposure, triangle_count: 0 }
+    pub fn new(names: &'l Names, media: &'l Media, exposure: f64) -> Self {
+        Self { names, media, exposure, triangle_count: 0 }
     }
 
     /// Objects of a shape: one, or several where it emits from both sides or where triangles differ in radiance.
@@ -52,7 +54,7 @@ impl<'l> Shapes<'l> {
         materials: &mut Materials,
         textures: &mut Textures,
     ) -> Result<Vec<(String, Object)>> {
-        let Shape { form, entity, is_reversed, material, light } = shape;
+        let Shape { form, entity, is_reversed, material, light, media } = shape;
         let cover = materials.cover(&material, entity.parameters.get("alpha"), textures)?;
         if let (Some(alpha), Some(_)) = (entity.parameters.get("alpha"), &light)
             && alpha.kind == "float"
@@ -73,7 +75,10 @@ impl<'l> Shapes<'l> {
         };
         parts
             .into_iter()
-            .map(|(part, emitter)| Ok(self.names.entry(label.clone(), &entity.kind, self.object(part, emitter)?)))
+            .map(|(part, emitter)| {
+                let shape = self.object(part, emitter)?;
+                Ok(self.names.entry(label.clone(), &entity.kind, self.media.around(shape, &media)))
+            })
             .collect()
     }
 

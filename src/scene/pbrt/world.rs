@@ -1,6 +1,6 @@
 //! Scene as its directives give it: no names are followed yet.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use super::color_space::ColorSpace;
@@ -25,6 +25,9 @@ impl Entity {
     }
 }
 
+/// Names of the media inside and outside of surfaces; an empty name is empty space.
+pub(super) type Sides = Rc<[String; 2]>;
+
 /// Material that a shape uses.
 #[derive(Debug, Clone)]
 pub(super) enum MaterialUse {
@@ -45,6 +48,7 @@ pub(super) struct Shape {
     pub is_reversed: bool,
     pub material: MaterialUse,
     pub light: Option<Rc<Entity>>,
+    pub media: Sides,
 }
 
 /// Shapes that instances copy.
@@ -83,6 +87,11 @@ pub(super) struct World {
     pub instances: Vec<Instance>,
     pub lights: Vec<Entity>,
     pub materials: HashMap<String, Rc<Entity>>,
+    pub media: HashMap<String, Entity>,
+    /// Media that surfaces border or that the camera is in, each with the place of its first use.
+    pub used_media: BTreeMap<String, Place>,
+    /// Media inside and outside of surfaces where the camera stands. The camera is outside.
+    pub camera_media: Sides,
     /// Textures that give a number.
     pub numbers: HashMap<String, NamedTexture>,
     /// Textures that give a color.

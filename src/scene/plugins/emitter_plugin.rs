@@ -10,6 +10,7 @@ use super::sunsky::{self, BakedSky};
 use super::textures::Textures;
 use super::transform;
 use crate::Result;
+use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::folders::FoundFile;
 use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, PictureAxes, Textured};
@@ -83,8 +84,15 @@ pub(super) fn parse<'a>(
         }
         _ => return Err(object.unsupported(&SUPPORTED)),
     };
+    leave_medium(&mut properties);
     properties.finish(warnings)?;
     Ok(emitter)
+}
+
+/// Passes over the medium around a lamp. Mitsuba needs it for light that is traced from the lamp; paths from the camera know their medium
+/// from the surfaces that they cross.
+fn leave_medium(properties: &mut Properties) {
+    properties.objects(Kind::Medium);
 }
 
 const DARK_BEAM: &str = "a `collimated` beam is dark: no path from the camera finds a single ray of light";
@@ -105,6 +113,7 @@ pub(super) fn parse_area<'a>(
     }
     let sampling_weight = sampling_weight(&mut properties)?;
     let radiance = picture(&mut properties, "radiance", textures, warnings)?;
+    leave_medium(&mut properties);
     properties.finish(warnings)?;
     if is_dark {
         warnings.push(format!("{}: {DARK_AREA}", object.origin));

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
 use super::materials::{Materials, conserve_energy};
+use super::media::MediumList;
 use super::projector::Projector;
 use super::properties::Properties;
 use super::scope::{Scope, Whole};
@@ -26,13 +27,14 @@ use super::{curves, cylinder, fit, integrator, sensor, texture_images, vertex_co
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::{Entry, Object, Value};
+use crate::scene::description::origin::Format;
 use crate::scene::faults::Faults;
 use crate::scene::folders::FoundFile;
 use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 use crate::scene::texel_pages;
 use crate::scene::{
-    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Primitive, Scene,
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Media, Primitive, Scene,
 };
 use crate::{Error, Result};
 
@@ -65,6 +67,7 @@ pub(in crate::scene) fn build(description: &mut Description, options: &LoadOptio
     let scope = Rc::new(Whole::new(description)?);
     let mut builder = Builder {
         materials: Materials::new(Rc::clone(&scope)),
+        media: MediumList::new(Rc::clone(&scope)),
         textures: Textures::new(Rc::clone(&scope)),
         description,
         scope,
@@ -97,6 +100,7 @@ struct Builder<'a> {
     description: &'a Description,
     scope: Scope<'a>,
     materials: Materials<'a>,
+    media: MediumList<'a>,
     textures: Textures<'a>,
     emitters: Vec<AreaEmitter>,
     /// Addresses of the `area` emitters that shapes have.
@@ -139,8 +143,9 @@ impl<'a> Builder<'a> {
             Kind::Shape => self.add_shape(object)?,
             // A BSDF that no shape uses is checked too, so that unsupported plugins are reported.
             Kind::Bsdf => self.materials.check(object, &mut self.textures, &mut self.warnings)?,
-            // Textures are read where another object refers to them.
-            Kind::Texture => {}
+            Kind::Medium => self.media.check(object, &mut self.warnings)?,
+            // They are read where another object refers to them.
+            Kind::Texture | Kind::Phase | Kind::Volume => {}
             Kind::Sampler | Kind::Film | Kind::Rfilter => {
                 if object.id.is_none() {
                     let [what, scene, sensor] =
@@ -242,6 +247,8 @@ impl<'a> Builder<'a> {
         let mut common = Common { material: 0, ..Common::default() };
         let geometry = self.faults.keep(shape::parse_geometry(&mut properties, &mut common));
         let emitter = properties.object(Kind::Emitter)?;
+        let boundary = self.media.boundary(&mut properties, &mut self.warnings);
+        let boundary = self.faults.keep(boundary).flatten();
         let material = match properties.object(Kind::Bsdf)? {
             Some(bsdf) => {
                 let shape_id = object.id.as_deref();
@@ -264,7 +271,10 @@ impl<'a> Builder<'a> {
         }
         let (Some(geometry), Some(material)) = (geometry, material) else { return Ok(None) };
         properties.finish(&mut self.warnings)?;
-        common.material = material;
+        common.material = match boundary {
+            Some(boundary) => self.materials.keep_boundary(material, boundary),
+            None => material,
+        };
         Ok(Some(Shape { geometry, common, origin: object.origin.clone() }))
     }
 
@@ -374,8 +384,13 @@ impl<'a> Builder<'a> {
             self.replace_environment(choice)?;
         }
         let sensor = self.chosen_sensor(options.camera.as_ref())?;
-        let sensor = sensor.map(|sensor| sensor::parse(sensor, &self.scope, &mut self.warnings));
+        let sensor = sensor.map(|sensor| sensor::parse(sensor, &self.scope, &mut self.media, &mut self.warnings));
         let sensor = sensor.and_then(|sensor| self.faults.keep(sensor));
+        let of_path = self.integrators.first().filter(|integrator| integrator.plugin == "path");
+        if let (Some(integrator), false, false) = (of_path, self.media.list.is_empty(), format == Format::Foreign) {
+            let message = "Mitsuba's `path` leaves media out; here they are rendered, as by `volpath`";
+            self.warnings.push(format!("{}: {message}", integrator.origin));
+        }
         for emitter in self.loose_emitters.iter().filter(|&&emitter| !self.lit.contains(&std::ptr::from_ref(emitter))) {
             self.warnings.push(format!("{}: no shape refers to this `area` emitter; it is dark", emitter.origin));
         }
@@ -435,6 +450,7 @@ impl<'a> Builder<'a> {
             sample_count: sensor.sample_count,
             primitives,
             materials,
+            media: Media { all: self.media.list, of_camera: sensor.medium },
             emitters,
             environment: self.environment,
             delta_emitters,

@@ -11,6 +11,7 @@ mod flatten;
 mod integrator;
 pub mod load;
 mod materials;
+mod media;
 pub(in crate::scene) mod names;
 mod parameter;
 mod projector;

@@ -5,7 +5,7 @@ use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::MESH;
 
 /// Names of plugins that other files do not list, by their kind.
-const OTHERS: [(Kind, &[&str]); 10] = [
+const OTHERS: [(Kind, &[&str]); 12] = [
     (
         Kind::Sensor,
         &["perspective", "thinlens", "orthographic", "batch", "distant", "irradiancemeter", "radiancemeter"],
@@ -18,6 +18,8 @@ const OTHERS: [(Kind, &[&str]); 10] = [
     (Kind::Texture, &["volume"]),
     (Kind::Bsdf, &["bsdf_mixture", "circular", "hair", "measured", "polarizer", "retarder"]),
     (Kind::Medium, &["homogeneous", "heterogeneous"]),
+    (Kind::Phase, &["isotropic", "hg", "rayleigh", "blendphase", "tabphase", "sggx"]),
+    (Kind::Volume, &["constvolume", "gridvolume"]),
     (Kind::Spectrum, &["d65", "irregular", "regular", "srgb", "uniform"]),
 ];
 

@@ -247,15 +247,27 @@ impl<'a> Properties<'a> {
         self.objects.extract_if(.., |nested| nested.object.kind == kind).map(|nested| nested.object).collect()
     }
 
-    /// Removes and returns the texture that is nested as a parameter.
-    pub fn texture(&mut self, name: &str) -> Result<Option<&'a Object>> {
-        let textures: Vec<_> = self.objects.extract_if(.., |nested| nested.is_texture(name)).collect();
-        match (self.get(name), textures.get(1).map(|second| second.at)) {
-            (Some(twice), _) | (None, Some(twice)) if !textures.is_empty() => {
+    /// Removes and returns the nested objects of a kind, with the names that they have here.
+    pub fn named_objects(&mut self, kind: Kind) -> Vec<(Cow<'a, str>, &'a Object)> {
+        let nested = self.objects.extract_if(.., |nested| nested.object.kind == kind);
+        nested.map(|nested| (nested.at.entry.key(), nested.object)).collect()
+    }
+
+    /// Removes and returns the object of a kind that is nested as a parameter.
+    pub fn nested(&mut self, name: &str, kind: Kind) -> Result<Option<&'a Object>> {
+        let is_it = |nested: &mut Nested| nested.object.kind == kind && nested.at.entry.key() == name;
+        let found: Vec<_> = self.objects.extract_if(.., is_it).collect();
+        match (self.get(name), found.get(1).map(|second| second.at)) {
+            (Some(twice), _) | (None, Some(twice)) if !found.is_empty() => {
                 Err(twice.error(format!("the parameter `{name}` is given twice")))
             }
-            _ => Ok(textures.first().map(|nested| nested.object)),
+            _ => Ok(found.first().map(|nested| nested.object)),
         }
+    }
+
+    /// Removes and returns the texture that is nested as a parameter.
+    pub fn texture(&mut self, name: &str) -> Result<Option<&'a Object>> {
+        self.nested(name, Kind::Texture)
     }
 
     /// Removes and returns the only nested object of a kind; a second one is an error.

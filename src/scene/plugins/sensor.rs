@@ -2,6 +2,7 @@
 
 use glam::{DMat4, Vec2};
 
+use super::media::MediumList;
 use super::properties::Properties;
 use super::scope::Scope;
 use super::transform;
@@ -16,6 +17,8 @@ pub(super) struct Sensor {
     pub camera: Camera,
     pub film: FilmDescription,
     pub sample_count: Option<u32>,
+    /// Medium around the camera: an index into the scene's media.
+    pub medium: Option<u32>,
 }
 
 /// Diagonal of 35 mm film in millimeters, to which `focal_length` is relative.
@@ -23,7 +26,12 @@ const FILM_DIAGONAL: f64 = 43.266_615_305_567_87;
 const DEFAULT_FOCAL_LENGTH: f64 = 50.0;
 
 /// Reads a `<sensor>`.
-pub(super) fn parse<'a>(object: &'a Object, scope: &Scope<'a>, warnings: &mut Vec<String>) -> Result<Sensor> {
+pub(super) fn parse<'a>(
+    object: &'a Object,
+    scope: &Scope<'a>,
+    media: &mut MediumList<'a>,
+    warnings: &mut Vec<String>,
+) -> Result<Sensor> {
     let mut properties = Properties::new(object, scope)?;
     let camera = match properties.plugin() {
         "perspective" => parse_perspective(&mut properties)?,
@@ -37,10 +45,11 @@ pub(super) fn parse<'a>(object: &'a Object, scope: &Scope<'a>, warnings: &mut Ve
     };
     let sampler = properties.object(Kind::Sampler)?;
     let sample_count = sampler.map(|sampler| parse_sample_count(sampler, scope)).transpose()?.flatten();
+    let medium = properties.object(Kind::Medium)?.map(|medium| media.keep(medium, warnings)).transpose()?;
     // A camera without a lens is in focus everywhere, and nothing moves.
     properties.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
     properties.finish(warnings)?;
-    Ok(Sensor { camera, film, sample_count })
+    Ok(Sensor { camera, film, sample_count, medium })
 }
 
 fn parse_perspective(properties: &mut Properties) -> Result<Camera> {

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use glam::Vec3;
-use lodestar::scene::Bsdf;
+use lodestar::scene::{Boundary, Bsdf, Phase, PhaseLobe};
 
 use super::{bsdf, load_in, load_text, world};
 use crate::Folder;
@@ -123,8 +123,12 @@ fn what_is_refused() {
             ":1: the medium `fog` is not defined; define it by MakeNamedMedium",
         ),
         (
-            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"",
-            ":1: the medium `fog`: media are not rendered",
+            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"cloud\"",
+            ":1: the medium `fog` of the type `cloud` is not supported; use `homogeneous`",
+        ),
+        (
+            "WorldBegin MediumInterface \"fog\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1 -2 0 ]",
+            "of a medium must not be negative",
         ),
         ("WorldBegin CoordSysTransform \"none\"", ":1: there is no coordinate system `none`"),
         ("WorldBegin Attribute \"wrong\" \"float a\" 1", ":1: `wrong` has no attributes"),
@@ -138,7 +142,28 @@ fn what_is_refused() {
     let empty =
         world("MediumInterface \"\" \"\" MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" Shape \"sphere\"")
             .unwrap();
-    assert_eq!(empty.primitives.len(), 1);
+    assert_eq!((empty.primitives.len(), empty.media.all.len()), (1, 0));
+}
+
+/// The medium inside and outside of a shape, and that of the camera.
+#[test]
+fn media_are_those_of_the_interface() {
+    let fog = "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1 2 0 ] \"rgb sigma_s\" [ 3 2 0 ] \
+               \"float scale\" 2 \"float g\" 0.5 ";
+    let sphere = "Shape \"sphere\" ";
+    let scene = load_text(&format!(
+        "{fog}MediumInterface \"\" \"fog\" Camera \"perspective\" WorldBegin {sphere}\
+         MediumInterface \"fog\" Material \"interface\" {sphere}MediumInterface \"fog\" \"\" {sphere}"
+    ))
+    .unwrap();
+    assert_eq!((scene.media.of_camera, scene.media.all.len()), (Some(0), 1));
+    let medium = &scene.media.all[0];
+    assert_eq!((medium.extinction, medium.albedo), (Vec3::new(8.0, 8.0, 0.0), Vec3::new(0.75, 0.5, 0.0)));
+    assert_eq!(medium.phase, Phase::of_lobe(PhaseLobe::HenyeyGreenstein(0.5)));
+    let boundaries: Vec<_> = scene.primitives.iter().map(|p| scene.materials[p.material as usize].boundary).collect();
+    let side = |interior, exterior| Some(Boundary { interior, exterior });
+    // A shape with the same medium on both sides does not change it.
+    assert_eq!(boundaries, [side(None, Some(0)), None, side(Some(0), None)]);
 }
 
 /// A number of a parameter that is none of this reader's gives a warning with file and line; options of pbrt give none.

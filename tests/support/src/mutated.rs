@@ -24,6 +24,10 @@ pub const COUNTED_TWICE: &str = "light counted whole however it is found";
 pub const SHUT: &str = "holes that shadow rays do not pass";
 pub const PASSED_TWICE: &str = "light that passes each surface twice";
 pub const WRONG_VERTEX: &str = "the density at the last hole";
+/// Mutations: faults of media.
+pub const DIMMED_TWICE: &str = "media that dim sampled lights twice";
+pub const OTHER_SIDE: &str = "the medium of the other side";
+pub const OTHER_PHASE: &str = "in media, the density of another phase function";
 /// Mutation: shadow rays follow 16 surfaces in place of 1024 edges.
 pub const FEW_SURFACES: &str = "shadow rays through few surfaces";
 /// Mutation: shadow rays end 0.09 % before a light, as those of Mitsuba 3 do. What stands between lets light through.

@@ -31,6 +31,7 @@ const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
 const MONTE_CARLO: &str = "glsl/include/guide/learners/monte_carlo.glsl";
 const NORMALIZATION: &str = "glsl/include/guide/normalization/normalization_entry.glsl";
 const PASSAGE: &str = "glsl/include/path/passage.glsl";
+const MEDIUM: &str = "glsl/include/path/medium.glsl";
 const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
 const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
 const RANDOM: &str = "glsl/include/random/random.glsl";
@@ -496,6 +497,31 @@ pub const MUTATIONS: &[Mutation] = &[
         }],
     ),
     mutation(
+        "media that dim sampled lights twice",
+        &[Patch {
+            file: MEDIUM,
+            text: "transmittance(extinction_of(medium), distance);",
+            mutated: "transmittance(extinction_of(medium), (MUTATED ? 2.0 : 1.0) * distance);",
+        }],
+    ),
+    mutation(
+        "the medium of the other side",
+        &[Patch {
+            file: MEDIUM,
+            text: "bool inside = dot(direction, surface.geometric_normal) < 0.0;",
+            mutated: "bool inside = (dot(direction, surface.geometric_normal) < 0.0) != MUTATED;",
+        }],
+    ),
+    mutation(
+        "in media, the density of another phase function",
+        &[Patch {
+            file: VERTEX,
+            text: "if (has_media()) path.medium = medium_beyond(surface, next.wi, path.medium);",
+            mutated: "if (has_media()) path.medium = medium_beyond(surface, next.wi, path.medium);\n        \
+                  if (MUTATED && surface.material == NONE) path.pdf = 0.5 * INV_TWO_PI;",
+        }],
+    ),
+    mutation(
         "densities 5 % off",
         &[Patch {
             file: GUIDING,
@@ -515,8 +541,8 @@ pub const MUTATIONS: &[Mutation] = &[
         "shadow rays through few surfaces",
         &[Patch {
             file: PASSAGE,
-            text: "Passage(ray, vec3(1.0), MAX_DEPTH - 1u - depth, true)",
-            mutated: "Passage(ray, vec3(1.0), MUTATED ? 16u : MAX_DEPTH - 1u - depth, true)",
+            text: "Passage(ray, vec3(1.0), medium, MAX_DEPTH - 1u - depth, true)",
+            mutated: "Passage(ray, vec3(1.0), medium, MUTATED ? 16u : MAX_DEPTH - 1u - depth, true)",
         }],
     ),
     // Mitsuba 3 ends its shadow rays so early (its constant `ShadowEpsilon`, 15000 / 2^24).

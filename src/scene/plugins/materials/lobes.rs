@@ -73,7 +73,7 @@ pub(in super::super) fn conserve_energy(
     let largest = |textured: &Textured<Vec3>| {
         textured.value * textured.texture.map_or(Vec3::ONE, |texture| textures[texture as usize].maximum(images))
     };
-    for Material { name, kind } in materials {
+    for Material { name, kind, .. } in materials {
         let MaterialKind::Surface(surface) = kind else { continue };
         let (Bsdf::Phong { diffuse_reflectance, specular_reflectance, .. }
         | Bsdf::Ward { diffuse_reflectance, specular_reflectance, .. }) = &mut surface.bsdf

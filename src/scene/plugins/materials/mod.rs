@@ -23,6 +23,7 @@ use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceM
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::faults::{self, Faults};
+use crate::scene::medium::Boundary;
 use crate::scene::texture::Textured;
 pub(super) use lobes::conserve_energy;
 use parameters::{DEFAULT_REFLECTANCE, Parameters};
@@ -56,6 +57,8 @@ pub(super) struct Materials<'a> {
     /// Elements being read, from the outermost.
     open: Vec<*const Object>,
     kept: HashMap<*const Object, u32>,
+    /// Copies of materials for boundaries of media.
+    bounding: HashMap<(u32, Boundary), u32>,
     /// Indices of the default materials: of shapes that do not emit, and of shapes that do.
     defaults: [Option<u32>; 2],
     list: Vec<Material>,
@@ -69,6 +72,7 @@ impl<'a> Materials<'a> {
             faulty: HashSet::new(),
             open: Vec::new(),
             kept: HashMap::new(),
+            bounding: HashMap::new(),
             defaults: [None; 2],
             list: Vec::new(),
         }
@@ -87,7 +91,17 @@ impl<'a> Materials<'a> {
             let (name, albedo) = if emits { ("default of emitters", 0.0) } else { ("default", DEFAULT_REFLECTANCE) };
             let reflectance = Textured::constant(Vec3::splat(albedo));
             let kind = MaterialKind::Surface(SurfaceMaterial::plain(Bsdf::Diffuse { reflectance }));
-            list.push(Material { name: name.to_string(), kind });
+            list.push(Material { name: name.to_string(), kind, boundary: None });
+            list.len() as u32 - 1
+        })
+    }
+
+    /// Index in `Scene::materials` of a material for shapes that bound media.
+    pub fn keep_boundary(&mut self, material: u32, boundary: Boundary) -> u32 {
+        let list = &mut self.list;
+        *self.bounding.entry((material, boundary)).or_insert_with(|| {
+            let copy = Material { boundary: Some(boundary), ..list[material as usize].clone() };
+            list.push(copy);
             list.len() as u32 - 1
         })
     }
@@ -128,7 +142,7 @@ impl<'a> Materials<'a> {
                 MaterialKind::Sides { front, back }
             }
         };
-        self.list.push(Material { name: name.to_string(), kind });
+        self.list.push(Material { name: name.to_string(), kind, boundary: None });
         self.list.len() as u32 - 1
     }
 

@@ -50,7 +50,7 @@ impl Ground {
     }
 
     pub fn cells(&self) -> Cells {
-        Cells::new(&self.bvh, UVec3::splat(GRID))
+        Cells::new(&self.bvh, &[], UVec3::splat(GRID))
     }
 
     /// Renderer that has not taken a step yet.
