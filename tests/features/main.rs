@@ -332,8 +332,8 @@ fn names_differ_and_classes_are_full() {
     let all = table::all();
     let names: BTreeSet<&str> = all.iter().map(|case| case.name.as_str()).collect();
     assert!(names.len() == all.len() && all.len() >= 120, "{} of {}", names.len(), all.len());
-    use Class::{Bsdfs, Cameras, Curves, Emitters, Extremes, Passages, Paths, Shapes};
-    for class in [Shapes, Bsdfs, Emitters, Cameras, Paths, Extremes, Curves, Passages] {
+    use Class::{Bsdfs, Cameras, Curves, Emitters, Extremes, Media, Passages, Paths, Shapes};
+    for class in [Shapes, Bsdfs, Emitters, Cameras, Paths, Extremes, Curves, Passages, Media] {
         assert!(names.contains(table::twin(class).scene), "{class}");
     }
     assert!(all.iter().all(|case| case.xml.contains("max_depth")));

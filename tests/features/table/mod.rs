@@ -6,6 +6,7 @@ mod curves;
 mod cylinders;
 mod emitters;
 mod extremes;
+mod media;
 mod passages;
 mod paths;
 mod shapes;
@@ -29,6 +30,7 @@ pub enum Class {
     Extremes,
     Curves,
     Passages,
+    Media,
 }
 
 impl fmt::Display for Class {
@@ -149,6 +151,7 @@ pub fn all() -> Vec<Case> {
     cylinders::add(&mut table);
     curves::add(&mut table);
     passages::add(&mut table);
+    media::add(&mut table);
     table.0
 }
 
@@ -171,6 +174,7 @@ pub fn twin(class: Class) -> Twin {
         Class::Paths => ("depth-3", "depth", "4", "2"),
         Class::Extremes => ("scale-1", "size", "0.714", "0.9"),
         Class::Passages => ("mask-sun", "opacity", "0.42", "0.6"),
+        Class::Media => ("fog-twin", "density", "0.206", "0.3"),
         Class::Curves => ("bsplinecurve-plain", "file", "bsplinecurve-thicker.txt", "bsplinecurve-thick.txt"),
     };
     Twin { scene, parameter, wrong, far }
