@@ -8,6 +8,10 @@
 struct TextureInput {
     uint index;
     vec2 uv;
+    vec3 position;
+    vec3 normal;
+    vec3 dp_du;
+    vec3 dp_dv;
 };
 
 struct TextureOutput {
@@ -20,5 +24,7 @@ layout(scalar, set = 0, binding = 21) writeonly buffer TextureOutputs { TextureO
 
 void main() {
     TextureInput i = texture_inputs[gl_GlobalInvocationID.x];
-    texture_outputs[gl_GlobalInvocationID.x] = TextureOutput(sample_texture(i.index, i.uv), texture_gradient(i.index, i.uv));
+    TexturePoint at = TexturePoint(i.uv, i.position, i.normal);
+    texture_outputs[gl_GlobalInvocationID.x] =
+        TextureOutput(sample_texture(i.index, at), height_gradient(i.index, at, i.dp_du, i.dp_dv));
 }

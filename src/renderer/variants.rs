@@ -36,6 +36,7 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         material_kinds: materials::kinds(scene),
         surface_features: materials::features(scene),
         texture_kinds: shading.surfaces.textures.kinds,
+        program_operations: shading.surfaces.textures.operations,
         textured_parameters,
         max_texture_links,
         texel_pages: shading.surfaces.textures.words.pages().len() as u32,

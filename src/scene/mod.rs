@@ -30,6 +30,7 @@ mod pbrt;
 mod place;
 mod plugins;
 mod principled;
+pub mod program;
 mod read;
 mod shrink;
 mod spectrum;

@@ -129,7 +129,7 @@ pub fn summarize(scene: &Scene) -> Summary {
                 name: texture.name.clone(),
                 image: match texture.pattern {
                     Pattern::Bitmap { image, .. } => Some(scene.images[image as usize].name.clone()),
-                    Pattern::Checkerboard { .. } => None,
+                    Pattern::Checkerboard { .. } | Pattern::Program(_) => None,
                 },
             })
             .collect(),

@@ -2,6 +2,8 @@
 
 use glam::{Mat3, Vec3};
 
+use super::program::Program;
+
 /// Value, or texture times a value.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Textured<T> {
@@ -36,10 +38,11 @@ const MEAN_TEXELS: usize = 1 << 14;
 impl Texture {
     /// Approximate mean color, linear. It is accurate enough to share out samples.
     pub fn mean(&self, images: &[Image]) -> Vec3 {
-        match self.pattern {
-            Pattern::Checkerboard { color0, color1 } => 0.5 * (color0 + color1),
+        match &self.pattern {
+            Pattern::Checkerboard { color0, color1 } => 0.5 * (*color0 + *color1),
+            Pattern::Program(program) => program.mean,
             Pattern::Bitmap { image, .. } => {
-                let texels = &images[image as usize].texels;
+                let texels = &images[*image as usize].texels;
                 let step = texels.len().div_ceil(MEAN_TEXELS).max(1);
                 texels.colors(step).sum::<Vec3>() / texels.len().div_ceil(step).max(1) as f32
             }
@@ -48,9 +51,10 @@ impl Texture {
 
     /// Largest value of each channel, linear.
     pub fn maximum(&self, images: &[Image]) -> Vec3 {
-        match self.pattern {
-            Pattern::Checkerboard { color0, color1 } => color0.max(color1),
-            Pattern::Bitmap { image, .. } => images[image as usize].texels.colors(1).fold(Vec3::ZERO, Vec3::max),
+        match &self.pattern {
+            Pattern::Checkerboard { color0, color1 } => color0.max(*color1),
+            Pattern::Program(program) => Vec3::splat(program.limits[1]),
+            Pattern::Bitmap { image, .. } => images[*image as usize].texels.colors(1).fold(Vec3::ZERO, Vec3::max),
         }
     }
 }
@@ -74,6 +78,8 @@ pub enum Pattern {
         /// Color elsewhere, linear sRGB.
         color1: Vec3,
     },
+    /// Texture that is computed.
+    Program(Program),
 }
 
 /// Interpolations between texels: Mitsuba's `filter_type`.

@@ -9,19 +9,21 @@ use crate::math::srgb::linear_from_srgb;
 /// Linear color and alpha of a texture where the surface's coordinates are `uv`; `images` are those of the scene.
 pub fn sample(texture: &Texture, images: &[Image], uv: DVec2) -> DVec4 {
     let at = (texture.to_uv.as_dmat3() * uv.extend(1.0)).truncate();
-    match texture.pattern {
-        Pattern::Checkerboard { color0, color1 } => {
+    match &texture.pattern {
+        &Pattern::Checkerboard { color0, color1 } => {
             let second = |coordinate: f64| coordinate.rem_euclid(1.0) > 0.5;
             let color = if second(at.x) == second(at.y) { color0 } else { color1 };
             color.as_dvec3().extend(1.0)
         }
-        Pattern::Bitmap { image, filter: TexelFilter::Nearest, wrap } => {
+        // Kernels alone compute programs. Nothing that is looked up here may be one.
+        Pattern::Program(program) => program.mean.as_dvec3().extend(1.0),
+        &Pattern::Bitmap { image, filter: TexelFilter::Nearest, wrap } => {
             let image = &images[image as usize];
             let [column, row] =
                 [(at.x, image.width), (at.y, image.height)].map(|(t, size)| (t * f64::from(size)).floor());
             texel(image, wrap, column as i64, row as i64)
         }
-        Pattern::Bitmap { image, filter: TexelFilter::Bilinear, wrap } => {
+        &Pattern::Bitmap { image, filter: TexelFilter::Bilinear, wrap } => {
             let (taps, fraction) = bilinear_taps(&images[image as usize], wrap, at);
             let row = |i: usize| taps[i].lerp(taps[i + 1], fraction.x);
             row(0).lerp(row(2), fraction.y)

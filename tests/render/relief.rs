@@ -5,10 +5,14 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec2, DVec3, Mat3, Mat4, Vec3, Vec4, dvec3};
 use lodestar::scene::bsdf::Relief;
 use lodestar::scene::emitter::DeltaKind;
+use lodestar::scene::program::Operation;
+use lodestar::scene::program::graph::{Graph, Operand};
+use lodestar::scene::program::schedule::schedule;
 use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
-use lodestar::scene::{DeltaEmitter, Environment, PrimitiveShape, Scene};
+use lodestar::scene::{Bsdf, DeltaEmitter, Environment, PrimitiveShape, Scene, Textured};
 use lodestar::settings::{Sampler, Settings};
 use support::estimate::Estimate;
+use support::mutated::TILTED_BACK;
 use support::scenes::{SAMPLERS, ours, settings, surface_mut};
 use support::significance::{ALPHA, sidak, two_sided};
 use support::twins::relief::{bump_normal, mapped_normal, relief_frame, relief_shadowing};
@@ -19,7 +23,7 @@ const SIZE: [u32; 2] = [16, 16];
 const SPP: u32 = 256;
 const ALBEDO: f64 = 0.5;
 /// Number of tests of this file, for all samplers, with and without emitter sampling.
-const CASES: usize = 8;
+const CASES: usize = 12;
 
 /// Sides of the floor in world space. The floor's uv frame is 2 by 4 units large and is not axis-aligned.
 const U: Vec3 = Vec3::new(0.6, 0.8, 0.0);
@@ -74,6 +78,32 @@ fn answer(n: DVec3) -> f64 {
     ALBEDO / PI * sum * FRAC_PI_2 * TAU / f64::from(count * count)
 }
 
+/// Texture that is computed.
+fn program(make: impl FnOnce(&mut Graph) -> Operand, limits: [f32; 2]) -> Texture {
+    let mut graph = Graph::default();
+    let root = make(&mut graph);
+    let program = schedule(&graph, root, limits).expect("a program");
+    Texture { name: String::new(), pattern: Pattern::Program(program), to_uv: Mat3::IDENTITY }
+}
+
+/// Floor whose height and reflectance are computed: the height rises by 0.8 along a unit of the first edge, and the reflectance is half of the
+/// normal's length along the z-axis.
+fn computed_floor(behind: bool) -> Scene {
+    let mut scene = floor(Relief::Bump { texture: 0, scale: 1.0 }, vec![gray(0.0)], behind);
+    let along = 0.8 * U;
+    let height = |graph: &mut Graph| graph.add(Operation::Dot, &[Operand::Position, Operand::Constant(along)], &[]);
+    let reflectance = |graph: &mut Graph| {
+        let length = graph.add(Operation::Absolute, &[Operand::Normal], &[]);
+        let z = graph.add(Operation::Component, &[length], &[2]);
+        graph.add(Operation::Multiply, &[z, Operand::Constant(Vec3::splat(ALBEDO as f32))], &[])
+    };
+    scene.textures = vec![program(height, [f32::MIN, f32::MAX]), program(reflectance, [0.0, 1.0])];
+    scene.images.clear();
+    let surface = surface_mut(&mut scene.materials[0]);
+    surface.bsdf = Bsdf::Diffuse { reflectance: Textured { value: Vec3::ONE, texture: Some(1) } };
+    scene
+}
+
 fn check(name: &str, scene: &Scene, expected: f64) {
     let device = Device::new();
     for (sampler, nee) in SAMPLERS.map(|sampler| [false, true].map(|nee| (sampler, nee))).into_iter().flatten() {
@@ -95,10 +125,9 @@ fn sunlit(n: DVec3, wi: DVec3) -> f64 {
     ALBEDO * n.dot(wi).max(0.0) * relief_shadowing(n, wi)
 }
 
-/// Fails unless the floor under a sun has the closed form's radiance. Only the path to the sun carries light, so there
+/// An error unless the floor under a sun has the closed form's radiance. Only the path to the sun carries light, so there
 /// is no noise.
-fn check_sun(name: &str, scene: &Scene, n: DVec3) {
-    let device = Device::new();
+fn check_sun(name: &str, device: &Device, scene: &Scene, n: DVec3) -> Result<(), String> {
     let behind = scene.camera.world_from_camera.w_axis.z < 0.0;
     let [u, v] = [U, V].map(|edge| edge.as_dvec3().normalize());
     let normal = if behind { -DVec3::Z } else { DVec3::Z };
@@ -115,11 +144,14 @@ fn check_sun(name: &str, scene: &Scene, n: DVec3) {
         let expected = sunlit(n, wi);
         println!("{name}, sun at {wi:.2}: {mean:.5}, not {expected:.5}");
         // The camera's rays are within half a degree of the normal.
-        assert!((mean - expected).abs() < 1.0e-4, "{name}, sun at {wi}: {mean}, not {expected}");
+        if (mean - expected).abs() >= 1.0e-4 {
+            return Err(format!("{name}, sun at {wi}: {mean}, not {expected}"));
+        }
         let turned = sunlit(n * dvec3(-1.0, -1.0, 1.0), wi);
         told_apart |= (mean - turned).abs() > 1.0e-2;
     }
     assert!(told_apart, "the twin that is turned about the normal, {name}");
+    Ok(())
 }
 
 #[test]
@@ -129,8 +161,8 @@ fn a_bump_map_tilts_by_its_slope() {
     let [u, v] = [U, V].map(|edge| 2.0 * edge.as_dvec3());
     let n = bump_normal(u.length() * DVec3::X, v.length() * DVec3::Y, DVec2::new(2.0 * 0.8 * 2.0, 0.0), DVec3::Z);
     check("bump", &scene(false), answer(n));
-    check_sun("bump", &scene(false), n);
-    check_sun("bump from behind", &scene(true), n);
+    check_sun("bump", &Device::new(), &scene(false), n).unwrap();
+    check_sun("bump from behind", &Device::new(), &scene(true), n).unwrap();
 }
 
 #[test]
@@ -139,6 +171,18 @@ fn a_normal_map_tilts_by_its_color() {
     let scene = |behind| floor(Relief::NormalMap { texture: 0 }, vec![color], behind);
     let n = mapped_normal(dvec3(0.9, 0.3, 0.8));
     check("normal map", &scene(false), answer(n));
-    check_sun("normal map", &scene(false), n);
-    check_sun("normal map from behind", &scene(true), n);
+    check_sun("normal map", &Device::new(), &scene(false), n).unwrap();
+    check_sun("normal map from behind", &Device::new(), &scene(true), n).unwrap();
+}
+
+#[test]
+fn a_computed_height_tilts_by_its_slope() {
+    // One unit of u is two units long.
+    let [u, v] = [U, V].map(|edge| 2.0 * edge.as_dvec3());
+    let n = bump_normal(u.length() * DVec3::X, v.length() * DVec3::Y, DVec2::new(0.8 * u.length(), 0.0), DVec3::Z);
+    check("computed bump", &computed_floor(false), answer(n));
+    check_sun("computed bump", &Device::new(), &computed_floor(false), n).unwrap();
+    check_sun("computed bump from behind", &Device::new(), &computed_floor(true), n).unwrap();
+    check_sun("computed bump", &Device::new().mutated(TILTED_BACK), &computed_floor(false), n)
+        .expect_err("a slope of the wrong sign must be seen");
 }

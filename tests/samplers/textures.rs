@@ -2,68 +2,19 @@
 
 use std::f64::consts::PI;
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DVec2, DVec4, Mat3, Vec2, Vec3};
 use lodestar::encode::textures::PackedTextures;
-use lodestar::generated::kernels::{Variant, test};
-use lodestar::gpu::BufferKind;
 use lodestar::math::srgb::linear_from_srgb;
 use lodestar::scene::texture::{Image, Pattern, TexelFilter, Texels, Texture, WrapMode};
 use lodestar::scene::texture_lookup::sample;
-use support::device::{Device, GROUP};
+use support::device::Device;
 use support::statistics::Numbers;
 use support::twins::texture as twin;
 
+use crate::looked_up::{TextureInput, TextureOutput, look_up, look_up_after};
+
 /// Maximum error of the polynomial for the sRGB curve.
 const CURVE_TOLERANCE: f64 = 1.0e-5;
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct TextureInput {
-    index: u32,
-    uv: [f32; 2],
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct TextureOutput {
-    color: [f32; 4],
-    gradient: [f32; 2],
-}
-
-/// Answers of the kernel. Its variant contains only the features that the textures need.
-fn look_up(textures: &[Texture], images: &[Image], inputs: &[TextureInput]) -> Vec<TextureOutput> {
-    look_up_after(textures, images, inputs, Vec::new())
-}
-
-fn look_up_after(
-    textures: &[Texture],
-    images: &[Image],
-    inputs: &[TextureInput],
-    tables: Vec<u32>,
-) -> Vec<TextureOutput> {
-    let device = Device::new();
-    let packed = PackedTextures::new(textures, images, tables);
-    let pages = packed.words.pages();
-    let variant = Variant { texture_kinds: packed.kinds, texel_pages: pages.len() as u32, ..Variant::default() };
-    let buffer = |name: &str, bytes: &[u8], kind| {
-        let buffer = device.buffer(name, bytes.len(), kind);
-        buffer.upload(0, bytes).expect("uploaded");
-        buffer
-    };
-    let groups = inputs.len().div_ceil(GROUP as usize);
-    let input = device.storage("inputs", groups * GROUP as usize * size_of::<TextureInput>());
-    input.upload(0, inputs).expect("uploaded");
-    let output = device.storage("outputs", groups * GROUP as usize * size_of::<TextureOutput>());
-    let records = buffer("textures", bytemuck::cast_slice(&packed.records), BufferKind::TexelUint);
-    let word_buffers: Vec<_> =
-        pages.iter().map(|page| buffer("words", bytemuck::cast_slice(page), BufferKind::TexelUint1)).collect();
-    let names = ["texel_words", "texel_words1", "texel_words2", "texel_words3"];
-    let mut named = vec![("TextureInputs", &input), ("TextureOutputs", &output), ("textures", &records)];
-    named.extend(names.into_iter().zip(&word_buffers));
-    device.dispatch_renderers(&test::TEXTURES, &variant, &named, &[], groups as u32);
-    output.read(0, inputs.len()).expect("read")
-}
 
 fn bytes(width: u32, height: u32, srgb: bool, seed: u32) -> Image {
     let mut numbers = Numbers::new(seed);
@@ -113,7 +64,7 @@ fn agrees(texture: &Texture, images: &[Image], uv: Vec2, color: DVec4, tolerance
 /// Compares every texture with its twin at every point. `tamper` is added to u of the twin's points.
 fn compare(textures: &[Texture], images: &[Image], points: &[Vec2], tamper: f32) -> Result<(), String> {
     let inputs: Vec<_> = (0..textures.len() as u32)
-        .flat_map(|index| points.iter().map(move |uv| TextureInput { index, uv: (*uv).into() }))
+        .flat_map(|index| points.iter().map(move |uv| TextureInput::new(index, (*uv).into())))
         .collect();
     for (input, output) in inputs.iter().zip(look_up(textures, images, &inputs)) {
         let texture = &textures[input.index as usize];
@@ -183,8 +134,9 @@ fn any_coordinate_gives_a_texel() {
     let far = [1.0e6, -1.0e6, 3.0e38, -3.0e38, f32::INFINITY, f32::NEG_INFINITY, f32::NAN, 1.0e-40, -1.0e-40, 0.1];
     let textures = all_modes(0, Mat3::IDENTITY);
     let points: Vec<_> = far.iter().flat_map(|&u| far.map(|v| [u, v])).collect();
-    let inputs: Vec<_> =
-        (0..textures.len() as u32).flat_map(|index| points.iter().map(move |&uv| TextureInput { index, uv })).collect();
+    let inputs: Vec<_> = (0..textures.len() as u32)
+        .flat_map(|index| points.iter().map(move |&uv| TextureInput::new(index, uv)))
+        .collect();
     for (input, output) in inputs.iter().zip(look_up(&textures, &images, &inputs)) {
         let finite = input.uv.iter().all(|coordinate| coordinate.is_finite());
         let inside = output.color.iter().all(|channel| (-1.0e-5..=1.0 + 1.0e-5).contains(channel));
@@ -197,7 +149,7 @@ fn the_curve_at_every_byte() {
     let data = (0..=255u8).map(|byte| [byte, 255 - byte, byte, byte]).collect();
     let ramp = Image { name: "ramp".into(), width: 256, height: 1, texels: Texels::Bytes { srgb: true, data } };
     let texture = bitmap(0, TexelFilter::Nearest, WrapMode::Clamp, Mat3::IDENTITY);
-    let inputs: Vec<_> = (0..256).map(|i| TextureInput { index: 0, uv: [(i as f32 + 0.5) / 256.0, 0.5] }).collect();
+    let inputs: Vec<_> = (0..256).map(|i| TextureInput::new(0, [(i as f32 + 0.5) / 256.0, 0.5])).collect();
     for (byte, output) in look_up(&[texture], &[ramp], &inputs).into_iter().enumerate() {
         let expected = linear_from_srgb(byte as f64 / 255.0);
         assert!((f64::from(output.color[0]) - expected).abs() < CURVE_TOLERANCE, "{byte}: {}", output.color[0]);
@@ -214,8 +166,9 @@ fn gradients_agree(tamper: f64) -> bool {
     // Points lie off the lines between texels, where slopes jump.
     let mut numbers = Numbers::new(10);
     let points: Vec<_> = (0..300).map(|_| [(), ()].map(|()| (6.0 * numbers.unit() - 2.5) as f32)).collect();
-    let inputs: Vec<_> =
-        (0..textures.len() as u32).flat_map(|index| points.iter().map(move |&uv| TextureInput { index, uv })).collect();
+    let inputs: Vec<_> = (0..textures.len() as u32)
+        .flat_map(|index| points.iter().map(move |&uv| TextureInput::new(index, uv)))
+        .collect();
     let outputs = look_up(&textures, &images, &inputs);
     let wrong = inputs.iter().zip(&outputs).filter(|(input, output)| {
         let texture = &textures[input.index as usize];
@@ -243,9 +196,8 @@ fn slope_difference(width: u32, offset: f32, texels: impl Fn(Vec<f32>) -> Texels
     let exact = Image { name: "heights".into(), width, height: 1, texels: Texels::Heights(heights.clone()) };
     let image = Image { texels: texels(heights), ..exact.clone() };
     let texture = bitmap(0, TexelFilter::Bilinear, WrapMode::Repeat, Mat3::IDENTITY);
-    let inputs: Vec<_> = (0..width)
-        .map(|i| TextureInput { index: 0, uv: [((f64::from(i) + 0.75) / f64::from(width)) as f32, 0.5] })
-        .collect();
+    let inputs: Vec<_> =
+        (0..width).map(|i| TextureInput::new(0, [((f64::from(i) + 0.75) / f64::from(width)) as f32, 0.5])).collect();
     let outputs = look_up(std::slice::from_ref(&texture), &[image], &inputs);
     let difference = |(input, output): (&TextureInput, &TextureOutput)| {
         let uv = DVec2::from_array(input.uv.map(f64::from));
@@ -287,7 +239,7 @@ fn pages() {
 fn tables_move_images() {
     let images = [bytes(7, 5, true, 1)];
     let textures = all_modes(0, Mat3::IDENTITY);
-    let inputs: Vec<_> = points(14, 100).into_iter().map(|uv| TextureInput { index: 0, uv: uv.into() }).collect();
+    let inputs: Vec<_> = points(14, 100).into_iter().map(|uv| TextureInput::new(0, uv.into())).collect();
     let plain = look_up(&textures, &images, &inputs);
     let moved = look_up_after(&textures, &images, &inputs, (0..77).collect());
     assert!(plain.iter().zip(&moved).all(|(a, b)| a.color == b.color));

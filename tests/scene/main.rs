@@ -20,6 +20,7 @@ mod meshes;
 mod obj;
 mod ours;
 mod pbrt;
+mod programs;
 mod refuses;
 mod strangers;
 mod sunsky;

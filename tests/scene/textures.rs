@@ -175,7 +175,7 @@ fn heights_keep_their_precision() {
     let scene = folder.load(&[]).unwrap();
     let image = |scene: &Scene, texture: usize| match scene.textures[texture].pattern {
         Pattern::Bitmap { image, .. } => image as usize,
-        Pattern::Checkerboard { .. } => panic!("a checkerboard"),
+        Pattern::Checkerboard { .. } | Pattern::Program(_) => panic!("no image"),
     };
     let MaterialKind::Surface(surface) = &scene.materials[0].kind else { panic!("no surface") };
     let Some(Relief::Bump { texture, .. }) = surface.relief else { panic!("no bump map") };
@@ -352,8 +352,6 @@ fn what_is_not_supported_is_said() {
     refused(&bitmap("a.png", r#"<float name="raw" value="1"/>"#), "`raw`");
     refused(r#"<texture name="reflectance" type="bitmap"/>"#, "`filename`");
     refused(r#"<texture name="reflectance" type="marble"/>"#, "`marble`");
-    let nested = r#"<texture name="color0" type="checkerboard"/>"#;
-    refused(&format!(r#"<texture name="reflectance" type="checkerboard">{nested}</texture>"#), "`color0`");
     let twice = format!(r#"<rgb name="reflectance" value="0.5"/>{}"#, bitmap("a.png", ""));
     refused(&twice, "twice");
     let itself = r#"<texture name="reflectance" type="scale" id="t"><ref id="t"/></texture>"#;

@@ -68,12 +68,6 @@ void parametrize_parallelogram(inout Surface s, vec2 at, vec3 edge_u, vec3 edge_
     s.dp_dv = 2.0 * edge_v;
 }
 
-// Angle of a vector in turns, in [0, 1).
-float turns(vec2 v) {
-    float angle = v == vec2(0.0) ? 0.0 : atan(v.y, v.x) * INV_TWO_PI;
-    return angle < 0.0 ? angle + 1.0 : angle;
-}
-
 // Texture coordinates of a disk: the radius in [0, 1], and the angle in turns.
 void parametrize_disk(inout Surface s, vec2 at, vec3 edge_u, vec3 edge_v) {
     float radius = length(at);

@@ -181,7 +181,7 @@ vec3 picture_color(uint kind, DeltaLightRecord light, vec3 d) {
     vec2 uv = depth != 0.0 ? 0.5 + vec2(dot(d, light.axis_u), dot(d, light.axis_v)) / depth : vec2(0.5);
     vec3 color = vec3(1.0);
     if (has_feature(FEATURE_TEXTURED_EMITTERS)) {
-        vec3 picture = sample_texture(light.texture_index == NONE ? 0u : light.texture_index, uv).rgb;
+        vec3 picture = sample_pattern(light.texture_index == NONE ? 0u : light.texture_index, uv).rgb;
         if (light.texture_index != NONE) color = picture;
     }
     if (kind != LIGHT_PROJECTOR) return color;

@@ -54,4 +54,10 @@ float density_of_choice(float first, float second, float share) {
     return (1.0 - share) * first + share * second;
 }
 
+// Angle of a vector in turns, in [0, 1).
+float turns(vec2 v) {
+    float angle = v == vec2(0.0) ? 0.0 : atan(v.y, v.x) * INV_TWO_PI;
+    return angle < 0.0 ? angle + 1.0 : angle;
+}
+
 #endif

@@ -14,9 +14,13 @@ bool has_choices() {
     return has_kind(MATERIAL_BLEND) || has_kind(MATERIAL_SIDES);
 }
 
-Bsdf textured_bsdf(uint material, vec2 uv) {
+TexturePoint texture_point(Surface surface) {
+    return TexturePoint(surface.uv, surface.position, surface.geometric_normal);
+}
+
+Bsdf textured_bsdf(uint material, Surface surface) {
     Bsdf bsdf = untextured_bsdf(material);
-    if (has_feature(FEATURE_TEXTURES)) apply_textures(bsdf, material, uv);
+    if (has_feature(FEATURE_TEXTURES)) apply_textures(bsdf, material, texture_point(surface));
     return bsdf;
 }
 
@@ -28,15 +32,16 @@ bool choose_first(inout float u, float share) {
     return first;
 }
 
-// The material that scatters, of those that `material` chooses between: a blend chooses by chance, two sides by the side that
+// The material that scatters, of those that the surface's material chooses between: a blend chooses by chance, two sides by the side that
 // is met.
-uint chosen_material(uint material, bool behind, vec2 uv, inout float u) {
+uint chosen_material(Surface surface, bool behind, inout float u) {
+    uint material = surface.material;
     bool more = true;
     for (uint i = 0u; i < MAX_CHOICES && more; ++i) {
         uint kind = material_kind_and_flags(material) & MATERIAL_KIND_MASK;
         bool first = !behind;
         if (has_kind(MATERIAL_BLEND)) {
-            float second_share = clamp(mixture_of(textured_bsdf(material, uv)).second_share, 0.0, 1.0);
+            float second_share = clamp(mixture_of(textured_bsdf(material, surface)).second_share, 0.0, 1.0);
             if (kind == MATERIAL_BLEND) first = choose_first(u, 1.0 - second_share);
         }
         more = kind == MATERIAL_BLEND || kind == MATERIAL_SIDES;
@@ -51,11 +56,12 @@ mat3 tilted_frame(Surface surface, mat3 upright, uint material, vec3 wo) {
     uint relief = material_material1_or_relief(material);
     vec3 n = vec3(0.0, 0.0, 1.0);
     if (has_feature(FEATURE_BUMP) && (flags & MATERIAL_BUMP) != 0u) {
-        vec2 gradient = material_relief_scale(material) * texture_gradient(relief, surface.uv);
+        vec2 gradient = material_relief_scale(material) *
+            height_gradient(relief, texture_point(surface), surface.dp_du, surface.dp_dv);
         n = bump_normal(surface.dp_du * upright, surface.dp_dv * upright, gradient, surface.geometric_normal * upright);
     }
     if (has_feature(FEATURE_NORMAL_MAP) && (flags & MATERIAL_NORMAL_MAP) != 0u) {
-        n = mapped_normal(sample_texture(relief, surface.uv).rgb);
+        n = mapped_normal(sample_pattern(relief, surface.uv).rgb);
     }
     return relief_frame(n, wo);
 }
@@ -73,7 +79,7 @@ void mirror_behind(inout Scatterer scatterer) {
 // direction `wo`, in world space. It has a hole where `u` is not below its opacity.
 Scatterer scatterer_of_part(Surface surface, vec3 wo, uint material, float u) {
     Scatterer scatterer;
-    scatterer.bsdf = textured_bsdf(material, surface.uv);
+    scatterer.bsdf = textured_bsdf(material, surface);
     scatterer.passes = has_feature(FEATURE_OPACITY) && u >= mixture_of(scatterer.bsdf).opacity;
     scatterer.frame = shading_frame(surface);
     scatterer.upright = vec3(0.0, 0.0, 1.0);
@@ -97,7 +103,7 @@ Scatterer scatterer_at(Surface surface, vec3 wo, RandomKey key, uint vertex) {
     uint material = surface.material;
     float u = 0.0;
     if (has_choices() || has_feature(FEATURE_OPACITY)) u = unit_floats(random_bits(key, vertex, RANDOM_MATERIAL)).x;
-    if (has_choices()) material = chosen_material(material, dot(wo, surface.shading_normal) < 0.0, surface.uv, u);
+    if (has_choices()) material = chosen_material(surface, dot(wo, surface.shading_normal) < 0.0, u);
     return scatterer_of_part(surface, wo, material, u);
 }
 

@@ -121,6 +121,38 @@ const uint TEXTURE_MIRROR = 128u;
 const uint TEXTURE_CLAMP = 256u;
 const uint TEXTURE_TRANSFORMED = 512u;
 const uint TEXTURE_HEIGHTS = 1024u;
+const uint TEXTURE_PROGRAM = 2048u;
+
+// Operation of a program of textures. PROGRAM_OPERATIONS has a bit for each operation that the scene uses.
+const uint OPERATION_TRANSFORM = 0u;
+const uint OPERATION_SPHERICAL = 1u;
+const uint OPERATION_CYLINDRICAL = 2u;
+const uint OPERATION_COMPONENT = 3u;
+const uint OPERATION_ADD = 4u;
+const uint OPERATION_SUBTRACT = 5u;
+const uint OPERATION_MULTIPLY = 6u;
+const uint OPERATION_DIVIDE = 7u;
+const uint OPERATION_MINIMUM = 8u;
+const uint OPERATION_MAXIMUM = 9u;
+const uint OPERATION_POWER = 10u;
+const uint OPERATION_ABSOLUTE = 11u;
+const uint OPERATION_SINE = 12u;
+const uint OPERATION_SQUARE_ROOT = 13u;
+const uint OPERATION_MIX = 14u;
+const uint OPERATION_DOT = 15u;
+const uint OPERATION_LUMINANCE = 16u;
+const uint OPERATION_IMAGE = 17u;
+const uint OPERATION_CHECKER = 18u;
+const uint OPERATION_DOTS = 19u;
+const uint OPERATION_FBM = 20u;
+const uint OPERATION_WRINKLED = 21u;
+const uint OPERATION_MARBLE = 22u;
+
+// Operand of an operation: a register below PROGRAM_REGISTERS, or one of these.
+const uint OPERAND_CONSTANT = 16u;
+const uint OPERAND_UV = 17u;
+const uint OPERAND_POSITION = 18u;
+const uint OPERAND_NORMAL = 19u;
 
 // Number of a material's first color or scalar parameter, as counted by the links from materials to textures.
 const uint PARAMETER_COLOR0 = 0u;

@@ -10,6 +10,19 @@ const uint TEXTURE_LINKS = 8u;
 // Position of the parameter number in a link to a texture: the texture multiplies that parameter.
 const uint LINK_PARAMETER_SHIFT = 24u;
 
+// Number of values that a program of textures holds at the same time.
+const uint PROGRAM_REGISTERS = 16u;
+// Maximum number of instructions of a program.
+const uint MAX_PROGRAM_LENGTH = 256u;
+// Positions in the first word of an instruction, from the lowest bit: the operation, the register that takes the result, the first
+// of three operands, and the number of words that follow. An operand has PROGRAM_OPERAND_BITS bits.
+const uint PROGRAM_OUTPUT_SHIFT = 8u;
+const uint PROGRAM_OPERAND_SHIFT = 12u;
+const uint PROGRAM_OPERAND_BITS = 5u;
+const uint PROGRAM_LENGTH_SHIFT = 27u;
+// Maximum number of octaves of a noise.
+const uint MAX_OCTAVES = 32u;
+
 // Maximum depth of nested blends and two-sided materials.
 const uint MAX_CHOICES = 8u;
 // Minimum roughness alpha of a microfacet surface.

@@ -98,6 +98,8 @@ layout(constant_id = 51) const uint TEXTURED_PARAMETERS = 0u;
 layout(constant_id = 52) const uint MAX_TEXTURE_LINKS = TEXTURE_LINKS;
 // Number of buffers over which the texel words are distributed.
 layout(constant_id = 53) const uint TEXEL_PAGES = 1u;
+// Operations of programs of textures in the scene: bit 1 << operation for each.
+layout(constant_id = 70) const uint PROGRAM_OPERATIONS = 0u;
 // Kind of camera: CAMERA_*.
 layout(constant_id = 24) const uint CAMERA = CAMERA_PERSPECTIVE;
 
@@ -115,6 +117,10 @@ bool has_light(uint kind) {
 
 bool has_textures(uint kinds) {
     return (TEXTURE_KINDS & kinds) != 0u;
+}
+
+bool has_operation(uint operation) {
+    return (PROGRAM_OPERATIONS & (1u << operation)) != 0u;
 }
 
 bool is_textured(uint parameter) {

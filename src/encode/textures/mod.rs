@@ -2,12 +2,14 @@
 //! images, together with the tables that materials refer to. CPU only.
 
 pub(crate) mod halves;
+mod programs;
 mod records;
 mod words;
 
 use crate::generated::layout::{TEXEL_BYTES, TextureRecord};
 use crate::scene::texture::{Image, Texture};
 
+use programs::Programs;
 pub use words::TexelWords;
 
 /// All textures of a scene.
@@ -19,13 +21,21 @@ pub struct PackedTextures {
     pub words: TexelWords,
     /// `TEXTURE_*` bits of all textures.
     pub kinds: u32,
+    /// Bits `1 << OPERATION_*` of the operations of all programs.
+    pub operations: u32,
 }
 
 impl PackedTextures {
-    /// Packs textures and the images that they show. The words of `tables` come first.
-    pub fn new(textures: &[Texture], images: &[Image], tables: Vec<u32>) -> Self {
+    /// Packs textures, their programs and the images that they show. The words of `tables` come first.
+    pub fn new(textures: &[Texture], images: &[Image], mut tables: Vec<u32>) -> Self {
+        let programs = Programs::append(textures, &mut tables);
         let words = TexelWords::new(tables, images, &records::used_images(textures, images));
-        Self { records: records::records(textures, images, &words), words, kinds: records::kinds(textures, images) }
+        Self {
+            records: records::records(textures, images, &words, &programs),
+            words,
+            kinds: records::kinds(textures, images),
+            operations: programs.operations,
+        }
     }
 
     /// Number of 16-byte texels of the largest buffer.

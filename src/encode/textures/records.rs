@@ -1,6 +1,7 @@
 //! Records of textures: `TextureRecord`.
 
 use super::halves;
+use super::programs::Programs;
 use super::words::TexelWords;
 use crate::generated::constants;
 use crate::generated::layout::TextureRecord;
@@ -23,11 +24,17 @@ pub(super) fn kinds(textures: &[Texture], images: &[Image]) -> u32 {
 }
 
 /// Records of all textures.
-pub(super) fn records(textures: &[Texture], images: &[Image], words: &TexelWords) -> Vec<TextureRecord> {
-    textures.iter().map(|texture| record(texture, images, words)).collect()
+pub(super) fn records(
+    textures: &[Texture],
+    images: &[Image],
+    words: &TexelWords,
+    programs: &Programs,
+) -> Vec<TextureRecord> {
+    textures.iter().enumerate().map(|(at, texture)| record(texture, images, words, programs.addresses[at])).collect()
 }
 
-fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRecord {
+/// Record of a texture. `program` is the address of its program, if it has one.
+fn record(texture: &Texture, images: &[Image], words: &TexelWords, program: u32) -> TextureRecord {
     let [u, v, w] = texture.to_uv.to_cols_array_2d();
     let plain = TextureRecord {
         kind: kind(texture, images),
@@ -38,8 +45,8 @@ fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRec
         scale: 1.0,
         ..bytemuck::Zeroable::zeroed()
     };
-    match texture.pattern {
-        Pattern::Bitmap { image, .. } => {
+    match &texture.pattern {
+        &Pattern::Bitmap { image, .. } => {
             let address = words.address(image).unwrap_or(0);
             let image = &images[image as usize];
             let scale = match &image.texels {
@@ -51,6 +58,12 @@ fn record(texture: &Texture, images: &[Image], words: &TexelWords) -> TextureRec
         Pattern::Checkerboard { color0, color1 } => {
             TextureRecord { colors: [color0, color1].map(|color| color.extend(1.0).into()), ..plain }
         }
+        Pattern::Program(found) => TextureRecord {
+            address: program,
+            size: [found.instructions.len() as u32, u32::from(found.reads_position())],
+            colors: found.limits.map(|limit| [limit; 4]),
+            ..plain
+        },
     }
 }
 
@@ -62,6 +75,7 @@ fn kind(texture: &Texture, images: &[Image]) -> u32 {
                 texel_kind(&images[image as usize]) | filter_kind(filter) | wrap_kind(wrap)
             }
             Pattern::Checkerboard { .. } => constants::TEXTURE_CHECKERBOARD,
+            Pattern::Program(_) => constants::TEXTURE_PROGRAM,
         }
 }
 

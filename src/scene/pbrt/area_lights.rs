@@ -111,6 +111,7 @@ mod tests {
     use super::super::color_space::ColorSpace;
     use super::super::files::Files;
     use super::super::images::Images;
+    use super::super::names::Names;
     use super::super::parameters::Parameters;
     use super::super::tokens::{Place, Tokens};
     use super::super::transforms::Current;
@@ -132,7 +133,8 @@ mod tests {
             Rc::new(Entity { kind: "diffuse".to_owned(), parameters, to_world, color_space })
         };
         let (world, mut files, mut warnings) = (World::default(), Files::new(&main), Vec::new());
-        let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings));
+        let names = Names::new(&main);
+        let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings), &names);
         let mut is_read = |light: &Rc<Entity>| AreaLight::read(light, 1.0, &mut textures).is_ok();
         let (plain, powered) = (light(""), light("\"float power\" 1"));
         let write = |content: &[u8]| std::fs::write(&path, content).unwrap();

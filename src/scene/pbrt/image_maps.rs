@@ -7,7 +7,8 @@ use glam::Vec3;
 
 use super::files;
 use super::images::Images;
-use super::nodes::{ImageFile, Node, Source, flipped, mapping};
+use super::mappings;
+use super::nodes::{ImageFile, Node, Source, flipped};
 use super::parameters::Parameters;
 use super::rasters::{self, Encoding, Sampling};
 use super::tokens::brief;
@@ -44,7 +45,7 @@ pub(super) fn read(images: &mut Images, entity: &Entity, is_number: bool) -> Res
     let (factor, is_inverted) = (parameters.number("scale", 1.0)?, parameters.boolean("invert", false)?);
     let encoding = encoding(parameters, name)?;
     let path = images.files.existing(name, "image file", &parameters.place)?;
-    let sampling = Sampling { to_uv: flipped(mapping(entity)?), wrap, filter };
+    let sampling = Sampling { to_uv: flipped(mappings::of_uv(entity)?), wrap, filter };
     let mut image = ImageFile { name: name.to_owned(), source: Source::File(path.clone()), encoding, sampling };
     let mut averages = false;
     if is_number {

@@ -246,17 +246,17 @@ fn with_relief(maker: &mut Maker, bsdf: Object) -> Result<Object> {
         }
         let map = maker.textures.bitmap(name, Encoding::Linear, &parameters.place)?;
         maker.is_textured = true;
-        let Some(map) = maker.textures.image_texture(&map)? else { return Ok(bsdf) };
-        return Ok(object(Kind::Bsdf, "normalmap", [("normalmap", nested(map)), ("surface", nested(bsdf))]));
+        let Some(map) = maker.textures.heights(&map)? else { return Ok(bsdf) };
+        return Ok(object(Kind::Bsdf, "normalmap", [("normalmap", map), ("surface", nested(bsdf))]));
     }
     if !parameters.has("displacement") {
         return Ok(bsdf);
     }
     let node = maker.textures.number(parameters, "displacement", 0.0)?;
-    match maker.textures.image_texture(&node)? {
+    match maker.textures.heights(&node)? {
         Some(map) => {
             maker.is_textured = true;
-            Ok(object(Kind::Bsdf, "bumpmap", [("heights", nested(map)), ("surface", nested(bsdf))]))
+            Ok(object(Kind::Bsdf, "bumpmap", [("heights", map), ("surface", nested(bsdf))]))
         }
         None => {
             if !matches!(node, Node::Constant(_)) {

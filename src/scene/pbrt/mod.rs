@@ -11,6 +11,7 @@ mod coat_loss;
 mod coats;
 mod color_space;
 mod colors;
+mod combinations;
 mod delta_lights;
 mod directives;
 mod environment;
@@ -22,6 +23,7 @@ mod image_maps;
 mod images;
 mod lights;
 mod maker;
+mod mappings;
 mod materials;
 mod media;
 mod metals;
@@ -29,6 +31,7 @@ mod named_spectra;
 mod names;
 mod nodes;
 mod parameters;
+mod procedural;
 mod quadrics;
 mod rasters;
 mod read_form;
@@ -100,7 +103,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     }
     let of_film = [&world.camera, &world.film, &world.filter, &world.sampler, &world.integrator];
     warnings.extend(of_film.into_iter().flatten().flat_map(|entity| entity.parameters.unread()));
-    let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings));
+    let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings), &names);
     let lights = lights::of_scene(&world, exposure, &names, &mut textures, &mut faults);
     let mut materials = Materials::new(&names);
     let mut made = Shapes::new(&names, &media, exposure);
@@ -135,6 +138,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
         ));
     }
     objects.extend(media.finish());
+    objects.extend(textures.take_objects());
     objects.extend(materials.finish());
     objects.extend(lights);
     objects.extend(placed);

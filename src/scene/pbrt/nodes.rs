@@ -6,9 +6,6 @@ use std::rc::Rc;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use super::rasters::{Encoding, Raster, Sampling};
-use super::tokens::brief;
-use super::world::Entity;
-use crate::Result;
 use crate::image::texels::TexelImage;
 use crate::scene::description::make::matrix;
 use crate::scene::description::object::Value;
@@ -27,11 +24,31 @@ pub(super) enum Node {
         image: ImageFile,
         factor: f64,
     },
+    /// Texture that kernels compute.
+    Computed {
+        /// Id of the object.
+        id: String,
+        /// Approximate mean.
+        mean: [f64; 3],
+    },
     /// Image that was computed.
     Raster {
         raster: Rc<Raster>,
         sampling: Sampling,
     },
+}
+
+impl Node {
+    /// Approximate mean. That of an image is not known before it is decoded.
+    pub fn rough_mean(&self) -> DVec3 {
+        match self {
+            Self::Constant(color) => (*color).into(),
+            Self::Checkerboard { colors: [first, second], .. } => 0.5 * (DVec3::from(*first) + DVec3::from(*second)),
+            Self::Computed { mean, .. } => (*mean).into(),
+            Self::Image { factor, .. } => DVec3::splat(0.5 * factor),
+            Self::Raster { raster, .. } => raster.mean().as_dvec3(),
+        }
+    }
 }
 
 /// Image file as a texture uses it.
@@ -54,20 +71,6 @@ pub(super) enum Source {
 /// Color in linear sRGB.
 pub(super) fn rgb(color: [f64; 3]) -> Value {
     Value::Rgb(color)
-}
-
-/// Reads the mapping from the surface's coordinates to the texture's.
-pub(super) fn mapping(entity: &Entity) -> Result<DMat3> {
-    let parameters = &entity.parameters;
-    match parameters.text("mapping")? {
-        None | Some("uv") => {}
-        Some(other) => {
-            return Err(entity.error(format!("the mapping `{}` is not supported; use `uv`", brief(other))));
-        }
-    }
-    let scale = DVec2::new(parameters.number("uscale", 1.0)?, parameters.number("vscale", 1.0)?);
-    let offset = DVec2::new(parameters.number("udelta", 0.0)?, parameters.number("vdelta", 0.0)?);
-    Ok(DMat3::from_translation(offset) * DMat3::from_scale(scale))
 }
 
 /// The mapping with `v` from the image's top, which in pbrt runs from its bottom.

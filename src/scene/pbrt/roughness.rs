@@ -23,7 +23,7 @@ pub(super) fn read(maker: &mut Maker, prefix: &str) -> Result<Facets> {
     let mut alpha = |name: &str| -> Result<Node> {
         let node = maker.textures.number(parameters, name, 0.0)?;
         match is_remapped {
-            true => maker.textures.mapped(node, entity, |value| value.max(glam::Vec3::ZERO).map(f32::sqrt)),
+            true => maker.textures.square_root(node, entity),
             false => Ok(node),
         }
     };

@@ -1,15 +1,19 @@
-//! Textures: trees of images, patterns and constants, each reduced to one texture of Mitsuba's.
+//! Textures: trees of images, patterns and constants. Each is reduced to one texture of Mitsuba's, or becomes a texture that kernels
+//! compute.
 
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::colors;
 use super::image_maps;
 use super::images::Images;
-use super::nodes::{ImageFile, Node, Source, flipped, mapping, planar, rgb};
+use super::mappings;
+use super::names::Names;
+use super::nodes::{ImageFile, Node, Source, flipped, planar, rgb};
 use super::parameters::{Parameter, Parameters};
+use super::procedural;
 use super::rasters::{Encoding, Raster, Sampling};
 use super::tokens::{Place, brief};
 use super::world::{Entity, NamedTexture, World};
@@ -27,11 +31,19 @@ pub(super) struct Textures<'a> {
     pub images: Images<'a>,
     /// Reduced textures by their names, and whether they give numbers.
     known: HashMap<(bool, &'a str), Node>,
+    pub names: &'a Names,
+    /// Textures that kernels compute, with their labels.
+    pub objects: Vec<(String, Object)>,
 }
 
 impl<'a> Textures<'a> {
-    pub fn new(world: &'a World, images: Images<'a>) -> Self {
-        Self { world, images, known: HashMap::new() }
+    pub fn new(world: &'a World, images: Images<'a>, names: &'a Names) -> Self {
+        Self { world, images, known: HashMap::new(), names, objects: Vec::new() }
+    }
+
+    /// Objects of the textures that kernels compute.
+    pub fn take_objects(&mut self) -> Vec<(String, Object)> {
+        std::mem::take(&mut self.objects)
     }
 
     /// Color of a material: a constant or a texture.
@@ -112,41 +124,76 @@ impl<'a> Textures<'a> {
                 let inner = part("tex", 1.0)?;
                 match self.number_at(parameters, "scale", 1.0, depth)? {
                     Node::Constant([factor, ..]) => self.scaled(inner, factor, entity),
-                    factor => self.combined(&[inner, factor], entity, |values| values[0] * values[1]),
+                    factor => self.combined(
+                        &[inner, factor],
+                        entity,
+                        |values| values[0] * values[1],
+                        |[a, b]| mappings::texture("multiply", [("a", a), ("b", b)]),
+                    ),
                 }
             }
             "mix" => {
                 let (first, second) = (part("tex1", 0.0)?, part("tex2", 1.0)?);
                 let amount = self.number_at(parameters, "amount", 0.5, depth)?;
-                self.combined(&[first, second, amount], entity, |values| {
-                    values[0] + (values[1] - values[0]) * values[2]
-                })
+                self.mixed([first, second, amount], entity)
+            }
+            "checkerboard"
+                if parameters.integer("dimension", 2..=3)? != Some(3) && mappings::of_position(entity)?.is_none() =>
+            {
+                let (first, second) = (part("tex1", 1.0)?, part("tex2", 0.0)?);
+                if let (Node::Constant(first), Node::Constant(second)) = (&first, &second) {
+                    // Mitsuba's squares are half as large.
+                    let to_uv = DMat3::from_scale(DVec2::splat(0.5)) * mappings::of_uv(entity)?;
+                    return Ok(Node::Checkerboard { colors: [*first, *second], to_uv });
+                }
+                self.chosen(first, second, entity)
             }
             "checkerboard" => {
                 let (first, second) = (part("tex1", 1.0)?, part("tex2", 0.0)?);
-                if parameters.integer("dimension", 2..=3)? == Some(3) {
-                    return Err(entity.error("a `checkerboard` of three dimensions is not supported; use two"));
+                self.chosen(first, second, entity)
+            }
+            "directionmix" => {
+                let (first, second) = (part("tex1", 0.0)?, part("tex2", 1.0)?);
+                self.chosen(second, first, entity)
+            }
+            "dots" => {
+                // As in pbrt, `inside` and `outside` are exchanged.
+                let (inside, outside) = (part("inside", 1.0)?, part("outside", 0.0)?);
+                self.chosen(inside, outside, entity)
+            }
+            "bilerp" => {
+                let corners = [("v00", 0.0), ("v10", 0.0), ("v01", 1.0), ("v11", 1.0)];
+                let nodes = corners.map(|(name, default)| part(name, default));
+                let [v00, v10, v01, v11] = nodes;
+                let nodes = [v00?, v10?, v01?, v11?];
+                let mean = nodes.iter().map(Node::rough_mean).sum::<DVec3>() / 4.0;
+                let values = [
+                    self.operand(&nodes[0])?,
+                    self.operand(&nodes[1])?,
+                    self.operand(&nodes[2])?,
+                    self.operand(&nodes[3])?,
+                ];
+                let value = procedural::bilerp(entity, values)?;
+                Ok(self.computed(value, mean, entity))
+            }
+            "imagemap" => {
+                let node = image_maps::read(&mut self.images, entity, is_number)?;
+                match mappings::of_position(entity)? {
+                    None => Ok(node),
+                    Some(coordinates) => self.placed(node, coordinates, entity),
                 }
-                let (Node::Constant(first), Node::Constant(second)) = (first, second) else {
-                    return Err(entity.error("a `checkerboard` of textures is not supported; use constants"));
-                };
-                // Mitsuba's squares are half as large.
-                let to_uv = DMat3::from_scale(DVec2::splat(0.5)) * mapping(entity)?;
-                Ok(Node::Checkerboard { colors: [first, second], to_uv })
             }
-            "imagemap" => image_maps::read(&mut self.images, entity, is_number),
-            other => {
-                let message = format!("the texture `{}` is not supported; use an `imagemap`", brief(other));
-                Err(entity.error(message))
+            "marble" if !is_number => {
+                let (value, mean) = procedural::marble(entity)?;
+                Ok(self.computed(value, DVec3::splat(mean), entity))
             }
-        }
-    }
-
-    /// The texture times a factor.
-    pub fn scaled(&mut self, node: Node, by: f64, entity: &Entity) -> Result<Node> {
-        match node {
-            Node::Image { image, factor } if by >= 0.0 => Ok(Node::Image { image, factor: factor * by }),
-            node => self.combined(&[node], entity, |values| values[0] * by),
+            other => match procedural::number(entity)? {
+                Some((value, mean)) if is_number => Ok(self.computed(value, DVec3::splat(mean), entity)),
+                Some(_) => Err(entity.error(format!("the texture `{other}` gives a `float`, not a `spectrum`"))),
+                None => {
+                    Err(entity.error(format!("the texture `{}` is not supported; use an `imagemap`", brief(other))))
+                }
+            },
         }
     }
 
@@ -155,68 +202,15 @@ impl<'a> Textures<'a> {
         Ok(match node {
             Node::Constant([number, ..]) => *number,
             Node::Checkerboard { colors: [[first, ..], [second, ..]], .. } => 0.5 * (first + second),
+            Node::Computed { mean: [mean, ..], .. } => *mean,
             node => self.raster(node, entity)?.map_or(0.0, |(raster, _)| f64::from(raster.mean().x)),
         })
     }
 
-    /// The texture with a function applied to its values.
-    pub fn mapped(&mut self, node: Node, entity: &Entity, change: impl Fn(Vec3) -> Vec3) -> Result<Node> {
-        self.combined(&[node], entity, |values| change(values[0].as_vec3()).as_dvec3())
-    }
-
-    /// Function of several textures, which must lie alike on the surface.
-    pub fn combined(&mut self, nodes: &[Node], entity: &Entity, function: impl Fn(&[DVec3]) -> DVec3) -> Result<Node> {
-        let constant = |node: &Node| match node {
-            Node::Constant(color) => Some(DVec3::from(*color)),
-            _ => None,
-        };
-        let varying: Vec<usize> = (0..nodes.len()).filter(|&index| constant(&nodes[index]).is_none()).collect();
-        let with_varying = |values: &[DVec3]| {
-            let mut values = values.iter();
-            let all: Vec<DVec3> = nodes
-                .iter()
-                .map(|node| constant(node).or_else(|| values.next().copied()).unwrap_or_default())
-                .collect();
-            function(&all)
-        };
-        let clash = || {
-            entity.error("textures that lie differently on the surface cannot be combined; combine them in one image")
-        };
-        match (&varying[..], varying.first().map(|&first| &nodes[first])) {
-            ([], _) => Ok(Node::Constant(with_varying(&[]).to_array())),
-            ([_], Some(Node::Checkerboard { colors, to_uv })) => {
-                let colors = colors.map(|color| with_varying(&[color.into()]).to_array());
-                Ok(Node::Checkerboard { colors, to_uv: *to_uv })
-            }
-            _ => {
-                let mut rasters = Vec::new();
-                let mut common = None;
-                for &index in &varying {
-                    let (raster, sampling) = self.raster(&nodes[index], entity)?.ok_or_else(clash)?;
-                    if *common.get_or_insert(sampling) != sampling {
-                        return Err(clash());
-                    }
-                    rasters.push(raster);
-                }
-                let sampling = common.ok_or_else(clash)?;
-                let width = rasters.iter().map(|raster| raster.width).max().unwrap_or(1);
-                let height = rasters.iter().map(|raster| raster.height).max().unwrap_or(1);
-                self.images.count(width, height, &entity.parameters.place)?;
-                let rasters: Vec<_> = rasters.iter().map(|raster| raster.resized(width, height, &sampling)).collect();
-                let texel = |at: usize| {
-                    let values: Vec<DVec3> = rasters.iter().map(|raster| raster.texels[at].as_dvec3()).collect();
-                    with_varying(&values).as_vec3()
-                };
-                let raster = Raster { width, height, texels: (0..width * height).map(texel).collect() };
-                Ok(Node::Raster { raster: Rc::new(raster), sampling })
-            }
-        }
-    }
-
     /// Texels of an image; `None` for other textures.
-    fn raster(&mut self, node: &Node, entity: &Entity) -> Result<Option<(Rc<Raster>, Sampling)>> {
+    pub fn raster(&mut self, node: &Node, entity: &Entity) -> Result<Option<(Rc<Raster>, Sampling)>> {
         Ok(match node {
-            Node::Constant(_) | Node::Checkerboard { .. } => None,
+            Node::Constant(_) | Node::Checkerboard { .. } | Node::Computed { .. } => None,
             Node::Raster { raster, sampling } => Some((Rc::clone(raster), *sampling)),
             Node::Image { image, factor } => {
                 let raster = self.images.raster_of(image, entity)?.map(|texel| texel * *factor as f32);
@@ -229,6 +223,7 @@ impl<'a> Textures<'a> {
     pub fn color_value(&mut self, node: &Node) -> Result<Value> {
         Ok(match node {
             Node::Constant(color) => rgb(*color),
+            Node::Computed { id, .. } => Value::Reference(id.clone()),
             other => nested(self.texture(other, false)?),
         })
     }
@@ -237,15 +232,20 @@ impl<'a> Textures<'a> {
     pub fn number_value(&mut self, node: &Node) -> Result<Value> {
         Ok(match node {
             Node::Constant([number, ..]) => Value::Float(*number),
+            Node::Computed { id, .. } => Value::Reference(id.clone()),
             other => nested(self.texture(other, true)?),
         })
     }
 
     /// Texture of Mitsuba's.
-    fn texture(&mut self, node: &Node, is_number: bool) -> Result<Object> {
+    pub fn texture(&mut self, node: &Node, is_number: bool) -> Result<Object> {
         let (name, sampling, is_raw, factor) = match node {
             Node::Constant(color) => {
                 return Ok(object(Kind::Texture, "rawconstant", [("value", Value::Vector(*color))]));
+            }
+            // It is referred to, not nested.
+            Node::Computed { mean, .. } => {
+                return Ok(object(Kind::Texture, "rawconstant", [("value", Value::Vector(*mean))]));
             }
             Node::Checkerboard { colors: [even, odd], to_uv } => {
                 // Mitsuba exchanges the colors where they give a number.
@@ -284,10 +284,11 @@ impl<'a> Textures<'a> {
         })
     }
 
-    /// The texture of Mitsuba's of an image.
-    pub fn image_texture(&mut self, node: &Node) -> Result<Option<Object>> {
+    /// Heights or normals that a texture gives; `None` where they are the same everywhere, or a checkerboard's.
+    pub fn heights(&mut self, node: &Node) -> Result<Option<Value>> {
         match node {
-            Node::Image { .. } | Node::Raster { .. } => self.texture(node, true).map(Some),
+            Node::Image { .. } | Node::Raster { .. } => self.texture(node, true).map(|texture| Some(nested(texture))),
+            Node::Computed { id, .. } => Ok(Some(Value::Reference(id.clone()))),
             Node::Constant(_) | Node::Checkerboard { .. } => Ok(None),
         }
     }

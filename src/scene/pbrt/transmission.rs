@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::maker::Maker;
+use super::mappings::texture;
 use super::nodes::Node;
 use crate::Result;
 use crate::math::srgb::luminance;
@@ -33,12 +34,30 @@ pub(super) fn diffuse(maker: &mut Maker) -> Result<Object> {
         maker.warn("the same share of each color passes through");
     }
     let both = [reflected, passed];
-    let sum = maker.textures.combined(&both, entity, |values| ((values[0] + values[1]) * scale).min(DVec3::ONE))?;
-    let share = maker.textures.combined(&both, entity, |values| {
-        let [reflected, passed] = [values[0], values[1]].map(|color| luminance(color.to_array()));
-        // Mitsuba's parameter is 2 where all light passes through.
-        DVec3::splat(if reflected + passed > 0.0 { 2.0 * passed / (reflected + passed) } else { 0.0 })
-    })?;
+    let sum = maker.textures.combined(
+        &both,
+        entity,
+        |values| ((values[0] + values[1]) * scale).min(DVec3::ONE),
+        |[reflected, passed]| {
+            let sum = texture("add", [("a", reflected), ("b", passed)]);
+            let scaled = texture("multiply", [("a", sum), ("b", Value::Float(scale))]);
+            texture("minimum", [("a", scaled), ("b", Value::Float(1.0))])
+        },
+    )?;
+    let share = maker.textures.combined(
+        &both,
+        entity,
+        |values| {
+            let [reflected, passed] = [values[0], values[1]].map(|color| luminance(color.to_array()));
+            // Mitsuba's parameter is 2 where all light passes through.
+            DVec3::splat(if reflected + passed > 0.0 { 2.0 * passed / (reflected + passed) } else { 0.0 })
+        },
+        |both| {
+            let [reflected, passed] = both.map(|color| texture("luminance", [("value", color)]));
+            let twice = texture("multiply", [("a", passed.clone()), ("b", Value::Float(2.0))]);
+            texture("divide", [("a", twice), ("b", texture("add", [("a", reflected), ("b", passed)]))])
+        },
+    )?;
     let entries = [
         ("base_color", maker.value(&sum)?),
         ("diff_trans", maker.number(&share)?),

@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::properties::Properties;
-use super::textures::{Role, Textures};
+use super::role::Role;
+use super::textures::Textures;
 use crate::Result;
 use crate::scene::texture::Textured;
 

@@ -28,7 +28,7 @@ pub(in crate::scene) fn kind_of(name: &str) -> Option<Kind> {
     match () {
         () if shape::SUPPORTED.contains(&name) => Some(Kind::Shape),
         () if emitter_plugin::SUPPORTED.contains(&name) => Some(Kind::Emitter),
-        () if textures::SUPPORTED.contains(&name) => Some(Kind::Texture),
+        () if textures::is_known(name) => Some(Kind::Texture),
         () if integrator::is_known(name) => Some(Kind::Integrator),
         () if materials::is_known(name) => Some(Kind::Bsdf),
         () => OTHERS.iter().find(|(_, names)| names.contains(&name)).map(|(kind, _)| *kind),

@@ -120,6 +120,10 @@ impl<'a> Properties<'a> {
         self.type_of(name).is_some_and(|found| NUMBERS.contains(&found))
     }
 
+    pub fn is_vector(&self, name: &str) -> bool {
+        matches!(self.type_of(name), Some(Type::Point | Type::Vector))
+    }
+
     pub fn is_string(&self, name: &str) -> bool {
         self.type_of(name) == Some(Type::String)
     }

@@ -3,19 +3,22 @@
 use std::collections::HashMap;
 use std::ptr;
 
-use glam::{DMat3, DMat4, DVec3, Mat3, Vec3};
+use glam::{Mat3, Vec3};
 
 use super::parameter::Parameter;
+use super::programs::{self, Computed};
 use super::properties::Properties;
+use super::role::Role;
 use super::scope::Scope;
+use super::texture_parameters::{checkerboard, filter, is_raw, raw_constant, to_uv, wrap_mode};
 use crate::Result;
-use crate::scene::description::kinds::{Kind, Type};
+use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::description::origin::Origin;
 use crate::scene::folders::FoundFile;
 use crate::scene::texture::{Pattern, TexelFilter, Texture, WrapMode};
 
-pub(super) const SUPPORTED: [&str; 5] = ["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"];
+const SUPPORTED: [&str; 5] = ["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"];
 
 /// Index of the image of vertex colors among the images read: it is made when all meshes are read.
 const VERTEX_COLORS: u32 = u32::MAX;
@@ -23,27 +26,14 @@ const VERTEX_COLORS: u32 = u32::MAX;
 /// Deepest nesting of textures. Deeper nesting comes from a texture that refers to itself.
 const MAX_DEPTH: usize = 16;
 
-/// Uses of a texture's values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
-    /// Color that should not exceed 1.
-    Reflectance,
-    /// Emitted light.
-    Radiance,
-    /// Number: the luminance of the color.
-    Scalar,
-    /// Heights, of which the slope matters.
-    Heights,
-    /// Normals in tangent space.
-    Normals,
-}
-
 /// Things that are made of one texture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Reading {
     Color,
     /// Number that differs from the color's luminance.
     Number,
+    /// Computed number in [0, 1].
+    Share,
     /// Heights, in single precision.
     Heights,
 }
@@ -129,14 +119,17 @@ impl<'a> Textures<'a> {
         if depth > MAX_DEPTH {
             return Err(object.error("textures are nested too deep: does one refer to itself?"));
         }
+        let is_computed = programs::is_computed(object, &self.scope)?;
         let reading = match role {
             Role::Heights => Reading::Heights,
-            Role::Scalar if object.plugin != "bitmap" => Reading::Number,
+            Role::Share if is_computed => Reading::Share,
+            Role::Scalar | Role::Share if is_computed || object.plugin != "bitmap" => Reading::Number,
             _ => Reading::Color,
         };
         let key = (ptr::from_ref(object), reading);
         let found = match self.known.get(&key) {
             Some(&found) => found,
+            None if is_computed => self.computed(object, role, depth, warnings)?,
             None => self.read_new(object, role, depth, warnings)?,
         };
         self.check_role(object, role, found)?;
@@ -158,15 +151,36 @@ impl<'a> Textures<'a> {
             "rawconstant" => raw_constant(&mut properties)?,
             "mesh_attribute" => return self.mesh_attribute(properties, role, warnings),
             "scale" => return self.scale(properties, role, depth, warnings),
-            _ => return Err(object.unsupported(&SUPPORTED)),
+            _ => {
+                let computed: Vec<_> = programs::plugins().filter(|plugin| !SUPPORTED.contains(plugin)).collect();
+                return Err(object.unsupported(&[&SUPPORTED[..], &computed].concat()));
+            }
         };
         let to_uv = to_uv(&mut properties)?;
         properties.finish(warnings)?;
-        let name = match object.id.as_deref() {
-            Some(id) => id.to_string(),
-            None => format!("{} at {}", object.plugin, object.origin.brief()),
+        self.read.push(Texture { name: name_of(object), pattern, to_uv });
+        Ok(TextureUse { texture: self.read.len() as u32 - 1, factor: Vec3::ONE })
+    }
+
+    /// Reads a texture that is computed.
+    fn computed(
+        &mut self,
+        object: &'a Object,
+        role: Role,
+        depth: usize,
+        warnings: &mut Vec<String>,
+    ) -> Result<TextureUse> {
+        let scope = Scope::clone(&self.scope);
+        let mut image = |object: &'a Object, warnings: &mut Vec<String>| {
+            let found = self.read_new(object, role, depth + 1, warnings)?;
+            Ok((found.texture, found.factor))
         };
-        self.read.push(Texture { name, pattern, to_uv });
+        let pattern = match programs::read(object, role, &scope, &mut image, warnings)? {
+            Computed::Image(texture, factor) => return Ok(TextureUse { texture, factor }),
+            Computed::Constant(color) => Pattern::Checkerboard { color0: color, color1: color },
+            Computed::Program(program) => Pattern::Program(program),
+        };
+        self.read.push(Texture { name: name_of(object), pattern, to_uv: Mat3::IDENTITY });
         Ok(TextureUse { texture: self.read.len() as u32 - 1, factor: Vec3::ONE })
     }
 
@@ -185,8 +199,7 @@ impl<'a> Textures<'a> {
             object.error(format!("texture plugin `scale` needs a nested {}", object.origin.word("texture")))
         })?;
         properties.finish(warnings)?;
-        let is_number = !matches!(role, Role::Reflectance | Role::Radiance);
-        if is_number && factor != Vec3::splat(factor.x) {
+        if !matches!(role, Role::Reflectance | Role::Radiance) && factor != Vec3::splat(factor.x) {
             return Err(object.error("the `scale` of a texture that gives a number must be gray"));
         }
         let found = self.read_nested(nested, role, depth + 1, warnings)?;
@@ -220,6 +233,8 @@ impl<'a> Textures<'a> {
     }
 
     fn bitmap(&mut self, properties: &mut Properties<'a>, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
+        // Programs read the coordinates of the images that they look up.
+        properties.texture("coordinates")?;
         let filter = filter(properties, warnings)?;
         let wrap = wrap_mode(properties)?;
         let raw = is_raw(properties, warnings)?;
@@ -247,14 +262,16 @@ impl<'a> Textures<'a> {
         self.requests.len() as u32 - 1
     }
 
-    /// Refuses uses that Mitsuba's checkerboard does not support.
+    /// Refuses uses that a texture does not support.
     fn check_role(&self, object: &Object, role: Role, found: TextureUse) -> Result<()> {
-        let is_bitmap = match self.read[found.texture as usize].pattern {
-            Pattern::Bitmap { image, .. } => image != VERTEX_COLORS,
-            Pattern::Checkerboard { .. } => false,
-        };
+        let pattern = &self.read[found.texture as usize].pattern;
+        let is_bitmap = matches!(pattern, Pattern::Bitmap { image, .. } if *image != VERTEX_COLORS);
+        let is_program = matches!(pattern, Pattern::Program(_));
         match role {
-            Role::Heights if !is_bitmap => Err(object.error("a bump map must be a `bitmap`")),
+            Role::Radiance if is_program => {
+                Err(object.error("a texture that is computed cannot emit light; use a `bitmap`"))
+            }
+            Role::Heights if !is_bitmap && !is_program => Err(object.error("a bump map must be a `bitmap`")),
             Role::Normals if !is_bitmap => Err(object.error("a normal map must be a `bitmap`")),
             Role::Normals if found.factor != Vec3::ONE => Err(object.error("a normal map cannot be scaled")),
             _ => Ok(()),
@@ -263,10 +280,15 @@ impl<'a> Textures<'a> {
 
     /// Index in `Scene::textures` of a texture that was read.
     pub fn keep(&mut self, texture: u32) -> u32 {
-        if let Pattern::Bitmap { image, .. } = self.read[texture as usize].pattern
-            && image != VERTEX_COLORS
-        {
-            self.kept_images.index(image);
+        match &self.read[texture as usize].pattern {
+            Pattern::Bitmap { image, .. } if *image != VERTEX_COLORS => {
+                self.kept_images.index(*image);
+            }
+            Pattern::Program(program) => {
+                let images: Vec<u32> = program.clone().textures_mut().map(|texture| *texture).collect();
+                images.into_iter().for_each(|image| _ = self.keep(image));
+            }
+            Pattern::Bitmap { .. } | Pattern::Checkerboard { .. } => {}
         }
         self.kept_textures.index(texture)
     }
@@ -282,13 +304,28 @@ impl<'a> Textures<'a> {
 
     fn kept_texture(&mut self, read: u32) -> Texture {
         let mut texture = self.read[read as usize].clone();
-        if let Pattern::Bitmap { image, .. } = &mut texture.pattern
-            && *image != VERTEX_COLORS
-        {
-            *image = self.kept_images.index(*image);
+        match &mut texture.pattern {
+            Pattern::Bitmap { image, .. } if *image != VERTEX_COLORS => *image = self.kept_images.index(*image),
+            Pattern::Program(program) => {
+                program.textures_mut().for_each(|texture| *texture = self.kept_textures.index(*texture));
+            }
+            Pattern::Bitmap { .. } | Pattern::Checkerboard { .. } => {}
         }
         texture
     }
+}
+
+/// The texture's `id`, or else its plugin and place.
+fn name_of(object: &Object) -> String {
+    match object.id.as_deref() {
+        Some(id) => id.to_string(),
+        None => format!("{} at {}", object.plugin, object.origin.brief()),
+    }
+}
+
+/// Whether a texture plugin is known.
+pub(super) fn is_known(plugin: &str) -> bool {
+    SUPPORTED.contains(&plugin) || programs::plugins().any(|known| known == plugin)
 }
 
 /// Gives the images of `textures` their numbers in `Scene::images`: `indices` has the place of each among the decoded ones,
@@ -302,93 +339,4 @@ pub(super) fn number_images(textures: &mut [Texture], first: usize, indices: &[u
             };
         }
     }
-}
-
-fn filter(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<TexelFilter> {
-    let location = properties.location("filter_type");
-    match properties.string("filter_type")? {
-        None | Some("bilinear") => Ok(TexelFilter::Bilinear),
-        Some("nearest") => Ok(TexelFilter::Nearest),
-        // Filters of Mitsuba 0.6 for distant surfaces.
-        Some(other @ ("trilinear" | "ewa")) => {
-            warnings.push(format!("{location}: the filter `{other}` is not supported; `bilinear` is used"));
-            Ok(TexelFilter::Bilinear)
-        }
-        Some(other) => Err(location.error(format!("the filter `{other}` is not known; use `bilinear` or `nearest`"))),
-    }
-}
-
-fn wrap_mode(properties: &mut Properties) -> Result<WrapMode> {
-    let location = properties.location("wrap_mode");
-    match properties.string("wrap_mode")? {
-        None | Some("repeat") => Ok(WrapMode::Repeat),
-        Some("mirror") => Ok(WrapMode::Mirror),
-        Some("clamp") => Ok(WrapMode::Clamp),
-        Some(other) => {
-            let message = format!("the wrap mode `{other}` is not supported; use `repeat`, `mirror` or `clamp`");
-            Err(location.error(message))
-        }
-    }
-}
-
-/// Whether an image is linear: Mitsuba 3's `raw`, or Mitsuba 0.6's `gamma`, where -1 means "as the file says" and 1
-/// means linear.
-fn is_raw(properties: &mut Properties, warnings: &mut Vec<String>) -> Result<bool> {
-    let location = properties.location("gamma");
-    let raw = properties.boolean("raw")?;
-    let gamma = properties.float("gamma")?;
-    if let Some(gamma) = gamma.filter(|&gamma| gamma != -1.0 && gamma != 1.0) {
-        warnings.push(format!("{location}: a `gamma` of {gamma} is not supported; the sRGB curve is used"));
-    }
-    Ok(raw.unwrap_or(gamma == Some(1.0)))
-}
-
-/// Reads a checkerboard. As in Mitsuba 3.9, the two colors are exchanged where it gives a number.
-fn checkerboard(properties: &mut Properties, role: Role, warnings: &mut Vec<String>) -> Result<Pattern> {
-    let mut color = |name: &str, default: f32| -> Result<Vec3> {
-        if let Some(texture) = properties.texture(name)? {
-            return Err(texture.error(format!("`{name}` of a checkerboard must be a color, not a texture")));
-        }
-        let location = properties.location(name);
-        let color = properties.color(name)?.unwrap_or(Vec3::splat(default));
-        if role == Role::Reflectance && color.max_element() > 1.0 {
-            warnings.push(format!("{location}: a `{name}` above 1 would create light; clamped to 1"));
-            return Ok(color.min(Vec3::ONE));
-        }
-        Ok(color)
-    };
-    let (color0, color1) = (color("color0", 0.4)?, color("color1", 0.2)?);
-    // The number is the mean of the color's channels.
-    let mean = |color: Vec3| Vec3::splat(color.element_sum() / 3.0);
-    Ok(match role {
-        Role::Scalar => Pattern::Checkerboard { color0: mean(color1), color1: mean(color0) },
-        _ => Pattern::Checkerboard { color0, color1 },
-    })
-}
-
-/// Reads a `rawconstant`: a checkerboard whose colors are equal.
-fn raw_constant(properties: &mut Properties) -> Result<Pattern> {
-    let object = properties.owner();
-    let types = [Type::Float, Type::Integer, Type::Vector, Type::Point, Type::Rgb];
-    let is_number = properties.is_number("value");
-    let value = properties.take_typed("value", &types)?;
-    let value = value.ok_or_else(|| object.error("texture plugin `rawconstant` needs its parameter `value`"))?;
-    let color = if is_number { [value.number()?; 3] } else { value.three()? };
-    let color = Vec3::from_array(color.map(|channel| channel as f32));
-    if color.min_element() < 0.0 {
-        return Err(value.error(format!("a color must not be negative, as {} is", color.min_element())));
-    }
-    Ok(Pattern::Checkerboard { color0: color, color1: color })
-}
-
-/// Reads `to_uv`, and the offsets and scales of old files, which Mitsuba 3 applies in this order.
-fn to_uv(properties: &mut Properties) -> Result<Mat3> {
-    let mut number = |name: &str, default: f32| Ok(f64::from(properties.float(name)?.unwrap_or(default)));
-    let offset = DVec3::new(number("uoffset", 0.0)?, number("voffset", 0.0)?, 0.0);
-    let scale = DVec3::new(number("uscale", 1.0)?, number("vscale", 1.0)?, 1.0);
-    let own = DMat4::from_scale(scale) * DMat4::from_translation(offset);
-    let matrix = properties.take_transform("to_uv")? * own;
-    let column = |column: glam::DVec4, w: f64| DVec3::new(column.x, column.y, w);
-    let columns = (column(matrix.x_axis, 0.0), column(matrix.y_axis, 0.0), column(matrix.w_axis, 1.0));
-    Ok(DMat3::from_cols(columns.0, columns.1, columns.2).as_mat3())
 }

@@ -1,6 +1,7 @@
 //! Reader of pbrt-v4.
 
 mod cameras;
+mod computed;
 mod directives;
 mod fuzzing;
 mod lights;

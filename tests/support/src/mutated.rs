@@ -28,6 +28,8 @@ pub const WRONG_VERTEX: &str = "the density at the last hole";
 pub const DIMMED_TWICE: &str = "media that dim sampled lights twice";
 pub const OTHER_SIDE: &str = "the medium of the other side";
 pub const OTHER_PHASE: &str = "in media, the density of another phase function";
+/// Mutation: bump maps that are computed have slopes of the wrong sign.
+pub const TILTED_BACK: &str = "computed heights tilt to the wrong side";
 /// Mutation: shadow rays follow 16 surfaces in place of 1024 edges.
 pub const FEW_SURFACES: &str = "shadow rays through few surfaces";
 /// Mutation: shadow rays end 0.09 % before a light, as those of Mitsuba 3 do. What stands between lets light through.

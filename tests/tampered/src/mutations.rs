@@ -36,6 +36,7 @@ const PLASTIC: &str = "glsl/include/bsdf/plastic.glsl";
 const RADIANCE_GRID: &str = "glsl/include/guide/grid/radiance_grid.glsl";
 const RANDOM: &str = "glsl/include/random/random.glsl";
 const PARTS: &str = "glsl/include/guide/samplers/parts.glsl";
+const PROGRAM: &str = "glsl/include/texture/program.glsl";
 const PRODUCT: &str = "glsl/include/guide/samplers/product.glsl";
 const QUADTREE: &str = "glsl/include/guide/samplers/quadtree.glsl";
 const QUADTREE_NODES: &str = "glsl/include/guide/samplers/quadtree_nodes.glsl";
@@ -622,6 +623,14 @@ pub const MUTATIONS: &[Mutation] = &[
                 mutated: "const uint RANDOM_TRIES = MUTATED ? 9u : 1u;",
             },
         ],
+    ),
+    mutation(
+        "computed heights tilt to the wrong side",
+        &[Patch {
+            file: PROGRAM,
+            text: "return (heights.yz - heights.x) / steps;",
+            mutated: "return (MUTATED ? heights.x - heights.yz : heights.yz - heights.x) / steps;",
+        }],
     ),
     mutation(
         "another multiplier of leftover bits",

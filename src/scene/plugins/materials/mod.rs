@@ -15,8 +15,9 @@ use std::ptr;
 use glam::Vec3;
 
 use super::properties::Properties;
+use super::role::Role;
 use super::scope::Scope;
-use super::textures::{Role, Textures};
+use super::textures::Textures;
 use crate::Result;
 use crate::generated::constants;
 use crate::scene::bsdf::{Bsdf, Coating, Material, MaterialKind, Relief, SurfaceMaterial};

@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::super::properties::Properties;
-use super::super::textures::{Role, Textures};
+use super::super::role::Role;
+use super::super::textures::Textures;
 use super::{ior, named_conductors};
 use crate::Result;
 use crate::generated::constants::MIN_ALPHA;
@@ -60,7 +61,7 @@ impl<'r, 'a> Parameters<'r, 'a> {
     /// Reads a number in [0, 1], or a texture that gives one.
     pub fn share(&mut self, name: &str, default: f32) -> Result<Textured<f32>> {
         let location = self.properties.location(name);
-        let scalar = self.scalar(name, default)?;
+        let scalar = self.number(name, default, Role::Share)?;
         if scalar.texture.is_some() || (0.0..=1.0).contains(&scalar.value) {
             return Ok(scalar);
         }
@@ -70,8 +71,13 @@ impl<'r, 'a> Parameters<'r, 'a> {
 
     /// Reads a number, a color (of which the mean counts, as in Mitsuba) or a texture.
     pub fn scalar(&mut self, name: &str, default: f32) -> Result<Textured<f32>> {
+        self.number(name, default, Role::Scalar)
+    }
+
+    /// Reads a number as [`Self::scalar`] does; `role` says in which limits a computed texture must lie.
+    fn number(&mut self, name: &str, default: f32, role: Role) -> Result<Textured<f32>> {
         if let Some(texture) = self.properties.texture(name)? {
-            let found = self.textures.read(texture, Role::Scalar, self.warnings)?;
+            let found = self.textures.read(texture, role, self.warnings)?;
             return Ok(Textured { value: found.factor.element_sum() / 3.0, texture: Some(found.texture) });
         }
         if self.properties.is_number(name) {

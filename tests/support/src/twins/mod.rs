@@ -24,6 +24,7 @@ pub mod polarized_plastic;
 pub mod principled;
 pub mod principled_thin;
 pub mod product;
+pub mod program;
 pub mod quadtree;
 pub mod radiance_grid;
 pub mod random;

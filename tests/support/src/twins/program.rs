@@ -1,0 +1,185 @@
+//! Twin of `glsl/include/texture/program.glsl` and `noise.glsl`, in double precision: facts of pbrt-v4's textures.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3};
+use lodestar::scene::program::{Instruction, Operation, Place, Program};
+use lodestar::scene::texture::{Image, Texture};
+use lodestar::scene::texture_lookup::sample;
+
+/// Ken Perlin's permutation of 2002.
+const PERMUTATION: [u8; 256] = [
+    151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225, 140, 36, 103, 30, 69, 142, 8, 99, 37, 240,
+    21, 10, 23, 190, 6, 148, 247, 120, 234, 75, 0, 26, 197, 62, 94, 252, 219, 203, 117, 35, 11, 32, 57, 177, 33, 88,
+    237, 149, 56, 87, 174, 20, 125, 136, 171, 168, 68, 175, 74, 165, 71, 134, 139, 48, 27, 166, 77, 146, 158, 231, 83,
+    111, 229, 122, 60, 211, 133, 230, 220, 105, 92, 41, 55, 46, 245, 40, 244, 102, 143, 54, 65, 25, 63, 161, 1, 216,
+    80, 73, 209, 76, 132, 187, 208, 89, 18, 169, 200, 196, 135, 130, 116, 188, 159, 86, 164, 100, 109, 198, 173, 186,
+    3, 64, 52, 217, 226, 250, 124, 123, 5, 202, 38, 147, 118, 126, 255, 82, 85, 212, 207, 206, 59, 227, 47, 16, 58, 17,
+    182, 189, 28, 42, 223, 183, 170, 213, 119, 248, 152, 2, 44, 154, 163, 70, 221, 153, 101, 155, 167, 43, 172, 9, 129,
+    22, 39, 253, 19, 98, 108, 110, 79, 113, 224, 232, 178, 185, 112, 104, 218, 246, 97, 228, 251, 34, 242, 193, 238,
+    210, 144, 12, 191, 179, 162, 241, 81, 51, 145, 235, 249, 14, 239, 107, 49, 192, 214, 31, 181, 199, 106, 157, 184,
+    84, 204, 176, 115, 121, 50, 45, 127, 4, 150, 254, 138, 236, 205, 93, 222, 114, 67, 29, 24, 72, 243, 141, 128, 195,
+    78, 66, 215, 61, 156, 180,
+];
+
+/// Point at which a program is run.
+#[derive(Debug, Clone, Copy)]
+pub struct Point {
+    pub uv: DVec2,
+    pub position: DVec3,
+    pub normal: DVec3,
+}
+
+/// Noise at a point (Perlin 2002).
+pub fn noise(p: DVec3) -> f64 {
+    let cell = p.floor();
+    let hash = |corner: DVec3| {
+        corner.to_array().iter().fold(0usize, |hash, coordinate| {
+            let index = (hash + coordinate.rem_euclid(256.0) as usize) % 256;
+            usize::from(PERMUTATION[index])
+        })
+    };
+    let fade = |t: f64| 6.0 * t.powi(5) - 15.0 * t.powi(4) + 10.0 * t.powi(3);
+    let mut sum = 0.0;
+    for corner in 0..8 {
+        let offset = DVec3::from_array([0, 1, 2].map(|axis| f64::from(corner >> axis & 1)));
+        let d = p - cell - offset;
+        // The twelve edges of a cube, four of them twice.
+        let gradient = match hash(cell + offset) & 15 {
+            0 | 12 => DVec3::new(1.0, 1.0, 0.0),
+            1 | 13 => DVec3::new(-1.0, 1.0, 0.0),
+            2 => DVec3::new(1.0, -1.0, 0.0),
+            3 => DVec3::new(-1.0, -1.0, 0.0),
+            4 => DVec3::new(1.0, 0.0, 1.0),
+            5 => DVec3::new(-1.0, 0.0, 1.0),
+            6 => DVec3::new(1.0, 0.0, -1.0),
+            7 => DVec3::new(-1.0, 0.0, -1.0),
+            8 => DVec3::new(0.0, 1.0, 1.0),
+            9 => DVec3::new(0.0, -1.0, 1.0),
+            10 | 14 => DVec3::new(0.0, 1.0, -1.0),
+            _ => DVec3::new(0.0, -1.0, -1.0),
+        };
+        let weight: f64 = (0..3).map(|axis| fade(1.0 - d[axis].abs())).product();
+        sum += weight * gradient.dot(d);
+    }
+    sum
+}
+
+/// Sum of octaves of noise, or of their absolute values.
+fn octaves(p: DVec3, count: u32, roughness: f64, absolute: bool) -> f64 {
+    let each = |octave: u32| {
+        let value = noise(f64::from(1.99_f32).powi(octave as i32) * p);
+        roughness.powi(octave as i32) * if absolute { value.abs() } else { value }
+    };
+    (0..count).map(each).sum::<f64>() + if absolute { 0.2 * roughness.powi(count as i32) } else { 0.0 }
+}
+
+fn is_in_dot(st: DVec2) -> bool {
+    let cell = (st + 0.5).floor();
+    let noise_at = |offset: DVec2| noise((cell + offset).extend(0.5));
+    let center = cell + 0.15 * DVec2::new(noise_at(DVec2::new(1.5, 2.8)), noise_at(DVec2::new(4.5, 9.8)));
+    noise_at(DVec2::splat(0.5)) > 0.0 && (st - center).length() < 0.35
+}
+
+fn marble(height: f64) -> DVec3 {
+    let light = DVec3::new(0.58, 0.58, 0.6);
+    let mut colors = [light; 9];
+    (colors[3], colors[4], colors[7]) = (DVec3::splat(0.5), DVec3::new(0.6, 0.59, 0.58), DVec3::new(0.2, 0.2, 0.33));
+    let place = 6.0 * height.clamp(0.0, 1.0);
+    let first = place.floor().min(5.0);
+    let t = place - first;
+    let bernstein = [(1.0 - t).powi(3), 3.0 * t * (1.0 - t).powi(2), 3.0 * t * t * (1.0 - t), t.powi(3)];
+    1.5 * bernstein.iter().zip(&colors[first as usize..]).map(|(weight, color)| *weight * *color).sum::<DVec3>()
+}
+
+fn float(bits: u32) -> f64 {
+    f64::from(f32::from_bits(bits))
+}
+
+/// Value of an operation.
+pub fn value(operation: Operation, [a, b, c]: [DVec3; 3], numbers: &[u32], scene: (&[Texture], &[Image])) -> DVec3 {
+    let each = |function: &dyn Fn(f64, f64) -> f64| DVec3::from_array([0, 1, 2].map(|axis| function(a[axis], b[axis])));
+    let turns = |x: f64, y: f64| y.atan2(x).rem_euclid(TAU) / TAU;
+    match operation {
+        Operation::Transform => {
+            let row = |row: usize| {
+                let numbers = &numbers[4 * row..4 * row + 4];
+                (0..3).map(|axis| float(numbers[axis]) * a[axis]).sum::<f64>() + float(numbers[3])
+            };
+            DVec3::new(row(0), row(1), row(2))
+        }
+        Operation::Spherical => {
+            let direction = a.normalize_or_zero();
+            DVec3::new(direction.z.clamp(-1.0, 1.0).acos() / PI, turns(a.x, a.y), 0.0)
+        }
+        Operation::Cylindrical => DVec3::new((PI + a.y.atan2(a.x)) / TAU, a.z, 0.0),
+        Operation::Component => DVec3::splat(a[numbers[0] as usize]),
+        Operation::Add => a + b,
+        Operation::Subtract => a - b,
+        Operation::Multiply => a * b,
+        Operation::Divide => each(&|a, b| if b == 0.0 { 0.0 } else { a / b }),
+        Operation::Minimum => a.min(b),
+        Operation::Maximum => a.max(b),
+        Operation::Power => each(&|a, b| {
+            if b == 0.0 {
+                1.0
+            } else if a > 0.0 {
+                a.powf(b)
+            } else {
+                0.0
+            }
+        }),
+        Operation::Absolute => a.abs(),
+        Operation::Sine => each(&|a, _| a.sin()),
+        Operation::SquareRoot => each(&|a, _| a.max(0.0).sqrt()),
+        Operation::Mix => a + (b - a) * c,
+        Operation::Dot => DVec3::splat(a.dot(b)),
+        Operation::Luminance => DVec3::splat(a.dot(DVec3::new(0.212671, 0.715160, 0.072169))),
+        Operation::Image => sample(&scene.0[numbers[0] as usize], scene.1, a.truncate()).truncate(),
+        Operation::Checker => {
+            let sum: f64 = a.to_array().iter().map(|coordinate| coordinate.floor()).sum();
+            DVec3::splat(sum.rem_euclid(2.0))
+        }
+        Operation::Dots => DVec3::splat(f64::from(u8::from(is_in_dot(a.truncate())))),
+        Operation::Fbm | Operation::Wrinkled => {
+            DVec3::splat(octaves(a, numbers[0], float(numbers[1]), operation == Operation::Wrinkled))
+        }
+        Operation::Marble => marble(a.x),
+    }
+}
+
+/// Result of a program.
+pub fn run(program: &Program, at: Point, scene: (&[Texture], &[Image])) -> DVec3 {
+    let mut registers = [DVec3::NAN; 16];
+    let mut result = DVec3::ZERO;
+    for Instruction { operation, operands, numbers, output } in &program.instructions {
+        let mut inputs = [DVec3::ZERO; 3];
+        for (input, operand) in inputs.iter_mut().zip(operands) {
+            *input = match operand {
+                Place::Register(register) => registers[usize::from(*register)],
+                Place::Constant(value) => value.as_dvec3(),
+                Place::Uv => at.uv.extend(0.0),
+                Place::Position => at.position,
+                Place::Normal => at.normal,
+            };
+        }
+        result = value(*operation, inputs, numbers, scene);
+        registers[usize::from(*output)] = result;
+    }
+    let [low, high] = program.limits.map(f64::from);
+    if result.is_finite() { result.clamp(DVec3::splat(low), DVec3::splat(high)) } else { DVec3::ZERO }
+}
+
+/// Differences of a program's number along `u` and `v`, whose steps move the position by `dp_du` and `dp_dv` times as much.
+pub fn gradient(program: &Program, at: Point, [dp_du, dp_dv]: [DVec3; 2]) -> DVec2 {
+    let height = |by: DVec2| {
+        let position = at.position + by.x * dp_du + by.y * dp_dv;
+        run(program, Point { uv: at.uv + by, position, ..at }, (&[], &[])).x
+    };
+    let reach = if program.reads_position() { at.position.abs().max_element() / 65536.0 } else { 0.0 };
+    let slope = |axis: DVec2, tangent: DVec3| {
+        let step = 0.0005_f64.max(reach / tangent.length());
+        (height(step * axis) - height(DVec2::ZERO)) / step
+    };
+    DVec2::new(slope(DVec2::X, dp_du), slope(DVec2::Y, dp_dv))
+}
