@@ -96,10 +96,10 @@ const WAYS: [(Sampler, Execution, bool); 4] = [
 #[test]
 fn a_slab_dims_the_sky_by_its_transmittance() {
     let device = Device::new();
-    for (at, &(sampler, execution, nee)) in WAYS.iter().enumerate().take(if tier::is_full() { 4 } else { 2 }) {
-        for depth in [0.01, 1.0, 3.0] {
+    for &(sampler, execution, nee) in tier::some_of(&WAYS, 2) {
+        for depth in [0.01, 1.0, 2.0] {
             let slab = cube("null", &medium("interior", 0.5 * depth, 0.0, "")) + SKY;
-            let found = mean_of(&device, &scene(-1, 0.001, "", &slab), 2048 << at.min(1), |s| {
+            let found = mean_of(&device, &scene(-1, 0.001, "", &slab), 512, |s| {
                 (s.sampler, s.execution, s.nee) = (sampler, execution, nee);
             });
             if depth > 0.1 {
@@ -112,7 +112,7 @@ fn a_slab_dims_the_sky_by_its_transmittance() {
     // The camera stands in the medium, and so does a lamp 4 away.
     let lamp = "<shape type='rectangle'><emitter type='area'/></shape>";
     let inside = medium("medium", 0.3, 0.0, "");
-    assert_is("lamp in fog", mean_of(&device, &scene(-1, 0.001, &inside, lamp), 2048, |_| {}), (-1.2f64).exp());
+    assert_is("lamp in fog", mean_of(&device, &scene(-1, 0.001, &inside, lamp), 512, |_| {}), (-1.2f64).exp());
 }
 
 /// A sun from the side into a slab that scatters once: sigma_s p E e^(-sigma) integrated over the way of the camera's ray.
