@@ -53,7 +53,7 @@ impl Shared {
             }
             let session = self.session();
             let scene = self.subject.scene()?;
-            let bvh = Bvh::build(&scene.primitives);
+            let bvh = Bvh::of_scene(&scene);
             let place = MappedScene { context: session.context(), scene: &scene, bvh: &bvh };
             let point = place.visible_point(session.settings(), [pixel.0, pixel.1])?;
             lock(&self.points).insert(pixel, point);

@@ -53,13 +53,20 @@ fn describe(summary: &Summary) -> String {
         Some(_) => "unlimited".to_string(),
         None => "not given, so unlimited".to_string(),
     };
-    let Summary { triangles, parallelograms, disks, spheres, .. } = summary;
+    let Summary { triangles, parallelograms, disks, spheres, instances, shown_primitives, geometry_bytes, .. } =
+        summary;
     let lights = &summary.lights;
     let mut text = format!("{name}: {width} x {height} pixels; samples per pixel: {samples}; max_depth: {depth}\n");
     let _ = writeln!(
         text,
         "shapes: {triangles} triangles, {parallelograms} parallelograms, {disks} disks, {spheres} spheres"
     );
+    if *instances > 0 {
+        let _ = writeln!(
+            text,
+            "instances: {instances}, with which rays see {shown_primitives} shapes; all take {geometry_bytes} bytes"
+        );
+    }
     let _ = writeln!(
         text,
         "lights: {} emitting primitives, {} point, {} spot, {} projector, {} directional, environment: {}",

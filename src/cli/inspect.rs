@@ -131,7 +131,7 @@ fn constants(args: &InspectArgs) -> Result<Vec<(u32, u32)>> {
     scene.warnings.iter().for_each(|warning| report("warning", warning));
     let settings = settings(args, Settings::for_scene(&scene))?;
     settings.check_lighting(&scene)?;
-    Ok(variant_for(&settings, &scene, &Bvh::build(&scene.primitives)).entries())
+    Ok(variant_for(&settings, &scene, &Bvh::of_scene(&scene)).entries())
 }
 
 fn settings(args: &InspectArgs, mut settings: Settings) -> Result<Settings> {

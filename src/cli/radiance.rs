@@ -50,7 +50,7 @@ pub fn run(args: RadianceArgs) -> Result<ExitCode> {
     let device = args.given.device();
     let settings = settings(args.given, &scene)?;
     let context = Context::new(&ContextOptions { device, validate: false })?;
-    let bvh = Bvh::build(&scene.primitives);
+    let bvh = Bvh::of_scene(&scene);
     let place = MappedScene { context: &context, scene: &scene, bvh: &bvh };
     let point = place.visible_point(&settings, args.pixel)?;
     let map = match args.truth {

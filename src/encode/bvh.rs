@@ -1,16 +1,21 @@
 //! Bounding volume hierarchy, and geometry laid out for the kernels. Only this module and its children name `obvhs`.
 
+pub(crate) mod instances;
 mod plane;
 mod split;
 mod wide;
 
 use glam::Vec3;
+use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 
+use self::instances::is_instance;
 use self::split::Boxes;
 use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord, TEXEL_BYTES};
-use crate::scene::{Primitive, PrimitiveShape};
+use crate::scene::{Group, Instance, Primitive, PrimitiveShape, Scene};
+
+pub use self::instances::Part;
 
 /// Number of words of one compressed wide node (Ylitie et al. 2017).
 pub const NODE_WORDS: usize = constants::NODE_TEXELS as usize * TEXEL_BYTES / size_of::<u32>();
@@ -20,18 +25,23 @@ const BOX_MARGIN: f32 = 1.0e-6;
 
 /// Hierarchy over primitives, with the attributes that shading needs.
 pub struct Bvh {
-    /// Compressed wide nodes; at least one.
+    /// Compressed wide nodes; at least one. Those of the world come first, then those of each part.
     pub nodes: Vec<[u32; NODE_WORDS]>,
-    /// Primitives in the order of the leaves. A triangle that was split into several boxes occurs several times.
+    /// Primitives in the order of the leaves. A triangle that was split into several boxes occurs several times. An instance
+    /// is one of them, with an [`InstanceRecord`](crate::generated::layout::InstanceRecord) in place of its own.
     pub primitives: Vec<PrimitiveRecord>,
-    /// Shading attributes, in the order of `primitives`.
+    /// Shading attributes, in the order of `primitives`; of an instance, its
+    /// [`PlacementRecord`](crate::generated::layout::PlacementRecord).
     pub attributes: Vec<AttributeRecord>,
-    /// Index in the scene of each of `primitives`.
+    /// Index in the scene of each of `primitives`. Instances are numbered after the scene's primitives, and then the primitives of each
+    /// group.
     pub sources: Vec<u32>,
     /// Number of nodes on the longest way from the root to a leaf; a traversal stack needs one entry fewer.
     pub depth: u32,
     /// Lower and upper corner of all primitives; a unit box at the origin where there are none.
     pub bounds: (Vec3, Vec3),
+    /// Groups that instances show.
+    pub parts: Vec<Part>,
 }
 
 impl Bvh {
@@ -40,16 +50,39 @@ impl Bvh {
         let bounds = scene_bounds(primitives);
         let (nodes, order) = match primitives {
             [] => (vec![[0; NODE_WORDS]], Vec::new()),
-            _ => build_nodes(Boxes::new(primitives, BOX_MARGIN)),
+            _ => build_nodes(Boxes::new(primitives, Vec::new(), BOX_MARGIN)),
         };
-        let records = order.par_iter().map(|&index| {
-            let primitive = widest_corner_first(&primitives[index as usize]);
-            (primitive_record(&primitive), attribute_record(&primitive))
-        });
+        let records = order.par_iter().map(|&index| records(&primitives[index as usize]));
         let (primitives, mut attributes): (_, Vec<_>) = records.unzip();
         let depth = depth(&nodes);
-        number_lights(&mut attributes);
-        Self { primitives, attributes, sources: order, nodes, depth, bounds }
+        number_lights(attributes.iter_mut());
+        Self { primitives, attributes, sources: order, nodes, depth, bounds, parts: Vec::new() }
+    }
+
+    /// Builds the hierarchy of a scene. All numbers must be finite, and all transforms of instances must have an inverse.
+    pub fn of_scene(scene: &Scene) -> Self {
+        let Scene { primitives, groups, instances, .. } = scene;
+        match instances.is_empty() {
+            true => Self::build(primitives),
+            false => with_instances(primitives, groups, instances),
+        }
+    }
+
+    /// Whether some primitives are instances.
+    pub fn has_instances(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// Number of instances.
+    pub fn instance_count(&self) -> usize {
+        if self.has_instances() { self.primitives.iter().filter(|record| is_instance(record)).count() } else { 0 }
+    }
+
+    /// Primitives that are no instances, with their indices and attributes; those of groups are in the space of their group.
+    pub fn surfaces(&self) -> impl Iterator<Item = (u32, &PrimitiveRecord, &AttributeRecord)> {
+        let all = (0..).zip(self.primitives.iter().zip(&self.attributes));
+        all.filter(|(_, (record, _))| !is_instance(record))
+            .map(|(index, (record, attributes))| (index, record, attributes))
     }
 
     /// Whether any primitive is a sphere.
@@ -83,6 +116,64 @@ impl Bvh {
 fn build_nodes(boxes: Boxes) -> (Vec<[u32; NODE_WORDS]>, Vec<u32>) {
     let wide = wide::build(boxes);
     (bytemuck::cast_vec(wide.nodes), wide.order)
+}
+
+/// Records of a primitive.
+fn records(primitive: &Primitive) -> (PrimitiveRecord, AttributeRecord) {
+    let primitive = widest_corner_first(primitive);
+    (primitive_record(&primitive), attribute_record(&primitive))
+}
+
+/// Hierarchy of two levels: that of the world has instances among its leaves, and each group has one of its own.
+fn with_instances(primitives: &[Primitive], groups: &[Group], placements: &[Instance]) -> Bvh {
+    let of_groups: Vec<Bvh> = groups.par_iter().map(|group| Bvh::build(&group.primitives)).collect();
+    let boxes_of_groups: Vec<_> = of_groups.iter().map(|bvh| instances::boxes(&bvh.nodes)).collect();
+    let of_group = |instance: &Instance| &boxes_of_groups[instance.group as usize][..];
+    let placed: Vec<Aabb> =
+        placements.par_iter().map(|instance| instances::placed_box(instance, of_group(instance))).collect();
+    let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    let shown = placed.iter().map(|aabb| (Vec3::from(aabb.min), Vec3::from(aabb.max)));
+    let own = (!primitives.is_empty()).then(|| scene_bounds(primitives));
+    let bounds = own.into_iter().chain(shown).reduce(union).unwrap_or((Vec3::ZERO, Vec3::ONE));
+    let (mut nodes, order) = build_nodes(Boxes::new(primitives, placed, BOX_MARGIN));
+
+    // The parts follow the world.
+    let mut parts = Vec::with_capacity(groups.len());
+    let (mut root, mut first) = (nodes.len() as u32, order.len() as u32);
+    for (bvh, boxes) in of_groups.iter().zip(boxes_of_groups) {
+        let end = first + bvh.primitives.len() as u32;
+        parts.push(Part { root, primitives: first..end, boxes });
+        (root, first) = (root + bvh.nodes.len() as u32, end);
+    }
+    let of_leaf = |&index: &u32| match primitives.get(index as usize) {
+        Some(primitive) => records(primitive),
+        None => {
+            let instance = &placements[index as usize - primitives.len()];
+            instances::instance_records(instance, parts[instance.group as usize].root)
+        }
+    };
+    let (mut all, mut attributes): (Vec<_>, Vec<_>) = order.par_iter().map(of_leaf).unzip();
+    number_lights(all.iter().zip(&mut attributes).filter(|(record, _)| !is_instance(record)).map(|(_, own)| own));
+    let mut sources = order;
+    let mut first_source = (primitives.len() + placements.len()) as u32;
+    let mut deepest = 0;
+    let depth_of_world = depth(&nodes);
+    for ((bvh, part), group) in of_groups.into_iter().zip(&parts).zip(groups) {
+        nodes.extend(bvh.nodes.iter().map(|node| moved(*node, part)));
+        all.extend(bvh.primitives);
+        attributes.extend(bvh.attributes);
+        sources.extend(bvh.sources.iter().map(|source| first_source + source));
+        first_source += group.primitives.len() as u32;
+        deepest = deepest.max(bvh.depth);
+    }
+    Bvh { nodes, primitives: all, attributes, sources, depth: depth_of_world + deepest, bounds, parts }
+}
+
+/// Node of a group's hierarchy as a node of the whole one.
+fn moved(mut node: [u32; NODE_WORDS], part: &Part) -> [u32; NODE_WORDS] {
+    node[4] += part.root;
+    node[5] += part.primitives.start;
+    node
 }
 
 fn scene_bounds(primitives: &[Primitive]) -> (Vec3, Vec3) {
@@ -171,8 +262,8 @@ fn attribute_record(p: &Primitive) -> AttributeRecord {
 }
 
 /// Numbers the emitting primitives in the order of the leaves. Each is a light of its own.
-fn number_lights(attributes: &mut [AttributeRecord]) {
-    let emitting = attributes.iter_mut().filter(|attributes| attributes.emitter != constants::NONE);
+fn number_lights<'a>(attributes: impl Iterator<Item = &'a mut AttributeRecord>) {
+    let emitting = attributes.filter(|attributes| attributes.emitter != constants::NONE);
     emitting.zip(0..).for_each(|(attributes, light)| attributes.light = light);
 }
 

@@ -293,8 +293,8 @@ fn mean_rgb(color: Vec3) -> f64 {
 }
 
 fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
-    let emitting = (0_u32..).zip(&bvh.attributes).filter(|(_, attributes)| attributes.light != constants::NONE);
-    let emitting: Vec<_> = emitting.collect();
+    let surfaces = bvh.surfaces().map(|(index, _, attributes)| (index, attributes));
+    let emitting: Vec<_> = surfaces.filter(|(_, attributes)| attributes.light != constants::NONE).collect();
     let has_texture =
         |attributes: &AttributeRecord| scene.emitters[attributes.emitter as usize].radiance.texture.is_some();
     let points = points_for(emitting.iter().filter(|(_, attributes)| has_texture(attributes)).count());

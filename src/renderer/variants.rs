@@ -28,6 +28,7 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         has_spheres: bvh.has_spheres(),
         has_vertex_normals: bvh.has_vertex_normals(),
         has_front_only: bvh.has_front_only(),
+        has_instances: bvh.has_instances(),
         camera: match scene.camera.projection {
             Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
             Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,

@@ -62,7 +62,7 @@ impl<'a> SceneStage<'a> {
             budget: plan.seconds,
             settings: serde_json::Value::Null,
         };
-        let bvh = Bvh::build(&scene.primitives);
+        let bvh = Bvh::of_scene(&scene);
         let mut stage = Self { plan, name, context, scene, bvh, reference: whole, template };
         create_folder(&stage.folder())?;
         let factor = stage.factor()?;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{DMat4, Mat4, Vec2, Vec3};
 
 use super::{
-    AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, IntegratorDescription, LoadOptions, Material, MaterialKind,
-    Media, Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial, Textured, load,
+    AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, Group, Instance, IntegratorDescription, LoadOptions, Material,
+    MaterialKind, Media, Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial, Textured,
+    load,
 };
 use crate::{Error, Result};
 
@@ -68,6 +69,8 @@ impl Scene {
             integrator: IntegratorDescription::default(),
             sample_count: None,
             primitives: Vec::new(),
+            groups: Vec::new(),
+            instances: Vec::new(),
             materials: Vec::new(),
             media: Media::default(),
             emitters: Vec::new(),
@@ -131,6 +134,20 @@ impl Scene {
         };
         self.primitives.extend(triangles.iter().map(triangle));
     }
+
+    /// Makes a group of all primitives from the index `first` on, which are no longer shown where they are. Returns the group's index.
+    ///
+    /// # Panics
+    /// Where there are fewer primitives.
+    pub fn group_from(&mut self, first: usize) -> u32 {
+        self.groups.push(Group { primitives: self.primitives.split_off(first) });
+        self.groups.len() as u32 - 1
+    }
+
+    /// Shows a group in the place that an affine transform gives it.
+    pub fn add_instance(&mut self, group: u32, world_from_group: &DMat4) {
+        self.instances.push(Instance::new(group, world_from_group));
+    }
 }
 
 impl Scene {
@@ -147,7 +164,8 @@ impl Scene {
         if self.camera.projection == Projection::Perspective && !(fov > 0.0 && fov < 180.0) {
             return refuse(format!("the camera's field of view is {fov} degrees, but must lie between 0 and 180"));
         }
-        for (at, primitive) in self.primitives.iter().enumerate() {
+        let of_groups = self.groups.iter().flat_map(|group| &group.primitives);
+        for (at, primitive) in self.primitives.iter().chain(of_groups.clone()).enumerate() {
             let Primitive { origin, edge_u, edge_v, material, emitter, .. } = *primitive;
             if ![origin, edge_u, edge_v].iter().all(|vector| vector.is_finite()) {
                 return refuse(format!("primitive {at} has a coordinate that is not finite; give it finite ones"));
@@ -159,6 +177,20 @@ impl Scene {
             if let Some(emitter) = emitter.filter(|&emitter| emitter as usize >= self.emitters.len()) {
                 let count = self.emitters.len();
                 return refuse(format!("primitive {at} has emitter {emitter}, but the scene has {count} emitters"));
+            }
+        }
+        if of_groups.clone().any(|primitive| primitive.emitter.is_some() || primitive.shape == PrimitiveShape::Sphere) {
+            return refuse("a group has a sphere or a primitive that emits; put these into the scene itself".into());
+        }
+        for (at, instance) in self.instances.iter().enumerate() {
+            if instance.group as usize >= self.groups.len() {
+                let (group, count) = (instance.group, self.groups.len());
+                return refuse(format!("instance {at} shows group {group}, but the scene has {count} groups"));
+            }
+            if instance.group_from_world().is_none() {
+                return refuse(format!(
+                    "the transform of instance {at} has no inverse, or shears too much; add its primitives to the scene"
+                ));
             }
         }
         Ok(())
@@ -203,6 +235,20 @@ mod tests {
         refused(&|s| s.primitives[0].material = 1, "primitive 0 has material 1, but the scene has 1 materials");
         refused(&|s| s.primitives[0].emitter = Some(0), "primitive 0 has emitter 0, but the scene has 0 emitters");
         refused(&|s| s.primitives[0].origin.y = f32::NAN, "primitive 0 has a coordinate");
+        let instance = |s: &mut Scene, matrix: DMat4| {
+            s.add_parallelogram([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], Surface { material: 0, emitter: None });
+            let group = s.group_from(1);
+            s.add_instance(group, &matrix);
+        };
+        let scaled = |x: f64, y: f64, z: f64| DMat4::from_scale(glam::dvec3(x, y, z));
+        assert_eq!(scene(&|s| instance(s, scaled(1.0e4, -1.0, 1.0e-4))), Ok(()));
+        refused(&|s| instance(s, scaled(1.0, 0.0, 1.0)), "the transform of instance 0 has no inverse");
+        refused(&|s| instance(s, scaled(1.0, f64::NAN, 1.0)), "the transform of instance 0 has no inverse");
+        let slanted =
+            DMat4::from_cols_array(&[1.0, 0.0, 0.0, 0.0, 600.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        refused(&|s| instance(s, slanted), "shears too much");
+        refused(&|s| s.add_instance(3, &DMat4::IDENTITY), "instance 0 shows group 3, but the scene has 0 groups");
+        refused(&|s| s.groups.push(Group { primitives: s.primitives.clone() }), "a group has a sphere");
         refused(&|s| s.camera.fov = 180.0, "field of view is 180 degrees");
         refused(&|s| s.camera.fov = f32::NAN, "not finite");
     }

@@ -27,6 +27,8 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
         integrator,
         sample_count,
         primitives,
+        groups,
+        instances,
         materials,
         media,
         emitters,
@@ -39,7 +41,13 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
     let images = hashes(images.par_iter())?;
     let lights = (emitters, environment, delta_emitters);
     let small = (camera, film, integrator, sample_count, materials, media, lights, textures);
-    Ok(format!("{:032x}", hash(&(primitives, images, small))?))
+    let flat = hash(&(primitives, images, small))?;
+    if instances.is_empty() {
+        return Ok(format!("{flat:032x}"));
+    }
+    let groups = groups.iter().map(|group| hashes(group.primitives.par_chunks(CHUNK))).collect::<Result<Vec<_>>>()?;
+    let instances = (instances.len(), hashes(instances.par_chunks(CHUNK))?);
+    Ok(format!("{:032x}", hash(&(flat, groups, instances))?))
 }
 
 fn hashes<T: Serialize>(items: impl IndexedParallelIterator<Item = T>) -> Result<Vec<u128>> {
@@ -96,8 +104,10 @@ impl Sink {
 mod tests {
     use super::*;
     use crate::scene::texture::{Image, Pattern, Texels, Texture};
-    use crate::scene::{Boundary, DeltaEmitter, DeltaKind, LoadOptions, Projection, ReconstructionFilter, load};
-    use glam::{Mat3, Vec3};
+    use crate::scene::{
+        Boundary, DeltaEmitter, DeltaKind, Group, Instance, LoadOptions, Projection, ReconstructionFilter, load,
+    };
+    use glam::{DMat4, Mat3, Vec3};
 
     fn scene() -> Scene {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/scene.xml");
@@ -116,6 +126,13 @@ mod tests {
         DeltaEmitter { kind, sampling_weight: 1.0 }
     }
 
+    /// Makes a group of the last primitive, and shows it by an instance that may be changed.
+    fn with_instance(scene: &mut Scene, change: fn(&mut Vec<Group>, &mut Vec<Instance>)) {
+        let group = scene.group_from(CHUNK + 6);
+        scene.add_instance(group, &DMat4::IDENTITY);
+        change(&mut scene.groups, &mut scene.instances);
+    }
+
     type Change = fn(&mut Scene);
 
     fn of_changed(change: impl FnOnce(&mut Scene)) -> String {
@@ -126,7 +143,7 @@ mod tests {
 
     #[test]
     fn everything_that_changes_a_picture_changes_it() {
-        let changes: [(&str, Change); 22] = [
+        let changes: [(&str, Change); 26] = [
             ("nothing", |_| {}),
             ("the last primitive", |s| s.primitives.last_mut().unwrap().edge_u.x += 1.0e-4),
             ("a primitive more", |s| s.primitives.push(s.primitives[0])),
@@ -151,6 +168,10 @@ mod tests {
             ("a texel", |s| s.images[0].texels = Texels::Bytes { srgb: true, data: vec![[1, 2, 3, 5]; 6] }),
             ("its encoding", |s| s.images[0].texels = Texels::Bytes { srgb: false, data: vec![[1, 2, 3, 4]; 6] }),
             ("an image's shape", |s| (s.images[0].width, s.images[0].height) = (2, 3)),
+            ("an instance", |s| with_instance(s, |_, _| ())),
+            ("a second instance", |s| with_instance(s, |_, instances| instances.push(instances[0]))),
+            ("the place of an instance", |s| with_instance(s, |_, instances| instances[0].origin.x += 1.0e-4)),
+            ("a group", |s| with_instance(s, |groups, _| groups[0].primitives[0].material += 1)),
         ];
         let hashes = changes.map(|(what, change)| (what, of_changed(change)));
         for (at, (what, hash)) in hashes.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Primitives, to which every shape is flattened.
+//! Primitives, to which every shape is flattened, and groups of them that instances show.
 
-use glam::{Vec2, Vec3};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
-/// One primitive of the scene, in world space.
+/// One primitive of the scene, in world space, or of a group, in the group's space.
 ///
 /// A point on the three flat shapes is `origin + u * edge_u + v * edge_v`.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -58,5 +58,68 @@ impl Primitive {
             PrimitiveShape::Sphere => Vec3::splat(self.edge_u.length()),
         };
         (self.origin - half, self.origin + half)
+    }
+}
+
+/// Primitives that are stored once, in a space of their own, and shown by instances. They are no spheres and do not emit.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Group {
+    /// The primitives.
+    pub primitives: Vec<Primitive>,
+}
+
+/// Group in a place of the world.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Instance {
+    /// Index into `Scene::groups`.
+    pub group: u32,
+    /// Images of the axes of the group's space.
+    pub axes: [Vec3; 3],
+    /// Image of the origin of the group's space.
+    pub origin: Vec3,
+}
+
+/// Most that an instance's transform may amplify roundings: the largest element of |M| |M^-1| (Skeel 1979). Rotations and any
+/// scales along orthogonal axes have at most 3, a shear by the factor 10 has 21.
+const MOST_AMPLIFICATION: f64 = 1000.0;
+
+impl Instance {
+    /// A group in the place that an affine transform gives it.
+    pub fn new(group: u32, world_from_group: &DMat4) -> Self {
+        let [x, y, z, origin] = [0, 1, 2, 3].map(|column| world_from_group.col(column).truncate().as_vec3());
+        Self { group, axes: [x, y, z], origin }
+    }
+
+    /// Matrix of the transform of directions.
+    pub fn world_from_group(&self) -> DMat3 {
+        let [x, y, z] = self.axes.map(Vec3::as_dvec3);
+        DMat3::from_cols(x, y, z)
+    }
+
+    /// Inverse of that matrix; `None` where the transform is no number, flattens the group, or shears it so much that roundings
+    /// would show.
+    pub fn group_from_world(&self) -> Option<DMat3> {
+        let matrix = self.world_from_group();
+        let inverse = matrix.inverse();
+        let amplification = matrix.abs() * inverse.abs();
+        let largest = amplification.to_cols_array().into_iter().fold(0.0, f64::max);
+        let fits = |matrix: &DMat3| matrix.to_cols_array().iter().all(|x| (*x as f32).is_finite());
+        let is_usable = fits(&inverse) && fits(&matrix) && self.origin.is_finite() && largest <= MOST_AMPLIFICATION;
+        // A comparison with NaN is false, but `max` drops it.
+        (is_usable && amplification.is_finite()).then_some(inverse)
+    }
+
+    /// Whether the group is shown where it is.
+    pub fn is_identity(&self) -> bool {
+        self.axes == [Vec3::X, Vec3::Y, Vec3::Z] && self.origin == Vec3::ZERO
+    }
+
+    /// Box in the world, as (minimum, maximum), of a box of the group.
+    pub fn place_box(&self, (min, max): (Vec3, Vec3)) -> (DVec3, DVec3) {
+        let [min, max] = [min, max].map(Vec3::as_dvec3);
+        let matrix = self.world_from_group();
+        let center = self.origin.as_dvec3() + matrix * (0.5 * (min + max));
+        let half = matrix.abs() * (0.5 * (max - min));
+        (center - half, center + half)
     }
 }

@@ -49,7 +49,7 @@ pub use description::transform::{Operation, Transform};
 pub use emitter::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes};
 pub use film::{Crop, FilmDescription, ReconstructionFilter};
 pub use fingerprint::fingerprint;
-pub use geometry::{Primitive, PrimitiveShape};
+pub use geometry::{Group, Instance, Primitive, PrimitiveShape};
 pub use integrator::IntegratorDescription;
 pub use load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
 pub use medium::{Boundary, Media, Medium, Phase, PhaseLobe};

@@ -6,6 +6,7 @@ use super::texel_pages::word_count;
 use super::texture::{Pattern, Textured};
 use super::{PrimitiveShape, Scene};
 use crate::generated::constants::{KINDS_WITH_DIFFUSE_LOBE, KINDS_WITH_GUIDED_PART, MATERIAL_KIND_MASK};
+use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
 
 /// Contents of a scene in short.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -20,8 +21,14 @@ pub struct Summary {
     pub sample_count: Option<u32>,
     /// Longest path in edges that the file asks for; -1 is unlimited.
     pub max_depth: Option<i32>,
-    /// Number of triangles, copies of instances included.
+    /// Number of triangles that are stored, copies of instances included.
     pub triangles: usize,
+    /// Number of instances that are not copied.
+    pub instances: usize,
+    /// Number of primitives that rays can hit: those of each instance count.
+    pub shown_primitives: u64,
+    /// Bytes of the primitives and instances on a device, without their hierarchy.
+    pub geometry_bytes: u64,
     /// Number of parallelograms; a cube has six.
     pub parallelograms: usize,
     /// Number of disks.
@@ -108,7 +115,10 @@ pub struct ImageSummary {
 
 /// Summarizes a scene.
 pub fn summarize(scene: &Scene) -> Summary {
-    let count = |shape| scene.primitives.iter().filter(|primitive| primitive.shape == shape).count();
+    let of_groups = scene.groups.iter().flat_map(|group| &group.primitives);
+    let stored = scene.primitives.iter().chain(of_groups);
+    let count = |shape| stored.clone().filter(|primitive| primitive.shape == shape).count();
+    let record_bytes = size_of::<PrimitiveRecord>() + size_of::<AttributeRecord>();
     let bytes = |image| 4 * word_count(image);
     Summary {
         name: scene.name.clone(),
@@ -117,6 +127,9 @@ pub fn summarize(scene: &Scene) -> Summary {
         sample_count: scene.sample_count,
         max_depth: scene.integrator.max_depth,
         triangles: count(PrimitiveShape::Triangle),
+        instances: scene.instances.len(),
+        shown_primitives: scene.shown_primitives(),
+        geometry_bytes: ((scene.stored_primitives() + scene.instances.len()) * record_bytes) as u64,
         parallelograms: count(PrimitiveShape::Parallelogram),
         disks: count(PrimitiveShape::Disk),
         spheres: count(PrimitiveShape::Sphere),

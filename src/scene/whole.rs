@@ -6,7 +6,7 @@ use super::bsdf::Material;
 use super::camera::Camera;
 use super::emitter::{AreaEmitter, DeltaEmitter, Environment};
 use super::film::FilmDescription;
-use super::geometry::Primitive;
+use super::geometry::{Group, Instance, Primitive};
 use super::integrator::IntegratorDescription;
 use super::medium::Media;
 use super::texture::{Image, Texture};
@@ -24,8 +24,12 @@ pub struct Scene {
     pub integrator: IntegratorDescription,
     /// `sample_count` of the sensor's sampler.
     pub sample_count: Option<u32>,
-    /// All shapes, flattened to world-space primitives, in file order.
+    /// Shapes, flattened to world-space primitives, in file order. Copies stand for instances of small groups.
     pub primitives: Vec<Primitive>,
+    /// Groups of primitives that instances show.
+    pub groups: Vec<Group>,
+    /// Instances of the groups.
+    pub instances: Vec<Instance>,
     /// Materials that primitives refer to by index, and materials that choose between others.
     pub materials: Vec<Material>,
     /// Media, which the boundaries of materials refer to by index.
@@ -45,9 +49,32 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Smallest axis-aligned box that holds all primitives, as (minimum, maximum); `None` for an empty scene.
+    /// Axis-aligned box that holds all primitives and instances, as (minimum, maximum); `None` for an empty scene. Without instances
+    /// it is the smallest one.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        let boxes = self.primitives.iter().map(Primitive::bounds);
-        boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        bounds(&self.primitives, &self.groups, &self.instances)
     }
+
+    /// Number of primitives that rays can hit: those of each instance count.
+    pub fn shown_primitives(&self) -> u64 {
+        let of_instances = self.instances.iter().map(|instance| &self.groups[instance.group as usize].primitives);
+        of_instances.fold(self.primitives.len() as u64, |count, primitives| count + primitives.len() as u64)
+    }
+
+    /// Number of primitives that are stored.
+    pub fn stored_primitives(&self) -> usize {
+        self.primitives.len() + self.groups.iter().map(|group| group.primitives.len()).sum::<usize>()
+    }
+}
+
+/// Axis-aligned box that holds all primitives and instances.
+pub(super) fn bounds(primitives: &[Primitive], groups: &[Group], instances: &[Instance]) -> Option<(Vec3, Vec3)> {
+    let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
+    let of = |primitives: &[Primitive]| primitives.iter().map(Primitive::bounds).reduce(union);
+    let of_groups: Vec<_> = groups.iter().map(|group| of(&group.primitives)).collect();
+    let placed = instances.iter().filter_map(|instance| {
+        let (low, high) = instance.place_box(of_groups[instance.group as usize]?);
+        Some((low.as_vec3(), high.as_vec3()))
+    });
+    of(primitives).into_iter().chain(placed).reduce(union)
 }

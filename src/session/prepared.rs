@@ -85,7 +85,7 @@ impl Prepared {
         let contexts = opened.unwrap_or_else(|panic| resume_unwind(panic))?;
         let context = Arc::clone(&contexts[0]);
 
-        let (scene_name, primitive_count) = (scene.name.clone(), scene.primitives.len());
+        let (scene_name, primitive_count) = (scene.name.clone(), scene.stored_primitives());
         let (fleet, guide_cells, bvh_seconds, pipeline_seconds) =
             build(scene, &contexts, &plan.settings, &inputs.kernels, guide.as_ref(), watch)?;
         watch.tell(Event::Ready);
@@ -183,12 +183,13 @@ fn build(
     guide: Option<&GuideFile>,
     watch: &Watch<'_>,
 ) -> Result<(Fleet, Option<Cells>, f64, f64)> {
-    watch.tell(Event::Preparing(Preparation::Hierarchy(scene.primitives.len())));
-    let prepare = || rayon::join(|| Bvh::build(&scene.primitives), || Surfaces::new(&scene));
+    watch.tell(Event::Preparing(Preparation::Hierarchy(scene.stored_primitives())));
+    let prepare = || rayon::join(|| Bvh::of_scene(&scene), || Surfaces::new(&scene));
     let ((bvh, surfaces), bvh_seconds) = timed(|| Ok(prepare()))?;
     if let Cow::Owned(scene) = &mut scene {
         // The hierarchy and the surfaces have all that the renderer needs of the primitives.
-        drop(std::mem::take(&mut scene.primitives));
+        drop((std::mem::take(&mut scene.primitives), std::mem::take(&mut scene.groups)));
+        drop(std::mem::take(&mut scene.instances));
     }
     watch.tell(Event::Preparing(Preparation::Kernels));
     let build = || {

@@ -100,7 +100,7 @@ impl<'a> Job<'a> {
             pattern: SamplePattern::Independent,
             ..of_scene
         };
-        let bvh = Bvh::build(&scene.primitives);
+        let bvh = Bvh::of_scene(&scene);
         let variant = variant_for(&settings, &scene, &bvh);
         Self { case, method, scene, settings, bvh, variant }
     }

@@ -85,7 +85,7 @@ fn billion() {
     };
     let context = Context::new(&ContextOptions { device: None, validate: false }).expect("a Vulkan device");
     let scene = ours("door-ajar/scene.xml", &[]);
-    let bvh = Bvh::build(&scene.primitives);
+    let bvh = Bvh::of_scene(&scene);
     let settings = |sampler, seed| Settings {
         width: WIDTH,
         height: HEIGHT,

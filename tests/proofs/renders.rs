@@ -24,7 +24,7 @@ impl Studio {
     }
 
     pub fn renderer(&self, subject: &Subject, scene: &Scene, settings: Settings) -> Renderer {
-        let (bvh, settings) = (Bvh::build(&scene.primitives), subject.settings(settings));
+        let (bvh, settings) = (Bvh::of_scene(scene), subject.settings(settings));
         mutated::renderer(&self.context, scene, &bvh, &settings, subject.mutation)
     }
 

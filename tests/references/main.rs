@@ -112,7 +112,7 @@ impl Run {
         let read = |kind| exr::read_rgb(&self.references.join(format!("{}.{kind}.exr", case.name))).expect("a picture");
         let (mean, variance) = (read("mean"), read("var"));
         let reference = Estimate::new(&mean, &variance);
-        let bvh = Bvh::build(&scene.primitives);
+        let bvh = Bvh::of_scene(&scene);
         let mut shown = None;
         for (seed, (sampler, nee)) in METHODS.into_iter().enumerate() {
             let settings = settings(&scene, &mean, sampler, nee, seed as u32 + 1);

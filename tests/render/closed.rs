@@ -3,7 +3,7 @@
 //! All surfaces reflect everything on both sides, and only the environment emits. So any ray that gets out brings light
 //! in.
 
-use glam::{Mat4, Quat, Vec3, vec3};
+use glam::{DMat3, DMat4, DVec3, Mat4, Quat, Vec3, vec3};
 use lodestar::scene::{Environment, Primitive, PrimitiveShape, Scene};
 use lodestar::settings::{Sampler, Settings};
 use support::scenes::{ours, settings, surface_mut};
@@ -76,6 +76,25 @@ fn turned(point: Vec3) -> Vec3 {
     Quat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1) * point
 }
 
+/// The scene with its mesh as a group that an instance shows. The transform is applied after a move to `at`. The eye moves with it.
+fn instanced(mut scene: Scene, transform: DMat3, at: DVec3) -> Scene {
+    let group = scene.group_from(0);
+    let transform = DMat4::from_translation(at) * DMat4::from_mat3(transform);
+    scene.add_instance(group, &transform);
+    let eye = scene.camera.world_from_camera.w_axis.truncate();
+    scene.camera.world_from_camera.w_axis = transform.transform_point3(eye.as_dvec3()).as_vec3().extend(1.0);
+    scene
+}
+
+/// Transforms that mirror, shear and scale.
+fn mirrored() -> DMat3 {
+    DMat3::from_rotation_z(0.5) * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0))
+}
+
+fn sheared() -> DMat3 {
+    DMat3::from_rotation_x(0.8) * DMat3::from_cols(DVec3::X, DVec3::new(1.5, 0.7, 0.0), DVec3::new(0.2, -0.6, 1.4))
+}
+
 /// Closed meshes without a ridge inside: axis-aligned, rotated, flat, far from the origin, and finely tessellated.
 fn convex() -> Vec<(&'static str, Scene)> {
     let flat = vec3(1.0, 0.01, 2.0);
@@ -90,6 +109,25 @@ fn convex() -> Vec<(&'static str, Scene)> {
         ("a box of a million", closed(cube(4, |p| 1.0e6 * turned(p)), 1.0e6 * vec3(0.1, 0.2, 0.3))),
         ("a tessellated box", closed(cube(32, |p| p), vec3(0.1, 0.2, 0.3))),
         ("a turned, tessellated box", closed(cube(64, turned), vec3(0.1, 0.2, 0.3))),
+    ]
+}
+
+/// Closed meshes that instances show.
+fn in_instances() -> Vec<(&'static str, Scene)> {
+    let cube = |n: u32, place: fn(Vec3) -> Vec3| closed(cube(n, place), vec3(0.1, 0.2, 0.3));
+    let far = DVec3::new(300.0, -200.0, 100.0);
+    let (small, large) = (DMat3::from_diagonal(DVec3::splat(1.0e-4)), DMat3::from_diagonal(DVec3::splat(1.0e4)));
+    vec![
+        ("a mirrored icosphere", instanced(icosphere(), mirrored(), DVec3::ZERO)),
+        ("a sheared box", instanced(cube(1, |p| p), sheared(), DVec3::ZERO)),
+        ("a mirrored box far from the origin", instanced(cube(4, turned), mirrored(), far)),
+        ("a sheared, tessellated box far from the origin", instanced(cube(32, turned), sheared(), far)),
+        ("a box scaled by 1e-4", instanced(cube(32, turned), mirrored() * small, DVec3::ZERO)),
+        ("a box scaled by 1e4", instanced(cube(32, turned), sheared() * large, 1.0e4 * far)),
+        ("a box of a thousand in a thousandth", {
+            let scene = closed(self::cube(8, |p| 1.0e3 * turned(p)), 1.0e3 * vec3(0.1, 0.2, 0.3));
+            instanced(scene, sheared() * DMat3::from_diagonal(DVec3::splat(1.0e-3)), DVec3::ZERO)
+        }),
     ]
 }
 
@@ -125,24 +163,34 @@ fn shoot(device: &Device, scene: &Scene, rays: u64) -> (u64, u64) {
 }
 
 fn none_escapes(device: &Device, rays: u64) {
+    none_escapes_from(device, convex(), rays);
+    let (shot, escaped) = shoot(device, &bumpy(), rays);
+    println!("a bumpy box: {escaped} of {shot} rays escaped");
+    assert!(escaped as f64 <= MOST_PAST_RIDGES * shot as f64, "a bumpy box: {escaped} of {shot}");
+}
+
+fn none_escapes_from(device: &Device, scenes: Vec<(&str, Scene)>, rays: u64) {
     let mut failures = Vec::new();
-    for (name, scene) in convex() {
+    for (name, scene) in scenes {
         let (shot, escaped) = shoot(device, &scene, rays);
-        let (count, traversal) = (scene.primitives.len(), device.traversal());
+        let (count, traversal) = (scene.stored_primitives(), device.traversal());
         println!("{name}, {count} triangles: {escaped} of {shot} rays escaped {traversal}");
         if escaped > 0 {
             failures.push(format!("{name}: {escaped} of {shot}"));
         }
     }
     assert_eq!(failures, [""; 0]);
-    let (shot, escaped) = shoot(device, &bumpy(), rays);
-    println!("a bumpy box: {escaped} of {shot} rays escaped");
-    assert!(escaped as f64 <= MOST_PAST_RIDGES * shot as f64, "a bumpy box: {escaped} of {shot}");
 }
 
 #[test]
 fn no_ray_leaves_a_closed_mesh() {
     Device::of_each_traversal().iter().for_each(|device| none_escapes(device, FEW));
+}
+
+/// Instances of closed meshes are closed, however their transforms mirror, shear and scale.
+#[test]
+fn no_ray_leaves_a_closed_mesh_through_an_instance() {
+    none_escapes_from(&Device::new(), in_instances(), FEW);
 }
 
 /// No ray of a hundred million leaves a closed mesh, as the renderer promises. The test takes minutes.

@@ -69,7 +69,13 @@ impl Device {
     pub fn renderer(&self, scene: &Scene, settings: &Settings) -> Renderer {
         let traversal = if self.by_queries { Traversal::Query } else { settings.traversal };
         let settings = Settings { traversal, ..settings.clone() };
-        mutated::renderer(&self.context, scene, &Bvh::build(&scene.primitives), &settings, self.mutation)
+        mutated::renderer(&self.context, scene, &Bvh::of_scene(scene), &settings, self.mutation)
+    }
+
+    /// Error of a render that is refused.
+    pub fn refusal(&self, scene: &Scene, settings: &Settings) -> String {
+        let refused = Renderer::new(&self.context, scene, &Bvh::of_scene(scene), settings);
+        refused.map(drop).expect_err("a refusal").to_string()
     }
 
     pub fn render(&self, scene: &Scene, settings: &Settings, spp: u32) -> Picture {

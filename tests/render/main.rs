@@ -15,6 +15,7 @@ mod drivers;
 mod execution;
 mod guide_from;
 mod guide_set;
+mod instances;
 mod learning;
 mod light_selection;
 mod media;

@@ -5,7 +5,7 @@
 //! (r / D)^2 times the cosine of the angle to its center, whose distance D is sqrt(d^2 + r^2). A ray that starts too
 //! far off the floor passes below the ball; one that starts below the floor brings nothing.
 
-use glam::{DMat3, DVec3, Quat, Vec3};
+use glam::{DMat3, DMat4, DVec3, Quat, Vec3};
 use lodestar::scene::{
     Bsdf, Camera, Environment, Primitive, PrimitiveShape, Scene, Surface, SurfaceMaterial, Textured,
 };
@@ -26,6 +26,8 @@ enum Floor {
     Triangles,
     Disk,
     Sphere,
+    /// A unit square that an instance shows.
+    Instance,
 }
 
 const FLOORS: [Floor; 4] = [Floor::Rectangle, Floor::Triangles, Floor::Disk, Floor::Sphere];
@@ -78,7 +80,9 @@ fn contact(case: &Case) -> Contact {
     let white = scene.add_diffuse([1.0; 3]);
     let black = scene.add_diffuse([0.0; 3]);
     match case.floor {
-        Floor::Rectangle | Floor::Disk => scene.add_parallelogram(middle, extent * z, extent * x, white),
+        Floor::Rectangle | Floor::Disk | Floor::Instance => {
+            scene.add_parallelogram(middle, extent * z, extent * x, white)
+        }
         Floor::Triangles => {
             let corner = |u: f32, v: f32| (middle + extent * (u * x + v * z)).to_array();
             let corners = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
@@ -113,6 +117,17 @@ fn contact(case: &Case) -> Contact {
         far_clip: 3.0e37,
         ..Camera::look_at(eye.as_vec3(), target.as_vec3(), 40.0)
     };
+    if let Floor::Instance = case.floor {
+        // The ball stays in the world.
+        let ball = scene.primitives.split_off(1);
+        let Primitive { origin, edge_u, edge_v, .. } = scene.primitives[0];
+        scene.primitives[0] = Primitive { origin: Vec3::ZERO, edge_u: Vec3::Z, edge_v: Vec3::X, ..scene.primitives[0] };
+        let columns = [edge_v, extent * up, edge_u].map(|axis| axis.extend(0.0).as_dvec4());
+        let group = scene.group_from(0);
+        let [x, y, z] = columns;
+        scene.add_instance(group, &DMat4::from_cols(x, y, z, origin.extend(1.0).as_dvec4()));
+        scene.primitives = ball;
+    }
     scene.environment = Some(Environment::constant(Vec3::ONE));
     Contact { scene, center: ball.as_dvec3(), radius: f64::from(case.radius as f32), touched, normal }
 }
@@ -198,15 +213,34 @@ fn cases() -> Vec<Case> {
     all
 }
 
-#[test]
-fn contact_shadows_are_right_at_every_scale() {
-    Device::of_each_traversal().iter().for_each(check_contact_shadows);
+/// Floors that instances show. The unit square becomes as large as the extent.
+fn cases_of_instances() -> Vec<Case> {
+    let case = |radius, extent| Case::new(radius, Floor::Instance, extent);
+    vec![
+        case(1.0, 1.0e4),
+        case(1.0e-4, 1.0),
+        case(1.0e-4, 1.0e4).tilted(),
+        case(1.0e-4, 1.0e-4 * 50.0).tilted(),
+        case(1.0e-3, 1.0e4).at(3.0, 0.0, -2.0).around_origin(),
+        case(0.1, 50.0).at(1000.0, -300.0, 500.0),
+        case(0.1, 50.0).at(1000.0, -300.0, 500.0).tilted(),
+        case(100.0, 1.0e4).at(1.0e6, 3.0e5, -5.0e5),
+    ]
 }
 
-fn check_contact_shadows(device: &Device) {
-    let cases = cases();
+#[test]
+fn contact_shadows_are_right_at_every_scale() {
+    Device::of_each_traversal().iter().for_each(|device| check_contact_shadows(device, &cases()));
+}
+
+#[test]
+fn contact_shadows_are_right_on_floors_that_instances_show() {
+    check_contact_shadows(&Device::new(), &cases_of_instances());
+}
+
+fn check_contact_shadows(device: &Device, cases: &[Case]) {
     let mut failures = Vec::new();
-    for (seed, case) in (1..).zip(&cases) {
+    for (seed, case) in (1..).zip(cases) {
         let z = contact(case).deviations(device, seed);
         println!("{case:?}: {z:.2?}");
         let is_right = |&z: &f64| sidak(two_sided(z), 2 * cases.len()) > ALPHA;

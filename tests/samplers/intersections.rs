@@ -45,6 +45,7 @@ pub struct TraceOutput {
     pub t: f32,
     pub uv: [f32; 2],
     pub primitive: u32,
+    pub instance: u32,
     overrun: u32,
 }
 
@@ -97,17 +98,7 @@ fn trace(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceOutput> {
 
 /// Hits that the device finds in a hierarchy of [`build`], with a stack of `stack_size` entries.
 pub fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<TraceOutput> {
-    let device = Device::new();
-    let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
-    nodes.upload(0, &bvh.nodes).expect("uploaded");
-    let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelUint);
-    records.upload(0, &bvh.primitives).expect("uploaded");
-    let (has_spheres, has_front_only) = (bvh.has_spheres(), bvh.has_front_only());
-    let variant = Variant { has_spheres, has_front_only, stack_size, ..Variant::default() };
-    let attributes = device.buffer("attributes", size_of_val(&bvh.attributes[..]), BufferKind::TexelUint);
-    attributes.upload(0, &bvh.attributes).expect("uploaded");
-    let mut found: Vec<TraceOutput> =
-        device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records, &attributes]);
+    let mut found = trace_raw(bvh, stack_size, rays);
     // Leaves have another order than the list. The material gives the place in the list.
     for output in found.iter_mut().filter(|output| output.primitive != NONE) {
         output.primitive = bvh.attributes[output.primitive as usize].material;
@@ -115,8 +106,23 @@ pub fn trace_with_stack(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<
     found
 }
 
+/// Hits that the device finds in a hierarchy, with the indices that its primitives have there.
+pub fn trace_raw(bvh: &Bvh, stack_size: u32, rays: &[TraceInput]) -> Vec<TraceOutput> {
+    let device = Device::new();
+    let nodes = device.buffer("nodes", size_of_val(&bvh.nodes[..]), BufferKind::TexelUint);
+    nodes.upload(0, &bvh.nodes).expect("uploaded");
+    let records = device.buffer("primitives", size_of_val(&bvh.primitives[..]), BufferKind::TexelUint);
+    records.upload(0, &bvh.primitives).expect("uploaded");
+    let (has_spheres, has_front_only) = (bvh.has_spheres(), bvh.has_front_only());
+    let has_instances = bvh.has_instances();
+    let variant = Variant { has_spheres, has_front_only, has_instances, stack_size, ..Variant::default() };
+    let attributes = device.buffer("attributes", size_of_val(&bvh.attributes[..]), BufferKind::TexelUint);
+    attributes.upload(0, &bvh.attributes).expect("uploaded");
+    device.map_with(&test::TRAVERSE, &variant, rays, &[&nodes, &records, &attributes])
+}
+
 /// Error in an answer of the device that rounding cannot explain, if there is one.
-fn fault(primitives: &[Primitive], input: &TraceInput, output: &TraceOutput) -> Option<String> {
+pub fn fault(primitives: &[Primitive], input: &TraceInput, output: &TraceOutput) -> Option<String> {
     let ray = input.ray();
     let tolerance = 1.0e-5 * (1.0 + ray.origin.length());
     // A clear hit is one that no rounding can lose.
@@ -151,7 +157,7 @@ fn assert_all_right(primitives: &[Primitive], rays: &[TraceInput]) -> Vec<TraceO
 }
 
 /// Share of rays for which the device and the twin find the same primitive.
-fn agreement(primitives: &[Primitive], rays: &[TraceInput], outputs: &[TraceOutput]) -> f64 {
+pub fn agreement(primitives: &[Primitive], rays: &[TraceInput], outputs: &[TraceOutput]) -> f64 {
     let agree = rays.iter().zip(outputs).filter(|(input, output)| match traverse(&input.ray(), primitives) {
         None => output.primitive == NONE,
         Some((t, index)) => output.primitive == index as u32 && (f64::from(output.t) - t).abs() < 1.0e-4 * t.max(0.1),

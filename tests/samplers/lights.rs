@@ -92,7 +92,7 @@ pub type Weights = fn(&[f32]) -> Vec<f32>;
 pub fn draw_selected(scene: &Scene, inputs: &[LightInput], seed: u32, selection: Option<Weights>) -> Vec<LightOutput> {
     assert!((inputs.len() as u32).is_multiple_of(GROUP));
     let device = Device::new();
-    let bvh = Bvh::build(&scene.primitives);
+    let bvh = Bvh::of_scene(scene);
     let lights = Lights::new(scene, &bvh, selection.is_some());
     let buffer = |name: &str, bytes: &[u8], kind| {
         let buffer = device.buffer(name, bytes.len(), kind);

@@ -10,6 +10,7 @@ mod directions;
 mod environments;
 mod fixture;
 mod guides;
+mod instances;
 mod intersections;
 mod light_selection;
 mod lights;

@@ -20,24 +20,25 @@ const RAY_EPSILON: f64 = 1.0 / 131_072.0;
 pub struct SurfaceOutput {
     pub position: [f32; 3],
     pub epsilon: f32,
-    size: f32,
-    geometric_normal: [f32; 3],
-    shading_normal: [f32; 3],
-    material: u32,
+    pub size: f32,
+    pub geometric_normal: [f32; 3],
+    pub shading_normal: [f32; 3],
+    pub material: u32,
     emitter: u32,
     pub uv: [f32; 2],
     pub dp_du: [f32; 3],
     pub dp_dv: [f32; 3],
     pub frame: [[f32; 3]; 3],
-    leaving_origin: [f32; 3],
+    pub leaving_origin: [f32; 3],
     leaving_direction: [f32; 3],
     leaving_t_max: f32,
-    t: f32,
+    pub t: f32,
     hit_uv: [f32; 2],
     pub primitive: u32,
+    pub instance: u32,
 }
 
-fn d3(v: [f32; 3]) -> DVec3 {
+pub fn d3(v: [f32; 3]) -> DVec3 {
     Vec3::from(v).as_dvec3()
 }
 
@@ -59,8 +60,12 @@ fn numbered_primitives() -> Vec<Primitive> {
 
 /// Surfaces that rays hit, and the rays that leave there, on a device with the given `FEATURE_*` bits.
 pub fn find(primitives: &[Primitive], rays: &[TraceInput], features: u32) -> Vec<SurfaceOutput> {
+    find_in(&Bvh::build(primitives), rays, features)
+}
+
+/// Surfaces that rays hit in a hierarchy.
+pub fn find_in(bvh: &Bvh, rays: &[TraceInput], features: u32) -> Vec<SurfaceOutput> {
     let device = Device::new();
-    let bvh = Bvh::build(primitives);
     let buffer = |name: &str, bytes: &[u8], kind| {
         let buffer = device.buffer(name, bytes.len(), kind);
         buffer.upload(0, bytes).expect("uploaded");
@@ -76,6 +81,7 @@ pub fn find(primitives: &[Primitive], rays: &[TraceInput], features: u32) -> Vec
     let variant = Variant {
         has_spheres: true,
         has_front_only: bvh.has_front_only(),
+        has_instances: bvh.has_instances(),
         stack_size: bvh.depth,
         surface_features: features,
         ..Variant::default()
@@ -157,6 +163,16 @@ fn placed(scale: f32, apart: Vec3) -> (Vec<Primitive>, Vec<TraceInput>) {
     (all, rays(4096, false).iter().map(place).collect())
 }
 
+/// Rays that leave what a ray has hit: back along the ray, reflected, and nearly along the surface.
+pub fn leaving(input: &TraceInput, o: &SurfaceOutput) -> [TraceInput; 3] {
+    let (back, n) = (-d3(input.direction), d3(o.geometric_normal));
+    let mirrored = 2.0 * back.dot(n) * n - back;
+    let side = n * back.dot(n).signum();
+    let grazing = (mirrored - 0.999 * mirrored.dot(side) * side).normalize_or(side);
+    let origin = Vec3::from(o.leaving_origin);
+    [back, mirrored, grazing].map(|d| TraceInput::new(origin, d.normalize().as_vec3()))
+}
+
 /// A ray that leaves a flat primitive never meets that primitive again, and one that leaves a sphere does so on the
 /// other side only: at every scale, and far from the origin.
 #[test]
@@ -176,16 +192,7 @@ fn rays_do_not_meet_what_they_leave() {
         let surfaces = find(&primitives, &rays, 0);
         let hits: Vec<_> = rays.iter().zip(&surfaces).filter(|(_, o)| o.primitive != NONE).collect();
         assert!(hits.len() > 1000, "{} hits at {scale:e}", hits.len());
-        // Back along the ray, reflected, and nearly along the surface.
-        let leaving = hits.iter().flat_map(|(input, o)| {
-            let (back, n) = (-d3(input.direction), d3(o.geometric_normal));
-            let mirrored = 2.0 * back.dot(n) * n - back;
-            let side = n * back.dot(n).signum();
-            let grazing = (mirrored - 0.999 * mirrored.dot(side) * side).normalize_or(side);
-            let origin = Vec3::from(o.leaving_origin);
-            [back, mirrored, grazing].map(|d| TraceInput::new(origin, d.normalize().as_vec3()))
-        });
-        let leaving: Vec<_> = leaving.collect();
+        let leaving: Vec<_> = hits.iter().flat_map(|(input, o)| leaving(input, o)).collect();
         for (ray, (index, again)) in leaving.iter().zip((0..).zip(find(&primitives, &leaving, 0))) {
             let (_, left) = hits[index / 3];
             let size = f64::from(left.size);

@@ -6,7 +6,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use glam::{Vec2, Vec3};
 use lodestar::Result;
-use lodestar::scene::{Primitive, Scene};
+use lodestar::scene::{Primitive, PrimitiveShape, Scene};
 
 use super::{Folder, load_body, with_sensor};
 
@@ -291,20 +291,72 @@ fn instances_and_groups_that_make_no_sense() {
     refused(&group(r#"<shape type="disk"><emitter type="area"/></shape>"#), "cannot emit");
     let uneven = r#"<shape type="instance"><ref id="a"/><transform name="to_world"><scale x="2"/></transform></shape>"#;
     refused(&[&group(r#"<shape type="sphere"/>"#), uneven].concat(), "unevenly");
-    // A thousand instances of slightly more than a thousand shapes exceed the limit of 2^20.
-    let many = group(&r#"<shape type="disk"/>"#.repeat(1100));
+    // Spheres are always copied. A thousand instances of slightly more than a thousand exceed the limit of 2^20 shapes.
+    let many = group(&r#"<shape type="sphere"/>"#.repeat(1100));
     refused(&(many + &r#"<shape type="instance"><ref id="a"/></shape>"#.repeat(1000)), "more than 1048576 shapes");
 }
 
+/// Folder of a scene of this body, and a mesh of so many triangles.
+fn with_mesh(body: &str, triangles: usize) -> Folder {
+    let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_string() + &"f 1 2 3\n".repeat(triangles);
+    Folder::new(&[("scene.xml", &with_sensor(body)), ("mesh.obj", &mesh)])
+}
+
+const MESH: &str = r#"<shape type="obj"><string name="filename" value="mesh.obj"/></shape>"#;
+
 #[test]
 fn more_triangles_than_fit_are_refused_before_they_are_made() {
-    let mut mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_string();
-    mesh += &"f 1 2 3\n".repeat(40_000);
-    let instances = r#"<shape type="instance"><ref id="a"/></shape>"#.repeat(1000);
-    let group = r#"<shape type="shapegroup" id="a"><shape type="obj"><string name="filename" value="mesh.obj"/></shape></shape>"#;
-    let folder = Folder::new(&[("scene.xml", &with_sensor(&[group, &instances].concat())), ("mesh.obj", &mesh)]);
-    let error = folder.load(&[]).map(drop).expect_err("40 million are too many").to_string();
+    // Each mesh is mirrored, so that it is a copy of its own.
+    let mirrored = MESH.replace("</shape>", r#"<transform name="to_world"><scale x="-1"/></transform></shape>"#);
+    let error = with_mesh(&mirrored.repeat(1000), 40_000).load(&[]).map(drop);
+    let error = error.expect_err("40 million are too many").to_string();
     assert!(error.contains("no more than 33554432 fit"), "{error}");
+}
+
+/// Instances of a large group are kept, but for those that have no inverse. Spheres are copied.
+#[test]
+fn instances_of_large_groups_are_kept() {
+    let group =
+        format!(r#"<shape type="shapegroup" id="a">{MESH}<shape type="sphere"/><shape type="rectangle"/></shape>"#);
+    let instance = |transform: &str| {
+        format!(r#"<shape type="instance"><ref id="a"/><transform name="to_world">{transform}</transform></shape>"#)
+    };
+    let body = group + &instance(r#"<translate x="7"/>"#).repeat(999) + &instance(r#"<scale x="-1"/>"#);
+    let scene = with_mesh(&body, 40_000).load(&[]).unwrap();
+    assert_eq!((scene.primitives.len(), scene.groups.len(), scene.instances.len()), (1000, 1, 1000));
+    assert!(scene.primitives.iter().all(|primitive| primitive.shape == PrimitiveShape::Sphere));
+    assert_eq!(scene.groups[0].primitives.len(), 40_001);
+    assert_eq!(scene.shown_primitives(), 1000 + 1000 * 40_001);
+    assert_eq!(scene.instances[0].origin, Vec3::new(7.0, 0.0, 0.0));
+    assert_eq!(scene.instances[999].axes[0], -Vec3::X);
+    assert_eq!(scene.bounds().unwrap().1, Vec3::new(8.0, 1.0, 1.0));
+    // A transform that flattens the group leaves a copy, without what has no area.
+    let group = format!(r#"<shape type="shapegroup" id="a">{MESH}<shape type="rectangle"/></shape>"#);
+    let flattened = instance(r#"<scale z="0"/>"#);
+    let body = group + &instance("").repeat(100) + &flattened;
+    let scene = with_mesh(&body, 20_000).load(&[]).unwrap();
+    assert_eq!((scene.primitives.len(), scene.instances.len()), (20_001, 100));
+}
+
+/// Shapes that show the same mesh become instances where copies would be many: not those that are mirrored, have another material or
+/// emit.
+#[test]
+fn shapes_that_share_a_mesh_become_instances() {
+    let shape = |inside: &str| MESH.replace("</shape>", &format!("{inside}</shape>"));
+    let moved = shape(r#"<transform name="to_world"><scale value="2"/><translate y="3"/></transform>"#);
+    let others = [
+        shape(r#"<transform name="to_world"><scale y="-1"/></transform>"#),
+        shape(r#"<bsdf type="conductor"/>"#),
+        shape(r#"<emitter type="area"/>"#),
+        shape(r#"<boolean name="face_normals" value="true"/>"#),
+    ];
+    let body = moved.repeat(300) + &others.concat();
+    let scene = with_mesh(&body, 4000).load(&[]).unwrap();
+    assert_eq!((scene.primitives.len(), scene.groups.len(), scene.instances.len()), (4 * 4000, 1, 300));
+    assert_eq!((scene.instances[5].origin, scene.instances[5].axes[1]), (3.0 * Vec3::Y, 2.0 * Vec3::Y));
+    // Few stay copies.
+    let scene = with_mesh(&moved.repeat(200), 4000).load(&[]).unwrap();
+    assert_eq!((scene.primitives.len(), scene.instances.len()), (200 * 4000, 0));
 }
 
 /// A normal that is no number counts as none: the vertex has the face's.

@@ -43,4 +43,13 @@ uvec4 attribute_texel(uint primitive, uint texel) {
 }
 #endif
 
+// Instances lie among the primitives, in records of the same size.
+uvec4 instance_texel(uint instance, uint texel) {
+    return primitive_texel(instance, texel);
+}
+
+uvec4 placement_texel(uint instance, uint texel) {
+    return attribute_texel(instance, texel);
+}
+
 #endif

@@ -8,7 +8,7 @@
 
 struct Ray {
     vec3 origin;
-    vec3 direction;  // unit
+    vec3 direction;  // unit; in the space of an instance, the image of a unit vector
     float t_max;
 };
 
@@ -16,7 +16,12 @@ struct Hit {
     KEPT(hit) float t;  // distance along the ray
     KEPT(hit) vec2 uv;  // coordinates in the primitive's parameterization
     KEPT(hit) uint primitive;
+    uint instance;  // that shows the primitive, or NONE
 };
+
+Hit no_hit(float t_max) {
+    return Hit(t_max, vec2(0.0), NONE, NONE);
+}
 
 // Tolerance of the edge tests, per unit of distance and of edge length. The numerators of Moeller and Trumbore's test
 // carry a rounding error of about 2^-24 of |origin - vertex| |edge|. Accepting hits by that much outside an edge closes

@@ -12,4 +12,13 @@ vec3 interpolated_normal(uvec3 normals, vec2 uv, vec3 geometric_normal) {
     return squared > 1.0e-12 ? n * inversesqrt(squared) : geometric_normal;
 }
 
+// The interpolated normal where each vertex's normal is transformed by a matrix before.
+vec3 interpolated_normal(uvec3 normals, vec2 uv, vec3 geometric_normal, mat3 transform) {
+    vec3 n = (1.0 - uv.x - uv.y) * normalize(transform * octahedral_decode(normals.x)) +
+             uv.x * normalize(transform * octahedral_decode(normals.y)) +
+             uv.y * normalize(transform * octahedral_decode(normals.z));
+    float squared = dot(n, n);
+    return squared > 1.0e-12 ? n * inversesqrt(squared) : geometric_normal;
+}
+
 #endif

@@ -21,7 +21,7 @@ const uint MOST_CANDIDATES = 4u;
 // Hit of a ray by the structure; `refused` where the device found an opaque triangle that `intersect_primitive` does not hit. With
 // `gl_RayFlagsNoOpaqueEXT` in `flags`, every triangle is a candidate, and none is refused.
 Hit query_structure(Ray ray, uint flags, out bool refused, inout bool overrun) {
-    Hit miss = Hit(ray.t_max, vec2(0.0), NONE);
+    Hit miss = no_hit(ray.t_max);
     Hit hit = miss;
     uint left = MOST_CANDIDATES * uint(bvh_elements.length());
     rayQueryEXT query;
@@ -34,7 +34,7 @@ Hit query_structure(Ray ray, uint flags, out bool refused, inout bool overrun) {
         bool has_hit = rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
         Hit candidate = miss;
         if (has_hit) candidate.t = rayQueryGetIntersectionTEXT(query, true);
-        if (intersect_primitive(ray, primitive, candidate)) {
+        if (intersect_primitive(ray, NONE, primitive, candidate)) {
             hit = candidate;
             if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionTriangleEXT) {
                 rayQueryConfirmIntersectionEXT(query);
@@ -49,14 +49,14 @@ Hit query_structure(Ray ray, uint flags, out bool refused, inout bool overrun) {
     uint primitive = primitive_of(rayQueryGetIntersectionInstanceCustomIndexEXT(query, true),
                                   rayQueryGetIntersectionPrimitiveIndexEXT(query, true));
     if (primitive == hit.primitive) return hit;
-    refused = !intersect_primitive(ray, primitive, miss);
+    refused = !intersect_primitive(ray, NONE, primitive, miss);
     return miss;
 }
 
 // Nearest hit of `ray`; with `any_hit` the first hit that the device finds. `overrun` is set where a ray has too many candidates. A
 // ray with coordinates that are no finite numbers hits nothing, and no device is asked about it.
 Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
-    if (!is_finite(ray.origin) || !is_finite(ray.direction)) return Hit(ray.t_max, vec2(0.0), NONE);
+    if (!is_finite(ray.origin) || !is_finite(ray.direction)) return no_hit(ray.t_max);
     uint flags = any_hit ? gl_RayFlagsTerminateOnFirstHitEXT : gl_RayFlagsNoneEXT;
     bool refused;
     Hit hit = query_structure(ray, flags, refused, overrun);

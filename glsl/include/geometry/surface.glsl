@@ -3,6 +3,7 @@
 #define SURFACE_GLSL
 #include "geometry/bvh.glsl"
 #include "math/direction.glsl"
+#include "geometry/instance.glsl"
 #include "geometry/intersect.glsl"
 #include "geometry/normals.glsl"
 
@@ -145,6 +146,43 @@ void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, PrimitiveReco
     s.position -= (dot(n, from_anchor(s.position, p)) - p.plane * inverse_area) * n;
 }
 
+// Position of a hit on a flat shape that an instance shows, and the distance by which rays start off it. `p` is the primitive in its group's
+// space, and `shown` the same in the world. The two forms of the position are those of place_on_plane. The result is moved
+// into the plane as rays through the instance meet it, in the group's space. So the roundings of the two matrices, and of
+// one against the other, do not lift it off. What remains is the rounding of a point that goes into the group's space.
+void place_in_instance(
+    inout Surface s, Ray ray, Hit hit, uint shape, PrimitiveRecord p, PrimitiveRecord shown, Placement placement) {
+    vec3 n = plane_normal(p.edge_u, p.edge_v);
+    // Two steps, as in place_on_plane.
+    float scale = 1.0 / max(max_abs(n), 1.0e-37);
+    n *= scale;
+    float inverse_length = inversesqrt(dot(n, n));
+    n *= inverse_length;
+    float inverse_area = scale * inverse_length;
+    // The inverse transpose turns the normal. Distances to the plane grow by one over the length of its result.
+    vec3 turned = placement.local * n;
+    float growth = inversesqrt(dot(turned, turned));
+    s.geometric_normal = growth * turned;
+
+    vec3 along_ray = ray.origin + hit.t * ray.direction;
+    vec3 terms = terms_of_group(placement, ray.origin) + abs(p.origin);
+    float t_error = 8.0 * growth * dot(abs(n), terms) / max(abs(dot(s.geometric_normal, ray.direction)), 1.0e-6);
+    vec3 error_along_ray = 16.0 * (abs(ray.origin) + (hit.t + t_error) * abs(ray.direction));
+    vec3 coordinates = abs(p.origin) + abs(hit.uv.x * p.edge_u) + abs(hit.uv.y * p.edge_v);
+    vec3 error_in_shape = abs(placement.origin) + abs(placement.world[0]) * coordinates.x +
+                          abs(placement.world[1]) * coordinates.y + abs(placement.world[2]) * coordinates.z;
+    s.epsilon = ROUNDING * (4.0 * dot(abs(s.geometric_normal), abs(along_ray)) +
+                            10.0 * growth * dot(abs(n), terms_of_group(placement, along_ray))) +
+                growth * plane_error(to_group(placement, along_ray), n, inverse_area, p);
+    float margin = s.epsilon + 32.0 * ROUNDING * max_component(min(error_in_shape, error_along_ray));
+    float area = length(cross(shown.edge_u, shown.edge_v));
+    vec2 uv = inside_edges(hit.uv, shape, shown.edge_u, shown.edge_v, 1.0 / max(area, 1.0e-37), margin);
+    vec3 in_shape = placement.origin + placement.world * (p.origin + uv.x * p.edge_u + uv.y * p.edge_v);
+    s.position = mix(in_shape, along_ray, lessThan(error_along_ray, error_in_shape));
+    float off = dot(n, from_anchor(to_group(placement, s.position), p)) - p.plane * inverse_area;
+    s.position -= (off * growth) * s.geometric_normal;
+}
+
 // Position of a hit on a sphere, moved onto it, and the distance by which rays start off it: two roundings of the
 // coordinates, and what sphere_excess errs by.
 void place_on_sphere(inout Surface s, Ray ray, Hit hit, vec3 center, float radius) {
@@ -161,6 +199,14 @@ Surface surface_at(Ray ray, Hit hit) {
     AttributeRecord attributes = load_attribute(hit.primitive);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
 
+    Placement placement;
+    PrimitiveRecord in_group = p;
+    bool moved = is_moved(hit);
+    if (moved) {
+        placement = placement_of(hit.instance);
+        p = primitive_in_world(in_group, placement);
+    }
+
     Surface s;
     s.size = p.edge_tolerance;
     s.uv = vec2(0.0);
@@ -170,7 +216,11 @@ Surface surface_at(Ray ray, Hit hit) {
         place_on_sphere(s, ray, hit, p.origin, p.edge_tolerance);
         if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, p.edge_u, p.edge_v, attributes.uv0.x);
     } else {
-        place_on_plane(s, ray, hit, shape, p);
+        if (moved) {
+            place_in_instance(s, ray, hit, shape, in_group, p, placement);
+        } else {
+            place_on_plane(s, ray, hit, shape, p);
+        }
         if (has_texture_coordinates()) {
             if (shape == SHAPE_TRIANGLE) parametrize_triangle(s, hit.uv, p, attributes);
             if (shape == SHAPE_PARALLELOGRAM) parametrize_parallelogram(s, hit.uv, p.edge_u, p.edge_v);
@@ -180,7 +230,9 @@ Surface surface_at(Ray ray, Hit hit) {
     if ((p.flags & PRIMITIVE_FLIP_NORMAL) != 0u) s.geometric_normal = -s.geometric_normal;
     s.shading_normal = s.geometric_normal;
     if (HAS_VERTEX_NORMALS && (p.flags & PRIMITIVE_VERTEX_NORMALS) != 0u) {
-        s.shading_normal = interpolated_normal(attributes.normals, hit.uv, s.geometric_normal);
+        s.shading_normal = moved
+            ? interpolated_normal(attributes.normals, hit.uv, s.geometric_normal, placement.local)
+            : interpolated_normal(attributes.normals, hit.uv, s.geometric_normal);
     }
     s.material = attributes.material;
     s.emitter = attributes.emitter;

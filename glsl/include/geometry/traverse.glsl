@@ -3,6 +3,7 @@
 #ifndef TRAVERSE_GLSL
 #define TRAVERSE_GLSL
 #include "geometry/bvh.glsl"
+#include "geometry/instance.glsl"
 #include "geometry/intersect.glsl"
 #include "geometry/normals.glsl"
 
@@ -15,9 +16,11 @@ bool meets_front(vec3 direction, uint primitive, PrimitiveRecord p, vec2 uv) {
     return dot(n, direction) < 0.0;
 }
 
-// Tests one primitive. A hit nearer than `hit.t` replaces `hit`. Returns whether that happened.
-bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
+// Tests one primitive, which an instance shows or none. The ray is in the primitive's space. A hit nearer than `hit.t` replaces
+// `hit`. Returns whether that happened.
+bool intersect_primitive(Ray ray, uint instance, uint primitive, inout Hit hit) {
     PrimitiveRecord p = load_primitive(primitive);
+    if (HAS_INSTANCES && instance != NONE) p.edge_tolerance *= length(ray.direction);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
     float t = hit.t;
     vec2 uv = hit.uv;
@@ -30,7 +33,7 @@ bool intersect_primitive(Ray ray, uint primitive, inout Hit hit) {
     if (HAS_FRONT_ONLY && (p.flags & PRIMITIVE_FRONT_ONLY) != 0u) {
         closer = closer && meets_front(ray.direction, primitive, p, uv);
     }
-    if (closer) hit = Hit(t, uv, primitive);
+    if (closer) hit = Hit(t, uv, primitive, instance);
     return closer;
 }
 
@@ -137,9 +140,18 @@ const uint NODES_AT_ONCE = 2u;
 
 // Nearest hit of `ray`; with `any_hit` the first hit that the traversal finds. `overrun` is set where the driver ended
 // the loop early or where the stack was too small.
+//
+// Instances are leaves of the hierarchy of the world. Those that the ray finds at a node wait until the node's primitives are tested.
+// Then the ray goes down into each, in its space, through the hierarchy of its group, and comes back.
 Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
-    Hit hit = Hit(ray.t_max, vec2(0.0), NONE);
+    Hit hit = no_hit(ray.t_max);
     NodeRay nodes = node_ray(ray);
+    // The instance that the ray is in, the ray in its space, and the number of groups on the stack that belong to the world.
+    uint instance = NONE;
+    Ray local = ray;
+    uint of_world = 0u;
+    // Instances that wait: the primitives' base index and mask.
+    uint waiting_base = 0u, waiting = 0u;
     // A group is a base index and a mask of its children that are still to be visited. The root is a group of its own.
     uint stack_base[STACK_SIZE];
     uint stack_mask[STACK_SIZE];
@@ -153,7 +165,7 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
         // Primitives found at the first node, and those found later at the second one.
         uint primitives = 0u, later_primitives = 0u;
         uint primitive_base = 0u, later_base = 0u;
-        uint nodes_left = NODES_AT_ONCE;
+        uint nodes_left = HAS_INSTANCES && instance == NONE ? 1u : NODES_AT_ONCE;
         while (has_nodes(group_mask) && nodes_left > 0u) {
             --nodes_left;
             uint slot = uint(findMSB(group_mask));
@@ -177,7 +189,7 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             later_base = is_first ? later_base : found_base;
             primitives = is_first ? found : primitives;
             primitive_base = is_first ? found_base : primitive_base;
-            if (!has_nodes(group_mask) && stack_count > 0u) {
+            if (!has_nodes(group_mask) && stack_count > of_world) {
                 --stack_count;
                 group_base = stack_base[stack_count];
                 group_mask = stack_mask[stack_count];
@@ -187,8 +199,13 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
         while (primitives != 0u) {
             uint bit = uint(findLSB(primitives));
             primitives &= primitives - 1u;
-            // A ray that asks for any hit needs no second one.
-            if (intersect_primitive(ray, primitive_base + bit, hit) && any_hit) primitives = later_primitives = 0u;
+            if (HAS_INSTANCES && instance == NONE && is_instance(primitive_base + bit)) {
+                waiting_base = primitive_base;
+                waiting |= 1u << bit;
+            } else if (intersect_primitive(local, instance, primitive_base + bit, hit) && any_hit) {
+                // A ray that asks for any hit needs no second one.
+                primitives = later_primitives = 0u;
+            }
             if (primitives == 0u) {
                 primitives = later_primitives;
                 primitive_base = later_base;
@@ -197,6 +214,34 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             if (primitives == 0u) break;
         }
         overrun = overrun || primitives != 0u;
+        if (HAS_INSTANCES && (instance == NONE ? waiting != 0u : !has_nodes(group_mask))) {
+            if (instance == NONE && has_nodes(group_mask)) {
+                overrun = overrun || stack_count == STACK_SIZE;
+                stack_count = min(stack_count, STACK_SIZE - 1u);
+                stack_base[stack_count] = group_base;
+                stack_mask[stack_count] = group_mask;
+                ++stack_count;
+            }
+            if (waiting != 0u) {
+                instance = waiting_base + uint(findLSB(waiting));
+                waiting &= waiting - 1u;
+                local = into_instance(ray, instance);
+                of_world = stack_count;
+                group_base = instance_root(instance);
+                group_mask = 0x80000000u;
+            } else {
+                instance = NONE;
+                local = ray;
+                of_world = 0u;
+                group_mask = 0u;
+                if (stack_count > 0u) {
+                    --stack_count;
+                    group_base = stack_base[stack_count];
+                    group_mask = stack_mask[stack_count];
+                }
+            }
+            nodes = node_ray(local);
+        }
         if (!has_nodes(group_mask) || (any_hit && hit.primitive != NONE)) break;
     }
     overrun = overrun || (has_nodes(group_mask) && !(any_hit && hit.primitive != NONE));

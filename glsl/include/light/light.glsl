@@ -140,7 +140,7 @@ Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
     }
     // The ray ends at the point: length 0.
     Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
-    Surface s = surface_at(ray, Hit(0.0, uv, primitive));
+    Surface s = surface_at(ray, Hit(0.0, uv, primitive, NONE));
     if (sphere) {
         // The rounded position of a point of a tiny sphere may lie on the sphere's other side.
         s.geometric_normal = (p.flags & PRIMITIVE_FLIP_NORMAL) != 0u ? -outward : outward;

@@ -62,6 +62,11 @@ uint queue_at(uint queue) {
     return (4u * SLOT_QUADRUPLES + queue) * slot_count();
 }
 
+// Words of the instances that show what the slots' rays have hit. They follow the queues.
+uint instances_at() {
+    return queue_at(QUEUE_COUNT);
+}
+
 // The counter of paths that travel an edge.
 uint path_counter(uint edge) {
     return 2u * COUNTER_COUNT + edge;
@@ -146,9 +151,16 @@ Connection load_connected_light(uint slot) {
 }
 
 Hit load_hit(uint slot) {
-    Hit hit;
+    Hit hit = no_hit(0.0);
     load_hit(slot, hit);
+    if (HAS_INSTANCES) hit.instance = load_scratch_word(instances_at() + slot);
     return hit;
+}
+
+// Stores what the ray of a slot has hit.
+void keep_hit(uint slot, Hit hit) {
+    store_hit(slot, hit);
+    if (HAS_INSTANCES) store_scratch_word(instances_at() + slot, hit.instance);
 }
 
 FirstHit load_first_hit(uint slot) {

@@ -1,4 +1,4 @@
-// Records of primitives and their attributes. src/encode/bvh.rs writes them.
+// Records of primitives with their attributes, and of instances. src/encode/bvh.rs writes them.
 #ifndef RECORDS_GEOMETRY_GLSL
 #define RECORDS_GEOMETRY_GLSL
 
@@ -23,6 +23,28 @@ struct AttributeRecord {
     vec2 uv2;       // texture coordinates of the third vertex
     uint emitter;   // index of the emitter, or NONE
     uint light;     // index of the primitive's light in the alias table, or NONE
+};
+
+// Instance: a group of primitives in another place. It lies among the primitives. These are the rows of the matrix that turns
+// directions of the world into directions of the group's space.
+struct InstanceRecord {
+    vec3 local_x;  // first row
+    uint flags;  // PRIMITIVE_INSTANCE and PRIMITIVE_UNMOVED
+    vec3 local_y;  // second row
+    uint root;  // index of the first node of the group's hierarchy
+    vec3 local_z;  // third row
+    float scale;  // factor by which the axis of the group's space grows that grows most
+};
+
+// Place of an instance, which lies where a primitive has its attributes: the world's images of the axes of the group's space, and the
+// coordinates of its origin.
+struct PlacementRecord {
+    vec3 world_x;    // image of the first axis
+    float origin_x;  // first coordinate of the origin
+    vec3 world_y;    // image of the second axis
+    float origin_y;  // second coordinate of the origin
+    vec3 world_z;    // image of the third axis
+    float origin_z;  // third coordinate of the origin
 };
 
 #endif

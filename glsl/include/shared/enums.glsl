@@ -69,6 +69,10 @@ const uint PRIMITIVE_VERTEX_NORMALS = 8u;
 const uint PRIMITIVE_LARGE = 16u;
 // Rays that meet the shape from behind pass. The front is the side to which the shading normal points.
 const uint PRIMITIVE_FRONT_ONLY = 32u;
+// The record is that of an instance.
+const uint PRIMITIVE_INSTANCE = 64u;
+// The transform of the instance is the identity.
+const uint PRIMITIVE_UNMOVED = 128u;
 
 // Kind of a material that is a choice between two materials. The files of the folder bsdf declare the numbers of the other kinds.
 const uint MATERIAL_BLEND = 13u;

@@ -62,6 +62,9 @@ layout(constant_id = 16) const bool HAS_VERTEX_NORMALS = true;
 // Whether some primitive is met from the front only.
 layout(constant_id = 17) const bool HAS_FRONT_ONLY = false;
 
+// Whether some geometry of the scene is shown by instances.
+layout(constant_id = 20) const bool HAS_INSTANCES = false;
+
 // Kinds of material in the scene: bit 1 << kind for each kind.
 layout(constant_id = 18) const uint MATERIAL_KINDS = 1u;
 // Features that the scene's materials and emitters use: FEATURE_* bits.

@@ -22,7 +22,7 @@ void main() {
     uint place = gl_GlobalInvocationID.x;
     while (place < queue_length()) {
         uint slot = queued_slot(place);
-        if (slot != NONE) store_hit(slot, end_of_edge(ray_of_slot(slot), slot_comes_from_camera(slot), overrun));
+        if (slot != NONE) keep_hit(slot, end_of_edge(ray_of_slot(slot), slot_comes_from_camera(slot), overrun));
         place += lane_count();
         if (place >= queue_length()) break;
     }

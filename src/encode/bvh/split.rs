@@ -20,10 +20,12 @@ pub(super) struct Boxes {
 }
 
 impl Boxes {
-    /// Boxes of all primitives. Each reaches beyond its content by the share `margin` of its primitive's largest coordinate.
-    pub fn new(primitives: &[Primitive], margin: f32) -> Self {
-        let boxes: Vec<Aabb> = primitives.par_iter().map(box_of).collect();
-        let mut all = Self { boxes, primitives: (0..primitives.len() as u32).collect() };
+    /// Boxes of all primitives, then those of instances. Each reaches beyond its content by the share `margin` of its content's largest
+    /// coordinate.
+    pub fn new(primitives: &[Primitive], instances: Vec<Aabb>, margin: f32) -> Self {
+        let mut boxes: Vec<Aabb> = primitives.par_iter().map(box_of).collect();
+        boxes.extend(instances);
+        let mut all = Self { primitives: (0..boxes.len() as u32).collect(), boxes };
         let margins: Vec<f32> = all.boxes.par_iter().map(|aabb| margin * largest_coordinate(aabb)).collect();
         all.split(primitives, &margins);
         let of_primitives = all.primitives.par_iter().map(|&primitive| margins[primitive as usize]);
@@ -38,7 +40,7 @@ impl Boxes {
         let is_split = |&i: &u32| {
             self.boxes[i as usize].half_area() > SMALLEST_SPLIT * mean && can_be_split(&primitives[i as usize])
         };
-        let split: Vec<u32> = self.primitives.iter().copied().filter(is_split).collect();
+        let split: Vec<u32> = (0..primitives.len() as u32).filter(is_split).collect();
         let triangles: Vec<Triangle> = split.iter().map(|&i| triangle(&primitives[i as usize])).collect();
         let mut parts: Vec<Aabb> = split.iter().map(|&i| self.boxes[i as usize]).collect();
         let mut triangle_of_part: Vec<u32> = (0..split.len() as u32).collect();
@@ -127,7 +129,7 @@ mod tests {
     #[test]
     fn parts_of_a_slender_triangle_hold_it_and_are_smaller() {
         let primitives = among_small_ones(primitive(PrimitiveShape::Triangle, None, 1.0));
-        let boxes = Boxes::new(&primitives, MARGIN);
+        let boxes = Boxes::new(&primitives, Vec::new(), MARGIN);
         assert!((0..100).all(|i| boxes.primitives[i as usize] == i));
         let parts = parts(&boxes, 50);
         assert!(parts.len() > 4, "{} parts", parts.len());
@@ -149,7 +151,7 @@ mod tests {
         let light = primitive(PrimitiveShape::Triangle, Some(0), 1.0);
         let disk = primitive(PrimitiveShape::Disk, None, 1.0);
         for large in [flat, light, disk] {
-            let boxes = Boxes::new(&among_small_ones(large), MARGIN);
+            let boxes = Boxes::new(&among_small_ones(large), Vec::new(), MARGIN);
             assert_eq!(boxes.primitives, (0..100).collect::<Vec<u32>>());
             let (padded, (min, max)) = (boxes.boxes[50], large.bounds());
             assert!(holds(&padded, min.into()) && holds(&padded, max.into()));
@@ -170,7 +172,7 @@ mod tests {
             let edge_v = edge_u + 0.2 * apart;
             let origin = f32::from(round) * vec3(1.0, -0.3, 0.01);
             let large = Primitive { origin, edge_u, edge_v, ..primitive(PrimitiveShape::Triangle, None, 1.0) };
-            let grown = Boxes::new(&among_small_ones(large), BOX_MARGIN);
+            let grown = Boxes::new(&among_small_ones(large), Vec::new(), BOX_MARGIN);
             split_count += usize::from(grown.boxes.len() > 100);
             let point = origin + 0.5 * (coordinate() + 1.0) * edge_u.lerp(edge_v, 0.5 * (coordinate() + 1.0));
             assert!(parts(&grown, 50).iter().any(|part| holds(part, point.into())), "{large:?} at {point}");

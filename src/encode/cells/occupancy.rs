@@ -7,23 +7,33 @@ use rayon::prelude::*;
 
 use super::grid::Grid;
 use crate::encode::bvh::Bvh;
+use crate::encode::bvh::instances::{is_instance, part_of, placed, shown};
 use crate::generated::constants;
-use crate::generated::layout::PrimitiveRecord;
+use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
 
 /// Margin around a place, in places: more than the rounding of a point moves it.
 const MARGIN: f32 = 1.0e-3;
+/// Most primitives of instances that are placed one by one. Where there are more, the boxes of a group's parts are placed.
+const MOST_PLACED: u64 = 1 << 22;
 
 /// Whether a surface may touch each place. Every place that a surface does touch is marked.
 pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
     let occupied: Vec<_> = (0..grid.place_count()).map(|_| AtomicBool::new(false)).collect();
-    bvh.primitives.par_iter().for_each(|primitive| {
-        for_touched(grid, primitive, |place| {
-            let occupied = &occupied[grid.index(place)];
-            // Many small primitives share a place, and a core that only reads does not take the memory from the others.
-            if !occupied.load(Ordering::Relaxed) {
-                occupied.store(true, Ordering::Relaxed);
-            }
-        });
+    let occupy = |place| {
+        let occupied: &AtomicBool = &occupied[grid.index(place)];
+        // Many small primitives share a place, and a core that only reads does not take the memory from the others.
+        if !occupied.load(Ordering::Relaxed) {
+            occupied.store(true, Ordering::Relaxed);
+        }
+    };
+    let of_world = bvh.parts.first().map_or(bvh.primitives.len(), |part| part.primitives.start as usize);
+    let (records, attributes) = (&bvh.primitives[..of_world], &bvh.attributes[..of_world]);
+    let instances = records.par_iter().filter(|record| bvh.has_instances() && is_instance(record));
+    let is_exact =
+        instances.map(|record| part_of(&bvh.parts, record).primitives.len() as u64).sum::<u64>() <= MOST_PLACED;
+    records.par_iter().zip(attributes).for_each(|(record, attributes)| match is_instance(record) {
+        true => for_touched_by_instance(bvh, grid, record, attributes, is_exact, occupy),
+        false => for_touched(grid, record, occupy),
     });
     occupied.into_iter().map(AtomicBool::into_inner).collect()
 }
@@ -37,6 +47,28 @@ fn for_touched(grid: &Grid, primitive: &PrimitiveRecord, mut touch: impl FnMut(U
         return touch(from);
     }
     Grid::places(from, to).filter(|&place| shape.touches(place)).for_each(&mut touch);
+}
+
+/// Calls `touch` with every place that an instance may touch: by its primitives where `is_exact`, else by the boxes that hold them.
+fn for_touched_by_instance(
+    bvh: &Bvh,
+    grid: &Grid,
+    record: &PrimitiveRecord,
+    placement: &AttributeRecord,
+    is_exact: bool,
+    touch: impl Fn(UVec3) + Copy,
+) {
+    let part = part_of(&bvh.parts, record);
+    if is_exact {
+        let primitives = part.primitives.start as usize..part.primitives.end as usize;
+        return bvh.primitives[primitives].iter().for_each(|own| for_touched(grid, &shown(own, placement), touch));
+    }
+    let instance = placed(placement);
+    for &of_group in &part.boxes {
+        let (min, max) = instance.place_box(of_group);
+        let [min, max] = [min, max].map(|corner| grid.coordinates(corner.as_vec3()));
+        Grid::places(grid.clamped(min - MARGIN), grid.clamped(max + MARGIN)).for_each(touch);
+    }
 }
 
 /// Primitive in the grid's coordinates, where places are unit cubes.

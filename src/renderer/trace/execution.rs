@@ -58,6 +58,15 @@ fn resolve_traversal(device: &DeviceInfo, wanted: Traversal, bvh: &Bvh) -> Resul
     let has_queries = device.limits.has_ray_queries;
     let fits = QueryGeometry::most_elements(bvh) <= device.limits.max_structure_elements
         && BvhSet::texels(bvh) * TEXEL_BYTES as u64 <= device.limits.max_storage_buffer_bytes;
+    if bvh.has_instances() {
+        return match wanted {
+            Traversal::Query => Err(Error::Settings(format!(
+                "--traversal query does not trace instances, of which the scene keeps {}: take --traversal compute",
+                bvh.instance_count()
+            ))),
+            Traversal::Auto | Traversal::Compute => Ok(Traversal::Compute),
+        };
+    }
     match wanted {
         Traversal::Query if !has_queries => Err(Error::Settings(format!(
             "--traversal query needs ray queries (VK_KHR_ray_query), which {} lacks: take --traversal compute",

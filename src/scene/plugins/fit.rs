@@ -6,7 +6,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 use super::sensor::{DEFAULT_FILM, Sensor};
 use crate::scene::description::origin::Format;
-use crate::scene::{Camera, FovAxis, Primitive, Projection};
+use crate::scene::{Camera, FovAxis, Projection};
 use crate::{Error, Result};
 
 /// Field of view of a fitted camera, in degrees: horizontal as in Mitsuba 0.6, or along the shorter side of the film.
@@ -45,17 +45,16 @@ impl View {
     }
 }
 
-/// Sensor that sees the whole scene, with `+y` up. It is as far away from the scene's bounding box as the largest side of the box
+/// Sensor that sees the whole scene, whose box is given, with `+y` up. It is as far away from the scene's bounding box as the largest side of the box
 /// needs.
 pub(super) fn sensor(
     path: &Path,
-    primitives: &[Primitive],
+    bounds: Option<(Vec3, Vec3)>,
     format: Format,
     warnings: &mut Vec<String>,
 ) -> Result<Sensor> {
     let view = View::of(format);
-    let boxes = primitives.iter().map(Primitive::bounds);
-    let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or_else(|| {
+    let (low, high) = bounds.ok_or_else(|| {
         let sensor = format.word("sensor");
         Error::scene(path, None, format!("the scene has neither a {sensor} nor a shape; give it a camera or a shape"))
     })?;

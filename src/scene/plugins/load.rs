@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
 use super::flatten::Common;
+use super::instances::{self, Arranged, Item, Placed};
 use super::materials::{Materials, conserve_energy};
 use super::media::MediumList;
 use super::projector::Projector;
@@ -23,7 +24,7 @@ use super::shape::{self, Geometry, MeshFile, Shape};
 use super::sunsky::BakedSky;
 use super::texture_images::Decoded;
 use super::textures::{Textures, number_images};
-use super::{curves, cylinder, fit, integrator, sensor, texture_images, vertex_colors};
+use super::{curves, fit, integrator, sensor, texture_images, vertex_colors};
 use crate::scene::description::Description;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::{Entry, Object, Value};
@@ -32,10 +33,11 @@ use crate::scene::faults::Faults;
 use crate::scene::folders::FoundFile;
 use crate::scene::load_options::{CameraChoice, EnvironmentChoice, LoadOptions};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
-use crate::scene::texel_pages;
 use crate::scene::{
-    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Image, IntegratorDescription, Media, Primitive, Scene,
+    AreaEmitter, DeltaEmitter, Environment, EnvironmentKind, Group, Image, IntegratorDescription, Media, Primitive,
+    Scene,
 };
+use crate::scene::{texel_pages, whole};
 use crate::{Error, Result};
 
 /// Callback for the progress of reading a scene.
@@ -77,8 +79,9 @@ pub(in crate::scene) fn build(description: &mut Description, options: &LoadOptio
         delta_emitters: Vec::new(),
         projectors: Vec::new(),
         images: Vec::new(),
-        shapes: Vec::new(),
-        groups: HashMap::new(),
+        items: Vec::new(),
+        groups: Vec::new(),
+        group_indices: HashMap::new(),
         sensors: Vec::new(),
         integrators: Vec::new(),
         loose_emitters: Vec::new(),
@@ -92,8 +95,8 @@ pub(in crate::scene) fn build(description: &mut Description, options: &LoadOptio
     builder.finish(options, progress)
 }
 
-/// Most shapes of a scene. A few instances of a large group can ask for more than any memory holds.
-const MAX_SHAPES: usize = 1 << 20;
+/// Most shapes and instances of a scene.
+const MAX_ITEMS: usize = 1 << 24;
 
 /// Scene as far as it has been read.
 struct Builder<'a> {
@@ -109,9 +112,11 @@ struct Builder<'a> {
     delta_emitters: Vec<DeltaEmitter>,
     projectors: Vec<Projector>,
     images: Vec<Image>,
-    shapes: Vec<Shape>,
-    /// Shapes of each group, by the address of the `shapegroup`.
-    groups: HashMap<*const Object, Rc<Vec<Shape>>>,
+    items: Vec<Item<'a>>,
+    /// Shapes of each group.
+    groups: Vec<Vec<Shape>>,
+    /// Index of each group by the address of the `shapegroup`.
+    group_indices: HashMap<*const Object, usize>,
     sensors: Vec<&'a Object>,
     integrators: Vec<&'a Object>,
     /// `area` emitters that stand directly in the scene, for shapes to refer to.
@@ -235,7 +240,7 @@ impl<'a> Builder<'a> {
             "instance" => self.add_instance(object),
             _ => {
                 let shape = self.parse_shape(object)?;
-                self.shapes.extend(shape);
+                self.items.extend(shape.map(|shape| Item::Shape(Box::new(shape))));
                 Ok(())
             }
         }
@@ -278,10 +283,10 @@ impl<'a> Builder<'a> {
         Ok(Some(Shape { geometry, common, origin: object.origin.clone() }))
     }
 
-    /// Shapes of a `shapegroup`, which is not placed in the scene by itself.
-    fn group(&mut self, object: &'a Object) -> Result<Rc<Vec<Shape>>> {
-        if let Some(group) = self.groups.get(&std::ptr::from_ref(object)) {
-            return Ok(group.clone());
+    /// Index of the shapes of a `shapegroup`, which is not placed in the scene by itself.
+    fn group(&mut self, object: &'a Object) -> Result<usize> {
+        if let Some(&group) = self.group_indices.get(&std::ptr::from_ref(object)) {
+            return Ok(group);
         }
         let mut properties = Properties::new(object, &self.scope)?;
         let members = properties.objects(Kind::Shape);
@@ -291,8 +296,9 @@ impl<'a> Builder<'a> {
             let member = self.member(member);
             shapes.extend(self.faults.keep(member).flatten());
         }
-        let group = Rc::new(shapes);
-        self.groups.insert(object, group.clone());
+        let group = self.groups.len();
+        self.groups.push(shapes);
+        self.group_indices.insert(object, group);
         Ok(group)
     }
 
@@ -320,11 +326,11 @@ impl<'a> Builder<'a> {
         })?;
         properties.finish(&mut self.warnings)?;
         let group = self.group(group)?;
-        if self.shapes.len() + group.len() > MAX_SHAPES {
-            return Err(object.error(format!("more than {MAX_SHAPES} shapes, including the shapes of instances")));
+        if self.items.len() >= MAX_ITEMS {
+            return Err(object.error(format!("more than {MAX_ITEMS} shapes and instances")));
         }
-        let copy = |shape: &Shape| shape.instantiated(to_world, object);
-        self.shapes.extend(group.iter().map(copy).collect::<Result<Vec<_>>>()?);
+        self.groups[group].iter().try_for_each(|shape| shape.check_instance(&to_world, object))?;
+        self.items.push(Item::Instance(Placed { group, to_world, origin: &object.origin }));
         Ok(())
     }
 
@@ -397,8 +403,8 @@ impl<'a> Builder<'a> {
         let mut images = self.images;
         let first_image = images.len();
         let (mut textures, requests) = self.textures.finish();
-        let shapes = &self.shapes;
-        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(shapes, progress));
+        let shapes = shown_shapes(&self.items, &self.groups);
+        let (decoded, meshes) = rayon::join(|| texture_images::decode(&requests), || read_meshes(&shapes, progress));
         let Decoded { images: decoded, indices, warnings, faults } = decoded;
         let (mut meshes, of_meshes) = meshes;
         let given = self.scope.meshes.iter().enumerate();
@@ -409,7 +415,8 @@ impl<'a> Builder<'a> {
         // The image of vertex colors, if a texture uses it, comes after all others.
         number_images(&mut textures, first_image, &indices, images.len());
         self.warnings.extend(warnings);
-        self.warnings.extend(curves::warning(&self.shapes, &meshes));
+        let Arranged { mut shapes, groups, instances } = instances::arrange(self.items, self.groups, &meshes)?;
+        self.warnings.extend(curves::warning(&shapes, &meshes));
         let mut left_out: Vec<_> = meshes.iter().filter_map(|(file, mesh)| mesh::warning(&file.path, mesh)).collect();
         left_out.sort();
         self.warnings.extend(left_out);
@@ -423,7 +430,7 @@ impl<'a> Builder<'a> {
             meshes: &meshes,
             image,
         };
-        if let Some(colors) = vertex_colors::make(&mut self.shapes, &context, &mut self.warnings)? {
+        if let Some(colors) = vertex_colors::make(&mut shapes, &context, &mut self.warnings)? {
             images.push(colors);
             if texel_pages::place(&images.iter().map(texel_pages::word_count).collect::<Vec<_>>()).is_none() {
                 return Err(Error::scene(path, None, "the images and vertex colors fit no device; use smaller images"));
@@ -432,7 +439,7 @@ impl<'a> Builder<'a> {
         let mut delta_emitters = self.delta_emitters;
         delta_emitters.extend(self.projectors.into_iter().map(|projector| projector.finish(&textures, &images)));
         conserve_energy(&mut materials, &textures, &images, &mut self.warnings);
-        let primitives = flatten_all(&self.shapes, &meshes)?;
+        let (primitives, groups) = flatten_all(&shapes, &groups, &meshes)?;
         let is_dark = emitters.is_empty() && self.environment.is_none() && delta_emitters.is_empty();
         if is_dark {
             let message = "the scene has no light, so the picture is black; --environment constant lights it evenly";
@@ -440,7 +447,10 @@ impl<'a> Builder<'a> {
         }
         let sensor = match sensor {
             Some(sensor) => sensor,
-            None => fit::sensor(path, &primitives, format, &mut self.warnings)?,
+            None => {
+                let bounds = whole::bounds(&primitives, &groups, &instances);
+                fit::sensor(path, bounds, format, &mut self.warnings)?
+            }
         };
         Ok(Scene {
             name: scene_name(path),
@@ -449,6 +459,8 @@ impl<'a> Builder<'a> {
             integrator,
             sample_count: sensor.sample_count,
             primitives,
+            groups,
+            instances,
             materials,
             media: Media { all: self.media.list, of_camera: sensor.medium },
             emitters,
@@ -475,8 +487,19 @@ fn is_large_enough(image: &Image) -> bool {
     image.width >= 2 && image.height >= 3
 }
 
+/// Shapes that stand in the scene, and those of the groups that instances show, in the order of the scene.
+fn shown_shapes<'s>(items: &'s [Item], groups: &'s [Vec<Shape>]) -> Vec<&'s Shape> {
+    let mut is_known = vec![false; groups.len()];
+    let shapes = items.iter().flat_map(|item| match item {
+        Item::Shape(shape) => std::slice::from_ref(&**shape),
+        Item::Instance(placed) if !mem::replace(&mut is_known[placed.group], true) => &groups[placed.group],
+        Item::Instance(_) => &[],
+    });
+    shapes.collect()
+}
+
 /// Reads every mesh once, in parallel. Returns the faults of files in the order of the scene.
-fn read_meshes(shapes: &[Shape], progress: &Watch) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
+fn read_meshes(shapes: &[&Shape], progress: &Watch) -> (HashMap<MeshFile, Arc<Mesh>>, Vec<Error>) {
     let files = shapes.iter().filter_map(|shape| match &shape.geometry {
         Geometry::Mesh(file, _) if !file.is_in_memory() => Some(file),
         _ => None,
@@ -504,8 +527,12 @@ fn read_meshes(shapes: &[Shape], progress: &Watch) -> (HashMap<MeshFile, Arc<Mes
     (meshes, faults)
 }
 
-/// Makes all primitives, in the order of the shapes.
-fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result<Vec<Primitive>> {
+/// Makes all primitives, in the order of the shapes: those of the world and those of the groups, whose first shapes are given.
+fn flatten_all(
+    shapes: &[Shape],
+    groups: &[usize],
+    meshes: &HashMap<MeshFile, Arc<Mesh>>,
+) -> Result<(Vec<Primitive>, Vec<Group>)> {
     check_size(shapes, meshes)?;
     let placed: Vec<_> = shapes.par_iter().map(|shape| shape::place(shape, meshes)).collect();
     let placed: Vec<_> = placed.into_iter().collect::<Result<_>>()?;
@@ -519,7 +546,12 @@ fn flatten_all(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Resul
         let shape = ends.partition_point(|&end| end <= index);
         placed[shape].primitive(index + placed[shape].len() - ends[shape])
     };
-    Ok((0..count).into_par_iter().map(primitive).collect())
+    let mut primitives: Vec<Primitive> = (0..count).into_par_iter().map(primitive).collect();
+    let first_primitives = groups.iter().rev().map(|&first| first.checked_sub(1).map_or(0, |before| ends[before]));
+    let mut groups: Vec<Group> =
+        first_primitives.map(|first| Group { primitives: primitives.split_off(first) }).collect();
+    groups.reverse();
+    Ok((primitives, groups))
 }
 
 /// Refuses scenes larger than any device could hold, before memory is allocated.
@@ -527,8 +559,7 @@ fn check_size(shapes: &[Shape], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Result
     let mut triangles = 0;
     for shape in shapes {
         triangles += match &shape.geometry {
-            Geometry::Mesh(file, _) => meshes.get(file).map_or(0, |mesh| mesh.triangles.len()),
-            Geometry::Cylinder => cylinder::UNIT.triangles.len(),
+            Geometry::Mesh(..) | Geometry::Cylinder => shape::primitive_count(shape, meshes),
             _ => 0,
         };
         if triangles > MAX_TRIANGLES {

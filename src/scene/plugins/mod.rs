@@ -8,6 +8,7 @@ mod emission;
 mod emitter_plugin;
 mod fit;
 mod flatten;
+mod instances;
 mod integrator;
 pub mod load;
 mod materials;

@@ -33,7 +33,7 @@ pub(super) const SUPPORTED: [&str; 12] = [
 ];
 
 /// Largest relative deviation of a transform from a similarity: scene files are printed with six digits.
-const SIMILARITY: f64 = 1e-3;
+pub(super) const SIMILARITY: f64 = 1e-3;
 
 /// Shape that is ready to be flattened.
 #[derive(Clone)]
@@ -166,13 +166,22 @@ fn parse_sphere(properties: &mut Properties, to_world: DMat4) -> Result<DMat4> {
 }
 
 impl Shape {
-    /// Copy of a group's shape, for an `instance`.
-    pub fn instantiated(&self, to_world: DMat4, instance: &Object) -> Result<Self> {
-        if matches!(self.geometry, Geometry::Sphere) && !transform::is_similarity(&to_world, SIMILARITY) {
+    /// Checks that an `instance` can show this shape of its group.
+    pub fn check_instance(&self, to_world: &DMat4, instance: &Object) -> Result<()> {
+        if matches!(self.geometry, Geometry::Sphere) && !transform::is_similarity(to_world, SIMILARITY) {
             return Err(instance.error("an instance with a sphere must not be scaled unevenly or sheared"));
         }
-        let common = Common { instance_to_world: to_world, ..self.common };
-        Ok(Self { common, origin: instance.origin.clone(), ..self.clone() })
+        Ok(())
+    }
+}
+
+/// Most primitives that a shape consists of.
+pub(super) fn primitive_count(shape: &Shape, meshes: &HashMap<MeshFile, Arc<Mesh>>) -> usize {
+    match &shape.geometry {
+        Geometry::Mesh(file, _) => meshes.get(file).map_or(0, |mesh| mesh.triangles.len()),
+        Geometry::Cylinder => cylinder::UNIT.triangles.len(),
+        Geometry::Cube => 6,
+        Geometry::Rectangle | Geometry::Disk | Geometry::Sphere => 1,
     }
 }
 

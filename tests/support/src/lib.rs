@@ -7,6 +7,7 @@ pub mod device;
 pub mod estimate;
 pub mod floor;
 pub mod guide_cases;
+pub mod instances;
 pub mod mutated;
 pub mod panes;
 pub mod primitives;

@@ -30,6 +30,12 @@ pub const OTHER_SIDE: &str = "the medium of the other side";
 pub const OTHER_PHASE: &str = "in media, the density of another phase function";
 /// Mutation: bump maps that are computed have slopes of the wrong sign.
 pub const TILTED_BACK: &str = "computed heights tilt to the wrong side";
+/// Mutations: faults of instances.
+pub const INSTANCE_FAULTS: [&str; 3] = [
+    "an instance turns normals like directions",
+    "an instance turns normals of vertices like directions",
+    "rays of unit length in instances",
+];
 /// Mutation: shadow rays follow 16 surfaces in place of 1024 edges.
 pub const FEW_SURFACES: &str = "shadow rays through few surfaces";
 /// Mutation: shadow rays end 0.09 % before a light, as those of Mitsuba 3 do. What stands between lets light through.

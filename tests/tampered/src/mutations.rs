@@ -25,6 +25,7 @@ const CONNECTION: &str = "glsl/include/path/connection.glsl";
 const EXPECTED_SARSA: &str = "glsl/include/path/expected_sarsa.glsl";
 const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
 const GUIDING: &str = "glsl/include/path/guiding.glsl";
+const INSTANCE: &str = "glsl/include/geometry/instance.glsl";
 const LEARNING: &str = "glsl/include/path/learning.glsl";
 const LIGHT: &str = "glsl/include/light/light.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
@@ -520,6 +521,30 @@ pub const MUTATIONS: &[Mutation] = &[
             text: "if (has_media()) path.medium = medium_beyond(surface, next.wi, path.medium);",
             mutated: "if (has_media()) path.medium = medium_beyond(surface, next.wi, path.medium);\n        \
                   if (MUTATED && surface.material == NONE) path.pdf = 0.5 * INV_TWO_PI;",
+        }],
+    ),
+    mutation(
+        "an instance turns normals like directions",
+        &[Patch {
+            file: SURFACE,
+            text: "vec3 turned = placement.local * n;",
+            mutated: "vec3 turned = (MUTATED ? placement.world : placement.local) * n;",
+        }],
+    ),
+    mutation(
+        "an instance turns normals of vertices like directions",
+        &[Patch {
+            file: SURFACE,
+            text: "interpolated_normal(attributes.normals, hit.uv, s.geometric_normal, placement.local)",
+            mutated: "interpolated_normal(attributes.normals, hit.uv, s.geometric_normal, MUTATED ? placement.world : placement.local)",
+        }],
+    ),
+    mutation(
+        "rays of unit length in instances",
+        &[Patch {
+            file: INSTANCE,
+            text: "ray.direction * placement.local, ray.t_max)",
+            mutated: "MUTATED ? normalize(ray.direction * placement.local) : ray.direction * placement.local, ray.t_max)",
         }],
     ),
     mutation(

@@ -44,7 +44,7 @@ pub struct Stepper {
 impl Ground {
     pub fn new() -> Rc<Self> {
         let scene = tessellated(TRIANGLES);
-        let ground = Self { context: context(), bvh: Bvh::build(&scene.primitives), scene };
+        let ground = Self { context: context(), bvh: Bvh::of_scene(&scene), scene };
         ground.context.record_timings();
         Rc::new(ground)
     }

@@ -63,7 +63,7 @@ pub fn settings(scene: &Scene, [width, height]: [u32; 2], sampler: Sampler) -> S
 
 /// Renderer that has taken its first steps, so that its guide is in use.
 pub fn renderer(context: &Arc<Context>, scene: &Scene, settings: &Settings, steps: u32) -> Renderer {
-    let bvh = Bvh::build(&scene.primitives);
+    let bvh = Bvh::of_scene(scene);
     let mut renderer = Renderer::new(context, scene, &bvh, settings).expect("a renderer");
     for _ in 0..steps {
         renderer.step(settings.spp_per_step, &|| false).expect("a step");

@@ -36,6 +36,7 @@ struct Found {
     t: f32,
     uv: [f32; 2],
     primitive: u32,
+    instance: u32,
     overrun: u32,
 }
 
@@ -85,6 +86,7 @@ pub fn variant_of(bvh: &Bvh) -> Variant {
     Variant {
         has_spheres: bvh.has_spheres(),
         has_front_only: bvh.has_front_only(),
+        has_instances: bvh.has_instances(),
         stack_size: bvh.depth,
         ..Variant::default()
     }

@@ -33,13 +33,13 @@ impl Subject {
             return None;
         }
         let scene = scene::load(&file, &LoadOptions::default()).expect("the scene loads");
-        let bvh = Bvh::build(&scene.primitives);
+        let bvh = Bvh::of_scene(&scene);
         Some(Rc::new(Self { name: name.into(), file: Some(file), scene, bvh }))
     }
 
     fn relief() -> Rc<Self> {
         let scene = tessellated(RELIEF_TRIANGLES);
-        let bvh = Bvh::build(&scene.primitives);
+        let bvh = Bvh::of_scene(&scene);
         Rc::new(Self { name: "relief".into(), file: None, scene, bvh })
     }
 }
