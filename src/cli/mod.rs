@@ -161,8 +161,7 @@ fn usage_sentence(error: &clap::Error) -> String {
             is_file.then(|| format!("'{word}' is no subcommand; `lodestar render {word}` renders a scene"))
         }),
         UsageError::TooFewValues => quoted(ContextKind::InvalidArg).map(|argument| {
-            let argument = argument.trim_start_matches('<').split('>').next().unwrap_or_default();
-            format!("name two files or more: {argument} and others")
+            format!("name two files or more: {}", argument.replace(['<', '>'], ""))
         }),
         _ => None,
     };

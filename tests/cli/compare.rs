@@ -67,7 +67,7 @@ fn several_pictures_have_their_names() {
         1,
         &["no layer glow"],
     );
-    assert_sentence(&lodestar(&["compare", &a]).output().unwrap(), 2, &["2 values"]);
+    assert_sentence(&lodestar(&["compare", &a]).output().unwrap(), 2, &["name two files or more: A.exr REF.exr"]);
 }
 
 /// Chromium, if it is installed.

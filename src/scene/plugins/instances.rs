@@ -116,8 +116,8 @@ pub(super) fn arrange(
 /// A copy of a single primitive is as small as an instance.
 fn copied(primitives: &[u64], instances: &[u64]) -> Vec<bool> {
     let added = |group: usize| {
-        let (primitives, instances) = (primitives[group], instances[group]);
-        primitives.saturating_mul(instances).saturating_sub(primitives.saturating_add(instances))
+        let (primitives, instances) = (u128::from(primitives[group]), u128::from(instances[group]));
+        u64::try_from((primitives * instances).saturating_sub(primitives + instances)).unwrap_or(u64::MAX)
     };
     let mut order: Vec<usize> = (0..primitives.len()).collect();
     order.sort_by_key(|&group| added(group));
