@@ -9,7 +9,9 @@ use std::thread;
 use lodestar::fleet::sums::{self, AddSums, Sums};
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
-use support::mutated::{FAR_OFF, FEW_SURFACES, INSTANCE_FAULTS, SHORT_OF_LIGHT, TILTED_BACK};
+use support::mutated::{
+    DIMMED_TWICE, FAR_OFF, FEW_SURFACES, INSTANCE_FAULTS, OTHER_PHASE, OTHER_SIDE, SHORT_OF_LIGHT, TILTED_BACK,
+};
 use support::tier;
 
 use crate::claims::{
@@ -240,13 +242,17 @@ fn no_harmless_change_is_flagged() {
     write_table("harmless.md", "| change | claims | least p |\n|---|---|---|", &rows);
 }
 
+/// Faults that `tests/render/media.rs` finds.
+const OF_MEDIA: [&str; 3] = [DIMMED_TWICE, OTHER_SIDE, OTHER_PHASE];
+
 /// Every mutation is used: a mutation that no test uses would prove nothing. `SHORT_OF_LIGHT` and `FAR_OFF` show what another
-/// renderer does, `FEW_SURFACES` reaches a bound, `TILTED_BACK` is found in `tests/render/relief.rs`, and the faults of instances need
-/// instances; they have tests of their own.
+/// renderer does, `FEW_SURFACES` reaches a bound, `TILTED_BACK` is found in `tests/render/relief.rs`, and the faults of media and of
+/// instances need such scenes; they have tests of their own.
 #[test]
 fn every_mutation_is_a_fault_or_harmless() {
     let used = FAULTS.iter().map(|fault| &fault.0).chain(HARMLESS.iter().map(|harmless| &harmless.0));
-    let elsewhere = [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, TILTED_BACK].into_iter().chain(INSTANCE_FAULTS);
+    let elsewhere =
+        [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, TILTED_BACK].into_iter().chain(OF_MEDIA).chain(INSTANCE_FAULTS);
     let used: Vec<_> = used.filter_map(|subject| subject.mutation).chain(elsewhere).collect();
     let unused: Vec<_> = tampered::MUTATIONS.iter().map(|m| m.name).filter(|name| !used.contains(name)).collect();
     assert!(unused.is_empty(), "{unused:?}");
