@@ -160,9 +160,8 @@ fn usage_sentence(error: &clap::Error) -> String {
             let is_file = Path::new(word).extension().is_some() || Path::new(word).exists();
             is_file.then(|| format!("'{word}' is no subcommand; `lodestar render {word}` renders a scene"))
         }),
-        UsageError::TooFewValues => quoted(ContextKind::InvalidArg).map(|argument| {
-            format!("name two files or more: {}", argument.replace(['<', '>'], ""))
-        }),
+        UsageError::TooFewValues => quoted(ContextKind::InvalidArg)
+            .map(|argument| format!("name two files or more: {}", argument.replace(['<', '>'], ""))),
         _ => None,
     };
     format!("{}; --help lists the possible arguments", fault.unwrap_or_else(|| self::fault(&error.to_string())))

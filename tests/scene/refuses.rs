@@ -32,7 +32,7 @@ fn malformed_xml() {
     refuse_text("<scene>\n<sensor type=\"perspective\">\n", &["scene.xml:3: ", "malformed XML"]);
     refuse_text("<scene>\n<sensor type=\"persp", &["scene.xml:2: ", "malformed XML"]);
     refuse_text("<scene>\n</sensor></scene>", &["scene.xml:2: ", "malformed XML"]);
-    refuse_text("", &["scene.xml:1: ", "malformed XML"]);
+    refuse_text("", &["scene.xml:1: ", "it is no XML"]);
     refuse_text("<!DOCTYPE a [<!ENTITY b \"c\">]>\n<scene/>", &["scene.xml:1: ", "the definitions of a <!DOCTYPE>"]);
     refuse_text("<html/>", &["scene.xml:1: ", "<html>"]);
     refuse_text(&"<scene>".repeat(100_000), &["scene.xml:1: ", "nested more than 64 deep"]);

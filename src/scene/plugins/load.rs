@@ -374,9 +374,10 @@ impl<'a> Builder<'a> {
     /// First of the scene's cameras. Where there are more, a warning lists them.
     fn first_sensor(&mut self, sensors: &[&'a Object]) -> Option<&'a Object> {
         if let [_, second, ..] = sensors {
-            let (count, names) = (sensors.len(), camera_names(sensors).join(", "));
-            let message =
-                format!("the scene has {count} cameras: {names}; the first is used, and --camera chooses another");
+            let (word, names) = (second.origin.word(second.kind.name()), camera_names(sensors).join(", "));
+            let message = format!(
+                "a second {word}; the scene's cameras are {names}; the first is used, and --camera chooses another"
+            );
             self.warnings.push(format!("{}: {message}", second.origin));
         }
         sensors.first().copied()
