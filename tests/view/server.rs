@@ -227,7 +227,7 @@ fn roughness(bytes: &[u8]) -> f32 {
 #[test]
 fn wrong_addresses_are_one_sentence() {
     for (arguments, word) in [
-        (render(&["--view", "scene.xml"]), "write it as ADDRESS:PORT"),
+        (render(&["--view", "scene.xml"]), "name the scene before --view"),
         (render(&["--view", "127.0.0.1:65536"]), "write it as ADDRESS:PORT"),
         (render(&["--view", "192.0.2.1:8000"]), "no page can be served at 192.0.2.1:8000"),
         (vec!["view", "missing.exr"], "missing.exr"),

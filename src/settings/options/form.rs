@@ -163,7 +163,7 @@ pub fn page_address(text: &str) -> Result<String, String> {
         Ok(IpAddr::V4(_)) => Ok(format!("{text}:0")),
         Err(_) if text == "localhost" => Ok(format!("{text}:0")),
         Err(_) if is_host_and_port(text) => Ok(text.to_owned()),
-        Err(_) if Path::new(text).extension().is_some() => {
+        Err(_) if !text.contains(':') && Path::new(text).extension().is_some() => {
             Err("it looks like a file, not an address; name the scene before --view, or write --view=ADDRESS:PORT"
                 .into())
         }
