@@ -15,8 +15,9 @@ use ::exr::prelude::{
 };
 use glam::Mat4;
 
+use super::exr_limits::PartSize;
 use super::layers::{Layers, Samples};
-use super::{Image, date, primaries};
+use super::{Image, date, exr_limits, primaries};
 use crate::files::write_whole;
 use crate::{Error, Result, inputs, quoted};
 
@@ -24,14 +25,6 @@ use crate::{Error, Result, inputs, quoted};
 const ATTRIBUTE_PREFIX: &str = "lodestar.";
 /// Largest half float.
 pub const LARGEST_HALF: f32 = 65_504.0;
-/// Limit on pixels, 16384 x 16384, because a damaged header may ask for any size.
-const MAX_PIXEL_COUNT: usize = 1 << 28;
-
-/// Bytes that a file of any length may unpack to.
-const MOST_BYTES: u64 = 1 << 31;
-/// Most bytes that a larger file may unpack to, as a multiple of its length. A picture of one color in all channels may be packed tighter.
-const MOST_RATIO: u64 = 64;
-
 /// Primaries and white point of sRGB and of Rec. 709.
 const SRGB: Chromaticities = {
     let [red, green, blue, white] = primaries::SRGB;
@@ -308,27 +301,17 @@ fn file_of(path: &Path, mut file: impl Read + Seek) -> Result<File> {
     parts.map_err(|error| read_error(path, error))
 }
 
-/// Refuses a picture larger than [`MAX_PIXEL_COUNT`], and one whose parts and channels would unpack to far more than its file can hold,
-/// before memory is allocated for its pixels.
+/// Refuses a picture that is too large before memory is allocated for its pixels.
 fn check_size(path: &Path, mut file: impl Read + Seek) -> Result<()> {
     let length = file.seek(SeekFrom::End(0)).and_then(|length| file.rewind().map(|()| length));
     let length = length.map_err(Error::read(path))?;
     let meta = MetaData::read_from_buffered(file, false).map_err(|error| read_error(path, error))?;
-    let pixel_count = |header: &Header| header.layer_size.0.saturating_mul(header.layer_size.1);
-    if meta.headers.iter().any(|header| pixel_count(header) > MAX_PIXEL_COUNT) {
-        return Err(Error::image(path, "it is larger than 2^28 pixels; crop it"));
-    }
-    let bytes_of =
-        |header: &Header| (pixel_count(header) as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
-    let bytes = meta.headers.iter().map(bytes_of).fold(0, u64::saturating_add);
-    if bytes > MOST_BYTES.max(length.saturating_mul(MOST_RATIO)) {
-        let gigabytes = bytes as f64 / 1e9;
-        let message = format!(
-            "its channels have {gigabytes:.1} GB, far more than a file of {length} bytes holds; give fewer channels"
-        );
-        return Err(Error::image(path, message));
-    }
-    Ok(())
+    let size_of = |header: &Header| PartSize {
+        pixels: header.layer_size.0.saturating_mul(header.layer_size.1),
+        bytes_per_pixel: header.channels.bytes_per_pixel,
+    };
+    let parts: Vec<_> = meta.headers.iter().map(size_of).collect();
+    exr_limits::check(&parts, length).map_err(|message| Error::image(path, message))
 }
 
 fn read_error(path: &Path, error: ::exr::error::Error) -> Error {

@@ -3,6 +3,7 @@
 pub mod comparison;
 mod date;
 pub mod exr;
+mod exr_limits;
 pub mod false_color;
 pub mod flip;
 pub mod layers;

@@ -221,7 +221,8 @@ impl Session {
     /// Writes a checkpoint of the render so far into `file`, from which [`Session::resume`] goes on to the same bits.
     ///
     /// # Errors
-    /// Where the scene was made in memory, a step was shorter than the schedule has it, or the file cannot be written.
+    /// Where the scene was made in memory, a step was shorter than the schedule has it, another render keeps its checkpoint in the file, or
+    /// the file cannot be written.
     pub fn write_checkpoint(&self, file: impl AsRef<Path>) -> Result<()> {
         self.running.write_checkpoint(file.as_ref())
     }

@@ -269,6 +269,23 @@ fn one_render_at_a_time_has_a_checkpoint() {
     assert_eq!(folder.names(), ["a.ckpt", "a.exr", "scene.xml"]);
 }
 
+/// A program that uses the library cannot overwrite the checkpoint that a running render keeps.
+#[test]
+fn a_checkpoint_of_another_render_is_not_overwritten() {
+    let folder = Folder::new();
+    let mut session = lodestar::Session::open(folder.path("scene.xml"), &lodestar::Options::new().samples(8)).unwrap();
+    session.step(8).unwrap();
+    let render = [&["render", "scene.xml", "--checkpoint", "a.ckpt", "-o", "a.exr"][..], &LARGE].concat();
+    let mut running = folder.start(&render);
+    running.wait_for_line("/1000000 spp");
+    let error = session.write_checkpoint(folder.path("a.ckpt")).unwrap_err().to_string();
+    assert!(error.contains("a.ckpt: another render keeps its checkpoint in this file"), "{error}");
+    running.signal("KILL");
+    running.wait();
+    session.write_checkpoint(folder.path("a.ckpt")).unwrap();
+    assert_eq!(samples_in(&folder.path("a.ckpt")), 8);
+}
+
 /// One of several renders that begin at one moment has the checkpoint.
 #[test]
 fn renders_that_begin_at_once_do_not_share_a_checkpoint() {

@@ -116,8 +116,15 @@ fn surfaces_are_those_of_copies() {
             Vec3::from((copy.uv.into(), 0.0)).as_dvec3(),
             1.0e-3,
         );
-        // The size grows with the axis that grows most. A shear may shorten a primitive all the same.
-        assert!(own.size > 0.3 * copy.size && own.size < 5.0 * copy.size, "{} {}", own.size, copy.size);
+        // The size grows with the axis that grows most. Of a vector, a matrix makes at most sqrt(3) times as much, and at least one over the
+        // norm of its inverse.
+        let matrix =
+            scene.instances[bvh.sources[own.instance as usize] as usize - scene.primitives.len()].world_from_group();
+        let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        let growth = axes.iter().map(|axis| axis.length()).fold(0.0, f64::max);
+        let inverse = matrix.inverse().to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+        let ratio = f64::from(own.size) / f64::from(copy.size);
+        assert!(ratio > 0.999 / 3f64.sqrt() && ratio < 1.001 * growth * inverse, "{ratio}, {growth}, {inverse}");
         assert!(own.epsilon < 100.0 * copy.epsilon.max(1.0e-8), "{} {}", own.epsilon, copy.epsilon);
     }
     assert!(compared > 2000, "{compared}");

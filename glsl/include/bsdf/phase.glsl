@@ -14,11 +14,13 @@ struct Phase {
     SCALAR(2) float second_lobe;   // probability of the second lobe
 };
 
-// Density of a lobe, per steradian. `m` is 1 minus the cosine to the direction straight on.
-float phase_lobe(float g, float m) {
-    if (g == PHASE_RAYLEIGH) return 3.0 / (16.0 * PI) * (1.0 + (1.0 - m) * (1.0 - m));
-    float d = (1.0 - g) * (1.0 - g) + 2.0 * g * m;
-    return (1.0 - g) * (1.0 + g) * (0.5 * INV_TWO_PI) / (d * sqrt(d));
+// Density of a lobe, per steradian. `m` is 1 minus the cosine to the direction straight on, and 1 minus the cosine to the one straight back.
+// The one near the lobe's peak is small, and its digits decide.
+float phase_lobe(float g, vec2 m) {
+    if (g == PHASE_RAYLEIGH) return 3.0 / (16.0 * PI) * (1.0 + (1.0 - m.x) * (1.0 - m.x));
+    float size = abs(g);
+    float d = (1.0 - size) * (1.0 - size) + 2.0 * size * (g < 0.0 ? m.y : m.x);
+    return (1.0 - size) * (1.0 + size) * (0.5 * INV_TWO_PI) / (d * sqrt(d));
 }
 
 // 1 minus the cosine of a sample of Rayleigh's lobe: the root of c^3 + 3 c = 4 (2 u - 1), polished by a step of Newton's method.
@@ -30,7 +32,7 @@ float sample_rayleigh(float u) {
     return 1.0 - clamp(c, -1.0, 1.0);
 }
 
-// 1 minus the cosine of a sample of a lobe. The form has no difference of large numbers, and no special case for g = 0.
+// 1 minus the cosine of a sample of a lobe to its peak, for g >= 0. The form has no difference of large numbers, and no special case for g = 0.
 float sample_phase_lobe(float g, float u) {
     if (g == PHASE_RAYLEIGH) return sample_rayleigh(u);
     float d = 1.0 - g + 2.0 * g * u;
@@ -39,16 +41,17 @@ float sample_phase_lobe(float g, float u) {
 }
 
 BsdfSample sample_bsdf_phase(Phase b, vec3 wo, vec3 u) {
-    float m = sample_phase_lobe(u.z < b.second_lobe ? b.mean_cosine1 : b.mean_cosine0, u.y);
+    float g = u.z < b.second_lobe ? b.mean_cosine1 : b.mean_cosine0;
+    float m = sample_phase_lobe(abs(g), u.y);
     vec2 sc = sin_cos_turn(u.x);
     vec3 local = vec3(sqrt(max(m * (2.0 - m), 0.0)) * sc.yx, 1.0 - m);
-    return BsdfSample(basis_from_normal(-wo) * local, LOBE_GLOSSY, vec3(0.0), 1.0);
+    return BsdfSample(basis_from_normal(g < 0.0 ? wo : -wo) * local, LOBE_GLOSSY, vec3(0.0), 1.0);
 }
 
 float pdf_bsdf_phase(Phase b, vec3 wo, vec3 wi) {
-    // The cosine is taken from the chord to the direction straight on, because a narrow lobe asks for all its digits.
-    vec3 chord = wi + wo;
-    float m = min(0.5 * dot(chord, chord), 2.0);
+    // The cosines are taken from chords, because a narrow lobe asks for all digits near its peak.
+    vec3 on = wi + wo, back = wi - wo;
+    vec2 m = min(0.5 * vec2(dot(on, on), dot(back, back)), 2.0);
     return density_of_choice(phase_lobe(b.mean_cosine0, m), phase_lobe(b.mean_cosine1, m), b.second_lobe);
 }
 

@@ -121,17 +121,23 @@ float plane_error(vec3 point, vec3 n, float inverse_area, PrimitiveRecord p) {
     return ROUNDING * (of_equation + 4.0 * inverse_area * dot(normal_error, reach));
 }
 
-// Position of a hit on a flat shape, and the distance by which rays start off it. The position has two forms: along the
-// ray, and by the coordinates in the shape, clamped inside the shape's edges. The second suits each component unless the
-// shape is far larger than the component. The result is then moved into the plane.
-void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, PrimitiveRecord p) {
-    vec3 n = plane_normal(p.edge_u, p.edge_v);
+// Unit normal of a flat shape, and one over the area that its edges span.
+vec3 unit_plane_normal(vec3 edge_u, vec3 edge_v, out float inverse_area) {
+    vec3 n = plane_normal(edge_u, edge_v);
     // Two steps, because squares of small or large edges leave a float's range.
     float scale = 1.0 / max(max_abs(n), 1.0e-37);
     n *= scale;
     float inverse_length = inversesqrt(dot(n, n));
-    n *= inverse_length;
-    float inverse_area = scale * inverse_length;
+    inverse_area = scale * inverse_length;
+    return n * inverse_length;
+}
+
+// Position of a hit on a flat shape, and the distance by which rays start off it. The position has two forms: along the
+// ray, and by the coordinates in the shape, clamped inside the shape's edges. The second suits each component unless the
+// shape is far larger than the component. The result is then moved into the plane.
+void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, PrimitiveRecord p) {
+    float inverse_area;
+    vec3 n = unit_plane_normal(p.edge_u, p.edge_v, inverse_area);
     s.geometric_normal = n;
 
     vec3 along_ray = ray.origin + hit.t * ray.direction;
@@ -152,13 +158,8 @@ void place_on_plane(inout Surface s, Ray ray, Hit hit, uint shape, PrimitiveReco
 // one against the other, do not lift it off. What remains is the rounding of a point that goes into the group's space.
 void place_in_instance(
     inout Surface s, Ray ray, Hit hit, uint shape, PrimitiveRecord p, PrimitiveRecord shown, Placement placement) {
-    vec3 n = plane_normal(p.edge_u, p.edge_v);
-    // Two steps, as in place_on_plane.
-    float scale = 1.0 / max(max_abs(n), 1.0e-37);
-    n *= scale;
-    float inverse_length = inversesqrt(dot(n, n));
-    n *= inverse_length;
-    float inverse_area = scale * inverse_length;
+    float inverse_area;
+    vec3 n = unit_plane_normal(p.edge_u, p.edge_v, inverse_area);
     // The inverse transpose turns the normal. Distances to the plane grow by one over the length of its result.
     vec3 turned = placement.local * n;
     float growth = inversesqrt(dot(turned, turned));
