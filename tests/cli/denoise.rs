@@ -9,7 +9,7 @@ use lodestar::denoise::{DenoiseOptions, Denoiser, Features};
 use lodestar::image::exr::{self, FileHeader};
 use lodestar::image::layers::{Layers, Samples};
 
-use crate::support::{Folder, assert_quiet_success, assert_sentence, attribute};
+use crate::support::{Folder, assert_quiet_success, assert_sentence, assert_written, attribute};
 
 /// Size of the pictures that are made here: neither side is a multiple of the other.
 const WIDTH: u32 = 37;
@@ -174,7 +174,7 @@ fn a_render_and_its_file_are_denoised_to_the_same_bits() {
     let second = ["--spp", "4", "--sample-offset", "4", "--quiet", "-o", "second.exr"];
     assert_quiet_success(&folder.run(&[&["render", "scene.xml"], &second[..], &denoise].concat()));
     for (first, whole) in [("plain.exr", "whole.exr"), ("a.exr", "whole-denoised.exr")] {
-        assert_quiet_success(&folder.run(&["merge", first, "second.exr", "-o", whole]));
+        assert_written(&folder.run(&["merge", first, "second.exr", "-o", whole]), whole);
         let attributes = exr::read_attributes(&folder.path(whole)).unwrap();
         assert!(!attributes.iter().any(|(name, _)| name.starts_with("denoised")), "{attributes:?}");
     }
