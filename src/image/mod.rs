@@ -6,6 +6,7 @@ pub mod exr;
 mod exr_limits;
 pub mod false_color;
 pub mod flip;
+mod ktx2;
 pub mod layers;
 pub mod metrics;
 mod pfm;

@@ -1,16 +1,16 @@
-//! Texture images: JPEG, PNG, TGA, BMP, HDR, PFM and EXR, read in the precision of the file.
+//! Texture images: JPEG, PNG, WebP, TGA, BMP, HDR, PFM, EXR and KTX2, read in the precision of the file.
 
 use std::io::Cursor;
 use std::path::Path;
 
 use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 
-use super::{exr, pfm, radiance};
+use super::{exr, ktx2, pfm, radiance};
 use crate::{Error, Result, inputs, quoted};
 
 /// Limit on the decoded size in bytes, because a damaged header may ask for any size.
-const MAX_DECODED_BYTES: u64 = 2 << 30;
-const MAX_SIDE: u32 = 1 << 16;
+pub(super) const MAX_DECODED_BYTES: u64 = 2 << 30;
+pub(super) const MAX_SIDE: u32 = 1 << 16;
 /// Limit on the file's size in bytes: no image within [`MAX_DECODED_BYTES`] takes more on the disk.
 const MAX_FILE_BYTES: u64 = 2 << 30;
 
@@ -75,14 +75,17 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
     if pfm::is_pfm(bytes) {
         return Ok(of_floats(pfm::decode(path, bytes)?));
     }
+    if ktx2::is_ktx2(bytes) {
+        return ktx2::decode(path, bytes);
+    }
     let bytes = &radiance::usual(bytes)[..];
     let format = ::image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));
     let format = format.ok().filter(ImageFormat::reading_enabled).ok_or_else(|| {
         let what = match ::image::guess_format(bytes) {
-            Ok(format) => format!("it is a {format:?} image, which is not supported"),
+            Ok(format) => format!("images of the format {} are not read", format!("{format:?}").to_uppercase()),
             Err(_) => "its image format is not supported".to_owned(),
         };
-        Error::image(path, format!("{what}; save it as JPEG, PNG, TGA, BMP, HDR, PFM or EXR"))
+        Error::image(path, format!("{what}; save it as JPEG, PNG, WebP, TGA, BMP, HDR, PFM, EXR or KTX2"))
     })?;
     if format == ImageFormat::Jpeg && !is_whole_jpeg(bytes) {
         return Err(Error::image(path, "the JPEG image is cut short; write it again"));
@@ -158,6 +161,23 @@ fn is_whole_jpeg(bytes: &[u8]) -> bool {
         }
     }
     false
+}
+
+/// PNG file of an image that few renderers read: WebP or KTX2. `None` for any other.
+///
+/// # Errors
+/// [`Error::Image`] as in [`read`].
+pub fn common(path: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>> {
+    let is_rare = ktx2::is_ktx2(bytes) || ::image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::WebP);
+    if !is_rare {
+        return Ok(None);
+    }
+    match decode(path, bytes)? {
+        TexelImage { width, height, texels: FileTexels::Bytes(texels), .. } => {
+            encode_png(path, width, height, &texels).map(Some)
+        }
+        _ => Ok(None),
+    }
 }
 
 /// PNG file of texels with 8 bits a channel.

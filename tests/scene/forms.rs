@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::gltf::square;
 use super::meshes::load_bytes;
+use super::textures::ktx2;
 use super::{Folder, load_mesh, with_sensor};
 
 /// EXR picture of 4 x 3 texels of one color, with primaries, in channels of these names.
@@ -123,9 +124,52 @@ fn headers_of_radiance_files() {
 #[test]
 fn formats_that_are_not_read_are_named() {
     let folder = Folder::new(&[("scene.xml", &with_sensor(&bitmap("a.png", false)))]);
-    folder.write("a.png", b"RIFF\x24\0\0\0WEBPVP8 ");
-    let error = folder.load(&[]).map(drop).expect_err("no WebP").to_string();
-    assert!(error.contains("it is a WebP image, which is not supported"), "{error}");
+    folder.write("a.png", b"\0\0\0\x1cftypavif\0\0\0\0");
+    let error = folder.load(&[]).map(drop).expect_err("no AVIF").to_string();
+    assert!(error.contains("images of the format AVIF are not read; save it as"), "{error}");
+    let texels = [[255, 128, 0, 255], [0, 255, 0, 128]];
+    let webp = image::RgbaImage::from_vec(2, 1, texels.concat()).unwrap();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    webp.write_to(&mut bytes, image::ImageFormat::WebP).unwrap();
+    folder.write("a.png", bytes.get_ref());
+    let scene = folder.load(&[]).unwrap();
+    assert!(
+        matches!(&scene.images[0].texels, Texels::Bytes { data, .. } if data[..] == texels),
+        "{:?}",
+        scene.images[0]
+    );
+    folder.write("a.png", &bytes.get_ref()[..40]);
+    let error = folder.load(&[]).map(drop).expect_err("a short WebP").to_string();
+    assert!(error.contains("it is not a whole image"), "{error}");
+}
+
+#[test]
+fn images_of_ktx2() {
+    let folder = Folder::new(&[("scene.xml", &with_sensor(&bitmap("a.png", false)))]);
+    let file = ktx2([200, 100, 50, 255]);
+    folder.write("a.png", &file);
+    let scene = folder.load(&[]).unwrap();
+    let is_color = |texel: &[u8; 4]| *texel == [200, 100, 50, 255];
+    let Texels::Bytes { data, .. } = &scene.images[0].texels else { panic!("{:?}", scene.images[0]) };
+    assert!(data.len() == 16 && data.iter().all(is_color), "{data:?}");
+    for length in 12..file.len() {
+        folder.write("a.png", &file[..length]);
+        let error = folder.load(&[]).map(drop).expect_err("a short file").to_string();
+        assert!(error.contains("cut short"), "{length}: {error}");
+    }
+    for (at, byte, expected) in [
+        (12, 43, "is not compressed by Basis Universal"),
+        (27, 1, "larger than 65536 texels"),
+        (36, 6, "is no plain picture"),
+        (40, 0, "header is damaged"),
+        (116, 162, "is not a whole KTX2 image"),
+    ] {
+        let mut changed = file.clone();
+        changed[at] = byte;
+        folder.write("a.png", &changed);
+        let error = folder.load(&[]).map(drop).expect_err(expected).to_string();
+        assert!(error.contains(expected), "{error}");
+    }
 }
 
 /// Area of a scene's triangles.

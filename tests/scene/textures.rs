@@ -57,12 +57,30 @@ fn reflectance(scene: &Scene) -> Textured<Vec3> {
 /// Small image files, one of every format that the content identifies.
 pub fn image_files() -> Vec<Vec<u8>> {
     let folder = Folder::new(&[]);
-    let mut names = vec!["a.png", "a.jpg", "a.bmp"];
+    let mut names = vec!["a.png", "a.jpg", "a.bmp", "a.webp"];
     names.iter().for_each(|name| rgb().save(folder.path(name)).unwrap());
     save_exr(&folder.path("a.exr"), 0.75);
     save_hdr(&folder.path("a.hdr"));
     names.extend(["a.exr", "a.hdr"]);
-    names.into_iter().map(|name| std::fs::read(folder.path(name)).unwrap()).collect()
+    let files = names.into_iter().map(|name| std::fs::read(folder.path(name)).unwrap());
+    files.chain([ktx2([200, 100, 50, 255])]).collect()
+}
+
+/// KTX2 image of 4 x 4 equal texels in UASTC: one block of the mode 8, which has one color.
+pub fn ktx2([red, green, blue, alpha]: [u8; 4]) -> Vec<u8> {
+    let mode = 23_u128;
+    let color = u32::from_le_bytes([red, green, blue, alpha]);
+    let block = (mode | u128::from(color) << 5).to_le_bytes();
+    // Format, size of a type, sides, depth, layers, faces, levels and packing; place of the description; no keys.
+    let header = [0_u32, 1, 4, 4, 0, 0, 1, 1, 0, 104, 44, 0, 0];
+    // No common data. The level's place, its length, and its length when unpacked.
+    let long = [0_u64, 0, 148, 16, 16];
+    // A description of UASTC with red, green, blue and alpha, in sRGB.
+    let description =
+        [44_u32, 0, 2 | 40 << 16, 166 | 1 << 8 | 2 << 16, 3 | 3 << 8, 16, 0, 127 << 16 | 3 << 24, 0, 0, u32::MAX];
+    let words = |list: &[u32]| list.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<_>>();
+    let long = long.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<_>>();
+    [&b"\xabKTX 20\xbb\r\n\x1a\n"[..], &words(&header), &long, &words(&description), &block].concat()
 }
 
 fn save_hdr(path: &std::path::Path) {

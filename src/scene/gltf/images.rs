@@ -10,8 +10,9 @@ use gltf::image::Source;
 use gltf::texture::{MagFilter, WrappingMode};
 use serde_json::Value as Json;
 
-use super::asset::{Asset, data_uri};
+use super::asset::Asset;
 use super::budget::Budget;
+use super::buffers::{self, data_uri};
 use crate::Result;
 use crate::image::texels::{self, FileTexels, TexelImage};
 use crate::scene::description::kinds::Kind;
@@ -100,7 +101,7 @@ pub(super) struct Images<'a> {
 impl<'a> Images<'a> {
     pub fn new(asset: &'a Asset) -> Self {
         let name = |image: gltf::Image| match image.source() {
-            Source::Uri { uri, .. } if !uri.starts_with("data:") => asset.file_name(uri).ok(),
+            Source::Uri { uri, .. } if !uri.starts_with("data:") => buffers::file_name(&asset.path, uri).ok(),
             _ => None,
         };
         Self {
@@ -164,15 +165,17 @@ impl<'a> Images<'a> {
     pub fn image(&self, texture: &TextureUse<'a>) -> Result<gltf::Image<'a>> {
         let texture = &texture.texture;
         let by_extension = || {
-            let index = texture.extension_value("EXT_texture_webp")?.get("source")?.as_u64()?;
+            let index = |name| texture.extension_value(name)?.get("source")?.as_u64();
+            let index = ["EXT_texture_webp", "KHR_texture_basisu"].into_iter().find_map(index)?;
             self.asset.document.images().nth(index as usize)
         };
         texture.source().or_else(by_extension).ok_or_else(|| {
-            let what = match texture.extension_value("KHR_texture_basisu") {
-                Some(_) => "is compressed by Basis Universal (KHR_texture_basisu), which is not read",
+            let what = match texture.extension_value("EXT_texture_avif") {
+                Some(_) => "has an AVIF image (EXT_texture_avif), which is not read",
                 None => "has no image",
             };
-            self.asset.error(format!("texture {} {what}; save it with a PNG or JPEG image", texture.index()))
+            self.asset
+                .error(format!("texture {} {what}; save it with a PNG, JPEG, WebP or KTX2 image", texture.index()))
         })
     }
 
@@ -182,7 +185,7 @@ impl<'a> Images<'a> {
             return Ok(name.clone());
         }
         let name = match image.source() {
-            Source::Uri { uri, .. } if data_uri(uri).is_none() => self.asset.file_name(uri)?,
+            Source::Uri { uri, .. } if data_uri(uri).is_none() => buffers::file_name(&self.asset.path, uri)?,
             _ => {
                 let content = self.content(image)?;
                 let name = self.new_name(&format!("image{}", image.index()), extension(&content));
@@ -291,6 +294,8 @@ fn extension(content: &[u8]) -> &'static str {
     match content {
         [0x89, b'P', b'N', b'G', ..] => "png",
         [0xff, 0xd8, ..] => "jpg",
+        [b'R', b'I', b'F', b'F', ..] => "webp",
+        [0xab, b'K', b'T', b'X', ..] => "ktx2",
         _ => "image",
     }
 }

@@ -7,6 +7,8 @@ mod accessors;
 mod alpha;
 mod asset;
 mod budget;
+mod buffers;
+mod compression;
 mod corners;
 mod images;
 mod lights;

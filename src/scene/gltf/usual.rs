@@ -43,7 +43,7 @@ impl Usual {
 }
 
 /// Elements of a JSON array; none where it is no array.
-fn list(json: Option<&mut Json>) -> &mut [Json] {
+pub(super) fn list(json: Option<&mut Json>) -> &mut [Json] {
     json.and_then(Json::as_array_mut).map_or(&mut [], Vec::as_mut_slice)
 }
 

@@ -7,6 +7,7 @@ use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::image::texels;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::{Entry, MESH, Object, Spectrum, Value};
 use crate::scene::description::origin::{Origin, snake_case};
@@ -152,7 +153,10 @@ impl Writer<'_> {
             Value::Text(file) if name == "filename" => ("string", self.copy_named(file, origin)?),
             Value::Text(text) => ("string", text.clone()),
             Value::Image(image) => {
-                let source = FoundFile { path: PathBuf::from(&image.name), bytes: Some(image.bytes.clone()) };
+                let path = PathBuf::from(&image.name);
+                let common = texels::common(&path, &image.bytes)?;
+                let bytes = common.map_or_else(|| Arc::clone(&image.bytes), Arc::from);
+                let source = FoundFile { path, bytes: Some(bytes) };
                 ("string", self.copy(source)?)
             }
             Value::Mesh(mesh) => ("string", self.mesh(mesh)?),
