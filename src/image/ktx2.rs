@@ -4,7 +4,6 @@ use std::path::Path;
 
 use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 
-use super::texels::{FileTexels, MAX_DECODED_BYTES, MAX_SIDE, TexelImage};
 use crate::{Error, Result};
 
 const MAGIC: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
@@ -30,11 +29,12 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC)
 }
 
-/// Largest level of a KTX2 image. `path` is its name, for messages.
-pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
+/// Width, height and texels of the largest level of a KTX2 image. `path` is its name, for messages. A side may have `most_side` texels, and
+/// all texels may take `most_bytes`.
+pub(super) fn decode(path: &Path, bytes: &[u8], most_side: u32, most_bytes: u64) -> Result<(u32, u32, Vec<[u8; 4]>)> {
     let error = |message: &str| Error::image(path, message);
     let damaged = || error("it is not a whole KTX2 image; write it again");
-    let (width, height) = check(bytes).map_err(error)?;
+    let (width, height) = check(bytes, most_side, most_bytes).map_err(error)?;
     let mut bytes = bytes.to_vec();
     // Keys change no texel.
     bytes[KEYS..COMMON].fill(0);
@@ -47,11 +47,11 @@ pub(super) fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
     if texels.len() as u64 != u64::from(width) * u64::from(height) {
         return Err(damaged());
     }
-    Ok(TexelImage { width, height, texels: FileTexels::Bytes(texels), to_srgb: None })
+    Ok((width, height, texels))
 }
 
 /// Checks that all that the header names lies within the file, before the decoder looks it up. Returns the sides.
-fn check(bytes: &[u8]) -> Result<(u32, u32), &'static str> {
+fn check(bytes: &[u8], most_side: u32, most_bytes: u64) -> Result<(u32, u32), &'static str> {
     const SHORT: &str = "the KTX2 image is cut short; write it again";
     let word = |at: usize| Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
     let long = |at: usize| Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?));
@@ -65,7 +65,7 @@ fn check(bytes: &[u8]) -> Result<(u32, u32), &'static str> {
         return Err("its KTX2 image is no plain picture; save it as PNG");
     }
     let texels = u64::from(width) * u64::from(height);
-    if width.max(height) > MAX_SIDE || 4 * texels > MAX_DECODED_BYTES {
+    if width.max(height) > most_side || 4 * texels > most_bytes {
         return Err("it is larger than 65536 texels a side or 2 GiB; save a smaller one");
     }
     if texels == 0 || levels == 0 || levels > MOST_LEVELS || packing > ZSTANDARD {

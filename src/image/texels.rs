@@ -9,8 +9,8 @@ use super::{exr, ktx2, pfm, radiance};
 use crate::{Error, Result, inputs, quoted};
 
 /// Limit on the decoded size in bytes, because a damaged header may ask for any size.
-pub(super) const MAX_DECODED_BYTES: u64 = 2 << 30;
-pub(super) const MAX_SIDE: u32 = 1 << 16;
+const MAX_DECODED_BYTES: u64 = 2 << 30;
+const MAX_SIDE: u32 = 1 << 16;
 /// Limit on the file's size in bytes: no image within [`MAX_DECODED_BYTES`] takes more on the disk.
 const MAX_FILE_BYTES: u64 = 2 << 30;
 
@@ -76,7 +76,8 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<TexelImage> {
         return Ok(of_floats(pfm::decode(path, bytes)?));
     }
     if ktx2::is_ktx2(bytes) {
-        return ktx2::decode(path, bytes);
+        let (width, height, texels) = ktx2::decode(path, bytes, MAX_SIDE, MAX_DECODED_BYTES)?;
+        return Ok(TexelImage { width, height, texels: FileTexels::Bytes(texels), to_srgb: None });
     }
     let bytes = &radiance::usual(bytes)[..];
     let format = ::image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));

@@ -11,9 +11,6 @@ use super::{buffers, compression};
 use crate::scene::text;
 use crate::{Error, Result, inputs, quoted};
 
-/// Largest file in bytes.
-pub(super) const MAX_BYTES: u64 = 4 << 30;
-
 /// Most elements of all accessors without data, each counted as often as it is used.
 const MOST_ZEROS: usize = 1 << 24;
 
@@ -63,7 +60,7 @@ pub(super) struct Asset {
 impl Asset {
     /// Reads the file and its buffers.
     pub fn open(path: &Path) -> Result<Self> {
-        let bytes = inputs::read(path, MAX_BYTES)?;
+        let bytes = inputs::read(path, buffers::MAX_BYTES)?;
         let error = |error: gltf::Error| Error::scene(path, None, format!("it is no glTF 2.0 file: {}", brief(&error)));
         let (json, blob) = match bytes.starts_with(MAGIC) {
             true => buffers::chunks(path, &bytes)?,

@@ -6,9 +6,11 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value as Json;
 
-use super::asset::MAX_BYTES;
 use super::compression;
 use crate::{Error, Result, inputs, quoted};
+
+/// Largest file in bytes, and largest buffer.
+pub(super) const MAX_BYTES: u64 = 4 << 30;
 
 /// Buffers of a file, of which the first without a URI is the binary chunk. Those whose place is taken by decoded data stay empty.
 pub(super) fn read(path: &Path, json: &Json, mut chunk: Option<Vec<u8>>) -> Result<Vec<Vec<u8>>> {

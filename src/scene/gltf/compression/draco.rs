@@ -8,7 +8,7 @@ use draco_core::{
 use serde_json::{Map, Value as Json, json};
 
 use super::super::usual::list;
-use super::{DRACO, Made, entry, push, whole};
+use super::made::{DRACO, Made, entry, push, whole};
 use crate::quoted;
 
 /// Bytes that the decoder needs for each triangle, besides the attributes.

@@ -5,7 +5,8 @@ use std::collections::HashSet;
 use serde_json::{Map, Value as Json, json};
 
 use super::filters::Filter;
-use super::{MESHOPT, Made, entry, indices, vertices, whole};
+use super::made::{MESHOPT, Made, entry, whole};
+use super::{indices, vertices};
 use crate::quoted;
 
 /// Extension of a view or of a buffer.
