@@ -61,7 +61,7 @@ pub(super) fn signed(number: u32) -> u32 {
 #[test]
 fn numbers_have_seven_bits_a_byte() {
     let mut reader = Reader::new(&[0x7f, 0x81, 0x04, 0xff, 0xa0, 0x05, 0x80]);
-    assert_eq!([reader.number(), reader.number(), reader.number()], [Ok(0x7f), Ok(0x201), Ok(0x1_5007f)]);
+    assert_eq!([reader.number(), reader.number(), reader.number()], [Ok(0x7f), Ok(0x201), Ok(0x1_507f)]);
     assert_eq!(reader.number(), Err(Fault::Short));
     assert_eq!(Reader::new(&[0xff; 8]).number(), Err(Fault::Code));
     assert_eq!([0, 1, 2, 3].map(|number| signed(number) as i32), [0, -1, 1, -2]);
