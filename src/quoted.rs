@@ -24,6 +24,17 @@ pub fn bytes(bytes: &[u8]) -> String {
     }
 }
 
+/// A number of bytes in the unit that people use: `900 bytes`, `12 kB`, `3.5 MB`, `17 GB`. A unit is 1000 times the one before.
+pub fn size(bytes: u64) -> String {
+    let units = ["bytes", "kB", "MB", "GB", "TB", "PB", "EB"];
+    let (mut value, mut unit) = (bytes as f64, 0);
+    while value >= 999.5 && unit + 1 < units.len() {
+        (value, unit) = (value / 1000.0, unit + 1);
+    }
+    let digits = usize::from(unit > 0 && value < 9.95);
+    format!("{value:.digits$} {}", units[unit])
+}
+
 /// The message of another library, in one line. What it quotes is replaced by dots, unless all of it is short and printable.
 pub fn message(error: &impl std::fmt::Display) -> String {
     let text = error.to_string();
@@ -59,4 +70,16 @@ fn messages_of_others_quote_as_little() {
     assert_eq!(message(&long), "invalid type: string \"...\", expected u32");
     assert_eq!(message(&"one ' only"), "one ' only");
     assert_eq!(message(&"a\0b"), "a b");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_two_or_three_digits() {
+        let sizes = [0, 999, 1000, 9_949, 9_951, 999_499, 999_501, 12_600_000_000, u64::MAX];
+        let words = ["0 bytes", "999 bytes", "1.0 kB", "9.9 kB", "10 kB", "999 kB", "1.0 MB", "13 GB", "18 EB"];
+        assert_eq!(sizes.map(size), words);
+    }
 }

@@ -27,7 +27,8 @@ enum Form {
 enum Stage {
     Preparing(Loading),
     Rendering(Meter),
-    Done,
+    /// The files are being written.
+    Ending(Loading),
 }
 
 impl Console {
@@ -77,15 +78,27 @@ impl Stage {
         match (event, &mut *self) {
             (Event::Preparing(preparation), Self::Preparing(loading)) => loading.show(&preparation.to_string()),
             (Event::Ready, _) => *self = Self::Rendering(Meter::new(is_quiet)),
-            (Event::Step(progress), Self::Rendering(meter)) => meter.update(progress.fraction, line(progress)),
-            (Event::Rendered, _) => *self = Self::Done,
+            (Event::Step(progress) | Event::InStep(progress), Self::Rendering(meter)) => {
+                meter.update(progress.fraction, line(progress));
+            }
+            (Event::Rendered, _) => {
+                let ending = Loading::new(is_quiet);
+                ending.show("reading the picture back from the device");
+                *self = Self::Ending(ending);
+            }
+            (Event::Writing(path, share), Self::Ending(ending)) => {
+                ending.show(&format!("writing {}: {:.0} %", path.display(), 100.0 * share));
+            }
             (Event::Warning(message), stage) => stage.interleave(|| report("warning", message)),
             (Event::Validation(message), stage) => stage.interleave(|| report("validation", message)),
             (Event::Note(message), stage) if !is_quiet => stage.interleave(|| print_message(message)),
             // The picture so far is written without a word.
-            (Event::Written(path), Self::Done) if !is_quiet => print_message(&written(path, has_names)),
-            (Event::Ended(ending, progress), _) if !is_quiet => {
-                end_sentence(ending, progress).iter().for_each(|text| print_message(text));
+            (Event::Written(path), Self::Ending(ending)) if !is_quiet => {
+                ending.interleave(|| print_message(&written(path, has_names)));
+            }
+            (Event::Ended(ending, progress), stage) if !is_quiet => {
+                let sentence = end_sentence(ending, progress);
+                sentence.iter().for_each(|text| stage.interleave(|| print_message(text)));
             }
             _ => {}
         }
@@ -94,9 +107,8 @@ impl Stage {
     /// Calls `print` while the bar is hidden.
     fn interleave(&self, print: impl FnOnce()) {
         match self {
-            Self::Preparing(loading) => loading.interleave(print),
+            Self::Preparing(loading) | Self::Ending(loading) => loading.interleave(print),
             Self::Rendering(meter) => meter.interleave(print),
-            Self::Done => print(),
         }
     }
 }

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use lodestar::Result;
 use lodestar::scene::summary::{Guided, Summary, summarize};
 use lodestar::scene::{CameraChoice, EnvironmentChoice, LoadOptions, load, scene_file};
 use lodestar::settings::options::form::define;
+use lodestar::{Result, quoted};
 
 use super::print::{print_json, print_line};
 
@@ -64,7 +64,8 @@ fn describe(summary: &Summary) -> String {
     if *instances > 0 {
         let _ = writeln!(
             text,
-            "instances: {instances}, with which rays see {shown_primitives} shapes; all take {geometry_bytes} bytes"
+            "instances: {instances}, with which rays see {shown_primitives} shapes; all take {}",
+            quoted::size(*geometry_bytes)
         );
     }
     let _ = writeln!(
@@ -85,9 +86,9 @@ fn describe(summary: &Summary) -> String {
     for texture in &summary.textures {
         let _ = writeln!(text, "  {}: {}", texture.name, texture.image.as_deref().unwrap_or("checkerboard"));
     }
-    let _ = writeln!(text, "images: {}, {} bytes", summary.images.len(), summary.image_bytes);
+    let _ = writeln!(text, "images: {}, {}", summary.images.len(), quoted::size(summary.image_bytes));
     for image in &summary.images {
-        let _ = writeln!(text, "  {}: {} x {}, {} bytes", image.name, image.width, image.height, image.bytes);
+        let _ = writeln!(text, "  {}: {} x {}, {}", image.name, image.width, image.height, quoted::size(image.bytes));
     }
     let _ = writeln!(text, "warnings: {}", summary.warnings.len());
     for warning in &summary.warnings {

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::{Denoiser, Features};
 use crate::film::{Denoised, Picture};
+use crate::image::columns::Column;
 use crate::image::exr::{self, FileHeader};
-use crate::image::layers::{Layers, Samples};
+use crate::image::layers::Layers;
 use crate::image::{Image, ToneCurve, png};
 use crate::{Error, Result, files};
 
@@ -92,12 +93,11 @@ impl DenoisedFile {
             let image = Image { width, height, pixels: self.denoised.pixels.clone() };
             return png::write(path, &image, tone, exposure);
         }
-        let (mut layers, mut header) = (self.layers.clone(), self.header.clone());
-        let is_half =
-            layers.channels.iter().any(|(name, samples)| name == "R" && matches!(samples, Samples::Halves(_)));
-        self.denoised.add_channels(&mut layers, if is_half { Samples::Halves } else { Samples::Floats });
+        let (mut columns, mut header) = (self.layers.columns(), self.header.clone());
+        let is_half = columns.channels.iter().any(|(name, column)| name == "R" && matches!(column, Column::Halves(_)));
+        self.denoised.add_channels(&mut columns, is_half);
         self.denoised.add_attributes(&mut header.attributes);
-        exr::write_layers(path, layers, &header)
+        exr::write_columns(path, columns, &header, &mut |_| {})
     }
 }
 

@@ -1,6 +1,6 @@
 //! The layer that a denoiser adds to a picture's file. A picture in memory, a merged picture and a checkpoint have none.
 
-use crate::image::layers::{Layers, Samples};
+use crate::image::columns::{Column, Columns, ValueAt};
 
 /// Attribute with the denoiser's name and version.
 const BY: &str = "denoised_by";
@@ -27,13 +27,14 @@ pub struct Denoised {
 }
 
 impl Denoised {
-    /// Adds the layer's channels, made by `samples`, in place of those of an earlier one.
-    pub fn add_channels(&self, layers: &mut Layers, samples: fn(Vec<f32>) -> Samples) {
-        layers.channels.retain(|(name, _)| !name.starts_with("denoised."));
+    /// Puts the layer's channels in the place of those of an earlier one. They are half floats or floats.
+    pub fn add_channels<'a>(&'a self, columns: &mut Columns<'a>, is_half: bool) {
+        columns.channels.retain(|(name, _)| !name.starts_with("denoised."));
         let channel = |(c, name): (usize, &&str)| {
-            ((*name).to_owned(), samples(self.pixels.iter().map(|pixel| pixel[c]).collect()))
+            let value: ValueAt<'a, f32> = Box::new(move |at| self.pixels[at][c]);
+            ((*name).to_owned(), if is_half { Column::Halves(value) } else { Column::Floats(value) })
         };
-        layers.channels.extend(CHANNELS.iter().enumerate().map(channel));
+        columns.channels.extend(CHANNELS.iter().enumerate().map(channel));
     }
 
     /// Adds the layer's attributes in place of those of an earlier one.

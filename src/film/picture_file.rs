@@ -27,8 +27,9 @@ use crate::film::layers::{Values, channel_name};
 use crate::film::picture::Picture;
 use crate::film::sums::PixelSums;
 use crate::film::view::View;
+use crate::image::columns::{Column, Columns, ValueAt};
 use crate::image::exr::{self, Attributes, FileHeader, lacking};
-use crate::image::layers::{Layers, Samples};
+use crate::image::layers::Layers;
 
 /// Attribute of a file whose colors are half floats.
 pub(super) const PRECISION: &str = "precision";
@@ -43,11 +44,11 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// Samples of a color's channel.
-    fn samples(self) -> fn(Vec<f32>) -> Samples {
+    /// Column of a color.
+    fn column(self, value: ValueAt<'_, f32>) -> Column<'_> {
         match self {
-            Self::Float => Samples::Floats,
-            Self::Half => Samples::Halves,
+            Self::Float => Column::Floats(value),
+            Self::Half => Column::Halves(value),
         }
     }
 }
@@ -70,10 +71,11 @@ pub fn write_picture_as(
     attributes: &[(String, String)],
     precision: Precision,
 ) -> Result<()> {
-    write_picture_with(path, picture, attributes, precision, None)
+    write_picture_with(path, picture, attributes, precision, None, &mut |_| {})
 }
 
-/// Writes like [`write_picture_as`], with a denoised layer and its attributes if one is given.
+/// Writes like [`write_picture_as`], with a denoised layer and its attributes if one is given. Calls `tell` with the share that is
+/// written, in [0, 1], again and again. No channel is copied: memory holds a few rows besides the picture.
 ///
 /// # Errors
 /// [`crate::Error::Write`] where the file cannot be written.
@@ -83,12 +85,13 @@ pub fn write_picture_with(
     attributes: &[(String, String)],
     precision: Precision,
     denoised: Option<&Denoised>,
+    tell: &mut dyn FnMut(f64),
 ) -> Result<()> {
     let Picture { width, height, offset, full_size, view, .. } = *picture;
-    let mut layers = Layers { width, height, offset, full_size, channels: channels(picture, precision) };
+    let mut columns = Columns { width, height, offset, full_size, channels: channels(picture, precision) };
     let mut attributes = attributes.to_vec();
     if let Some(denoised) = denoised {
-        denoised.add_channels(&mut layers, precision.samples());
+        denoised.add_channels(&mut columns, precision == Precision::Half);
         denoised.add_attributes(&mut attributes);
     }
     if precision == Precision::Half {
@@ -99,7 +102,7 @@ pub fn write_picture_with(
         camera_from_world: view.map(|view| view.camera_from_world),
         film_from_world: view.map(|view| view.film_from_world),
     };
-    exr::write_layers(path, layers, &header)
+    exr::write_columns(path, columns, &header, tell)
 }
 
 /// Reads a picture that [`write_picture`] has written, to the last bit: every layer, and the attributes as
@@ -142,29 +145,30 @@ fn has_background(layers: &Layers, picture: &Picture) -> bool {
     pixels.any(|(&alpha, (samples, hits))| alpha == 1.0 && hits < samples)
 }
 
-fn channels(picture: &Picture, precision: Precision) -> Vec<(String, Samples)> {
-    let alpha = (0..picture.radiance.len()).map(|at| picture.alpha(at)).collect();
-    let mut channels = vec![("A".to_owned(), precision.samples()(alpha))];
+fn channels(picture: &Picture, precision: Precision) -> Vec<(String, Column<'_>)> {
+    let alpha = precision.column(Box::new(|at| picture.alpha(at)));
+    let mut channels = vec![("A".to_owned(), alpha)];
     for layer in picture.layers() {
+        let step = layer.channels.len();
         for (number, channel) in layer.channels.iter().enumerate() {
-            let samples = match layer.values {
+            let column = match layer.values {
                 Values::Floats(values) => {
-                    let samples = if layer.is_color { precision.samples() } else { Samples::Floats };
-                    samples(values.iter().skip(number).step_by(layer.channels.len()).copied().collect())
+                    let precision = if layer.is_color { precision } else { Precision::Float };
+                    precision.column(Box::new(move |at| values[at * step + number]))
                 }
-                Values::Counts(counts) => Samples::Words(counts.to_vec()),
+                Values::Counts(counts) => Column::Words(Box::new(move |at| counts[at])),
             };
-            channels.push((layer.channel_name(channel), samples));
+            channels.push((layer.channel_name(channel), column));
         }
     }
     channels.extend(sums_channels(picture));
     channels
 }
 
-fn sums_channels(picture: &Picture) -> Vec<(String, Samples)> {
+fn sums_channels(picture: &Picture) -> Vec<(String, Column<'_>)> {
     let words: &[[u32; PixelSums::WORDS]] = bytemuck::cast_slice(&picture.sums);
-    let word = |at: usize| (sums_name(at), Samples::Words(words.iter().map(|words| words[at]).collect()));
-    if words.is_empty() { Vec::new() } else { (0..PixelSums::WORDS).map(word).collect() }
+    let column = |word: usize| (sums_name(word), Column::Words(Box::new(move |at| words[at][word])));
+    if words.is_empty() { Vec::new() } else { (0..PixelSums::WORDS).map(column).collect() }
 }
 
 fn sums_name(word: usize) -> String {
@@ -195,6 +199,7 @@ fn sums_of(path: &Path, layers: &Layers) -> Result<Vec<PixelSums>> {
 mod tests {
     use super::*;
     use crate::film::features::{ALBEDO, DEPTH, NORMAL};
+    use crate::image::layers::Samples;
 
     use std::path::PathBuf;
 
@@ -295,7 +300,7 @@ mod tests {
         assert_eq!(read_picture(&path).unwrap().0, part);
         let channels = RGB.iter().map(|name| ((*name).to_owned(), Samples::Floats(vec![0.5, 2.0]))).collect();
         let color = Layers { width: 2, height: 1, offset: [0, 0], full_size: [2, 1], channels };
-        exr::write_layers(&path, color, &FileHeader::default()).unwrap();
+        exr::write_layers(&path, &color, &FileHeader::default()).unwrap();
         let error = read_picture(&path).unwrap_err().to_string();
         assert!(error.contains("a.exr: it lacks variance"), "{error}");
     }

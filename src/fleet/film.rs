@@ -19,6 +19,15 @@ impl Fleet {
         self.first.picture()
     }
 
+    /// Number of samples that all pixels of the film have together.
+    ///
+    /// # Errors
+    /// Where a device is lost.
+    pub fn samples_in_film(&self) -> Result<u64> {
+        lead(self.team.as_deref(), || Command::Film, || self.gather_film())?;
+        self.first.samples_in_film()
+    }
+
     /// Copies the tiles of all devices of all ranks into the film of the first device of the first rank.
     pub(super) fn gather_film(&self) -> Result<()> {
         if self.is_alone() { Ok(()) } else { self.gather_clock.time(|| self.copy_tiles()) }

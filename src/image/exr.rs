@@ -1,4 +1,4 @@
-//! OpenEXR files. The only file that names the `exr` crate.
+//! OpenEXR files. With [`super::exr_columns`], the only file that names the `exr` crate.
 //!
 //! The data window is the rendered window; the display window is the whole film. Compression is lossless. Colors are linear
 //! sRGB, and the header says so.
@@ -11,10 +11,14 @@ use ::exr::meta::attribute::{Chromaticities, Matrix4x4};
 use ::exr::meta::header::{Header, ImageAttributes, LayerAttributes};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, IntegerBounds, Layer, ReadChannels, ReadLayers,
-    Text, Vec2, WritableImage, f16,
+    Text, Vec2, WritableImage,
 };
 use glam::Mat4;
 
+pub use super::exr_columns::LARGEST_HALF;
+
+use super::columns::Columns;
+use super::exr_columns::Channels;
 use super::exr_limits::PartSize;
 use super::layers::{Layers, Samples};
 use super::{Image, date, exr_limits, primaries};
@@ -23,8 +27,6 @@ use crate::{Error, Result, inputs, quoted};
 
 /// Prefix of every attribute that Lodestar writes.
 const ATTRIBUTE_PREFIX: &str = "lodestar.";
-/// Largest half float.
-pub const LARGEST_HALF: f32 = 65_504.0;
 /// Primaries and white point of sRGB and of Rec. 709.
 const SRGB: Chromaticities = {
     let [red, green, blue, white] = primaries::SRGB;
@@ -52,34 +54,28 @@ type Channel = AnyChannel<FlatSamples>;
 type Part = Layer<AnyChannels<FlatSamples>>;
 
 /// Writes `layers` as one part. The header has the present time besides `header`.
-pub fn write_layers(path: &Path, layers: Layers, header: &FileHeader) -> Result<()> {
-    let Layers { width, height, offset, full_size, channels } = layers;
-    let channels = channels.into_iter().map(|(name, samples)| match samples {
-        Samples::Floats(floats) => channel(&name, FlatSamples::F32(floats)),
-        Samples::Halves(floats) => channel(&name, FlatSamples::F16(floats.into_iter().map(half).collect())),
-        Samples::Words(words) => channel(&name, FlatSamples::U32(words)),
-    });
+pub fn write_layers(path: &Path, layers: &Layers, header: &FileHeader) -> Result<()> {
+    write_columns(path, layers.columns(), header, &mut |_| {})
+}
+
+/// Writes like [`write_layers`], and calls `tell` with the share that is written, in [0, 1], again and again.
+pub fn write_columns(path: &Path, columns: Columns<'_>, header: &FileHeader, tell: &mut dyn FnMut(f64)) -> Result<()> {
+    let Columns { width, height, offset, full_size, channels } = columns;
+    let channels = channels.into_iter().map(|(name, column)| (text(&name), column));
     let layer = Layer::new(
         size(width, height),
         layer_attributes(offset, header)?,
         Encoding::SMALL_LOSSLESS,
-        AnyChannels::sort(channels.collect()),
+        Channels::new(channels),
     );
     let display_window = IntegerBounds::from_dimensions(size(full_size[0], full_size[1]));
     let attributes = ImageAttributes { chromaticities: Some(SRGB), ..ImageAttributes::new(display_window) };
     let image = ::exr::image::Image::new(attributes, layer);
-    write_whole(path, |writer| image.write().to_buffered(writer).map_err(io_error))
+    write_whole(path, |writer| image.write().on_progress(tell).to_buffered(writer).map_err(io_error))
 }
 
 fn channel(name: &str, samples: FlatSamples) -> Channel {
     AnyChannel::new(text(name), samples)
-}
-
-/// Half float nearest to `value`. A value above the largest one becomes the largest one.
-fn half(value: f32) -> f16 {
-    // A value that is not a number stays so.
-    let value = if value > LARGEST_HALF { LARGEST_HALF } else { value };
-    f16::from_f32(value)
 }
 
 /// Matrix as the file has it: row by row, for row vectors. That is column by column for column vectors.
@@ -397,6 +393,8 @@ fn pixel_size(path: &Path, part: &Part) -> Result<[u32; 2]> {
 
 #[cfg(test)]
 mod tests {
+    use ::exr::prelude::f16;
+
     use super::*;
 
     use std::path::PathBuf;
@@ -445,7 +443,7 @@ mod tests {
             camera_from_world: Some(Mat4::from_rotation_x(0.5)),
             film_from_world: Some(Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0))),
         };
-        write_layers(&path, layers(), &header).unwrap();
+        write_layers(&path, &layers(), &header).unwrap();
         let mut expected = layers();
         expected.channels.sort_by(|(a, _), (b, _)| a.cmp(b));
         assert_eq!(read_layers(&path).unwrap(), (expected, header));
@@ -459,7 +457,7 @@ mod tests {
     #[test]
     fn windows_are_those_of_the_crop() {
         let (_folder, path) = folder();
-        write_layers(&path, layers(), &FileHeader::default()).unwrap();
+        write_layers(&path, &layers(), &FileHeader::default()).unwrap();
         let meta = ::exr::meta::MetaData::read_from_file(&path, true).unwrap();
         let header = &meta.headers[0];
         assert_eq!(header.shared_attributes.display_window, IntegerBounds::new((0, 0), (20, 10)));
@@ -472,7 +470,8 @@ mod tests {
         let long = "a_name_that_needs_the_long_names_of_version_2";
         let pairs = [(long, ""), ("device", "llvmpipe (LLVM 15)"), ("scene", "küche-台所.xml"), ("spp", "64")];
         let attributes = pairs.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec();
-        write_layers(&path, layers(), &FileHeader { attributes: attributes.clone(), ..FileHeader::default() }).unwrap();
+        write_layers(&path, &layers(), &FileHeader { attributes: attributes.clone(), ..FileHeader::default() })
+            .unwrap();
         assert_eq!(read_attributes(&path).unwrap(), attributes);
     }
 
@@ -482,7 +481,7 @@ mod tests {
         let (_folder, path) = folder();
         let shift = Some(Mat4::from_translation(Vec3::new(1.0, 2.0, 3.0)));
         let header = FileHeader { camera_from_world: shift, film_from_world: shift, ..FileHeader::default() };
-        write_layers(&path, layers(), &header).unwrap();
+        write_layers(&path, &layers(), &header).unwrap();
         let meta = MetaData::read_from_file(&path, true).unwrap();
         let (own, shared) = (&meta.headers[0].own_attributes, &meta.headers[0].shared_attributes);
         let expected = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 2.0, 3.0, 1.0];
@@ -498,7 +497,7 @@ mod tests {
         let values = [1.0, 1.0e6, f32::INFINITY, 1.0e-9, 0.1, f32::NAN];
         let channels = vec![("R".to_owned(), Samples::Halves(values.to_vec()))];
         let layers = Layers { width: 6, height: 1, offset: [0, 0], full_size: [6, 1], channels };
-        write_layers(&path, layers, &FileHeader::default()).unwrap();
+        write_layers(&path, &layers, &FileHeader::default()).unwrap();
         let (read, _) = read_layers(&path).unwrap();
         let [one, large, infinite, tiny, tenth, nan] = read.floats("R").unwrap()[..] else { panic!("six values") };
         assert_eq!([one, large, infinite, tiny], [1.0, LARGEST_HALF, LARGEST_HALF, 0.0]);
@@ -540,7 +539,7 @@ mod tests {
         let (_folder, path) = folder();
         let missing = read_rgb(&path).unwrap_err();
         assert!(matches!(missing, Error::Read { .. }), "{missing}");
-        write_layers(&path, layers(), &FileHeader::default()).unwrap();
+        write_layers(&path, &layers(), &FileHeader::default()).unwrap();
         let whole = std::fs::read(&path).unwrap();
         let cuts = (0..whole.len()).step_by(37).map(|length| whole[..length].to_vec());
         for bytes in cuts.chain([b"<scene version=\"3.0.0\"/>".to_vec()]) {
@@ -554,7 +553,7 @@ mod tests {
     #[test]
     fn damaged_files_never_panic() {
         let (_folder, path) = folder();
-        write_layers(&path, layers(), &FileHeader::default()).unwrap();
+        write_layers(&path, &layers(), &FileHeader::default()).unwrap();
         let whole = std::fs::read(&path).unwrap();
         for position in 0..whole.len() {
             let mut bytes = whole.clone();
@@ -570,7 +569,7 @@ mod tests {
     #[test]
     fn a_header_that_asks_for_too_much_is_refused() {
         let (_folder, path) = folder();
-        write_layers(&path, layers(), &FileHeader::default()).unwrap();
+        write_layers(&path, &layers(), &FileHeader::default()).unwrap();
         let mut bytes = std::fs::read(&path).unwrap();
         // The attribute's name is followed by its type, its length and the window's four corners.
         let window =
@@ -588,7 +587,7 @@ mod tests {
         let (_folder, path) = folder();
         let channels = ["R", "G", "B"].map(|name| (name.to_owned(), Samples::Floats(Vec::new()))).to_vec();
         let empty = Layers { width: 0, height: 0, offset: [0, 0], full_size: [4, 4], channels };
-        assert!(write_layers(&path, empty, &FileHeader::default()).is_err());
+        assert!(write_layers(&path, &empty, &FileHeader::default()).is_err());
         assert!(!path.exists());
     }
 }

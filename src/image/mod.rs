@@ -1,8 +1,10 @@
 //! Pictures in memory and on disk: EXR, PNG and the error between two of them. CPU only.
 
+pub mod columns;
 pub mod comparison;
 mod date;
 pub mod exr;
+mod exr_columns;
 mod exr_limits;
 pub mod false_color;
 pub mod flip;

@@ -9,7 +9,7 @@ use crate::renderer::film_store::pages::{film_bytes, host_film_bytes};
 use crate::renderer::guide_cells::guide_bytes;
 use crate::renderer::trace::wave_memory::wave_bytes;
 use crate::settings::{Settings, Traversal};
-use crate::{Error, Result};
+use crate::{Error, Result, quoted};
 
 /// Bytes of a render's parts on the device.
 #[derive(Debug, Clone)]
@@ -60,24 +60,40 @@ impl MemoryNeeds {
     }
 
     fn check_against(&self, device: &str, host_bytes: u64, available: u64) -> Result<()> {
-        let bytes = self.parts.iter().map(|part| part.bytes).chain([host_bytes]);
-        let needed = bytes.fold(0, u64::saturating_add);
+        let needed = self.bytes().saturating_add(host_bytes);
         if needed <= available {
             return Ok(());
         }
         let read_back = match host_bytes {
             0 => String::new(),
-            bytes => format!(", and reading the film back {bytes}"),
+            bytes => format!(", and reading the film back {}", quoted::size(bytes)),
         };
+        let [needed, available] = [needed, available].map(quoted::size);
         Err(Error::Settings(format!(
-            "the render needs {needed} bytes of memory, but {available} are free for {device}: {}{read_back}",
+            "the render needs {needed} of memory, but {available} are free for {device}: {}{read_back}",
             self.describe()
         )))
     }
 
+    /// Sentence about the memory of a large render, for who begins it; `None` below a gigabyte.
+    pub fn note(&self) -> Option<String> {
+        let bytes = self.bytes();
+        let [all, film, host] = [bytes, self.parts[0].bytes, self.host_bytes].map(quoted::size);
+        (bytes >= 1_000_000_000).then(|| {
+            format!(
+                "the render takes {all} of memory on its device, of which the film takes {film}; reading the film back takes {host} more"
+            )
+        })
+    }
+
+    /// Bytes of all parts on the device.
+    fn bytes(&self) -> u64 {
+        self.parts.iter().map(|part| part.bytes).fold(0, u64::saturating_add)
+    }
+
     /// Names each part with its bytes and with what makes it smaller.
     pub fn describe(&self) -> String {
-        let describe = |Part { name, bytes, remedy }: &Part| format!("{name} {bytes} ({remedy})");
+        let describe = |Part { name, bytes, remedy }: &Part| format!("{name} {} ({remedy})", quoted::size(*bytes));
         let parts: Vec<_> = self.parts.iter().map(describe).collect();
         parts.join(", ")
     }
@@ -86,7 +102,7 @@ impl MemoryNeeds {
     pub fn explain(&self, error: Error) -> Error {
         let is_out_of_memory = matches!(error, Error::OutOfDeviceMemory { .. });
         if is_out_of_memory {
-            error.noting(&format!("bytes that parts of the render need: {}", self.describe()))
+            error.noting(&format!("memory that parts of the render need: {}", self.describe()))
         } else {
             error
         }
@@ -142,24 +158,26 @@ mod tests {
     fn what_does_not_fit_is_refused_with_the_arithmetic() {
         let part = |name, bytes| Part { name, bytes, remedy: "smaller so" };
         let parts = [
-            ("the film", 64),
-            ("the BVH", 900),
+            ("the film", 64_000),
+            ("the BVH", 900_000),
             ("textures and lights", 0),
-            ("the grids", 36),
-            ("paths under way", 100),
+            ("the grids", 36_000),
+            ("paths under way", 100_000),
         ];
         let parts = parts.map(|(name, bytes)| part(name, bytes));
-        let needs = MemoryNeeds { parts, host_bytes: 100 };
-        assert!(needs.check_against("a device", 0, 1100).is_ok());
-        assert!(needs.check_against("a device", 100, 1200).is_ok());
+        let needs = MemoryNeeds { parts, host_bytes: 100_000 };
+        assert!(needs.check_against("a device", 0, 1_100_000).is_ok());
+        assert!(needs.check_against("a device", 100_000, 1_200_000).is_ok());
+        assert_eq!(needs.note(), None);
         assert_eq!(
-            needs.check_against("a device", 100, 1199).expect_err("too little").to_string(),
-            "the render needs 1200 bytes of memory, but 1199 are free for a device: the film 64 (smaller so), \
-             the BVH 900 (smaller so), textures and lights 0 (smaller so), the grids 36 (smaller so), \
-             paths under way 100 (smaller so), \
-             and reading the film back 100"
+            needs.check_against("a device", 100_000, 1_199_999).expect_err("too little").to_string(),
+            "the render needs 1.2 MB of memory, but 1.2 MB are free for a device: the film 64 kB (smaller so), \
+             the BVH 900 kB (smaller so), textures and lights 0 bytes (smaller so), the grids 36 kB (smaller so), \
+             paths under way 100 kB (smaller so), \
+             and reading the film back 100 kB"
         );
         let huge = MemoryNeeds { parts: [part("the film", u64::MAX); 5], host_bytes: 0 };
         assert!(huge.check_against("a device", 0, 1 << 60).is_err());
+        assert!(huge.note().is_some_and(|note| note.contains("18 EB of memory")));
     }
 }

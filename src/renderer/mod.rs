@@ -139,6 +139,19 @@ impl Renderer {
         Ok(Picture { has_background: self.has_background, view: Some(self.view), ..picture })
     }
 
+    /// Sentence about the memory that the render takes, if it is much.
+    pub fn memory_note(&self) -> Option<String> {
+        self.needs.note()
+    }
+
+    /// Number of samples that all pixels of the film have together.
+    ///
+    /// # Errors
+    /// Where the device is lost.
+    pub fn samples_in_film(&self) -> Result<u64> {
+        self.film_store.samples(&self.sets.frame, &self.settings)
+    }
+
     /// Learned radiance of the cells that hold surfaces, as the next step will sample it: `[cell][direction bin]`.
     ///
     /// # Errors

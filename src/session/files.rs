@@ -125,21 +125,29 @@ impl PictureFiles {
         self.paths.iter().try_for_each(|path| check_scene(path, &scene.display().to_string(), scene_hash))
     }
 
-    /// Writes all files, and calls `tell` after each. If one cannot be written, the others still are.
+    /// Writes all files, and calls `tell` with the share of a file that is written, in [0, 1], again and again; 1 comes once, at its end. If
+    /// one cannot be written, the others still are.
     pub(super) fn write(
         &self,
         picture: &Picture,
         denoised: Option<&Denoised>,
         attributes: &[(String, String)],
-        tell: &dyn Fn(&Path),
+        tell: &dyn Fn(&Path, f64),
     ) -> Result<()> {
         let precision = if self.half { Precision::Half } else { Precision::Float };
         let write = |path: &PathBuf| {
             match files::has_extension(path, "png") {
                 true => png::write(path, &shown(picture, denoised), self.tone, self.exposure)?,
-                false => film::write_picture_with(path, picture, attributes, precision, denoised)?,
+                false => {
+                    let mut tell = |share| {
+                        if share < 1.0 {
+                            tell(path, share)
+                        }
+                    };
+                    film::write_picture_with(path, picture, attributes, precision, denoised, &mut tell)?;
+                }
             }
-            tell(path);
+            tell(path, 1.0);
             Ok(())
         };
         self.paths.iter().map(write).fold(Ok(()), Result::and)
@@ -164,7 +172,7 @@ impl Picture {
     /// Where the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<()> {
         let files = PictureFiles { paths: vec![path.as_ref().to_path_buf()], ..PictureFiles::none() };
-        files.write(self, None, &[], &|_| {})
+        files.write(self, None, &[], &|_, _| {})
     }
 }
 

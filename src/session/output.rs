@@ -1,6 +1,6 @@
 //! Files of a running render: its pictures, and when the unfinished one is written.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::Result;
@@ -74,7 +74,10 @@ impl Output {
         attributes: &[(String, String)],
         watch: &Watch<'_>,
     ) -> Result<()> {
-        self.pictures.write(picture, denoised, attributes, &|path| watch.tell(Event::Written(path)))
+        let tell = |path: &Path, share| {
+            watch.tell(if share < 1.0 { Event::Writing(path, share) } else { Event::Written(path) });
+        };
+        self.pictures.write(picture, denoised, attributes, &tell)
     }
 
     /// Notes how writing the unfinished picture went. Of several failures in a row, `watch` is told the first.

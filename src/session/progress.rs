@@ -27,6 +27,14 @@ pub struct Progress {
     pub length: Length,
 }
 
+impl Progress {
+    /// The progress `seconds` later, without new samples.
+    pub(super) fn after(&self, seconds: f64) -> Self {
+        let seconds = self.seconds + seconds;
+        Self { seconds, fraction: self.length.fraction(self.samples, seconds), ..*self }
+    }
+}
+
 /// Work that precedes the first step. It prints as a phrase, such as `building the kernels`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Preparation {
@@ -93,8 +101,12 @@ pub enum Event<'a> {
     Begun(&'a Beginning<'a>),
     /// A step has ended.
     Step(&'a Progress),
+    /// A step is under way that takes longer than a second; its samples do not count yet. This comes at most once a second.
+    InStep(&'a Progress),
     /// The last step has ended. The files follow.
     Rendered,
+    /// The picture so far is being written into this file. The share that is written is in [0, 1).
+    Writing(&'a Path, f64),
     /// The picture so far was written into this file.
     Written(&'a Path),
     /// The render has ended, for this reason and with this progress.

@@ -50,7 +50,7 @@ fn what_memory_cannot_hold_is_refused_before_anything_is_rendered() {
     let size = ["--width", "65536", "--height", "65536"];
     let files = ["-o", "a.exr", "--checkpoint", "a.ckpt", "--stats", "s.json"];
     let output = folder.run(&[&["render", "scene.xml", "--quiet"], &size[..], &files].concat());
-    let words = ["the render needs ", "bytes of memory, but ", "the film 274877906944 (smaller with --width", "--crop"];
+    let words = ["the render needs ", " of memory, but ", "the film 275 GB (smaller with --width", "--crop"];
     assert_sentence(&output, 1, &words);
     assert_eq!(fs::read(folder.path("a.exr")).unwrap(), b"earlier");
     assert_eq!(folder.names(), ["a.exr", "scene.xml"]);

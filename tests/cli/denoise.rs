@@ -66,7 +66,7 @@ fn write(path: &Path, color: &[[f32; 3]], kind: fn(Vec<f32>) -> Samples, others:
     let channels = channels.chain(others.map(|(name, values)| (name.to_owned(), Samples::Floats(values))));
     let full_size = [WIDTH + 5, HEIGHT + 4];
     let layers = Layers { width: WIDTH, height: HEIGHT, offset: [3, 4], full_size, channels: channels.collect() };
-    exr::write_layers(path, layers, &FileHeader::default()).unwrap();
+    exr::write_layers(path, &layers, &FileHeader::default()).unwrap();
 }
 
 #[test]

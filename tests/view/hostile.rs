@@ -194,6 +194,8 @@ fn strangers_lock_nobody_out() {
         strangers.extend(send_on_many(&program, &format!("{request} HTTP/1.1\r\nHost: {host}\r\n\r\n")));
         assert_the_owner_is_served(&program);
     }
+    // Only a render that has a sample has a picture.
+    program.wait_for(|state| state["samples"].as_u64() > Some(0));
     let begin = Instant::now();
     assert_eq!(program.ask_as_page("POST /stop").0, 204);
     assert_eq!(program.wait(), Some(0));

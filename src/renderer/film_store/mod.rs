@@ -7,6 +7,7 @@ use crate::film::Picture;
 use crate::generated::kernels::{Kernels, Variant};
 use crate::gpu::{Context, Kernel};
 use crate::renderer::film_store::adaptive::Adaptive;
+use crate::renderer::film_store::pages::FilmPage;
 use crate::renderer::film_store::part_sums::PartSums;
 use crate::renderer::sets::frame::Frame;
 use crate::settings::Settings;
@@ -40,6 +41,16 @@ impl FilmStore {
         match self {
             Self::Plain | Self::Adaptive(_) => frame.picture(settings),
             Self::Part(sums) => sums.picture(frame, settings),
+        }
+    }
+
+    /// Number of samples so far, those of a step under way among them, in all pixels together.
+    pub fn samples(&self, frame: &Frame, settings: &Settings) -> Result<u64> {
+        let window = settings.window();
+        let of_page = |page: &FilmPage| page.samples([window.width, window.height]);
+        match self {
+            Self::Plain | Self::Adaptive(_) => frame.pages().iter().map(of_page).sum(),
+            Self::Part(sums) => Ok(sums.picture(frame, settings)?.sample_count.into_iter().map(u64::from).sum()),
         }
     }
 

@@ -2,6 +2,7 @@
 //! in a tile its pixels row by row. A workgroup so writes to memory that lies together.
 
 use std::cell::Cell;
+use std::ops::Range;
 use std::sync::Arc;
 
 use crate::Result;
@@ -41,6 +42,9 @@ pub(crate) struct PageBuffers {
     /// Records of tiles, then of pixels: see `glsl/include/film/halves.glsl`. Nearly empty where noise does not end tiles.
     pub adaptive: Arc<Buffer>,
 }
+
+/// Number of pixels that are read from the device at a time: 16 MiB of them.
+const READ_PIXELS: u32 = 1 << 18;
 
 /// A word-quadruple of the adaptive buffer.
 type Quadruple = [u32; 4];
@@ -177,27 +181,58 @@ impl FilmPage {
         &self.features
     }
 
-    /// Writes this page's pixels where they belong in the picture.
+    /// Writes this page's pixels where they belong in the picture, some at a time, so that memory never holds them twice.
     pub fn read_into(&self, picture: &mut Picture, settings: &Settings) -> Result<()> {
-        let (radiance, features) = self.read()?;
         // Most neighbors have as many samples as each other. Nothing was sampled at first, which has no variance.
         let (mut samples, mut variance_scale) = (0, 0.0);
-        for (index, (radiance, features)) in (self.first_pixel..).zip(radiance.iter().zip(&features)) {
-            if let Some(at) = picture_index(index, picture) {
-                if radiance.sample_count != samples {
-                    samples = radiance.sample_count;
-                    variance_scale = settings.weight_sums(samples).variance_scale() as f32;
+        for pixels in self.runs() {
+            let (radiance, features) = (self.radiance_of(&pixels)?, self.features_of(&pixels)?);
+            for (index, (radiance, features)) in (self.first_pixel + pixels.start..).zip(radiance.iter().zip(&features))
+            {
+                if let Some(at) = picture_index(index, picture) {
+                    if radiance.sample_count != samples {
+                        samples = radiance.sample_count;
+                        variance_scale = settings.weight_sums(samples).variance_scale() as f32;
+                    }
+                    picture.set_moments(at, radiance, features, variance_scale);
                 }
-                picture.set_moments(at, radiance, features, variance_scale);
             }
         }
         Ok(())
     }
 
+    /// Number of samples of all pixels of the window of this width and height.
+    pub fn samples(&self, window: [u32; 2]) -> Result<u64> {
+        let mut sum = 0;
+        for pixels in self.runs() {
+            let radiance = self.radiance_of(&pixels)?;
+            let inside = (self.first_pixel + pixels.start..).zip(&radiance).filter(|&(index, _)| {
+                let (x, y) = tile_order_pixel(index, window[0]);
+                x < window[0] && y < window[1]
+            });
+            sum += inside.map(|(_, radiance)| u64::from(radiance.sample_count)).sum::<u64>();
+        }
+        Ok(sum)
+    }
+
+    /// Ranges of the page's pixels that are read at a time.
+    fn runs(&self) -> impl Iterator<Item = Range<u32>> {
+        let count = self.pixel_count;
+        (0..count).step_by(READ_PIXELS as usize).map(move |first| first..count.min(first + READ_PIXELS))
+    }
+
+    fn radiance_of(&self, pixels: &Range<u32>) -> Result<Vec<FilmRadiance>> {
+        self.radiance.read(u64::from(pixels.start) * size_of::<FilmRadiance>() as u64, pixels.len())
+    }
+
+    fn features_of(&self, pixels: &Range<u32>) -> Result<Vec<FilmFeatures>> {
+        self.features.read(u64::from(pixels.start) * size_of::<FilmFeatures>() as u64, pixels.len())
+    }
+
     /// Reads every pixel's moments, in tile order.
     pub fn read(&self) -> Result<(Vec<FilmRadiance>, Vec<FilmFeatures>)> {
-        let count = self.pixel_count as usize;
-        Ok((self.radiance.read(0, count)?, self.features.read(0, count)?))
+        let all = 0..self.pixel_count;
+        Ok((self.radiance_of(&all)?, self.features_of(&all)?))
     }
 }
 

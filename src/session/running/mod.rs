@@ -11,6 +11,7 @@
 mod continuation;
 mod report;
 
+use std::cell::Cell;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -135,7 +136,15 @@ impl Running {
         let samples_before = self.samples_done();
         let samples = self.samples_of_next_step().min(most);
         self.keep(|checkpoints, fleet, history| checkpoints.before_step(fleet, history, samples))?;
-        let stop = || (watch.stop)() || deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let (before, begun, last_told) = (self.progress(), Instant::now(), Cell::new(0));
+        let stop = || {
+            let seconds = begun.elapsed().as_secs_f64();
+            // The first dispatch of a step has no second behind it.
+            if last_told.replace(seconds as u64) < seconds as u64 {
+                watch.tell(Event::InStep(&before.after(seconds)));
+            }
+            (watch.stop)() || deadline.is_some_and(|deadline| Instant::now() >= deadline)
+        };
         let report = self.fleet.step(samples, &stop)?;
 
         if let Some(profiler) = &mut self.profiler {
@@ -165,8 +174,7 @@ impl Running {
         if report.complete {
             return Ok(u64::from(spp) * report.pixels);
         }
-        let sample_count = self.fleet.picture()?.sample_count;
-        Ok(sample_count.into_iter().map(u64::from).sum::<u64>().saturating_sub(self.history.paths))
+        Ok(self.fleet.samples_in_film()?.saturating_sub(self.history.paths))
     }
 }
 

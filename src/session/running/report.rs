@@ -24,6 +24,7 @@ impl Running {
             samples: self.samples_done(),
             files: &self.output.pictures.paths,
         }));
+        self.renderer().memory_note().iter().for_each(|note| watch.tell(Event::Note(note)));
     }
 
     /// Progress of the render.

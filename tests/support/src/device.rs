@@ -1,6 +1,6 @@
 //! Device under the validation layer, and the grids of a single cell.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use bytemuck::Pod;
 use lodestar::encode::cosine_integrals::cosine_integrals;
@@ -15,6 +15,10 @@ use lodestar::settings::DirectionMap;
 /// Invocations per workgroup, unless a test sets another number.
 pub const GROUP: u32 = 64;
 
+/// Contexts that no test uses now. The validation layer of Debian 12 looks its devices up without a lock while another thread makes or
+/// destroys one, which may crash. So tests hand their devices on, and few are made.
+static IDLE: Mutex<Vec<Arc<Context>>> = Mutex::new(Vec::new());
+
 /// Context whose validation messages fail the test when it is dropped.
 pub struct Device {
     pub context: Arc<Context>,
@@ -23,8 +27,9 @@ pub struct Device {
 impl Device {
     /// The first device that the loader lists and the renderer can use.
     pub fn new() -> Self {
-        let context = Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device");
-        Self { context }
+        let idle = IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let new = || Context::new(&ContextOptions { device: None, validate: true }).expect("a Vulkan device");
+        Self { context: idle.unwrap_or_else(new) }
     }
 
     pub fn buffer(&self, name: &str, bytes: usize, kind: BufferKind) -> Arc<Buffer> {
@@ -146,6 +151,9 @@ impl Default for Device {
 impl Drop for Device {
     fn drop(&mut self) {
         let messages = self.context.validation_messages();
+        if messages.is_empty() && Arc::strong_count(&self.context) == 1 {
+            IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&self.context));
+        }
         if !std::thread::panicking() {
             assert!(messages.is_empty(), "{messages:#?}");
         }
