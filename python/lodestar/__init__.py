@@ -7,7 +7,7 @@
 >>> picture.save("picture.exr")                      # all layers; a name in .png is for viewers
 
 `render` renders from start to end, `Renderer` step by step. `load` reads a scene once for several renders. `compare` measures the
-error of a picture, `merge` joins parts of one. `devices` lists the devices, `options` every keyword of `render`. Everything that
+error of a picture, `merge` joins parts of one, `convert` writes a scene as a file of Mitsuba. `devices` lists the devices, `options` every keyword of `render`. Everything that
 goes wrong raises `lodestar.Error` with one sentence that says what to do.
 """
 
@@ -20,6 +20,7 @@ from ._lodestar import (
     Scene,
     __version__,
     compare,
+    convert,
     devices,
     load,
     merge,
@@ -37,6 +38,7 @@ __all__ = [
     "Scene",
     "__version__",
     "compare",
+    "convert",
     "devices",
     "load",
     "merge",

@@ -1,6 +1,7 @@
 //! Errors of pictures.
 
-use lodestar::image::{Image, exr, metrics};
+use lodestar::image::comparison::Comparison;
+use lodestar::image::{Image, exr};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -21,14 +22,15 @@ use crate::shared::{detached, from_json};
 /// -------
 /// dict
 ///     `mae_ldr` (mean absolute difference under the paper's tone curve), `mae`, `mse`, `relmse` (relative mean squared
-///     difference), `relmse_trim` (the same without the worst 0.1 % of the pixels) and `mean_ratio` (mean of the picture over mean
-///     of the reference).
+///     difference), `relmse_trim` (the same without the worst 0.1 % of the pixels), `smape` (symmetric mean absolute difference:
+///     over the sum of both), `flip` (difference that a viewer sees, from 0 to 1) and `mean_ratio` (mean of the picture over mean
+///     of the reference), as `lodestar compare --json` prints them.
 #[pyfunction]
 pub fn compare(picture: &Bound<'_, PyAny>, reference: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
     let py = picture.py();
     let (picture, reference) = (image(picture)?, image(reference)?);
-    let measured = detached(py, || metrics::compare(&picture, &reference))?.map_err(raised)?;
-    let measured = from_json(py, &measured)?;
+    let measured = detached(py, || Comparison::new(&picture, &reference))?.map_err(raised)?;
+    let measured = from_json(py, &measured.0)?;
     // JSON has no number that is not finite: the mean ratio to a black reference.
     if measured.bind(py).get_item("mean_ratio")?.is_none() {
         measured.bind(py).set_item("mean_ratio", f64::NAN)?;

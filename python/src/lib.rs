@@ -45,7 +45,7 @@ mod _lodestar {
     #[pymodule_export]
     use crate::renderer::{Renderer, render, resume};
     #[pymodule_export]
-    use crate::scene::{Scene, load};
+    use crate::scene::{Scene, convert, load};
     #[pymodule_export]
     use crate::transform::ScalarTransform4f;
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use lodestar::denoise::{DenoiseOptions, Denoiser, DeviceKind};
 use lodestar::film::{self, Precision};
 use lodestar::image::{ToneCurve, png};
 use lodestar::{Error, files};
@@ -168,6 +169,38 @@ impl Picture {
             () => Err(Error::Settings(format!("{}: the name must end in .exr or .png", path.display()))),
         };
         detached(py, write)?.map_err(raised)
+    }
+
+    /// Radiance without its noise, (height, width, 3) float32: linear sRGB, by Intel's Open Image Denoise 2.x with the layers albedo and
+    /// normal. A denoised picture is biased.
+    ///
+    /// Parameters
+    /// ----------
+    /// oidn : path
+    ///     Folder of the library. Default: the variable `LODESTAR_OIDN`, then where the system has libraries.
+    /// device : 'cpu', 'sycl', 'cuda', 'hip' or 'metal'
+    ///     Kind of device that denoises. The bits of `cpu` are the same in each run.
+    #[pyo3(signature = (*, oidn = None, device = "cpu"))]
+    fn denoise(&self, py: Python<'_>, oidn: Option<PathBuf>, device: &str) -> PyResult<Py<PyAny>> {
+        let device = match device {
+            "cpu" => DeviceKind::Cpu,
+            "sycl" => DeviceKind::Sycl,
+            "cuda" => DeviceKind::Cuda,
+            "hip" => DeviceKind::Hip,
+            "metal" => DeviceKind::Metal,
+            _ => {
+                return Err(refused(format!(
+                    "invalid value '{device}' for `device`: give one of cpu, sycl, cuda, hip, metal"
+                )));
+            }
+        };
+        let denoise = || {
+            let denoiser = Denoiser::open(&DenoiseOptions { folder: oidn, device })?;
+            denoiser.denoise_picture(&self.picture)
+        };
+        let denoised = detached(py, denoise)?.map_err(raised)?;
+        let lodestar::Picture { width, height, .. } = self.picture;
+        frozen(py, denoised.pixels.as_flattened(), [height as usize, width as usize, 3])
     }
 
     /// The picture as a PNG file in memory.

@@ -170,11 +170,7 @@ pub fn load(
         return from_dictionary(scene);
     }
     let path = path_of(scene)?;
-    let mut pairs = Vec::new();
-    for (name, value) in defines.into_iter().flat_map(|defines| defines.iter()) {
-        pairs.push((name.extract()?, value.str()?.extract()?));
-    }
-    let options = LoadOptions { defines: pairs, ..choices.options()? };
+    let options = LoadOptions { defines: pairs(defines)?, ..choices.options()? };
     let read = |path: &Path| {
         let file = SceneFile { path: scene_file(path)?, options };
         Ok((file.read()?, file))
@@ -182,6 +178,40 @@ pub fn load(
     let (scene, file) = detached(py, || read(&path))?.map_err(raised)?;
     warn(py, &scene.warnings)?;
     Ok(Scene { scene: Arc::new(scene), file: Some(file) })
+}
+
+/// Names and values of keywords, as texts.
+fn pairs(defines: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, String)>> {
+    let defines = defines.into_iter().flat_map(|defines| defines.iter());
+    defines.map(|(name, value)| Ok((name.extract()?, value.str()?.extract()?))).collect()
+}
+
+/// Writes a scene as a Mitsuba file of version 3.0.0 that renders the same picture, as `lodestar convert` does. The files that the scene
+/// names are copied to a folder beside the new file, which has its name without `.xml`.
+///
+/// Parameters
+/// ----------
+/// scene : path
+///     Mitsuba's XML of any version, a model in glTF, a scene of pbrt-v4, or a folder with a `scene.xml`.
+/// output : path
+///     File to write, in `.xml`.
+/// overwrite : bool
+///     Whether files that exist already are replaced.
+/// **defines
+///     Values that replace the file's `<default>` values, by name.
+#[pyfunction]
+#[pyo3(signature = (scene, output, *, overwrite = false, **defines))]
+pub fn convert(
+    py: Python<'_>,
+    scene: PathBuf,
+    output: PathBuf,
+    overwrite: bool,
+    defines: Option<&Bound<'_, PyDict>>,
+) -> PyResult<()> {
+    let defines = pairs(defines)?;
+    let convert = || lodestar::scene::convert(&scene_file(&scene)?, &defines, &output, overwrite);
+    let converted = detached(py, convert)?.map_err(raised)?;
+    warn(py, &converted.warnings)
 }
 
 #[pymethods]

@@ -108,5 +108,8 @@ def test_comparisons_take_pictures_files_and_arrays(cornell, tmp_path):
     by_hand = np.mean((noisy.radiance.astype(float) - better.radiance) ** 2)
     assert np.isclose(measured["mse"], by_hand, rtol=1e-9) and measured["mse"] > 0
     assert lodestar.compare(better, better)["mse"] == 0
+    both = noisy.radiance.astype(float), better.radiance.astype(float)
+    smape = np.mean(np.abs(both[0] - both[1]) / (both[0] + both[1] + 0.01))
+    assert 0 < measured["flip"] < 1 and np.isclose(measured["smape"], smape, rtol=1e-9)
     black = np.zeros_like(better.radiance)
     assert np.isnan(lodestar.compare(black, black)["mean_ratio"])

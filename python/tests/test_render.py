@@ -386,7 +386,8 @@ def test_checkpoints_are_kept_by_keyword(cornell, tmp_path):
     lodestar.render(cornell, width=16, spp=2, checkpoint=file)
     assert lodestar.resume(file, spp=4).run().samples.max() == 4
     with pytest.raises(lodestar.Error, match="holds 4 samples per pixel"):
-        lodestar.render(cornell, width=16, checkpoint=file)
+        lodestar.render(cornell, width=16, spp=3, checkpoint=file)
+    assert lodestar.render(cornell, width=16, spp=6, checkpoint=file).samples.max() == 6
 
 
 def test_the_command_is_there():
@@ -407,3 +408,15 @@ def test_the_command_ends_by_ctrl_c_with_its_picture(cornell, tmp_path):
     told = child.communicate()[1]
     assert child.returncode == 130 and "Traceback" not in told
     assert lodestar.Picture.read(tmp_path / "a.exr").samples.max() > 0
+
+
+def test_a_picture_is_denoised_where_the_library_is(cornell):
+    picture = lodestar.render(cornell, width=16, spp=2)
+    with pytest.raises(lodestar.Error, match="give one of cpu, sycl, cuda, hip, metal"):
+        picture.denoise(device="mine")
+    with pytest.raises(lodestar.Error, match="setup.sh --oidn"):
+        picture.denoise(oidn="there/is/none")
+    if os.environ.get("LODESTAR_OIDN"):
+        denoised = picture.denoise()
+        assert denoised.shape == picture.radiance.shape and denoised.dtype == np.float32
+        assert np.isfinite(denoised).all() and not np.array_equal(denoised, picture.radiance)

@@ -199,6 +199,16 @@ def test_cameras_and_environments_are_chosen(tmp_path):
         assert lodestar.render(path, spp=1).radiance.max() == 0
 
 
+def test_a_converted_scene_is_the_same(tmp_path):
+    path = two_cameras(tmp_path)
+    lodestar.convert(path, tmp_path / "new.xml")
+    assert lodestar.load(tmp_path / "new.xml").fingerprint == lodestar.load(path).fingerprint
+    with pytest.raises(lodestar.Error, match="overwrite"):
+        lodestar.convert(path, tmp_path / "new.xml")
+    lodestar.convert(path, tmp_path / "new.xml", overwrite=True)
+    assert lodestar.load(path).summary["cameras"] == ["near", "far"]
+
+
 def test_cameras_and_environments_belong_to_files(tmp_path):
     path = two_cameras(tmp_path)
     scene = lodestar.load(path, environment="constant")

@@ -43,6 +43,11 @@ impl Console {
         })
     }
 
+    /// Whether the console shows text, and not warnings only.
+    pub fn is_talking(&self) -> bool {
+        matches!(self.0, Form::Text { is_quiet: false, .. })
+    }
+
     /// Shows an event.
     pub fn show(&self, event: Event<'_>) {
         match &self.0 {

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueHint, value_parser};
+use clap::{Arg, ArgAction, ArgGroup, ArgMatches, Args, Command, FromArgMatches, ValueHint, value_parser};
 use lodestar::Result;
 use lodestar::settings::Settings;
 use lodestar::settings::options::{self, Audience, Category, Form, OPTIONS, OptionEntry, Resume};
@@ -139,12 +139,21 @@ impl<S: Subset> FromArgMatches for Given<S> {
 
 impl<S: Subset> Args for Given<S> {
     fn augment_args(command: Command) -> Command {
-        command.args(Self::options().map(argument::<S>))
+        let command = command.args(Self::options().map(argument::<S>));
+        let groups = Self::options().filter(|option| option.requires.len() > 1);
+        let group =
+            |option: &'static OptionEntry| ArgGroup::new(group_name(option)).args(option.requires).multiple(true);
+        command.groups(groups.map(group))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
         Self::augment_args(command)
     }
+}
+
+/// Name of the group of the options of which `option` needs one.
+fn group_name(option: &OptionEntry) -> String {
+    format!("needed by {}", option.name)
 }
 
 fn argument<S: Subset>(option: &'static OptionEntry) -> Arg {
@@ -166,8 +175,12 @@ fn argument<S: Subset>(option: &'static OptionEntry) -> Arg {
         bare => argument.num_args(0..=1).default_missing_value(bare),
     };
     let is_taken = |name: &&str| options::find(name).is_some_and(S::has);
-    let argument =
-        Some(option.requires).filter(is_taken).into_iter().fold(argument, |argument, other| argument.requires(other));
+    let argument = match option.requires {
+        [] => argument,
+        [other] if !is_taken(other) => argument,
+        [other] => argument.requires(*other),
+        _ => argument.requires(group_name(option)),
+    };
     let argument = argument.conflicts_with_all(option.excludes.iter().copied().filter(is_taken));
     if option.variable.is_empty() { argument } else { argument.env(option.variable) }
 }
@@ -233,8 +246,7 @@ mod tests {
     #[test]
     fn entries_agree_with_each_other_and_with_types() {
         for option in OPTIONS {
-            let others = Some(option.requires).filter(|other| !other.is_empty()).into_iter();
-            for other in others.chain(option.excludes.iter().copied()) {
+            for other in option.requires.iter().chain(option.excludes) {
                 assert!(options::find(other).is_some(), "{}: {other}", option.name);
             }
             assert!(!matches!(option.form, Form::Setting) || option.set().is_some(), "{}", option.name);

@@ -53,10 +53,17 @@ fn describe(summary: &Summary) -> String {
         Some(_) => "unlimited".to_string(),
         None => "not given, so unlimited".to_string(),
     };
+    let names = || {
+        let numbered = summary.cameras.iter().enumerate();
+        numbered.map(|(at, name)| name.as_ref().map_or_else(|| at.to_string(), |name| format!("{at} (`{name}`)")))
+    };
     let Summary { triangles, parallelograms, disks, spheres, instances, shown_primitives, geometry_bytes, .. } =
         summary;
     let lights = &summary.lights;
     let mut text = format!("{name}: {width} x {height} pixels; samples per pixel: {samples}; max_depth: {depth}\n");
+    if summary.cameras.len() > 1 {
+        let _ = writeln!(text, "cameras: {}", names().collect::<Vec<_>>().join(", "));
+    }
     let _ = writeln!(
         text,
         "shapes: {triangles} triangles, {parallelograms} parallelograms, {disks} disks, {spheres} spheres"

@@ -14,6 +14,8 @@ use signal_hook::consts::SIGHUP;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
+use super::print::print_message;
+
 /// Number that shells add to a signal's number to form an exit code.
 const EXIT_CODE_BASE: i32 = 128;
 /// Time after the first signal in which a second one is ignored. Some programs, such as `timeout`, send each signal twice.
@@ -30,8 +32,8 @@ pub struct Interrupt {
 }
 
 impl Interrupt {
-    /// Catches the signals from now on.
-    pub fn catch() -> Result<Self> {
+    /// Catches the signals from now on. Where the program still runs half a second after the first one, it says so if `is_told`.
+    pub fn catch(is_told: bool) -> Result<Self> {
         let failed = |error| Error::Render(format!("signals cannot be caught: {error}"));
         let (signal, is_final) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicBool::new(false)));
         for number in [SIGINT, SIGTERM] {
@@ -47,6 +49,9 @@ impl Interrupt {
                 thread::sleep(WATCH);
             }
             thread::sleep(ECHO);
+            if is_told {
+                print_message("stopping at the next chance; press Ctrl-C again to end at once, without a picture");
+            }
             is_final.store(true, Ordering::Relaxed);
         };
         thread::Builder::new().name("interrupt".into()).spawn(watch).map_err(failed)?;

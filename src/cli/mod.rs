@@ -3,6 +3,7 @@
 //! Exit codes: 0 success, 1 failure, 2 wrong usage. If a signal ended a render, the code is 128 plus the signal's number, such as
 //! 130 for Ctrl-C.
 
+mod cameras;
 mod compare;
 mod completions;
 mod console;
@@ -85,6 +86,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     take_file_size_limits_as_errors();
     let outcome = match cli.command {
+        Command::Render(args) if cameras::are_all_wanted(&args) => cameras::render_all(*args),
         Command::Render(args) => render::run(*args),
         Command::Resume(args) => resume::run(*args),
         Command::Inspect(args) => inspect::run(&args),

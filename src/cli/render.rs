@@ -57,13 +57,13 @@ pub fn render(start: Start<'_>, options: &Options, console: &Console, viewers: &
 /// Renders on another rank than the first one, which shows the progress and all errors.
 fn serve(start: Start<'_>, options: &Options) -> Result<ExitCode> {
     // The first rank decides what a signal does.
-    let _interrupt = Interrupt::catch()?;
+    let _interrupt = Interrupt::catch(false)?;
     let served = Session::serve(start, options, &Watch::silent());
     Ok(if served.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn render_watched(start: Start<'_>, options: &Options, console: &Console, viewers: &ViewOptions) -> Result<ExitCode> {
-    let interrupt = Interrupt::catch()?;
+    let interrupt = Interrupt::catch(console.is_talking())?;
     let viewers = Viewers::start(viewers)?;
     viewers.url().iter().for_each(|url| console.tell_address(url));
     let show = |event: Event<'_>| {

@@ -51,7 +51,7 @@ pub struct ReproduceArgs {
 
 /// Measures the table or figure that `args` ask for.
 pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
-    let interrupt = Interrupt::catch()?;
+    let interrupt = Interrupt::catch(false)?;
     let plan = Plan {
         target: args.target,
         scenes: args.scenes.clone(),
@@ -65,7 +65,7 @@ pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
     let context = Context::new(&ContextOptions { device, validate: false })?;
     let (begin, meter) = (Instant::now(), RefCell::new(Meter::new(args.quiet)));
     let show = |status: &Status| {
-        let left = seconds_left(status, begin.elapsed().as_secs_f64());
+        let left = seconds_left(status, args.seconds, begin.elapsed().as_secs_f64());
         let text = format!("{}, about {} left", status.doing, duration(left));
         meter.borrow_mut().update(status.done / status.total.max(1.0e-6), text);
     };
@@ -77,10 +77,12 @@ pub fn run(args: &ReproduceArgs) -> Result<ExitCode> {
     Ok(interrupt.exit_code())
 }
 
-/// Seconds of rendering that are left, times the ratio so far of the elapsed time to the time of rendering.
-fn seconds_left(status: &Status, elapsed: f64) -> f64 {
-    let overhead = if status.done > 0.0 { (elapsed / status.done).max(1.0) } else { 1.0 };
-    (status.total - status.done).max(0.0) * overhead
+/// Seconds that are left: those of rendering, and for each picture as many besides as each picture so far took for all else.
+fn seconds_left(status: &Status, seconds_of_picture: f64, elapsed: f64) -> f64 {
+    let begun = (status.done / seconds_of_picture).floor() + 1.0;
+    let beside = (elapsed - status.done).max(0.0) / begun;
+    let left = (status.total - status.done).max(0.0);
+    left * (1.0 + beside / seconds_of_picture)
 }
 
 #[cfg(test)]
@@ -90,8 +92,11 @@ mod tests {
     #[test]
     fn the_time_left_grows_with_what_is_no_rendering() {
         let status = |done| Status { doing: String::new(), done, total: 100.0 };
-        assert_eq!(seconds_left(&status(0.0), 3.0), 100.0);
-        assert_eq!(seconds_left(&status(20.0), 30.0), 120.0);
-        assert_eq!(seconds_left(&status(101.0), 300.0), 0.0);
+        assert_eq!(seconds_left(&status(0.0), 10.0, 0.0), 100.0);
+        // Three pictures were begun, and 3 s went to each of them besides.
+        assert_eq!(seconds_left(&status(20.0), 10.0, 29.0), 104.0);
+        assert_eq!(seconds_left(&status(101.0), 10.0, 300.0), 0.0);
+        // The first picture has just begun, after 3 s of loading.
+        assert!(seconds_left(&status(0.02), 1.0, 3.0) < 400.0);
     }
 }

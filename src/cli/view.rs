@@ -32,7 +32,7 @@ pub struct ViewArgs {
 
 /// Serves the picture until a signal comes.
 pub fn run(args: &ViewArgs) -> Result<ExitCode> {
-    let interrupt = Interrupt::catch()?;
+    let interrupt = Interrupt::catch(false)?;
     let mut view = FileView::start(&args.picture, &args.address)?;
     print_message(&format!("look at the picture at {}", view.url()));
     while !interrupt.is_raised() {

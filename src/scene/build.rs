@@ -65,6 +65,7 @@ impl Scene {
         Self {
             name: "scene".into(),
             camera,
+            cameras: Vec::new(),
             film: FilmDescription { width, height, crop: None, filter: ReconstructionFilter::Box },
             integrator: IntegratorDescription::default(),
             sample_count: None,

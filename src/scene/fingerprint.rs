@@ -21,6 +21,7 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
     // Every field is named, so that a new one cannot be forgotten.
     let Scene {
         name: _,
+        cameras: _,
         warnings: _,
         camera,
         film,

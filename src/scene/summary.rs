@@ -17,6 +17,8 @@ pub struct Summary {
     pub width: u32,
     /// Height of the film in pixels.
     pub height: u32,
+    /// Names of the cameras of the file in their order; `None` for one without a name.
+    pub cameras: Vec<Option<String>>,
     /// Samples per pixel that the file asks for.
     pub sample_count: Option<u32>,
     /// Longest path in edges that the file asks for; -1 is unlimited.
@@ -124,6 +126,7 @@ pub fn summarize(scene: &Scene) -> Summary {
         name: scene.name.clone(),
         width: scene.film.width,
         height: scene.film.height,
+        cameras: scene.cameras.clone(),
         sample_count: scene.sample_count,
         max_depth: scene.integrator.max_depth,
         triangles: count(PrimitiveShape::Triangle),

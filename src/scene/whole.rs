@@ -16,8 +16,10 @@ use super::texture::{Image, Texture};
 pub struct Scene {
     /// Name of the scene: its file's stem, or its folder's name where the stem is `scene`.
     pub name: String,
-    /// The scene's only camera.
+    /// The camera that the picture is taken with.
     pub camera: Camera,
+    /// Names of all cameras of the scene's file in their order; `None` for one without a name.
+    pub cameras: Vec<Option<String>>,
     /// The sensor's film.
     pub film: FilmDescription,
     /// Settings of the scene file's integrator.

@@ -1,6 +1,7 @@
 //! Command line as scripts see it: exit codes, files, standard output and standard error.
 
 mod bad_input;
+mod cameras;
 mod compare;
 mod denoise;
 mod devices;

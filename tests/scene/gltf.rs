@@ -165,7 +165,7 @@ fn messages_have_the_words_of_models() {
     let warnings = read(&model).unwrap().warnings.join("\n");
     assert!(
         warnings.contains(
-            "a second camera; the scene's cameras are 0 (`camera0`), 1 (`camera1`); the first is used, and --camera chooses another"
+            "a second camera; the scene's cameras are 0 (`camera0`), 1 (`camera1`); the first is used; --camera chooses another, or all"
         ),
         "{warnings}"
     );

@@ -376,7 +376,7 @@ impl<'a> Builder<'a> {
         if let [_, second, ..] = sensors {
             let (word, names) = (second.origin.word(second.kind.name()), camera_names(sensors).join(", "));
             let message = format!(
-                "a second {word}; the scene's cameras are {names}; the first is used, and --camera chooses another"
+                "a second {word}; the scene's cameras are {names}; the first is used; --camera chooses another, or all"
             );
             self.warnings.push(format!("{}: {message}", second.origin));
         }
@@ -456,6 +456,7 @@ impl<'a> Builder<'a> {
         Ok(Scene {
             name: scene_name(path),
             camera: sensor.camera,
+            cameras: self.sensors.iter().map(|sensor| sensor.id.clone()).collect(),
             film: sensor.film,
             integrator,
             sample_count: sensor.sample_count,

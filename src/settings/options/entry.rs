@@ -31,8 +31,8 @@ pub struct OptionEntry {
     pub repeats: bool,
     /// Value where it is given without one; empty where that is an error.
     pub bare: &'static str,
-    /// Option without which it is refused; empty where there is none.
-    pub requires: &'static str,
+    /// Options of which one must be given beside it; empty where it may stand alone.
+    pub requires: &'static [&'static str],
     /// Options beside which it is refused.
     pub excludes: &'static [&'static str],
     /// Environment variable with the default; empty where there is none.

@@ -97,7 +97,7 @@ const fn option(category: Category, audience: Audience, name: &'static str, valu
         letter: None,
         repeats: false,
         bare: "",
-        requires: "",
+        requires: &[],
         excludes: &[],
         variable: "",
         resume: Resume::Fixed,
@@ -146,11 +146,12 @@ pub static OPTIONS: &[OptionEntry] = &[
     },
     OptionEntry {
         short: "Camera of the scene",
-        long: "`fit` places a camera that shows the whole scene. Others are chosen by name, or by index, counted from 0.",
+        long: "`fit` places a camera that shows the whole scene. Others are chosen by name, or by index, counted from 0. `all` renders a \
+               picture with each: out.exr becomes out.NAME.exr, or out.INDEX.exr for a camera without a name.",
         default: "the scene's first",
         form: Form::TEXT,
         keyword: Keyword::Nowhere,
-        ..common(Scene, "camera", "fit|NAME|INDEX")
+        ..common(Scene, "camera", "fit|all|NAME|INDEX")
     },
     OptionEntry {
         short: "Environment in place of the scene's",
@@ -245,7 +246,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         long: "Without it, the folder that LODESTAR_OIDN names counts, then the program's own folder, oidn within and beside that, and \
                lib beside it, and then the system's libraries.",
         form: Form::Path,
-        requires: "denoise",
+        requires: &["denoise", "view"],
         ..of_files(Curious, "oidn", "DIR")
     },
     OptionEntry {
@@ -253,7 +254,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         long: "On the processor, the bits are the same in each run.",
         default: "cpu",
         form: Form::OneOf(&["cpu", "sycl", "cuda", "hip", "metal"]),
-        requires: "denoise",
+        requires: &["denoise", "view"],
         ..of_files(Curious, "oidn-device", "cpu|sycl|cuda|hip|metal")
     },
     OptionEntry {
@@ -295,7 +296,7 @@ pub static OPTIONS: &[OptionEntry] = &[
         long: "The checkpoint is also written when the render ends.",
         default: "60s",
         form: Form::TIME,
-        requires: "checkpoint",
+        requires: &["checkpoint"],
         keyword: Keyword::RenderAndResume,
         ..of_files(Everyone, "checkpoint-every", "TIME")
     },
