@@ -140,10 +140,9 @@ impl<S: Subset> FromArgMatches for Given<S> {
 impl<S: Subset> Args for Given<S> {
     fn augment_args(command: Command) -> Command {
         let command = command.args(Self::options().map(argument::<S>));
-        let groups = Self::options().filter(|option| option.requires.len() > 1);
-        let group =
-            |option: &'static OptionEntry| ArgGroup::new(group_name(option)).args(option.requires).multiple(true);
-        command.groups(groups.map(group))
+        let several = Self::options().map(|option| option.requires).find(|others| others.len() > 1);
+        let group = several.map(|others| ArgGroup::new(ONE_OF_SEVERAL).args(others).multiple(true));
+        command.groups(group)
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -151,10 +150,8 @@ impl<S: Subset> Args for Given<S> {
     }
 }
 
-/// Name of the group of the options of which `option` needs one.
-fn group_name(option: &OptionEntry) -> String {
-    format!("needed by {}", option.name)
-}
+/// Name of the group of options of which one must stand beside some others. The table has one such group.
+const ONE_OF_SEVERAL: &str = "one of several";
 
 fn argument<S: Subset>(option: &'static OptionEntry) -> Arg {
     let check = move |text: &str| options::check_text(option, text).map(|()| text.to_owned());
@@ -179,7 +176,7 @@ fn argument<S: Subset>(option: &'static OptionEntry) -> Arg {
         [] => argument,
         [other] if !is_taken(other) => argument,
         [other] => argument.requires(*other),
-        _ => argument.requires(group_name(option)),
+        _ => argument.requires(ONE_OF_SEVERAL),
     };
     let argument = argument.conflicts_with_all(option.excludes.iter().copied().filter(is_taken));
     if option.variable.is_empty() { argument } else { argument.env(option.variable) }
@@ -237,6 +234,8 @@ mod tests {
             let long_help = argument.get_long_help().map(ToString::to_string);
             assert_eq!(long_help.as_deref(), Some(&entry.long_help(None)[..]), "{argument}");
         }
+        let several: Vec<_> = OPTIONS.iter().map(|option| option.requires).filter(|others| others.len() > 1).collect();
+        assert!(several.iter().all(|others| *others == several[0]), "given.rs makes one group");
         for option in OPTIONS {
             assert!(options.iter().any(|argument| entry_of(argument).is_some_and(|entry| entry.name == option.name)));
         }
