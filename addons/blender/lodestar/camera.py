@@ -154,3 +154,10 @@ def _film(size: Film, filter_name: str) -> xml.Element:
         for name, value in zip(("crop_offset_x", "crop_offset_y", "crop_width", "crop_height"), size.window):
             xml.add(element, name, value)
     return xml.with_children(element, xml.plugin("rfilter", filter_name))
+
+
+def projection(owner: Any, scene: Any, depsgraph: Any) -> Any:
+    """Matrix from the world to the picture, whose sides are -1 and 1."""
+    render = scene.render
+    size = {"x": render.resolution_x, "y": render.resolution_y, "scale_x": render.pixel_aspect_x, "scale_y": render.pixel_aspect_y}
+    return owner.calc_matrix_camera(depsgraph, **size) @ owner.matrix_world.normalized().inverted_safe()

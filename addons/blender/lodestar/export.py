@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any, Optional
 
 from . import camera, lights, materials, world, xml
+from .hashes import number_of_object
 from .images import Images
 from .meshes import Meshes, Part, Wanted
+from .nodes import Placed, Surroundings
 from .report import Report
 
 SCENE_FILE = "scene.xml"
@@ -62,6 +64,7 @@ class _Exporter:
         if scene.camera is None:
             raise camera.Unsupported("the scene has no camera")
         sensor = camera.export(scene.camera, scene, self.options.filter, self.report)
+        self.projection = camera.projection(scene.camera, scene, self.depsgraph)
         for instance in self.depsgraph.object_instances:
             self._instance(instance)
         # A view layer may leave the world out.
@@ -73,6 +76,7 @@ class _Exporter:
             xml.add(integrator, "hide_emitters", True)
         root = xml.ElementTree.Element("scene", {"version": "3.0.0"})
         definitions = [self._definition(name) for name in self.materials]
+        definitions = [*self.images.graph.elements(self.images.used_programs), *definitions]
         xml.with_children(root, integrator, sensor, *definitions, *self.shapes, *self.emitters)
         if environment is not None:
             xml.with_children(root, environment)
@@ -97,7 +101,8 @@ class _Exporter:
         if owner.type == "LIGHT":
             self._light(owner, matrix)
         elif owner.type in SURFACES:
-            self._surface(owner, matrix)
+            number = instance.random_id if instance.is_instance else number_of_object(owner.name)
+            self._surface(Placed(owner, matrix, number))
         elif owner.type not in INVISIBLE:
             self.report.warn(f'object "{owner.name}"', f"objects of the type {owner.type} are not supported; it is left out")
         if any(system.settings.type == "HAIR" for system in getattr(owner, "particle_systems", [])):
@@ -133,10 +138,11 @@ class _Exporter:
             if getattr(owner, name, False):
                 self.report.warn(f'object "{owner.name}"', f"{text} is not supported; it is an ordinary surface")
 
-    def _surface(self, owner: Any, matrix: Any) -> None:
+    def _surface(self, placed: Placed) -> None:
+        owner, matrix = placed.owner, placed.matrix
         self._report_visibility(owner)
         slots = [slot.material for slot in owner.material_slots] or [None]
-        keys = [self._material(material) for material in slots]
+        keys = [self._material(material, placed) for material in slots]
         for part in self._mesh_parts(owner, keys):
             material, key = self.materials[keys[part.slot]], keys[part.slot]
             self.has_glass |= material.is_glass
@@ -165,10 +171,17 @@ class _Exporter:
 
     # ----------------------------------------------------------------------------------------------- materials
 
-    def _material(self, material: Optional[Any]) -> str:
+    def _material(self, material: Optional[Any], placed: Placed) -> str:
+        """Key of a material. One that asks for its object has a key for each place of each object."""
         key = "no material" if material is None else f"material {material.name_full}"
-        if key not in self.materials:
-            self.materials[key] = materials.translate(material, self.images, self.report)
+        own = f"{key} of {placed.owner.name_full} {placed.random_id} {hash(tuple(map(tuple, placed.matrix))):x}"
+        if own in self.materials:
+            return own
+        if key not in self.materials or self.materials[key].asks_for_object:
+            surroundings = Surroundings(placed, self.depsgraph.scene_eval.camera, self.projection)
+            found = materials.translate(material, self.images, self.report, surroundings)
+            key = own if found.asks_for_object else key
+            self.materials[key] = found
         return key
 
     def _definition(self, key: str) -> xml.Element:

@@ -15,6 +15,7 @@ from typing import Any, Optional
 import numpy as np
 
 from . import exr, xml
+from .programs import Expression, Graph, square_root
 from .report import Report
 
 Matrix3 = tuple[tuple[float, ...], ...]
@@ -25,7 +26,7 @@ LINEAR_SPACES = {"Non-Color", "Linear Rec.709", "Linear", "Raw", "scene_linear"}
 
 @dataclass(frozen=True)
 class Texture:
-    """Texture of an image, or of a mesh's colors where `image` is None."""
+    """Texture of an image, or a program, or a mesh's colors."""
 
     image: Any = None
     # "color" or "alpha", then functions: "covered" (times alpha), "premultiplied" (times alpha
@@ -35,6 +36,7 @@ class Texture:
     wrap: str = "repeat"
     interpolation: str = "bilinear"
     attribute: Optional[str] = None
+    program: Optional[Expression] = None
     factor: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     @staticmethod
@@ -44,6 +46,8 @@ class Texture:
 
     def with_operation(self, operation: str) -> "Texture":
         """Texture of which each texel is changed."""
+        if self.program is not None:
+            return replace(self, program=_changed(self.program * self.factor, operation), factor=(1.0, 1.0, 1.0))
         return replace(self, operations=(*self.operations, operation))
 
     def covered(self) -> "Texture":
@@ -56,18 +60,34 @@ class Texture:
         return replace(self, factor=(own[0] * factor[0], own[1] * factor[1], own[2] * factor[2]))
 
 
+def _changed(value: Expression, operation: str) -> Expression:
+    if operation == "square":
+        return value * value
+    if operation == "sqrt":
+        return square_root(value)
+    if operation == "invert":
+        return 1.0 - value
+    return value.component("rgb".index(operation))
+
+
 class Images:
-    """Image files of one export."""
+    """Image files and programs of one export."""
 
     def __init__(self, folder: Path, report: Report) -> None:
         self.folder = folder
         self.report = report
         self.used: set[str] = set()
+        self.graph = Graph()
+        # Names of the expressions that materials refer to.
+        self.used_programs: set[str] = set()
         self._files: dict[tuple[str, tuple[str, ...]], str] = {}
 
     def element(self, texture: Texture) -> xml.Element:
-        """`<texture>` of a texture."""
-        if texture.attribute is not None:
+        """`<texture>` of a texture, or `<ref>` to one."""
+        if texture.program is not None:
+            element = self.graph.reference(texture.program)
+            self.used_programs.add(element.get("id", ""))
+        elif texture.attribute is not None:
             element = xml.add(xml.plugin("texture", "mesh_attribute"), "name", "vertex_color")
         else:
             element = self._bitmap(texture)

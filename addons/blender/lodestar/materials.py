@@ -10,7 +10,7 @@ from typing import Any, Optional, Union
 
 from . import principled, xml
 from .images import Images, Texture
-from .nodes import Color, Reader
+from .nodes import Color, Reader, Surroundings
 from .report import Report
 
 Emission = Union[Color, Texture, None]
@@ -36,13 +36,14 @@ class Material:
     uv_map: Optional[str]
     color_attribute: Optional[str]
     is_glass: bool  # whether it is glass, through which light of points and suns is not found
+    asks_for_object: bool = False  # whether it differs from object to object
 
 
-def translate(material: Any, images: Images, report: Report) -> Material:
+def translate(material: Any, images: Images, report: Report, surroundings: Surroundings) -> Material:
     """Translates a material; None stands for Blender's default."""
     if material is None:
         return Material(principled.default(images), None, None, None, False)
-    reader = Reader(f'material "{material.name}"', report, images)
+    reader = Reader(f'material "{material.name}"', report, images, surroundings=surroundings, material_index=material.pass_index)
     tree = material.node_tree
     if tree is None or not material.use_nodes:
         return Material(diffuse(images, tuple(material.diffuse_color)[:3]), None, None, None, False)
@@ -59,8 +60,9 @@ def translate(material: Any, images: Images, report: Report) -> Material:
     element = closure.bsdf if closure.bsdf is not None else diffuse(images, BLACK)
     textures = element.iter("texture")
     kinds = {texture.get("type") for texture in textures} - {"scale"}
+    kinds |= {"program" for _ in element.iter("ref")}
     if "mesh_attribute" in kinds and len(kinds) > 1:
-        reader.warn("a color attribute beside image textures is not supported; the color is white")
+        reader.warn("a color attribute beside other textures is not supported; the color is white")
         _whiten(element)
         reader.color_attributes.clear()
     is_glass = any(b.get("type") in ("dielectric", "roughdielectric") for b in element.iter("bsdf"))
@@ -70,6 +72,7 @@ def translate(material: Any, images: Images, report: Report) -> Material:
         min(reader.uv_maps, default=None),
         min(reader.color_attributes, default=None),
         is_glass,
+        reader.asks_for_object,
     )
 
 
@@ -151,9 +154,17 @@ class _Translator:
         strength = self.reader.constant(node.inputs["Emission Strength"], groups)
         emission = None
         if strength > 0.0:
-            emission = _scaled(self.reader.color(node.inputs["Emission Color"], groups), strength)
+            emission = _scaled(self._emitted(node.inputs["Emission Color"], groups), strength)
             emission = self._covered(emission, self.reader.scalar(node.inputs["Alpha"], groups))
         return Closure(bsdf, emission)
+
+    def _emitted(self, socket: Any, groups: Groups) -> Union[Color, Texture]:
+        """Color of emitted light."""
+        color = self.reader.color(socket, groups)
+        if isinstance(color, Texture) and color.program is not None:
+            self.reader.warn(f"a computed {socket.name} of emitted light is not supported; its default value is used")
+            return tuple(socket.default_value)[:3]  # type: ignore[return-value]
+        return color
 
     def _covered(self, emission: Emission, alpha: Union[float, Texture]) -> Emission:
         """Emission of a surface with holes, which do not shine."""
@@ -161,6 +172,9 @@ class _Translator:
             return _scaled(emission, min(max(alpha, 0.0), 1.0))
         if emission is None:
             return None
+        if alpha.program is not None:
+            self.reader.warn("an emission under a computed alpha is not supported; the holes shine")
+            return emission
         if not isinstance(emission, Texture):
             return alpha.scaled(emission)
         is_same = replace(alpha, operations=(), factor=(1.0, 1.0, 1.0)) == replace(emission, operations=(), factor=(1.0, 1.0, 1.0))
@@ -242,7 +256,7 @@ class _Translator:
         return parameter(self.images, element, "specular_transmittance", color)
 
     def _emission(self, node: Any, groups: Groups) -> Closure:
-        color = self.reader.color(node.inputs["Color"], groups)
+        color = self._emitted(node.inputs["Color"], groups)
         return Closure(None, _scaled(color, self.reader.constant(node.inputs["Strength"], groups)))
 
     def _mix(self, node: Any, groups: Groups) -> Closure:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import sys
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Optional, Union
 
+from .evaluator import Evaluator, convert
 from .images import Images, Texture
+from .limits import excess
+from .programs import Expression
 from .report import Report
 
 Color = tuple[float, float, float]
@@ -20,6 +24,24 @@ class Source(NamedTuple):
     groups: tuple[Any, ...]
 
 
+class Placed(NamedTuple):
+    """Object that has the material, in one place."""
+
+    owner: Any
+    matrix: Any
+    random_id: int
+
+
+@dataclass
+class Surroundings:
+    """What nodes may ask for besides the material."""
+
+    placed: Optional[Placed] = None
+    camera: Any = None
+    # Matrix from the world to the picture, whose sides are -1 and 1.
+    projection: Any = None
+
+
 @dataclass
 class Reader:
     """Reads the sockets of one material or world."""
@@ -31,6 +53,18 @@ class Reader:
     # Names of the UV map and of the color attribute that the material uses, where it names one.
     uv_maps: set[str] = field(default_factory=set)
     color_attributes: set[str] = field(default_factory=set)
+    surroundings: Surroundings = field(default_factory=Surroundings)
+    material_index: int = 0
+    # Whether a node has asked for the object.
+    asks_for_object: bool = False
+
+    def __post_init__(self) -> None:
+        self.evaluator = Evaluator(self, self.images.graph)
+
+    def placed(self) -> Optional[Placed]:
+        """Object that has the material; None for a world."""
+        self.asks_for_object = True
+        return self.surroundings.placed
 
     def warn(self, message: str) -> None:
         """Reports something about this material or world."""
@@ -112,9 +146,31 @@ class Reader:
             return _default(source.socket)
         found = self._translated(source)
         if found is None:
+            found = self._computed(source, socket)
+        if found is None:
             self.unsupported(source.node, socket.name)
             return _default(socket)
         return found
+
+    def _computed(self, source: Source, socket: Any) -> Optional[Value]:
+        """Value of an output by a program; None where a program cannot say it."""
+        limit = sys.getrecursionlimit()
+        # Each node in a chain takes three calls or four.
+        sys.setrecursionlimit(max(limit, 100_000))
+        try:
+            found = self.evaluator.output(source.node, source.socket, source.groups)
+        finally:
+            sys.setrecursionlimit(limit)
+        if found is None:
+            return None
+        found = convert(found, source.socket.type, socket.type)
+        if not found.is_constant:
+            too_much = excess(found)
+            if too_much is None:
+                return Texture(program=found)
+            self.warn(f'the node "{source.node.name}" ({source.node.bl_label}) needs {too_much}; {socket.name} takes its default value')
+            return _default(socket)
+        return found.constant[0] if socket.type == "VALUE" else found.constant
 
     def _translated(self, source: Source) -> Optional[Value]:
         node, groups = source.node, source.groups
@@ -139,6 +195,14 @@ class Reader:
                 return inner.with_operation("rgb"[channel])
         return None
 
+    def as_program(self, texture: Texture) -> Expression:
+        """Texture as an expression; an image lies on the UV map."""
+        if texture.program is not None:
+            return texture.program * texture.factor
+        graph = self.images.graph
+        flat = replace(texture, factor=(1.0, 1.0, 1.0))
+        return graph.bitmap((texture.image.name_full, flat), self.images.element(flat), graph.source("uv")) * texture.factor
+
     @staticmethod
     def _inverted(value: Value) -> Optional[Value]:
         if isinstance(value, tuple):
@@ -159,7 +223,15 @@ class Reader:
     # ------------------------------------------------------------------------------------------------- textures
 
     def image_texture(self, node: Any, channel: str, groups: tuple[Any, ...]) -> Optional[Texture]:
-        """Texture of an Image Texture node; None where it cannot be translated."""
+        """Texture of an Image Texture node on the UV map; None where it is another or lies otherwise."""
+        to_uv = self.uv_transform(node.inputs["Vector"], groups)
+        if to_uv is None:
+            return None
+        texture = self.plain_image(node, channel)
+        return None if texture is None else replace(texture, to_uv=to_uv)
+
+    def plain_image(self, node: Any, channel: str) -> Optional[Texture]:
+        """Texture of an Image Texture node, wherever it lies; None where it cannot be translated."""
         image = node.image
         if image is None or image.source in ("SEQUENCE", "MOVIE", "TILED", "VIEWER"):
             return None
@@ -168,14 +240,11 @@ class Reader:
             return None
         if node.projection != "FLAT":
             return None
-        to_uv = self.uv_transform(node.inputs["Vector"], groups)
-        if to_uv is None:
-            return None
         if node.extension == "CLIP":
             self.warn(f'the image "{image.name}" is extended instead of clipped')
         wrap = {"REPEAT": "repeat", "MIRROR": "mirror"}.get(node.extension, "clamp")
         interpolation = "nearest" if node.interpolation == "Closest" else "bilinear"
-        texture = Texture(image=image, operations=(channel,), to_uv=to_uv, wrap=wrap, interpolation=interpolation)
+        texture = Texture(image=image, operations=(channel,), wrap=wrap, interpolation=interpolation)
         if channel == "color" and _is_premultiplied(node):
             # Cycles multiplies the bytes, before it undoes the sRGB curve.
             return texture.with_operation("premultiplied" if image.colorspace_settings.name == "sRGB" else "covered")
@@ -198,13 +267,10 @@ class Reader:
             if node is None or not (
                 node.type == "UVMAP" or (node.type == "TEX_COORD" and source.socket.name == "UV")
             ):
-                self.warn("a texture has other coordinates than UVs, which are not supported")
                 return None
             if node.type == "UVMAP" and node.uv_map:
                 self.uv_maps.add(node.uv_map)
         a, b, c, d = matrix[0][0], matrix[0][1], matrix[1][0], matrix[1][1]
-        if abs(matrix[2][0]) + abs(matrix[2][1]) > 1e-6:
-            self.warn("a Mapping node turns texture coordinates out of their plane; the part in the plane is used")
         return ((a, b, matrix[0][3]), (c, d, matrix[1][3]), (0.0, 0.0, 1.0))
 
     def mapping_matrix(self, node: Any, groups: tuple[Any, ...]) -> Any:

@@ -200,6 +200,9 @@ def _normal_map(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) ->
     if node.space != "TANGENT":
         reader.warn(f"a normal map in {node.space.lower()} space is not supported; the surface keeps its normals")
         return bsdf
+    if isinstance(texture, Texture) and texture.program is not None:
+        reader.warn("a normal map that is computed is not supported; the surface keeps its normals")
+        return bsdf
     if not isinstance(texture, Texture) or texture.image is None:
         return bsdf
     if node.uv_map:
@@ -212,15 +215,38 @@ def _normal_map(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) ->
 
 
 def _bump(reader: Reader, bsdf: xml.Element, node: Any, groups: Groups) -> xml.Element:
-    if reader.source(node.inputs["Normal"], groups) is not None:
-        reader.warn("a bump map over another relief is not supported; the bump map alone is rendered")
-    height = reader.scalar(node.inputs["Height"], groups)
-    if not isinstance(height, Texture) or height.image is None:
+    heights = _heights(reader, node, groups)
+    if not heights:
         return bsdf
-    width = reader.constant(node.inputs["Filter Width"], groups) if "Filter Width" in node.inputs else 0.0
-    if width > MOST_FILTER_WIDTH:
-        reader.warn(f"the Filter Width {width:.3g} of a bump map is not supported; the slope is that of the texture at the point")
-    scale = reader.constant(node.inputs["Distance"], groups) * reader.constant(node.inputs["Strength"], groups)
-    element = xml.with_children(xml.plugin("bsdf", "bumpmap"), reader.images.element(height))
-    xml.add(element, "scale", -scale if node.invert else scale)
+    if len(heights) == 1:
+        scale, height = heights[0]
+        element = xml.with_children(xml.plugin("bsdf", "bumpmap"), reader.images.element(height))
+        xml.add(element, "scale", scale)
+        return xml.with_children(element, bsdf)
+    # Bump maps over each other are one of the sum of their heights, but for terms of the second order in the slopes.
+    images = reader.images
+    total = images.graph.constant(0.0)
+    for scale, height in heights:
+        total = total + scale * reader.as_program(height)
+    element = xml.with_children(xml.plugin("bsdf", "bumpmap"), images.element(Texture(program=total)))
     return xml.with_children(element, bsdf)
+
+
+def _heights(reader: Reader, node: Any, groups: Groups) -> list[tuple[float, Texture]]:
+    """Heights of a Bump node and of those below it, with their factors."""
+    heights = []
+    height = reader.scalar(node.inputs["Height"], groups)
+    if isinstance(height, Texture) and height.attribute is None:
+        width = reader.constant(node.inputs["Filter Width"], groups) if "Filter Width" in node.inputs else 0.0
+        if width > MOST_FILTER_WIDTH:
+            reader.warn(
+                f"the Filter Width {width:.3g} of a bump map is not supported; the slope is that of the texture at the point"
+            )
+        scale = reader.constant(node.inputs["Distance"], groups) * reader.constant(node.inputs["Strength"], groups)
+        heights.append((-scale if node.invert else scale, height))
+    below = reader.source(node.inputs["Normal"], groups)
+    if below is not None and below.node is not None:
+        if below.node.type == "BUMP":
+            return heights + _heights(reader, below.node, below.groups)
+        reader.warn("a bump map over a normal map is not supported; the bump map alone is rendered")
+    return heights

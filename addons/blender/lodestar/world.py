@@ -45,7 +45,8 @@ def export(world: Any, images: Images, report: Report) -> Optional[xml.Element]:
     if color is None or color.node is None or color.node.type != "TEX_ENVIRONMENT":
         value = reader.color(node.inputs["Color"], groups)
     if isinstance(value, Texture):
-        reader.warn("an image without the projection of an environment is not supported; the default value is used")
+        kind = "an image without the projection of an environment" if value.program is None else "a computed color of the world"
+        reader.warn(f"{kind} is not supported; the default value is used")
         value = tuple(node.inputs["Color"].default_value)[:3]
     return _constant(tuple(channel * strength for channel in value))
 

@@ -322,4 +322,72 @@ def relief_from_above() -> Any:
     return scene
 
 
-ALL = {each.__name__: each for each in (lamps, textures, environment, glass, instances, relief, relief_from_above)}
+def computed() -> Any:
+    """Textures that are computed, in colors, a weight and heights; coordinates and numbers of objects."""
+    scene = empty()
+    camera(scene, (0, -6, 4), (0, 0, 0.3))
+    world(scene, (1, 1, 1))
+
+    def node(tree: Any, kind: str, **settings: Any) -> Any:
+        made = tree.nodes.new(f"ShaderNode{kind}")
+        for name, value in settings.items():
+            if name in made.inputs:
+                made.inputs[name].default_value = value
+            else:
+                setattr(made, name, value)
+        return made
+
+    def ground(tree: Any) -> Any:
+        wave, ramp = node(tree, "TexWave", Scale=0.9, bands_direction="DIAGONAL"), node(tree, "ValToRGB")
+        ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.2, (0.05, 0.2, 0.6, 1)
+        ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 0.8, (0.9, 0.7, 0.3, 1)
+        tree.links.new(wave.outputs[0], ramp.inputs[0])
+        return shader(tree, "ShaderNodeBsdfDiffuse", Color=ramp.outputs[0]).outputs[0]
+
+    def tiles(tree: Any) -> Any:
+        gradient, checker = node(tree, "TexGradient", gradient_type="SPHERICAL"), node(tree, "TexChecker", Scale=5.0)
+        place = tree.nodes.new("ShaderNodeTexCoord")
+        tree.links.new(place.outputs["Object"], gradient.inputs["Vector"])
+        tree.links.new(place.outputs["UV"], checker.inputs["Vector"])
+        mixed = node(tree, "Mix", data_type="RGBA", blend_type="SCREEN")
+        mixed.inputs["Factor"].default_value = 0.8
+        a, b = (next(s for s in mixed.inputs if s.identifier == name) for name in ("A_Color", "B_Color"))
+        tree.links.new(gradient.outputs["Color"], a)
+        tree.links.new(checker.outputs["Color"], b)
+        result = next(s for s in mixed.outputs if s.identifier == "Result_Color")
+        first = shader(tree, "ShaderNodeBsdfDiffuse", Color=result)
+        second = shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.9, 0.2, 0.1))
+        power, mix = node(tree, "Math", operation="POWER"), tree.nodes.new("ShaderNodeMixShader")
+        power.inputs[1].default_value = 3.0
+        tree.links.new(gradient.outputs[1], power.inputs[0])
+        tree.links.new(power.outputs[0], mix.inputs[0])
+        tree.links.new(first.outputs[0], mix.inputs[1])
+        tree.links.new(second.outputs[0], mix.inputs[2])
+        return mix.outputs[0]
+
+    def numbered(tree: Any) -> Any:
+        info, mixed = tree.nodes.new("ShaderNodeObjectInfo"), tree.nodes.new("ShaderNodeMixRGB")
+        mixed.inputs[1].default_value, mixed.inputs[2].default_value = (0.8, 0.1, 0.1, 1), (0.1, 0.3, 0.9, 1)
+        tree.links.new(info.outputs["Random"], mixed.inputs[0])
+        return shader(tree, "ShaderNodeBsdfDiffuse", Color=mixed.outputs[0]).outputs[0]
+
+    def bumps(tree: Any) -> Any:
+        """Two bump maps over each other."""
+        fine, coarse = (node(tree, "TexWave", Scale=scale, wave_type="RINGS") for scale in (2.0, 0.6))
+        below, above = node(tree, "Bump", Distance=0.03), node(tree, "Bump", Distance=0.02)
+        tree.links.new(coarse.outputs[1], below.inputs["Height"])
+        tree.links.new(fine.outputs[1], above.inputs["Height"])
+        tree.links.new(below.outputs[0], above.inputs["Normal"])
+        return shader(tree, "ShaderNodeBsdfDiffuse", Color=(0.7, 0.7, 0.7), Normal=above.outputs[0]).outputs[0]
+
+    plane(scene, "ground", 3, material("ground", ground), location=(-1.6, 0, 0))
+    plane(scene, "tiles", 3, material("tiles", tiles), location=(1.6, 0, 0), rotation=(0.2, 0.1, 0))
+    numbers = material("numbers", numbered)
+    for at in range(3):
+        ball(scene, f"ball {at}", 0.3, numbers, location=(at - 1, -1.6, 0.3))
+    plane(scene, "bumps", 2, material("bumps", bumps), location=(0, 2.2, 0.6), rotation=(1.0, 0, 0))
+    lamp(scene, "SUN", rotation=(0.6, 0.3, 0), energy=2.0, angle=0.0)
+    return scene
+
+
+ALL = {each.__name__: each for each in (lamps, textures, environment, glass, instances, relief, relief_from_above, computed)}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +58,28 @@ def noise(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=texture.outputs["Color"]).outputs[0]
 
 
+def occlusion(tree: Any) -> Any:
+    """A node that no program can say, below one that it can."""
+    node, math = tree.nodes.new("ShaderNodeAmbientOcclusion"), tree.nodes.new("ShaderNodeMath")
+    tree.links.new(node.outputs["AO"], math.inputs[0])
+    return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=math.outputs[0]).outputs[0]
+
+
+def shared_texture(tree: Any) -> Any:
+    """A texture that two sockets take, through other nodes."""
+    texture, gamma = tree.nodes.new("ShaderNodeTexChecker"), tree.nodes.new("ShaderNodeGamma")
+    gamma.inputs["Gamma"].default_value = 2.0
+    tree.links.new(texture.outputs[1], gamma.inputs["Color"])
+    inputs = {"Base_Color": gamma.outputs[0], "Roughness": texture.outputs[1]}
+    return scenes.shader(tree, "ShaderNodeBsdfPrincipled", **inputs).outputs[0]
+
+
+def computed_emission(tree: Any) -> Any:
+    """Light whose color is computed."""
+    texture = tree.nodes.new("ShaderNodeTexChecker")
+    return scenes.shader(tree, "ShaderNodeEmission", Color=texture.outputs["Color"]).outputs[0]
+
+
 def toon(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfToon").outputs[0]
 
@@ -85,7 +108,7 @@ def wide_bump(tree: Any) -> Any:
     return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Normal=bump.outputs["Normal"]).outputs[0]
 
 
-UNSUPPORTED = [(noise, "Noise Texture"), (toon, "Toon BSDF")]
+UNSUPPORTED = [(noise, "Noise Texture"), (occlusion, "Ambient Occlusion"), (toon, "Toon BSDF"), (computed_emission, "a computed Color of emitted light")]
 # Blender before 4.5 has no Filter Width.
 if bpy.app.version >= (4, 5, 0):
     UNSUPPORTED.append((wide_bump, "Filter Width 4"))
@@ -103,6 +126,49 @@ def test_supported_nodes_are_not_reported(tmp_path: Path) -> None:
     found = exported(tmp_path)
     assert found.report.warnings == []
     assert 'value="0.25 0.5 0.75"' in found.scene_file.read_text()
+
+
+def test_parts_of_programs_are_written_once(tmp_path: Path) -> None:
+    minimal(lambda: scenes.material("shared", shared_texture))
+    found = exported(tmp_path)
+    assert found.report.warnings == []
+    assert found.scene_file.read_text().count('type="checker"') == 1
+
+
+def large_graph(tree: Any) -> Any:
+    """A chain of 300 different textures."""
+    value = None
+    for at in range(300):
+        texture, add = tree.nodes.new("ShaderNodeTexChecker"), tree.nodes.new("ShaderNodeMath")
+        texture.inputs["Scale"].default_value = 1.0 + at
+        tree.links.new(texture.outputs[1], add.inputs[0])
+        if value is not None:
+            tree.links.new(value, add.inputs[1])
+        value = add.outputs[0]
+    return scenes.shader(tree, "ShaderNodeBsdfDiffuse", Color=value).outputs[0]
+
+
+def test_graphs_that_are_too_large_are_named(tmp_path: Path) -> None:
+    minimal(lambda: scenes.material("large", large_graph))
+    found = exported(tmp_path)
+    assert "needs more than 256 operations; Color takes its default value" in found.report
+    assert "checker" not in found.scene_file.read_text()
+
+
+def test_each_object_has_its_own_coordinates(tmp_path: Path) -> None:
+    """Generated coordinates differ from object to object, and a constant material does not."""
+    scene = minimal(lambda: scenes.material("shared", shared_texture))
+    scenes.plane(scene, "other", 2, bpy.data.materials["shared"], location=(0, 0, 1))
+    text = exported(tmp_path).scene_file.read_text()
+    assert len(re.findall('<bsdf [^>]*id="material shared of ', text)) == 2 and text.count('type="checker"') == 2
+
+
+def test_a_computed_world_is_named(tmp_path: Path) -> None:
+    scene = minimal(lambda: scenes.diffuse("gray", (0.5, 0.5, 0.5)))
+    tree = scene.world.node_tree
+    checker, background = tree.nodes.new("ShaderNodeTexChecker"), next(n for n in tree.nodes if n.type == "BACKGROUND")
+    tree.links.new(checker.outputs["Color"], background.inputs["Color"])
+    assert "a computed color of the world is not supported" in exported(tmp_path).report
 
 
 def test_objects_without_surfaces_are_named(tmp_path: Path) -> None:

@@ -1,0 +1,43 @@
+"""Values of operations whose inputs are constants."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+Vector = tuple[float, float, float]
+
+
+def _each(function: Callable[..., float]) -> Callable[..., Vector]:
+    def apply(*operands: Vector) -> Vector:
+        return tuple(function(*values) for values in zip(*operands))  # type: ignore[return-value]
+
+    return apply
+
+
+def _power(a: float, b: float) -> float:
+    if b == 0.0:
+        return 1.0
+    if a == 0.0 or (a < 0.0 and b != math.floor(b)):
+        return 0.0
+    return math.pow(a, b)
+
+
+def _dot(a: Vector, b: Vector) -> Vector:
+    return (sum(x * y for x, y in zip(a, b)),) * 3
+
+
+# What is not listed is left to the renderer.
+FOLDED: dict[str, Callable[..., Vector]] = {
+    "add": _each(lambda a, b: a + b),
+    "subtract": _each(lambda a, b: a - b),
+    "multiply": _each(lambda a, b: a * b),
+    "divide": _each(lambda a, b: a / b if b != 0.0 else 0.0),
+    "minimum": _each(min),
+    "maximum": _each(max),
+    "power": _each(_power),
+    "absolute": _each(abs),
+    "sine": _each(math.sin),
+    "square_root": _each(lambda a: math.sqrt(max(a, 0.0))),
+    "dot": _dot,
+}

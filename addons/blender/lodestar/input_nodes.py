@@ -1,0 +1,147 @@
+"""Nodes that bring values in: coordinates, geometry, facts of the object, images and constants."""
+
+from __future__ import annotations
+
+from typing import Any, Optional
+
+from .evaluator import Evaluator, Groups, Handler
+from .programs import Expression, absolute, dot, normalized, permuted, square_root
+
+# Blender's v runs upwards, that of the renderer downwards.
+FLIP = ((1.0, 0.0, 0.0, 0.0), (0.0, -1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 0.0))
+
+
+def _rows(matrix: Any) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(float(value) for value in row) for row in matrix[:3])
+
+
+def uv(e: Evaluator) -> Expression:
+    """Coordinates of the UV map."""
+    return e.graph.transformed(e.graph.source("uv"), FLIP)
+
+
+def position(e: Evaluator) -> Expression:
+    """Position in the world."""
+    return e.graph.source("position")
+
+
+def in_object(e: Evaluator, other: Any = None) -> Optional[Expression]:
+    """Coordinates in an object's space; None where there is no object."""
+    place = other if other is not None else e.reader.placed()
+    if place is None:
+        return None
+    matrix = place.matrix_world if other is not None else place.matrix
+    return e.graph.transformed(position(e), _rows(matrix.inverted_safe()))
+
+
+def generated(e: Evaluator) -> Expression:
+    """Coordinates from 0 to 1 in the object's texture space; the position where there is no object."""
+    place = e.reader.placed()
+    if place is None:
+        return position(e)
+    data = place.owner.data
+    center = getattr(data, "texspace_location", (0.0, 0.0, 0.0))
+    sizes = getattr(data, "texspace_size", (1.0, 1.0, 1.0))
+    scales = [0.5 / size if size != 0.0 else 0.0 for size in sizes]
+    rows = tuple(
+        tuple(scales[row] if column == row else 0.0 for column in range(3)) + (0.5 - center[row] * scales[row],) for row in range(3)
+    )
+    return e.graph.transformed(e.graph.transformed(position(e), _rows(place.matrix.inverted_safe())), rows)
+
+
+def _texture_coordinate(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    if node.from_instancer:
+        return None
+    name = output.name
+    if name == "UV":
+        return uv(e)
+    if name == "Generated":
+        return generated(e)
+    if name == "Object":
+        return in_object(e, node.object)
+    if name == "Camera":
+        return _in_camera(e)
+    if name == "Window":
+        return _in_window(e)
+    return None
+
+
+def _in_camera(e: Evaluator) -> Optional[Expression]:
+    camera = e.reader.surroundings.camera
+    if camera is None:
+        return None
+    rows = _rows(camera.matrix_world.normalized().inverted_safe())
+    return e.graph.transformed(position(e), (rows[0], rows[1], tuple(-value for value in rows[2])))
+
+
+def _in_window(e: Evaluator) -> Optional[Expression]:
+    projection = e.reader.surroundings.projection
+    if projection is None:
+        return None
+    x, y, w = (tuple(float(value) for value in projection[row]) for row in (0, 1, 3))
+    clip = e.graph.transformed(position(e), (x, y, w))
+    return clip / permuted(clip, (2, 2, 2)) * (0.5, 0.5, 0.0) + (0.5, 0.5, 0.0)
+
+
+def _geometry(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    return position(e) if output.name == "Position" else None
+
+
+def _uv_map(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    if node.from_instancer:
+        return None
+    if node.uv_map:
+        e.reader.uv_maps.add(node.uv_map)
+    return uv(e)
+
+
+def _object_info(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    place = e.reader.placed()
+    if place is None:
+        return None
+    owner = place.owner
+    values = {
+        "Location": lambda: list(place.matrix.translation),
+        "Color": lambda: list(owner.color)[:3],
+        "Alpha": lambda: owner.color[3],
+        "Object Index": lambda: float(owner.pass_index),
+        "Material Index": lambda: float(e.reader.material_index),
+        "Random": lambda: (place.random_id & 0xFFFFFFFF) / 4294967295.0,
+    }
+    return e.graph.constant(values[output.name]()) if output.name in values else None
+
+
+def _camera_data(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    view = _in_camera(e)
+    if view is None:
+        return None
+    if output.name == "View Z Depth":
+        return absolute(view.z)
+    if output.name == "View Distance":
+        return square_root(dot(view, view))
+    return normalized(view) if output.name == "View Vector" else None
+
+
+def _image(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    texture = e.reader.plain_image(node, "alpha" if output.name == "Alpha" else "color")
+    if texture is None:
+        return None
+    at = e.value(node.inputs["Vector"], groups, lambda: uv(e))
+    key = (texture.image.name_full, texture.operations, texture.wrap, texture.interpolation)
+    return e.graph.bitmap(key, e.reader.images.element(texture), e.graph.transformed(at, FLIP))
+
+
+def _constant(e: Evaluator, node: Any, output: Any, groups: Groups) -> Optional[Expression]:
+    return e.default(output)
+
+
+HANDLERS: dict[str, Handler] = {
+    "TEX_COORD": _texture_coordinate,
+    "NEW_GEOMETRY": _geometry,
+    "UVMAP": _uv_map,
+    "OBJECT_INFO": _object_info,
+    "CAMERA": _camera_data,
+    "TEX_IMAGE": _image,
+    "RGB": _constant,
+    "VALUE": _constant,
+}
