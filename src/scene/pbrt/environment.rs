@@ -22,14 +22,20 @@ use crate::scene::description::object::{Object, Value};
 
 /// Emitter of the sum of a scene's infinite lights; `None` where there are none. `exposure` is a factor of all light.
 pub(super) fn of_lights(lights: &[&Entity], exposure: f64, textures: &mut Textures) -> Result<Option<Object>> {
-    let (mut radiance, mut map) = ([0.0; 3], None);
+    let (mut radiance, mut map) = ([0.0; 3], None::<Map>);
     for entity in lights {
         match light(entity, exposure, textures)? {
             Infinite::Constant(color) => (0..3).for_each(|channel| radiance[channel] += color[channel]),
-            Infinite::Map(_) if map.is_some() => {
-                return Err(entity.error("a second infinite light with an image; add the images in one"));
+            Infinite::Map(found) => {
+                map = Some(match map {
+                    None => found,
+                    Some(map) => Map::sum(map, found).ok_or_else(|| {
+                        entity.error(
+                            "a second infinite light whose image has another size or place; add the images in one",
+                        )
+                    })?,
+                });
             }
-            Infinite::Map(found) => map = Some(found),
         }
     }
     // The other lights are added to the map's texels, and a scale of 0 would hide them.
@@ -61,10 +67,25 @@ struct Map {
     to_world: DMat4,
 }
 
+impl Map {
+    /// Sum of two maps; `None` where their texels do not lie at the same places.
+    fn sum(mut one: Self, other: Self) -> Option<Self> {
+        if one.raster.texels.len() != other.raster.texels.len() || one.to_world != other.to_world {
+            return None;
+        }
+        let scales = (one.scale as f32, other.scale as f32);
+        for (texel, more) in one.raster.texels.iter_mut().zip(other.raster.texels) {
+            *texel = *texel * scales.0 + more * scales.1;
+        }
+        Some(Self { scale: 1.0, ..one })
+    }
+}
+
 fn light(entity: &Entity, exposure: f64, textures: &mut Textures) -> Result<Infinite> {
     let parameters = &entity.parameters;
     if let Some(portal) = parameters.get("portal") {
-        return Err(portal.error("of an infinite light is not supported; remove it where the room is closed anyway"));
+        let message = "the `portal` of an infinite light is ignored; its light comes through every opening";
+        textures.images.warn(&portal.place, message);
     }
     if let Some(map) = parameters.get("mapname") {
         return Err(map.error("belongs to pbrt-v3; `pbrt --upgrade` makes a file of v4, which is read"));

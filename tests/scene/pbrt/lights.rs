@@ -246,8 +246,26 @@ fn infinite_lights_add_up() {
         panic!("a constant")
     };
     assert_eq!(radiance, Vec3::X);
-    folder.write("scene.pbrt", format!("WorldBegin {map} {map}").as_bytes());
-    assert!(load_in(&folder).unwrap_err().contains("a second infinite light with an image"));
+    // Two maps, 3 x 2 and 3 x 5.
+    let more = map.replace("\"float scale\" 2", "\"float scale\" 5");
+    folder.write("scene.pbrt", format!("Camera \"perspective\" WorldBegin {map} {more}").as_bytes());
+    let scene = load_in(&folder).unwrap();
+    let EnvironmentKind::Map { scale, .. } = scene.environment.as_ref().unwrap().kind else { panic!("a map") };
+    let lodestar::scene::texture::Texels::Floats(texels) = &scene.images[0].texels else { panic!("floats") };
+    assert!(texels.iter().all(|texel| (scale * texel[0] - 21.0).abs() < 1e-3), "{scale} x {:?}", texels[0]);
+    folder.write("scene.pbrt", format!("WorldBegin {map} Rotate 30 0 0 1 {more}").as_bytes());
+    assert!(load_in(&folder).unwrap_err().contains("another size or place"));
+}
+
+/// A portal helps pbrt find the light, which stays the same.
+#[test]
+fn portals_are_ignored_with_a_warning() {
+    let scene =
+        world("LightSource \"infinite\" \"rgb L\" [ 1 2 3 ] \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]").unwrap();
+    let EnvironmentKind::Constant { radiance } = scene.environment.unwrap().kind else { panic!("a constant") };
+    assert_eq!(radiance, Vec3::new(1.0, 2.0, 3.0));
+    let sentence = "scene.pbrt:3: the `portal` of an infinite light is ignored";
+    assert!(scene.warnings.iter().any(|warning| warning.contains(sentence)), "{:?}", scene.warnings);
 }
 
 #[test]
@@ -255,10 +273,6 @@ fn what_is_refused() {
     for (text, expected) in [
         ("LightSource \"goniometric\"", "the light `goniometric` is not supported"),
         ("LightSource \"projection\"", "the light `projection` is not supported"),
-        (
-            "LightSource \"infinite\" \"point3 portal\" [ 0 0 0 1 0 0 1 1 0 0 1 0 ]",
-            "`portal` of an infinite light is not supported",
-        ),
         ("LightSource \"infinite\" \"string mapname\" \"sky.exr\"", "`mapname` belongs to pbrt-v3"),
         ("AreaLightSource \"diffuse\" Shape \"disk\" \"float alpha\" 0", "makes a light that is not seen"),
         ("LightSource \"infinite\" \"string filename\" \"none.exr\"", "the image file `none.exr` does not exist"),
