@@ -42,7 +42,7 @@ Met meet(vec3 from, vec3 direction) {
     Hit hit = traverse(ray, false, overrun);
     if (hit.primitive == NONE) return Met(environment_radiance(direction), pdf_light_at_environment(direction, 0u));
     Surface s = surface_at(ray, hit);
-    return Met(surface_emission(s, -direction), pdf_light_at_surface(hit.primitive, s, from, 0u));
+    return Met(surface_emission(s, -direction), pdf_light_at_surface(hit.primitive, hit.instance, s, from, 0u));
 }
 
 void main() {

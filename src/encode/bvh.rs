@@ -1,6 +1,7 @@
 //! Bounding volume hierarchy, and geometry laid out for the kernels. Only this module and its children name `obvhs`.
 
 pub(crate) mod instances;
+mod motions;
 mod plane;
 mod split;
 mod wide;
@@ -12,10 +13,11 @@ use rayon::prelude::*;
 use self::instances::is_instance;
 use self::split::Boxes;
 use crate::generated::constants;
-use crate::generated::layout::{AttributeRecord, PrimitiveRecord, TEXEL_BYTES};
-use crate::scene::{Group, Instance, Primitive, PrimitiveShape, Scene};
+use crate::generated::layout::{AttributeRecord, InstanceRecord, PrimitiveRecord, TEXEL_BYTES};
+use crate::scene::{Instance, Primitive, PrimitiveShape, Scene};
 
 pub use self::instances::Part;
+pub use self::motions::Motions;
 
 /// Number of words of one compressed wide node (Ylitie et al. 2017).
 pub const NODE_WORDS: usize = constants::NODE_TEXELS as usize * TEXEL_BYTES / size_of::<u32>();
@@ -42,6 +44,8 @@ pub struct Bvh {
     pub bounds: (Vec3, Vec3),
     /// Groups that instances show.
     pub parts: Vec<Part>,
+    /// Motions of instances, and that of the camera.
+    pub motions: Motions,
 }
 
 impl Bvh {
@@ -56,16 +60,20 @@ impl Bvh {
         let (primitives, mut attributes): (_, Vec<_>) = records.unzip();
         let depth = depth(&nodes);
         number_lights(attributes.iter_mut());
-        Self { primitives, attributes, sources: order, nodes, depth, bounds, parts: Vec::new() }
+        let (parts, motions) = (Vec::new(), Motions::default());
+        Self { primitives, attributes, sources: order, nodes, depth, bounds, parts, motions }
     }
 
     /// Builds the hierarchy of a scene. All numbers must be finite, and all transforms of instances must have an inverse.
     pub fn of_scene(scene: &Scene) -> Self {
-        let Scene { primitives, groups, instances, .. } = scene;
-        match instances.is_empty() {
-            true => Self::build(primitives),
-            false => with_instances(primitives, groups, instances),
+        let mut bvh = match scene.instances.is_empty() {
+            true => Self::build(&scene.primitives),
+            false => with_instances(scene),
+        };
+        if let Some(motion) = &scene.camera_motion {
+            bvh.motions.add_camera(motion, bvh.primitives.len());
         }
+        bvh
     }
 
     /// Whether some primitives are instances.
@@ -88,6 +96,17 @@ impl Bvh {
     /// Whether any primitive is a sphere.
     pub fn has_spheres(&self) -> bool {
         self.primitives.iter().any(|p| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE)
+    }
+
+    /// Whether instances show any sphere.
+    pub fn has_placed_spheres(&self) -> bool {
+        let is_sphere = |p: &PrimitiveRecord| p.flags & constants::PRIMITIVE_SHAPE_MASK == constants::SHAPE_SPHERE;
+        self.parts.first().is_some_and(|first| self.primitives[first.primitives.start as usize..].iter().any(is_sphere))
+    }
+
+    /// Number of leaves of the world, which come first among the primitives.
+    pub fn world_len(&self) -> usize {
+        self.parts.first().map_or(self.primitives.len(), |part| part.primitives.start as usize)
     }
 
     /// Whether any sphere emits light.
@@ -125,12 +144,18 @@ fn records(primitive: &Primitive) -> (PrimitiveRecord, AttributeRecord) {
 }
 
 /// Hierarchy of two levels: that of the world has instances among its leaves, and each group has one of its own.
-fn with_instances(primitives: &[Primitive], groups: &[Group], placements: &[Instance]) -> Bvh {
+fn with_instances(scene: &Scene) -> Bvh {
+    let Scene { primitives, groups, instances: placements, motions, .. } = scene;
     let of_groups: Vec<Bvh> = groups.par_iter().map(|group| Bvh::build(&group.primitives)).collect();
     let boxes_of_groups: Vec<_> = of_groups.iter().map(|bvh| instances::boxes(&bvh.nodes)).collect();
-    let of_group = |instance: &Instance| &boxes_of_groups[instance.group as usize][..];
-    let placed: Vec<Aabb> =
-        placements.par_iter().map(|instance| instances::placed_box(instance, of_group(instance))).collect();
+    let place = |instance: &Instance| {
+        let boxes = &boxes_of_groups[instance.group as usize];
+        match instance.motion {
+            Some(motion) => instances::swept_box(&motions[motion as usize], boxes),
+            None => instances::placed_box(instance, boxes),
+        }
+    };
+    let placed: Vec<Aabb> = placements.par_iter().map(place).collect();
     let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
     let shown = placed.iter().map(|aabb| (Vec3::from(aabb.min), Vec3::from(aabb.max)));
     let own = (!primitives.is_empty()).then(|| scene_bounds(primitives));
@@ -145,15 +170,21 @@ fn with_instances(primitives: &[Primitive], groups: &[Group], placements: &[Inst
         parts.push(Part { root, primitives: first..end, boxes });
         (root, first) = (root + bvh.nodes.len() as u32, end);
     }
+    let all_primitives = first as usize;
+    let of_motions = Motions::new(motions, all_primitives);
     let of_leaf = |&index: &u32| match primitives.get(index as usize) {
         Some(primitive) => records(primitive),
         None => {
             let instance = &placements[index as usize - primitives.len()];
-            instances::instance_records(instance, parts[instance.group as usize].root)
+            let root = parts[instance.group as usize].root;
+            match instance.motion {
+                Some(motion) => instances::moving_records(instance, root, of_motions.place(motion)),
+                None => instances::instance_records(instance, root),
+            }
         }
     };
     let (mut all, mut attributes): (Vec<_>, Vec<_>) = order.par_iter().map(of_leaf).unzip();
-    number_lights(all.iter().zip(&mut attributes).filter(|(record, _)| !is_instance(record)).map(|(_, own)| own));
+    number_lights_of_world(&mut all, &mut attributes, &parts, &of_groups);
     let mut sources = order;
     let mut first_source = (primitives.len() + placements.len()) as u32;
     let mut deepest = 0;
@@ -166,7 +197,8 @@ fn with_instances(primitives: &[Primitive], groups: &[Group], placements: &[Inst
         first_source += group.primitives.len() as u32;
         deepest = deepest.max(bvh.depth);
     }
-    Bvh { nodes, primitives: all, attributes, sources, depth: depth_of_world + deepest, bounds, parts }
+    let depth = depth_of_world + deepest;
+    Bvh { nodes, primitives: all, attributes, sources, depth, bounds, parts, motions: of_motions }
 }
 
 /// Node of a group's hierarchy as a node of the whole one.
@@ -265,6 +297,30 @@ fn attribute_record(p: &Primitive) -> AttributeRecord {
 fn number_lights<'a>(attributes: impl Iterator<Item = &'a mut AttributeRecord>) {
     let emitting = attributes.filter(|attributes| attributes.emitter != constants::NONE);
     emitting.zip(0..).for_each(|(attributes, light)| attributes.light = light);
+}
+
+/// Numbers the lights of the world and of instances in the order of the leaves. The lights of a group follow each other in each of its
+/// instances.
+fn number_lights_of_world(
+    records: &mut [PrimitiveRecord],
+    attributes: &mut [AttributeRecord],
+    parts: &[Part],
+    groups: &[Bvh],
+) {
+    let is_light = |attributes: &&AttributeRecord| attributes.light != constants::NONE;
+    let counts: Vec<u32> = groups.iter().map(|bvh| bvh.attributes.iter().filter(is_light).count() as u32).collect();
+    let mut next = 0;
+    for (record, own) in records.iter_mut().zip(attributes) {
+        if is_instance(record) {
+            let group = instances::number_of_part(parts, record);
+            let instance: &mut InstanceRecord = bytemuck::cast_mut(record);
+            instance.first_light = next;
+            next += counts[group];
+        } else if own.emitter != constants::NONE {
+            own.light = next;
+            next += 1;
+        }
+    }
 }
 
 /// Unit vector as two signed 16-bit numbers (Cigolle et al. 2014), which GLSL reads by `unpackSnorm2x16`.

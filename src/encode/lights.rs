@@ -21,11 +21,12 @@ pub(crate) use group_tree::group_nodes;
 pub use group_tree::{first_weights, group_tree};
 
 use crate::encode::bvh::Bvh;
+use crate::encode::bvh::instances::{is_instance, number_of_part, shown};
 use crate::encode::cells::morton_key;
 use crate::encode::textures::halves;
 use crate::generated::constants;
 use crate::generated::layout::{
-    AttributeRecord, BlockRecord, DeltaLightRecord, EmitterRecord, LightGroupRecord, LightRecord, PrimitiveRecord,
+    BlockRecord, DeltaLightRecord, EmitterRecord, LightGroupRecord, LightRecord, PlacedLightRecord, PrimitiveRecord,
     SceneConstants, TEXEL_BYTES,
 };
 use crate::scene::{AreaEmitter, DeltaEmitter, DeltaKind, Environment, EnvironmentKind, PictureAxes, Scene, Textured};
@@ -43,6 +44,8 @@ pub struct Lights {
     groups: Vec<LightGroupRecord>,
     patches_per_side: u32,
     delta_lights: Vec<DeltaLightRecord>,
+    /// Area lights that instances show.
+    placed_lights: Vec<PlacedLightRecord>,
     environment: Option<EnvironmentLight>,
     total_power: f64,
     brightest: f32,
@@ -62,12 +65,15 @@ impl Lights {
     /// lights, then the environment. Where cells learn which lights to draw, each patch of the environment is a light.
     pub fn new(scene: &Scene, bvh: &Bvh, learned: bool) -> Self {
         let radius = 0.5 * f64::from((bvh.bounds.1 - bvh.bounds.0).length());
-        let candidates = area_candidates(scene, bvh);
-        // Texels of delta lights follow those of the emitters and of the lights.
+        let AreaLights { mut candidates, placed: placed_lights } = area_lights(scene, bvh);
+        // Texels of delta lights follow those of the emitters and of the lights, and then come placed lights.
         let patches = Patches::new(scene, bvh, candidates.len(), learned);
+        let first_delta = scene.emitters.len() + patches.light_count;
+        let first_placed = (first_delta + scene.delta_emitters.len() * DELTA_TEXELS) as u32;
+        let of_instances = candidates.iter_mut().filter(|candidate| candidate.kind == constants::LIGHT_PLACED);
+        of_instances.for_each(|candidate| candidate.index += first_placed);
         let mut candidates: Vec<_> =
             candidates.into_iter().flat_map(|light| light.in_parts(patches.area_side * patches.area_side)).collect();
-        let first_delta = scene.emitters.len() + patches.light_count;
         let deltas = delta_order(scene, bvh, patches.group_count > 0).into_iter();
         candidates.extend(deltas.map(|i| (i, &scene.delta_emitters[i])).map(|(i, emitter)| Candidate {
             kind: delta_light_kind(emitter),
@@ -98,6 +104,7 @@ impl Lights {
             groups,
             patches_per_side: patches.area_side as u32,
             delta_lights: scene.delta_emitters.iter().map(|emitter| delta_record(&emitter.kind)).collect(),
+            placed_lights,
             brightest: brightest(scene, radius, environment.as_ref()),
             environment,
         }
@@ -150,6 +157,7 @@ impl Lights {
         texels.extend_from_slice(bytemuck::cast_slice(&self.emitters));
         texels.extend_from_slice(bytemuck::cast_slice(&self.lights));
         texels.extend_from_slice(bytemuck::cast_slice(&self.delta_lights));
+        texels.extend_from_slice(bytemuck::cast_slice(&self.placed_lights));
         if let Some((map, table)) = self.environment.as_ref().and_then(|environment| environment.map.as_ref()) {
             let block = |&AliasEntry { threshold, alias, probability }: &AliasEntry| -> [u32; 4] {
                 bytemuck::cast(BlockRecord { threshold, alias, unused: 0, probability })
@@ -175,7 +183,7 @@ impl Lights {
 
     /// Index of the texel at which the environment's table begins.
     fn first_block(&self) -> usize {
-        self.emitters.len() + self.lights.len() + self.delta_lights.len() * DELTA_TEXELS
+        self.emitters.len() + self.lights.len() + self.delta_lights.len() * DELTA_TEXELS + self.placed_lights.len()
     }
 
     /// Sets the constants through which kernels find the lights.
@@ -292,15 +300,40 @@ fn mean_rgb(color: Vec3) -> f64 {
     f64::from(color.element_sum()) / 3.0
 }
 
-fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
-    let surfaces = bvh.surfaces().map(|(index, _, attributes)| (index, attributes));
-    let emitting: Vec<_> = surfaces.filter(|(_, attributes)| attributes.light != constants::NONE).collect();
-    let has_texture =
-        |attributes: &AttributeRecord| scene.emitters[attributes.emitter as usize].radiance.texture.is_some();
-    let points = points_for(emitting.iter().filter(|(_, attributes)| has_texture(attributes)).count());
+/// Area lights of a scene, in the order of their numbers.
+struct AreaLights {
+    /// The index of one that an instance shows is its place among the placed ones.
+    candidates: Vec<Candidate>,
+    placed: Vec<PlacedLightRecord>,
+}
+
+fn area_lights(scene: &Scene, bvh: &Bvh) -> AreaLights {
+    let emits = |index: &u32| bvh.attributes[*index as usize].light != constants::NONE;
+    let of_parts: Vec<Vec<u32>> =
+        bvh.parts.iter().map(|part| part.primitives.clone().filter(emits).collect()).collect();
+    let has_lamps = of_parts.iter().any(|lights| !lights.is_empty());
+    // Primitives that emit, each with the instance that shows it, if there is one.
+    let mut emitting: Vec<(u32, Option<u32>)> = Vec::new();
+    for leaf in 0..bvh.world_len() as u32 {
+        let record = &bvh.primitives[leaf as usize];
+        match bvh.has_instances() && is_instance(record) {
+            true if has_lamps => {
+                let lights = &of_parts[number_of_part(&bvh.parts, record)];
+                emitting.extend(lights.iter().map(|&primitive| (primitive, Some(leaf))));
+            }
+            true => {}
+            false => emitting.extend(emits(&leaf).then_some((leaf, None))),
+        }
+    }
+    let has_texture = |index: u32| {
+        let attributes = &bvh.attributes[index as usize];
+        scene.emitters[attributes.emitter as usize].radiance.texture.is_some()
+    };
+    let points = points_for(emitting.iter().filter(|(index, _)| has_texture(*index)).count());
     // Each is the maximum over a whole image, so it is not found again for each triangle.
     let brightest: Vec<_> = scene.emitters.iter().map(|emitter| brightest_texel(scene, emitter)).collect();
-    let candidate = |&(index, attributes): &(u32, &AttributeRecord)| {
+    let power = |&(index, instance): &(u32, Option<u32>)| {
+        let attributes = &bvh.attributes[index as usize];
         let emitter = &scene.emitters[attributes.emitter as usize];
         let primitive = &bvh.primitives[index as usize];
         let of_texture = |texture: u32| {
@@ -308,10 +341,20 @@ fn area_candidates(scene: &Scene, bvh: &Bvh) -> Vec<Candidate> {
             brightness(&scene.textures[texture as usize], &scene.images, maximum, primitive, attributes, points)
         };
         let radiance = mean_rgb(emitter.radiance.value) * emitter.radiance.texture.map_or(1.0, of_texture);
-        let power = area(primitive) * PI * radiance * f64::from(emitter.sampling_weight);
-        Candidate { kind: constants::LIGHT_AREA, index, power }
+        let in_world = instance.map(|instance| shown(primitive, &bvh.attributes[instance as usize]));
+        area(in_world.as_ref().unwrap_or(primitive)) * PI * radiance * f64::from(emitter.sampling_weight)
     };
-    emitting.par_iter().map(candidate).collect()
+    let powers: Vec<f64> = emitting.par_iter().map(power).collect();
+    let mut placed = Vec::new();
+    let candidate = |(&(primitive, instance), power): (&(u32, Option<u32>), f64)| match instance {
+        None => Candidate { kind: constants::LIGHT_AREA, index: primitive, power },
+        Some(instance) => {
+            placed.push(PlacedLightRecord { primitive, instance, unused: [0; 2] });
+            Candidate { kind: constants::LIGHT_PLACED, index: placed.len() as u32 - 1, power }
+        }
+    };
+    let candidates = emitting.iter().zip(powers).map(candidate).collect();
+    AreaLights { candidates, placed }
 }
 
 /// Area of a primitive.

@@ -54,14 +54,20 @@ pub fn boxes(scene: &Scene) -> Vec<(Vec3, Vec3)> {
         return Vec::new();
     }
     let bounds = |primitive: &Primitive| scene.materials.get(primitive.material as usize)?.boundary;
-    for primitive in &scene.primitives {
-        let Some(Boundary { interior, exterior }) = bounds(primitive) else { continue };
-        let (min, max) = primitive.bounds();
+    let mut add = |primitive: &Primitive, (min, max): (Vec3, Vec3)| {
+        let Some(Boundary { interior, exterior }) = bounds(primitive) else { return };
         for medium in [interior, exterior].into_iter().flatten() {
             if let Some(known) = boxes.get_mut(medium as usize) {
                 let (low, high) = known.get_or_insert((min, max));
                 (*low, *high) = (low.min(min), high.max(max));
             }
+        }
+    };
+    scene.primitives.iter().for_each(|primitive| add(primitive, primitive.bounds()));
+    for instance in &scene.instances {
+        let bounded = scene.groups[instance.group as usize].primitives.iter().filter(|own| bounds(own).is_some());
+        for primitive in bounded {
+            add(primitive, scene.placed_box(instance, primitive.bounds()));
         }
     }
     boxes.into_iter().flatten().collect()

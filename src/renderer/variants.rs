@@ -29,6 +29,9 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         has_vertex_normals: bvh.has_vertex_normals(),
         has_front_only: bvh.has_front_only(),
         has_instances: bvh.has_instances(),
+        has_placed_spheres: bvh.has_placed_spheres(),
+        motion_segments: bvh.motions.most_segments(),
+        camera_segments: bvh.motions.of_camera.map_or(0, |[_, count]| count),
         camera: match scene.camera.projection {
             Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
             Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use glam::{DMat4, Mat4, Vec2, Vec3};
+use glam::{DMat3, DMat4, Mat4, Vec2, Vec3};
 
+use super::motion::is_even;
 use super::{
     AreaEmitter, Bsdf, Camera, FilmDescription, FovAxis, Group, Instance, IntegratorDescription, LoadOptions, Material,
-    MaterialKind, Media, Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial, Textured,
-    load,
+    MaterialKind, Media, Motion, Primitive, PrimitiveShape, Projection, ReconstructionFilter, Scene, SurfaceMaterial,
+    Textured, load,
 };
 use crate::{Error, Result};
 
@@ -72,6 +73,8 @@ impl Scene {
             primitives: Vec::new(),
             groups: Vec::new(),
             instances: Vec::new(),
+            motions: Vec::new(),
+            camera_motion: None,
             materials: Vec::new(),
             media: Media::default(),
             emitters: Vec::new(),
@@ -149,6 +152,30 @@ impl Scene {
     pub fn add_instance(&mut self, group: u32, world_from_group: &DMat4) {
         self.instances.push(Instance::new(group, world_from_group));
     }
+
+    /// Whether an instance shows spheres as spheres at all times.
+    fn keeps_spheres(&self, instance: &Instance) -> bool {
+        match instance.motion {
+            Some(motion) => {
+                let motion = &self.motions[motion as usize];
+                let starts = motion.segments().iter().map(|segment| f64::from(segment.start));
+                starts.chain([1.0]).all(|time| is_even(&DMat3::from_mat4(motion.at(time))))
+            }
+            None => is_even(&instance.world_from_group()),
+        }
+    }
+
+    /// Shows a group that moves.
+    pub fn add_moving_instance(&mut self, group: u32, motion: Motion) {
+        self.instances.push(Instance::moving(group, self.motions.len() as u32, &motion));
+        self.motions.push(motion);
+    }
+
+    /// Moves the camera.
+    pub fn move_camera(&mut self, motion: Motion) {
+        self.camera.world_from_camera = motion.at(0.5).as_mat4();
+        self.camera_motion = Some(motion);
+    }
 }
 
 impl Scene {
@@ -180,13 +207,18 @@ impl Scene {
                 return refuse(format!("primitive {at} has emitter {emitter}, but the scene has {count} emitters"));
             }
         }
-        if of_groups.clone().any(|primitive| primitive.emitter.is_some() || primitive.shape == PrimitiveShape::Sphere) {
-            return refuse("a group has a sphere or a primitive that emits; put these into the scene itself".into());
-        }
         for (at, instance) in self.instances.iter().enumerate() {
             if instance.group as usize >= self.groups.len() {
                 let (group, count) = (instance.group, self.groups.len());
                 return refuse(format!("instance {at} shows group {group}, but the scene has {count} groups"));
+            }
+            if instance.motion.is_some_and(|motion| motion as usize >= self.motions.len()) {
+                let count = self.motions.len();
+                return refuse(format!("instance {at} has a motion that is none of the scene's {count}"));
+            }
+            let shows_sphere = self.groups[instance.group as usize].has_sphere();
+            if shows_sphere && !self.keeps_spheres(instance) {
+                return refuse(format!("instance {at} scales a sphere unevenly or shears it; give it an even scale"));
             }
             if instance.group_from_world().is_none() {
                 return refuse(format!(
@@ -249,7 +281,12 @@ mod tests {
             DMat4::from_cols_array(&[1.0, 0.0, 0.0, 0.0, 600.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
         refused(&|s| instance(s, slanted), "shears too much");
         refused(&|s| s.add_instance(3, &DMat4::IDENTITY), "instance 0 shows group 3, but the scene has 0 groups");
-        refused(&|s| s.groups.push(Group { primitives: s.primitives.clone() }), "a group has a sphere");
+        let sphere = |s: &mut Scene, matrix: DMat4| {
+            let group = s.group_from(0);
+            s.add_instance(group, &matrix);
+        };
+        assert_eq!(scene(&|s| sphere(s, scaled(-2.0, 2.0, 2.0))), Ok(()));
+        refused(&|s| sphere(s, scaled(2.0, 1.0, 2.0)), "instance 0 scales a sphere unevenly");
         refused(&|s| s.camera.fov = 180.0, "field of view is 180 degrees");
         refused(&|s| s.camera.fov = f32::NAN, "not finite");
     }

@@ -30,6 +30,8 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
         primitives,
         groups,
         instances,
+        motions,
+        camera_motion,
         materials,
         media,
         emitters,
@@ -43,12 +45,12 @@ pub fn fingerprint(scene: &Scene) -> Result<String> {
     let lights = (emitters, environment, delta_emitters);
     let small = (camera, film, integrator, sample_count, materials, media, lights, textures);
     let flat = hash(&(primitives, images, small))?;
-    if instances.is_empty() {
+    if instances.is_empty() && camera_motion.is_none() {
         return Ok(format!("{flat:032x}"));
     }
     let groups = groups.iter().map(|group| hashes(group.primitives.par_chunks(CHUNK))).collect::<Result<Vec<_>>>()?;
     let instances = (instances.len(), hashes(instances.par_chunks(CHUNK))?);
-    Ok(format!("{:032x}", hash(&(flat, groups, instances))?))
+    Ok(format!("{:032x}", hash(&(flat, groups, instances, motions, camera_motion))?))
 }
 
 fn hashes<T: Serialize>(items: impl IndexedParallelIterator<Item = T>) -> Result<Vec<u128>> {

@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
+use super::motion::{Motion, usable_inverse};
+
 /// One primitive of the scene, in world space, or of a group, in the group's space.
 ///
 /// A point on the three flat shapes is `origin + u * edge_u + v * edge_v`.
@@ -61,11 +63,18 @@ impl Primitive {
     }
 }
 
-/// Primitives that are stored once, in a space of their own, and shown by instances. They are no spheres and do not emit.
+/// Primitives that are stored once, in a space of their own, and shown by instances.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Group {
     /// The primitives.
     pub primitives: Vec<Primitive>,
+}
+
+impl Group {
+    /// Whether the group has a sphere.
+    pub fn has_sphere(&self) -> bool {
+        self.primitives.iter().any(|primitive| primitive.shape == PrimitiveShape::Sphere)
+    }
 }
 
 /// Group in a place of the world.
@@ -77,17 +86,20 @@ pub struct Instance {
     pub axes: [Vec3; 3],
     /// Image of the origin of the group's space.
     pub origin: Vec3,
+    /// Index into `Scene::motions` where the transform depends on time. The axes and the origin are then those of the middle of that time.
+    pub motion: Option<u32>,
 }
-
-/// Most that an instance's transform may amplify roundings: the largest element of |M| |M^-1| (Skeel 1979). Rotations and any
-/// scales along orthogonal axes have at most 3, a shear by the factor 10 has 21.
-const MOST_AMPLIFICATION: f64 = 1000.0;
 
 impl Instance {
     /// A group in the place that an affine transform gives it.
     pub fn new(group: u32, world_from_group: &DMat4) -> Self {
         let [x, y, z, origin] = [0, 1, 2, 3].map(|column| world_from_group.col(column).truncate().as_vec3());
-        Self { group, axes: [x, y, z], origin }
+        Self { group, axes: [x, y, z], origin, motion: None }
+    }
+
+    /// A group that moves: `motion` has the index `index` in the scene.
+    pub fn moving(group: u32, index: u32, motion: &Motion) -> Self {
+        Self { motion: Some(index), ..Self::new(group, &motion.at(0.5)) }
     }
 
     /// Matrix of the transform of directions.
@@ -99,19 +111,12 @@ impl Instance {
     /// Inverse of that matrix; `None` where the transform is no number, flattens the group, or shears it so much that roundings
     /// would show.
     pub fn group_from_world(&self) -> Option<DMat3> {
-        let matrix = self.world_from_group();
-        let inverse = matrix.inverse();
-        let amplification = matrix.abs() * inverse.abs();
-        let largest = amplification.to_cols_array().into_iter().fold(0.0, f64::max);
-        let fits = |matrix: &DMat3| matrix.to_cols_array().iter().all(|x| (*x as f32).is_finite());
-        let is_usable = fits(&inverse) && fits(&matrix) && self.origin.is_finite() && largest <= MOST_AMPLIFICATION;
-        // A comparison with NaN is false, but `max` drops it.
-        (is_usable && amplification.is_finite()).then_some(inverse)
+        usable_inverse(&self.world_from_group()).filter(|_| self.origin.is_finite())
     }
 
     /// Whether the group is shown where it is.
     pub fn is_identity(&self) -> bool {
-        self.axes == [Vec3::X, Vec3::Y, Vec3::Z] && self.origin == Vec3::ZERO
+        self.motion.is_none() && self.axes == [Vec3::X, Vec3::Y, Vec3::Z] && self.origin == Vec3::ZERO
     }
 
     /// Box in the world, as (minimum, maximum), of a box of the group.

@@ -9,6 +9,7 @@ use super::film::FilmDescription;
 use super::geometry::{Group, Instance, Primitive};
 use super::integrator::IntegratorDescription;
 use super::medium::Media;
+use super::motion::Motion;
 use super::texture::{Image, Texture};
 
 /// Whole scene in world space.
@@ -32,6 +33,10 @@ pub struct Scene {
     pub groups: Vec<Group>,
     /// Instances of the groups.
     pub instances: Vec<Instance>,
+    /// Motions, which instances refer to by index.
+    pub motions: Vec<Motion>,
+    /// Motion of the camera, whose transform is then that of the middle of the shutter's time.
+    pub camera_motion: Option<Motion>,
     /// Materials that primitives refer to by index, and materials that choose between others.
     pub materials: Vec<Material>,
     /// Media, which the boundaries of materials refer to by index.
@@ -54,7 +59,12 @@ impl Scene {
     /// Axis-aligned box that holds all primitives and instances, as (minimum, maximum); `None` for an empty scene. Without instances
     /// it is the smallest one.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
-        bounds(&self.primitives, &self.groups, &self.instances)
+        bounds(&self.primitives, &self.groups, &self.instances, &self.motions)
+    }
+
+    /// Box in the world, at all times, of a box of the group that an instance shows.
+    pub(crate) fn placed_box(&self, instance: &Instance, of_group: (Vec3, Vec3)) -> (Vec3, Vec3) {
+        placed_box(instance, &self.motions, of_group)
     }
 
     /// Number of primitives that rays can hit: those of each instance count.
@@ -69,14 +79,31 @@ impl Scene {
     }
 }
 
+/// Box that holds a box of an instance's group at all times.
+fn placed_box(instance: &Instance, motions: &[Motion], of_group: (Vec3, Vec3)) -> (Vec3, Vec3) {
+    let place = || instance.place_box(of_group);
+    let swept = instance
+        .motion
+        .and_then(|motion| motions[motion as usize].swept(of_group, STEPS).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))));
+    let (low, high) = swept.unwrap_or_else(place);
+    (low.as_vec3(), high.as_vec3())
+}
+
+/// Boxes of each segment of a motion.
+const STEPS: u32 = 16;
+
 /// Axis-aligned box that holds all primitives and instances.
-pub(super) fn bounds(primitives: &[Primitive], groups: &[Group], instances: &[Instance]) -> Option<(Vec3, Vec3)> {
+pub(super) fn bounds(
+    primitives: &[Primitive],
+    groups: &[Group],
+    instances: &[Instance],
+    motions: &[Motion],
+) -> Option<(Vec3, Vec3)> {
     let union = |a: (Vec3, Vec3), b: (Vec3, Vec3)| (a.0.min(b.0), a.1.max(b.1));
     let of = |primitives: &[Primitive]| primitives.iter().map(Primitive::bounds).reduce(union);
     let of_groups: Vec<_> = groups.iter().map(|group| of(&group.primitives)).collect();
-    let placed = instances.iter().filter_map(|instance| {
-        let (low, high) = instance.place_box(of_groups[instance.group as usize]?);
-        Some((low.as_vec3(), high.as_vec3()))
-    });
+    let placed = instances
+        .iter()
+        .filter_map(|instance| Some(placed_box(instance, motions, of_groups[instance.group as usize]?)));
     of(primitives).into_iter().chain(placed).reduce(union)
 }

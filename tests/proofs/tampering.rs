@@ -10,7 +10,8 @@ use lodestar::fleet::sums::{self, AddSums, Sums};
 use lodestar::settings::{DirectionMap, GuideSet, Learner, Sampler};
 
 use support::mutated::{
-    DIMMED_TWICE, FAR_OFF, FEW_SURFACES, INSTANCE_FAULTS, OTHER_PHASE, OTHER_SIDE, SHORT_OF_LIGHT, TILTED_BACK,
+    DIMMED_TWICE, FAR_OFF, FEW_SURFACES, INSTANCE_FAULTS, MOTION_FAULTS, OTHER_PHASE, OTHER_SIDE, SHORT_OF_LIGHT,
+    TILTED_BACK,
 };
 use support::tier;
 
@@ -251,8 +252,11 @@ const OF_MEDIA: [&str; 3] = [DIMMED_TWICE, OTHER_SIDE, OTHER_PHASE];
 #[test]
 fn every_mutation_is_a_fault_or_harmless() {
     let used = FAULTS.iter().map(|fault| &fault.0).chain(HARMLESS.iter().map(|harmless| &harmless.0));
-    let elsewhere =
-        [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, TILTED_BACK].into_iter().chain(OF_MEDIA).chain(INSTANCE_FAULTS);
+    let elsewhere = [SHORT_OF_LIGHT, FAR_OFF, FEW_SURFACES, TILTED_BACK]
+        .into_iter()
+        .chain(OF_MEDIA)
+        .chain(INSTANCE_FAULTS)
+        .chain(MOTION_FAULTS);
     let used: Vec<_> = used.filter_map(|subject| subject.mutation).chain(elsewhere).collect();
     let unused: Vec<_> = tampered::MUTATIONS.iter().map(|m| m.name).filter(|name| !used.contains(name)).collect();
     assert!(unused.is_empty(), "{unused:?}");

@@ -42,6 +42,10 @@ impl Device {
         if has_queries { vec![device, by_queries] } else { vec![device] }
     }
 
+    pub fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
     /// Word for the traversal, for messages.
     pub fn traversal(&self) -> &'static str {
         if self.by_queries { "by ray queries" } else { "in compute" }

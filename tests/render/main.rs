@@ -19,6 +19,7 @@ mod instances;
 mod learning;
 mod light_selection;
 mod media;
+mod motion;
 mod nee;
 mod noise;
 mod passages;

@@ -18,6 +18,7 @@ mod mapped;
 mod materials;
 mod media;
 mod meshes;
+mod motion;
 mod obj;
 mod ours;
 mod pbrt;

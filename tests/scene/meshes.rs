@@ -288,7 +288,8 @@ fn instances_and_groups_that_make_no_sense() {
     let group = |member: &str| format!(r#"<shape type="shapegroup" id="a">{member}</shape>"#);
     refused(&group(r#"<shape type="shapegroup"/>"#), "cannot stand inside");
     refused(&group(r#"<shape type="instance"><ref id="a"/></shape>"#), "cannot stand inside");
-    refused(&group(r#"<shape type="disk"><emitter type="area"/></shape>"#), "cannot emit");
+    let moving = r#"<shape type="disk"><animation name="to_world"><transform time="0"/></animation></shape>"#;
+    refused(&group(moving), "a shape in a `shapegroup` cannot move; move the `instance`");
     let uneven = r#"<shape type="instance"><ref id="a"/><transform name="to_world"><scale x="2"/></transform></shape>"#;
     refused(&[&group(r#"<shape type="sphere"/>"#), uneven].concat(), "unevenly");
     // Spheres are always copied. A thousand instances of slightly more than a thousand exceed the limit of 2^20 shapes.

@@ -24,13 +24,16 @@ vec2 sample_filter(vec2 u) {
     return u;
 }
 
+// Rows of the camera's matrix, which may depend on the path's time.
+vec4[3] camera_rows();
+
 vec3 camera_position() {
-    vec4 rows[3] = scene().world_from_camera;
+    vec4 rows[3] = camera_rows();
     return vec3(rows[0].w, rows[1].w, rows[2].w);
 }
 
 vec3 world_from_camera(vec3 direction) {
-    vec4 rows[3] = scene().world_from_camera;
+    vec4 rows[3] = camera_rows();
     return vec3(dot(rows[0].xyz, direction), dot(rows[1].xyz, direction), dot(rows[2].xyz, direction));
 }
 

@@ -49,6 +49,7 @@ struct SceneConstants {
     uint first_light_group;          // first texel of the groups of lights among the emitters' texels
     uint first_medium;               // record of the first medium among those of the materials
     uint camera_medium;              // number of the medium around the camera, counted from 1; 0 without one
+    uint camera_motion;              // first texel of the camera's motion among those of the primitives
 };
 
 layout(scalar, set = FRAME_SET, binding = 0) restrict buffer FilmRadiancePage { FilmRadiance film_radiance[]; };
@@ -138,6 +139,11 @@ uvec4 light_texel(uint light, uint texel) {
 // Texel of a delta light, whose record begins at the texel `first` of the buffer.
 uvec4 delta_light_texel(uint first, uint texel) {
     return fetch_emitter_texel(first + texel);
+}
+
+// Texel of the record of an area light that an instance shows, which is the texel `at` of the buffer.
+uvec4 placed_light_texel(uint at, uint texel) {
+    return fetch_emitter_texel(at + texel);
 }
 
 uvec4 block_texel(uint block, uint texel) {

@@ -25,6 +25,11 @@ uvec4 primitive_texel(uint primitive, uint texel) {
 uvec4 attribute_texel(uint primitive, uint texel) {
     return texelFetch(bvh_attributes, int(primitive * ATTRIBUTE_TEXELS + texel));
 }
+
+// Texel of the segment of a motion that begins at the texel `first` of the primitives' buffer.
+uvec4 motion_texel(uint first, uint texel) {
+    return texelFetch(bvh_primitives, int(first + texel));
+}
 #else
 layout(scalar, set = BVH_SET, binding = 0) restrict readonly buffer BvhNodes { uvec4 bvh_nodes[]; };
 layout(scalar, set = BVH_SET, binding = 1) restrict readonly buffer BvhPrimitives { uvec4 bvh_primitives[]; };
@@ -41,10 +46,18 @@ uvec4 primitive_texel(uint primitive, uint texel) {
 uvec4 attribute_texel(uint primitive, uint texel) {
     return bvh_attributes[primitive * ATTRIBUTE_TEXELS + texel];
 }
+
+uvec4 motion_texel(uint first, uint texel) {
+    return bvh_primitives[first + texel];
+}
 #endif
 
 // Instances lie among the primitives, in records of the same size.
 uvec4 instance_texel(uint instance, uint texel) {
+    return primitive_texel(instance, texel);
+}
+
+uvec4 moving_texel(uint instance, uint texel) {
     return primitive_texel(instance, texel);
 }
 

@@ -34,7 +34,7 @@ Hit query_structure(Ray ray, uint flags, out bool refused, inout bool overrun) {
         bool has_hit = rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
         Hit candidate = miss;
         if (has_hit) candidate.t = rayQueryGetIntersectionTEXT(query, true);
-        if (intersect_primitive(ray, NONE, primitive, candidate)) {
+        if (intersect_primitive(ray, ray, NONE, primitive, candidate)) {
             hit = candidate;
             if (rayQueryGetIntersectionTypeEXT(query, false) == gl_RayQueryCandidateIntersectionTriangleEXT) {
                 rayQueryConfirmIntersectionEXT(query);
@@ -49,7 +49,7 @@ Hit query_structure(Ray ray, uint flags, out bool refused, inout bool overrun) {
     uint primitive = primitive_of(rayQueryGetIntersectionInstanceCustomIndexEXT(query, true),
                                   rayQueryGetIntersectionPrimitiveIndexEXT(query, true));
     if (primitive == hit.primitive) return hit;
-    refused = !intersect_primitive(ray, NONE, primitive, miss);
+    refused = !intersect_primitive(ray, ray, NONE, primitive, miss);
     return miss;
 }
 

@@ -202,7 +202,7 @@ Surface surface_at(Ray ray, Hit hit) {
 
     Placement placement;
     PrimitiveRecord in_group = p;
-    bool moved = is_moved(hit);
+    bool moved = is_moved(hit.instance);
     if (moved) {
         placement = placement_of(hit.instance);
         p = primitive_in_world(in_group, placement);
@@ -215,6 +215,8 @@ Surface surface_at(Ray ray, Hit hit) {
     s.dp_dv = vec3(0.0);
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
         place_on_sphere(s, ray, hit, p.origin, p.edge_tolerance);
+        // The center and the radius are rounded products.
+        if (HAS_PLACED_SPHERES && moved) s.epsilon += 16.0 * ROUNDING * (dot(vec3(1.0), abs(p.origin)) + p.edge_tolerance);
         if (has_texture_coordinates()) parametrize_sphere(s, s.geometric_normal, p.edge_u, p.edge_v, attributes.uv0.x);
     } else {
         if (moved) {

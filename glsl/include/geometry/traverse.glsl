@@ -16,9 +16,9 @@ bool meets_front(vec3 direction, uint primitive, PrimitiveRecord p, vec2 uv) {
     return dot(n, direction) < 0.0;
 }
 
-// Tests one primitive, which an instance shows or none. The ray is in the primitive's space. A hit nearer than `hit.t` replaces
-// `hit`. Returns whether that happened.
-bool intersect_primitive(Ray ray, uint instance, uint primitive, inout Hit hit) {
+// Tests one primitive, which an instance shows or none. `ray` is in the primitive's space, and `world_ray` is the same in the world, where
+// spheres are met. A hit nearer than `hit.t` replaces `hit`. Returns whether that happened.
+bool intersect_primitive(Ray ray, Ray world_ray, uint instance, uint primitive, inout Hit hit) {
     PrimitiveRecord p = load_primitive(primitive);
     if (HAS_INSTANCES && instance != NONE) p.edge_tolerance *= length(ray.direction);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
@@ -26,7 +26,12 @@ bool intersect_primitive(Ray ray, uint instance, uint primitive, inout Hit hit) 
     vec2 uv = hit.uv;
     bool closer;
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
-        closer = intersect_sphere(ray, p.origin, p.edge_tolerance, t, uv);
+        if (HAS_PLACED_SPHERES && is_moved(instance)) {
+            PrimitiveRecord shown = primitive_in_world(load_primitive(primitive), placement_of(instance));
+            p.origin = shown.origin;
+            p.edge_tolerance = shown.edge_tolerance;
+        }
+        closer = intersect_sphere(world_ray, p.origin, p.edge_tolerance, t, uv);
     } else {
         closer = intersect_flat(ray, p, shape, t, uv);
     }
@@ -202,7 +207,7 @@ Hit traverse(Ray ray, bool any_hit, inout bool overrun) {
             if (HAS_INSTANCES && instance == NONE && is_instance(primitive_base + bit)) {
                 waiting_base = primitive_base;
                 waiting |= 1u << bit;
-            } else if (intersect_primitive(local, instance, primitive_base + bit, hit) && any_hit) {
+            } else if (intersect_primitive(local, ray, instance, primitive_base + bit, hit) && any_hit) {
                 // A ray that asks for any hit needs no second one.
                 primitives = later_primitives = 0u;
             }

@@ -79,10 +79,24 @@ uint patches_per_light() {
     return LIGHT_PATCHES * LIGHT_PATCHES;
 }
 
+// The light's primitive, which an instance shows or none, in the world.
+PrimitiveRecord light_in_world(uint primitive, uint instance) {
+    PrimitiveRecord p = load_primitive(primitive);
+    if (has_light(LIGHT_PLACED) && is_moved(instance)) p = primitive_in_world(p, placement_of(instance));
+    return p;
+}
+
+// Index of the light of a primitive, which an instance shows or none; NONE where the primitive does not emit.
+uint light_of(uint primitive, uint instance) {
+    uint light = attribute_light(primitive);
+    if (has_light(LIGHT_PLACED) && instance != NONE && light != NONE) light += instance_first_light(instance);
+    return light;
+}
+
 // Density per steradian of the direction from `from` to a surface point of an area light, given that this light was
 // chosen.
-float pdf_area_light(uint primitive, Surface s, vec3 from) {
-    PrimitiveRecord p = load_primitive(primitive);
+float pdf_area_light(uint primitive, uint instance, Surface s, vec3 from) {
+    PrimitiveRecord p = light_in_world(primitive, instance);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
     if (HAS_SPHERES && shape == SHAPE_SPHERE) {
         // From before a sphere, sample_sphere draws points of its near side only. Through holes or thin glass of that side, a path may
@@ -104,8 +118,8 @@ float arrival_error(Surface s, bool sphere, vec3 from) {
 
 // Number of the patch of a flat light that a point lies in. Patches are the parts of the unit square that sample_flat maps to the
 // light.
-uint patch_of_light(uint primitive, vec3 position) {
-    PrimitiveRecord p = load_primitive(primitive);
+uint patch_of_light(uint primitive, uint instance, vec3 position) {
+    PrimitiveRecord p = light_in_world(primitive, instance);
     vec3 d = position - p.origin;
     // Two steps, because squares of small or large edges leave a float's range.
     vec3 n = cross(p.edge_u, p.edge_v);
@@ -127,8 +141,8 @@ bool has_light_patches() {
 }
 
 // Point of an area light. `epsilon` of the surface suits rays from `from` that end there.
-Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
-    PrimitiveRecord p = load_primitive(primitive);
+Surface sample_area_light(uint primitive, uint instance, vec3 from, vec2 u) {
+    PrimitiveRecord p = light_in_world(primitive, instance);
     uint shape = p.flags & PRIMITIVE_SHAPE_MASK;
     bool sphere = HAS_SPHERES && shape == SHAPE_SPHERE;
     vec2 uv = sample_flat(shape, u);
@@ -140,7 +154,7 @@ Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
     }
     // The ray ends at the point: length 0.
     Ray ray = Ray(point, vec3(0.0, 0.0, 1.0), 0.0);
-    Surface s = surface_at(ray, Hit(0.0, uv, primitive, NONE));
+    Surface s = surface_at(ray, Hit(0.0, uv, primitive, instance));
     if (sphere) {
         // The rounded position of a point of a tiny sphere may lie on the sphere's other side.
         s.geometric_normal = (p.flags & PRIMITIVE_FLIP_NORMAL) != 0u ? -outward : outward;
@@ -152,13 +166,19 @@ Surface sample_area_light(uint primitive, vec3 from, vec2 u) {
 
 LightSample area_light_sample(uint index, LightRecord light, vec3 from, vec2 u) {
     uint primitive = index_of_light(light);
+    uint instance = NONE;
+    if (has_light(LIGHT_PLACED) && kind_of_light(light) == LIGHT_PLACED) {
+        PlacedLightRecord placed = load_placed_light(primitive);
+        primitive = placed.primitive;
+        instance = placed.instance;
+    }
     if (has_light_patches()) u = place_in_patch(index % patches_per_light(), u);
-    Surface s = sample_area_light(primitive, from, u);
+    Surface s = sample_area_light(primitive, instance, from, u);
     vec3 d = s.position - from;
     float squared = dot(d, d);
     vec3 wi = d * inversesqrt(max(squared, 1.0e-37));
     float probability = light.probability * float(patches_per_light());
-    float pdf = squared > 0.0 ? probability * pdf_area_light(primitive, s, from) : 0.0;
+    float pdf = squared > 0.0 ? probability * pdf_area_light(primitive, instance, s, from) : 0.0;
     return LightSample(wi, leave_surface(s, -wi).origin, false, surface_emission(s, -wi), pdf, false);
 }
 
@@ -219,22 +239,25 @@ LightSample sample_light(RandomKey key, uint vertex, vec3 from, ChosenLight chos
     LightRecord light = chosen.record;
     uint kind = kind_of_light(light);
     LightSample s = NO_LIGHT_SAMPLE;
-    if (has_light(LIGHT_AREA) && kind == LIGHT_AREA) {
+    bool is_placed = has_light(LIGHT_PLACED) && kind == LIGHT_PLACED;
+    if ((has_light(LIGHT_AREA) && kind == LIGHT_AREA) || is_placed) {
         s = area_light_sample(chosen.index, light, from, unit_floats(chosen.bits).zw);
     }
     if (has_light(LIGHT_ENVIRONMENT) && kind == LIGHT_ENVIRONMENT) {
         s = environment_light_sample(light, random_bits(key, vertex, RANDOM_ENVIRONMENT));
     }
-    if (has_delta_lights() && kind >= LIGHT_POINT) s = delta_light_sample(light, from);
+    if (has_delta_lights() && kind >= LIGHT_POINT && !is_placed) s = delta_light_sample(light, from);
     s.pdf *= chosen.group_probability;
     return s;
 }
 
 // Density, per steradian, with which sample_light draws, at a point `from` in a cell, the direction to a surface that a ray has hit.
-float pdf_light_at_surface(uint primitive, Surface s, vec3 from, uint cell) {
-    uint light = attribute_light(primitive);
-    if (has_light_patches() && light != NONE) light = light * patches_per_light() + patch_of_light(primitive, s.position);
-    return light_probability(light, cell) * float(patches_per_light()) * pdf_area_light(primitive, s, from);
+float pdf_light_at_surface(uint primitive, uint instance, Surface s, vec3 from, uint cell) {
+    uint light = light_of(primitive, instance);
+    if (has_light_patches() && light != NONE) {
+        light = light * patches_per_light() + patch_of_light(primitive, instance, s.position);
+    }
+    return light_probability(light, cell) * float(patches_per_light()) * pdf_area_light(primitive, instance, s, from);
 }
 
 // Density, per steradian, with which sample_light draws, at a point in a cell, a direction in which a ray hits nothing.

@@ -6,6 +6,7 @@
 #include "path/medium.glsl"
 #include "path/straight.glsl"
 #include "path/learning.glsl"
+#include "geometry/motion.glsl"
 #include "geometry/surface.glsl"
 #include "shared/film.glsl"
 #include "shared/kept.glsl"
@@ -36,6 +37,18 @@ struct Path {
 RandomKey key_of_sample(uvec2 film_pixel, uint sample_index, uint first_of_sets) {
     uint first_of_set = max(sample_index - sample_index % SET_SIZE, first_of_sets);
     return random_key(film_pixel, uint(scene().film_size.x), sample_index, first_of_set, scene().seed);
+}
+
+vec4[3] camera_rows() {
+    vec4 rows[3] = scene().world_from_camera;
+    if (CAMERA_SEGMENTS != 0u) {
+        Pose pose = pose_at_moment(scene().camera_motion, CAMERA_SEGMENTS, CAMERA_SEGMENTS);
+        mat3 turned = transpose(pose.matrix);
+        rows[0] = vec4(turned[0], pose.origin.x);
+        rows[1] = vec4(turned[1], pose.origin.y);
+        rows[2] = vec4(turned[2], pose.origin.z);
+    }
+    return rows;
 }
 
 uvec2 pixel_of(Path path) {
@@ -70,6 +83,7 @@ Path new_path(RandomKey key) {
 }
 
 Path start_path(uvec2 film_pixel, RandomKey key) {
+    set_moment(key);
     Path path = new_path(key);
     path.pixel = film_pixel.x | (film_pixel.y << PIXEL_DIGITS);
     if (has_media()) path.medium = scene().camera_medium;

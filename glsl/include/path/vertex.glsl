@@ -95,17 +95,17 @@ float shade_miss(inout Path path, inout Tally tally) {
 }
 
 // Density with which emitter sampling draws the direction to a place where the path has met emission.
-float pdf_light_at_place(Path path, uint primitive, Surface surface) {
+float pdf_light_at_place(Path path, Hit hit, Surface surface) {
     if (has_media() && surface.emitter == NONE) return 0.0;
-    return pdf_light_at_surface(primitive, surface, path.previous_position, cell_left(path));
+    return pdf_light_at_surface(hit.primitive, hit.instance, surface, path.previous_position, cell_left(path));
 }
 
 // A ray that has met a surface or, with the primitive NONE, a point of a medium. Returns the target of its segment.
-float shade_place(inout Path path, uint primitive, Surface surface, Scatterer scatterer, vec4 u, inout Tally tally) {
+float shade_place(inout Path path, Hit hit, Surface surface, Scatterer scatterer, vec4 u, inout Tally tally) {
     // 1. Emission: the surface's own, towards where the path comes from.
     vec3 light = surface_emission(surface, -path.ray.direction);
     count_light_hit(tally, path.depth, light);
-    if (NEE) light *= emission_weight(path, pdf_light_at_place(path, primitive, surface));
+    if (NEE) light *= emission_weight(path, pdf_light_at_place(path, hit, surface));
     path.radiance += path.throughput * visible_emission(path, light);
     path.last_vertex.light = light;
     if (path.depth == MAX_DEPTH) {
@@ -189,11 +189,11 @@ float shade_met(inout Path path, Hit hit, vec4 u, inout FirstHit first_hit, inou
     uint medium = path.medium;
     if (!lets_through()) {
         if (path.depth == 1u) first_hit = first_hit_of(medium, surface, scatterer);
-        return shade_place(path, hit.primitive, surface, scatterer, u, tally);
+        return shade_place(path, hit, surface, scatterer, u, tally);
     }
     bool from_camera = comes_from_camera(path);
     uint straight = path.straight;
-    float target = shade_place(path, hit.primitive, surface, scatterer, u, tally);
+    float target = shade_place(path, hit, surface, scatterer, u, tally);
     if (from_camera && !scatterer.passes && path.straight <= straight) first_hit = first_hit_of(medium, surface, scatterer);
     return target;
 }

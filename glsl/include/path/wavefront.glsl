@@ -190,6 +190,11 @@ void store_path(uint slot, Path path) {
     if (keeps_origin()) store_path_guide(slot, path);
 }
 
+// Sets the time to that of a slot's path.
+void set_moment_of_slot(uint slot) {
+    if (has_time()) set_moment(key_of_slot(slot, film_pixel_of(slot)));
+}
+
 // The path of a slot.
 Path load_path(uint slot) {
     if (push.edge == 0u) return path_from_camera(slot, film_pixel_of(slot));
@@ -198,6 +203,7 @@ Path load_path(uint slot) {
     load_path_ray(slot, path);
     if (keeps_origin()) load_path_guide(slot, path);
     path.key = key_of_slot(slot, pixel_of(path));
+    set_moment(path.key);
     path.depth = push.edge + 1u;
     if (!lets_through()) forget_straight(path);
     if (!has_media()) path.medium = NO_MEDIUM;
@@ -219,6 +225,7 @@ bool slot_comes_from_camera(uint slot) {
 // The ray that a path travels now.
 Ray load_ray(uint slot) {
     if (push.edge == 0u) return path_from_camera(slot, film_pixel_of(slot)).ray;
+    set_moment_of_slot(slot);
     Path path;
     load_path_ray(slot, path);
     return path.ray;

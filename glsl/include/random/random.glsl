@@ -31,6 +31,7 @@ const uint RANDOM_ENVIRONMENT = 4u;
 const uint RANDOM_LEARNING = 5u;
 const uint RANDOM_LIGHT = 6u;
 const uint RANDOM_FLIGHT = 7u;
+const uint RANDOM_TIME = 8u;
 
 // Hash of four words (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering").
 uvec4 pcg4d(uvec4 v) {

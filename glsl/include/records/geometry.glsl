@@ -33,7 +33,42 @@ struct InstanceRecord {
     vec3 local_y;  // second row
     uint root;  // index of the first node of the group's hierarchy
     vec3 local_z;  // third row
-    float scale;  // factor by which the axis of the group's space grows that grows most
+    uint first_light;  // index of the instance's first light; those of its group follow each other
+};
+
+// Instance whose transform depends on time. Its flags, root and first light stand where an InstanceRecord has them.
+struct MovingRecord {
+    uint motion;         // first texel of the motion
+    uint segments;       // number of the motion's segments
+    uint unused;         // fills the place of a number
+    uint flags;          // PRIMITIVE_INSTANCE and PRIMITIVE_MOVING
+    uvec3 reserved;      // fills the place of a row
+    uint root;           // index of the first node of the group's hierarchy
+    uvec3 filling;       // fills the place of a row
+    uint first_light;    // index of the instance's first light
+};
+
+// Segment of a motion, from one key to the next. With s from 0 to 1 on the way, the matrix is that of a rotation by s times the angle, after
+// the stretch plus s times its growth. Segments follow each other in the order of time, behind all primitives.
+struct MotionRecord {
+    vec3 origin;     // place of the origin at the segment's start
+    float start;     // time at which the segment starts: 0 where the shutter opens, 1 where it closes
+    vec3 travel;     // way of the origin
+    float per_time;  // one over the duration
+    vec3 axis;       // unit axis of the rotation
+    float turns;     // angle of the rotation, in whole turns
+    vec3 stretch_x;  // matrix at the start: the image of the first axis
+    float unused;    // fills the texel
+    vec3 stretch_y;  // image of the second axis
+    float unused1;   // fills the texel
+    vec3 stretch_z;  // image of the third axis
+    float unused2;   // fills the texel
+    vec3 growth_x;   // growth of the stretch
+    float unused3;   // fills the texel
+    vec3 growth_y;   // growth of the second image
+    float unused4;   // fills the texel
+    vec3 growth_z;   // growth of the third image
+    float unused5;   // fills the texel
 };
 
 // Place of an instance, which lies where a primitive has its attributes: the world's images of the axes of the group's space, and the

@@ -39,6 +39,13 @@ struct DeltaLightRecord {
     uint unused;         // fills the texel
 };
 
+// Area light that an instance shows.
+struct PlacedLightRecord {
+    uint primitive;  // primitive of the group
+    uint instance;   // instance that shows it
+    uvec2 unused;    // fills the texel
+};
+
 // Entry of the alias table of an environment map's blocks.
 struct BlockRecord {
     uint threshold;     // threshold for 32 random bits: bits below it take this block, others its alias

@@ -73,6 +73,8 @@ const uint PRIMITIVE_FRONT_ONLY = 32u;
 const uint PRIMITIVE_INSTANCE = 64u;
 // The transform of the instance is the identity.
 const uint PRIMITIVE_UNMOVED = 128u;
+// The transform of the instance depends on time.
+const uint PRIMITIVE_MOVING = 256u;
 
 // Kind of a material that is a choice between two materials. The files of the folder bsdf declare the numbers of the other kinds.
 const uint MATERIAL_BLEND = 13u;
@@ -186,6 +188,8 @@ const uint LIGHT_SPOT = 3u;
 const uint LIGHT_DIRECTIONAL = 4u;
 const uint LIGHT_PICTURED_SPOT = 5u;
 const uint LIGHT_PROJECTOR = 6u;
+// Area light that an instance shows.
+const uint LIGHT_PLACED = 7u;
 const uint LIGHT_KIND_SHIFT = 29u;
 
 // A light's record holds its group and its alias in one word. LIGHT_GROUP_SHIFT is the position of the group, and

@@ -64,6 +64,12 @@ layout(constant_id = 17) const bool HAS_FRONT_ONLY = false;
 
 // Whether some geometry of the scene is shown by instances.
 layout(constant_id = 20) const bool HAS_INSTANCES = false;
+// Whether some instance shows a sphere.
+layout(constant_id = 21) const bool HAS_PLACED_SPHERES = false;
+// Maximum number of segments of an instance's motion; 0 where no instance moves.
+layout(constant_id = 22) const uint MOTION_SEGMENTS = 0u;
+// Number of segments of the camera's motion; 0 where it stands still.
+layout(constant_id = 23) const uint CAMERA_SEGMENTS = 0u;
 
 // Kinds of material in the scene: bit 1 << kind for each kind.
 layout(constant_id = 18) const uint MATERIAL_KINDS = 1u;

@@ -21,6 +21,7 @@ uint medium_of_connection(uint slot, vec3 direction) {
 
 void trace_shadow_ray(uint slot, inout bool overrun) {
     Connection connection = load_connection(slot);
+    set_moment_of_slot(slot);
     if (weakens_light()) {
         uint medium = NO_MEDIUM;
         if (has_media()) medium = medium_of_connection(slot, connection.ray.direction);

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use glam::{UVec3, Vec3};
+use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grid::Grid;
 use crate::encode::bvh::Bvh;
-use crate::encode::bvh::instances::{is_instance, part_of, placed, shown};
+use crate::encode::bvh::instances::{is_instance, motion_of, part_of, placed, shown};
 use crate::generated::constants;
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
 
@@ -15,6 +15,8 @@ use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
 const MARGIN: f32 = 1.0e-3;
 /// Most primitives of instances that are placed one by one. Where there are more, the boxes of a group's parts are placed.
 const MOST_PLACED: u64 = 1 << 22;
+/// Steps of a motion's segment whose boxes are placed.
+const MOTION_STEPS: u32 = 16;
 
 /// Whether a surface may touch each place. Every place that a surface does touch is marked.
 pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
@@ -26,7 +28,7 @@ pub fn occupied_places(bvh: &Bvh, grid: &Grid) -> Vec<bool> {
             occupied.store(true, Ordering::Relaxed);
         }
     };
-    let of_world = bvh.parts.first().map_or(bvh.primitives.len(), |part| part.primitives.start as usize);
+    let of_world = bvh.world_len();
     let (records, attributes) = (&bvh.primitives[..of_world], &bvh.attributes[..of_world]);
     let instances = records.par_iter().filter(|record| bvh.has_instances() && is_instance(record));
     let is_exact =
@@ -59,16 +61,19 @@ fn for_touched_by_instance(
     touch: impl Fn(UVec3) + Copy,
 ) {
     let part = part_of(&bvh.parts, record);
+    let touch_box = |(min, max): (DVec3, DVec3)| {
+        let [min, max] = [min, max].map(|corner| grid.coordinates(corner.as_vec3()));
+        Grid::places(grid.clamped(min - MARGIN), grid.clamped(max + MARGIN)).for_each(touch);
+    };
+    if let Some(motion) = motion_of(record).and_then(|first| bvh.motions.at(first)) {
+        return part.boxes.iter().flat_map(|&of_group| motion.swept(of_group, MOTION_STEPS)).for_each(touch_box);
+    }
     if is_exact {
         let primitives = part.primitives.start as usize..part.primitives.end as usize;
         return bvh.primitives[primitives].iter().for_each(|own| for_touched(grid, &shown(own, placement), touch));
     }
     let instance = placed(placement);
-    for &of_group in &part.boxes {
-        let (min, max) = instance.place_box(of_group);
-        let [min, max] = [min, max].map(|corner| grid.coordinates(corner.as_vec3()));
-        Grid::places(grid.clamped(min - MARGIN), grid.clamped(max + MARGIN)).for_each(touch);
-    }
+    part.boxes.iter().map(|&of_group| instance.place_box(of_group)).for_each(touch_box);
 }
 
 /// Primitive in the grid's coordinates, where places are unit cubes.

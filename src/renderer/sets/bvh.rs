@@ -1,6 +1,7 @@
 //! Set 1, Bvh: nodes, primitives and their attributes, in texel buffers where the device allows their size. With ray queries, an
 //! acceleration structure takes the place of the nodes.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -24,8 +25,8 @@ pub(crate) struct BvhSet {
 impl BvhSet {
     /// Texels of the largest of the three buffers.
     pub fn texels(bvh: &Bvh) -> u64 {
-        let bytes =
-            size_of_val(&bvh.nodes[..]).max(size_of_val(&bvh.primitives[..])).max(size_of_val(&bvh.attributes[..]));
+        let primitives = size_of_val(&bvh.primitives[..]) + size_of_val(&bvh.motions.records[..]);
+        let bytes = size_of_val(&bvh.nodes[..]).max(primitives).max(size_of_val(&bvh.attributes[..]));
         (bytes / TEXEL_BYTES) as u64
     }
 
@@ -33,9 +34,13 @@ impl BvhSet {
     pub fn new(context: &Arc<Context>, kernels: &Kernels, bvh: &Bvh, eye: Vec3) -> Result<Self> {
         let shape = set_shape(kernels, BVH_SET);
         let has = |number: u32| shape.bindings.iter().any(|binding| binding.binding == number);
+        let primitives: Cow<[u8]> = match bytemuck::cast_slice(&bvh.motions.records) {
+            [] => Cow::Borrowed(bytemuck::cast_slice(&bvh.primitives)),
+            motions => Cow::Owned([bytemuck::cast_slice(&bvh.primitives), motions].concat()),
+        };
         let contents: [(u32, &str, &[u8]); 3] = [
             (BVH_NODES, "BVH nodes", bytemuck::cast_slice(&bvh.nodes)),
-            (BVH_PRIMITIVES, "primitives", bytemuck::cast_slice(&bvh.primitives)),
+            (BVH_PRIMITIVES, "primitives", &primitives),
             (BVH_ATTRIBUTES, "attributes", bytemuck::cast_slice(&bvh.attributes)),
         ];
         let upload = |(binding, name, bytes): (u32, &str, &[u8])| {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Mat4;
 
 use crate::Result;
+use crate::encode::bvh::Bvh;
 use crate::encode::cells::Cells;
 use crate::encode::lights::Lights;
 use crate::encode::media;
@@ -48,13 +49,15 @@ impl Frame {
         kernels: &Kernels,
         scene: &Scene,
         shading: &Shading,
+        bvh: &Bvh,
         cells: &Cells,
         settings: &Settings,
     ) -> Result<Self> {
         let wave = wave_buffer(context, settings)?;
         let Shading { surfaces: Surfaces { materials, textures }, lights } = shading;
         let uploaded = |name: &str, bytes: &[u8], kind| Buffer::with_values(context, name, bytes, kind);
-        let constants = scene_constants(scene, cells, lights, settings);
+        let mut constants = scene_constants(scene, cells, lights, settings);
+        constants.camera_motion = bvh.motions.of_camera.map_or(0, |[first, _]| first);
         let constants = uploaded("scene constants", bytemuck::bytes_of(&constants), BufferKind::Uniform)?;
         let shape = set_shape(kernels, kernels::FRAME_SET);
         let materials = uploaded("materials", bytemuck::cast_slice(materials), buffer_kind(shape, numbers::MATERIALS))?;

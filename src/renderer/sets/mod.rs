@@ -42,7 +42,7 @@ impl Sets {
         settings: &Settings,
     ) -> Result<Self> {
         Ok(Self {
-            frame: Frame::new(context, kernels, scene, shading, cells, settings)?,
+            frame: Frame::new(context, kernels, scene, shading, bvh, cells, settings)?,
             bvh: BvhSet::new(context, kernels, bvh, scene.camera.world_from_camera.w_axis.truncate())?,
             radiance_grid: RadianceGrid::new(context, kernels, settings, cells, &shading.lights)?,
             normalization_grid: NormalizationGrid::new(context, kernels, settings, cells)?,

@@ -42,6 +42,14 @@ pub(in crate::scene) fn color(rgb: [f32; 3]) -> Value {
 
 /// Transform by a matrix.
 pub(in crate::scene) fn matrix(matrix: &DMat4) -> Value {
-    let rows = matrix.transpose().to_cols_array();
-    Value::Transform(Transform { operations: vec![Operation::Matrix(rows)] })
+    Value::Transform(transform(matrix))
+}
+
+fn transform(matrix: &DMat4) -> Transform {
+    Transform { operations: vec![Operation::Matrix(matrix.transpose().to_cols_array())] }
+}
+
+/// Transform by matrices at points in time.
+pub(in crate::scene) fn animation(keys: &[(f64, DMat4)]) -> Value {
+    Value::Animation(keys.iter().map(|(time, matrix)| (*time, transform(matrix))).collect())
 }

@@ -96,6 +96,8 @@ pub(in crate::scene) enum Value {
     Srgb([f64; 3]),
     Spectrum(Spectrum),
     Transform(Transform),
+    /// Transforms at points in time.
+    Animation(Vec<(f64, Transform)>),
     /// Mesh in memory.
     Mesh(Arc<Mesh>),
     /// Image file in memory.
@@ -158,6 +160,7 @@ impl Value {
             Self::Srgb(_) => Some(Type::Srgb),
             Self::Spectrum(_) => Some(Type::Spectrum),
             Self::Transform(_) => Some(Type::Transform),
+            Self::Animation(_) => Some(Type::Animation),
             Self::Object(object) if object.kind == Kind::Spectrum => Some(Type::Spectrum),
             Self::Fault(fault) => fault.of,
             Self::Mesh(_) | Self::Reference(_) | Self::Object(_) => None,

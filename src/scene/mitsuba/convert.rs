@@ -136,7 +136,16 @@ impl Writer<'_> {
                 return Ok(());
             }
             Value::Transform(transform) => {
-                self.transform(name, transform, depth);
+                self.transform(&[("name", name)], transform, depth);
+                return Ok(());
+            }
+            Value::Animation(keys) => {
+                self.open(depth, "animation", &[("name", name)]);
+                self.text += ">\n";
+                for (time, transform) in keys {
+                    self.transform(&[("time", &format!("{time:?}"))], transform, depth + 1);
+                }
+                self.text += &format!("{}</animation>\n", "    ".repeat(depth));
                 return Ok(());
             }
             // The scene was read, so nothing needs what was faulty.
@@ -178,8 +187,8 @@ impl Writer<'_> {
         Ok(())
     }
 
-    fn transform(&mut self, name: &str, transform: &Transform, depth: usize) {
-        self.open(depth, "transform", &[("name", name)]);
+    fn transform(&mut self, attributes: &[(&str, &str)], transform: &Transform, depth: usize) {
+        self.open(depth, "transform", attributes);
         self.text += ">\n";
         for operation in &transform.operations {
             let (tag, attributes) = match operation {

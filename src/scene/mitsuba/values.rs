@@ -42,7 +42,7 @@ pub(super) fn parameter(of: Type, element: &Element) -> Result<Value, String> {
         Type::Spectrum => Value::Spectrum(spectrum_of(element)?),
         Type::Transform => transform(element),
         Type::Blackbody => return Err("<blackbody> is not supported; give the color as <rgb>".to_owned()),
-        Type::Animation => return Err("<animation> is not supported; give a <transform>".to_owned()),
+        Type::Animation => animation(element),
     })
 }
 
@@ -110,6 +110,34 @@ fn transform(element: &Element) -> Value {
     match operations.collect() {
         Ok(operations) => Value::Transform(Transform { operations }),
         Err(fault) => Value::Fault(Box::new(fault)),
+    }
+}
+
+/// An `<animation>`: transforms, each with its time. Its first faulty one stands for the whole.
+fn animation(element: &Element) -> Value {
+    let fault = |child: &Element, message: String| {
+        let origin = Some(child.location.clone());
+        Value::Fault(Box::new(Fault { of: Some(Type::Animation), message, origin }))
+    };
+    let mut keys = Vec::new();
+    for child in &element.children {
+        if child.tag != "transform" {
+            return fault(child, format!("an <animation> has one <transform> for each time, not a <{}>", child.tag));
+        }
+        let time = child.attribute("time").ok_or_else(|| lacks(child, "time"));
+        match (time.and_then(numbers::one), transform(child)) {
+            (Ok(time), Value::Transform(transform)) => keys.push((time, transform)),
+            (Err(message), _) => return fault(child, message),
+            (_, Value::Fault(mut inner)) => {
+                inner.of = Some(Type::Animation);
+                return Value::Fault(inner);
+            }
+            (_, other) => return other,
+        }
+    }
+    match keys.is_empty() {
+        true => fault(element, "an <animation> needs a <transform> with its `time`".to_owned()),
+        false => Value::Animation(keys),
     }
 }
 

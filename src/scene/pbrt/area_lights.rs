@@ -130,7 +130,7 @@ mod tests {
             let mut tokens = Tokens::new(&text, Arc::clone(&file));
             let parameters = Parameters::read(&mut tokens, Place { file, line: 1 }, "a light".to_owned()).unwrap();
             let (to_world, color_space) = (Current::IDENTITY, ColorSpace::Srgb);
-            Rc::new(Entity { kind: "diffuse".to_owned(), parameters, to_world, color_space })
+            Rc::new(Entity { kind: "diffuse".to_owned(), parameters, to_world, at_end: None, color_space })
         };
         let (world, mut files, mut warnings) = (World::default(), Files::new(&main), Vec::new());
         let names = Names::new(&main);

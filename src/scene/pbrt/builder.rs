@@ -30,10 +30,11 @@ const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
 /// Graphics state: what holds for the directives that follow.
 #[derive(Debug, Clone)]
 pub(super) struct State {
-    pub to_world: Current,
+    /// Transforms at the start and at the end of the motion.
+    pub to_world: [Current; 2],
     pub is_reversed: bool,
-    /// Whether directives change the transform at the shutter's opening, not only the one at its closing.
-    pub is_at_start: bool,
+    /// Which of the two transforms directives change.
+    pub is_active: [bool; 2],
     color_space: ColorSpace,
     material: MaterialUse,
     light: Option<Rc<Entity>>,
@@ -57,7 +58,7 @@ pub(super) struct Builder {
     /// The object whose shapes are being read, and the number of states that were pushed before it.
     object: Option<(Object, usize)>,
     object_names: HashSet<String>,
-    coordinate_systems: HashMap<String, Current>,
+    coordinate_systems: HashMap<String, [Current; 2]>,
     is_world: bool,
     /// Warnings that were given.
     known_warnings: HashSet<&'static str>,
@@ -72,9 +73,9 @@ impl Builder {
     /// Builder of the scene whose main file is at `main`.
     pub fn new(main: &Path) -> Self {
         let state = State {
-            to_world: Current::IDENTITY,
+            to_world: [Current::IDENTITY; 2],
             is_reversed: false,
-            is_at_start: true,
+            is_active: [true; 2],
             color_space: ColorSpace::Srgb,
             material: MaterialUse::Default,
             light: None,
@@ -123,9 +124,9 @@ impl Builder {
         if mem::replace(&mut self.is_world, true) {
             return Err(place.error("a second WorldBegin; a file describes one scene"));
         }
-        self.state.to_world = Current::IDENTITY;
-        self.state.is_at_start = true;
-        self.coordinate_systems.insert("world".to_owned(), Current::IDENTITY);
+        self.state.to_world = [Current::IDENTITY; 2];
+        self.state.is_active = [true; 2];
+        self.coordinate_systems.insert("world".to_owned(), [Current::IDENTITY; 2]);
         Ok(())
     }
 
@@ -180,8 +181,9 @@ impl Builder {
         if self.world.instances.len() >= MAX_INSTANCES {
             return Err(place.error(format!("more than {MAX_INSTANCES} instances")));
         }
-        let to_world = self.state.to_world;
-        self.world.instances.push(Instance { name: name.to_owned(), place: place.clone(), to_world });
+        let (to_world, at_end) = self.transforms();
+        self.world.moves |= at_end.is_some();
+        self.world.instances.push(Instance { name: name.to_owned(), place: place.clone(), to_world, at_end });
         Ok(())
     }
 
@@ -215,17 +217,46 @@ impl Builder {
     }
 
     pub fn set_transform(&mut self, transform: Current, place: &Place) -> Result<()> {
-        if self.state.is_at_start {
-            self.state.to_world = transform;
+        self.set_transforms([transform; 2], place)
+    }
+
+    /// Sets those of the two transforms that are active.
+    fn set_transforms(&mut self, transforms: [Current; 2], place: &Place) -> Result<()> {
+        let State { to_world, is_active, .. } = &mut self.state;
+        for ((own, transform), _) in to_world.iter_mut().zip(transforms).zip(is_active).filter(|(_, active)| **active) {
+            *own = transform;
         }
-        match self.state.to_world.is_finite() {
+        match to_world.iter().all(Current::is_finite) {
             true => Ok(()),
             false => Err(place.error("the current transform leaves the range of single-precision numbers")),
         }
     }
 
     pub fn transform_by(&mut self, by: &Current, place: &Place) -> Result<()> {
-        self.set_transform(self.state.to_world.after(by), place)
+        self.set_transforms(self.state.to_world.map(|own| own.after(by)), place)
+    }
+
+    /// Sets the times of the two transforms.
+    pub fn set_times(&mut self, times: [f64; 2], place: &Place) -> Result<()> {
+        self.check_options("TransformTimes", place)?;
+        match times[0] < times[1] {
+            true => self.world.times = Some(times),
+            false => return Err(place.error("TransformTimes: the second time must be after the first")),
+        }
+        Ok(())
+    }
+
+    /// The transform at the start of the motion, and that at its end where it is another.
+    fn transforms(&self) -> (Current, Option<Current>) {
+        let [start, end] = self.state.to_world;
+        (start, Some(end).filter(|end| end.matrix != start.matrix))
+    }
+
+    /// Tells that something stands where it is at the start of the motion, if the transform changes.
+    fn warn_if_moving(&mut self, place: &Place, message: &'static str) {
+        if self.transforms().1.is_some() {
+            self.warn_once(place, message);
+        }
     }
 
     pub fn keep_coordinate_system(&mut self, name: &str) {
@@ -239,7 +270,7 @@ impl Builder {
                 brief(name)
             )));
         };
-        self.set_transform(transform, place)
+        self.set_transforms(transform, place)
     }
 
     pub fn set_attributes(&mut self, target: &str, parameters: Parameters) -> Result<()> {
@@ -291,8 +322,11 @@ impl Builder {
         match directive {
             "Camera" => {
                 self.check_options(directive, &place)?;
-                self.coordinate_systems.insert("camera".to_owned(), self.state.to_world.inverted());
-                self.world.camera = Some(self.entity(kind, parameters));
+                let world_from_camera = self.state.to_world.map(|own| own.inverted());
+                self.coordinate_systems.insert("camera".to_owned(), world_from_camera);
+                let camera = self.entity(kind, parameters);
+                self.world.moves |= camera.at_end.is_some();
+                self.world.camera = Some(camera);
                 self.world.camera_media = Rc::clone(&self.state.media);
             }
             "Film" | "PixelFilter" | "Sampler" | "Integrator" => {
@@ -309,6 +343,10 @@ impl Builder {
             "Shape" => self.add_shape(kind, parameters)?,
             "LightSource" => {
                 self.check_world(directive, &place)?;
+                self.warn_if_moving(
+                    &place,
+                    "lights without a shape do not move, as in pbrt; they stand where they are at the start",
+                );
                 let light = self.entity(kind, parameters.with_defaults(&self.state.attributes[1]));
                 self.world.lights.push(light);
             }
@@ -338,6 +376,10 @@ impl Builder {
     fn add_shape(&mut self, kind: String, parameters: Parameters) -> Result<()> {
         self.check_world("Shape", &parameters.place)?;
         let mut entity = self.entity(kind, parameters.with_defaults(&self.state.attributes[0]));
+        if self.object.is_some() && entity.at_end.is_some() {
+            return Err(entity.error("a shape that moves inside an object is not supported; move its ObjectInstance"));
+        }
+        self.world.moves |= entity.at_end.is_some();
         let room = MAX_TRIANGLES - self.triangle_count;
         let form = read_form::read(&entity, room, &mut self.files, &mut self.warnings);
         let Some(form) = self.faults.keep(form) else { return Ok(()) };
@@ -382,8 +424,8 @@ impl Builder {
     }
 
     fn entity(&self, kind: String, parameters: Parameters) -> Entity {
-        let State { to_world, color_space, .. } = self.state;
-        Entity { kind, parameters, to_world, color_space }
+        let (to_world, at_end) = self.transforms();
+        Entity { kind, parameters, to_world, at_end, color_space: self.state.color_space }
     }
 
     fn count(&mut self, place: &Place) -> Result<()> {

@@ -3,11 +3,11 @@
 use glam::{DMat4, DVec3};
 
 use super::tokens::brief;
-use super::transforms::rigid;
-use super::world::Entity;
+use super::transforms::{Current, rigid};
+use super::world::{Entity, World};
 use crate::Result;
 use crate::scene::description::kinds::Kind;
-use crate::scene::description::make::{matrix, object};
+use crate::scene::description::make::object;
 use crate::scene::description::object::{Object, Value};
 
 /// Distance of the near plane: pbrt's rays begin at the camera.
@@ -20,17 +20,34 @@ const SQUARE: f64 = 1.0e-3;
 const FOCUS: f64 = 1.0e6;
 
 /// Sensor of a camera for a film of `width` x `height` pixels, without its film.
-pub(super) fn sensor(entity: &Entity, width: i64, height: i64) -> Result<Object> {
-    // Exposure is a matter of the film, and nothing moves.
-    entity.parameters.ignore(&["shutteropen", "shutterclose"]);
-    let (pose, scale) = rigid(&entity.to_world.inverse)
-        .ok_or_else(|| entity.error("the camera's transform must neither shear nor scale unevenly"))?;
-    // Mitsuba's cameras have their +x to the left.
-    let pose = pose * DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+pub(super) fn sensor(entity: &Entity, world: &World, width: i64, height: i64) -> Result<Object> {
+    let pose = |current: &Current| {
+        let (pose, scale) = rigid(&current.inverse)
+            .ok_or_else(|| entity.error("the camera's transform must neither shear nor scale unevenly"))?;
+        // Mitsuba's cameras have their +x to the left.
+        Ok((pose * DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0)), scale))
+    };
+    let (start, scale) = pose(&entity.to_world)?;
+    let end = entity.at_end.as_ref().map(|end| pose(end)).transpose()?;
+    if end.is_some_and(|(_, other)| (other / scale - 1.0).abs() > SQUARE) {
+        return Err(entity.error("the camera's transform must not change its scale while it moves"));
+    }
+    let pose = Pose { start, end: end.map(|(end, _)| end), world };
     let window = Window::read(entity, width, height)?;
+    let sensor = projected(entity, &pose, scale, &window)?;
+    // Exposure is a matter of the film.
+    if !world.moves {
+        entity.parameters.ignore(&["shutteropen", "shutterclose"]);
+        return Ok(sensor);
+    }
+    let (open, close) = (entity.parameters.number("shutteropen", 0.0)?, entity.parameters.number("shutterclose", 1.0)?);
+    Ok(sensor.with("shutter_open", Value::Float(open)).with("shutter_close", Value::Float(close)))
+}
+
+fn projected(entity: &Entity, pose: &Pose, scale: f64, window: &Window) -> Result<Object> {
     match entity.kind.as_str() {
-        "perspective" => perspective(entity, &pose, scale, &window),
-        "orthographic" => orthographic(entity, &pose, scale, &window),
+        "perspective" => perspective(entity, pose, scale, window),
+        "orthographic" => orthographic(entity, pose, scale, window),
         other @ ("realistic" | "spherical") => {
             Err(entity.error(format!("the camera `{other}` is not supported; use `perspective` or `orthographic`")))
         }
@@ -69,7 +86,7 @@ impl Window {
     }
 }
 
-fn perspective(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Result<Object> {
+fn perspective(entity: &Entity, pose: &Pose, scale: f64, window: &Window) -> Result<Object> {
     let parameters = &entity.parameters;
     let fov = parameters.number("fov", 90.0)?;
     let lens = parameters.number("lensradius", 0.0)?;
@@ -107,7 +124,7 @@ fn perspective(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Re
     Ok(sensor)
 }
 
-fn orthographic(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> Result<Object> {
+fn orthographic(entity: &Entity, pose: &Pose, scale: f64, window: &Window) -> Result<Object> {
     let parameters = &entity.parameters;
     if parameters.number("lensradius", 0.0)? > 0.0 {
         return Err(entity.error("an `orthographic` camera with a lens is not supported; remove `lensradius`"));
@@ -115,11 +132,31 @@ fn orthographic(entity: &Entity, pose: &DMat4, scale: f64, window: &Window) -> R
     parameters.ignore(&["focaldistance", "fov"]);
     let center = DVec3::new(-0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top), 0.0) * scale;
     let half = 0.5 * (window.right - window.left) * scale;
-    let pose = *pose * DMat4::from_translation(center) * DMat4::from_scale(DVec3::new(half, half, 1.0));
-    Ok(posed("orthographic", &pose))
+    if pose.end.is_some() && center != DVec3::ZERO {
+        return Err(entity.error("an `orthographic` camera that moves needs a `screenwindow` around its center"));
+    }
+    Ok(posed(
+        "orthographic",
+        &pose.after(&(DMat4::from_translation(center) * DMat4::from_scale(DVec3::new(half, half, 1.0)))),
+    ))
 }
 
-fn posed(plugin: &'static str, pose: &DMat4) -> Object {
-    let entries = [("to_world", matrix(pose)), ("near_clip", Value::Float(NEAR)), ("far_clip", Value::Float(FAR))];
+/// Place of a camera at the start and, where it moves, at the end of the motion.
+struct Pose<'w> {
+    start: DMat4,
+    end: Option<DMat4>,
+    world: &'w World,
+}
+
+impl Pose<'_> {
+    /// This place after a transform.
+    fn after(&self, first: &DMat4) -> Self {
+        Self { start: self.start * *first, end: self.end.map(|end| end * *first), world: self.world }
+    }
+}
+
+fn posed(plugin: &'static str, pose: &Pose) -> Object {
+    let to_world = pose.world.placed(&pose.start, pose.end.as_ref());
+    let entries = [("to_world", to_world), ("near_clip", Value::Float(NEAR)), ("far_clip", Value::Float(FAR))];
     object(Kind::Sensor, plugin, entries)
 }

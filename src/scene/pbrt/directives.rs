@@ -119,26 +119,21 @@ fn transform(builder: &mut Builder, word: &str, tokens: &mut Tokens, place: &Pla
             return builder.use_coordinate_system(&name, place);
         }
         "TransformTimes" => {
-            tokens.numbers::<2>(word)?;
+            return builder.set_times(tokens.numbers::<2>(word)?, place);
+        }
+        "ActiveTransform" => {
+            builder.state.is_active = match tokens.require("`All`, `StartTime` or `EndTime`")? {
+                Token::Word("All") => [true, true],
+                Token::Word("StartTime") => [true, false],
+                Token::Word("EndTime") => [false, true],
+                other => {
+                    return Err(tokens
+                        .place()
+                        .error(format!("`All`, `StartTime` or `EndTime` should stand here, not {other}")));
+                }
+            };
             return Ok(());
         }
-        "ActiveTransform" => match tokens.require("`All`, `StartTime` or `EndTime`")? {
-            Token::Word("All" | "StartTime") => {
-                builder.state.is_at_start = true;
-                return Ok(());
-            }
-            Token::Word("EndTime") => {
-                builder
-                    .warn_once(place, "motion is not rendered: everything stands where it is at the shutter's opening");
-                builder.state.is_at_start = false;
-                return Ok(());
-            }
-            other => {
-                return Err(tokens
-                    .place()
-                    .error(format!("`All`, `StartTime` or `EndTime` should stand here, not {other}")));
-            }
-        },
         _ => {
             return Err(
                 place.error(format!("{} is not a directive of pbrt-v4; check its spelling", quoted::word(word)))

@@ -49,7 +49,7 @@ use std::path::Path;
 
 use super::description::{self, Description};
 use crate::scene::description::kinds::Kind;
-use crate::scene::description::make::{matrix, nested, object};
+use crate::scene::description::make::{nested, object};
 use crate::scene::description::object::Value;
 use crate::{Error, Result};
 use builder::Builder;
@@ -90,7 +90,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let integrator = faults.keep(film::integrator(&world, &mut warnings));
     objects.extend(integrator.map(|object| names.entry("integrator".to_owned(), "integrator", object)));
     if let (Some(camera), Some(film)) = (&world.camera, film) {
-        let sensor = faults.keep(camera::sensor(camera, film.width, film.height));
+        let sensor = faults.keep(camera::sensor(camera, &world, film.width, film.height));
         let sampler = faults.keep(film::sampler(&world)).flatten();
         let parts = [("film", Some(film.into_object())), ("sampler", sampler)];
         let parts = parts.into_iter().filter_map(|(key, part)| Some((key, part?)));
@@ -106,7 +106,7 @@ pub(super) fn read(path: &Path) -> Result<Description> {
     let mut textures = Textures::new(&world, Images::new(&mut files, &mut warnings), &names);
     let lights = lights::of_scene(&world, exposure, &names, &mut textures, &mut faults);
     let mut materials = Materials::new(&names);
-    let mut made = Shapes::new(&names, &media, exposure);
+    let mut made = Shapes::new(&names, &media, exposure, &world);
     let mut placed = Vec::new();
     let mut groups = HashMap::new();
     for Object { name, place, shapes } in groups_of_shapes {
@@ -130,7 +130,8 @@ pub(super) fn read(path: &Path) -> Result<Description> {
             faults.add(instance.place.error(format!("there is no object `{name}`; define it by ObjectBegin")));
             continue;
         };
-        let entries = [("group", Value::Reference(id.clone())), ("to_world", matrix(&instance.to_world.matrix))];
+        let to_world = world.placed(&instance.to_world.matrix, instance.at_end.as_ref().map(|end| &end.matrix));
+        let entries = [("group", Value::Reference(id.clone())), ("to_world", to_world)];
         placed.push(names.entry(
             names.label(&instance.place, "instance"),
             "instance",

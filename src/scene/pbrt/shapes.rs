@@ -12,10 +12,10 @@ use super::names::Names;
 use super::quadrics::{self, Disk, Sphere};
 use super::textures::Textures;
 use super::transforms::{is_mirrored, rigid};
-use super::world::{Entity, Shape};
+use super::world::{Entity, Shape, World};
 use crate::Result;
 use crate::scene::description::kinds::Kind;
-use crate::scene::description::make::{matrix, nested, object};
+use crate::scene::description::make::{nested, object};
 use crate::scene::description::object::{MESH, Object, Value};
 use crate::scene::mesh::{self, MAX_TRIANGLES, Mesh};
 
@@ -30,6 +30,7 @@ pub(super) struct Shapes<'l> {
     media: &'l Media,
     /// Factor of all light.
     exposure: f64,
+    world: &'l World,
     triangle_count: usize,
 }
 
@@ -38,13 +39,15 @@ struct Placed<'s> {
     entity: &'s Entity,
     form: Form,
     to_world: DMat4,
+    /// Transform at the end of the motion, where it is another.
+    at_end: Option<DMat4>,
     is_reversed: bool,
     cover: Cover,
 }
 
 impl<'l> Shapes<'l> {
-    pub fn new(names: &'l Names, media: &'l Media, exposure: f64) -> Self {
-        Self { names, media, exposure, triangle_count: 0 }
+    pub fn new(names: &'l Names, media: &'l Media, exposure: f64, world: &'l World) -> Self {
+        Self { names, media, exposure, world, triangle_count: 0 }
     }
 
     /// Objects of a shape: one, or several where it emits from both sides or where triangles differ in radiance.
@@ -65,10 +68,10 @@ impl<'l> Shapes<'l> {
         let light = light.map(|light| AreaLight::read(&light, self.exposure, textures)).transpose()?;
         let is_textured = cover.is_textured || light.as_ref().is_some_and(AreaLight::is_textured);
         let label = self.names.label(&entity.parameters.place, &format!("shape `{}`", entity.kind));
-        let to_world = entity.to_world.matrix;
+        let (to_world, at_end) = (entity.to_world.matrix, entity.at_end.map(|end| end.matrix));
         let needs_mesh = light.as_ref().is_some_and(|light| light.is_two_sided || light.has_power());
         let form = prepared(form, &entity, is_textured, needs_mesh, textures)?;
-        let placed = Placed { entity: &entity, form, to_world, is_reversed, cover };
+        let placed = Placed { entity: &entity, form, to_world, at_end, is_reversed, cover };
         let parts = match &light {
             None => vec![(placed, None)],
             Some(light) => lit(placed, light, textures)?,
@@ -83,7 +86,7 @@ impl<'l> Shapes<'l> {
     }
 
     fn object(&mut self, placed: Placed, emitter: Option<Object>) -> Result<Object> {
-        let Placed { entity, form, mut to_world, is_reversed, cover } = placed;
+        let Placed { entity, form, mut to_world, mut at_end, is_reversed, cover } = placed;
         let mirrored = is_mirrored(&to_world);
         let has_normals = form.has_normals();
         // In pbrt the normals that a mesh gives decide which side is the front, and else the order of its vertices before they
@@ -104,7 +107,9 @@ impl<'l> Shapes<'l> {
                 flips = is_reversed ^ mirrored;
                 if cover.is_textured {
                     // pbrt's v runs from the lowest z up, Mitsuba's down.
-                    to_world *= DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+                    let turned = DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+                    to_world *= turned;
+                    at_end = at_end.map(|end| end * turned);
                     flips = !flips;
                 }
                 object(Kind::Shape, "sphere", [("radius", Value::Float(radius))])
@@ -117,8 +122,8 @@ impl<'l> Shapes<'l> {
             }
         };
         shape = shape.with("flip_normals", Value::Boolean(flips));
-        if to_world != DMat4::IDENTITY {
-            shape = shape.with("to_world", matrix(&to_world));
+        if to_world != DMat4::IDENTITY || at_end.is_some() {
+            shape = shape.with("to_world", self.world.placed(&to_world, at_end.as_ref()));
         }
         shape = shape.with("bsdf", Value::Reference(cover.id.clone()));
         if let Some(emitter) = emitter {
@@ -141,12 +146,17 @@ impl<'l> Shapes<'l> {
 fn prepared(form: Form, entity: &Entity, is_textured: bool, needs_mesh: bool, textures: &mut Textures) -> Result<Form> {
     let mut warn = |message: &str| textures.images.warn(&entity.parameters.place, message);
     Ok(match form {
-        Form::Sphere { radius } if rigid(&entity.to_world.matrix).is_none() => {
+        Form::Sphere { radius }
+            if [Some(entity.to_world), entity.at_end].iter().flatten().any(|own| rigid(&own.matrix).is_none()) =>
+        {
             warn("a sphere that is scaled unevenly is cut into triangles");
             Form::Mesh(quadrics::sphere(&Sphere::whole(radius)))
         }
-        Form::Disk { radius, height } if is_textured => {
-            warn("a disk with a texture is cut into triangles");
+        Form::Disk { radius, height } if is_textured || entity.at_end.is_some() => {
+            warn(match is_textured {
+                true => "a disk with a texture is cut into triangles",
+                false => "a disk that moves is cut into triangles",
+            });
             let disk = Disk { radius, inner: 0.0, height, angle: std::f64::consts::TAU };
             Form::Mesh(quadrics::disk(&disk))
         }
@@ -223,8 +233,8 @@ fn by_area<'s>(placed: Placed<'s>, light: &AreaLight) -> Result<Vec<(Placed<'s>,
     }
     let part = |(area, triangles): (f64, Vec<[u32; 3]>)| {
         let form = Form::Mesh(part_of(mesh, triangles));
-        let Placed { entity, to_world, is_reversed, ref cover, .. } = placed;
-        (Placed { entity, form, to_world, is_reversed, cover: cover.clone() }, area)
+        let Placed { entity, to_world, at_end, is_reversed, ref cover, .. } = placed;
+        (Placed { entity, form, to_world, at_end, is_reversed, cover: cover.clone() }, area)
     };
     Ok(groups.into_iter().map(part).collect())
 }
@@ -280,6 +290,7 @@ fn back<'s>(front: &Placed<'s>, size: f64) -> Placed<'s> {
         entity: front.entity,
         form,
         to_world: front.to_world * offset,
+        at_end: front.at_end.map(|end| end * offset),
         is_reversed: !front.is_reversed,
         cover: front.cover.clone(),
     }

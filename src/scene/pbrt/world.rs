@@ -3,11 +3,15 @@
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
+use glam::DMat4;
+
 use super::color_space::ColorSpace;
 use super::form::Form;
 use super::parameters::Parameters;
 use super::tokens::Place;
 use super::transforms::Current;
+use crate::scene::description::make::{animation, matrix};
+use crate::scene::description::object::Value;
 
 /// Directive with its type, its parameters and what held where it stands.
 #[derive(Debug, Clone)]
@@ -16,6 +20,8 @@ pub(super) struct Entity {
     pub kind: String,
     pub parameters: Parameters,
     pub to_world: Current,
+    /// Transform at the end of the motion, where it is another.
+    pub at_end: Option<Current>,
     pub color_space: ColorSpace,
 }
 
@@ -65,6 +71,8 @@ pub(super) struct Instance {
     pub name: String,
     pub place: Place,
     pub to_world: Current,
+    /// Transform at the end of the motion, where it is another.
+    pub at_end: Option<Current>,
 }
 
 /// Texture with the number of its directive: a texture may use only earlier ones.
@@ -77,6 +85,10 @@ pub(super) struct NamedTexture {
 /// Whole scene as its directives give it.
 #[derive(Debug, Default)]
 pub(super) struct World {
+    /// Times of the two transforms of what moves; 0 and 1 where the file gives none.
+    pub times: Option<[f64; 2]>,
+    /// Whether anything moves.
+    pub moves: bool,
     pub camera: Option<Entity>,
     pub film: Option<Entity>,
     pub filter: Option<Entity>,
@@ -96,4 +108,15 @@ pub(super) struct World {
     pub numbers: HashMap<String, NamedTexture>,
     /// Textures that give a color.
     pub colors: HashMap<String, NamedTexture>,
+}
+
+impl World {
+    /// Value of a transform: of one matrix, or of two at the times of the motion.
+    pub fn placed(&self, start: &DMat4, end: Option<&DMat4>) -> Value {
+        let [first, last] = self.times.unwrap_or([0.0, 1.0]);
+        match end {
+            Some(end) => animation(&[(first, *start), (last, *end)]),
+            None => matrix(start),
+        }
+    }
 }

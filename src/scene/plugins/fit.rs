@@ -81,5 +81,5 @@ pub(super) fn sensor(
     let (Vec3 { x, y, z }, direction) = (eye, if view == View::Mitsuba { "+z" } else { "-z" });
     let message = format!("a camera at ({x}, {y}, {z}) that looks along {direction} was fitted to the scene");
     warnings.push(format!("{}: {message}", path.display()));
-    Ok(Sensor { camera, film: DEFAULT_FILM, sample_count: None, medium: None })
+    Ok(Sensor { camera, motion: None, shutter: [0.0; 2], film: DEFAULT_FILM, sample_count: None, medium: None })
 }

@@ -3,15 +3,16 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{DMat4, Vec3};
+use glam::{DMat4, DVec3, Vec3};
 
 use super::flatten::{Common, MeshOptions};
+use super::properties::Keys;
 use super::shape::{Geometry, MeshFile, SIMILARITY, Shape, primitive_count};
 use super::transform::{is_mirrored, is_similarity};
 use crate::Result;
-use crate::scene::Instance;
 use crate::scene::description::origin::Origin;
 use crate::scene::mesh::Mesh;
+use crate::scene::{Course, Instance, Motion};
 
 /// Most shapes of a scene, with those of copies. A few instances of a large group can ask for more than any memory holds.
 const MAX_SHAPES: usize = 1 << 20;
@@ -26,11 +27,12 @@ pub(super) enum Item<'a> {
 }
 
 /// Group in a place of the world.
-#[derive(Clone, Copy)]
 pub(super) struct Placed<'a> {
     /// Index of the group.
     pub group: usize,
     pub to_world: DMat4,
+    /// Transforms at points in time, where the instance moves.
+    pub keys: Option<Box<Keys>>,
     /// Place of the instance, for messages.
     pub origin: &'a Origin,
 }
@@ -43,6 +45,7 @@ pub(super) struct Arranged {
     /// Index of the first shape of each group that is kept.
     pub groups: Vec<usize>,
     pub instances: Vec<Instance>,
+    pub motions: Vec<Motion>,
 }
 
 /// Decides which instances become copies, and which shapes that share a mesh become instances.
@@ -50,8 +53,10 @@ pub(super) fn arrange(
     mut items: Vec<Item>,
     mut groups: Vec<Vec<Shape>>,
     meshes: &HashMap<MeshFile, Arc<Mesh>>,
+    shutter: [f64; 2],
 ) -> Result<Arranged> {
-    let shared = shared_meshes(&items, meshes);
+    let mut moving = moving(&mut items, shutter)?;
+    let shared = shared_meshes(&items, &moving, meshes);
     groups.extend(shared.iter().map(|indices| vec![in_mesh_space(&items, indices[0])]));
     let first_shared = groups.len() - shared.len();
 
@@ -59,8 +64,10 @@ pub(super) fn arrange(
     let count = |shape: &Shape| if is_sphere(shape) { 0 } else { primitive_count(shape, meshes) as u64 };
     let primitives: Vec<u64> = groups.iter().map(|shapes| shapes.iter().map(count).sum()).collect();
     let mut instances: Vec<u64> = vec![0; groups.len()];
-    for item in &items {
-        if let Item::Instance(placed) = item {
+    for (index, item) in items.iter().enumerate() {
+        if let Item::Instance(placed) = item
+            && !moving.contains_key(&index)
+        {
             instances[placed.group] += u64::from(kept(0, &placed.to_world).is_some());
         }
     }
@@ -76,19 +83,33 @@ pub(super) fn arrange(
         .flat_map(|(group, indices)| indices.iter().map(move |&index| (index, group)))
         .collect();
     drop(shared);
-    let mut numbers: Vec<Option<u32>> = vec![None; groups.len()];
+    // Groups that are kept, and whether with their spheres.
+    let mut numbers: HashMap<(usize, bool), u32> = HashMap::new();
     let mut arranged = Arranged::default();
     let mut order = Vec::new();
-    let mut number_of = |group: usize| {
-        *numbers[group].get_or_insert_with(|| {
-            order.push(group);
+    let mut number_of = |group: usize, is_whole: bool| {
+        *numbers.entry((group, is_whole)).or_insert_with(|| {
+            order.push((group, is_whole));
             order.len() as u32 - 1
         })
     };
     for (index, item) in items.drain(..).enumerate() {
+        if let Some(motion) = moving.remove(&index) {
+            let group = match item {
+                Item::Instance(placed) => placed.group,
+                Item::Shape(shape) => {
+                    groups.push(vec![*shape]);
+                    groups.len() - 1
+                }
+            };
+            let index = arranged.motions.len() as u32;
+            arranged.instances.push(Instance::moving(number_of(group, true), index, &motion));
+            arranged.motions.push(motion);
+            continue;
+        }
         match (item, of_shape.get(&index)) {
             (Item::Shape(shape), Some(&group)) => {
-                arranged.instances.push(Instance::new(number_of(group), &shape.common.to_world));
+                arranged.instances.push(Instance::new(number_of(group, false), &shape.common.to_world));
             }
             (Item::Shape(shape), None) => arranged.shapes.push(*shape),
             (Item::Instance(placed), _) => {
@@ -100,16 +121,51 @@ pub(super) fn arrange(
                     return Err(placed.origin.error(message));
                 }
                 if is_kept {
-                    arranged.instances.push(Instance::new(number_of(placed.group), &placed.to_world));
+                    arranged.instances.push(Instance::new(number_of(placed.group, false), &placed.to_world));
                 }
             }
         }
     }
-    for group in order {
+    for (group, is_whole) in order {
         arranged.groups.push(arranged.shapes.len());
-        arranged.shapes.extend(std::mem::take(&mut groups[group]).into_iter().filter(|shape| !is_sphere(shape)));
+        arranged.shapes.extend(groups[group].iter().filter(|shape| is_whole || !is_sphere(shape)).cloned());
     }
     Ok(arranged)
+}
+
+/// Motions of items by their indices, while the shutter is open. Items that do not move in this time get their place.
+fn moving(items: &mut [Item], shutter: [f64; 2]) -> Result<HashMap<usize, Motion>> {
+    let mut motions = HashMap::new();
+    for (index, item) in items.iter_mut().enumerate() {
+        let keys = match item {
+            Item::Shape(shape) => shape.keys.take(),
+            Item::Instance(placed) => placed.keys.take(),
+        };
+        let Some(mut keys) = keys else { continue };
+        // A mirror is a part of a shape. Where a mesh gives no normals, its fronts are then those of a shape that stands.
+        let is_mirrored = matches!(item, Item::Shape(_)) && keys.first().is_some_and(|(_, key)| is_mirrored(key));
+        let mirror = DMat4::from_scale(DVec3::new(if is_mirrored { -1.0 } else { 1.0 }, 1.0, 1.0));
+        keys.iter_mut().for_each(|(_, matrix)| *matrix *= mirror);
+        let course = Motion::of_keys(&keys, shutter);
+        let origin = match item {
+            Item::Shape(shape) => &shape.origin,
+            Item::Instance(placed) => placed.origin,
+        };
+        let course = course.map_err(|message| origin.error(format!("its motion: {message}")))?;
+        match (course, item) {
+            (Course::Still(matrix), Item::Shape(shape)) => {
+                shape.common.to_world = matrix * mirror * shape.common.to_world;
+            }
+            (Course::Still(matrix), Item::Instance(placed)) => placed.to_world = matrix,
+            (Course::Moving(motion), item) => {
+                if let Item::Shape(shape) = item {
+                    shape.common.to_world = mirror * shape.common.to_world;
+                }
+                motions.insert(index, motion);
+            }
+        }
+    }
+    Ok(motions)
 }
 
 /// Whether each group becomes copies. Those that add the fewest primitives do, as long as all copies together add at most [`MOST_COPIED`].
@@ -142,7 +198,7 @@ fn is_sphere(shape: &Shape) -> bool {
 /// Copy of a group's shape in the place of an instance.
 fn copy(shape: &Shape, placed: &Placed) -> Shape {
     let common = Common { instance_to_world: placed.to_world, ..shape.common };
-    Shape { geometry: shape.geometry.clone(), common, origin: placed.origin.clone() }
+    Shape { geometry: shape.geometry.clone(), common, origin: placed.origin.clone(), keys: None }
 }
 
 /// Shape of the items in the space of its mesh.
@@ -157,7 +213,11 @@ fn in_mesh_space(items: &[Item], index: usize) -> Shape {
 }
 
 /// Indices of shapes that differ in nothing but their place, two or more each.
-fn shared_meshes(items: &[Item], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Vec<Vec<usize>> {
+fn shared_meshes(
+    items: &[Item],
+    moving: &HashMap<usize, Motion>,
+    meshes: &HashMap<MeshFile, Arc<Mesh>>,
+) -> Vec<Vec<usize>> {
     let has_normals: HashMap<&MeshFile, bool> = meshes.iter().map(|(file, mesh)| (file, has_normals(mesh))).collect();
     let mut users: HashMap<_, Vec<usize>> = HashMap::new();
     let mut order = Vec::new();
@@ -165,7 +225,7 @@ fn shared_meshes(items: &[Item], meshes: &HashMap<MeshFile, Arc<Mesh>>) -> Vec<V
         let Item::Shape(shape) = item else { continue };
         let Shape { geometry: Geometry::Mesh(file, options), common, .. } = &**shape else { continue };
         let has_normals = !options.face_normals && has_normals.get(file).is_some_and(|&has| has);
-        if !can_be_shared(options, common, has_normals) {
+        if moving.contains_key(&index) || !can_be_shared(options, common, has_normals) {
             continue;
         }
         let MeshOptions { face_normals, flip_uvs } = *options;

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{Mat3, Vec3};
+use glam::{DMat4, Mat3, Vec3};
 use rayon::prelude::*;
 
 use super::emitter_plugin::{self, EnvironmentMapFile, SceneEmitter};
@@ -85,6 +85,7 @@ pub(in crate::scene) fn build(description: &mut Description, options: &LoadOptio
         sensors: Vec::new(),
         integrators: Vec::new(),
         loose_emitters: Vec::new(),
+        first_moving: None,
         warnings,
         faults,
     };
@@ -121,6 +122,8 @@ struct Builder<'a> {
     integrators: Vec<&'a Object>,
     /// `area` emitters that stand directly in the scene, for shapes to refer to.
     loose_emitters: Vec<&'a Object>,
+    /// First shape or instance that moves.
+    first_moving: Option<&'a Object>,
     warnings: Vec<String>,
     faults: Faults,
 }
@@ -250,6 +253,7 @@ impl<'a> Builder<'a> {
     fn parse_shape(&mut self, object: &'a Object) -> Result<Option<Shape>> {
         let mut properties = Properties::new(object, &self.scope)?;
         let mut common = Common { material: 0, ..Common::default() };
+        let keys = self.faults.keep(properties.take_keys()).flatten();
         let geometry = self.faults.keep(shape::parse_geometry(&mut properties, &mut common));
         let emitter = properties.object(Kind::Emitter)?;
         let boundary = self.media.boundary(&mut properties, &mut self.warnings);
@@ -280,7 +284,10 @@ impl<'a> Builder<'a> {
             Some(boundary) => self.materials.keep_boundary(material, boundary),
             None => material,
         };
-        Ok(Some(Shape { geometry, common, origin: object.origin.clone() }))
+        let shape = Shape { geometry, common, origin: object.origin.clone(), keys };
+        shape.check_keys()?;
+        self.note_motion(shape.keys.is_some(), object);
+        Ok(Some(shape))
     }
 
     /// Index of the shapes of a `shapegroup`, which is not placed in the scene by itself.
@@ -306,18 +313,24 @@ impl<'a> Builder<'a> {
         if let plugin @ ("shapegroup" | "instance") = &*object.plugin {
             return Err(object.error(format!("shape plugin `{plugin}` cannot stand inside a `shapegroup`")));
         }
-        let shape = self.parse_shape(object)?;
-        match shape.as_ref().and_then(|shape| shape.common.emitter) {
-            Some(_) => {
-                let scene = object.origin.word("scene");
-                Err(object.error(format!("a shape in a `shapegroup` cannot emit; put it into the {scene} itself")))
+        match self.parse_shape(object)? {
+            Some(Shape { keys: Some(_), .. }) => {
+                Err(object.error("a shape in a `shapegroup` cannot move; move the `instance` that shows the group"))
             }
-            None => Ok(shape),
+            shape => Ok(shape),
+        }
+    }
+
+    /// Remembers the first thing that moves.
+    fn note_motion(&mut self, moves: bool, object: &'a Object) {
+        if moves {
+            self.first_moving.get_or_insert(object);
         }
     }
 
     fn add_instance(&mut self, object: &'a Object) -> Result<()> {
         let mut properties = Properties::new(object, &self.scope)?;
+        let keys = properties.take_keys()?;
         let to_world = properties.take_to_world()?;
         let group = properties.object(Kind::Shape)?.filter(|shape| shape.plugin == "shapegroup");
         let group = group.ok_or_else(|| {
@@ -329,8 +342,11 @@ impl<'a> Builder<'a> {
         if self.items.len() >= MAX_ITEMS {
             return Err(object.error(format!("more than {MAX_ITEMS} shapes and instances")));
         }
-        self.groups[group].iter().try_for_each(|shape| shape.check_instance(&to_world, object))?;
-        self.items.push(Item::Instance(Placed { group, to_world, origin: &object.origin }));
+        let check = |key: &DMat4| self.groups[group].iter().try_for_each(|shape| shape.check_instance(key, object));
+        check(&to_world)?;
+        keys.iter().flat_map(|keys| keys.iter()).try_for_each(|(_, key)| check(key))?;
+        self.note_motion(keys.is_some(), object);
+        self.items.push(Item::Instance(Placed { group, to_world, keys, origin: &object.origin }));
         Ok(())
     }
 
@@ -393,6 +409,12 @@ impl<'a> Builder<'a> {
         let sensor = self.chosen_sensor(options.camera.as_ref())?;
         let sensor = sensor.map(|sensor| sensor::parse(sensor, &self.scope, &mut self.media, &mut self.warnings));
         let sensor = sensor.and_then(|sensor| self.faults.keep(sensor));
+        let shutter = sensor.as_ref().map_or([0.0; 2], |sensor| sensor.shutter);
+        if let (Some(object), true) = (self.first_moving, shutter[0] >= shutter[1]) {
+            let message = "it does not move, because the shutter is open for no time; give the sensor `shutter_open` \
+                           and `shutter_close`";
+            self.warnings.push(format!("{}: {message}", object.origin));
+        }
         let of_path = self.integrators.first().filter(|integrator| integrator.plugin == "path");
         if let (Some(integrator), false, false) = (of_path, self.media.list.is_empty(), format == Format::Foreign) {
             let message = "Mitsuba's `path` leaves media out; here they are rendered, as by `volpath`";
@@ -416,7 +438,8 @@ impl<'a> Builder<'a> {
         // The image of vertex colors, if a texture uses it, comes after all others.
         number_images(&mut textures, first_image, &indices, images.len());
         self.warnings.extend(warnings);
-        let Arranged { mut shapes, groups, instances } = instances::arrange(self.items, self.groups, &meshes)?;
+        let arranged = instances::arrange(self.items, self.groups, &meshes, shutter)?;
+        let Arranged { mut shapes, groups, instances, motions } = arranged;
         self.warnings.extend(curves::warning(&shapes, &meshes));
         let mut left_out: Vec<_> = meshes.iter().filter_map(|(file, mesh)| mesh::warning(&file.path, mesh)).collect();
         left_out.sort();
@@ -449,7 +472,7 @@ impl<'a> Builder<'a> {
         let sensor = match sensor {
             Some(sensor) => sensor,
             None => {
-                let bounds = whole::bounds(&primitives, &groups, &instances);
+                let bounds = whole::bounds(&primitives, &groups, &instances, &motions);
                 fit::sensor(path, bounds, format, &mut self.warnings)?
             }
         };
@@ -457,12 +480,14 @@ impl<'a> Builder<'a> {
             name: scene_name(path),
             camera: sensor.camera,
             cameras: self.sensors.iter().map(|sensor| sensor.id.clone()).collect(),
+            camera_motion: sensor.motion,
             film: sensor.film,
             integrator,
             sample_count: sensor.sample_count,
             primitives,
             groups,
             instances,
+            motions,
             materials,
             media: Media { all: self.media.list, of_camera: sensor.medium },
             emitters,

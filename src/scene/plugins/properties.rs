@@ -14,8 +14,12 @@ use crate::Result;
 use crate::scene::description::kinds::{Kind, Type};
 use crate::scene::description::object::{Entry, Object, Value};
 use crate::scene::description::origin::Origin;
+use crate::scene::description::transform::Transform;
 use crate::scene::folders::FoundFile;
 use crate::scene::spectrum::SpectrumUse;
+
+/// Transforms at points in time.
+pub(super) type Keys = Vec<(f64, DMat4)>;
 
 /// Types of numbers.
 const NUMBERS: [Type; 2] = [Type::Float, Type::Integer];
@@ -203,8 +207,30 @@ impl<'a> Properties<'a> {
         self.take_transform("to_world")
     }
 
+    /// Reads the keys of an animated `to_world`; `None` where it does not depend on time.
+    pub fn take_keys(&mut self) -> Result<Option<Box<Keys>>> {
+        if self.type_of("to_world") != Some(Type::Animation) {
+            return Ok(None);
+        }
+        match self.take_typed("to_world", &[Type::Animation])? {
+            Some(parameter @ Parameter { entry: Entry { value: Value::Animation(keys), .. }, .. }) => {
+                let format = self.owner.origin.format;
+                let matrix = |(time, transform): &(f64, Transform)| Ok((*time, transform.product(format)?));
+                let keys: Result<Keys, String> = keys.iter().map(matrix).collect();
+                keys.map(|keys| Some(Box::new(keys))).map_err(|message| parameter.error(message))
+            }
+            _ => Ok(None),
+        }
+    }
+
     /// Reads a transform; the identity where there is none.
     pub fn take_transform(&mut self, name: &str) -> Result<DMat4> {
+        if let Some(parameter) = self.get(name)
+            && let Value::Animation(_) = parameter.entry.value
+        {
+            let transform = parameter.origin().word("transform");
+            return Err(parameter.error(format!("{} cannot move; give its `{name}` as a {transform}", self.named())));
+        }
         match self.take_typed(name, &[Type::Transform])? {
             Some(parameter @ Parameter { entry: Entry { value: Value::Transform(transform), .. }, .. }) => {
                 transform.product(self.owner.origin.format).map_err(|message| parameter.error(message))

@@ -10,11 +10,14 @@ use crate::Result;
 use crate::scene::description::kinds::Kind;
 use crate::scene::description::object::Object;
 use crate::scene::description::origin::Origin;
-use crate::scene::{Camera, Crop, FilmDescription, FovAxis, Projection, ReconstructionFilter};
+use crate::scene::{Camera, Course, Crop, FilmDescription, FovAxis, Motion, Projection, ReconstructionFilter};
 
 /// Content of a `<sensor>`.
 pub(super) struct Sensor {
     pub camera: Camera,
+    pub motion: Option<Motion>,
+    /// Times at which the shutter opens and closes.
+    pub shutter: [f64; 2],
     pub film: FilmDescription,
     pub sample_count: Option<u32>,
     /// Medium around the camera: an index into the scene's media.
@@ -33,7 +36,8 @@ pub(super) fn parse<'a>(
     warnings: &mut Vec<String>,
 ) -> Result<Sensor> {
     let mut properties = Properties::new(object, scope)?;
-    let camera = match properties.plugin() {
+    let keys = properties.take_keys()?;
+    let mut camera = match properties.plugin() {
         "perspective" => parse_perspective(&mut properties)?,
         "thinlens" => parse_thin_lens(&mut properties, warnings)?,
         "orthographic" => parse_orthographic(&mut properties)?,
@@ -46,10 +50,49 @@ pub(super) fn parse<'a>(
     let sampler = properties.object(Kind::Sampler)?;
     let sample_count = sampler.map(|sampler| parse_sample_count(sampler, scope)).transpose()?.flatten();
     let medium = properties.object(Kind::Medium)?.map(|medium| media.keep(medium, warnings)).transpose()?;
-    // A camera without a lens is in focus everywhere, and nothing moves.
-    properties.ignore(&["focus_distance", "shutter_open", "shutter_close"]);
+    let shutter = parse_shutter(&mut properties)?;
+    // A camera without a lens is in focus everywhere.
+    properties.ignore(&["focus_distance"]);
     properties.finish(warnings)?;
-    Ok(Sensor { camera, film, sample_count, medium })
+    let motion = match keys {
+        Some(keys) => parse_motion(&keys, shutter, object, &mut camera)?,
+        None => None,
+    };
+    Ok(Sensor { camera, motion, shutter, film, sample_count, medium })
+}
+
+/// Times at which the shutter opens and closes.
+fn parse_shutter(properties: &mut Properties) -> Result<[f64; 2]> {
+    let location = properties.location("shutter_close");
+    let open = properties.float("shutter_open")?.unwrap_or(0.0);
+    let close = properties.float("shutter_close")?.unwrap_or(open.max(0.0));
+    match close >= open {
+        true => Ok([open.into(), close.into()]),
+        false => Err(location.error(format!("`shutter_close` ({close}) must not be before `shutter_open` ({open})"))),
+    }
+}
+
+/// Motion of the camera, which gets its place in the middle of the shutter's time.
+fn parse_motion(
+    keys: &[(f64, DMat4)],
+    shutter: [f64; 2],
+    object: &Object,
+    camera: &mut Camera,
+) -> Result<Option<Motion>> {
+    if camera.projection != Projection::Orthographic {
+        keys.iter().try_for_each(|(_, matrix)| check_rigid(matrix, object))?;
+    }
+    let course = Motion::of_keys(keys, shutter);
+    match course.map_err(|message| object.error(format!("its motion: {message}")))? {
+        Course::Still(matrix) => {
+            camera.world_from_camera = matrix.as_mat4();
+            Ok(None)
+        }
+        Course::Moving(motion) => {
+            camera.world_from_camera = motion.at(0.5).as_mat4();
+            Ok(Some(motion))
+        }
+    }
 }
 
 fn parse_perspective(properties: &mut Properties) -> Result<Camera> {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3};
 
 use super::flatten::{self, Common, MeshOptions, PlacedMesh};
-use super::properties::Properties;
+use super::properties::{Keys, Properties};
 use super::{cylinder, transform};
 use crate::Result;
 use crate::scene::description::object::{MESH, Object};
@@ -41,6 +41,8 @@ pub(super) struct Shape {
     pub geometry: Geometry,
     pub common: Common,
     pub origin: Origin,
+    /// Transforms at points in time that follow `common.to_world`, where the shape moves.
+    pub keys: Option<Box<Keys>>,
 }
 
 /// Kinds of shape.
@@ -170,6 +172,20 @@ impl Shape {
     pub fn check_instance(&self, to_world: &DMat4, instance: &Object) -> Result<()> {
         if matches!(self.geometry, Geometry::Sphere) && !transform::is_similarity(to_world, SIMILARITY) {
             return Err(instance.error("an instance with a sphere must not be scaled unevenly or sheared"));
+        }
+        Ok(())
+    }
+
+    /// Checks that the shape keeps its kind while it moves.
+    pub fn check_keys(&self) -> Result<()> {
+        let matrices = || self.keys.iter().flat_map(|keys| keys.iter()).map(|(_, matrix)| matrix);
+        if matches!(self.geometry, Geometry::Sphere) && !matrices().all(|key| transform::is_similarity(key, SIMILARITY))
+        {
+            return Err(self.origin.error("the `to_world` of a sphere must not scale unevenly or shear"));
+        }
+        let is_rigid = |key: &DMat4| transform::orthogonal(key).is_some();
+        if super::curves::kind(&self.geometry).is_some() && !matrices().all(is_rigid) {
+            return Err(self.origin.error("curves that move must keep their size; do not scale their `to_world`"));
         }
         Ok(())
     }

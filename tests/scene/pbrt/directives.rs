@@ -38,7 +38,8 @@ fn transforms() {
         assert!((found - Vec3::from(expected)).length() < 1e-5, "{before}: {found}");
     }
     let moving = world("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Shape \"sphere\"").unwrap();
-    assert!(moving.warnings.join("\n").contains("scene.pbrt:3: motion is not rendered"));
+    assert_eq!(moving.motions.len(), 1);
+    assert!(moving.motions[0].at(0.25).w_axis.truncate().abs_diff_eq(glam::DVec3::new(0.25, 0.0, 0.0), 1.0e-6));
     let old = world("TransformBegin Translate 1 0 0 TransformEnd Shape \"sphere\"").unwrap();
     assert!(old.warnings.join("\n").contains("TransformBegin and TransformEnd are deprecated"));
 }

@@ -26,6 +26,7 @@ const EXPECTED_SARSA: &str = "glsl/include/path/expected_sarsa.glsl";
 const GUIDE: &str = "glsl/include/guide/samplers/guide.glsl";
 const GUIDING: &str = "glsl/include/path/guiding.glsl";
 const INSTANCE: &str = "glsl/include/geometry/instance.glsl";
+const MOTION: &str = "glsl/include/geometry/motion.glsl";
 const LEARNING: &str = "glsl/include/path/learning.glsl";
 const LIGHT: &str = "glsl/include/light/light.glsl";
 const LIGHT_SHAPE: &str = "glsl/include/light/light_shape.glsl";
@@ -545,6 +546,22 @@ pub const MUTATIONS: &[Mutation] = &[
             file: INSTANCE,
             text: "ray.direction * placement.local, ray.t_max)",
             mutated: "MUTATED ? normalize(ray.direction * placement.local) : ray.direction * placement.local, ray.t_max)",
+        }],
+    ),
+    mutation(
+        "motions turn the other way",
+        &[Patch {
+            file: MOTION,
+            text: "sin_cos_turn(s * m.turns)",
+            mutated: "sin_cos_turn(MUTATED ? -s * m.turns : s * m.turns)",
+        }],
+    ),
+    mutation(
+        "a lamp sampled at another time",
+        &[Patch {
+            file: LIGHT,
+            text: "Surface s = sample_area_light(primitive, instance, from, u);",
+            mutated: "float now = moment; if (MUTATED) moment = 1.0 - now; Surface s = sample_area_light(primitive, instance, from, u); moment = now;",
         }],
     ),
     mutation(
