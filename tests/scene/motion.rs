@@ -71,13 +71,17 @@ fn animations_that_make_no_sense() {
         let error = load(SENSOR, body).map(drop).expect_err("this should be refused").to_string();
         assert!(error.contains(part), "`{part}` is missing in: {error}");
     };
-    let sphere = |animation: &str| format!(r#"<shape type="sphere"><animation name="to_world">{animation}</animation></shape>"#);
+    let sphere =
+        |animation: &str| format!(r#"<shape type="sphere"><animation name="to_world">{animation}</animation></shape>"#);
     refused(&sphere(""), "needs a <transform> with its `time`");
     refused(&sphere("<transform/>"), "<transform> lacks its attribute `time`");
     refused(&sphere("<lookat/>"), "has one <transform> for each time, not a <lookat>");
     refused(&sphere(r#"<transform time="0"><scale x="2"/></transform>"#), "must not scale unevenly");
     refused(&sphere(r#"<transform time="0"/><transform time="0"/>"#), "two keys have the time 0");
-    refused(&sphere(r#"<transform time="0"/><transform time="1"><scale value="-1"/></transform>"#), "is a mirror at one");
+    refused(
+        &sphere(r#"<transform time="0"/><transform time="1"><scale value="-1"/></transform>"#),
+        "is a mirror at one",
+    );
     let lamp = format!(r#"<emitter type="spot">{ANIMATION}</emitter>"#);
     refused(&lamp, "emitter `spot` cannot move; give its `to_world` as a <transform>");
 }
@@ -85,9 +89,7 @@ fn animations_that_make_no_sense() {
 /// A mirrored mesh without normals faces as one that stands.
 #[test]
 fn mirrored_shapes_that_move() {
-    let mesh = |place: &str| {
-        format!(r#"<shape type="obj"><string name="filename" value="mesh.obj"/>{place}</shape>"#)
-    };
+    let mesh = |place: &str| format!(r#"<shape type="obj"><string name="filename" value="mesh.obj"/>{place}</shape>"#);
     let mirror = r#"<scale x="-1"/>"#;
     let still = load(SENSOR, &mesh(&format!(r#"<transform name="to_world">{mirror}</transform>"#))).unwrap();
     let keys = format!(

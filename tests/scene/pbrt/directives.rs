@@ -31,17 +31,58 @@ fn transforms() {
         // The camera stands at (0, 0, -5).
         ("CoordSysTransform \"camera\"", [0.0, 0.0, -5.0]),
         ("Translate 1 0 0 CoordSysTransform \"world\"", [0.0; 3]),
-        ("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Translate 0 1 0", [0.0, 1.0, 0.0]),
         ("LookAt 1 2 3  1 2 4  0 1 0", [-1.0, -2.0, -3.0]),
     ] {
         let found = center(&format!("{before} Shape \"sphere\""));
         assert!((found - Vec3::from(expected)).length() < 1e-5, "{before}: {found}");
     }
-    let moving = world("ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Shape \"sphere\"").unwrap();
-    assert_eq!(moving.motions.len(), 1);
-    assert!(moving.motions[0].at(0.25).w_axis.truncate().abs_diff_eq(glam::DVec3::new(0.25, 0.0, 0.0), 1.0e-6));
     let old = world("TransformBegin Translate 1 0 0 TransformEnd Shape \"sphere\"").unwrap();
     assert!(old.warnings.join("\n").contains("TransformBegin and TransformEnd are deprecated"));
+}
+
+/// Directives change the transforms at the start and at the end of the motion, or one of them.
+#[test]
+fn motion() {
+    let place = |scene: &lodestar::scene::Scene, time: f64| scene.motions[0].at(time).w_axis.truncate().as_vec3();
+    let near = |a: Vec3, b: [f32; 3]| assert!(a.abs_diff_eq(b.into(), 1.0e-6), "{a}, not {b:?}");
+    let move_end = "ActiveTransform EndTime Translate 1 0 0 ActiveTransform All Translate 0 1 0";
+    let moving = world(&format!("{move_end} Shape \"sphere\"")).unwrap();
+    near(place(&moving, 0.0), [0.0, 1.0, 0.0]);
+    near(place(&moving, 0.25), [0.25, 1.0, 0.0]);
+    // Blocks restore both transforms, and coordinate systems hold both.
+    for still in [
+        format!("AttributeBegin {move_end} AttributeEnd Shape \"sphere\""),
+        format!("{move_end} CoordSysTransform \"world\" Shape \"sphere\""),
+        format!("{move_end} Identity Shape \"sphere\""),
+    ] {
+        assert_eq!(world(&still).unwrap().primitives[0].origin, Vec3::ZERO, "{still}");
+    }
+    // Instances move as a whole. A disk is cut into triangles, and lamps move with their shapes.
+    let object = "ObjectBegin \"a\" Shape \"sphere\" Shape \"disk\" ObjectEnd";
+    let moving = world(&format!("{object} {move_end} ObjectInstance \"a\"")).unwrap();
+    assert_eq!((moving.instances.len(), moving.groups[0].primitives.len(), moving.primitives.len()), (1, 2, 0));
+    let lamp = format!("AreaLightSource \"diffuse\" {move_end} Shape \"disk\"");
+    let moving = world(&lamp).unwrap();
+    assert!(moving.groups[0].primitives.iter().all(|p| p.emitter.is_some()), "{:?}", moving.groups);
+    assert!(moving.warnings[0].contains("a disk that moves is cut into triangles"), "{:?}", moving.warnings);
+    // What does not move is told or refused.
+    let light = world(&format!("{move_end} LightSource \"point\"")).unwrap();
+    assert!(light.warnings[0].contains("lights without a shape do not move"), "{:?}", light.warnings);
+    let within = world(&format!("ObjectBegin \"a\" {move_end} Shape \"sphere\" ObjectEnd")).map(drop);
+    assert!(within.unwrap_err().to_string().contains("move its ObjectInstance"));
+}
+
+/// The camera moves, at times that the file gives.
+#[test]
+fn motion_of_the_camera_and_its_times() {
+    let text = "TransformTimes 1 3\nActiveTransform EndTime Translate -2 0 0 ActiveTransform All\n\
+                Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 2 WorldBegin LightSource \"infinite\"";
+    let scene = load_text(text).unwrap();
+    let motion = scene.camera_motion.expect("a motion");
+    let place = |time: f64| motion.at(time).w_axis.truncate().as_vec3();
+    assert!(place(0.0).abs_diff_eq(Vec3::ZERO, 1.0e-6) && place(1.0).abs_diff_eq(Vec3::X, 1.0e-6));
+    let wrong = text.replace("TransformTimes 1 3", "TransformTimes 3 3");
+    assert!(load_text(&wrong).map(drop).unwrap_err().to_string().contains("the second time must be after the first"));
 }
 
 /// An included file changes the state of the file that includes it, and an imported one does not.
