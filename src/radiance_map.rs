@@ -131,7 +131,7 @@ impl MappedScene<'_> {
         let mut faces = Vec::new();
         for axes in FACES {
             let camera = face_camera(axes, eye, 0.01 * offset.max(1.0e-30));
-            let scene = Scene { camera, ..self.scene.clone() };
+            let scene = Scene { camera, camera_motion: None, ..self.scene.clone() };
             faces.push(self.picture(&scene, &unguided, spp)?);
         }
         let bins = 0..settings.directions * settings.directions;

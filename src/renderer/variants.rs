@@ -31,7 +31,7 @@ pub(super) fn variant(settings: &Settings, scene: &Scene, shading: &Shading, bvh
         has_instances: bvh.has_instances(),
         has_placed_spheres: bvh.has_placed_spheres(),
         motion_segments: bvh.motions.most_segments(),
-        camera_segments: bvh.motions.of_camera.map_or(0, |[_, count]| count),
+        camera_segments: scene.camera_motion.as_ref().map_or(0, |motion| motion.segments().len() as u32),
         camera: match scene.camera.projection {
             Projection::Perspective => kernels::CAMERA_PERSPECTIVE,
             Projection::ThinLens { .. } => kernels::CAMERA_THINLENS,

@@ -22,9 +22,9 @@ const VOLUMES: std::ops::Range<f64> = 1.0e-30..1.0e30;
 /// Transform while the shutter is open.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Course {
-    /// It does not change.
+    /// Transform that does not change.
     Still(DMat4),
-    /// It changes.
+    /// Transform that changes.
     Moving(Motion),
 }
 

@@ -4,7 +4,7 @@ use super::bsdf::{Material, MaterialKind, SurfaceMaterial};
 use super::emitter::EnvironmentKind;
 use super::texel_pages::word_count;
 use super::texture::{Pattern, Textured};
-use super::{PrimitiveShape, Scene};
+use super::{Primitive, PrimitiveShape, Scene};
 use crate::generated::constants::{KINDS_WITH_DIFFUSE_LOBE, KINDS_WITH_GUIDED_PART, MATERIAL_KIND_MASK};
 use crate::generated::layout::{AttributeRecord, PrimitiveRecord};
 
@@ -165,9 +165,12 @@ pub fn summarize(scene: &Scene) -> Summary {
 }
 
 fn lights(scene: &Scene) -> LightSummary {
+    let lamps = |primitives: &[Primitive]| primitives.iter().filter(|primitive| primitive.emitter.is_some()).count();
+    let of_groups: Vec<usize> = scene.groups.iter().map(|group| lamps(&group.primitives)).collect();
+    let of_instances = scene.instances.iter().map(|instance| of_groups[instance.group as usize]);
     let count = |plugin| scene.delta_emitters.iter().filter(|emitter| emitter.kind.plugin() == plugin).count();
     LightSummary {
-        area: scene.primitives.iter().filter(|primitive| primitive.emitter.is_some()).count(),
+        area: lamps(&scene.primitives) + of_instances.sum::<usize>(),
         point: count("point"),
         spot: count("spot"),
         projector: count("projector"),

@@ -28,7 +28,7 @@ pub(super) fn sensor(entity: &Entity, world: &World, width: i64, height: i64) ->
         Ok((pose * DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0)), scale))
     };
     let (start, scale) = pose(&entity.to_world)?;
-    let end = entity.at_end.as_ref().map(|end| pose(end)).transpose()?;
+    let end = entity.at_end.as_ref().map(pose).transpose()?;
     if end.is_some_and(|(_, other)| (other / scale - 1.0).abs() > SQUARE) {
         return Err(entity.error("the camera's transform must not change its scale while it moves"));
     }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::shape::{Geometry, MeshFile, Shape};
+use super::transform::orthogonal;
 use crate::Result;
 use crate::scene::description::object::Object;
 use crate::scene::mesh::rings::Kind;
@@ -23,6 +24,15 @@ pub(super) fn check_emitter(kind: Kind, emitter: Option<&Object>) -> Result<()> 
     let plugin = &emitter.plugin;
     let message = format!("emitter plugin `{plugin}` is not supported in shape `{}`", kind.plugin());
     Err(emitter.error(message + ", nor in Mitsuba; use `cylinder`, `sphere` or a mesh"))
+}
+
+/// Refuses curves that change their size while they move: a transform does not scale their radii.
+pub(super) fn check_keys(shape: &Shape) -> Result<()> {
+    let mut keys = shape.keys.iter().flat_map(|keys| keys.iter());
+    match kind(&shape.geometry).is_none() || keys.all(|(_, key)| orthogonal(key).is_some()) {
+        true => Ok(()),
+        false => Err(shape.origin.error("curves that move must keep their size; do not scale their `to_world`")),
+    }
 }
 
 /// Warning that curves are rendered as meshes, at the first shape that has some.

@@ -286,6 +286,7 @@ impl<'a> Builder<'a> {
         };
         let shape = Shape { geometry, common, origin: object.origin.clone(), keys };
         shape.check_keys()?;
+        curves::check_keys(&shape)?;
         self.note_motion(shape.keys.is_some(), object);
         Ok(Some(shape))
     }

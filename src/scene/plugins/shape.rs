@@ -183,10 +183,6 @@ impl Shape {
         {
             return Err(self.origin.error("the `to_world` of a sphere must not scale unevenly or shear"));
         }
-        let is_rigid = |key: &DMat4| transform::orthogonal(key).is_some();
-        if super::curves::kind(&self.geometry).is_some() && !matrices().all(is_rigid) {
-            return Err(self.origin.error("curves that move must keep their size; do not scale their `to_world`"));
-        }
         Ok(())
     }
 }
